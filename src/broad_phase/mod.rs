@@ -1,0 +1,5 @@
+//! Predicted motion in, pairs out.
+
+mod bvh;
+mod pairs;
+mod segment;

@@ -1,0 +1,125 @@
+//! Every tunable, with unit, range, default and source.
+
+use crate::error::{Error, finite3, positive, within};
+use glam::Vec3;
+
+/// How a body is kept from passing through others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
+pub enum Continuous {
+    /// Only where it stands: a fast body may pass through a thin one.
+    Discrete,
+    /// The segment it moves along within the step, whenever it outruns its margin.
+    #[default]
+    Segment,
+    /// The whole volume it could reach within the step: dearer; finds second impacts behind a first obstacle and
+    /// crowds of fast bodies.
+    Volume,
+}
+
+/// How friction of two directions is bounded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
+pub enum FrictionCone {
+    /// Coulomb's circular cone: the same friction in every direction.
+    #[default]
+    Cone,
+    /// A box per axis: cheaper, up to sqrt 2 too strong along its diagonal.
+    Box,
+}
+
+/// Where friction acts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
+pub enum FrictionModel {
+    /// Once per manifold, at its centre, with a row against twist: two and a third of the rows per point.
+    #[default]
+    Patch,
+    /// At every contact point.
+    Point,
+}
+
+/// Settings of a world. Change them between steps with [`World::set_settings`](crate::World::set_settings).
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+pub struct Settings {
+    /// Gravity [m/s²]. Default (0, -9.81, 0).
+    pub gravity: Vec3,
+    /// Substeps of the solver in a step, 1..=64. Default 4. With 1 substep and several iterations the solver is
+    /// plain sequential impulses; with several substeps and 1 iteration it is soft substepping (Macklin et al.,
+    /// *Small Steps in Physics Simulation*, 2019).
+    pub substeps: u32,
+    /// Gauss-Seidel iterations in each substep, 1..=256. Default 1.
+    pub iterations: u32,
+    /// Threads of the caller's rayon pool that a step may use, at least 1. Default 1.
+    pub threads: usize,
+    /// The mode that [`Continuous::Segment`] bodies really use; `Discrete` switches continuous collision off for
+    /// the whole world, `Volume` raises all. Default `Segment`: each body's own mode.
+    pub continuous: Continuous,
+    /// Cone or box. Default cone.
+    pub friction_cone: FrictionCone,
+    /// Per patch or per point. Default patch.
+    pub friction_model: FrictionModel,
+    /// Length of a typical body [m]; scales the lengths below. Default 1.
+    pub length_unit: f32,
+    /// Approach speed below which a contact does not bounce [m/s]. Default 0.3, above what gravity gives a resting
+    /// body within a step of 1/30 s.
+    pub restitution_threshold: f32,
+    /// Overlap that is left alone [length units]. Default 0.0005.
+    pub slop: f32,
+    /// Contact stiffness [Hz], capped at a quarter of the substep rate. Default 60.
+    pub contact_hertz: f32,
+    /// Contact damping ratio. Default 10 (Catto, Box2D v3).
+    pub contact_damping: f32,
+    /// The fastest that overlap is pushed apart [m/s per length unit]. Default 3.
+    pub push_speed: f32,
+    /// Whether old impulses are applied first. Default true.
+    pub warm_starting: bool,
+    /// Whether contacts of pairs that hardly moved are kept without a new narrow phase. Default true.
+    pub recycling: bool,
+    /// Bytes that the world may reserve; `None` for no limit. Default `None`.
+    pub budget: Option<usize>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings {
+            gravity: Vec3::new(0.0, -9.81, 0.0),
+            substeps: 4,
+            iterations: 1,
+            threads: 1,
+            continuous: Continuous::Segment,
+            friction_cone: FrictionCone::Cone,
+            friction_model: FrictionModel::Patch,
+            length_unit: 1.0,
+            restitution_threshold: 0.3,
+            slop: 0.0005,
+            contact_hertz: 60.0,
+            contact_damping: 10.0,
+            push_speed: 3.0,
+            warm_starting: true,
+            recycling: true,
+            budget: None,
+        }
+    }
+}
+
+impl Settings {
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// Names the first setting that is out of range.
+    pub fn validate(&self) -> Result<(), Error> {
+        finite3("gravity", self.gravity)?;
+        within("substeps", self.substeps as f32, 1.0, 64.0, "in 1..=64")?;
+        within("iterations", self.iterations as f32, 1.0, 256.0, "in 1..=256")?;
+        within("threads", self.threads as f32, 1.0, 1024.0, "in 1..=1024")?;
+        positive("length_unit", self.length_unit)?;
+        within("restitution_threshold", self.restitution_threshold, 0.0, f32::MAX, "at least zero")?;
+        within("slop", self.slop, 0.0, 1.0, "in 0..=1")?;
+        positive("contact_hertz", self.contact_hertz)?;
+        positive("contact_damping", self.contact_damping)?;
+        positive("push_speed", self.push_speed)?;
+        Ok(())
+    }
+}

@@ -1,0 +1,98 @@
+//! What can be refused, with the numbers that explain it. A refused call changes nothing.
+
+use crate::memory::Category;
+
+/// Why a call was refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The body was removed, or the handle is of another world.
+    #[error("the body handle is stale: its body was removed")]
+    StaleBody,
+    /// The shape or its body was removed, or the handle is of another world.
+    #[error("the shape handle is stale: its shape was removed")]
+    StaleShape,
+    /// A number is NaN or infinite.
+    #[error("{what} must be finite, but is {value}")]
+    NotFinite {
+        /// Which number.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A number is outside its range.
+    #[error("{what} must be {expected}, but is {value}")]
+    OutOfRange {
+        /// Which number.
+        what: &'static str,
+        /// The range in words.
+        expected: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// Points that span no volume, an empty mesh and the like.
+    #[error("the shape is degenerate: {0}")]
+    Degenerate(String),
+    /// A shape that only a static body may have.
+    #[error("a {shape} can only be on a static or kinematic body")]
+    StaticOnly {
+        /// The kind of shape.
+        shape: &'static str,
+    },
+    /// A dynamic body needs mass: a shape with density, or mass that is given.
+    #[error("a dynamic body needs mass: give it a shape with density above zero, or mass properties")]
+    NoMass,
+    /// Too many of something for its index type.
+    #[error("too many {what}: at most {most}")]
+    TooMany {
+        /// Of what.
+        what: &'static str,
+        /// The limit.
+        most: u64,
+    },
+    /// The addition does not fit into the memory budget.
+    #[error("the budget is exceeded: {category} asks for {asked} bytes, {left} are left")]
+    Budget {
+        /// Which category asked.
+        category: Category,
+        /// Bytes asked for.
+        asked: usize,
+        /// Bytes left in the budget.
+        left: usize,
+    },
+}
+
+/// A finite number, or an error that names it.
+pub(crate) fn finite(what: &'static str, value: f32) -> Result<f32, Error> {
+    if value.is_finite() { Ok(value) } else { Err(Error::NotFinite { what, value: value.into() }) }
+}
+
+/// A number in `low..=high`, or an error that names it.
+pub(crate) fn within(
+    what: &'static str,
+    value: f32,
+    low: f32,
+    high: f32,
+    expected: &'static str,
+) -> Result<f32, Error> {
+    finite(what, value)?;
+    if (low..=high).contains(&value) {
+        Ok(value)
+    } else {
+        Err(Error::OutOfRange { what, expected, value: value.into() })
+    }
+}
+
+/// A number above zero, or an error that names it.
+pub(crate) fn positive(what: &'static str, value: f32) -> Result<f32, Error> {
+    finite(what, value)?;
+    if value > 0.0 { Ok(value) } else { Err(Error::OutOfRange { what, expected: "above zero", value: value.into() }) }
+}
+
+/// A vector of finite numbers, or an error that names it.
+pub(crate) fn finite3(what: &'static str, v: glam::Vec3) -> Result<glam::Vec3, Error> {
+    finite(what, v.x)?;
+    finite(what, v.y)?;
+    finite(what, v.z)?;
+    Ok(v)
+}

@@ -1,0 +1,73 @@
+//! What a caller holds: an index and a generation, so that a stale handle is noticed.
+
+macro_rules! handle {
+    ($(#[$doc:meta])* $name:ident) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        pub struct $name {
+            pub(crate) slot: u32,
+            pub(crate) generation: u32,
+        }
+    };
+}
+
+handle! {
+    /// A body of a world. Goes stale when the body is removed; a stale handle is an error, never another body.
+    BodyHandle
+}
+handle! {
+    /// A shape on a body. Goes stale when the shape or its body is removed.
+    ShapeHandle
+}
+
+/// Hands out handles and finds the dense index behind one. Slots are reused, generations are not.
+#[derive(Debug, Default)]
+pub(crate) struct Slots {
+    /// Per slot: its generation, and the dense index or the next free slot.
+    slots: Vec<(u32, u32)>,
+    free: Vec<u32>,
+}
+
+impl Slots {
+    pub(crate) fn insert(&mut self, dense: u32) -> (u32, u32) {
+        if let Some(slot) = self.free.pop() {
+            let entry = &mut self.slots[slot as usize];
+            entry.1 = dense;
+            (slot, entry.0)
+        } else {
+            self.slots.push((1, dense));
+            (self.slots.len() as u32 - 1, 1)
+        }
+    }
+
+    pub(crate) fn reserve(&mut self, more: usize) {
+        self.slots.reserve(more.saturating_sub(self.free.len()));
+    }
+
+    /// The dense index, unless the handle is stale.
+    pub(crate) fn get(&self, slot: u32, generation: u32) -> Option<u32> {
+        let entry = self.slots.get(slot as usize)?;
+        (entry.0 == generation && entry.1 != u32::MAX).then_some(entry.1)
+    }
+
+    pub(crate) fn generation(&self, slot: u32) -> u32 {
+        self.slots[slot as usize].0
+    }
+
+    /// The dense index moved (swap-remove).
+    pub(crate) fn moved(&mut self, slot: u32, dense: u32) {
+        self.slots[slot as usize].1 = dense;
+    }
+
+    pub(crate) fn remove(&mut self, slot: u32) {
+        let entry = &mut self.slots[slot as usize];
+        entry.0 = entry.0.wrapping_add(1);
+        entry.1 = u32::MAX;
+        self.free.push(slot);
+    }
+
+    pub(crate) fn bytes(&self) -> (usize, usize) {
+        (self.slots.len() * 8 + self.free.len() * 4, self.slots.capacity() * 8 + self.free.capacity() * 4)
+    }
+}

@@ -1,0 +1,109 @@
+//! Body records <-> lanes. A record is 32 bytes, so eight of them are one 8x8 transpose.
+
+use super::{Lanes, Vec3, f32x4, f32x8};
+use bytemuck::{Pod, Zeroable};
+
+/// Two vectors of one body, in the layout that the solver gathers: linear xyz and a pad, angular xyz
+/// and a pad. The pads carry along whatever the stage puts there.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C, align(32))]
+pub(crate) struct Record {
+    pub(crate) linear: glam::Vec3,
+    pub(crate) pad0: f32,
+    pub(crate) angular: glam::Vec3,
+    pub(crate) pad1: f32,
+}
+
+/// How records become lanes, per width.
+pub(crate) trait GatherLanes: Lanes {
+    /// Records by index; an index must be below `records.len()`.
+    fn gather(records: &[Record], index: &[u32]) -> (Vec3<Self>, Vec3<Self>);
+    /// The lanes as records, in order; pads are zero.
+    fn records(linear: Vec3<Self>, angular: Vec3<Self>, out: &mut [Record]);
+}
+
+/// See [`GatherLanes::gather`].
+#[inline(always)]
+pub(crate) fn gather<L: GatherLanes>(records: &[Record], index: &[u32]) -> (Vec3<L>, Vec3<L>) {
+    L::gather(records, index)
+}
+
+/// The lanes as eight records (those past the width stay zero).
+#[inline(always)]
+pub(crate) fn scatter<L: GatherLanes>(linear: Vec3<L>, angular: Vec3<L>) -> [Record; 8] {
+    let mut out = [Record::default(); 8];
+    L::records(linear, angular, &mut out);
+    out
+}
+
+impl GatherLanes for f32 {
+    #[inline(always)]
+    fn gather(records: &[Record], index: &[u32]) -> (Vec3<f32>, Vec3<f32>) {
+        let r = &records[index[0] as usize];
+        let v = |v: glam::Vec3| Vec3::new(v.x, v.y, v.z);
+        (v(r.linear), v(r.angular))
+    }
+    #[inline(always)]
+    fn records(linear: Vec3<f32>, angular: Vec3<f32>, out: &mut [Record]) {
+        out[0] = Record { linear: linear.lane(0), pad0: 0.0, angular: angular.lane(0), pad1: 0.0 };
+    }
+}
+
+impl GatherLanes for f32x8 {
+    #[inline(always)]
+    fn gather(records: &[Record], index: &[u32]) -> (Vec3<f32x8>, Vec3<f32x8>) {
+        let index: &[u32; 8] = index[..8].try_into().unwrap_or(&[0; 8]);
+        let row = |i: usize| -> f32x8 { bytemuck::must_cast(records[index[i] as usize]) };
+        let c = transpose(std::array::from_fn(row));
+        (Vec3::new(c[0], c[1], c[2]), Vec3::new(c[4], c[5], c[6]))
+    }
+    #[inline(always)]
+    fn records(linear: Vec3<f32x8>, angular: Vec3<f32x8>, out: &mut [Record]) {
+        let zero = f32x8::ZERO;
+        let rows = transpose([linear.x, linear.y, linear.z, zero, angular.x, angular.y, angular.z, zero]);
+        for (record, row) in out.iter_mut().zip(rows) {
+            *record = bytemuck::must_cast(row);
+        }
+    }
+}
+
+/// The 8x8 transpose; with AVX one of eight registers, without it four of four.
+#[inline(always)]
+pub(crate) fn transpose(rows: [f32x8; 8]) -> [f32x8; 8] {
+    if cfg!(target_feature = "avx") {
+        return f32x8::transpose(rows);
+    }
+    let halves = rows.map(|r| -> [f32x4; 2] { bytemuck::must_cast(r) });
+    let quarter = |r: usize, h: usize| {
+        f32x4::transpose([halves[r][h], halves[r + 1][h], halves[r + 2][h], halves[r + 3][h]])
+    };
+    let (a, b, c, d) = (quarter(0, 0), quarter(0, 1), quarter(4, 0), quarter(4, 1));
+    std::array::from_fn(|i| {
+        let pair: [f32x4; 2] = if i < 4 { [a[i], c[i]] } else { [b[i - 4], d[i - 4]] };
+        bytemuck::must_cast(pair)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn eight_records_gathered_and_scattered_are_the_same_records() {
+        let records: Vec<Record> = (0..16)
+            .map(|i| Record {
+                linear: glam::vec3(i as f32, 0.5 + i as f32, -1.0 - i as f32),
+                angular: glam::vec3(100.0 + i as f32, 200.0 + i as f32, 300.0),
+                ..Record::default()
+            })
+            .collect();
+        let index = [3, 1, 15, 0, 7, 7, 2, 9];
+        let (v, w) = gather::<f32x8>(&records, &index);
+        let back = scatter(v, w);
+        for lane in 0..8 {
+            assert_eq!(back[lane], records[index[lane] as usize]);
+            let (one, _) = gather::<f32>(&records, &index[lane..]);
+            assert_eq!(one.lane(0), v.lane(lane));
+        }
+    }
+}

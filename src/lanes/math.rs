@@ -1,0 +1,256 @@
+//! Vectors, quaternions and matrices over lanes.
+
+use super::Lanes;
+use std::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
+
+/// A vector per lane.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
+pub(crate) struct Vec3<L> {
+    pub(crate) x: L,
+    pub(crate) y: L,
+    pub(crate) z: L,
+}
+
+impl<L: Lanes> Vec3<L> {
+    #[inline(always)]
+    pub(crate) fn new(x: L, y: L, z: L) -> Self {
+        Vec3 { x, y, z }
+    }
+    #[inline(always)]
+    pub(crate) fn zero() -> Self {
+        Self::splat(glam::Vec3::ZERO)
+    }
+    #[inline(always)]
+    pub(crate) fn splat(v: glam::Vec3) -> Self {
+        Vec3 { x: L::splat(v.x), y: L::splat(v.y), z: L::splat(v.z) }
+    }
+    /// Lane `i` from `f(i)`.
+    #[inline(always)]
+    pub(crate) fn from_fn(f: impl Fn(usize) -> glam::Vec3) -> Self {
+        Vec3 { x: L::from_fn(|i| f(i).x), y: L::from_fn(|i| f(i).y), z: L::from_fn(|i| f(i).z) }
+    }
+    #[inline(always)]
+    pub(crate) fn lane(self, i: usize) -> glam::Vec3 {
+        glam::Vec3::new(self.x.lane(i), self.y.lane(i), self.z.lane(i))
+    }
+    #[inline(always)]
+    pub(crate) fn dot(self, o: Self) -> L {
+        self.x * o.x + self.y * o.y + self.z * o.z
+    }
+    #[inline(always)]
+    pub(crate) fn cross(self, o: Self) -> Self {
+        Vec3 {
+            x: self.y * o.z - self.z * o.y,
+            y: self.z * o.x - self.x * o.z,
+            z: self.x * o.y - self.y * o.x,
+        }
+    }
+    #[inline(always)]
+    pub(crate) fn abs(self) -> Self {
+        Vec3 { x: self.x.abs(), y: self.y.abs(), z: self.z.abs() }
+    }
+    #[inline(always)]
+    pub(crate) fn min(self, o: Self) -> Self {
+        Vec3 { x: self.x.min(o.x), y: self.y.min(o.y), z: self.z.min(o.z) }
+    }
+    #[inline(always)]
+    pub(crate) fn max(self, o: Self) -> Self {
+        Vec3 { x: self.x.max(o.x), y: self.y.max(o.y), z: self.z.max(o.z) }
+    }
+    #[inline(always)]
+    pub(crate) fn length_squared(self) -> L {
+        self.dot(self)
+    }
+    #[inline(always)]
+    pub(crate) fn length(self) -> L {
+        self.length_squared().sqrt()
+    }
+    #[inline(always)]
+    pub(crate) fn select(mask: L::Mask, yes: Self, no: Self) -> Self {
+        Vec3 {
+            x: L::select(mask, yes.x, no.x),
+            y: L::select(mask, yes.y, no.y),
+            z: L::select(mask, yes.z, no.z),
+        }
+    }
+    /// Two unit vectors that make a right-handed basis with this unit vector: `self = t1 x t2`.
+    /// Continuous but for one sign change at z = 0, branch-free: Duff et al., *Building an Orthonormal
+    /// Basis, Revisited* (JCGT 2017).
+    #[inline(always)]
+    pub(crate) fn tangents(self) -> (Self, Self) {
+        let sign = self.z.sign();
+        let a = -(L::one() / (sign + self.z));
+        let b = self.x * self.y * a;
+        (
+            Vec3::new(L::one() + sign * self.x * self.x * a, sign * b, -(sign * self.x)),
+            Vec3::new(b, sign + self.y * self.y * a, -self.y),
+        )
+    }
+}
+
+impl<L: Lanes> Add for Vec3<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, o: Self) -> Self {
+        Vec3 { x: self.x + o.x, y: self.y + o.y, z: self.z + o.z }
+    }
+}
+impl<L: Lanes> Sub for Vec3<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, o: Self) -> Self {
+        Vec3 { x: self.x - o.x, y: self.y - o.y, z: self.z - o.z }
+    }
+}
+impl<L: Lanes> Neg for Vec3<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Vec3 { x: -self.x, y: -self.y, z: -self.z }
+    }
+}
+impl<L: Lanes> Mul<L> for Vec3<L> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, s: L) -> Self {
+        Vec3 { x: self.x * s, y: self.y * s, z: self.z * s }
+    }
+}
+impl<L: Lanes> AddAssign for Vec3<L> {
+    #[inline(always)]
+    fn add_assign(&mut self, o: Self) {
+        *self = *self + o;
+    }
+}
+impl<L: Lanes> SubAssign for Vec3<L> {
+    #[inline(always)]
+    fn sub_assign(&mut self, o: Self) {
+        *self = *self - o;
+    }
+}
+
+/// A rotation per lane, as a unit quaternion.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Quat<L> {
+    pub(crate) v: Vec3<L>,
+    pub(crate) w: L,
+}
+
+impl<L: Lanes> Quat<L> {
+    /// Lane `i` from `f(i)`.
+    #[inline(always)]
+    pub(crate) fn from_fn(f: impl Fn(usize) -> glam::Quat) -> Self {
+        Quat {
+            v: Vec3::new(L::from_fn(|i| f(i).x), L::from_fn(|i| f(i).y), L::from_fn(|i| f(i).z)),
+            w: L::from_fn(|i| f(i).w),
+        }
+    }
+    #[inline(always)]
+    pub(crate) fn lane(self, i: usize) -> glam::Quat {
+        let v = self.v.lane(i);
+        glam::Quat::from_xyzw(v.x, v.y, v.z, self.w.lane(i))
+    }
+    #[inline(always)]
+    pub(crate) fn conjugate(self) -> Self {
+        Quat { v: -self.v, w: self.w }
+    }
+    /// First `o`, then `self`.
+    #[inline(always)]
+    pub(crate) fn mul(self, o: Self) -> Self {
+        Quat { v: o.v * self.w + self.v * o.w + self.v.cross(o.v), w: self.w * o.w - self.v.dot(o.v) }
+    }
+    #[inline(always)]
+    pub(crate) fn rotate(self, p: Vec3<L>) -> Vec3<L> {
+        let t = self.v.cross(p);
+        let t = t + t;
+        p + t * self.w + self.v.cross(t)
+    }
+    #[inline(always)]
+    pub(crate) fn normalize(self) -> Self {
+        let s = L::one() / (self.v.length_squared() + self.w * self.w).sqrt();
+        Quat { v: self.v * s, w: self.w * s }
+    }
+    #[inline(always)]
+    pub(crate) fn to_matrix(self) -> Mat3<L> {
+        let (one, d) = (L::one(), self.v + self.v);
+        let (xx, yy, zz) = (self.v.x * d.x, self.v.y * d.y, self.v.z * d.z);
+        let (xy, xz, yz) = (self.v.x * d.y, self.v.x * d.z, self.v.y * d.z);
+        let w = d * self.w;
+        Mat3 {
+            x: Vec3::new(one - (yy + zz), xy + w.z, xz - w.y),
+            y: Vec3::new(xy - w.z, one - (xx + zz), yz + w.x),
+            z: Vec3::new(xz + w.y, yz - w.x, one - (xx + yy)),
+        }
+    }
+}
+
+/// A 3x3 matrix per lane, by columns.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Mat3<L> {
+    pub(crate) x: Vec3<L>,
+    pub(crate) y: Vec3<L>,
+    pub(crate) z: Vec3<L>,
+}
+
+impl<L: Lanes> Mat3<L> {
+    #[inline(always)]
+    pub(crate) fn mul(self, p: Vec3<L>) -> Vec3<L> {
+        self.x * p.x + self.y * p.y + self.z * p.z
+    }
+    /// The transpose times `p`: for a rotation, its inverse.
+    #[inline(always)]
+    pub(crate) fn mul_transposed(self, p: Vec3<L>) -> Vec3<L> {
+        Vec3::new(self.x.dot(p), self.y.dot(p), self.z.dot(p))
+    }
+}
+
+/// A symmetric 3x3 matrix per lane.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
+pub(crate) struct Sym3<L> {
+    pub(crate) xx: L,
+    pub(crate) yy: L,
+    pub(crate) zz: L,
+    pub(crate) xy: L,
+    pub(crate) xz: L,
+    pub(crate) yz: L,
+}
+
+impl<L: Lanes> Sym3<L> {
+    #[inline(always)]
+    pub(crate) fn mul(self, p: Vec3<L>) -> Vec3<L> {
+        Vec3::new(
+            self.xx * p.x + self.xy * p.y + self.xz * p.z,
+            self.xy * p.x + self.yy * p.y + self.yz * p.z,
+            self.xz * p.x + self.yz * p.y + self.zz * p.z,
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{f32x4, f32x8};
+    use super::*;
+
+    fn close<L: Lanes>() {
+        let (q, p) = (glam::Quat::from_xyzw(0.1, -0.4, 0.3, 0.8).normalize(), glam::vec3(1.0, -2.0, 0.5));
+        let lanes = Quat::<L>::from_fn(|_| q);
+        let rotated = lanes.rotate(Vec3::splat(p)).lane(0);
+        assert!((rotated - q * p).length() < 1e-6);
+        assert!((lanes.to_matrix().mul(Vec3::splat(p)).lane(0) - rotated).length() < 1e-6);
+        let back = lanes.to_matrix().mul_transposed(Vec3::splat(rotated)).lane(0);
+        assert!((back - p).length() < 1e-6);
+        for n in [glam::Vec3::Y, glam::Vec3::NEG_Z, p.normalize()] {
+            let (t1, t2) = Vec3::<L>::splat(n).tangents();
+            assert!((t1.lane(0).cross(t2.lane(0)) - n).length() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn rotations_and_bases_agree_with_glam() {
+        close::<f32>();
+        close::<f32x4>();
+        close::<f32x8>();
+    }
+}

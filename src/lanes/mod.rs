@@ -1,0 +1,336 @@
+//! The SIMD vocabulary: the operations a kernel may use, at one, four or eight lanes.
+//!
+//! A kernel is written once, generic over [`Lanes`]; the caller's loop fixes the width. Only exact,
+//! ordered operations are offered (no fused multiply-add, no approximate reciprocal or root), so that
+//! a lane computes the same bits at any width and on any instruction set. All `cfg` by instruction set
+//! stays in this folder.
+
+mod gather;
+mod math;
+
+pub(crate) use gather::{Record, gather, scatter};
+pub(crate) use math::{Mat3, Quat, Sym3, Vec3};
+pub(crate) use wide::{f32x4, f32x8};
+
+use std::fmt::Debug;
+use std::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, Neg, Not, Sub, SubAssign};
+use wide::{CmpEq, CmpGe, CmpGt, CmpLe, CmpLt};
+
+/// Which lanes a condition holds in.
+pub(crate) trait Mask:
+    Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self>
+{
+    /// The value per lane: lane `i` holds if bit `i` is set.
+    fn from_bits(bits: u32) -> Self;
+    /// Bit `i` is set where lane `i` holds.
+    fn bits(self) -> u32;
+    /// Whether any lane holds.
+    #[inline(always)]
+    fn any(self) -> bool {
+        self.bits() != 0
+    }
+}
+
+/// `N` floats that are worked on at once.
+///
+/// `max(a, b)` is `a > b ? a : b` and `min(a, b)` is `a < b ? a : b`, to the bit, on every target: with a
+/// NaN on either side, or two zeros of any sign, the answer is `b`.
+pub(crate) trait Lanes:
+    Copy
+    + Debug
+    + Default
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+{
+    /// How many lanes.
+    const N: usize;
+    /// The answer of a comparison.
+    type Mask: Mask;
+
+    fn splat(value: f32) -> Self;
+    /// Lane `i` from `f(i)`.
+    fn from_fn(f: impl FnMut(usize) -> f32) -> Self;
+    /// The first `N` floats of a slice that has at least as many.
+    fn load(from: &[f32]) -> Self;
+    fn store(self, to: &mut [f32]);
+    fn lane(self, i: usize) -> f32;
+    fn set_lane(&mut self, i: usize, value: f32);
+    fn abs(self) -> Self;
+    fn sqrt(self) -> Self;
+    fn min(self, other: Self) -> Self;
+    fn max(self, other: Self) -> Self;
+    fn lt(self, other: Self) -> Self::Mask;
+    fn le(self, other: Self) -> Self::Mask;
+    fn gt(self, other: Self) -> Self::Mask;
+    fn ge(self, other: Self) -> Self::Mask;
+    fn eq(self, other: Self) -> Self::Mask;
+    /// `yes` in the lanes of `mask`, `no` in the others.
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::splat(0.0)
+    }
+    #[inline(always)]
+    fn one() -> Self {
+        Self::splat(1.0)
+    }
+    #[inline(always)]
+    fn clamp(self, low: Self, high: Self) -> Self {
+        self.max(low).min(high)
+    }
+    /// 1 or -1 with the sign of the value; 1 for either zero.
+    #[inline(always)]
+    fn sign(self) -> Self {
+        Self::select(self.lt(Self::zero()), Self::splat(-1.0), Self::one())
+    }
+}
+
+impl Mask for bool {
+    #[inline(always)]
+    fn from_bits(bits: u32) -> Self {
+        bits & 1 != 0
+    }
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        self as u32
+    }
+}
+
+impl Lanes for f32 {
+    const N: usize = 1;
+    type Mask = bool;
+
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn from_fn(mut f: impl FnMut(usize) -> f32) -> Self {
+        f(0)
+    }
+    #[inline(always)]
+    fn load(from: &[f32]) -> Self {
+        from[0]
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f32]) {
+        to[0] = self;
+    }
+    #[inline(always)]
+    fn lane(self, _: usize) -> f32 {
+        self
+    }
+    #[inline(always)]
+    fn set_lane(&mut self, _: usize, value: f32) {
+        *self = value;
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        f32::abs(self)
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        f32::sqrt(self)
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        if self < other { self } else { other }
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        if self > other { self } else { other }
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> bool {
+        self < other
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> bool {
+        self <= other
+    }
+    #[inline(always)]
+    fn gt(self, other: Self) -> bool {
+        self > other
+    }
+    #[inline(always)]
+    fn ge(self, other: Self) -> bool {
+        self >= other
+    }
+    #[inline(always)]
+    fn eq(self, other: Self) -> bool {
+        self == other
+    }
+    #[inline(always)]
+    fn select(mask: bool, yes: Self, no: Self) -> Self {
+        if mask { yes } else { no }
+    }
+}
+
+/// A mask of a `wide` float: all bits of a lane are set, or none.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bits<F>(F);
+
+macro_rules! wide_lanes {
+    ($float:ty, $n:literal) => {
+        impl BitAnd for Bits<$float> {
+            type Output = Self;
+            #[inline(always)]
+            fn bitand(self, other: Self) -> Self {
+                Bits(self.0 & other.0)
+            }
+        }
+        impl BitOr for Bits<$float> {
+            type Output = Self;
+            #[inline(always)]
+            fn bitor(self, other: Self) -> Self {
+                Bits(self.0 | other.0)
+            }
+        }
+        impl Not for Bits<$float> {
+            type Output = Self;
+            #[inline(always)]
+            fn not(self) -> Self {
+                Bits(!self.0)
+            }
+        }
+        impl Mask for Bits<$float> {
+            #[inline(always)]
+            fn from_bits(bits: u32) -> Self {
+                let mut lanes = [0.0f32; $n];
+                for (i, lane) in lanes.iter_mut().enumerate() {
+                    *lane = f32::from_bits(0u32.wrapping_sub(bits >> i & 1));
+                }
+                Bits(<$float>::new(lanes))
+            }
+            #[inline(always)]
+            fn bits(self) -> u32 {
+                self.0.to_bitmask() as u32
+            }
+        }
+        impl Lanes for $float {
+            const N: usize = $n;
+            type Mask = Bits<$float>;
+
+            #[inline(always)]
+            fn splat(value: f32) -> Self {
+                <$float>::splat(value)
+            }
+            #[inline(always)]
+            fn from_fn(f: impl FnMut(usize) -> f32) -> Self {
+                <$float>::new(std::array::from_fn(f))
+            }
+            #[inline(always)]
+            fn load(from: &[f32]) -> Self {
+                let mut lanes = [0.0; $n];
+                lanes.copy_from_slice(&from[..$n]);
+                <$float>::new(lanes)
+            }
+            #[inline(always)]
+            fn store(self, to: &mut [f32]) {
+                to[..$n].copy_from_slice(&self.to_array());
+            }
+            #[inline(always)]
+            fn lane(self, i: usize) -> f32 {
+                self.to_array()[i]
+            }
+            #[inline(always)]
+            fn set_lane(&mut self, i: usize, value: f32) {
+                self.as_mut_array()[i] = value;
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                <$float>::abs(self)
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                <$float>::sqrt(self)
+            }
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                // On x86 `fast_min` is `minps`, which is this definition; elsewhere it need not be.
+                if cfg!(any(target_arch = "x86", target_arch = "x86_64")) {
+                    self.fast_min(other)
+                } else {
+                    Self::select(Lanes::lt(self, other), self, other)
+                }
+            }
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                if cfg!(any(target_arch = "x86", target_arch = "x86_64")) {
+                    self.fast_max(other)
+                } else {
+                    Self::select(Lanes::gt(self, other), self, other)
+                }
+            }
+            #[inline(always)]
+            fn lt(self, other: Self) -> Self::Mask {
+                Bits(self.simd_lt(other))
+            }
+            #[inline(always)]
+            fn le(self, other: Self) -> Self::Mask {
+                Bits(self.simd_le(other))
+            }
+            #[inline(always)]
+            fn gt(self, other: Self) -> Self::Mask {
+                Bits(self.simd_gt(other))
+            }
+            #[inline(always)]
+            fn ge(self, other: Self) -> Self::Mask {
+                Bits(self.simd_ge(other))
+            }
+            #[inline(always)]
+            fn eq(self, other: Self) -> Self::Mask {
+                Bits(self.simd_eq(other))
+            }
+            #[inline(always)]
+            fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
+                mask.0.select(yes, no)
+            }
+        }
+    };
+}
+
+wide_lanes!(f32x4, 4);
+wide_lanes!(f32x8, 8);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ODD: [f32; 8] =
+        [f32::NAN, 0.0, -0.0, f32::INFINITY, f32::NEG_INFINITY, 1.5, -2.25, f32::MIN_POSITIVE];
+
+    fn same<L: Lanes>() {
+        for shift in 0..8 {
+            for i in (0..8).step_by(L::N) {
+                let at = |k: usize| (ODD[(i + k) % 8], ODD[(i + k + shift) % 8]);
+                let a = L::from_fn(|k| at(k).0);
+                let b = L::from_fn(|k| at(k).1);
+                for k in 0..L::N {
+                    let (x, y) = at(k);
+                    assert_eq!(a.max(b).lane(k).to_bits(), (if x > y { x } else { y }).to_bits());
+                    assert_eq!(a.min(b).lane(k).to_bits(), (if x < y { x } else { y }).to_bits());
+                    assert_eq!(a.lt(b).bits() >> k & 1 != 0, x < y);
+                    assert_eq!(a.ge(b).bits() >> k & 1 != 0, x >= y);
+                    let chosen = L::select(a.gt(b), a, b).lane(k);
+                    assert_eq!(chosen.to_bits(), (if x > y { x } else { y }).to_bits());
+                }
+            }
+        }
+        let mask = L::Mask::from_bits(0b1010_0101);
+        assert_eq!(mask.bits(), 0b1010_0101 & ((1u32 << L::N) - 1));
+    }
+
+    #[test]
+    fn comparisons_and_choices_are_the_same_bits_at_any_width() {
+        same::<f32>();
+        same::<f32x4>();
+        same::<f32x8>();
+    }
+}

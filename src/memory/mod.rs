@@ -1,0 +1,122 @@
+//! Every long-lived byte belongs to a category; the report says how many, and what continuous physics adds.
+
+mod column;
+
+pub(crate) use column::bytes_of;
+
+use std::fmt;
+
+/// What a buffer is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Category {
+    /// Poses, velocities, masses, handles.
+    Bodies,
+    /// Colliders, materials, convex hulls.
+    Shapes,
+    /// Triangle meshes and height fields, with their trees.
+    Meshes,
+    /// Trees of the world, bounds, pairs.
+    BroadPhase,
+    /// Contact manifolds and their impulses.
+    Manifolds,
+    /// Solver rows in their batches.
+    Rows,
+    /// Joints.
+    Joints,
+    /// Event buffers.
+    Events,
+    /// Buffers of one step.
+    Scratch,
+    /// What exists only because of continuous collision: motion segments, potential points and their
+    /// rows, previous velocities.
+    Continuous,
+}
+
+impl Category {
+    /// Every category, in the order of reports.
+    pub const ALL: [Category; 10] = [
+        Category::Bodies,
+        Category::Shapes,
+        Category::Meshes,
+        Category::BroadPhase,
+        Category::Manifolds,
+        Category::Rows,
+        Category::Joints,
+        Category::Events,
+        Category::Scratch,
+        Category::Continuous,
+    ];
+
+    /// The name in reports and JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Category::Bodies => "bodies",
+            Category::Shapes => "shapes",
+            Category::Meshes => "meshes",
+            Category::BroadPhase => "broad_phase",
+            Category::Manifolds => "manifolds",
+            Category::Rows => "rows",
+            Category::Joints => "joints",
+            Category::Events => "events",
+            Category::Scratch => "scratch",
+            Category::Continuous => "continuous",
+        }
+    }
+}
+
+impl fmt::Display for Category {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Bytes of one category.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Bytes {
+    /// In use now.
+    pub live: usize,
+    /// Held, in use or not.
+    pub reserved: usize,
+    /// The most that was ever reserved.
+    pub peak: usize,
+}
+
+/// Bytes by category.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct MemoryReport {
+    bytes: [Bytes; Category::ALL.len()],
+}
+
+impl MemoryReport {
+    /// The bytes of one category.
+    pub fn category(&self, category: Category) -> Bytes {
+        self.bytes[category as usize]
+    }
+
+    /// All categories with their bytes.
+    pub fn iter(&self) -> impl Iterator<Item = (Category, Bytes)> + '_ {
+        Category::ALL.iter().map(|&c| (c, self.category(c)))
+    }
+
+    /// Reserved bytes of all categories.
+    pub fn total(&self) -> usize {
+        self.bytes.iter().map(|b| b.reserved).sum()
+    }
+
+    pub(crate) fn add(&mut self, category: Category, (live, reserved): (usize, usize)) {
+        let bytes = &mut self.bytes[category as usize];
+        bytes.live += live;
+        bytes.reserved += reserved;
+        bytes.peak = bytes.peak.max(bytes.reserved);
+    }
+
+    /// Takes over the peaks of an earlier report.
+    pub(crate) fn keep_peaks(&mut self, earlier: &MemoryReport) {
+        for (now, before) in self.bytes.iter_mut().zip(&earlier.bytes) {
+            now.peak = now.peak.max(before.peak);
+        }
+    }
+}

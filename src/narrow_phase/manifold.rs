@@ -1,0 +1,43 @@
+//! Contact manifolds: what the kernels hand on.
+
+use glam::Vec3;
+
+/// Most points of a manifold.
+pub(crate) const MAX_POINTS: usize = 4;
+
+/// A point of a manifold, in the frame of shape `a`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct RawPoint {
+    /// Midway between the two surfaces [m].
+    pub(crate) position: Vec3,
+    /// Distance along the normal, negative in overlap [m]. Positive: the point is potential.
+    pub(crate) separation: f32,
+    /// Says which features meet; equal between steps while the same features meet.
+    pub(crate) key: u32,
+}
+
+/// What a kernel finds for a pair: all points nearer than the margin, at most four.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct RawManifold {
+    /// Unit, from `a` to `b`, in the frame of shape `a`.
+    pub(crate) normal: Vec3,
+    pub(crate) count: u32,
+    pub(crate) points: [RawPoint; MAX_POINTS],
+}
+
+impl RawManifold {
+    pub(crate) fn points(&self) -> &[RawPoint] {
+        &self.points[..self.count as usize]
+    }
+
+    /// The same contact seen from the other shape, whose frame is at `position`, `rotation` in this one's.
+    pub(crate) fn flipped(&self, position: Vec3, rotation: glam::Quat) -> RawManifold {
+        let back = rotation.conjugate();
+        let mut flipped = *self;
+        flipped.normal = -(back * self.normal);
+        for point in &mut flipped.points[..self.count as usize] {
+            point.position = back * (point.position - position);
+        }
+        flipped
+    }
+}

@@ -1,0 +1,3 @@
+//! Questions about shapes that change nothing.
+
+mod segment;

@@ -1,0 +1,61 @@
+//! What the stages read of a shape: a flat record beside the caller's description.
+
+use super::{Filter, Geometry, Material};
+use glam::{Quat, Vec3};
+
+/// The kinds of shape, in the order that fixes which of a pair is `a`: the lower kind, then the lower index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[repr(u8)]
+pub(crate) enum Kind {
+    Sphere,
+    Capsule,
+    Box,
+    Cylinder,
+    Hull,
+    Plane,
+    Mesh,
+    HeightField,
+}
+
+impl Kind {
+    pub(crate) fn of(geometry: &Geometry) -> Kind {
+        match geometry {
+            Geometry::Sphere { .. } => Kind::Sphere,
+            Geometry::Capsule { .. } => Kind::Capsule,
+            Geometry::Box { .. } => Kind::Box,
+            Geometry::Cylinder { .. } => Kind::Cylinder,
+            Geometry::Hull(_) => Kind::Hull,
+            Geometry::Plane => Kind::Plane,
+            Geometry::Mesh(_) => Kind::Mesh,
+            Geometry::HeightField(_) => Kind::HeightField,
+        }
+    }
+
+    /// Convex and bounded: may be on a dynamic body.
+    pub(crate) fn is_convex(self) -> bool {
+        self <= Kind::Hull
+    }
+}
+
+/// A shape on a body, as the stages read it.
+#[derive(Clone, Debug)]
+pub(crate) struct Collider {
+    pub(crate) kind: Kind,
+    /// Index of its body.
+    pub(crate) body: u32,
+    /// By kind: sphere (radius); capsule and cylinder (half height, bottom, top radius); box (half extents).
+    pub(crate) size: [f32; 4],
+    /// Its frame in the body's, relative to the body's centre of mass.
+    pub(crate) position: Vec3,
+    pub(crate) rotation: Quat,
+    /// Largest distance of a point of the shape from its own origin [m]; infinite for a plane.
+    pub(crate) radius: f32,
+    /// Radius of a ball around the shape's own origin that it surely contains [m]: a body that moves less within a
+    /// step can't have passed anything with its origin.
+    pub(crate) inner_radius: f32,
+    pub(crate) geometry: Geometry,
+    pub(crate) material: Material,
+    pub(crate) filter: Filter,
+    pub(crate) density: f32,
+    pub(crate) user_data: u64,
+}

@@ -1,0 +1,5 @@
+//! Height fields.
+
+/// A static grid of heights, shared by the shapes that use it.
+#[derive(Clone, Debug)]
+pub struct HeightField {}

@@ -1,0 +1,5 @@
+//! Triangle meshes.
+
+/// A static triangle mesh, shared by the shapes that use it.
+#[derive(Clone, Debug)]
+pub struct TriangleMesh {}

@@ -1,0 +1,251 @@
+//! Shapes: what a body looks like to a contact.
+//!
+//! Every shape answers for its mass, bounds and features. A convex one is, to the narrow phase, a few points with a
+//! radius (sphere, capsule) or a polytope (box, cylinder, hull); see `narrow_phase`.
+
+mod collider;
+mod height_field;
+mod hull;
+mod hull_build;
+mod mass;
+mod mesh;
+mod mesh_bvh;
+mod mesh_edges;
+
+pub(crate) use collider::{Collider, Kind};
+pub use height_field::HeightField;
+pub use hull::ConvexHull;
+pub use mass::MassProperties;
+pub use mesh::TriangleMesh;
+
+use crate::error::{Error, finite, finite3, positive, within};
+use glam::{Quat, Vec3};
+use std::sync::Arc;
+
+/// The form of a shape, in its own frame [m].
+#[derive(Clone, Debug)]
+pub enum Geometry {
+    /// A ball around the origin.
+    Sphere {
+        /// Radius, above zero.
+        radius: f32,
+    },
+    /// The convex hull of two spheres on the y axis.
+    Capsule {
+        /// Half the distance between the two centres, at least zero.
+        half_height: f32,
+        /// Radius of the sphere at `-half_height`, above zero.
+        radius_bottom: f32,
+        /// Radius of the sphere at `+half_height`, above zero.
+        radius_top: f32,
+    },
+    /// A box around the origin.
+    Box {
+        /// Half of each side, above zero.
+        half_extents: Vec3,
+    },
+    /// A cylinder around the y axis, or a frustum if the radii differ.
+    Cylinder {
+        /// Half the height, above zero.
+        half_height: f32,
+        /// Radius at `-half_height`, at least zero (zero: a cone).
+        radius_bottom: f32,
+        /// Radius at `+half_height`, at least zero.
+        radius_top: f32,
+    },
+    /// A convex hull.
+    Hull(Arc<ConvexHull>),
+    /// The half-space y <= 0; only static or kinematic.
+    Plane,
+    /// Triangles, from both sides; only static or kinematic.
+    Mesh(Arc<TriangleMesh>),
+    /// A grid of heights; only static or kinematic.
+    HeightField(Arc<HeightField>),
+}
+
+impl Geometry {
+    /// A capsule of one radius.
+    pub fn capsule(half_height: f32, radius: f32) -> Self {
+        Geometry::Capsule { half_height, radius_bottom: radius, radius_top: radius }
+    }
+    /// A cylinder of one radius.
+    pub fn cylinder(half_height: f32, radius: f32) -> Self {
+        Geometry::Cylinder { half_height, radius_bottom: radius, radius_top: radius }
+    }
+    /// A box by its half extents.
+    pub fn cuboid(x: f32, y: f32, z: f32) -> Self {
+        Geometry::Box { half_extents: Vec3::new(x, y, z) }
+    }
+
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// Names the first number that is out of range.
+    pub fn validate(&self) -> Result<(), Error> {
+        match self {
+            Geometry::Sphere { radius } => positive("sphere radius", *radius).map(drop),
+            Geometry::Capsule { half_height, radius_bottom, radius_top } => {
+                within("capsule half height", *half_height, 0.0, f32::MAX, "at least zero")?;
+                positive("capsule radius", *radius_bottom)?;
+                positive("capsule radius", *radius_top).map(drop)
+            }
+            Geometry::Box { half_extents } => {
+                finite3("box half extents", *half_extents)?;
+                positive("box half extents", half_extents.min_element()).map(drop)
+            }
+            Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
+                positive("cylinder half height", *half_height)?;
+                within("cylinder radius", *radius_bottom, 0.0, f32::MAX, "at least zero")?;
+                within("cylinder radius", *radius_top, 0.0, f32::MAX, "at least zero")?;
+                positive("cylinder radius", radius_bottom.max(*radius_top)).map(drop)
+            }
+            Geometry::Hull(_) | Geometry::Plane | Geometry::Mesh(_) | Geometry::HeightField(_) => Ok(()),
+        }
+    }
+}
+
+/// How two values of a material become one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
+pub enum Combine {
+    /// (a + b) / 2
+    #[default]
+    Average,
+    /// The smaller.
+    Minimum,
+    /// The larger.
+    Maximum,
+    /// a b
+    Multiply,
+}
+
+/// Friction and restitution of a surface. Where two surfaces want different ways to combine, the later of
+/// average < minimum < maximum < multiply is taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+pub struct Material {
+    /// Coulomb coefficient while the surfaces stick, at least zero. Default 0.6.
+    pub static_friction: f32,
+    /// Coulomb coefficient while they slide, at least zero. Default 0.6.
+    pub dynamic_friction: f32,
+    /// Share of the approach speed that comes back, 0..=1. Default 0.
+    pub restitution: f32,
+    /// Default average.
+    pub friction_combine: Combine,
+    /// Default average.
+    pub restitution_combine: Combine,
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Material {
+            static_friction: 0.6,
+            dynamic_friction: 0.6,
+            restitution: 0.0,
+            friction_combine: Combine::Average,
+            restitution_combine: Combine::Average,
+        }
+    }
+}
+
+impl Material {
+    /// One coefficient for sticking and sliding.
+    pub fn with_friction(mut self, friction: f32) -> Self {
+        (self.static_friction, self.dynamic_friction) = (friction, friction);
+        self
+    }
+    /// The share of the approach speed that comes back.
+    pub fn with_restitution(mut self, restitution: f32) -> Self {
+        self.restitution = restitution;
+        self
+    }
+    fn validate(&self) -> Result<(), Error> {
+        within("static friction", self.static_friction, 0.0, f32::MAX, "at least zero")?;
+        within("dynamic friction", self.dynamic_friction, 0.0, f32::MAX, "at least zero")?;
+        within("restitution", self.restitution, 0.0, 1.0, "in 0..=1").map(drop)
+    }
+}
+
+/// Which pairs collide. Two shapes do when each one's mask has the other's category and, if both are of a group
+/// other than 0, the groups differ or are positive (equal negative groups never collide, equal positive ones always).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+pub struct Filter {
+    /// Bits that this shape is. Default: bit 0.
+    pub category: u64,
+    /// Bits that this shape collides with. Default: all.
+    pub mask: u64,
+    /// See the type. Default 0.
+    pub group: i32,
+}
+
+impl Default for Filter {
+    fn default() -> Self {
+        Filter { category: 1, mask: u64::MAX, group: 0 }
+    }
+}
+
+impl Filter {
+    /// Whether two shapes collide.
+    pub fn allows(&self, other: &Filter) -> bool {
+        if self.group != 0 && self.group == other.group {
+            return self.group > 0;
+        }
+        self.mask & other.category != 0 && other.mask & self.category != 0
+    }
+}
+
+/// A shape to be put on a body.
+#[derive(Clone, Debug)]
+pub struct ShapeDesc {
+    /// Its form.
+    pub geometry: Geometry,
+    /// Where its frame is in the body's [m].
+    pub position: Vec3,
+    /// How its frame is turned in the body's.
+    pub rotation: Quat,
+    /// Density [kg/m³], at least zero; zero adds no mass. Default 1000.
+    pub density: f32,
+    /// Friction and restitution.
+    pub material: Material,
+    /// Which shapes it collides with.
+    pub filter: Filter,
+    /// Free for the caller.
+    pub user_data: u64,
+}
+
+impl ShapeDesc {
+    /// A shape at the body's origin with default material, filter and density.
+    pub fn new(geometry: Geometry) -> Self {
+        ShapeDesc {
+            geometry,
+            position: Vec3::ZERO,
+            rotation: Quat::IDENTITY,
+            density: 1000.0,
+            material: Material::default(),
+            filter: Filter::default(),
+            user_data: 0,
+        }
+    }
+
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// Names the first number that is out of range.
+    pub fn validate(&self) -> Result<(), Error> {
+        self.geometry.validate()?;
+        self.material.validate()?;
+        finite3("shape position", self.position)?;
+        unit_quat("shape rotation", self.rotation)?;
+        within("density", self.density, 0.0, f32::MAX, "at least zero").map(drop)
+    }
+}
+
+/// A rotation that is a unit quaternion within rounding, normalised; or an error.
+pub(crate) fn unit_quat(what: &'static str, q: Quat) -> Result<Quat, Error> {
+    for value in q.to_array() {
+        finite(what, value)?;
+    }
+    within(what, q.length(), 0.99, 1.01, "a unit quaternion")?;
+    Ok(q.normalize())
+}
