@@ -86,7 +86,11 @@ pub(crate) fn within(
 /// A number above zero, or an error that names it.
 pub(crate) fn positive(what: &'static str, value: f32) -> Result<f32, Error> {
     finite(what, value)?;
-    if value > 0.0 { Ok(value) } else { Err(Error::OutOfRange { what, expected: "above zero", value: value.into() }) }
+    if value > 0.0 {
+        Ok(value)
+    } else {
+        Err(Error::OutOfRange { what, expected: "above zero", value: value.into() })
+    }
 }
 
 /// A vector of finite numbers, or an error that names it.

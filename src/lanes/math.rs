@@ -157,7 +157,7 @@ impl<L: Lanes> Quat<L> {
     }
     /// First `o`, then `self`.
     #[inline(always)]
-    pub(crate) fn mul(self, o: Self) -> Self {
+    pub(crate) fn compose(self, o: Self) -> Self {
         Quat { v: o.v * self.w + self.v * o.w + self.v.cross(o.v), w: self.w * o.w - self.v.dot(o.v) }
     }
     #[inline(always)]

@@ -14,7 +14,6 @@ pub(crate) use wide::{f32x4, f32x8};
 
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, Neg, Not, Sub, SubAssign};
-use wide::{CmpEq, CmpGe, CmpGt, CmpLe, CmpLt};
 
 /// Which lanes a condition holds in.
 pub(crate) trait Mask:
@@ -257,7 +256,7 @@ macro_rules! wide_lanes {
                 if cfg!(any(target_arch = "x86", target_arch = "x86_64")) {
                     self.fast_min(other)
                 } else {
-                    Self::select(Lanes::lt(self, other), self, other)
+                    <Self as Lanes>::select(Lanes::lt(self, other), self, other)
                 }
             }
             #[inline(always)]
@@ -265,7 +264,7 @@ macro_rules! wide_lanes {
                 if cfg!(any(target_arch = "x86", target_arch = "x86_64")) {
                     self.fast_max(other)
                 } else {
-                    Self::select(Lanes::gt(self, other), self, other)
+                    <Self as Lanes>::select(Lanes::gt(self, other), self, other)
                 }
             }
             #[inline(always)]
