@@ -10,3 +10,4 @@ mod memory;
 mod narrow_phase;
 mod query;
 mod shape;
+mod threads;
