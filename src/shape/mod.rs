@@ -77,6 +77,16 @@ impl Geometry {
         Geometry::Box { half_extents: Vec3::new(x, y, z) }
     }
 
+    pub(crate) fn require_convex(&self) -> Result<(), Error> {
+        let shape = match self {
+            Geometry::Plane => "plane",
+            Geometry::Mesh(_) => "triangle mesh",
+            Geometry::HeightField(_) => "height field",
+            _ => return Ok(()),
+        };
+        Err(Error::StaticOnly { shape })
+    }
+
     /// Checks every range.
     ///
     /// # Errors
@@ -119,6 +129,17 @@ pub enum Combine {
     Multiply,
 }
 
+impl Combine {
+    fn of(self, a: f32, b: f32) -> f32 {
+        match self {
+            Combine::Average => 0.5 * (a + b),
+            Combine::Minimum => a.min(b),
+            Combine::Maximum => a.max(b),
+            Combine::Multiply => a * b,
+        }
+    }
+}
+
 /// Friction and restitution of a surface. Where two surfaces want different ways to combine, the later of
 /// average < minimum < maximum < multiply is taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -158,6 +179,15 @@ impl Material {
     pub fn with_restitution(mut self, restitution: f32) -> Self {
         self.restitution = restitution;
         self
+    }
+    /// Static and dynamic friction of two surfaces.
+    pub(crate) fn friction_with(&self, other: &Material) -> (f32, f32) {
+        let how = self.friction_combine.max(other.friction_combine);
+        (how.of(self.static_friction, other.static_friction), how.of(self.dynamic_friction, other.dynamic_friction))
+    }
+    /// Restitution of two surfaces.
+    pub(crate) fn restitution_with(&self, other: &Material) -> f32 {
+        self.restitution_combine.max(other.restitution_combine).of(self.restitution, other.restitution)
     }
     fn validate(&self) -> Result<(), Error> {
         within("static friction", self.static_friction, 0.0, f32::MAX, "at least zero")?;
