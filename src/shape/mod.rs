@@ -7,6 +7,7 @@ mod collider;
 mod height_field;
 mod hull;
 mod hull_build;
+mod hull_merge;
 mod mass;
 mod mesh;
 mod mesh_bvh;
