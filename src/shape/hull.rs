@@ -52,7 +52,7 @@ pub(crate) struct HullEdge {
 
 impl ConvexHull {
     /// The most vertices that a hull keeps. A contact costs time with every vertex, and a ball of 256 vertices is
-    /// round to 1 %.
+    /// round to 2 %.
     pub const MAX_VERTICES: usize = 256;
 
     /// The convex hull of a set of points [m], in any order and with duplicates.
@@ -298,7 +298,8 @@ mod tests {
         let mut random = Random(1);
         for round in 0..4000 {
             let scale = [1e-3, 0.03, 1.0, 20.0, 1e3][random.below(5)];
-            let n = 4 + random.below(60);
+            // Thin ones out of very few points may be flat by chance.
+            let n = if matches!(round % 8, 2 | 3) { 12 } else { 4 } + random.below(60);
             let mut points: Vec<Vec3> = match round % 8 {
                 0 => (0..n).map(|_| random.sphere()).collect(),
                 1 => (0..n).map(|_| random.cube()).collect(),
@@ -315,9 +316,7 @@ mod tests {
                     })
                     .collect(),
                 // Clusters around few points.
-                6 => (0..n)
-                    .map(|_| Random(random.below(12) as u64).cube() + random.cube() * 1e-5)
-                    .collect(),
+                6 => (0..n).map(|_| Random(random.below(12) as u64).cube() + random.cube() * 1e-5).collect(),
                 _ => (0..n).map(|_| random.sphere() * Vec3::new(1.0, 0.2, 3.0)).collect(),
             };
             let (rotation, offset) = (random.rotation(), random.cube());

@@ -122,7 +122,13 @@ pub(super) struct Quickhull<'a> {
 
 impl<'a> Quickhull<'a> {
     /// Starts with a tetrahedron; `noise` is how far outside a point must be to count.
-    pub(super) fn new(points: &'a [DVec3], subset: &[u32], start: [u32; 4], noise: f64, rounding: f64) -> Self {
+    pub(super) fn new(
+        points: &'a [DVec3],
+        subset: &[u32],
+        start: [u32; 4],
+        noise: f64,
+        rounding: f64,
+    ) -> Self {
         let [a, b, c, d] = start;
         let mut hull = Quickhull {
             points,
@@ -176,7 +182,10 @@ impl<'a> Quickhull<'a> {
             renamed[old] = new as u32;
         }
         alive
-            .map(|(_, f)| Triangle { across: f.triangle.across.map(|o| renamed[o as usize]), ..f.triangle.clone() })
+            .map(|(_, f)| Triangle {
+                across: f.triangle.across.map(|o| renamed[o as usize]),
+                ..f.triangle.clone()
+            })
             .collect()
     }
 
@@ -279,7 +288,9 @@ impl<'a> Quickhull<'a> {
         // A few dozen edges at most in practice: looking for the next one beats a table.
         for i in 1..self.horizon.len() {
             let end = self.horizon[i - 1].1;
-            let Some(next) = (i..self.horizon.len()).find(|&j| self.horizon[j].0 == end) else { return false };
+            let Some(next) = (i..self.horizon.len()).find(|&j| self.horizon[j].0 == end) else {
+                return false;
+            };
             self.horizon.swap(i, next);
             if self.horizon[..i].iter().any(|e| e.0 == end) {
                 return false;

@@ -42,8 +42,7 @@ fn attempt(points: &[DVec3], first: &[Triangle], tolerance: Tolerance, flat: f64
             return faces(points, &triangles, &groups, count, &corners, &all, tolerance);
         }
         let start = first_tetrahedron(points, &corners, tolerance, tolerance.noise).ok()?;
-        let mut hull =
-            Quickhull::new(points, &corners, start, 10.0 * tolerance.rounding, tolerance.rounding);
+        let mut hull = Quickhull::new(points, &corners, start, 10.0 * tolerance.rounding, tolerance.rounding);
         hull.grow(corners.len());
         triangles = hull.triangles();
         if vertices_of(&triangles).len() >= before.len() {

@@ -4,6 +4,7 @@
 //! radius (sphere, capsule) or a polytope (box, cylinder, hull); see `narrow_phase`.
 
 mod collider;
+mod extent;
 mod height_field;
 mod hull;
 mod hull_build;
