@@ -61,6 +61,8 @@ impl ConvexHull {
     /// polygon. If more than [`Self::MAX_VERTICES`] would be left, the points that stand out furthest are kept, one
     /// after the other, and [`Self::left_out`] says how far the furthest of the others is outside.
     ///
+    /// A triangle mesh on a dynamic body moves as the hull of its vertices.
+    ///
     /// # Errors
     /// If a coordinate is not finite; if all points are equal, on a line or in a plane.
     pub fn new(points: &[Vec3]) -> Result<ConvexHull, Error> {
@@ -395,6 +397,39 @@ mod tests {
         assert_eq!(hull.vertices.len(), most);
         // A cap around each of n vertices has the area 4 pi / n: its height is 2 / n, here 0.8 %; uneven caps twice.
         assert!(hull.left_out < 0.02, "{}", hull.left_out);
+    }
+
+    #[test]
+    fn a_hundred_thousand_points_make_a_valid_hull() {
+        let mut random = Random(21);
+        let rotation = random.rotation();
+        for kind in 0..4 {
+            let points: Vec<Vec3> = (0..100_000)
+                .map(|i| {
+                    let mut p = random.cube();
+                    match kind {
+                        0 => {}
+                        // On the faces of a box, with noise.
+                        1 => {
+                            p[i % 3] = p[i % 3].signum();
+                            p = rotation * p;
+                        }
+                        // On a cylinder.
+                        2 => {
+                            p = rotation
+                                * (random.sphere() * Vec3::new(1.0, 0.0, 1.0)).normalize().with_y(p.y)
+                        }
+                        // On a plate.
+                        _ => p = random.sphere() * Vec3::new(1.0, 1e-3, 1.0),
+                    }
+                    p
+                })
+                .collect();
+            let start = std::time::Instant::now();
+            let hull = ConvexHull::new(&points).unwrap();
+            println!("kind {kind}: {:?}, {:?}, left out {}", start.elapsed(), counts(&hull), hull.left_out);
+            check(&points, &hull);
+        }
     }
 
     #[test]

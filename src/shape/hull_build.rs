@@ -100,10 +100,18 @@ const NONE: u32 = u32::MAX;
 /// A triangle while the hull grows, with the points that it sees.
 struct Face {
     triangle: Triangle,
+    /// By any height above rounding; what is below noise becomes no vertex, but isn't forgotten.
     outside: Vec<u32>,
     /// The greatest height among `outside`.
     furthest: f64,
     alive: bool,
+}
+
+impl Face {
+    fn measure(&mut self, points: &[DVec3]) {
+        let heights = self.outside.iter().map(|&p| self.triangle.height(points[p as usize]));
+        self.furthest = heights.fold(0.0, f64::max);
+    }
 }
 
 pub(super) struct Quickhull<'a> {
@@ -112,6 +120,7 @@ pub(super) struct Quickhull<'a> {
     alive: usize,
     /// A point further outside than this has to become a vertex.
     noise: f64,
+    /// A point further outside than this sees a face.
     rounding: f64,
     visible: Vec<u32>,
     is_visible: Vec<bool>,
@@ -156,22 +165,45 @@ impl<'a> Quickhull<'a> {
     pub(super) fn grow(&mut self, most: usize) -> f64 {
         let mut left_out = 0.0_f64;
         // Every round takes a point for good. A closed surface of triangles has 2 V - 4 of them.
-        while let Some(face) = self.furthest_face() {
-            if self.alive + 4 >= 2 * most {
-                return left_out.max(self.faces[face].furthest);
-            }
+        loop {
+            let full = self.alive + 4 >= 2 * most;
+            let furthest = self.furthest_face().filter(|_| !full);
+            let Some(face) = furthest.or_else(|| self.look_again()).filter(|_| !full) else { break };
             let point = self.furthest_point(face);
             if !self.add(face as u32, point) {
                 // Rounding left no clean horizon: do without this point.
                 let face = &mut self.faces[face];
                 left_out = left_out.max(face.triangle.height(self.points[point as usize]));
                 face.outside.retain(|&p| p != point);
-                let (triangle, points) = (&face.triangle, self.points);
-                face.furthest =
-                    face.outside.iter().map(|&p| triangle.height(points[p as usize])).fold(0.0, f64::max);
+                face.measure(self.points);
             }
         }
-        left_out
+        self.faces.iter().filter(|f| f.alive).map(|f| f.furthest).fold(left_out, f64::max)
+    }
+
+    /// Moves every point that is left to the face that it is furthest outside of. Beside a sharp edge, a point just
+    /// above one face may be far outside one that came later. Returns a face with a point that counts.
+    fn look_again(&mut self) -> Option<usize> {
+        for face in 0..self.faces.len() {
+            let outside = std::mem::take(&mut self.faces[face].outside);
+            for &point in &outside {
+                let p = self.points[point as usize];
+                self.find_visible(face as u32, p);
+                let (mut best, mut height) = (face, f64::MIN);
+                for &seen in &self.visible {
+                    let h = self.faces[seen as usize].triangle.height(p);
+                    if h > height {
+                        (best, height) = (seen as usize, h);
+                    }
+                }
+                self.forget_visible();
+                self.faces[best].outside.push(point);
+            }
+        }
+        for face in self.faces.iter_mut().filter(|f| f.alive) {
+            face.measure(self.points);
+        }
+        self.furthest_face()
     }
 
     /// The triangles of the hull, neighbours by their index in the list.
@@ -192,7 +224,7 @@ impl<'a> Quickhull<'a> {
     /// The face with a point furthest outside: the order in which points matter, should there be too many.
     fn furthest_face(&self) -> Option<usize> {
         let mut best = None;
-        let mut most = 0.0;
+        let mut most = self.noise;
         for (i, face) in self.faces.iter().enumerate() {
             if face.alive && face.furthest > most {
                 (best, most) = (Some(i), face.furthest);
@@ -252,26 +284,27 @@ impl<'a> Quickhull<'a> {
         true
     }
 
-    /// Fills `visible` with the faces that see `p` and are connected with `seen`, and `horizon` with their rim.
-    fn find_horizon(&mut self, seen: u32, p: DVec3) {
-        self.horizon.clear();
+    /// Fills `visible` with the faces that see `p` and are connected with `seen`.
+    fn find_visible(&mut self, seen: u32, p: DVec3) {
         self.visible.push(seen);
         self.is_visible[seen as usize] = true;
         let mut next = 0;
         while let Some(&face) = self.visible.get(next) {
             next += 1;
-            let triangle = &self.faces[face as usize].triangle;
-            for edge in 0..3 {
-                let other = triangle.across[edge];
-                if self.is_visible[other as usize] {
-                    continue;
-                }
-                if self.faces[other as usize].triangle.height(p) > self.rounding {
+            for other in self.faces[face as usize].triangle.across {
+                let sees = self.faces[other as usize].triangle.height(p) > self.rounding;
+                if sees && !self.is_visible[other as usize] {
                     self.is_visible[other as usize] = true;
                     self.visible.push(other);
                 }
             }
         }
+    }
+
+    /// Fills `visible` as above, and `horizon` with its rim.
+    fn find_horizon(&mut self, seen: u32, p: DVec3) {
+        self.horizon.clear();
+        self.find_visible(seen, p);
         for &face in &self.visible {
             let triangle = &self.faces[face as usize].triangle;
             for edge in 0..3 {
@@ -312,13 +345,14 @@ impl<'a> Quickhull<'a> {
     }
 
     /// Gives each orphan to the new face that it is furthest outside of. One that is outside none is inside the hull,
-    /// for good: it can't see an old face without having belonged to a face that went.
+    /// for good: it can't see another face without seeing one of these. That holds for exact distances only, hence
+    /// `rounding`: with `noise` here, a point beside a sharp edge would be lost although it is far outside.
     fn share_orphans(&mut self, first: u32) {
-        let (points, noise) = (self.points, self.noise);
+        let (points, rounding) = (self.points, self.rounding);
         let new = &mut self.faces[first as usize..];
         for orphan in self.orphans.drain(..) {
             let p = points[orphan as usize];
-            let mut best = (noise, NONE);
+            let mut best = (rounding, NONE);
             for (i, face) in new.iter().enumerate() {
                 let height = face.triangle.height(p);
                 if height > best.0 {

@@ -216,6 +216,9 @@ fn outer(v: DVec3) -> DMat3 {
 
 /// A frustum between two discs on the y axis.
 fn frustum(y0: f64, r0: f64, y1: f64, r1: f64) -> Moments {
+    if y1 <= y0 {
+        return Moments::ZERO;
+    }
     revolve(y0, y1, |y| {
         let r = r0 + (r1 - r0) * (y - y0) / (y1 - y0);
         r * r
@@ -289,9 +292,9 @@ fn principal(matrix: DMat3) -> (DVec3, DQuat) {
             let t = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
             let c = 1.0 / (t * t + 1.0).sqrt();
             let s = t * c;
-            for k in 0..3 {
-                let (a, b) = (m[k][p], m[k][q]);
-                (m[k][p], m[k][q]) = (c * a - s * b, s * a + c * b);
+            for row in &mut m {
+                let (a, b) = (row[p], row[q]);
+                (row[p], row[q]) = (c * a - s * b, s * a + c * b);
             }
             for k in 0..3 {
                 let (a, b) = (m[p][k], m[q][k]);
@@ -397,6 +400,7 @@ mod tests {
         close(capsule(0.25, 0.5, 2.0), ball(2.0, 0.25), 1e-6);
         // Just before one ball contains the other.
         close(capsule(0.25, 1.0, 0.500_01), ball(1.0, -0.25), 1e-5);
+        close(capsule(0.5, 1.0_f32.next_down(), f32::MIN_POSITIVE), ball(1.0, -0.5), 1e-5);
         close(capsule(1.0, 0.5, 0.500_001), capsule(1.0, 0.5, 0.5), 1e-5);
     }
 
