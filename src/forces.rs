@@ -1,6 +1,6 @@
 //! Forces -> velocities: acceleration of the step, world inertia, and the motion it predicts.
 
-use crate::body::{Bodies, tumble};
+use crate::body::{Bodies, Mass, Traits, tumble};
 use crate::lanes::{Record, Sym3};
 use crate::memory::bytes_of;
 use crate::threads::{Crew, Shared};
@@ -14,6 +14,8 @@ pub(crate) struct Forces {
     pub(crate) acceleration: Vec<Record>,
     /// Inverse inertia in world axes [1/(kg m²)], of dynamic bodies.
     pub(crate) inverse_inertia: Vec<Sym3<f32>>,
+    /// Velocities at the start of the step.
+    pub(crate) start: Vec<Record>,
     /// Predicted displacement [m] and rotation vector [rad] of the step.
     pub(crate) motion: Vec<Record>,
 }
@@ -21,8 +23,9 @@ pub(crate) struct Forces {
 impl Forces {
     /// Live and reserved bytes, without the predicted motion.
     pub(crate) fn bytes(&self) -> (usize, usize) {
-        let (a, b) = (bytes_of(&self.acceleration), bytes_of(&self.inverse_inertia));
-        (a.0 + b.0, a.1 + b.1)
+        [bytes_of(&self.acceleration), bytes_of(&self.inverse_inertia), bytes_of(&self.start)]
+            .into_iter()
+            .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
     }
 }
 
@@ -32,7 +35,9 @@ const BLOCK: usize = 256;
 /// Computes [`Forces`] for a step of `dt` seconds.
 pub(crate) fn predict(crew: &Crew<'_>, world: &mut World, dt: f32) {
     let (movers, dynamic) = (world.bodies.movers(), world.bodies.dynamic());
-    let Forces { acceleration, inverse_inertia, motion } = &mut world.buffers.forces;
+    let Forces { acceleration, inverse_inertia, start, motion } = &mut world.buffers.forces;
+    start.clear();
+    start.extend_from_slice(&world.bodies.velocity[..movers]);
     acceleration.resize(movers, Record::default());
     motion.resize(movers, Record::default());
     inverse_inertia.resize(dynamic, Sym3::default());
@@ -74,7 +79,7 @@ fn accelerate(bodies: &Bodies, i: usize, gravity: Vec3, inverse: &Sym3<f32>, dt:
         pull.angular = inverse.mul(crate::lanes::Vec3::new(t.x, t.y, t.z)).lane(0);
     }
     let w = bodies.velocity[i].angular;
-    if spins_freely(bodies, i, dt) {
+    if spins_freely(mass, traits, w, dt) {
         // The gyroscopic term: the change of velocity that keeps the angular momentum.
         let (_, turned) = tumble(bodies.pose[i].rotation, w, mass.inertia, dt);
         pull.angular += (turned - w) / dt;
@@ -87,11 +92,10 @@ fn accelerate(bodies: &Bodies, i: usize, gravity: Vec3, inverse: &Sym3<f32>, dt:
 }
 
 /// Whether the gyroscopic term matters: unequal moments, and enough spin.
-pub(crate) fn spins_freely(bodies: &Bodies, i: usize, dt: f32) -> bool {
-    let inertia = bodies.mass[i].inertia;
-    let (low, high) = (inertia.min_element(), inertia.max_element());
-    let turn = bodies.velocity[i].angular.length_squared() * dt * dt;
-    high - low > 1e-3 * high && turn > 1e-6 && low > 0.0 && bodies.traits[i].locks == 0
+pub(crate) fn spins_freely(mass: &Mass, traits: &Traits, spin: Vec3, dt: f32) -> bool {
+    let (low, high) = (mass.inertia.min_element(), mass.inertia.max_element());
+    let turn = spin.length_squared() * dt * dt;
+    high - low > 1e-3 * high && turn > 1e-6 && low > 0.0 && traits.locks == 0
 }
 
 /// Inverse inertia in world axes. About a locked axis nothing turns, and the others turn as if it were not there.
@@ -122,11 +126,4 @@ fn world_inertia(bodies: &Bodies, i: usize) -> Sym3<f32> {
     }
     let (x, y, z) = (inverse.x_axis, inverse.y_axis, inverse.z_axis);
     Sym3 { xx: x.x, yy: y.y, zz: z.z, xy: x.y, xz: x.z, yz: y.z }
-}
-
-/// Keeps the velocities at the start of the step for the restitution of the next one.
-///
-/// The displacement is added by `finish`.
-pub(crate) fn remember(bodies: &mut Bodies) {
-    let _ = bodies;
 }

@@ -10,14 +10,14 @@ use crate::memory::{Category, MemoryReport, bytes_of};
 use crate::narrow_phase::{Input, Scratch, collide};
 use crate::threads::{Crew, Shared, with_crew};
 use crate::world::World;
-use crate::{broad, config::Continuous, finish, forces, solver};
+use crate::{config::Continuous, finish, forces, movers, solver};
 use std::time::Instant;
 
 /// Buffers that stages hand on to each other, kept from step to step.
 #[derive(Debug, Default)]
 pub(crate) struct Buffers {
     pub(crate) forces: Forces,
-    pub(crate) broad: broad::Buffers,
+    pub(crate) broad: movers::Buffers,
     pub(crate) narrow: Scratch,
     pub(crate) bounce: BounceScratch,
     pub(crate) prepare: PrepareScratch,
@@ -77,7 +77,7 @@ impl World {
         self.keep_previous();
 
         forces::predict(crew, self, dt);
-        let broad = broad::pairs(crew, self, dt);
+        let broad = movers::pairs(crew, self);
         let mut clock = lap(start, &mut times.broad);
 
         let narrow = self.narrow(crew);
@@ -136,7 +136,6 @@ impl World {
                 threshold: self.settings.restitution_threshold * unit,
                 iterations: IMPACT_SWEEPS,
             };
-            forces::remember(&mut self.bodies);
             impacts =
                 bounce(&input, &mut self.contacts.all, &mut self.bodies, &mut self.buffers.bounce);
         }

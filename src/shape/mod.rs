@@ -79,6 +79,19 @@ impl Geometry {
         Geometry::Box { half_extents: Vec3::new(x, y, z) }
     }
 
+    /// What [`Collider::size`] holds.
+    pub(crate) fn size(&self) -> [f32; 4] {
+        match *self {
+            Geometry::Sphere { radius } => [radius, 0.0, 0.0, 0.0],
+            Geometry::Capsule { half_height, radius_bottom, radius_top }
+            | Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
+                [half_height, radius_bottom, radius_top, 0.0]
+            }
+            Geometry::Box { half_extents } => [half_extents.x, half_extents.y, half_extents.z, 0.0],
+            _ => [0.0; 4],
+        }
+    }
+
     pub(crate) fn require_convex(&self) -> Result<(), Error> {
         let shape = match self {
             Geometry::Plane => "plane",

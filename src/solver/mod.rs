@@ -103,7 +103,10 @@ pub(crate) fn solve(
                 let fall = acceleration[i];
                 moved -= lanes(Record { angular: glam::Vec3::ZERO, ..fall }) * f32x8::splat(0.5 * h * h);
             }
+            let touched = v.linear != b.linear || v.angular != b.angular;
             *d = record(lanes(*d) + moved);
+            // The pad tells `finish` whether the body was free all along.
+            d.pad0 = if touched { 1.0 } else { d.pad0 };
         });
         passes.run(crew, Kind::Relax, rows, &velocity, &delta);
     }
