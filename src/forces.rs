@@ -104,7 +104,9 @@ fn world_inertia(bodies: &Bodies, i: usize) -> Sym3<f32> {
     let r = Mat3::from_quat(bodies.pose[i].rotation);
     let locks = bodies.traits[i].locks >> 3;
     let diagonal = |d: Vec3| {
-        let column = |row: usize| r.x_axis[row] * d.x * r.x_axis + r.y_axis[row] * d.y * r.y_axis + r.z_axis[row] * d.z * r.z_axis;
+        let column = |row: usize| {
+            r.x_axis[row] * d.x * r.x_axis + r.y_axis[row] * d.y * r.y_axis + r.z_axis[row] * d.z * r.z_axis
+        };
         [column(0), column(1), column(2)]
     };
     if locks == 0 {

@@ -68,8 +68,13 @@ pub(crate) fn pairs(crew: &Crew<'_>, world: &mut World) -> (BroadStats, u32) {
                         let placed = poses.get(c as usize);
                         placed.position = pose.position + (pose.rotation * collider.position).as_dvec3();
                         placed.rotation = pose.rotation * collider.rotation;
-                        *out.get(starts[i] as usize + k) =
-                            mover(c, collider, &motion[i], aabb_of(collider, pose.position, pose.rotation), mode);
+                        *out.get(starts[i] as usize + k) = mover(
+                            c,
+                            collider,
+                            &motion[i],
+                            aabb_of(collider, pose.position, pose.rotation),
+                            mode,
+                        );
                     }
                 }
             }

@@ -1,8 +1,7 @@
 //! One step on one screen.
 
-use crate::constraint::{
-    BounceInput, BounceScratch, PrepareInput, PrepareScratch, Rows, bounce, prepare,
-};
+use crate::config::{Continuous, FrictionModel};
+use crate::constraint::{BounceInput, BounceScratch, PrepareInput, PrepareScratch, Rows, bounce, prepare};
 use crate::error::{Error, positive};
 use crate::finish::{StageTimes, StepReport};
 use crate::forces::Forces;
@@ -10,7 +9,7 @@ use crate::memory::{Category, MemoryReport, bytes_of};
 use crate::narrow_phase::{Input, Scratch, collide};
 use crate::threads::{Crew, Shared, with_crew};
 use crate::world::World;
-use crate::{config::Continuous, finish, forces, movers, solver};
+use crate::{finish, forces, movers, solver};
 use std::time::Instant;
 
 /// Buffers that stages hand on to each other, kept from step to step.
@@ -92,6 +91,10 @@ impl World {
         solver::solve(crew, &self.settings, dt, &mut self.bodies, acceleration, rows, state);
         {
             let poses = &self.colliders.poses;
+            if self.settings.friction_model == FrictionModel::Point {
+                // Each point adds its share.
+                self.contacts.all.iter_mut().for_each(|c| c.friction = glam::Vec3::ZERO);
+            }
             let contacts = Shared::new(&mut self.contacts.all);
             solver::store(crew, &self.buffers.rows, &contacts, &|c| poses[c as usize].rotation);
         }
@@ -136,8 +139,7 @@ impl World {
                 threshold: self.settings.restitution_threshold * unit,
                 iterations: IMPACT_SWEEPS,
             };
-            impacts =
-                bounce(&input, &mut self.contacts.all, &mut self.bodies, &mut self.buffers.bounce);
+            impacts = bounce(&input, &mut self.contacts.all, &mut self.bodies, &mut self.buffers.bounce);
         }
         let h = dt / self.settings.substeps as f32;
         let last = self.buffers.last_h;
@@ -153,6 +155,7 @@ impl World {
             real: REAL * unit,
             warm,
             stick: STICK * unit,
+            per_point: self.settings.friction_model == FrictionModel::Point,
         };
         prepare(crew, &input, &mut self.buffers.rows, &mut self.buffers.prepare);
         impacts

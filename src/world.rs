@@ -193,7 +193,8 @@ impl World {
             shape.geometry.require_convex()?;
         }
         self.check_budget(&[BodyDesc::fixed().with_shape(shape.clone())])?;
-        let mass = MassProperties::of(&shape.geometry, shape.density).transformed(shape.position, shape.rotation);
+        let mass =
+            MassProperties::of(&shape.geometry, shape.density).transformed(shape.position, shape.rotation);
         let collider = self.new_collider(index, shape);
         if self.bodies.cold[index].mass_from_shapes && mass.mass > 0.0 {
             self.refresh_mass(index);
@@ -208,7 +209,8 @@ impl World {
     pub fn remove_shape(&mut self, shape: ShapeHandle) -> Result<(), Error> {
         let collider = self.collider(shape)?;
         let index = self.colliders.all[collider as usize].body as usize;
-        let from_shapes = self.bodies.cold[index].mass_from_shapes && self.bodies.kind[index] == BodyKind::Dynamic;
+        let from_shapes =
+            self.bodies.cold[index].mass_from_shapes && self.bodies.kind[index] == BodyKind::Dynamic;
         if from_shapes {
             let rest = self.bodies.colliders[index].as_slice().iter().filter(|&&c| c != collider);
             if !rest.clone().any(|&c| self.colliders.all[c as usize].density > 0.0) {
@@ -287,7 +289,10 @@ impl World {
 
     /// All bodies: dynamic ones first, then kinematic, then static.
     pub fn bodies(&self) -> impl Iterator<Item = BodyHandle> + '_ {
-        self.bodies.slot.iter().map(|&slot| BodyHandle { slot, generation: self.bodies.slots.generation(slot) })
+        self.bodies
+            .slot
+            .iter()
+            .map(|&slot| BodyHandle { slot, generation: self.bodies.slots.generation(slot) })
     }
 
     /// Whether the handle still names a body.
@@ -535,7 +540,8 @@ impl World {
 
     /// A number that differs if any pose or velocity differs in a bit. Bodies count in the order of their handles.
     pub fn hash(&self) -> u64 {
-        let mut order: Vec<(u32, usize)> = self.bodies.slot.iter().enumerate().map(|(i, &s)| (s, i)).collect();
+        let mut order: Vec<(u32, usize)> =
+            self.bodies.slot.iter().enumerate().map(|(i, &s)| (s, i)).collect();
         order.sort_unstable();
         let mut hash = 0xCBF2_9CE4_8422_2325u64;
         let mut add = |bits: u64| hash = (hash ^ bits).wrapping_mul(0x100_0000_01B3).rotate_left(5);
@@ -722,10 +728,8 @@ impl World {
         let pose = self.bodies.pose[index];
         let body = pose.rotation * old.axes.conjugate();
         let shift = body * (cold.centre - old.centre);
-        self.bodies.pose[index] = Pose {
-            position: pose.position + shift.as_dvec3(),
-            rotation: (body * cold.axes).normalize(),
-        };
+        self.bodies.pose[index] =
+            Pose { position: pose.position + shift.as_dvec3(), rotation: (body * cold.axes).normalize() };
         let velocity = &mut self.bodies.velocity[index];
         velocity.linear += velocity.angular.cross(shift);
         self.bodies.cold[index] = cold;
@@ -782,7 +786,8 @@ fn mass_of(shapes: &[ShapeDesc]) -> MassProperties {
 
 fn columns_of(mass: &MassProperties, kind: BodyKind, user_data: u64, mass_from_shapes: bool) -> (Cold, Mass) {
     // Rounding must not turn the axes of a body that is aligned with them already.
-    let (m, tiny) = (mass.inertia, 1e-6 * mass.inertia.x_axis.x.max(mass.inertia.y_axis.y).max(mass.inertia.z_axis.z));
+    let (m, tiny) =
+        (mass.inertia, 1e-6 * mass.inertia.x_axis.x.max(mass.inertia.y_axis.y).max(mass.inertia.z_axis.z));
     let aligned = [m.x_axis.y, m.x_axis.z, m.y_axis.z].iter().all(|x| x.abs() <= tiny);
     let (moments, axes) = if aligned {
         (Vec3::new(m.x_axis.x, m.y_axis.y, m.z_axis.z), Quat::IDENTITY)

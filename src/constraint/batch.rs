@@ -1,6 +1,7 @@
 //! Rows of contacts, packed in lanes.
 
 use super::order::Stage;
+use super::prepare::Part;
 use crate::lanes::{Lanes, Sym3, Vec3, f32x8};
 use crate::memory::bytes_of;
 
@@ -59,8 +60,8 @@ pub(crate) struct Batch<L, const P: usize> {
     /// Dense indices of the bodies; an inert lane repeats lane 0.
     pub(crate) a: [u32; 8],
     pub(crate) b: [u32; 8],
-    /// Where the impulses go back to; `u32::MAX` in an inert lane.
-    pub(crate) contact: [u32; 8],
+    /// Where the impulses go back to.
+    pub(crate) contact: [Part; 8],
     /// Bit per lane: body `b` (and `a`) may be written.
     pub(crate) write_a: u32,
     pub(crate) write_b: u32,
@@ -81,7 +82,7 @@ impl<L: Lanes, const P: usize> Default for Batch<L, P> {
             friction: FrictionRow::default(),
             a: [0; 8],
             b: [0; 8],
-            contact: [u32::MAX; 8],
+            contact: [Part::NONE; 8],
             write_a: 0,
             write_b: 0,
             swapped: 0,

@@ -88,7 +88,13 @@ pub(crate) fn bounce(
     scratch.impacts.len()
 }
 
-fn find(input: &BounceInput<'_>, contact: &mut Contact, restitution: f32, bodies: &Bodies, impacts: &mut Vec<Impact>) {
+fn find(
+    input: &BounceInput<'_>,
+    contact: &mut Contact,
+    restitution: f32,
+    bodies: &Bodies,
+    impacts: &mut Vec<Impact>,
+) {
     let (a, b) = (input.colliders[contact.a as usize].body, input.colliders[contact.b as usize].body);
     let shape = &input.poses[contact.a as usize];
     let (pose_a, pose_b) = (&bodies.pose[a as usize], &bodies.pose[b as usize]);
@@ -123,7 +129,16 @@ fn find(input: &BounceInput<'_>, contact: &mut Contact, restitution: f32, bodies
         let k = mass(a) + mass(b) + inertia(a, arm_a) + inertia(b, arm_b);
         if k > 0.0 {
             let mass = 1.0 / k;
-            impacts.push(Impact { a, b, normal, arm_a, arm_b, mass, target: restitution * approach, impulse: 0.0 });
+            impacts.push(Impact {
+                a,
+                b,
+                normal,
+                arm_a,
+                arm_b,
+                mass,
+                target: restitution * approach,
+                impulse: 0.0,
+            });
             point.impulse = 0.0;
             bounced = true;
         }

@@ -2,6 +2,7 @@
 //! impulses and for soft substeps.
 
 use super::batch::{Batch, couple};
+use super::prepare::Part;
 use crate::lanes::{GatherLanes, Lanes, Record, Vec3, gather, scatter};
 use crate::threads::Shared;
 
@@ -58,7 +59,10 @@ impl<L: GatherLanes> Pair<L> {
     /// # Safety
     /// The bodies of the batch are this thread's, or are not written in this stage.
     #[inline(always)]
-    unsafe fn load<const P: usize, const TWO: bool>(batch: &Batch<L, P>, records: &Shared<'_, Record>) -> Self {
+    unsafe fn load<const P: usize, const TWO: bool>(
+        batch: &Batch<L, P>,
+        records: &Shared<'_, Record>,
+    ) -> Self {
         // SAFETY: by the contract.
         let records = unsafe { records.slice() };
         let (va, wa) = gather(records, &batch.a);
@@ -69,7 +73,11 @@ impl<L: GatherLanes> Pair<L> {
     /// # Safety
     /// As for [`Pair::load`].
     #[inline(always)]
-    unsafe fn save<const P: usize, const TWO: bool>(&self, batch: &Batch<L, P>, records: &Shared<'_, Record>) {
+    unsafe fn save<const P: usize, const TWO: bool>(
+        &self,
+        batch: &Batch<L, P>,
+        records: &Shared<'_, Record>,
+    ) {
         let write = |linear, angular, index: &[u32; 8], mask: u32| {
             let out = scatter(linear, angular);
             for lane in 0..L::N {
@@ -87,7 +95,13 @@ impl<L: GatherLanes> Pair<L> {
 
     /// Applies an impulse `p` on `b` and `-p` on `a`, with angular impulses `ta` (taken from `a`) and `tb`.
     #[inline(always)]
-    fn apply<const P: usize, const TWO: bool>(&mut self, batch: &Batch<L, P>, p: Vec3<L>, ta: Vec3<L>, tb: Vec3<L>) {
+    fn apply<const P: usize, const TWO: bool>(
+        &mut self,
+        batch: &Batch<L, P>,
+        p: Vec3<L>,
+        ta: Vec3<L>,
+        tb: Vec3<L>,
+    ) {
         self.va -= p * batch.inverse_mass_a;
         self.wa -= batch.inverse_inertia_a.mul(ta);
         if TWO {
@@ -156,7 +170,8 @@ pub(crate) unsafe fn solve<
 
     if FRICTION {
         let t2 = n.cross(batch.friction.tangent);
-        let limit = batch.points.iter().fold(L::zero(), |s, p| s + p.impulse * p.real) * batch.friction.coefficient;
+        let limit =
+            batch.points.iter().fold(L::zero(), |s, p| s + p.impulse * p.real) * batch.friction.coefficient;
         let f = &mut batch.friction;
         let mut u = -(v.va + v.wa.cross(f.arm_a));
         let mut spin = -v.wa;
@@ -166,10 +181,8 @@ pub(crate) unsafe fn solve<
         }
         let (u1, u2) = (u.dot(f.tangent), u.dot(t2));
         let old = f.impulse;
-        let mut new = [
-            old[0] - (f.mass[0] * u1 + f.mass[1] * u2),
-            old[1] - (f.mass[1] * u1 + f.mass[2] * u2),
-        ];
+        let mut new =
+            [old[0] - (f.mass[0] * u1 + f.mass[1] * u2), old[1] - (f.mass[1] * u1 + f.mass[2] * u2)];
         if pass.friction_box {
             new = new.map(|x| x.clamp(-limit, limit));
         } else {
@@ -210,7 +223,8 @@ pub(crate) unsafe fn solve<
             let push = (deep * L::splat(pass.softness.bias_rate)).max(L::splat(-pass.push_speed));
             let bias = L::select(apart, speculative, push);
             let mass = point.mass * L::select(apart, L::one(), L::splat(pass.softness.mass_scale));
-            let kept = point.impulse * L::select(apart, L::one(), L::splat(1.0 - pass.softness.impulse_scale));
+            let kept =
+                point.impulse * L::select(apart, L::one(), L::splat(1.0 - pass.softness.impulse_scale));
             kept - mass * (u + bias)
         } else {
             point.impulse - point.mass * (u + speculative.max(L::zero()))
@@ -230,20 +244,20 @@ pub(crate) unsafe fn solve<
     unsafe { v.save::<P, TWO>(batch, motion.velocity) };
 }
 
-/// Writes the impulses back to the contacts: `sink(contact, swapped, normal impulses, friction impulse, twist, pushed)`.
+/// Hands the impulses of each lane to `sink`: of the points, of friction (on the contact's own `b`) and of twist.
 #[inline(always)]
 pub(crate) fn store<L: Lanes, const P: usize>(
     batch: &Batch<L, P>,
-    mut sink: impl FnMut(u32, &[f32; P], glam::Vec3, f32),
+    mut sink: impl FnMut(Part, &[f32; P], glam::Vec3, f32),
 ) {
     let f = &batch.friction;
     let friction = f.tangent * f.impulse[0] + batch.normal.cross(f.tangent) * f.impulse[1];
     for lane in 0..L::N {
-        let contact = batch.contact[lane];
-        if contact != u32::MAX {
+        let part = batch.contact[lane];
+        if part != Part::NONE {
             let sign = if batch.swapped >> lane & 1 != 0 { -1.0 } else { 1.0 };
             let impulses = std::array::from_fn(|i| batch.points[i].impulse.lane(lane));
-            sink(contact, &impulses, friction.lane(lane) * sign, f.twist.lane(lane));
+            sink(part, &impulses, friction.lane(lane) * sign, f.twist.lane(lane));
         }
     }
 }

@@ -28,6 +28,36 @@ pub(crate) struct PrepareInput<'a> {
     pub(crate) warm: f32,
     /// Slip speed below which friction is static [m/s].
     pub(crate) stick: f32,
+    /// Friction at every point: each point then is a manifold of its own.
+    pub(crate) per_point: bool,
+}
+
+/// A contact, or one point of it, in a lane of a batch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Part(pub(crate) u32);
+
+impl Part {
+    const SLOT: u32 = (1 << 29) - 1;
+    /// An inert lane.
+    pub(crate) const NONE: Part = Part(u32::MAX);
+
+    fn whole(slot: u32) -> Part {
+        Part(slot)
+    }
+    fn point(slot: u32, point: usize) -> Part {
+        Part(slot | (point as u32 + 1) << 29)
+    }
+    pub(crate) fn slot(self) -> usize {
+        (self.0 & Self::SLOT) as usize
+    }
+    /// The point, unless the part is the whole contact.
+    pub(crate) fn only(self) -> Option<usize> {
+        (self.0 >> 29).checked_sub(1).map(|p| p as usize)
+    }
+    /// First point and number of points.
+    fn range(self, contact: &Contact) -> (usize, usize) {
+        self.only().map_or((0, contact.count as usize), |p| (p, 1))
+    }
 }
 
 /// Buffers of one step.
@@ -35,8 +65,8 @@ pub(crate) struct PrepareInput<'a> {
 pub(crate) struct PrepareScratch {
     colouring: [Colouring; 4],
     /// Contact and sort key.
-    entries: Vec<(u32, u32)>,
-    sorted: Vec<u32>,
+    entries: Vec<(Part, u32)>,
+    sorted: Vec<Part>,
     /// First contact in `sorted` of each batch of the schedule, and how many.
     ranges: Vec<(u32, u32)>,
 }
@@ -55,7 +85,12 @@ const KEYS: usize = Group::ALL.len() * (COLOURS + 1) * 4;
 const BLOCK: usize = 8;
 
 /// Builds all batches of the step.
-pub(crate) fn prepare(crew: &Crew<'_>, input: &PrepareInput<'_>, rows: &mut Rows, scratch: &mut PrepareScratch) {
+pub(crate) fn prepare(
+    crew: &Crew<'_>,
+    input: &PrepareInput<'_>,
+    rows: &mut Rows,
+    scratch: &mut PrepareScratch,
+) {
     sort(input, scratch);
     schedule(rows, scratch);
     let Rows { p1, p2, p3, p4, single, schedule, stages } = rows;
@@ -104,10 +139,17 @@ fn sort(input: &PrepareInput<'_>, scratch: &mut PrepareScratch) {
                 let movers = input.bodies.movers();
                 let potential = contact.points().iter().all(|p| p.separation > input.real);
                 let group = Group::of(a >= movers || b >= movers, potential);
-                let colour = colouring[group as usize].assign(a, b);
-                let key = (group as usize * (COLOURS + 1) + colour) * 4 + 4 - contact.count as usize;
-                entries.push((slot, key as u32));
-                starts[key + 1] += 1;
+                let mut enter = |part: Part, count: usize| {
+                    let colour = colouring[group as usize].assign(a, b);
+                    let key = (group as usize * (COLOURS + 1) + colour) * 4 + 4 - count;
+                    entries.push((part, key as u32));
+                    starts[key + 1] += 1;
+                };
+                if input.per_point {
+                    (0..contact.count as usize).for_each(|point| enter(Part::point(slot, point), 1));
+                } else {
+                    enter(Part::whole(slot), contact.count as usize);
+                }
             }
             slot = contact.next;
         }
@@ -116,10 +158,10 @@ fn sort(input: &PrepareInput<'_>, scratch: &mut PrepareScratch) {
         starts[key + 1] += starts[key];
     }
     sorted.clear();
-    sorted.resize(entries.len(), 0);
-    for &(slot, key) in entries.iter() {
+    sorted.resize(entries.len(), Part::NONE);
+    for &(part, key) in entries.iter() {
         let at = &mut starts[key as usize];
-        sorted[*at as usize] = slot;
+        sorted[*at as usize] = part;
         *at += 1;
     }
     // `starts[key]` is now the end of the key's range; `schedule` reads it from the entries' counts again.
@@ -151,7 +193,8 @@ fn schedule(rows: &mut Rows, scratch: &mut PrepareScratch) {
             let serial = colour == OVERFLOW;
             let width = if serial { 1 } else { 8 };
             for at in (start..end).step_by(width) {
-                let points = (first..first + 4).find(|&k| at < keys[k].0 + keys[k].1).map_or(4, contact_points);
+                let points =
+                    (first..first + 4).find(|&k| at < keys[k].0 + keys[k].1).map_or(4, contact_points);
                 let index = if serial {
                     singles += 1;
                     singles - 1
@@ -176,13 +219,18 @@ fn schedule(rows: &mut Rows, scratch: &mut PrepareScratch) {
 /// Fills the lanes of a batch; lanes without a contact get rows without mass.
 fn fill<L: GatherLanes, const P: usize>(
     batch: &mut Batch<L, P>,
-    slots: &[u32],
+    parts: &[Part],
     group: Group,
     input: &PrepareInput<'_>,
 ) {
-    let used = slots.len();
+    let used = parts.len();
     let live = L::Mask::from_bits(((1u64 << used) - 1) as u32);
-    let contact = |lane: usize| &input.contacts[slots[lane.min(used - 1)] as usize];
+    let part = |lane: usize| parts[lane.min(used - 1)];
+    let contact = |lane: usize| &input.contacts[part(lane).slot()];
+    let point_of = |lane: usize, i: usize| {
+        let (first, count) = part(lane).range(contact(lane));
+        (i < count, &contact(lane).points[first + i.min(count - 1)])
+    };
     let dynamic = input.bodies.dynamic() as u32;
     let movers = input.bodies.movers() as u32;
     let body_of = |c: u32| input.colliders[c as usize].body;
@@ -197,7 +245,7 @@ fn fill<L: GatherLanes, const P: usize>(
         }
         // A static body has no record: its velocity is never read in a static group.
         (batch.a[lane], batch.b[lane]) = (a, if b < movers { b } else { a });
-        batch.contact[lane] = if lane < used { slots[lane] } else { u32::MAX };
+        batch.contact[lane] = if lane < used { parts[lane] } else { Part::NONE };
         if lane < used {
             batch.write_a |= u32::from(a < dynamic) << lane;
             batch.write_b |= u32::from(b < dynamic) << lane;
@@ -252,22 +300,22 @@ fn fill<L: GatherLanes, const P: usize>(
     let mut present = [L::zero(); P];
     let warm = L::splat(input.warm);
     for i in 0..P {
-        let has = L::from_fn(|lane| if lane < used && i < contact(lane).count as usize { 1.0 } else { 0.0 });
+        let has = L::from_fn(|lane| if lane < used && point_of(lane, i).0 { 1.0 } else { 0.0 });
         present[i] = has;
         let is = has.gt(L::zero());
-        let p = turn.rotate(Vec3::from_fn(|lane| contact(lane).points[i].position));
+        let p = turn.rotate(Vec3::from_fn(|lane| point_of(lane, i).1.position));
         ra[i] = p + origin;
         rb[i] = ra[i] + to_b;
         let (arm_a, arm_b) = (ra[i].cross(n), rb[i].cross(n));
         (turned_a[i], turned_b[i]) = (ia.mul(arm_a), ib.mul(arm_b));
         let k = ma + mb + arm_a.dot(turned_a[i]) + arm_b.dot(turned_b[i]);
         let possible = k.gt(L::zero());
-        let s = L::from_fn(|lane| contact(lane).points[i].separation);
+        let s = L::from_fn(|lane| point_of(lane, i).1.separation);
         let point = &mut batch.points[i];
         (point.arm_a, point.arm_b) = (arm_a, arm_b);
         point.separation = L::select(is, s, L::splat(f32::INFINITY));
         point.mass = L::select(is & possible, L::one() / k, L::zero());
-        let old = L::from_fn(|lane| contact(lane).points[i].impulse);
+        let old = L::from_fn(|lane| point_of(lane, i).1.impulse);
         point.impulse = L::select(is & possible, old * warm, L::zero());
         point.real = L::select(s.le(L::splat(input.real)), has, L::zero());
         for k in 0..i {
@@ -302,8 +350,12 @@ fn fill<L: GatherLanes, const P: usize>(
     f.mass = [k22 * over, -(k12 * over), k11 * over];
     f.twist_mass = L::select(live & kt.gt(L::zero()), L::one() / kt, L::zero());
     f.radius = radius;
-    // Friction was stored in the frame of the contact's shape a.
-    let old = turn.rotate(Vec3::from_fn(|i| contact(i).friction)) * sign * warm;
+    // Friction was stored in the frame of the contact's shape a; its points share it by their load.
+    let share = L::from_fn(|i| {
+        let (c, total) = (contact(i), contact(i).points().iter().map(|p| p.impulse).sum::<f32>());
+        part(i).only().map_or(1.0, |p| if total > 0.0 { c.points[p].impulse / total } else { 0.0 })
+    });
+    let old = turn.rotate(Vec3::from_fn(|i| contact(i).friction)) * sign * warm * share;
     f.impulse = [old.dot(t1), old.dot(t2)].map(|x| L::select(possible, x, L::zero()));
     f.twist = L::select(live, L::from_fn(|i| contact(i).twist) * warm, L::zero());
 

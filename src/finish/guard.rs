@@ -58,20 +58,26 @@ impl Guard<'_> {
         let reach = *moved * (1.0 + keep / length);
         let start = from.as_vec3();
         let mut first: Option<(f32, Vec3)> = None;
-        self.broad.statics_on_path(stack, start, (from + reach.as_dvec3()).as_vec3(), Vec3::splat(keep), |c| {
-            let (collider, pose) = (&self.colliders[c as usize], &self.poses[c as usize]);
-            if !own.iter().any(|&o| self.colliders[o as usize].filter.allows(&collider.filter)) {
-                return;
-            }
-            let back = pose.rotation.conjugate();
-            let a = back * (from - pose.position).as_vec3();
-            let b = a + back * reach;
-            if let Some(hit) = segment_hits(collider, a, b)
-                && first.is_none_or(|(fraction, _)| hit.fraction < fraction)
-            {
-                first = Some((hit.fraction, pose.rotation * hit.normal));
-            }
-        });
+        self.broad.statics_on_path(
+            stack,
+            start,
+            (from + reach.as_dvec3()).as_vec3(),
+            Vec3::splat(keep),
+            |c| {
+                let (collider, pose) = (&self.colliders[c as usize], &self.poses[c as usize]);
+                if !own.iter().any(|&o| self.colliders[o as usize].filter.allows(&collider.filter)) {
+                    return;
+                }
+                let back = pose.rotation.conjugate();
+                let a = back * (from - pose.position).as_vec3();
+                let b = a + back * reach;
+                if let Some(hit) = segment_hits(collider, a, b)
+                    && first.is_none_or(|(fraction, _)| hit.fraction < fraction)
+                {
+                    first = Some((hit.fraction, pose.rotation * hit.normal));
+                }
+            },
+        );
         let Some((fraction, normal)) = first else { return false };
         // Back off so that the centre ends `keep` above the surface; never backwards.
         let into = -reach.dot(normal);

@@ -20,7 +20,8 @@ pub(crate) struct Buffers {
 
 impl Buffers {
     pub(crate) fn bytes(&self) -> (usize, usize) {
-        let stacks = self.stacks.iter().filter_map(|s| s.lock().ok().map(|s| s.capacity() * 4)).sum::<usize>();
+        let stacks =
+            self.stacks.iter().filter_map(|s| s.lock().ok().map(|s| s.capacity() * 4)).sum::<usize>();
         let own = self.stacks.capacity() * size_of::<Mutex<Vec<u32>>>();
         (own, own + stacks)
     }

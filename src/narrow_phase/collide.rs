@@ -50,7 +50,11 @@ impl Input<'_> {
             let c = &self.colliders[collider as usize];
             let turn = motion.angular.length();
             // A point of the shape can't get further than across it.
-            if turn == 0.0 { 0.0 } else { (turn * (c.position.length() + c.radius)).min(2.0 * c.radius + turn * c.position.length()) }
+            if turn == 0.0 {
+                0.0
+            } else {
+                (turn * (c.position.length() + c.radius)).min(2.0 * c.radius + turn * c.position.length())
+            }
         };
         (b.linear - a.linear).length() + reach(pair.a, &a) + reach(pair.b, &b)
     }
@@ -85,9 +89,10 @@ pub(crate) struct Scratch {
 impl Scratch {
     /// Live and reserved bytes.
     pub(crate) fn bytes(&self) -> (usize, usize) {
-        let mut sum = [bytes_of(&self.relative), bytes_of(&self.bin_of), self.bins.bytes(), bytes_of(&self.chain)]
-            .into_iter()
-            .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1));
+        let mut sum =
+            [bytes_of(&self.relative), bytes_of(&self.bin_of), self.bins.bytes(), bytes_of(&self.chain)]
+                .into_iter()
+                .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1));
         sum.1 += self.found.capacity() * size_of::<Mutex<Found>>();
         for found in &self.found {
             let Ok(found) = found.lock() else { continue };
@@ -136,7 +141,15 @@ pub(crate) fn collide(
         crew.run(bins.blocks.len(), &|block| {
             let (bin, start, end) = bins.blocks[block];
             if let Ok(mut out) = found[block].lock() {
-                run_bin(bin, &bins.order[start as usize..end as usize], input, pairs, relative, &all, &mut out);
+                run_bin(
+                    bin,
+                    &bins.order[start as usize..end as usize],
+                    input,
+                    pairs,
+                    relative,
+                    &all,
+                    &mut out,
+                );
             }
         });
     }
@@ -233,7 +246,13 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
 }
 
 /// Gives slots to what a block found.
-fn commit(pairs: &mut [Pair], contacts: &mut Contacts, out: &mut Found, chain: &mut Vec<Contact>, input: &Input<'_>) {
+fn commit(
+    pairs: &mut [Pair],
+    contacts: &mut Contacts,
+    out: &mut Found,
+    chain: &mut Vec<Contact>,
+    input: &Input<'_>,
+) {
     for index in out.emptied.drain(..) {
         let pair = &mut pairs[index as usize];
         contacts.remove_chain(std::mem::replace(&mut pair.contact, NONE));
@@ -262,7 +281,8 @@ fn commit(pairs: &mut [Pair], contacts: &mut Contacts, out: &mut Found, chain: &
             contact.fraction = *fraction;
             contact.struck = chain.iter().any(|old| old.pushed);
             // The manifold of the last step whose normal is nearest.
-            let nearest = chain.iter().max_by(|x, y| x.normal.dot(raw.normal).total_cmp(&y.normal.dot(raw.normal)));
+            let nearest =
+                chain.iter().max_by(|x, y| x.normal.dot(raw.normal).total_cmp(&y.normal.dot(raw.normal)));
             if let Some(old) = nearest.filter(|old| old.normal.dot(raw.normal) > 0.9) {
                 contact.inherit(old, near(input, pair));
                 (contact.friction, contact.twist) = (old.friction, old.twist);

@@ -1,7 +1,7 @@
 //! Contacts: manifolds that last while their pair does, with the impulses of the last step.
 
-use super::manifold::{MAX_POINTS, RawManifold};
 use super::Relative;
+use super::manifold::{MAX_POINTS, RawManifold};
 use crate::memory::bytes_of;
 use glam::{Quat, Vec3};
 
@@ -167,6 +167,16 @@ impl Contacts {
             self.free.push(slot);
             slot = next;
         }
+    }
+
+    /// How many contacts of a chain pushed in the last step.
+    pub(crate) fn count_pushed(&self, mut slot: u32) -> u32 {
+        let mut pushed = 0;
+        while slot != NONE {
+            pushed += u32::from(self.all[slot as usize].pushed);
+            slot = self.all[slot as usize].next;
+        }
+        pushed
     }
 
     /// Live and reserved bytes, .

@@ -198,13 +198,16 @@ impl Material {
     /// Static and dynamic friction of two surfaces.
     pub(crate) fn friction_with(&self, other: &Material) -> (f32, f32) {
         let how = self.friction_combine.max(other.friction_combine);
-        (how.of(self.static_friction, other.static_friction), how.of(self.dynamic_friction, other.dynamic_friction))
+        (
+            how.of(self.static_friction, other.static_friction),
+            how.of(self.dynamic_friction, other.dynamic_friction),
+        )
     }
     /// Restitution of two surfaces.
     pub(crate) fn restitution_with(&self, other: &Material) -> f32 {
         self.restitution_combine.max(other.restitution_combine).of(self.restitution, other.restitution)
     }
-    fn validate(&self) -> Result<(), Error> {
+    pub(crate) fn validate(&self) -> Result<(), Error> {
         within("static friction", self.static_friction, 0.0, f32::MAX, "at least zero")?;
         within("dynamic friction", self.dynamic_friction, 0.0, f32::MAX, "at least zero")?;
         within("restitution", self.restitution, 0.0, 1.0, "in 0..=1").map(drop)

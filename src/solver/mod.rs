@@ -8,12 +8,13 @@ mod pass;
 
 use crate::body::Bodies;
 use crate::config::{FrictionCone, Settings};
-use crate::constraint::{Rows, Softness};
+use crate::constraint::Rows;
+use crate::constraint::contact_row::Softness;
 use crate::lanes::{Record, f32x8};
 use crate::memory::bytes_of;
 use crate::threads::{Crew, Shared};
-use pass::{Kind, Passes};
 pub(crate) use pass::store;
+use pass::{Kind, Passes};
 
 /// Solver state of the bodies that can move.
 #[derive(Debug, Default)]

@@ -97,9 +97,13 @@ unsafe fn step<L: GatherLanes, const P: usize>(
     unsafe {
         match (kind, group) {
             (Kind::WarmStart, Group::Dynamic) => warm_start::<L, P, true, true>(batch, motion.velocity),
-            (Kind::WarmStart, Group::PotentialDynamic) => warm_start::<L, P, true, false>(batch, motion.velocity),
+            (Kind::WarmStart, Group::PotentialDynamic) => {
+                warm_start::<L, P, true, false>(batch, motion.velocity)
+            }
             (Kind::WarmStart, Group::Static) => warm_start::<L, P, false, true>(batch, motion.velocity),
-            (Kind::WarmStart, Group::PotentialStatic) => warm_start::<L, P, false, false>(batch, motion.velocity),
+            (Kind::WarmStart, Group::PotentialStatic) => {
+                warm_start::<L, P, false, false>(batch, motion.velocity)
+            }
             (Kind::Solve, Group::Dynamic) => solve::<L, P, true, true, true>(batch, motion, pass),
             (Kind::Solve, Group::PotentialDynamic) => solve::<L, P, true, false, true>(batch, motion, pass),
             (Kind::Solve, Group::Static) => solve::<L, P, false, true, true>(batch, motion, pass),
@@ -110,14 +114,6 @@ unsafe fn step<L: GatherLanes, const P: usize>(
             (Kind::Relax, Group::PotentialStatic) => solve::<L, P, false, false, false>(batch, motion, pass),
         }
     }
-}
-
-/// Counts of potential points.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Counts {
-    pub(crate) real: u32,
-    pub(crate) potential: u32,
-    pub(crate) pushed: u32,
 }
 
 /// Writes impulses back to the contacts.
@@ -153,18 +149,25 @@ fn put<L: GatherLanes, const P: usize>(
     contacts: &Shared<'_, Contact>,
     rotation_of: &(dyn Fn(u32) -> glam::Quat + Sync),
 ) {
-    store_batch(batch, |slot, impulses, friction, twist| {
-        // SAFETY: a contact is in one lane of one batch.
-        let contact = unsafe { contacts.get(slot as usize) };
+    store_batch(batch, |part, impulses, friction, twist| {
+        // SAFETY: a contact is in one lane of one batch; its points, if apart, are in different stages.
+        let contact = unsafe { contacts.get(part.slot()) };
+        let pushed = potential && impulses.iter().any(|&i| i > 0.0);
+        let (friction, twist) = if potential {
+            (glam::Vec3::ZERO, 0.0)
+        } else {
+            (rotation_of(contact.a).conjugate() * friction, twist)
+        };
+        if let Some(point) = part.only() {
+            contact.points[point].impulse = impulses[0];
+            contact.pushed |= pushed;
+            contact.friction += friction;
+            return;
+        }
         for (point, &impulse) in contact.points.iter_mut().zip(impulses).take(contact.count as usize) {
             point.impulse = impulse;
         }
-        contact.pushed = potential && impulses.iter().any(|&i| i > 0.0);
-        if potential {
-            (contact.friction, contact.twist) = (glam::Vec3::ZERO, 0.0);
-        } else {
-            contact.friction = rotation_of(contact.a).conjugate() * friction;
-            contact.twist = twist;
-        }
+        contact.pushed = pushed;
+        (contact.friction, contact.twist) = (friction, twist);
     });
 }
