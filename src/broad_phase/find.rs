@@ -1,0 +1,172 @@
+//! The search for new pairs, in blocks that any thread may work on.
+
+use super::bvh::Tree;
+use super::{BroadPhase, MayCollide, NONE, Order, Pair, Path, Role};
+use crate::lanes::{Mask, Vec3, f32x4};
+use crate::memory::bytes_of;
+use crate::threads::Crew;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Movers in a block: about 10 µs of work, ten times what claiming a block costs.
+const BLOCK: usize = 64;
+
+/// What a block finds, and the stack of its walks; kept from step to step.
+#[derive(Debug, Default)]
+pub(super) struct Block {
+    found: Vec<Pair>,
+    stack: Vec<u32>,
+    pub(super) partners: Vec<u32>,
+}
+
+impl Block {
+    pub(super) fn bytes(&self) -> (usize, usize) {
+        let columns = [bytes_of(&self.found), bytes_of(&self.stack), bytes_of(&self.partners)];
+        columns.iter().fold((0, 0), |sum, b| (sum.0 + b.0, sum.1 + b.1))
+    }
+}
+
+/// A block is only a buffer that is cleared before use: what a panicking thread left in it does no harm.
+pub(super) fn lock(block: &Mutex<Block>) -> MutexGuard<'_, Block> {
+    block.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl BroadPhase {
+    /// Searches for the pairs of all that changed; returns how many are new.
+    pub(super) fn find_pairs(&mut self, crew: &Crew, may_collide: MayCollide, order: Order) -> u32 {
+        let count = self.changed.len().div_ceil(BLOCK);
+        if self.blocks.len() < count {
+            self.blocks.resize_with(count, Mutex::default);
+        }
+        let this = &*self;
+        #[cfg(test)]
+        let order_of_blocks = this.shuffle.map(|shuffle| shuffle(count));
+        crew.run(count, &|b| {
+            #[cfg(test)]
+            let b = order_of_blocks.as_ref().map_or(b, |order| order[b]);
+            let block = &mut *lock(&this.blocks[b]);
+            block.found.clear();
+            let end = this.changed.len().min((b + 1) * BLOCK);
+            for &c in &this.changed[b * BLOCK..end] {
+                this.partners(c, this.path(c), block);
+                for &other in &block.partners {
+                    if this.reports(c, other)
+                        && this.may_touch(c, other)
+                        && this.table.find(&this.pairs, c, other).is_none()
+                        && may_collide(c, other)
+                    {
+                        let (a, b) = order(c, other);
+                        block.found.push(Pair { a, b, contact: NONE, fast: this.is_fast(c, other) });
+                    }
+                }
+            }
+        });
+        let before = self.pairs.len();
+        for block in &self.blocks[..count] {
+            for &pair in &lock(block).found {
+                self.table.push(&mut self.pairs, pair);
+            }
+        }
+        (self.pairs.len() - before) as u32
+    }
+
+    /// All whose boxes touch this one's (or are touched by the path, if there is one, within rounding), save what
+    /// can't collide with it. An endless one finds nothing: the others find it.
+    pub(super) fn partners(&self, collider: u32, path: Option<&Path>, block: &mut Block) {
+        let Block { stack, partners, .. } = block;
+        partners.clear();
+        let bounds = &self.proxies[collider as usize].bounds;
+        let role = self.roles[collider as usize];
+        if matches!(role, Role::Absent | Role::New | Role::Endless) {
+            return;
+        }
+        let path = path.filter(|path| !path.volume);
+        let mut search = |tree: &Tree| match path {
+            None => tree.visit_box(stack, bounds, |c| partners.push(c)),
+            Some(path) => tree.visit_path(stack, path, |c| partners.push(c)),
+        };
+        if role != Role::Static {
+            search(&self.statics);
+        }
+        search(&self.movers);
+        if role != Role::Static {
+            partners.extend(&self.unbounded);
+        }
+    }
+
+    /// Of two that find each other, only one reports the pair; of two where one doesn't search, the other.
+    fn reports(&self, c: u32, other: u32) -> bool {
+        if c == other {
+            return false;
+        }
+        match (self.path(c), self.path(other)) {
+            // The path of one may miss what the swept box of the other touches: who looks further reports.
+            (Some(p), Some(q)) if p.volume != q.volume => p.volume,
+            (Some(_), Some(_)) => c < other,
+            (Some(_), None) => true,
+            (None, Some(_)) => false,
+            (None, None) => {
+                let role = |c: u32| self.roles[c as usize];
+                let searches = self.marks[other as usize] != 0;
+                match (role(c), role(other)) {
+                    (_, Role::Static | Role::Endless) => true,
+                    (Role::Static, _) => !searches,
+                    _ => !searches || c < other,
+                }
+            }
+        }
+    }
+
+    /// Whether two may touch within the step: the definition of a pair but for filters.
+    pub(super) fn may_touch(&self, i: u32, j: u32) -> bool {
+        let (a, b) = (&self.proxies[i as usize].bounds, &self.proxies[j as usize].bounds);
+        if !a.overlaps(b) {
+            return false;
+        }
+        let endless = |c: u32| self.roles[c as usize] == Role::Endless;
+        match (self.path(i), self.path(j)) {
+            (None, None) => true,
+            (Some(p), Some(q)) => p.volume || q.volume || (p.hits(b) && q.hits(a) && p.meets(q)),
+            (Some(p), None) => p.volume || endless(j) || p.hits(b),
+            (None, Some(q)) => q.volume || endless(i) || q.hits(a),
+        }
+    }
+
+    /// Whether the narrow phase must cast this pair.
+    pub(super) fn is_fast(&self, i: u32, j: u32) -> bool {
+        match (self.path(i), self.path(j)) {
+            (None, None) => false,
+            (Some(p), Some(q)) => p.outruns(q),
+            _ => true,
+        }
+    }
+
+    #[inline]
+    fn path(&self, collider: u32) -> Option<&Path> {
+        let fast = self.roles[collider as usize] == Role::Fast;
+        fast.then(|| &self.paths[self.proxies[collider as usize].path as usize])
+    }
+
+    /// Calls `f` with every static collider whose box the path of a box (`extent`: half extents) touches; planes and
+    /// other endless ones included.
+    pub(crate) fn statics_on_path(
+        &self,
+        stack: &mut Vec<u32>,
+        from: glam::Vec3,
+        to: glam::Vec3,
+        extent: glam::Vec3,
+        mut f: impl FnMut(u32),
+    ) {
+        let path = Path::between(from, to, extent);
+        self.unbounded.iter().for_each(|&c| f(c));
+        self.statics.visit_path(stack, &path, f);
+    }
+}
+
+impl Tree {
+    /// [`Tree::visit`] with all leaves that a path touches, within rounding.
+    #[inline(always)]
+    fn visit_path(&self, stack: &mut Vec<u32>, path: &Path, f: impl FnMut(u32)) {
+        let lanes = path.lanes::<f32x4>();
+        self.visit(stack, |node| lanes.hits(node.min, node.max).bits(), f);
+    }
+}

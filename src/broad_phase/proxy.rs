@@ -1,0 +1,90 @@
+//! What the broad phase keeps of a collider, and how wide its boxes are.
+
+use super::bvh::NONE;
+use super::{Aabb, LARGEST, Mover};
+use crate::config::Continuous;
+use glam::Vec3;
+
+/// What a collider is to the broad phase.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub(super) enum Role {
+    Absent,
+    Static,
+    /// A mover that no update has listed yet.
+    New,
+    Slow,
+    Fast,
+    /// Without bounds: static (a plane) or kinematic.
+    Endless,
+}
+
+/// A collider's box; 32 bytes, half a cache line.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Proxy {
+    /// What the tree holds: the box of a static, the fat box of a slow mover, the swept box of a fast one.
+    pub(super) bounds: Aabb,
+    /// Its leaf's place in the tree, or `NONE`.
+    pub(super) place: u32,
+    /// Its path, while it is fast.
+    pub(super) path: u32,
+}
+
+impl Proxy {
+    pub(super) const NONE: Proxy = Proxy { bounds: Aabb::EMPTY, place: NONE, path: NONE };
+}
+
+/// A fat box is wider than needed by this share of the mover's longest side ...
+const FAT: f32 = 0.1;
+/// ... but at most by the margin, and at least by this share of it: what is small also moves.
+const LEAST_FAT: f32 = 0.1;
+/// A fat box reaches ahead by the motion of this many steps, at most by the margin: a falling body needs a new one
+/// every few steps instead of every one or two.
+const STEPS_AHEAD: f32 = 4.0;
+/// What rounding may take from a sum, as a share of its terms: two units of 2^-24, and as many to spare.
+const ROUNDING: f32 = 4.0 / (1 << 24) as f32;
+
+/// The mover's own margin [m], and whether it is fast: continuous, and outruns the margin.
+#[inline]
+pub(super) fn margin_of(mover: &Mover, margin: f32) -> (f32, bool) {
+    let size = (mover.aabb.max - mover.aabb.min).max_element();
+    let own = (size * FAT).max(margin * LEAST_FAT).min(margin);
+    let rest = own - mover.spin;
+    // Written so that a NaN, which the caller should have refused, counts as fast and is tamed there.
+    let slow = rest >= 0.0 && mover.motion.length_squared() <= rest * rest;
+    (own, !slow & (mover.mode != Continuous::Discrete))
+}
+
+/// What a slow mover's fat box must hold: the box at the start of the step and at its end, however it turns.
+#[inline]
+pub(super) fn needs(mover: &Mover) -> Aabb {
+    let Aabb { min, max } = mover.aabb;
+    let motion = if mover.mode == Continuous::Discrete { Vec3::ZERO } else { mover.motion };
+    let spin = if mover.mode == Continuous::Discrete { 0.0 } else { mover.spin };
+    let reach = Vec3::splat(spin) + min.abs().max(max.abs()) * ROUNDING;
+    Aabb { min: min + motion.min(Vec3::ZERO) - reach, max: max + motion.max(Vec3::ZERO) + reach }
+}
+
+/// A new fat box.
+pub(super) fn fat_box(mover: &Mover, margin: f32) -> Aabb {
+    let Aabb { min, max } = needs(mover);
+    let limit = Vec3::splat(margin);
+    let ahead = tamed(mover).motion * STEPS_AHEAD;
+    let ahead = ahead.clamp(-limit, limit);
+    let reach = limit + min.abs().max(max.abs()) * ROUNDING;
+    Aabb { min: min + ahead.min(Vec3::ZERO) - reach, max: max + ahead.max(Vec3::ZERO) + reach }
+}
+
+/// Where a fast mover may get within the step. The motion must be tame.
+pub(super) fn swept_box(mover: &Mover, margin: f32) -> Aabb {
+    let Aabb { min, max } = needs(mover);
+    let reach = Vec3::splat(margin) + (min.abs().max(max.abs()) + mover.motion.abs()) * ROUNDING;
+    Aabb { min: min - reach, max: max + reach }
+}
+
+/// The mover with a motion and spin that can be computed with.
+pub(super) fn tamed(mover: &Mover) -> Mover {
+    let tame = |v: f32| if v.is_nan() { 0.0 } else { v.clamp(-LARGEST, LARGEST) };
+    let Vec3 { x, y, z } = mover.motion;
+    Mover { motion: Vec3::new(tame(x), tame(y), tame(z)), spin: tame(mover.spin).max(0.0), ..*mover }
+}
