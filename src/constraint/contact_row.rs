@@ -6,6 +6,9 @@ use super::prepare::Part;
 use crate::lanes::{GatherLanes, Lanes, Record, Vec3, gather, scatter};
 use crate::threads::Shared;
 
+/// Sweeps over the points of a manifold in one step over its batch.
+const SWEEPS: usize = 2;
+
 /// How overlap is pushed apart: a damped spring, solved implicitly so that it is stable at any stiffness (Catto,
 /// *Soft Constraints*, GDC 2011).
 #[derive(Clone, Copy, Debug)]
@@ -207,36 +210,57 @@ pub(crate) unsafe fn solve<
     };
     let (speed, gap) = (relative(&v), relative(&d));
     let (mut sum, mut ta, mut tb) = (L::zero(), Vec3::zero(), Vec3::zero());
-    let mut change = [L::zero(); P];
+    let mut u = [L::zero(); P];
+    let mut bias = [L::zero(); P];
+    let mut mass = [L::zero(); P];
+    let mut yielding = [L::zero(); P];
+    let mut impulse = [L::zero(); P];
     for i in 0..P {
         let point = batch.points[i];
         let s = point.separation + gap + row(&d, &point);
-        let mut u = speed + row(&v, &point);
-        for k in 0..i {
-            u += batch.coupling[couple(k, i)] * change[k];
-        }
+        u[i] = speed + row(&v, &point);
+        impulse[i] = point.impulse;
         // Apart: only what would close the gap within this substep is taken away, and rigidly so.
         let apart = s.gt(L::zero());
         let speculative = s * L::splat(pass.inverse_h);
-        let new = if BIAS {
+        if BIAS {
             let deep = (s + L::splat(pass.slop)).min(L::zero());
             let push = (deep * L::splat(pass.softness.bias_rate)).max(L::splat(-pass.push_speed));
-            let bias = L::select(apart, speculative, push);
-            let mass = point.mass * L::select(apart, L::one(), L::splat(pass.softness.mass_scale));
-            let kept =
-                point.impulse * L::select(apart, L::one(), L::splat(1.0 - pass.softness.impulse_scale));
-            kept - mass * (u + bias)
+            bias[i] = L::select(apart, speculative, push);
+            mass[i] = point.mass * L::select(apart, L::one(), L::splat(pass.softness.mass_scale));
+            yielding[i] = L::select(apart, L::zero(), L::splat(pass.softness.impulse_scale));
         } else {
-            point.impulse - point.mass * (u + speculative.max(L::zero()))
-        };
-        // An inert lane has an infinite separation: 0 * inf must not become an impulse.
-        let new = L::select(point.mass.gt(L::zero()), new.max(L::zero()), L::zero());
-        change[i] = new - point.impulse;
-        batch.points[i].impulse = new;
-        sum += change[i];
-        ta += point.arm_a * change[i];
+            bias[i] = speculative.max(L::zero());
+            mass[i] = point.mass;
+        }
+    }
+    // Forward and back over the points: their order must not turn a body that lies flat. It costs little, since the
+    // coupling is in registers by now.
+    for sweep in 0..SWEEPS {
+        for j in 0..P {
+            let i = if sweep % 2 == 0 { j } else { P - 1 - j };
+            let point = &batch.points[i];
+            let mut new = impulse[i] - mass[i] * (u[i] + bias[i]);
+            if BIAS {
+                new -= impulse[i] * yielding[i];
+            }
+            // An inert lane has an infinite separation: 0 * inf must not become an impulse.
+            let new = L::select(point.mass.gt(L::zero()), new.max(L::zero()), L::zero());
+            let change = new - impulse[i];
+            impulse[i] = new;
+            for k in 0..P {
+                let a = if k == i { point.stiffness } else { batch.coupling[couple(k.min(i), k.max(i))] };
+                u[k] += a * change;
+            }
+        }
+    }
+    for i in 0..P {
+        let change = impulse[i] - batch.points[i].impulse;
+        batch.points[i].impulse = impulse[i];
+        sum += change;
+        ta += batch.points[i].arm_a * change;
         if TWO {
-            tb += point.arm_b * change[i];
+            tb += batch.points[i].arm_b * change;
         }
     }
     v.apply::<P, TWO>(batch, n * sum, ta, tb);

@@ -317,6 +317,7 @@ fn fill<L: GatherLanes, const P: usize>(
         point.mass = L::select(is & possible, L::one() / k, L::zero());
         let old = L::from_fn(|lane| point_of(lane, i).1.impulse);
         point.impulse = L::select(is & possible, old * warm, L::zero());
+        point.stiffness = L::select(is, k, L::zero());
         point.real = L::select(s.le(L::splat(input.real)), has, L::zero());
         for k in 0..i {
             let both = batch.points[k].arm_a.dot(turned_a[i]) + batch.points[k].arm_b.dot(turned_b[i]);
