@@ -199,11 +199,13 @@ fn least_overlap<L: Lanes, const TAPERED: bool>(a: &Axis<L>, half: Vec3<L>) -> (
     // An edge must be better by something, or flat contact would flicker.
     best += L::splat(1e-3) * (half.x.min(half.y).min(half.z) + mean);
     for k in 0..3 {
-        let keep = |v: Vec3<L>| Vec3::new(
-            if k == 0 { zero } else { v.x },
-            if k == 1 { zero } else { v.y },
-            if k == 2 { zero } else { v.z },
-        );
+        let keep = |v: Vec3<L>| {
+            Vec3::new(
+                if k == 0 { zero } else { v.x },
+                if k == 1 { zero } else { v.y },
+                if k == 2 { zero } else { v.z },
+            )
+        };
         let (flat, centre, edge) = (keep(u), keep(c), keep(half));
         let squared = flat.length_squared();
         // Square to the edge and leaning as the side does: normal . along = growth.
@@ -248,9 +250,8 @@ mod tests {
     impl Slow {
         fn new((relative, a, b, _): &Pair) -> Slow {
             let into = relative.rotation.as_dquat().inverse();
-            let end = |y: f32, r: f32| {
-                (into * (DVec3::Y * y as f64 - relative.position.as_dvec3()), r as f64)
-            };
+            let end =
+                |y: f32, r: f32| (into * (DVec3::Y * y as f64 - relative.position.as_dvec3()), r as f64);
             let half = DVec3::new(b[0] as f64, b[1] as f64, b[2] as f64);
             Slow { ends: [end(-a[0], a[1]), end(a[0], a[2])], half, into }
         }
@@ -276,7 +277,8 @@ mod tests {
 
         /// Separation along a unit direction out of the box.
         fn along(&self, n: DVec3) -> f64 {
-            self.ends.iter().map(|(c, r)| n.dot(*c) - r).fold(f64::INFINITY, f64::min) - n.abs().dot(self.half)
+            self.ends.iter().map(|(c, r)| n.dot(*c) - r).fold(f64::INFINITY, f64::min)
+                - n.abs().dot(self.half)
         }
 
         /// Greatest separation over all directions, by sampling and refining: the depth, negative.
@@ -411,7 +413,9 @@ mod tests {
         };
         let m = at(lie);
         assert_eq!(m.count, 2);
-        assert!(m.points().iter().all(|p| p.separation.abs() < 1e-6 && (p.position.y.abs() - 0.5).abs() < 1e-5));
+        assert!(
+            m.points().iter().all(|p| p.separation.abs() < 1e-6 && (p.position.y.abs() - 0.5).abs() < 1e-5)
+        );
         let across = Quat::from_rotation_z(std::f32::consts::FRAC_PI_4) * lie;
         let across = Quat::from_axis_angle(vec3(1.0, 1.0, 0.0).normalize(), 1.2) * across;
         let m = at(across);

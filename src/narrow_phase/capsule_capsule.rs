@@ -153,7 +153,8 @@ fn manifold<L: Lanes>(
     let low = (start - reach_b).max(-reach_a);
     let high = (start + reach_b).min(reach_a);
     let usable = sides & ut.gt(L::splat(0.5)) & vt.abs().gt(L::splat(0.5));
-    let (over_u, over_v) = (L::one() / L::select(usable, ut, L::one()), L::one() / L::select(usable, vt, L::one()));
+    let (over_u, over_v) =
+        (L::one() / L::select(usable, ut, L::one()), L::one() / L::select(usable, vt, L::one()));
     let (low_s, high_s) = (low * over_u, high * over_u);
     let (ra, rb) = (a.radius_at(s), b.radius_at(t));
     let long = usable & (high - low).gt(L::splat(0.05) * (ra + rb));
@@ -182,7 +183,8 @@ fn manifold<L: Lanes>(
     let is_low = sep_low.lt(absent) & (s - low_s).abs().le(near);
     let is_high = !is_low & sep_high.lt(absent) & (s - high_s).abs().le(near);
     (at_low, sep_low) = (Vec3::select(is_low, position, at_low), L::select(is_low, separation, sep_low));
-    (at_high, sep_high) = (Vec3::select(is_high, position, at_high), L::select(is_high, separation, sep_high));
+    (at_high, sep_high) =
+        (Vec3::select(is_high, position, at_high), L::select(is_high, separation, sep_high));
     let mut out = ManifoldLanes::single(normal, position, separation, margin);
     out.position = [at_low, at_high, position, Vec3::zero()];
     out.separation = [sep_low, sep_high, L::select(is_low | is_high, absent, separation), absent];

@@ -172,7 +172,12 @@ pub(crate) mod testing {
         let mut random = Random(seed);
         (0..count)
             .map(|_| {
-                (random.relative(reach), random.sizes(0.1, 1.0), random.sizes(0.1, 1.0), random.range(0.0, 3.0))
+                (
+                    random.relative(reach),
+                    random.sizes(0.1, 1.0),
+                    random.sizes(0.1, 1.0),
+                    random.range(0.0, 3.0),
+                )
             })
             .collect()
     }

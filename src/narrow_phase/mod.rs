@@ -1,5 +1,6 @@
 //! Pairs in, manifolds out.
 
+mod box_apart;
 mod box_box;
 mod capsule_box;
 mod capsule_capsule;
