@@ -85,7 +85,7 @@ pub(crate) fn closest_vertex<L: Lanes>(x: &Boxes<L>, lanes: L::Mask, out: &mut M
     let (p, q) = (Vec3::new(x.p[0], x.p[1], x.p[2]), -Vec3::new(x.q[0], x.q[1], x.q[2]));
     let axes_b: [Vec3<L>; 3] = std::array::from_fn(|j| Vec3::new(r[0][j], r[1][j], r[2][j]) * x.b[j]);
     let axes_a: [Vec3<L>; 3] = std::array::from_fn(|i| Vec3::new(r[i][0], r[i][1], r[i][2]) * x.a[i]);
-    let from_b = |v: Vec3<L>| x.from_b([v.x, v.y, v.z]);
+    let from_b = |v: Vec3<L>| x.vector_of_b([v.x, v.y, v.z]);
     let to_b = |v: Vec3<L>| {
         let column = |j: usize| r[0][j] * v.x + r[1][j] * v.y + r[2][j] * v.z;
         Vec3::new(column(0), column(1), column(2))

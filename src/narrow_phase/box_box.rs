@@ -2,7 +2,7 @@
 //!
 //! 1. The axis of greatest separation: three faces of each box, nine pairs of edges. Faces win over edges and
 //!    `a` over `b` unless the other is better by a bias, so that a stack keeps its reference face.
-//! 2. A face: the other box's face that looks at it is clipped to it, and four points are kept (`face_points`).
+//! 2. A face: the other box's face that looks at it is clipped to it, and four points are kept (`box_face.rs`).
 //! 3. An edge: one point, where the two edges pass.
 //! 4. Apart, the axis of greatest separation is a lower bound of the distance and every pair of points an upper
 //!    one. Where face or edge points meet the bound, they are right. Where they don't (edge or vertex regions),
@@ -10,6 +10,7 @@
 //!    what passes by.
 
 use super::box_apart::closest_vertex;
+use super::box_face::face_points;
 use super::lanes_io::{ManifoldLanes, PairLanes, pick};
 use crate::lanes::{Lanes, Mask, Vec3};
 
@@ -17,11 +18,11 @@ use crate::lanes::{Lanes, Mask, Vec3};
 /// Large against rounding and the tilt of a resting box, small against the slop.
 const BIAS: f32 = 1e-3;
 const DEPTH_BIAS: f32 = 1e-2;
-/// Side planes lie this share of the least half extent further out. Boxes that are flush (walls, pyramids) then
-/// keep their vertices as features, whichever way rounding pushes them.
-const FLUSH: f32 = 1e-4;
-/// Added slope by which equal depths are told apart: of a flat contact always the same corners come first.
-const TIE: f32 = 5e-5;
+/// Cosine of the angle (3.6 degrees) up to which faces that give the same depth are better than edges.
+const FLAT: f32 = 0.998;
+/// And how much further the face's lowest vertex may reach, beyond the edge where clipping drops it, as a share
+/// of the least half extent.
+const FLAT_BIAS: f32 = 5e-2;
 
 /// Two boxes in the frame of the first.
 pub(crate) struct Boxes<L> {
@@ -50,7 +51,7 @@ impl<L: Lanes> Boxes<L> {
 
     /// A vector given by the axes of `b`.
     #[inline(always)]
-    pub(crate) fn from_b(&self, v: [L; 3]) -> Vec3<L> {
+    pub(crate) fn vector_of_b(&self, v: [L; 3]) -> Vec3<L> {
         let row = |i: usize| self.r[i][0] * v[0] + self.r[i][1] * v[1] + self.r[i][2] * v[2];
         Vec3::new(row(0), row(1), row(2))
     }
@@ -64,13 +65,16 @@ pub(crate) fn box_box<L: Lanes>(p: &PairLanes<L>) -> ManifoldLanes<L> {
 
     let face = best_face(&boxes, allowed);
     let edge = best_edge(&boxes);
-    let greatest = face.greatest.max(edge.separation);
+    let greatest = face.greatest.max(edge.bound);
     let apart = greatest.gt(L::zero());
-    let edge_wins = edge.separation.gt(face.separation + allowed(face.separation));
-
     let mut out = face_points(&boxes, &face, apart, p.margin);
     let [s0, s1, s2, s3] = out.separation;
     let deepest = s0.min(s1).min(s2.min(s3));
+    // Of nearly flat boxes the clipped face has the edges' depth already, and four points to rest on.
+    let flat = out.normal.dot(edge.normal).gt(L::splat(FLAT))
+        & (deepest - edge.separation).abs().le(allowed(edge.separation))
+        & (edge.separation - face.separation).lt(boxes.least * L::splat(FLAT_BIAS));
+    let edge_wins = edge.bound.gt(face.separation + allowed(face.separation)) & !flat;
     let short = apart & deepest.gt(greatest + bias + bias);
     let by_edge =
         (edge_wins & (edge.passes | !apart)) | (short & edge.passes & edge.separation.gt(L::zero()));
@@ -91,13 +95,13 @@ pub(crate) fn box_box<L: Lanes>(p: &PairLanes<L>) -> ManifoldLanes<L> {
 }
 
 /// The reference face: a box and an axis of it.
-struct Face<L: Lanes> {
-    separation: L,
+pub(crate) struct Face<L: Lanes> {
+    pub(crate) separation: L,
     /// Of all six, whichever was chosen.
-    greatest: L,
-    of_b: L::Mask,
-    is_y: L::Mask,
-    is_z: L::Mask,
+    pub(crate) greatest: L,
+    pub(crate) of_b: L::Mask,
+    pub(crate) is_y: L::Mask,
+    pub(crate) is_z: L::Mask,
 }
 
 #[inline(always)]
@@ -130,6 +134,8 @@ fn best_face<L: Lanes>(x: &Boxes<L>, allowed: impl Fn(L) -> L) -> Face<L> {
 /// The best pair of edges as a contact.
 struct Edge<L: Lanes> {
     separation: L,
+    /// The separation less what rounding may have added.
+    bound: L,
     normal: Vec3<L>,
     position: Vec3<L>,
     key: L,
@@ -139,6 +145,13 @@ struct Edge<L: Lanes> {
 
 #[inline(always)]
 fn best_edge<L: Lanes>(x: &Boxes<L>) -> Edge<L> {
+    // Rounding of a gap before it is divided by the sine: on a wide floor, edges that are almost parallel would
+    // otherwise claim millimetres.
+    let p = Vec3::new(x.p[0], x.p[1], x.p[2]);
+    let scale =
+        p.abs().dot(Vec3::splat(glam::Vec3::ONE)) + x.a[0] + x.a[1] + x.a[2] + x.b[0] + x.b[1] + x.b[2];
+    let rounding = scale * L::splat(4e-7);
+
     let mut best = L::splat(f32::NEG_INFINITY);
     let (mut edge_i, mut edge_j) = (L::zero(), L::zero());
     for i in 0..3 {
@@ -151,7 +164,7 @@ fn best_edge<L: Lanes>(x: &Boxes<L>) -> Edge<L> {
             let crosses = squared.gt(L::splat(1e-6));
             let reach_a = x.a[i1] * r2.abs() + x.a[i2] * r1.abs();
             let reach_b = x.b[j1] * x.r[i][j2].abs() + x.b[j2] * x.r[i][j1].abs();
-            let gap = (x.p[i2] * r1 - x.p[i1] * r2).abs() - (reach_a + reach_b);
+            let gap = (x.p[i2] * r1 - x.p[i1] * r2).abs() - (reach_a + reach_b + rounding);
             let separation = gap / L::select(crosses, squared, L::one()).sqrt();
             let take = crosses & separation.gt(best);
             best = L::select(take, separation, best);
@@ -174,7 +187,6 @@ fn best_edge<L: Lanes>(x: &Boxes<L>) -> Edge<L> {
     let squared = cross.length_squared();
     let crosses = squared.gt(L::splat(1e-7));
     let over = L::one() / L::select(crosses, squared, L::one());
-    let p = Vec3::new(x.p[0], x.p[1], x.p[2]);
     let normal = cross * (over.sqrt() * cross.dot(p).sign());
 
     // Middles of the two edges, and which of the four parallel ones they are.
@@ -189,7 +201,7 @@ fn best_edge<L: Lanes>(x: &Boxes<L>) -> Edge<L> {
         let away = -(x.r[0][k] * n[0] + x.r[1][k] * n[1] + x.r[2][k] * n[2]);
         side(away, is_j[k], x.b[k])
     });
-    let middle_b = p + x.from_b(on_b);
+    let middle_b = p + x.vector_of_b(on_b);
 
     let w = middle_b - middle_a;
     let (cosine, on_a, on_b) = (along_a.dot(along_b), w.dot(along_a), w.dot(along_b));
@@ -199,161 +211,8 @@ fn best_edge<L: Lanes>(x: &Boxes<L>) -> Edge<L> {
     let passes = crosses & s.abs().le(half_a) & t.abs().le(half_b);
     let (s, t) = (s.clamp(-half_a, half_a), t.clamp(-half_b, half_b));
     let position = (middle_a + along_a * s + middle_b + along_b * t) * L::splat(0.5);
-    Edge { separation: best, normal, position, key: key + L::splat(1024.0), passes }
-}
-
-/// A corner of the clipped face that lies furthest in some direction.
-struct Extreme<L> {
-    reach: L,
-    u: L,
-    v: L,
-    key: L,
-}
-
-impl<L: Lanes> Extreme<L> {
-    #[inline(always)]
-    fn offer(&mut self, valid: L::Mask, reach: L, u: L, v: L, key: L) {
-        let take = valid & reach.gt(self.reach);
-        self.reach = L::select(take, reach, self.reach);
-        self.u = L::select(take, u, self.u);
-        self.v = L::select(take, v, self.v);
-        self.key = L::select(take, key, self.key);
-    }
-}
-
-/// The face of the other box that looks at the reference face, clipped to it, and of the up to eight corners
-/// four: the furthest down the slope of the one face against the other (that is the deepest), up, and to both
-/// sides. Of a rectangle those are its four corners, whichever way the slope goes.
-#[inline(always)]
-fn face_points<L: Lanes>(x: &Boxes<L>, face: &Face<L>, apart: L::Mask, margin: L) -> ManifoldLanes<L> {
-    let zero = L::zero();
-    // To the frame of the face: rows u, v, n; the other box's centre above it.
-    let of_b = face.of_b;
-    let choose = |b: L, a: L| L::select(of_b, b, a);
-    let m: [[L; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| choose(x.r[j][i], x.r[i][j])));
-    let centre: [L; 3] = std::array::from_fn(|i| choose(-x.q[i], x.p[i]));
-    let reference: [L; 3] = std::array::from_fn(|i| choose(x.b[i], x.a[i]));
-    let other: [L; 3] = std::array::from_fn(|i| choose(x.a[i], x.b[i]));
-    let row = |v: [L; 3]| pick(face.is_y, face.is_z, v);
-    let turned = |v: [L; 3]| [row([v[1], v[2], v[0]]), row([v[2], v[0], v[1]]), row(v)];
-    let [hu, hv, hn] = turned(reference);
-    let [cu, cv, cn] = turned(centre);
-    let up = cn.sign();
-    let columns: [[L; 3]; 3] = std::array::from_fn(|j| turned([m[0][j], m[1][j], m[2][j]]));
-
-    // The other box's face: its axis that is nearest to the normal, and the two axes that span it.
-    let lean: [L; 3] = std::array::from_fn(|j| columns[j][2].abs());
-    let other_y = lean[1].gt(lean[0]);
-    let other_z = lean[2].gt(lean[0].max(lean[1]));
-    let column = |v: [L; 3]| pick(other_y, other_z, v);
-    let axis = |k: usize, turn: usize| {
-        column([columns[turn % 3][k], columns[(turn + 1) % 3][k], columns[(turn + 2) % 3][k]])
-    };
-    let (mu, mv, mn) = (axis(0, 0), axis(1, 0), axis(2, 0) * up);
-    let (h1, h2) = (column([other[1], other[2], other[0]]), column([other[2], other[0], other[1]]));
-    let out = -(mn.sign() * column(other));
-    let (fu, fv, fn_) = (cu + mu * out, cv + mv * out, cn.abs() + mn * out - hn);
-    let (e1u, e1v) = (axis(0, 1) * h1, axis(1, 1) * h1);
-    let (e2u, e2v) = (axis(0, 2) * h2, axis(1, 2) * h2);
-    // Separation over the reference face: fn + gu (u - fu) + gv (v - fv). No division by zero: the axis nearest
-    // to the normal is within 55 degrees of it.
-    let steep = -(L::one() / mn);
-    let (gu, gv) = (mu * steep, mv * steep);
-    let depth = |u: L, v: L| fn_ + gu * (u - fu) + gv * (v - fv);
-
-    // Down the slope; level, along a direction that singles out one corner of any rectangle along the axes.
-    let (du, dv) = (L::splat(0.4 * TIE) - gu, L::splat(0.9 * TIE) - gv);
-    let none = || Extreme { reach: L::splat(f32::NEG_INFINITY), u: zero, v: zero, key: -L::one() };
-    let mut kept = [none(), none(), none(), none()];
-    let mut offer = |valid: L::Mask, u: L, v: L, key: L| {
-        let (down, aside) = (du * u + dv * v, du * v - dv * u);
-        kept[0].offer(valid, down, u, v, key);
-        kept[1].offer(valid, aside, u, v, key);
-        kept[2].offer(valid, -down, u, v, key);
-        kept[3].offer(valid, -aside, u, v, key);
-    };
-
-    // Edges of the other face, clipped: f + side * e2 + t e1 and f + side * e1 + t e2. The first family also
-    // brings the vertices, where nothing was clipped.
-    let slack = x.least * L::splat(FLUSH);
-    let (wu, wv) = (hu + slack, hv + slack);
-    let (one, minus) = (L::one(), -L::one());
-    let key = |k: usize| L::splat(k as f32);
-    for (family, (tu, tv), (ou, ov)) in [(0, (e1u, e1v), (e2u, e2v)), (1, (e2u, e2v), (e1u, e1v))] {
-        let tiny = L::splat(1e-12);
-        let over = |t: L| one / L::select(t.abs().gt(tiny), t, tiny);
-        let (over_u, over_v) = (over(tu), over(tv));
-        let (half_u, half_v) = ((wu * over_u).abs(), (wv * over_v).abs());
-        for (side, k) in [(minus, 0), (one, 2)] {
-            let (u, v) = (fu + ou * side, fv + ov * side);
-            let (at_u, at_v) = (-(u * over_u), -(v * over_v));
-            let low = (at_u - half_u).max(at_v - half_v).max(minus);
-            let high = (at_u + half_u).min(at_v + half_v).min(one);
-            let valid = low.le(high);
-            let (cut_low, cut_high) = (low.gt(minus), high.lt(one));
-            if family == 0 {
-                offer(valid, u + tu * low, v + tv * low, L::select(cut_low, key(4 + k), key(k)));
-                offer(valid, u + tu * high, v + tv * high, L::select(cut_high, key(5 + k), key(1 + k)));
-            } else {
-                offer(valid & cut_low, u + tu * low, v + tv * low, key(8 + k));
-                offer(valid & cut_high, u + tu * high, v + tv * high, key(9 + k));
-            }
-        }
-    }
-    // Corners of the reference face that lie over the other one.
-    let size = (e1u * e2v - e1v * e2u).abs();
-    let (room_1, room_2) = (size * (h1 - slack), size * (h2 - slack));
-    let (x1, y1, z1) = (hu * e2v, hv * e2u, fu * e2v - fv * e2u);
-    let (x2, y2, z2) = (hu * e1v, hv * e1u, fu * e1v - fv * e1u);
-    for (k, side_u, side_v) in [(12, minus, minus), (13, one, minus), (14, minus, one), (15, one, one)] {
-        let s = x1 * side_u - y1 * side_v - z1;
-        let t = x2 * side_u - y2 * side_v - z2;
-        let within = (s.abs() * h1).le(room_1) & (t.abs() * h2).le(room_2);
-        offer(within, hu * side_u, hv * side_v, key(k));
-    }
-
-    // Deep and skew, the bias can leave nothing over the face: then its lowest vertex, pulled onto it.
-    let [k0, _, _, _] = &mut kept;
-    let empty = k0.key.lt(zero);
-    let lowest = |e_u: L, e_v: L| -(gu * e_u + gv * e_v).sign();
-    let (s1, s2) = (lowest(e1u, e1v), lowest(e2u, e2v));
-    let rescued = empty & !apart;
-    k0.u = L::select(empty, (fu + e1u * s1 + e2u * s2).clamp(-hu, hu), k0.u);
-    k0.v = L::select(empty, (fv + e1v * s1 + e2v * s2).clamp(-hv, hv), k0.v);
-
-    // Back to the frame of a.
-    let (zero_v, unit) = (zero, one);
-    let basis = |i: usize| {
-        let e = |k: usize| if k == i { unit } else { zero_v };
-        Vec3::new(choose(x.r[0][i], e(0)), choose(x.r[1][i], e(1)), choose(x.r[2][i], e(2)))
-    };
-    let (bx, by, bz) = (basis(0), basis(1), basis(2));
-    let of_row = |a: Vec3<L>, b: Vec3<L>, c: Vec3<L>| {
-        Vec3::new(row([a.x, b.x, c.x]), row([a.y, b.y, c.y]), row([a.z, b.z, c.z]))
-    };
-    let (axis_u, axis_v, axis_n) = (of_row(by, bz, bx), of_row(bz, bx, by), of_row(bx, by, bz) * up);
-    let origin = Vec3::new(choose(x.p[0], zero), choose(x.p[1], zero), choose(x.p[2], zero)) + axis_n * hn;
-
-    // Which two faces meet is part of the key: 36 pairs of faces with 16 corners each.
-    let which = |y: L::Mask, z: L::Mask, sign: L| {
-        L::select(z, key(4), L::select(y, key(2), zero)) + L::select(sign.lt(zero), one, zero)
-    };
-    let faces = choose(key(6), zero) + which(face.is_y, face.is_z, up);
-    let faces = (faces * key(6) + which(other_y, other_z, out)) * key(16) + key(4096);
-
-    let infinite = L::splat(f32::INFINITY);
-    let mut out = ManifoldLanes::single(axis_n * choose(minus, one), Vec3::zero(), infinite, margin);
-    for i in 0..4 {
-        let c = &kept[i];
-        let again = kept[..i].iter().fold(c.key.lt(zero), |again, before| again | c.key.eq(before.key));
-        let separation = depth(c.u, c.v);
-        out.separation[i] = L::select(again, infinite, separation);
-        out.position[i] = origin + axis_u * c.u + axis_v * c.v + axis_n * (separation * L::splat(0.5));
-        out.key[i] = faces + c.key;
-    }
-    out.separation[0] = L::select(rescued, face.separation, out.separation[0]);
-    out.key[0] = L::select(rescued, faces, out.key[0]);
-    out
+    let separation = w.dot(normal);
+    Edge { separation, bound: best, normal, position, key: key + L::splat(1024.0), passes }
 }
 
 #[cfg(test)]
@@ -361,7 +220,6 @@ mod tests {
     use super::super::lanes_io::testing::*;
     use super::super::{RawManifold, Relative};
     use super::*;
-    use crate::lanes::f32x8;
     use glam::{DVec3, Quat, Vec3, vec3};
 
     /// The pair in f64: centre and axes of each box in the frame of `a`.
@@ -408,7 +266,7 @@ mod tests {
             best
         }
 
-        fn from_box(&self, k: usize, x: DVec3) -> DVec3 {
+        fn outside(&self, k: usize, x: DVec3) -> DVec3 {
             let local = DVec3::from_array(self.axes[k].map(|axis| axis.dot(x - self.centre[k])));
             local - local.clamp(-self.half[k], self.half[k])
         }
@@ -423,7 +281,7 @@ mod tests {
             let mut least = f64::INFINITY;
             for k in 0..2 {
                 for i in 0..8 {
-                    least = least.min(self.from_box(1 - k, self.vertex(k, i)).length());
+                    least = least.min(self.outside(1 - k, self.vertex(k, i)).length());
                 }
             }
             let edges = |k: usize| {
@@ -462,7 +320,10 @@ mod tests {
             };
             seen[(truth > 0.0) as usize + (truth > 0.0 && m.count <= 2) as usize] += 1;
             let along = slow.along(m.normal.as_dvec3());
-            assert!((along - truth).abs() < tolerance, "normal: {along} {truth} {pair:?}");
+            // A nearly flat face may stand for the edges in it.
+            let by_face = m.points().iter().all(|p| p.key >= 4096);
+            let lean = if by_face { FLAT_BIAS as f64 * slow.least } else { 0.0 };
+            assert!((along - truth).abs() < tolerance + lean, "normal: {along} {truth} {pair:?}");
             if truth > pair.3 as f64 + tolerance {
                 assert_eq!(m.count, 0);
             }
@@ -473,7 +334,7 @@ mod tests {
             for point in m.points() {
                 let (x, separation) = (point.position.as_dvec3(), point.separation as f64);
                 for k in 0..2 {
-                    let off = slow.from_box(k, x).length();
+                    let off = slow.outside(k, x).length();
                     assert!(off < 0.5 * separation.abs() + 2.0 * tolerance, "{k} {off} {point:?} {pair:?}");
                 }
             }
@@ -499,6 +360,30 @@ mod tests {
             }
             let seen = check(&same_at_any_width(&pairs, box_box, box_box, box_box), &pairs);
             assert!(seen.iter().all(|n| *n > 100), "{seen:?}");
+        }
+    }
+
+    #[test]
+    fn the_answer_scales_with_the_scene() {
+        let pairs = pairs(17, 1000, 1.5);
+        let at = |scale: f32| {
+            let mut scaled = pairs.clone();
+            for (relative, a, b, margin) in &mut scaled {
+                relative.position *= scale;
+                (*a, *b, *margin) = (a.map(|h| h * scale), b.map(|h| h * scale), *margin * scale);
+            }
+            run::<f32>(&scaled, box_box)
+        };
+        // Powers of two, so that rounding is the same: 1 mm and 1 km.
+        let (one, small, big) = (at(1.0), at(1.0 / 1024.0), at(1024.0));
+        for ((one, small), big) in one.iter().zip(&small).zip(&big) {
+            assert_eq!((one.normal, one.count), (small.normal, small.count));
+            assert_eq!((one.normal, one.count), (big.normal, big.count));
+            for i in 0..one.count as usize {
+                let (one, small, big) = (one.points[i], small.points[i], big.points[i]);
+                assert_eq!((one.key, one.separation), (small.key, small.separation * 1024.0));
+                assert_eq!((one.key, one.separation * 1024.0), (big.key, big.separation));
+            }
         }
     }
 
@@ -556,7 +441,7 @@ mod tests {
 
     #[test]
     fn a_box_turned_about_y_rests_on_its_four_corners() {
-        for turn in [0.1, 0.5, 0.785_398_2, 1.2, 3.0] {
+        for turn in [0.1, 0.5, std::f32::consts::FRAC_PI_4, 1.2, 3.0] {
             let m = stacked(vec3(3.0, 1.0, 3.0), Vec3::ONE, 0.5, 0.0, turn, Vec3::ZERO);
             assert_eq!(m.count, 4);
             for p in m.points() {
@@ -591,6 +476,34 @@ mod tests {
     }
 
     #[test]
+    fn a_small_box_anywhere_on_a_wide_floor_rests_on_four_points() {
+        let mut random = Random(18);
+        let (floor, small) = (vec3(50.0, 0.5, 50.0), Vec3::splat(0.05));
+        for i in 0..2000 {
+            let yaw = random.range(-1.0, 1.0) * 0.5f32.powi(i % 20);
+            let rotation = Quat::from_scaled_axis(random.vector(1e-5)) * Quat::from_rotation_y(yaw);
+            let position = vec3(random.range(-45.0, 45.0), 0.55, random.range(-45.0, 45.0));
+            let m = one(Relative { position, rotation }, floor, small, 0.01);
+            assert!(m.count == 4 && m.points().iter().all(|p| p.separation.abs() < 1e-5), "{yaw} {m:?}");
+            let back = rotation.conjugate();
+            let m = one(Relative { position: back * -position, rotation: back }, small, floor, 0.01);
+            // The floor's distance is now measured along a tilted axis, from afar.
+            assert!(m.count == 4 && m.points().iter().all(|p| p.separation.abs() < 1e-3), "{yaw} {m:?}");
+        }
+    }
+
+    #[test]
+    fn a_nearly_flat_box_over_an_edge_keeps_its_four_points() {
+        let mut random = Random(16);
+        for _ in 0..500 {
+            let (tilt, x) = (random.vector(5e-3), random.range(-1.5, 1.5));
+            let m =
+                stacked(Vec3::ONE, Vec3::ONE, x, random.range(-0.005, 0.005), random.range(-1.0, 1.0), tilt);
+            assert!(m.count >= 3, "{tilt} {x} {m:?}");
+        }
+    }
+
+    #[test]
     fn a_tilted_box_keeps_its_lowest_edge_and_the_other_corners() {
         for axis in [Vec3::X, Vec3::Z, -Vec3::Z, vec3(0.6, 0.0, 0.8)] {
             let tilt = axis * 0.02;
@@ -622,41 +535,5 @@ mod tests {
         let mut z = [m.points[0].position.z, m.points[1].position.z];
         z.sort_by(f32::total_cmp);
         assert!((z[0] + 0.5).abs() < 1e-5 && (z[1] - 1.0).abs() < 1e-5, "{z:?}");
-    }
-
-    #[test]
-    #[ignore = "a measurement: cargo test --release speed_of_a_box_pair -- --ignored --nocapture"]
-    fn speed_of_a_box_pair() {
-        let mut random = Random(14);
-        let resting = |random: &mut Random| -> Pair {
-            let position = vec3(random.range(-1.0, 1.0), 1.0, random.range(-0.5, 0.5));
-            let rotation = Quat::from_scaled_axis(random.vector(1e-3));
-            (Relative { position, rotation }, [0.5; 4], [0.5; 4], 0.02)
-        };
-        let stack: Vec<_> = (0..4096).map(|_| resting(&mut random)).collect();
-        for (name, pairs) in [("stack", stack), ("random", pairs(15, 4096, 1.5))] {
-            let lanes: Vec<_> =
-                (0..pairs.len() / 8).map(|k| PairLanes::<f32x8>::from_fn(|i| pairs[8 * k + i])).collect();
-            let mut out = vec![RawManifold::default(); pairs.len()];
-            let (mut kernel, mut whole) = (f64::INFINITY, f64::INFINITY);
-            for _ in 0..50 {
-                let start = std::time::Instant::now();
-                for p in &lanes {
-                    std::hint::black_box(box_box(p));
-                }
-                kernel = kernel.min(start.elapsed().as_nanos() as f64);
-                let start = std::time::Instant::now();
-                for (p, out) in lanes.iter().zip(out.chunks_mut(8)) {
-                    let m = box_box(p);
-                    for (i, out) in out.iter_mut().enumerate() {
-                        *out = m.lane(i);
-                    }
-                }
-                std::hint::black_box(&mut out);
-                whole = whole.min(start.elapsed().as_nanos() as f64);
-            }
-            let n = pairs.len() as f64;
-            println!("{name}: {:.1} ns a pair, {:.1} with its manifold", kernel / n, whole / n);
-        }
     }
 }

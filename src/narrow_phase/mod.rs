@@ -2,6 +2,7 @@
 
 mod box_apart;
 mod box_box;
+mod box_face;
 mod capsule_box;
 mod capsule_capsule;
 mod cast;
