@@ -145,8 +145,8 @@ struct Edge<L: Lanes> {
 
 #[inline(always)]
 fn best_edge<L: Lanes>(x: &Boxes<L>) -> Edge<L> {
-    // Rounding of a gap before it is divided by the sine: on a wide floor, edges that are almost parallel would
-    // otherwise claim millimetres.
+    // Rounding of a gap before it is divided by the sine: on a wide floor, edges that are almost parallel could
+    // otherwise claim a millimetre that is not there.
     let p = Vec3::new(x.p[0], x.p[1], x.p[2]);
     let scale =
         p.abs().dot(Vec3::splat(glam::Vec3::ONE)) + x.a[0] + x.a[1] + x.a[2] + x.b[0] + x.b[1] + x.b[2];
@@ -489,6 +489,33 @@ mod tests {
             let m = one(Relative { position: back * -position, rotation: back }, small, floor, 0.01);
             // The floor's distance is now measured along a tilted axis, from afar.
             assert!(m.count == 4 && m.points().iter().all(|p| p.separation.abs() < 1e-3), "{yaw} {m:?}");
+        }
+    }
+
+    #[test]
+    fn a_small_box_on_its_edge_on_a_wide_floor_rests_on_two_points() {
+        let mut random = Random(19);
+        // Also with other axes of the box along the floor's, which cost the matrix digits.
+        let quarter = std::f32::consts::FRAC_PI_2;
+        let lying = [Quat::IDENTITY, Quat::from_rotation_x(quarter), Quat::from_rotation_y(quarter)];
+        let (floor, small) = (vec3(50.0, 0.5, 50.0), Vec3::splat(0.05));
+        for i in 0..2000 {
+            let tilt = Quat::from_rotation_z(random.range(0.4, 1.1));
+            let yaw = random.range(-1.0, 1.0) * 0.5f32.powi(i % 20);
+            let rotation = Quat::from_scaled_axis(random.vector(1e-5))
+                * Quat::from_rotation_y(yaw)
+                * tilt
+                * lying[i as usize % 3];
+            let down = (rotation.conjugate() * Vec3::Y).abs().dot(small);
+            let position = vec3(random.range(-45.0, 45.0), 0.5 + down, random.range(-45.0, 45.0));
+            let back = rotation.conjugate();
+            let (over, under) = (
+                one(Relative { position, rotation }, floor, small, 0.01),
+                one(Relative { position: back * -position, rotation: back }, small, floor, 0.01),
+            );
+            for m in [over, under] {
+                assert!(m.count == 2 && deepest(&m).abs() < 1e-4, "{i} {yaw} {m:?}");
+            }
         }
     }
 

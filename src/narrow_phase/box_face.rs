@@ -1,9 +1,10 @@
 //! A face of one box against the face of the other that looks at it.
 //!
 //! The other face is clipped to the side planes of the reference face, and of the up to eight corners four are
-//! kept: the furthest down the slope of the one face against the other (the deepest), up, and to both sides.
-//! Of a rectangle those are its four corners, whichever way the slope goes. Every corner that clipping can
-//! bring is offered to every lane: twelve, most of them invalid.
+//! kept: the furthest in each of four directions, diagonal to the slope of the one face against the other. Of
+//! a rectangle those are its four corners, whichever way the slope goes; tilted about an edge, both of the
+//! lower ones and both of the upper ones. The deepest is kept in any case. Every corner that clipping can bring
+//! is offered to every lane: twelve, most of them invalid.
 
 use super::box_box::{Boxes, Face};
 use super::lanes_io::{ManifoldLanes, pick};
@@ -72,25 +73,27 @@ pub(crate) fn face_points<L: Lanes>(
     let (fu, fv, fn_) = (cu + mu * out, cv + mv * out, cn.abs() + mn * out - hn);
     let (e1u, e1v) = (axis(0, 1) * h1, axis(1, 1) * h1);
     let (e2u, e2v) = (axis(0, 2) * h2, axis(1, 2) * h2);
-    // Separation over the reference face: fn + gu (u - fu) + gv (v - fv). No division by zero: the axis nearest
+    // From here on u and v count from the middle of the other face: on a wide floor, that keeps its digits.
+    // Separation over the reference face: fn + gu u + gv v. No division by zero: the axis nearest
     // to the normal is within 55 degrees of it.
     let steep = -(L::one() / mn);
     let (gu, gv) = (mu * steep, mv * steep);
-    let depth = |u: L, v: L| fn_ + gu * (u - fu) + gv * (v - fv);
+    let depth = |u: L, v: L| fn_ + gu * u + gv * v;
 
     // Down the slope; level, along a direction that singles out one corner of any rectangle along the axes.
     let (du, dv) = (L::splat(0.4 * TIE) - gu, L::splat(0.9 * TIE) - gv);
     let none = || Extreme { reach: L::splat(f32::NEG_INFINITY), u: zero, v: zero, key: -L::one() };
-    let mut kept = [none(), none(), none(), none()];
+    let (mut kept, mut deepest) = ([none(), none(), none(), none()], none());
     let mut offer = |valid: L::Mask, u: L, v: L, key: L| {
         let (down, aside) = (du * u + dv * v, du * v - dv * u);
-        kept[0].offer(valid, down, u, v, key);
-        kept[1].offer(valid, aside, u, v, key);
-        kept[2].offer(valid, -down, u, v, key);
-        kept[3].offer(valid, -aside, u, v, key);
+        kept[0].offer(valid, down + aside, u, v, key);
+        kept[1].offer(valid, down - aside, u, v, key);
+        kept[2].offer(valid, -(down + aside), u, v, key);
+        kept[3].offer(valid, aside - down, u, v, key);
+        deepest.offer(valid, down, u, v, key);
     };
 
-    // Edges of the other face, clipped: f + side * e2 + t e1 and f + side * e1 + t e2. The first family also
+    // Edges of the other face, clipped: side * e2 + t e1 and side * e1 + t e2. The first family also
     // brings the vertices, where nothing was clipped.
     let slack = x.least * L::splat(FLUSH);
     let (wu, wv) = (hu + slack, hv + slack);
@@ -102,8 +105,8 @@ pub(crate) fn face_points<L: Lanes>(
         let (over_u, over_v) = (over(tu), over(tv));
         let (half_u, half_v) = ((wu * over_u).abs(), (wv * over_v).abs());
         for (side, k) in [(minus, 0), (one, 2)] {
-            let (u, v) = (fu + ou * side, fv + ov * side);
-            let (at_u, at_v) = (-(u * over_u), -(v * over_v));
+            let (u, v) = (ou * side, ov * side);
+            let (at_u, at_v) = (-((fu + u) * over_u), -((fv + v) * over_v));
             let low = (at_u - half_u).max(at_v - half_v).max(minus);
             let high = (at_u + half_u).min(at_v + half_v).min(one);
             let valid = low.le(high);
@@ -126,17 +129,17 @@ pub(crate) fn face_points<L: Lanes>(
         let s = x1 * side_u - y1 * side_v - z1;
         let t = x2 * side_u - y2 * side_v - z2;
         let within = (s.abs() * h1).le(room_1) & (t.abs() * h2).le(room_2);
-        offer(within, hu * side_u, hv * side_v, key(k));
+        offer(within, hu * side_u - fu, hv * side_v - fv, key(k));
     }
 
     // Deep and skew, the bias can leave nothing over the face: then its lowest vertex, pulled onto it.
     let [k0, _, _, _] = &mut kept;
     let empty = k0.key.lt(zero);
-    let lowest = |e_u: L, e_v: L| -(gu * e_u + gv * e_v).sign();
-    let (s1, s2) = (lowest(e1u, e1v), lowest(e2u, e2v));
+    let back = |e_u: L, e_v: L| -(gu * e_u + gv * e_v).sign();
+    let (s1, s2) = (back(e1u, e1v), back(e2u, e2v));
     let rescued = empty & !apart;
-    k0.u = L::select(empty, (fu + e1u * s1 + e2u * s2).clamp(-hu, hu), k0.u);
-    k0.v = L::select(empty, (fv + e1v * s1 + e2v * s2).clamp(-hv, hv), k0.v);
+    k0.u = L::select(empty, (fu + e1u * s1 + e2u * s2).clamp(-hu, hu) - fu, k0.u);
+    k0.v = L::select(empty, (fv + e1v * s1 + e2v * s2).clamp(-hv, hv) - fv, k0.v);
 
     // Back to the frame of a.
     let (zero_v, unit) = (zero, one);
@@ -149,7 +152,7 @@ pub(crate) fn face_points<L: Lanes>(
         Vec3::new(row([a.x, b.x, c.x]), row([a.y, b.y, c.y]), row([a.z, b.z, c.z]))
     };
     let (axis_u, axis_v, axis_n) = (of_row(by, bz, bx), of_row(bz, bx, by), of_row(bx, by, bz) * up);
-    let origin = Vec3::new(choose(x.p[0], zero), choose(x.p[1], zero), choose(x.p[2], zero)) + axis_n * hn;
+    let origin = Vec3::new(choose(x.p[0], zero), choose(x.p[1], zero), choose(x.p[2], zero));
 
     // Which two faces meet is part of the key: 36 pairs of faces with 16 corners each.
     let which = |y: L::Mask, z: L::Mask, sign: L| {
@@ -159,16 +162,33 @@ pub(crate) fn face_points<L: Lanes>(
     let faces = (faces * key(6) + which(other_y, other_z, out)) * key(16) + key(4096);
 
     let infinite = L::splat(f32::INFINITY);
-    let mut out = ManifoldLanes::single(axis_n * choose(minus, one), Vec3::zero(), infinite, margin);
-    for i in 0..4 {
+    let mut separation: [L; 4] = std::array::from_fn(|i| {
         let c = &kept[i];
         let again = kept[..i].iter().fold(c.key.lt(zero), |again, before| again | c.key.eq(before.key));
-        let separation = depth(c.u, c.v);
-        out.separation[i] = L::select(again, infinite, separation);
-        out.position[i] = origin + axis_u * c.u + axis_v * c.v + axis_n * (separation * L::splat(0.5));
-        out.key[i] = faces + c.key;
+        L::select(again, infinite, depth(c.u, c.v))
+    });
+    // The deepest takes the place of a double, or else of the highest.
+    let [s0, s1, s2, s3] = separation;
+    let highest = s0.max(s1).max(s2.max(s3));
+    let lowest = depth(deepest.u, deepest.v);
+    let mut missing = !empty & lowest.lt(s0.min(s1).min(s2.min(s3)) - slack);
+    for (c, s) in kept.iter_mut().zip(&mut separation) {
+        let here = missing & s.eq(highest);
+        missing = missing & !here;
+        c.u = L::select(here, deepest.u, c.u);
+        c.v = L::select(here, deepest.v, c.v);
+        c.key = L::select(here, deepest.key, c.key);
+        *s = L::select(here, lowest, *s);
     }
-    out.separation[0] = L::select(rescued, face.separation, out.separation[0]);
-    out.key[0] = L::select(rescued, faces, out.key[0]);
+    separation[0] = L::select(rescued, face.separation, separation[0]);
+
+    let mut out = ManifoldLanes::single(axis_n * choose(minus, one), Vec3::zero(), infinite, margin);
+    for (i, (c, s)) in kept.iter().zip(separation).enumerate() {
+        out.separation[i] = s;
+        // A point that does not exist still gets a finite place.
+        let middle = hn + L::select(s.lt(infinite), s, zero) * L::splat(0.5);
+        out.position[i] = origin + axis_u * (fu + c.u) + axis_v * (fv + c.v) + axis_n * middle;
+        out.key[i] = faces + c.key.max(zero);
+    }
     out
 }
