@@ -230,3 +230,59 @@ pub(crate) mod testing {
         m.points().iter().fold(f32::INFINITY, |least, p| least.min(p.separation))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::testing::*;
+    use super::*;
+    use crate::lanes::f32x8;
+    use glam::Quat;
+
+    fn speed(name: &str, pairs: &[Pair], f: fn(&PairLanes<f32x8>) -> ManifoldLanes<f32x8>) {
+        let lanes: Vec<_> = (0..pairs.len() / 8).map(|k| PairLanes::from_fn(|i| pairs[8 * k + i])).collect();
+        let mut out = vec![RawManifold::default(); pairs.len()];
+        let (mut kernel, mut whole) = (f64::INFINITY, f64::INFINITY);
+        for _ in 0..50 {
+            let start = std::time::Instant::now();
+            for p in &lanes {
+                std::hint::black_box(f(p));
+            }
+            kernel = kernel.min(start.elapsed().as_nanos() as f64);
+            let start = std::time::Instant::now();
+            for (p, out) in lanes.iter().zip(out.chunks_mut(8)) {
+                let m = f(p);
+                for (i, out) in out.iter_mut().enumerate() {
+                    *out = m.lane(i);
+                }
+            }
+            std::hint::black_box(&mut out);
+            whole = whole.min(start.elapsed().as_nanos() as f64);
+        }
+        let n = pairs.len() as f64;
+        println!("{name}: {:.1} ns a pair, {:.1} with its manifold", kernel / n, whole / n);
+    }
+
+    #[test]
+    #[ignore = "a measurement: cargo test --release --lib speed_of_a_pair -- --ignored --nocapture"]
+    fn speed_of_a_pair() {
+        use super::super::*;
+        let mut random = Random(14);
+        let stack: Vec<Pair> = (0..4096)
+            .map(|_| {
+                let position = glam::vec3(random.range(-1.0, 1.0), 1.0, random.range(-0.5, 0.5));
+                let rotation = Quat::from_scaled_axis(random.vector(1e-3));
+                (Relative { position, rotation }, [0.5; 4], [0.5; 4], 0.02)
+            })
+            .collect();
+        speed("box box, stacked", &stack, box_box::box_box);
+        let pairs = pairs(15, 4096, 1.5);
+        speed("box box, anyhow", &pairs, box_box::box_box);
+        speed("sphere sphere", &pairs, sphere_sphere::sphere_sphere);
+        speed("sphere capsule", &pairs, sphere_capsule::sphere_capsule);
+        speed("sphere box", &pairs, sphere_box::sphere_box);
+        speed("capsule capsule", &pairs, capsule_capsule::capsule_capsule);
+        speed("capsule capsule, tapered", &pairs, capsule_capsule::tapered_capsule_capsule);
+        speed("capsule box", &pairs, capsule_box::capsule_box);
+        speed("capsule box, tapered", &pairs, capsule_box::tapered_capsule_box);
+    }
+}

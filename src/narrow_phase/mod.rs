@@ -2,7 +2,9 @@
 
 mod ahead;
 mod bins;
+mod box_apart;
 mod box_box;
+mod box_face;
 mod capsule_box;
 mod capsule_capsule;
 mod cast;

@@ -116,8 +116,8 @@ mod tests {
         let mut pairs = pairs(2, 4000, 2.0);
         for (i, pair) in pairs.iter_mut().enumerate() {
             match i % 4 {
-                0 => pair.2[2] = pair.2[1],       // uniform
-                1 => pair.2[0] = 0.3 * pair.2[0], // often one ball in the other
+                0 => pair.2[2] = pair.2[1], // uniform
+                1 => pair.2[0] *= 0.3,      // often one ball in the other
                 _ => {}
             }
         }
