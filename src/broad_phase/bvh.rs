@@ -157,7 +157,9 @@ impl Tree {
             if parent != NONE {
                 self.nodes[parent as usize / 4].child[parent as usize % 4] = node;
             }
-            for (lane, (from, to)) in super::build::four_groups(&mut items, start, end).into_iter().enumerate() {
+            for (lane, (from, to)) in
+                super::build::four_groups(&mut items, start, end).into_iter().enumerate()
+            {
                 let at = node * 4 + lane as u32;
                 match to - from {
                     0 => {}

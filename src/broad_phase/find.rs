@@ -1,7 +1,7 @@
-//! The search for new pairs, in blocks that any thread may work on.
+//! Which pairs end and which begin, in blocks that any thread may work on.
 
 use super::bvh::Tree;
-use super::{BroadPhase, MayCollide, NONE, Order, Pair, Path, Role};
+use super::{BroadPhase, FILTER, MayCollide, NONE, Order, Pair, Path, Role};
 use crate::lanes::{Mask, Vec3, f32x4};
 use crate::memory::bytes_of;
 use crate::threads::Crew;
@@ -10,17 +10,29 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// Movers in a block: about 10 µs of work, ten times what claiming a block costs.
 const BLOCK: usize = 64;
 
+/// Pairs in a block that looks whether they last.
+const KEEP_BLOCK: usize = 1024;
+
 /// What a block finds, and the stack of its walks; kept from step to step.
 #[derive(Debug, Default)]
 pub(super) struct Block {
     found: Vec<Pair>,
+    /// Places of pairs that end, upwards, and of those that become fast or slow.
+    ended: Vec<u32>,
+    turned: Vec<u32>,
     stack: Vec<u32>,
     pub(super) partners: Vec<u32>,
 }
 
 impl Block {
     pub(super) fn bytes(&self) -> (usize, usize) {
-        let columns = [bytes_of(&self.found), bytes_of(&self.stack), bytes_of(&self.partners)];
+        let columns = [
+            bytes_of(&self.found),
+            bytes_of(&self.ended),
+            bytes_of(&self.turned),
+            bytes_of(&self.stack),
+            bytes_of(&self.partners),
+        ];
         columns.iter().fold((0, 0), |sum, b| (sum.0 + b.0, sum.1 + b.1))
     }
 }
@@ -31,27 +43,58 @@ pub(super) fn lock(block: &Mutex<Block>) -> MutexGuard<'_, Block> {
 }
 
 impl BroadPhase {
+    /// Drops the pairs that may no longer touch.
+    pub(super) fn keep_pairs(&mut self, crew: &Crew, may_collide: MayCollide, removed: &mut Vec<Pair>) {
+        let count = self.pairs.len().div_ceil(KEEP_BLOCK);
+        self.grow_blocks(count);
+        let this = &*self;
+        this.run(crew, count, &|b| {
+            let block = &mut *lock(&this.blocks[b]);
+            block.ended.clear();
+            block.turned.clear();
+            let end = this.pairs.len().min((b + 1) * KEEP_BLOCK);
+            for place in b * KEEP_BLOCK..end {
+                let Pair { a, b, fast, .. } = this.pairs[place];
+                let marks = this.marks[a as usize] | this.marks[b as usize];
+                if marks == 0 {
+                    continue;
+                }
+                if !this.may_touch(a, b) || (marks & FILTER != 0 && !may_collide(a, b)) {
+                    block.ended.push(place as u32);
+                } else if fast != this.is_fast(a, b) {
+                    block.turned.push(place as u32);
+                }
+            }
+        });
+        for block in &self.blocks[..count] {
+            for &place in &lock(block).turned {
+                self.pairs[place as usize].fast ^= true;
+            }
+        }
+        // From the end: what moves to a freed place is one that stays.
+        for block in self.blocks[..count].iter().rev() {
+            for &place in lock(block).ended.iter().rev() {
+                removed.push(self.table.swap_remove(&mut self.pairs, place as usize));
+            }
+        }
+    }
+
     /// Searches for the pairs of all that changed; returns how many are new.
     pub(super) fn find_pairs(&mut self, crew: &Crew, may_collide: MayCollide, order: Order) -> u32 {
         let count = self.changed.len().div_ceil(BLOCK);
-        if self.blocks.len() < count {
-            self.blocks.resize_with(count, Mutex::default);
-        }
+        self.grow_blocks(count);
         let this = &*self;
-        #[cfg(test)]
-        let order_of_blocks = this.shuffle.map(|shuffle| shuffle(count));
-        crew.run(count, &|b| {
-            #[cfg(test)]
-            let b = order_of_blocks.as_ref().map_or(b, |order| order[b]);
+        this.run(crew, count, &|b| {
             let block = &mut *lock(&this.blocks[b]);
             block.found.clear();
             let end = this.changed.len().min((b + 1) * BLOCK);
             for &c in &this.changed[b * BLOCK..end] {
                 this.partners(c, this.path(c), block);
                 for &other in &block.partners {
+                    // The table before the exact test: most that are found are pairs already, and were tested.
                     if this.reports(c, other)
-                        && this.may_touch(c, other)
                         && this.table.find(&this.pairs, c, other).is_none()
+                        && this.may_touch(c, other)
                         && may_collide(c, other)
                     {
                         let (a, b) = order(c, other);
@@ -67,6 +110,25 @@ impl BroadPhase {
             }
         }
         (self.pairs.len() - before) as u32
+    }
+
+    fn grow_blocks(&mut self, count: usize) {
+        if self.blocks.len() < count {
+            self.blocks.resize_with(count, Mutex::default);
+        }
+    }
+
+    #[cfg(not(test))]
+    fn run(&self, crew: &Crew, count: usize, work: &(dyn Fn(usize) + Sync)) {
+        crew.run(count, work);
+    }
+
+    #[cfg(test)]
+    fn run(&self, crew: &Crew, count: usize, work: &(dyn Fn(usize) + Sync)) {
+        match self.shuffle.map(|shuffle| shuffle(count)) {
+            Some(order) => crew.run(count, &|b| work(order[b])),
+            None => crew.run(count, work),
+        }
     }
 
     /// All whose boxes touch this one's (or are touched by the path, if there is one, within rounding), save what
@@ -125,7 +187,7 @@ impl BroadPhase {
         let endless = |c: u32| self.roles[c as usize] == Role::Endless;
         match (self.path(i), self.path(j)) {
             (None, None) => true,
-            (Some(p), Some(q)) => p.volume || q.volume || (p.hits(b) && q.hits(a) && p.meets(q)),
+            (Some(p), Some(q)) => p.volume || q.volume || p.meets(q),
             (Some(p), None) => p.volume || endless(j) || p.hits(b),
             (None, Some(q)) => q.volume || endless(i) || q.hits(a),
         }

@@ -237,7 +237,7 @@ impl BroadPhase {
             return stats;
         }
         let before = removed.len();
-        self.keep_pairs(may_collide, removed);
+        self.keep_pairs(crew, may_collide, removed);
         stats.removed = (removed.len() - before) as u32;
         stats.added = self.find_pairs(crew, may_collide, order);
         for c in self.changed.drain(..) {
@@ -260,9 +260,9 @@ impl BroadPhase {
         self.paths = paths;
         for mover in movers {
             let c = mover.collider as usize;
-            let (margin, fast) = proxy::margin_of(mover, margin);
-            let rests = self.roles[c] == Role::Slow && self.marks[c] == 0 && !fast;
-            if !(rests && self.proxies[c].bounds.contains(&proxy::needs(mover))) {
+            let same = self.roles[c] == Role::Slow && self.marks[c] == 0;
+            if !(same && proxy::rests(mover, margin, &self.proxies[c].bounds)) {
+                let (margin, fast) = proxy::margin_of(mover, margin);
                 self.place_mover(mover, margin, fast);
             }
         }
@@ -382,23 +382,6 @@ impl BroadPhase {
         };
         new.clear();
         u32::from(built)
-    }
-
-    /// Drops the pairs that may no longer touch.
-    fn keep_pairs(&mut self, may_collide: MayCollide, removed: &mut Vec<Pair>) {
-        // From the end: what moves to a freed place was looked at already.
-        for place in (0..self.pairs.len()).rev() {
-            let Pair { a, b, .. } = self.pairs[place];
-            let marks = self.marks[a as usize] | self.marks[b as usize];
-            if marks == 0 {
-                continue;
-            }
-            if self.may_touch(a, b) && (marks & FILTER == 0 || may_collide(a, b)) {
-                self.pairs[place].fast = self.is_fast(a, b);
-            } else {
-                removed.push(self.table.swap_remove(&mut self.pairs, place));
-            }
-        }
     }
 
     fn grow(&mut self, collider: u32, role: Role, bounds: Aabb) {

@@ -189,7 +189,8 @@ mod tests {
                     motion.y = 0.0;
                     motion.z = 0.0;
                 }
-                let path = Path::new(&mover(start - half, start + half, motion, random(&mut seed) * 0.1), 0.05);
+                let path =
+                    Path::new(&mover(start - half, start + half, motion, random(&mut seed) * 0.1), 0.05);
                 let middle = start + motion * random(&mut seed) + vector(&mut seed, 4.0);
                 let half = vector(&mut seed, [0.0, 0.1, 5.0][i % 3]).abs();
                 (path, Aabb { min: middle - half, max: middle + half })
@@ -249,7 +250,8 @@ mod tests {
             for (path, target) in cases(20_000, centre) {
                 let (min, max) = (target.min.as_dvec3(), target.max.as_dvec3());
                 let motion = path.half.as_dvec3() * 2.0;
-                let exact = |slack| slabs(path.start.as_dvec3(), motion, path.extent.as_dvec3(), min, max, slack);
+                let exact =
+                    |slack| slabs(path.start.as_dvec3(), motion, path.extent.as_dvec3(), min, max, slack);
                 let hit = path.hits(&target);
                 assert!(hit || !exact(0.0), "missed: {path:?} {target:?}");
                 let slack = 2e-4 + path.rounding.max_element() as f64 * 2.0;

@@ -75,7 +75,8 @@ impl Scene {
             aabb,
             motion: r.vector(speed),
             spin: [0.0, 0.01, 0.3][r.below(3)],
-            mode: [Continuous::Discrete, Continuous::Segment, Continuous::Segment, Continuous::Volume][r.below(4)],
+            mode: [Continuous::Discrete, Continuous::Segment, Continuous::Segment, Continuous::Volume]
+                [r.below(4)],
         };
         if moves {
             self.broad.insert_mover(c);

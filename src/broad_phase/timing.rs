@@ -95,7 +95,11 @@ fn whole_updates() {
     let start = Instant::now();
     let first = rest.update();
     println!("first, 4096 touching: {:.1} us, {first:?}", start.elapsed().as_secs_f64() * 1e6);
-    println!("resting 4096: {:.1} us, {} pairs", median(101, |_| drop(rest.update())), rest.broad.pairs.len());
+    println!(
+        "resting 4096: {:.1} us, {} pairs",
+        median(101, |_| drop(rest.update())),
+        rest.broad.pairs.len()
+    );
     for m in rest.movers.iter_mut().step_by(41) {
         m.motion = vec3(0.2, 0.0, 0.0);
     }
