@@ -89,11 +89,12 @@ impl BroadPhase {
             block.found.clear();
             let end = this.changed.len().min((b + 1) * BLOCK);
             for &c in &this.changed[b * BLOCK..end] {
-                this.partners(c, this.path(c), block);
+                let path = this.path(c).filter(|_| this.roles[c as usize] == Role::Fast);
+                this.partners(c, path, block);
+                this.keep_reported(c, &mut block.partners);
                 for &other in &block.partners {
                     // The table before the exact test: most that are found are pairs already, and were tested.
-                    if this.reports(c, other)
-                        && this.table.find(&this.pairs, c, other).is_none()
+                    if this.table.find(&this.pairs, c, other).is_none()
                         && this.may_touch(c, other)
                         && may_collide(c, other)
                     {
@@ -141,7 +142,7 @@ impl BroadPhase {
         if matches!(role, Role::Absent | Role::New | Role::Endless) {
             return;
         }
-        let path = path.filter(|path| !path.volume);
+
         let mut search = |tree: &Tree| match path {
             None => tree.visit_box(stack, bounds, |c| partners.push(c)),
             Some(path) => tree.visit_path(stack, path, |c| partners.push(c)),
@@ -155,27 +156,25 @@ impl BroadPhase {
         }
     }
 
-    /// Of two that find each other, only one reports the pair; of two where one doesn't search, the other.
-    fn reports(&self, c: u32, other: u32) -> bool {
-        if c == other {
-            return false;
+    /// Of two that both search, who reports the pair: the higher reports, of equals the lower index. Whoever doesn't
+    /// search has 0. The order of [`Role`] sees to the rest: a static one searches only for movers that don't, a path
+    /// may miss what a swept box touches, and both look further than a fat box.
+    #[inline]
+    fn rank(&self, c: u32) -> u8 {
+        self.roles[c as usize] as u8 * u8::from(self.marks[c as usize] != 0)
+    }
+
+    /// Leaves only the partners that this one reports.
+    fn keep_reported(&self, c: u32, partners: &mut Vec<u32>) {
+        let (rank, mut kept) = (self.rank(c), 0);
+        // No branch: every other answer is no, in no order that could be predicted.
+        for i in 0..partners.len() {
+            let other = partners[i];
+            partners[kept] = other;
+            let theirs = self.rank(other);
+            kept += usize::from((rank > theirs) | ((rank == theirs) & (c < other)));
         }
-        match (self.path(c), self.path(other)) {
-            // The path of one may miss what the swept box of the other touches: who looks further reports.
-            (Some(p), Some(q)) if p.volume != q.volume => p.volume,
-            (Some(_), Some(_)) => c < other,
-            (Some(_), None) => true,
-            (None, Some(_)) => false,
-            (None, None) => {
-                let role = |c: u32| self.roles[c as usize];
-                let searches = self.marks[other as usize] != 0;
-                match (role(c), role(other)) {
-                    (_, Role::Static | Role::Endless) => true,
-                    (Role::Static, _) => !searches,
-                    _ => !searches || c < other,
-                }
-            }
-        }
+        partners.truncate(kept);
     }
 
     /// Whether two may touch within the step: the definition of a pair but for filters.
@@ -184,12 +183,17 @@ impl BroadPhase {
         if !a.overlaps(b) {
             return false;
         }
-        let endless = |c: u32| self.roles[c as usize] == Role::Endless;
+        let role = |c: u32| self.roles[c as usize];
+        // By their boxes alone: a volume is one, and what has no end can't be met by a path.
+        let boxes = |c: u32| matches!(role(c), Role::Volume | Role::Endless);
+        if boxes(i) || boxes(j) {
+            return true;
+        }
         match (self.path(i), self.path(j)) {
             (None, None) => true,
-            (Some(p), Some(q)) => p.volume || q.volume || p.meets(q),
-            (Some(p), None) => p.volume || endless(j) || p.hits(b),
-            (None, Some(q)) => q.volume || endless(i) || q.hits(a),
+            (Some(p), Some(q)) => p.meets(q),
+            (Some(p), None) => p.hits(b),
+            (None, Some(q)) => q.hits(a),
         }
     }
 
@@ -204,7 +208,7 @@ impl BroadPhase {
 
     #[inline]
     fn path(&self, collider: u32) -> Option<&Path> {
-        let fast = self.roles[collider as usize] == Role::Fast;
+        let fast = self.roles[collider as usize] >= Role::Fast;
         fast.then(|| &self.paths[self.proxies[collider as usize].path as usize])
     }
 

@@ -184,7 +184,9 @@ impl BroadPhase {
         block.partners.clear();
         match role {
             Role::Absent | Role::New => {}
-            Role::Static | Role::Slow | Role::Fast => self.partners(collider, None, &mut block),
+            Role::Static | Role::Slow | Role::Fast | Role::Volume => {
+                self.partners(collider, None, &mut block)
+            }
             Role::Endless => {
                 let others = self.pairs.iter().filter(|p| p.a == collider || p.b == collider);
                 block.partners.extend(others.map(|p| if p.a == collider { p.b } else { p.a }));
@@ -199,7 +201,7 @@ impl BroadPhase {
         let place = self.proxies[c].place;
         match role {
             Role::Static if place != NONE => self.statics.remove(place),
-            Role::Slow | Role::Fast if place != NONE => self.movers.remove(place),
+            Role::Slow | Role::Fast | Role::Volume if place != NONE => self.movers.remove(place),
             Role::Endless => self.unbounded.retain(|&u| u != collider),
             _ => {}
         }
@@ -252,7 +254,7 @@ impl BroadPhase {
         let mut paths = std::mem::take(&mut self.paths);
         for path in paths.drain(..) {
             let c = path.collider as usize;
-            if self.roles[c] == Role::Fast {
+            if self.roles[c] >= Role::Fast {
                 self.roles[c] = Role::Slow;
                 self.mark(path.collider, MOVED);
             }
@@ -297,7 +299,7 @@ impl BroadPhase {
             return;
         }
         if fast {
-            self.roles[c] = Role::Fast;
+            self.roles[c] = if mover.mode == Continuous::Volume { Role::Volume } else { Role::Fast };
             let mover = proxy::tamed(mover);
             proxy.bounds = proxy::swept_box(&mover, margin);
             proxy.path = self.paths.len() as u32;
@@ -316,7 +318,7 @@ impl BroadPhase {
         let BroadPhase { movers, proxies, roles, new_movers, changed, .. } = self;
         let moved = changed.iter().filter_map(|&c| {
             let proxy = &proxies[c as usize];
-            let in_tree = matches!(roles[c as usize], Role::Slow | Role::Fast) && proxy.place != NONE;
+            let in_tree = roles[c as usize] >= Role::Slow && proxy.place != NONE;
             in_tree.then_some((proxy.place, proxy.bounds))
         });
         let bad = movers.refit(moved);

@@ -5,18 +5,21 @@ use super::{Aabb, LARGEST, Mover};
 use crate::config::Continuous;
 use glam::{Vec3, Vec3A};
 
-/// What a collider is to the broad phase.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// What a collider is to the broad phase. The order decides who of two reports their pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub(super) enum Role {
     Absent,
-    Static,
     /// A mover that no update has listed yet.
     New,
-    Slow,
-    Fast,
-    /// Without bounds: static (a plane) or kinematic.
+    /// Without bounds: static (a plane) or kinematic. Never searches: others find it.
     Endless,
+    Static,
+    Slow,
+    /// Fast, and looks along its path.
+    Fast,
+    /// Fast, and looks in its swept box.
+    Volume,
 }
 
 /// A collider's box; 32 bytes, half a cache line.
