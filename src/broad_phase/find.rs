@@ -211,21 +211,6 @@ impl BroadPhase {
         let fast = self.roles[collider as usize] >= Role::Fast;
         fast.then(|| &self.paths[self.proxies[collider as usize].path as usize])
     }
-
-    /// Calls `f` with every static collider whose box the path of a box (`extent`: half extents) touches; planes and
-    /// other endless ones included.
-    pub(crate) fn statics_on_path(
-        &self,
-        stack: &mut Vec<u32>,
-        from: glam::Vec3,
-        to: glam::Vec3,
-        extent: glam::Vec3,
-        mut f: impl FnMut(u32),
-    ) {
-        let path = Path::between(from, to, extent);
-        self.unbounded.iter().for_each(|&c| f(c));
-        self.statics.visit_path(stack, &path, f);
-    }
 }
 
 impl Tree {

@@ -13,6 +13,7 @@ mod bounds;
 mod build;
 mod bvh;
 mod find;
+mod look_up;
 mod pairs;
 mod proxy;
 mod segment;
@@ -22,6 +23,7 @@ mod tests;
 mod timing;
 
 pub(crate) use bounds::aabb_of;
+pub(crate) use look_up::Whom;
 
 use crate::config::Continuous;
 use crate::memory::bytes_of;
@@ -152,6 +154,8 @@ pub(crate) struct BroadPhase {
     paths: Vec<Path>,
     blocks: Vec<Mutex<Block>>,
     block: Block,
+    /// Set while boxes are newer than pairs.
+    refreshed: bool,
     /// In which order blocks run, where a test wants to choose.
     #[cfg(test)]
     shuffle: Option<fn(usize) -> Vec<usize>>,
@@ -166,6 +170,7 @@ impl BroadPhase {
         let list = if bounded { &mut self.new_statics } else { &mut self.unbounded };
         list.push(collider);
         if !bounded {
+            self.proxies[collider as usize].path = look_up::ENDLESS_STATIC;
             self.mark(collider, MOVED);
         }
     }
@@ -179,18 +184,14 @@ impl BroadPhase {
     pub(crate) fn remove(&mut self, collider: u32, removed: &mut Vec<Pair>) {
         let c = collider as usize;
         let Some(&role) = self.roles.get(c) else { return };
-        // All partners' boxes touch its box, so the trees lead to its pairs.
         let mut block = std::mem::take(&mut self.block);
-        block.partners.clear();
-        match role {
-            Role::Absent | Role::New => {}
-            Role::Static | Role::Slow | Role::Fast | Role::Volume => {
-                self.partners(collider, None, &mut block)
-            }
-            Role::Endless => {
-                let others = self.pairs.iter().filter(|p| p.a == collider || p.b == collider);
-                block.partners.extend(others.map(|p| if p.a == collider { p.b } else { p.a }));
-            }
+        if role >= Role::Static && !self.refreshed {
+            // All partners' boxes touch its box, so the trees lead to its pairs.
+            self.partners(collider, None, &mut block);
+        } else {
+            let others = self.pairs.iter().filter(|p| p.a == collider || p.b == collider);
+            block.partners.clear();
+            block.partners.extend(others.map(|p| if p.a == collider { p.b } else { p.a }));
         }
         for &other in &block.partners {
             if let Some(place) = self.table.find(&self.pairs, collider, other) {
@@ -229,13 +230,11 @@ impl BroadPhase {
         order: Order,
         removed: &mut Vec<Pair>,
     ) -> BroadStats {
-        let mut stats = BroadStats::default();
-        self.place_movers(movers, margin);
-        stats.fast = self.paths.len() as u32;
-        stats.built += self.fit_movers();
-        stats.built += self.fit_statics();
-        stats.moved = self.changed.len() as u32;
-        if self.changed.is_empty() {
+        let built = self.refresh(movers, margin);
+        let (moved, fast) = (self.changed.len() as u32, self.paths.len() as u32);
+        let mut stats = BroadStats { moved, fast, built, ..BroadStats::default() };
+        self.refreshed = false;
+        if moved == 0 {
             return stats;
         }
         let before = removed.len();
@@ -246,6 +245,14 @@ impl BroadPhase {
             self.marks[c as usize] = 0;
         }
         stats
+    }
+
+    /// Makes boxes and trees fit without a look at pairs, for look-ups between steps; the next update does the rest.
+    /// Returns how many trees were built anew.
+    pub(crate) fn refresh(&mut self, movers: &[Mover], margin: f32) -> u32 {
+        self.refreshed = true;
+        self.place_movers(movers, margin);
+        self.fit_movers() + self.fit_statics()
     }
 
     /// Gives every mover that needs one a new box: the swept one if it is fast, else a fat one.
@@ -296,6 +303,7 @@ impl BroadPhase {
         if endless {
             self.roles[c] = Role::Endless;
             proxy.bounds = mover.aabb;
+            proxy.path = NONE;
             return;
         }
         if fast {

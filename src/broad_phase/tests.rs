@@ -317,20 +317,3 @@ fn a_steady_scene_changes_nothing_and_allocates_nothing() {
     }
     assert_eq!(scene.broad.bytes().1, reserved);
 }
-
-#[test]
-fn a_path_finds_the_statics_on_it() {
-    let mut broad = BroadPhase::default();
-    for c in 0..100u32 {
-        let at = vec3(c as f32 * 10.0, (c % 7) as f32, 0.0);
-        broad.insert_static(c, Aabb { min: at - 0.5, max: at + 0.5 });
-    }
-    broad.insert_static(200, Aabb { min: Vec3::NEG_INFINITY, max: Vec3::INFINITY });
-    broad.update(&Crew::alone(), &[], MARGIN, &|_, _| true, &ordered, &mut Vec::new());
-    let mut found = Vec::new();
-    let (from, to) = (vec3(-5.0, 0.0, 0.0), vec3(1005.0, 0.0, 0.0));
-    broad.statics_on_path(&mut Vec::new(), from, to, Vec3::splat(0.4), |c| found.push(c));
-    found.sort_unstable();
-    let expected: Vec<u32> = (0..100).step_by(7).chain([200]).collect();
-    assert_eq!(found, expected);
-}
