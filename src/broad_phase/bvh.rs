@@ -290,6 +290,9 @@ impl Tree {
     }
 
     /// Calls `f` with the collider of every leaf that passes `test`; `test` says which of a node's four boxes do.
+    ///
+    /// Writing all four children out and counting only those that pass, without a branch, took 2.5 times as long: each
+    /// node then waits for the one before, where a guess lets the processor run ahead (`timing.rs`, 4096 walks).
     #[inline(always)]
     pub(super) fn visit(&self, stack: &mut Vec<u32>, test: impl Fn(&Node) -> u32, mut f: impl FnMut(u32)) {
         if self.leaves == 0 {

@@ -145,7 +145,10 @@ impl BroadPhase {
 
         let mut search = |tree: &Tree| match path {
             None => tree.visit_box(stack, bounds, |c| partners.push(c)),
-            Some(path) => tree.visit_path(stack, path, |c| partners.push(c)),
+            Some(path) => {
+                let lanes = path.lanes::<f32x4>();
+                tree.visit(stack, |node| lanes.hits(node.min, node.max).bits(), |c| partners.push(c));
+            }
         };
         if role != Role::Static {
             search(&self.statics);
@@ -210,14 +213,5 @@ impl BroadPhase {
     fn path(&self, collider: u32) -> Option<&Path> {
         let fast = self.roles[collider as usize] >= Role::Fast;
         fast.then(|| &self.paths[self.proxies[collider as usize].path as usize])
-    }
-}
-
-impl Tree {
-    /// [`Tree::visit`] with all leaves that a path touches, within rounding.
-    #[inline(always)]
-    fn visit_path(&self, stack: &mut Vec<u32>, path: &Path, f: impl FnMut(u32)) {
-        let lanes = path.lanes::<f32x4>();
-        self.visit(stack, |node| lanes.hits(node.min, node.max).bits(), f);
     }
 }

@@ -250,9 +250,10 @@ impl BroadPhase {
     /// Makes boxes and trees fit without a look at pairs, for look-ups between steps; the next update does the rest.
     /// Returns how many trees were built anew.
     pub(crate) fn refresh(&mut self, movers: &[Mover], margin: f32) -> u32 {
-        self.refreshed = true;
         self.place_movers(movers, margin);
-        self.fit_movers() + self.fit_statics()
+        let built = self.fit_movers() + self.fit_statics();
+        self.refreshed = !self.changed.is_empty();
+        built
     }
 
     /// Gives every mover that needs one a new box: the swept one if it is fast, else a fat one.
