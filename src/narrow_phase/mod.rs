@@ -1,10 +1,14 @@
 //! Pairs in, manifolds out.
 
+mod ahead;
+mod bins;
 mod box_box;
 mod capsule_box;
 mod capsule_capsule;
 mod cast;
 mod clip;
+mod collide;
+mod contact;
 mod convex;
 mod gjk;
 mod lanes_io;
@@ -18,6 +22,8 @@ mod sphere_box;
 mod sphere_capsule;
 mod sphere_sphere;
 
+pub(crate) use collide::{Input, NarrowStats, Scratch, collide};
+pub(crate) use contact::{Contact, Contacts, NONE};
 pub(crate) use manifold::{MAX_POINTS, RawManifold, RawPoint};
 
 /// Pose of shape `b` in the frame of shape `a`.

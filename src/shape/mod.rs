@@ -4,9 +4,11 @@
 //! radius (sphere, capsule) or a polytope (box, cylinder, hull); see `narrow_phase`.
 
 mod collider;
+mod extent;
 mod height_field;
 mod hull;
 mod hull_build;
+mod hull_merge;
 mod mass;
 mod mesh;
 mod mesh_bvh;
@@ -77,6 +79,29 @@ impl Geometry {
         Geometry::Box { half_extents: Vec3::new(x, y, z) }
     }
 
+    /// What [`Collider::size`] holds.
+    pub(crate) fn size(&self) -> [f32; 4] {
+        match *self {
+            Geometry::Sphere { radius } => [radius, 0.0, 0.0, 0.0],
+            Geometry::Capsule { half_height, radius_bottom, radius_top }
+            | Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
+                [half_height, radius_bottom, radius_top, 0.0]
+            }
+            Geometry::Box { half_extents } => [half_extents.x, half_extents.y, half_extents.z, 0.0],
+            _ => [0.0; 4],
+        }
+    }
+
+    pub(crate) fn require_convex(&self) -> Result<(), Error> {
+        let shape = match self {
+            Geometry::Plane => "plane",
+            Geometry::Mesh(_) => "triangle mesh",
+            Geometry::HeightField(_) => "height field",
+            _ => return Ok(()),
+        };
+        Err(Error::StaticOnly { shape })
+    }
+
     /// Checks every range.
     ///
     /// # Errors
@@ -119,6 +144,17 @@ pub enum Combine {
     Multiply,
 }
 
+impl Combine {
+    fn of(self, a: f32, b: f32) -> f32 {
+        match self {
+            Combine::Average => 0.5 * (a + b),
+            Combine::Minimum => a.min(b),
+            Combine::Maximum => a.max(b),
+            Combine::Multiply => a * b,
+        }
+    }
+}
+
 /// Friction and restitution of a surface. Where two surfaces want different ways to combine, the later of
 /// average < minimum < maximum < multiply is taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -159,7 +195,19 @@ impl Material {
         self.restitution = restitution;
         self
     }
-    fn validate(&self) -> Result<(), Error> {
+    /// Static and dynamic friction of two surfaces.
+    pub(crate) fn friction_with(&self, other: &Material) -> (f32, f32) {
+        let how = self.friction_combine.max(other.friction_combine);
+        (
+            how.of(self.static_friction, other.static_friction),
+            how.of(self.dynamic_friction, other.dynamic_friction),
+        )
+    }
+    /// Restitution of two surfaces.
+    pub(crate) fn restitution_with(&self, other: &Material) -> f32 {
+        self.restitution_combine.max(other.restitution_combine).of(self.restitution, other.restitution)
+    }
+    pub(crate) fn validate(&self) -> Result<(), Error> {
         within("static friction", self.static_friction, 0.0, f32::MAX, "at least zero")?;
         within("dynamic friction", self.dynamic_friction, 0.0, f32::MAX, "at least zero")?;
         within("restitution", self.restitution, 0.0, 1.0, "in 0..=1").map(drop)
