@@ -56,10 +56,8 @@ fn halve(items: &mut [Item]) -> u32 {
         let mut low = 0;
         // No branch on where an item lies: it would be mispredicted every other time.
         for i in 0..items.len() {
-            let item = items[i];
-            items[i] = items[low];
-            items[low] = item;
-            low += usize::from(item.centre()[axis] < plane);
+            items.swap(i, low);
+            low += usize::from(items[low].centre()[axis] < plane);
         }
         let low = low as u32;
         if low.min(count - low) * 8 >= count {

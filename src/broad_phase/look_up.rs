@@ -61,6 +61,21 @@ impl BroadPhase {
         }
     }
 
+    /// [`BroadPhase::on_path`] for statics and the whole path.
+    pub(crate) fn statics_on_path(
+        &self,
+        stack: &mut Vec<u32>,
+        from: Vec3,
+        to: Vec3,
+        extent: Vec3,
+        mut f: impl FnMut(u32),
+    ) {
+        self.on_path(stack, Whom::Statics, (from, to), extent, |c| {
+            f(c);
+            1.0
+        });
+    }
+
     fn unbounded_of(&self, whom: Whom) -> impl Iterator<Item = &u32> {
         let is_static = |c: u32| self.proxies[c as usize].path == ENDLESS_STATIC;
         self.unbounded.iter().filter(move |&&c| whom == Whom::All || is_static(c))

@@ -99,7 +99,8 @@ impl Path {
         PathLanes::of(self, ROUNDING_INNER)
     }
 
-    /// A path for a look-up: from one point to another with half extents around it [m].
+    /// A path for a look-up: from one point to another with half extents around it [m]. The ends may have been
+    /// rounded from `f64`: what that moved them by is covered.
     pub(super) fn between(from: glam::Vec3, to: glam::Vec3, extent: glam::Vec3) -> Path {
         let limit = glam::Vec3::splat(LARGEST);
         let (from, to) = (from.clamp(-limit, limit), to.clamp(-limit, limit));
@@ -111,8 +112,10 @@ impl Path {
             half,
             middle,
             extent,
-            // What the motion itself lost in its subtraction shows at the far end.
-            rounding: (middle - from - half).abs() + (middle + half - to).abs(),
+            // Of the motion and its half, at the far end; and of both ends.
+            rounding: (middle - from - half).abs()
+                + (middle + half - to).abs()
+                + from.abs().max(to.abs()) * ROUNDING * 0.25,
             spin: 0.0,
             margin: 0.0,
         }
