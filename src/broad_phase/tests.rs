@@ -1,6 +1,7 @@
 //! The broad phase as a whole: against all pairs, against exact arithmetic, in any order of blocks.
 
 use super::*;
+use crate::threads::with_crew;
 use glam::{DVec3, vec3};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -268,25 +269,26 @@ fn a_bullet_meets_a_bullet_head_on_and_only_that_one() {
 
 #[test]
 fn pairs_and_their_order_do_not_depend_on_which_block_runs_when() {
-    // The crew that runs blocks on threads is tested where it is; here it is enough that blocks don't share.
-    let run = |orders: fn(usize) -> Vec<usize>| {
+    let run = |threads: usize, orders: Option<fn(usize) -> Vec<usize>>| {
         let mut scene = Scene::new(8, Vec3::ZERO, 6.0);
         for c in 0..280 {
             scene.add(c);
         }
+        scene.broad.shuffle = orders;
         let mut all = Vec::new();
-        for _ in 0..50 {
-            scene.disturb();
-            scene.broad.shuffle = Some(orders);
-            scene.step(&Crew::alone());
-            all.push(scene.broad.pairs.clone());
-        }
+        with_crew(threads, |crew| {
+            for _ in 0..50 {
+                scene.disturb();
+                scene.step(&crew);
+                all.push(scene.broad.pairs.clone());
+            }
+        });
         (all, scene.removed)
     };
-    let forwards = run(|n| (0..n).collect());
-    let backwards = run(|n| (0..n).rev().collect());
-    let odd_first = run(|n| (0..n).filter(|b| b % 2 == 1).chain((0..n).step_by(2)).collect());
-    assert!(forwards == backwards && forwards == odd_first);
+    let alone = run(1, None);
+    assert!(alone == run(1, Some(|n| (0..n).rev().collect())));
+    assert!(alone == run(1, Some(|n| (0..n).filter(|b| b % 2 == 1).chain((0..n).step_by(2)).collect())));
+    assert!(alone == run(2, None) && alone == run(5, None));
 }
 
 #[test]
