@@ -1,6 +1,7 @@
 //! How a new tree groups its leaves.
 
 use super::bvh::Item;
+use crate::lanes::{Lanes, f32x4};
 use glam::Vec3;
 
 /// From this many leaves down a range is halved by count, so that the last nodes are full: a node costs the same
@@ -44,11 +45,13 @@ pub(super) fn four_groups(items: &mut [Item], start: u32, end: u32) -> [(u32, u3
 /// halved by count. So no part gets less than an eighth, and the depth stays logarithmic whatever the scene.
 fn halve(items: &mut [Item]) -> u32 {
     let count = items.len() as u32;
-    let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    let (mut low, mut high) = (f32x4::splat(f32::INFINITY), f32x4::splat(f32::NEG_INFINITY));
     for item in items.iter() {
-        min = min.min(item.centre());
-        max = max.max(item.centre());
+        low = Lanes::min(item.lanes(), low);
+        high = Lanes::max(item.lanes(), high);
     }
+    let xyz = |v: f32x4| Vec3::from_slice(&v.to_array());
+    let (min, max) = (xyz(low), xyz(high));
     let size = max - min;
     let axis = if size.x >= size.y.max(size.z) { 0 } else { 1 + usize::from(size.z > size.y) };
     if count > SMALL {
