@@ -57,10 +57,12 @@ fn halve(items: &mut [Item]) -> u32 {
     if count > SMALL {
         let plane = min[axis] * 0.5 + max[axis] * 0.5;
         let mut low = 0;
-        // No branch on where an item lies: it would be mispredicted every other time.
+        // No branch on where an item lies: it would be mispredicted every other time. And it is asked before the swap:
+        // afterwards the answer would wait for the store (nearly twice the time for the whole build).
         for i in 0..items.len() {
+            let below = items[i].centre()[axis] < plane;
             items.swap(i, low);
-            low += usize::from(items[low].centre()[axis] < plane);
+            low += usize::from(below);
         }
         let low = low as u32;
         if low.min(count - low) * 8 >= count {
