@@ -1,7 +1,8 @@
 //! The world bounds of a collider.
 
 use super::Aabb;
-use crate::shape::{Collider, Geometry, Kind};
+use crate::lanes::{self, Lanes, f32x8};
+use crate::shape::{Collider, ConvexHull, Geometry, Kind};
 use glam::{DVec3, Mat3, Quat, Vec3};
 
 /// What bounds are widened by, as a share of the shape's size: rotating a point loses a few units of 2^-24.
@@ -48,17 +49,40 @@ fn local_bounds(collider: &Collider, rotation: Quat) -> (Vec3, Vec3) {
             ((top_centre - top).min(-top_centre - bottom), (top_centre + top).max(-top_centre + bottom))
         }
         Kind::Plane => half_space(rotation),
-        Kind::Hull | Kind::Mesh | Kind::HeightField => match local_box(&collider.geometry) {
-            Some((min, max)) => turned_box(min, max, rotation),
-            // Its ball holds it, whatever its form.
-            None => (Vec3::splat(-collider.radius), Vec3::splat(collider.radius)),
+        Kind::Hull | Kind::Mesh | Kind::HeightField => match &collider.geometry {
+            Geometry::Hull(hull) => turned_hull(hull, rotation),
+            geometry => match local_box(geometry) {
+                Some((min, max)) => turned_box(min, max, rotation),
+                // Its ball holds it, whatever its form.
+                None => (Vec3::splat(-collider.radius), Vec3::splat(collider.radius)),
+            },
         },
     }
 }
 
-/// The box around a shape with assets of its own, in its own frame [m].
+/// The box around a static asset, in its own frame [m].
 fn local_box(_geometry: &Geometry) -> Option<(Vec3, Vec3)> {
     None
+}
+
+/// Bounds of a turned hull, from its vertices: its box, turned, would be up to twice as large.
+fn turned_hull(hull: &ConvexHull, rotation: Quat) -> (Vec3, Vec3) {
+    let rows = Mat3::from_quat(rotation).transpose();
+    let rows = [rows.x_axis, rows.y_axis, rows.z_axis].map(lanes::Vec3::<f32x8>::splat);
+    let mut low = [f32x8::splat(f32::INFINITY); 3];
+    let mut high = [f32x8::splat(f32::NEG_INFINITY); 3];
+    for chunk in &hull.vertex_chunks {
+        let [x, y, z] = chunk.map(f32x8::new);
+        let vertices = lanes::Vec3 { x, y, z };
+        for k in 0..3 {
+            let along = rows[k].dot(vertices);
+            low[k] = Lanes::min(low[k], along);
+            high[k] = Lanes::max(high[k], along);
+        }
+    }
+    let lowest = |v: f32x8| v.to_array().into_iter().fold(f32::INFINITY, f32::min);
+    let highest = |v: f32x8| v.to_array().into_iter().fold(f32::NEG_INFINITY, f32::max);
+    (Vec3::from_array(low.map(lowest)), Vec3::from_array(high.map(highest)))
 }
 
 /// Bounds of a turned box.
@@ -107,6 +131,7 @@ mod tests {
     use super::*;
     use crate::shape::{Filter, Material};
     use glam::{EulerRot, dvec3, vec3};
+    use std::sync::Arc;
 
     fn collider(geometry: Geometry, size: [f32; 4]) -> Collider {
         Collider {
@@ -132,6 +157,12 @@ mod tests {
         match c.kind {
             Kind::Sphere => s[0] * d.length(),
             Kind::Capsule => (d.y * s[0] + s[2] * d.length()).max(-d.y * s[0] + s[1] * d.length()),
+            Kind::Hull => match &c.geometry {
+                Geometry::Hull(h) => {
+                    h.vertices.iter().map(|v| v.as_dvec3().dot(d)).fold(f64::NEG_INFINITY, f64::max)
+                }
+                _ => f64::NAN,
+            },
             Kind::Box => d.x.abs() * s[0] + d.y.abs() * s[1] + d.z.abs() * s[2],
             _ => (d.y * s[0] + s[2] * side).max(-d.y * s[0] + s[1] * side),
         }
@@ -139,6 +170,12 @@ mod tests {
 
     #[test]
     fn bounds_hold_the_shape_and_are_tight_near_and_far() {
+        let corner = |i: usize| {
+            let i = i as f32;
+            vec3((i * 0.77) % 1.7 - 1.0, (i * 1.9) % 1.3 - 0.4, (i * 0.31) % 2.0)
+        };
+        let points: Vec<Vec3> = (0..20).map(corner).collect();
+        let hull = ConvexHull::new(&points).unwrap();
         let shapes = [
             collider(Geometry::Sphere { radius: 0.7 }, [0.7, 0.0, 0.0, 0.0]),
             collider(
@@ -150,6 +187,7 @@ mod tests {
                 Geometry::Cylinder { half_height: 0.8, radius_bottom: 0.6, radius_top: 0.0 },
                 [0.8, 0.6, 0.0, 0.0],
             ),
+            collider(Geometry::Hull(Arc::new(hull)), [0.0; 4]),
         ];
         for (at, tight) in [(dvec3(1.0, 2.0, 3.0), 5e-6), (dvec3(1e7 + 0.3, -1e7, 12_345.678), 1.01)] {
             for i in 0..200 {

@@ -9,6 +9,7 @@
 use super::Aabb;
 use crate::lanes::{Lanes, Mask, Vec3, f32x4};
 use crate::memory::bytes_of;
+use bytemuck::{Pod, Zeroable};
 
 /// No place, no child.
 pub(super) const NONE: u32 = u32::MAX;
@@ -82,7 +83,8 @@ impl Node {
 }
 
 /// A leaf to be: the middle of its box, and its collider.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, align(16))]
 pub(super) struct Item {
     centre: [f32; 3],
     collider: u32,
@@ -290,6 +292,9 @@ impl Tree {
     }
 
     /// Calls `f` with the collider of every leaf that passes `test`; `test` says which of a node's four boxes do.
+    ///
+    /// Writing all four children out and counting only those that pass, without a branch, took 2.5 times as long: each
+    /// node then waits for the one before, where a guess lets the processor run ahead (`timing.rs`, 4096 walks).
     #[inline(always)]
     pub(super) fn visit(&self, stack: &mut Vec<u32>, test: impl Fn(&Node) -> u32, mut f: impl FnMut(u32)) {
         if self.leaves == 0 {
@@ -331,6 +336,11 @@ impl Tree {
 }
 
 impl Item {
+    /// The centre in lanes; the last lane means nothing.
+    #[inline]
+    pub(super) fn lanes(self) -> f32x4 {
+        bytemuck::must_cast(self)
+    }
     #[inline]
     pub(super) fn centre(&self) -> glam::Vec3 {
         self.centre.into()

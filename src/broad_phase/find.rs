@@ -1,7 +1,7 @@
-//! The search for new pairs, in blocks that any thread may work on.
+//! Which pairs end and which begin, in blocks that any thread may work on.
 
 use super::bvh::Tree;
-use super::{BroadPhase, MayCollide, NONE, Order, Pair, Path, Role};
+use super::{BroadPhase, FILTER, MayCollide, NONE, Order, Pair, Path, Role};
 use crate::lanes::{Mask, Vec3, f32x4};
 use crate::memory::bytes_of;
 use crate::threads::Crew;
@@ -10,17 +10,29 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// Movers in a block: about 10 µs of work, ten times what claiming a block costs.
 const BLOCK: usize = 64;
 
+/// Pairs in a block that looks whether they last.
+const KEEP_BLOCK: usize = 1024;
+
 /// What a block finds, and the stack of its walks; kept from step to step.
 #[derive(Debug, Default)]
 pub(super) struct Block {
     found: Vec<Pair>,
+    /// Places of pairs that end, upwards, and of those that become fast or slow.
+    ended: Vec<u32>,
+    turned: Vec<u32>,
     stack: Vec<u32>,
     pub(super) partners: Vec<u32>,
 }
 
 impl Block {
     pub(super) fn bytes(&self) -> (usize, usize) {
-        let columns = [bytes_of(&self.found), bytes_of(&self.stack), bytes_of(&self.partners)];
+        let columns = [
+            bytes_of(&self.found),
+            bytes_of(&self.ended),
+            bytes_of(&self.turned),
+            bytes_of(&self.stack),
+            bytes_of(&self.partners),
+        ];
         columns.iter().fold((0, 0), |sum, b| (sum.0 + b.0, sum.1 + b.1))
     }
 }
@@ -31,27 +43,59 @@ pub(super) fn lock(block: &Mutex<Block>) -> MutexGuard<'_, Block> {
 }
 
 impl BroadPhase {
+    /// Drops the pairs that may no longer touch.
+    pub(super) fn keep_pairs(&mut self, crew: &Crew, may_collide: MayCollide, removed: &mut Vec<Pair>) {
+        let count = self.pairs.len().div_ceil(KEEP_BLOCK);
+        self.grow_blocks(count);
+        let this = &*self;
+        this.run(crew, count, &|b| {
+            let block = &mut *lock(&this.blocks[b]);
+            block.ended.clear();
+            block.turned.clear();
+            let end = this.pairs.len().min((b + 1) * KEEP_BLOCK);
+            for place in b * KEEP_BLOCK..end {
+                let Pair { a, b, fast, .. } = this.pairs[place];
+                let marks = this.marks[a as usize] | this.marks[b as usize];
+                if marks == 0 {
+                    continue;
+                }
+                if !this.may_touch(a, b) || (marks & FILTER != 0 && !may_collide(a, b)) {
+                    block.ended.push(place as u32);
+                } else if fast != this.is_fast(a, b) {
+                    block.turned.push(place as u32);
+                }
+            }
+        });
+        for block in &self.blocks[..count] {
+            for &place in &lock(block).turned {
+                self.pairs[place as usize].fast ^= true;
+            }
+        }
+        // From the end: what moves to a freed place is one that stays.
+        for block in self.blocks[..count].iter().rev() {
+            for &place in lock(block).ended.iter().rev() {
+                removed.push(self.table.swap_remove(&mut self.pairs, place as usize));
+            }
+        }
+    }
+
     /// Searches for the pairs of all that changed; returns how many are new.
     pub(super) fn find_pairs(&mut self, crew: &Crew, may_collide: MayCollide, order: Order) -> u32 {
         let count = self.changed.len().div_ceil(BLOCK);
-        if self.blocks.len() < count {
-            self.blocks.resize_with(count, Mutex::default);
-        }
+        self.grow_blocks(count);
         let this = &*self;
-        #[cfg(test)]
-        let order_of_blocks = this.shuffle.map(|shuffle| shuffle(count));
-        crew.run(count, &|b| {
-            #[cfg(test)]
-            let b = order_of_blocks.as_ref().map_or(b, |order| order[b]);
+        this.run(crew, count, &|b| {
             let block = &mut *lock(&this.blocks[b]);
             block.found.clear();
             let end = this.changed.len().min((b + 1) * BLOCK);
             for &c in &this.changed[b * BLOCK..end] {
-                this.partners(c, this.path(c), block);
+                let path = this.path(c).filter(|_| this.roles[c as usize] == Role::Fast);
+                this.partners(c, path, block);
+                this.keep_reported(c, &mut block.partners);
                 for &other in &block.partners {
-                    if this.reports(c, other)
+                    // The table before the exact test: most that are found are pairs already, and were tested.
+                    if this.table.find(&this.pairs, c, other).is_none()
                         && this.may_touch(c, other)
-                        && this.table.find(&this.pairs, c, other).is_none()
                         && may_collide(c, other)
                     {
                         let (a, b) = order(c, other);
@@ -69,6 +113,25 @@ impl BroadPhase {
         (self.pairs.len() - before) as u32
     }
 
+    fn grow_blocks(&mut self, count: usize) {
+        if self.blocks.len() < count {
+            self.blocks.resize_with(count, Mutex::default);
+        }
+    }
+
+    #[cfg(not(test))]
+    fn run(&self, crew: &Crew, count: usize, work: &(dyn Fn(usize) + Sync)) {
+        crew.run(count, work);
+    }
+
+    #[cfg(test)]
+    fn run(&self, crew: &Crew, count: usize, work: &(dyn Fn(usize) + Sync)) {
+        match self.shuffle.map(|shuffle| shuffle(count)) {
+            Some(order) => crew.run(count, &|b| work(order[b])),
+            None => crew.run(count, work),
+        }
+    }
+
     /// All whose boxes touch this one's (or are touched by the path, if there is one, within rounding), save what
     /// can't collide with it. An endless one finds nothing: the others find it.
     pub(super) fn partners(&self, collider: u32, path: Option<&Path>, block: &mut Block) {
@@ -79,10 +142,13 @@ impl BroadPhase {
         if matches!(role, Role::Absent | Role::New | Role::Endless) {
             return;
         }
-        let path = path.filter(|path| !path.volume);
+
         let mut search = |tree: &Tree| match path {
             None => tree.visit_box(stack, bounds, |c| partners.push(c)),
-            Some(path) => tree.visit_path(stack, path, |c| partners.push(c)),
+            Some(path) => {
+                let lanes = path.lanes::<f32x4>();
+                tree.visit(stack, |node| lanes.hits(node.min, node.max).bits(), |c| partners.push(c));
+            }
         };
         if role != Role::Static {
             search(&self.statics);
@@ -93,27 +159,25 @@ impl BroadPhase {
         }
     }
 
-    /// Of two that find each other, only one reports the pair; of two where one doesn't search, the other.
-    fn reports(&self, c: u32, other: u32) -> bool {
-        if c == other {
-            return false;
+    /// Of two that both search, who reports the pair: the higher reports, of equals the lower index. Whoever doesn't
+    /// search has 0. The order of [`Role`] sees to the rest: a static one searches only for movers that don't, a path
+    /// may miss what a swept box touches, and both look further than a fat box.
+    #[inline]
+    fn rank(&self, c: u32) -> u8 {
+        self.roles[c as usize] as u8 * u8::from(self.marks[c as usize] != 0)
+    }
+
+    /// Leaves only the partners that this one reports.
+    fn keep_reported(&self, c: u32, partners: &mut Vec<u32>) {
+        let (rank, mut kept) = (self.rank(c), 0);
+        // No branch: every other answer is no, in no order that could be predicted.
+        for i in 0..partners.len() {
+            let other = partners[i];
+            partners[kept] = other;
+            let theirs = self.rank(other);
+            kept += usize::from((rank > theirs) | ((rank == theirs) & (c < other)));
         }
-        match (self.path(c), self.path(other)) {
-            // The path of one may miss what the swept box of the other touches: who looks further reports.
-            (Some(p), Some(q)) if p.volume != q.volume => p.volume,
-            (Some(_), Some(_)) => c < other,
-            (Some(_), None) => true,
-            (None, Some(_)) => false,
-            (None, None) => {
-                let role = |c: u32| self.roles[c as usize];
-                let searches = self.marks[other as usize] != 0;
-                match (role(c), role(other)) {
-                    (_, Role::Static | Role::Endless) => true,
-                    (Role::Static, _) => !searches,
-                    _ => !searches || c < other,
-                }
-            }
-        }
+        partners.truncate(kept);
     }
 
     /// Whether two may touch within the step: the definition of a pair but for filters.
@@ -122,12 +186,17 @@ impl BroadPhase {
         if !a.overlaps(b) {
             return false;
         }
-        let endless = |c: u32| self.roles[c as usize] == Role::Endless;
+        let role = |c: u32| self.roles[c as usize];
+        // By their boxes alone: a volume is one, and what has no end can't be met by a path.
+        let boxes = |c: u32| matches!(role(c), Role::Volume | Role::Endless);
+        if boxes(i) || boxes(j) {
+            return true;
+        }
         match (self.path(i), self.path(j)) {
             (None, None) => true,
-            (Some(p), Some(q)) => p.volume || q.volume || (p.hits(b) && q.hits(a) && p.meets(q)),
-            (Some(p), None) => p.volume || endless(j) || p.hits(b),
-            (None, Some(q)) => q.volume || endless(i) || q.hits(a),
+            (Some(p), Some(q)) => p.meets(q),
+            (Some(p), None) => p.hits(b),
+            (None, Some(q)) => q.hits(a),
         }
     }
 
@@ -142,31 +211,7 @@ impl BroadPhase {
 
     #[inline]
     fn path(&self, collider: u32) -> Option<&Path> {
-        let fast = self.roles[collider as usize] == Role::Fast;
+        let fast = self.roles[collider as usize] >= Role::Fast;
         fast.then(|| &self.paths[self.proxies[collider as usize].path as usize])
-    }
-
-    /// Calls `f` with every static collider whose box the path of a box (`extent`: half extents) touches; planes and
-    /// other endless ones included.
-    pub(crate) fn statics_on_path(
-        &self,
-        stack: &mut Vec<u32>,
-        from: glam::Vec3,
-        to: glam::Vec3,
-        extent: glam::Vec3,
-        mut f: impl FnMut(u32),
-    ) {
-        let path = Path::between(from, to, extent);
-        self.unbounded.iter().for_each(|&c| f(c));
-        self.statics.visit_path(stack, &path, f);
-    }
-}
-
-impl Tree {
-    /// [`Tree::visit`] with all leaves that a path touches, within rounding.
-    #[inline(always)]
-    fn visit_path(&self, stack: &mut Vec<u32>, path: &Path, f: impl FnMut(u32)) {
-        let lanes = path.lanes::<f32x4>();
-        self.visit(stack, |node| lanes.hits(node.min, node.max).bits(), f);
     }
 }

@@ -13,6 +13,7 @@ mod bounds;
 mod build;
 mod bvh;
 mod find;
+mod look_up;
 mod pairs;
 mod proxy;
 mod segment;
@@ -22,6 +23,7 @@ mod tests;
 mod timing;
 
 pub(crate) use bounds::aabb_of;
+pub(crate) use look_up::Whom;
 
 use crate::config::Continuous;
 use crate::memory::bytes_of;
@@ -152,6 +154,8 @@ pub(crate) struct BroadPhase {
     paths: Vec<Path>,
     blocks: Vec<Mutex<Block>>,
     block: Block,
+    /// Set while boxes are newer than pairs.
+    refreshed: bool,
     /// In which order blocks run, where a test wants to choose.
     #[cfg(test)]
     shuffle: Option<fn(usize) -> Vec<usize>>,
@@ -166,6 +170,7 @@ impl BroadPhase {
         let list = if bounded { &mut self.new_statics } else { &mut self.unbounded };
         list.push(collider);
         if !bounded {
+            self.proxies[collider as usize].path = look_up::ENDLESS_STATIC;
             self.mark(collider, MOVED);
         }
     }
@@ -179,16 +184,14 @@ impl BroadPhase {
     pub(crate) fn remove(&mut self, collider: u32, removed: &mut Vec<Pair>) {
         let c = collider as usize;
         let Some(&role) = self.roles.get(c) else { return };
-        // All partners' boxes touch its box, so the trees lead to its pairs.
         let mut block = std::mem::take(&mut self.block);
-        block.partners.clear();
-        match role {
-            Role::Absent | Role::New => {}
-            Role::Static | Role::Slow | Role::Fast => self.partners(collider, None, &mut block),
-            Role::Endless => {
-                let others = self.pairs.iter().filter(|p| p.a == collider || p.b == collider);
-                block.partners.extend(others.map(|p| if p.a == collider { p.b } else { p.a }));
-            }
+        if role >= Role::Static && !self.refreshed {
+            // All partners' boxes touch its box, so the trees lead to its pairs.
+            self.partners(collider, None, &mut block);
+        } else {
+            let others = self.pairs.iter().filter(|p| p.a == collider || p.b == collider);
+            block.partners.clear();
+            block.partners.extend(others.map(|p| if p.a == collider { p.b } else { p.a }));
         }
         for &other in &block.partners {
             if let Some(place) = self.table.find(&self.pairs, collider, other) {
@@ -199,7 +202,7 @@ impl BroadPhase {
         let place = self.proxies[c].place;
         match role {
             Role::Static if place != NONE => self.statics.remove(place),
-            Role::Slow | Role::Fast if place != NONE => self.movers.remove(place),
+            Role::Slow | Role::Fast | Role::Volume if place != NONE => self.movers.remove(place),
             Role::Endless => self.unbounded.retain(|&u| u != collider),
             _ => {}
         }
@@ -227,17 +230,15 @@ impl BroadPhase {
         order: Order,
         removed: &mut Vec<Pair>,
     ) -> BroadStats {
-        let mut stats = BroadStats::default();
-        self.place_movers(movers, margin);
-        stats.fast = self.paths.len() as u32;
-        stats.built += self.fit_movers();
-        stats.built += self.fit_statics();
-        stats.moved = self.changed.len() as u32;
-        if self.changed.is_empty() {
+        let built = self.refresh(movers, margin);
+        let (moved, fast) = (self.changed.len() as u32, self.paths.len() as u32);
+        let mut stats = BroadStats { moved, fast, built, ..BroadStats::default() };
+        self.refreshed = false;
+        if moved == 0 {
             return stats;
         }
         let before = removed.len();
-        self.keep_pairs(may_collide, removed);
+        self.keep_pairs(crew, may_collide, removed);
         stats.removed = (removed.len() - before) as u32;
         stats.added = self.find_pairs(crew, may_collide, order);
         for c in self.changed.drain(..) {
@@ -246,13 +247,22 @@ impl BroadPhase {
         stats
     }
 
+    /// Makes boxes and trees fit without a look at pairs, for look-ups between steps; the next update does the rest.
+    /// Returns how many trees were built anew.
+    pub(crate) fn refresh(&mut self, movers: &[Mover], margin: f32) -> u32 {
+        self.place_movers(movers, margin);
+        let built = self.fit_movers() + self.fit_statics();
+        self.refreshed = !self.changed.is_empty();
+        built
+    }
+
     /// Gives every mover that needs one a new box: the swept one if it is fast, else a fat one.
     fn place_movers(&mut self, movers: &[Mover], margin: f32) {
         // Last step's fast movers keep their swept box as a fat one should they fall asleep on the way.
         let mut paths = std::mem::take(&mut self.paths);
         for path in paths.drain(..) {
             let c = path.collider as usize;
-            if self.roles[c] == Role::Fast {
+            if self.roles[c] >= Role::Fast {
                 self.roles[c] = Role::Slow;
                 self.mark(path.collider, MOVED);
             }
@@ -260,9 +270,9 @@ impl BroadPhase {
         self.paths = paths;
         for mover in movers {
             let c = mover.collider as usize;
-            let (margin, fast) = proxy::margin_of(mover, margin);
-            let rests = self.roles[c] == Role::Slow && self.marks[c] == 0 && !fast;
-            if !(rests && self.proxies[c].bounds.contains(&proxy::needs(mover))) {
+            let same = self.roles[c] == Role::Slow && self.marks[c] == 0;
+            if !(same && proxy::rests(mover, margin, &self.proxies[c].bounds)) {
+                let (margin, fast) = proxy::margin_of(mover, margin);
                 self.place_mover(mover, margin, fast);
             }
         }
@@ -294,10 +304,11 @@ impl BroadPhase {
         if endless {
             self.roles[c] = Role::Endless;
             proxy.bounds = mover.aabb;
+            proxy.path = NONE;
             return;
         }
         if fast {
-            self.roles[c] = Role::Fast;
+            self.roles[c] = if mover.mode == Continuous::Volume { Role::Volume } else { Role::Fast };
             let mover = proxy::tamed(mover);
             proxy.bounds = proxy::swept_box(&mover, margin);
             proxy.path = self.paths.len() as u32;
@@ -316,7 +327,7 @@ impl BroadPhase {
         let BroadPhase { movers, proxies, roles, new_movers, changed, .. } = self;
         let moved = changed.iter().filter_map(|&c| {
             let proxy = &proxies[c as usize];
-            let in_tree = matches!(roles[c as usize], Role::Slow | Role::Fast) && proxy.place != NONE;
+            let in_tree = roles[c as usize] >= Role::Slow && proxy.place != NONE;
             in_tree.then_some((proxy.place, proxy.bounds))
         });
         let bad = movers.refit(moved);
@@ -382,23 +393,6 @@ impl BroadPhase {
         };
         new.clear();
         u32::from(built)
-    }
-
-    /// Drops the pairs that may no longer touch.
-    fn keep_pairs(&mut self, may_collide: MayCollide, removed: &mut Vec<Pair>) {
-        // From the end: what moves to a freed place was looked at already.
-        for place in (0..self.pairs.len()).rev() {
-            let Pair { a, b, .. } = self.pairs[place];
-            let marks = self.marks[a as usize] | self.marks[b as usize];
-            if marks == 0 {
-                continue;
-            }
-            if self.may_touch(a, b) && (marks & FILTER == 0 || may_collide(a, b)) {
-                self.pairs[place].fast = self.is_fast(a, b);
-            } else {
-                removed.push(self.table.swap_remove(&mut self.pairs, place));
-            }
-        }
     }
 
     fn grow(&mut self, collider: u32, role: Role, bounds: Aabb) {

@@ -6,7 +6,6 @@
 //! to the distance from the world's origin.
 
 use super::{Aabb, LARGEST, Mover};
-use crate::config::Continuous;
 use crate::lanes::{Lanes, Mask, Vec3};
 
 /// Which of `L::N` boxes a straight path touches; lane `i` answers for box `i`.
@@ -38,8 +37,6 @@ const ROUNDING_INNER: f32 = 4.0 * ROUNDING;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Path {
     pub(super) collider: u32,
-    /// Whether it looks for all in its swept box instead ([`Continuous::Volume`]).
-    pub(super) volume: bool,
     /// Middle of its box at the start of the step [m].
     start: glam::Vec3,
     /// Half of its motion [m].
@@ -64,7 +61,6 @@ impl Path {
         let reach = glam::Vec3::splat(mover.spin + margin);
         Path {
             collider: mover.collider,
-            volume: mover.mode == Continuous::Volume,
             start,
             half,
             middle,
@@ -93,7 +89,8 @@ impl Path {
 
     /// Whether the motion of one relative to the other outruns the smaller margin.
     pub(super) fn outruns(&self, other: &Path) -> bool {
-        (self.half - other.half).length() * 2.0 + self.spin + other.spin > self.margin.min(other.margin)
+        let rest = self.margin.min(other.margin) - self.spin - other.spin;
+        rest < 0.0 || (self.half - other.half).length_squared() * 4.0 > rest * rest
     }
 
     /// For the boxes of a tree's nodes.
@@ -102,7 +99,8 @@ impl Path {
         PathLanes::of(self, ROUNDING_INNER)
     }
 
-    /// A path for a look-up: from one point to another with half extents around it [m].
+    /// A path for a look-up: from one point to another with half extents around it [m]. The ends may have been
+    /// rounded from `f64`: what that moved them by is covered.
     pub(super) fn between(from: glam::Vec3, to: glam::Vec3, extent: glam::Vec3) -> Path {
         let limit = glam::Vec3::splat(LARGEST);
         let (from, to) = (from.clamp(-limit, limit), to.clamp(-limit, limit));
@@ -110,13 +108,14 @@ impl Path {
         let middle = from + half;
         Path {
             collider: u32::MAX,
-            volume: false,
             start: from,
             half,
             middle,
             extent,
-            // What the motion itself lost in its subtraction shows at the far end.
-            rounding: (middle - from - half).abs() + (middle + half - to).abs(),
+            // Of the motion and its half, at the far end; and of both ends.
+            rounding: (middle - from - half).abs()
+                + (middle + half - to).abs()
+                + from.abs().max(to.abs()) * ROUNDING * 0.25,
             spin: 0.0,
             margin: 0.0,
         }
@@ -160,6 +159,7 @@ impl<L: Lanes> PathLanes<L> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::Continuous;
     use crate::lanes::{f32x4, f32x8};
     use glam::{DVec3, vec3};
 

@@ -1,6 +1,7 @@
 //! The broad phase as a whole: against all pairs, against exact arithmetic, in any order of blocks.
 
 use super::*;
+use crate::threads::with_crew;
 use glam::{DVec3, vec3};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -268,25 +269,26 @@ fn a_bullet_meets_a_bullet_head_on_and_only_that_one() {
 
 #[test]
 fn pairs_and_their_order_do_not_depend_on_which_block_runs_when() {
-    // The crew that runs blocks on threads is tested where it is; here it is enough that blocks don't share.
-    let run = |orders: fn(usize) -> Vec<usize>| {
+    let run = |threads: usize, orders: Option<fn(usize) -> Vec<usize>>| {
         let mut scene = Scene::new(8, Vec3::ZERO, 6.0);
         for c in 0..280 {
             scene.add(c);
         }
+        scene.broad.shuffle = orders;
         let mut all = Vec::new();
-        for _ in 0..50 {
-            scene.disturb();
-            scene.broad.shuffle = Some(orders);
-            scene.step(&Crew::alone());
-            all.push(scene.broad.pairs.clone());
-        }
+        with_crew(threads, |crew| {
+            for _ in 0..50 {
+                scene.disturb();
+                scene.step(&crew);
+                all.push(scene.broad.pairs.clone());
+            }
+        });
         (all, scene.removed)
     };
-    let forwards = run(|n| (0..n).collect());
-    let backwards = run(|n| (0..n).rev().collect());
-    let odd_first = run(|n| (0..n).filter(|b| b % 2 == 1).chain((0..n).step_by(2)).collect());
-    assert!(forwards == backwards && forwards == odd_first);
+    let alone = run(1, None);
+    assert!(alone == run(1, Some(|n| (0..n).rev().collect())));
+    assert!(alone == run(1, Some(|n| (0..n).filter(|b| b % 2 == 1).chain((0..n).step_by(2)).collect())));
+    assert!(alone == run(2, None) && alone == run(5, None));
 }
 
 #[test]
@@ -316,21 +318,4 @@ fn a_steady_scene_changes_nothing_and_allocates_nothing() {
         assert_eq!(scene.step(&Crew::alone()), BroadStats::default());
     }
     assert_eq!(scene.broad.bytes().1, reserved);
-}
-
-#[test]
-fn a_path_finds_the_statics_on_it() {
-    let mut broad = BroadPhase::default();
-    for c in 0..100u32 {
-        let at = vec3(c as f32 * 10.0, (c % 7) as f32, 0.0);
-        broad.insert_static(c, Aabb { min: at - 0.5, max: at + 0.5 });
-    }
-    broad.insert_static(200, Aabb { min: Vec3::NEG_INFINITY, max: Vec3::INFINITY });
-    broad.update(&Crew::alone(), &[], MARGIN, &|_, _| true, &ordered, &mut Vec::new());
-    let mut found = Vec::new();
-    let (from, to) = (vec3(-5.0, 0.0, 0.0), vec3(1005.0, 0.0, 0.0));
-    broad.statics_on_path(&mut Vec::new(), from, to, Vec3::splat(0.4), |c| found.push(c));
-    found.sort_unstable();
-    let expected: Vec<u32> = (0..100).step_by(7).chain([200]).collect();
-    assert_eq!(found, expected);
 }

@@ -6,6 +6,8 @@ use glam::vec3;
 use std::hint::black_box;
 use std::time::Instant;
 
+fn drop_stats(_: BroadStats) {}
+
 /// Median time of `f` [µs].
 fn median(runs: usize, mut f: impl FnMut(usize)) -> f64 {
     let mut times: Vec<f64> = (0..runs)
@@ -61,6 +63,33 @@ impl Bench {
         self.broad.update(&Crew::alone(), &self.movers, 0.1, &|_, _| true, &order, &mut self.removed)
     }
 
+    /// One update, stage by stage.
+    fn stages(&mut self) {
+        self.advance();
+        let (crew, broad) = (Crew::alone(), &mut self.broad);
+        let order = |i: u32, j: u32| (i.min(j), i.max(j));
+        let start = Instant::now();
+        let mut last = 0.0;
+        let mut lap = |name: &str| {
+            let now = start.elapsed().as_secs_f64() * 1e6;
+            print!("  {name} {:.0}", now - last);
+            last = now;
+        };
+        broad.place_movers(&self.movers, 0.1);
+        lap("place");
+        broad.fit_movers();
+        lap("fit");
+        broad.keep_pairs(&crew, &|_, _| true, &mut self.removed);
+        lap("keep");
+        broad.find_pairs(&crew, &|_, _| true, &order);
+        lap("find");
+        for c in broad.changed.drain(..) {
+            broad.marks[c as usize] = 0;
+        }
+        lap("clear");
+        println!(" us");
+    }
+
     fn advance(&mut self) {
         for m in &mut self.movers {
             m.aabb.min += m.motion;
@@ -85,6 +114,7 @@ impl Bench {
             times[runs - 1],
             self.broad.pairs.len()
         );
+        (0..6).for_each(|_| self.stages());
     }
 }
 
@@ -97,13 +127,13 @@ fn whole_updates() {
     println!("first, 4096 touching: {:.1} us, {first:?}", start.elapsed().as_secs_f64() * 1e6);
     println!(
         "resting 4096: {:.1} us, {} pairs",
-        median(101, |_| drop(rest.update())),
+        median(101, |_| drop_stats(rest.update())),
         rest.broad.pairs.len()
     );
     for m in rest.movers.iter_mut().step_by(41) {
         m.motion = vec3(0.2, 0.0, 0.0);
     }
-    println!("resting 4096, 100 of them fast: {:.1} us", median(101, |_| drop(rest.update())));
+    println!("resting 4096, 100 of them fast: {:.1} us", median(101, |_| drop_stats(rest.update())));
     let ids: Vec<u32> = (0..4096).collect();
     let mut tree = Tree::default();
     let boxes: Vec<Aabb> = rest.movers.iter().map(|m| m.aabb).collect();
@@ -150,11 +180,14 @@ fn bullets() {
     }
     bench.update();
     println!("{:?} {}", bench.update(), bench.broad.pairs.len());
-    println!("1000 bullets of 10 m/step among 4096 at rest: {:.1} us", median(51, |_| drop(bench.update())));
+    println!(
+        "1000 bullets of 10 m/step among 4096 at rest: {:.1} us",
+        median(51, |_| drop_stats(bench.update()))
+    );
     let few: Vec<Mover> = bench.movers.drain(..4096).collect();
     few.iter().for_each(|m| bench.broad.remove(m.collider, &mut bench.removed));
     bench.update();
-    println!("1000 bullets alone: {:.1} us", median(51, |_| drop(bench.update())));
+    println!("1000 bullets alone: {:.1} us", median(51, |_| drop_stats(bench.update())));
 }
 
 #[test]
