@@ -1,6 +1,7 @@
 //! backstop: rigid-body physics for game runtimes.
 #![allow(dead_code, unused_imports, reason = "under construction")]
 
+mod body;
 mod broad_phase;
 mod config;
 mod error;
@@ -9,5 +10,6 @@ mod lanes;
 mod memory;
 mod narrow_phase;
 mod query;
+pub mod scene;
 mod shape;
 mod threads;

@@ -1,0 +1,5 @@
+//! Bodies: what the caller describes.
+
+mod desc;
+
+pub use desc::{BodyDesc, BodyKind};
