@@ -4,9 +4,11 @@
 //! radius (sphere, capsule) or a polytope (box, cylinder, hull); see `narrow_phase`.
 
 mod collider;
+mod extent;
 mod height_field;
 mod hull;
 mod hull_build;
+mod hull_merge;
 mod mass;
 mod mesh;
 mod mesh_bvh;
