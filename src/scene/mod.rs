@@ -14,11 +14,7 @@ mod assets;
 #[cfg(feature = "gltf")]
 mod error;
 #[cfg(feature = "gltf")]
-mod generate;
-#[cfg(feature = "gltf")]
 mod gltf_in;
-#[cfg(feature = "gltf")]
-mod gltf_out;
 #[cfg(feature = "gltf")]
 mod obj;
 #[cfg(feature = "gltf")]
@@ -29,10 +25,6 @@ pub use terrain::Terrain;
 
 #[cfg(feature = "gltf")]
 pub use error::SceneError;
-#[cfg(feature = "gltf")]
-pub use generate::{SHIPPED, shipped, write_shipped};
-#[cfg(feature = "gltf")]
-pub use gltf_out::{write_animation, write_scene};
 
 use crate::body::{BodyDesc, BodyKind};
 use glam::Vec3;
@@ -127,5 +119,30 @@ pub fn open(name: &str, options: &LoadOptions) -> Result<Scene, SceneError> {
     match builtin::build(name) {
         Some(scene) => Ok(scene),
         None => load(name, options),
+    }
+}
+
+#[cfg(test)]
+mod testing {
+    //! Where tests find data and put files.
+
+    use std::path::PathBuf;
+
+    /// A folder of the data beside the project; says so if there is none.
+    pub(super) fn data(folder: &str) -> Option<PathBuf> {
+        match std::env::var_os("BACKSTOP_DATA") {
+            Some(root) => Some(PathBuf::from(root).join(folder)),
+            None => {
+                println!("skipped: BACKSTOP_DATA is not set");
+                None
+            }
+        }
+    }
+
+    /// A folder for one test's files.
+    pub(super) fn scratch(test: &str) -> PathBuf {
+        let dir = std::env::temp_dir().join(format!("backstop_{}_{test}", std::process::id()));
+        std::fs::create_dir_all(&dir).expect("a temporary folder");
+        dir
     }
 }
