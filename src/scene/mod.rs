@@ -14,7 +14,11 @@ mod assets;
 #[cfg(feature = "gltf")]
 mod error;
 #[cfg(feature = "gltf")]
+mod generate;
+#[cfg(feature = "gltf")]
 mod gltf_in;
+#[cfg(feature = "gltf")]
+mod gltf_out;
 #[cfg(feature = "gltf")]
 mod obj;
 #[cfg(feature = "gltf")]
@@ -25,6 +29,10 @@ pub use terrain::Terrain;
 
 #[cfg(feature = "gltf")]
 pub use error::SceneError;
+#[cfg(feature = "gltf")]
+pub use generate::{SHIPPED, shipped, write_shipped};
+#[cfg(feature = "gltf")]
+pub use gltf_out::{write_animation, write_scene};
 
 use crate::body::{BodyDesc, BodyKind};
 use glam::Vec3;

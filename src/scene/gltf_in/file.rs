@@ -42,6 +42,12 @@ impl Parts {
         // The validation below refuses every extension that it doesn't know; we know better what we need.
         let required = std::mem::take(&mut root.extensions_required);
         let unknown_required = required.into_iter().filter(|e| !KNOWN.contains(&e.as_str())).collect();
+        // The crate's own check looks at the accessor of positions before it has checked the index (gltf-json 1.4.1).
+        let accessors = root.accessors.len();
+        let primitives = root.meshes.iter().flat_map(|m| &m.primitives);
+        if primitives.flat_map(|p| p.attributes.values()).any(|a| a.value() >= accessors) {
+            return Err(malformed("a mesh refers to an accessor that does not exist".into()));
+        }
         let document = gltf::Document::from_json(root).map_err(|e| malformed(validation_text(e)))?;
         let buffers = read_buffers(path, &document, blob)?;
         Ok(Parts { path: path.into(), json, document, buffers, unknown_required })

@@ -219,6 +219,12 @@ pub(super) fn add_primitive(
         }
         _ => indices.windows(2).skip(1).map(|w| [indices[0], w[0], w[1]]).collect(),
     };
+    // Vertices in the order of the file: a hull written and read again is the same to the bit.
+    let mut used = vec![false; positions.len()];
+    triples.iter().flatten().for_each(|&i| used.get_mut(i as usize).into_iter().for_each(|u| *u = true));
+    for (p, _) in positions.iter().zip(used).filter(|(p, used)| *used && p.is_finite()) {
+        welded.vertex(*p);
+    }
     let mirrored = transform.matrix3.determinant() < 0.0;
     for triple in triples {
         let corner = |i: u32| positions.get(i as usize).copied().filter(|p| p.is_finite());
