@@ -107,8 +107,8 @@ fn playground() -> Scene {
     for i in 0..5 {
         let mut ball = dynamic(Geometry::Sphere { radius: 0.3 }, Vec3::new(4.0 + i as f32, 4.0, -2.0));
         let restitution = 0.25 * i as f32;
-        ball.shapes[0].material =
-            Material { restitution_combine: Combine::Maximum, ..Material::default() }.with_restitution(restitution);
+        ball.shapes[0].material = Material { restitution_combine: Combine::Maximum, ..Material::default() }
+            .with_restitution(restitution);
         scene.add(format!("ball {restitution:.2}"), ball);
     }
     for i in 0..3 {
@@ -127,8 +127,8 @@ fn playground() -> Scene {
     paddle.angular_velocity = Vec3::new(0.0, 1.5, 0.0);
     scene.add("paddle", paddle);
     // Of three systems, the plate and the first kind know each other; the second kind is kept apart from both.
-    let [plate_filter, held, falls] = [(1, 1 | 2), (2, !4), (4, !(1 | 2))]
-        .map(|(category, mask)| Filter { category, mask, group: 0 });
+    let [plate_filter, held, falls] =
+        [(1, 1 | 2), (2, !4), (4, !(1 | 2))].map(|(category, mask)| Filter { category, mask, group: 0 });
     let mut plate = fixed(Geometry::cuboid(2.0, 0.1, 2.0), Vec3::new(-6.0, 2.0, 9.0));
     plate.shapes[0].filter = plate_filter;
     scene.add("plate", plate);
@@ -146,4 +146,27 @@ fn playground() -> Scene {
         }
     }
     scene
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shipped_scenes_are_valid_and_named_after_their_files() {
+        for file in SHIPPED {
+            let scene = shipped(file).unwrap();
+            assert!(file.starts_with(&scene.name));
+            for body in &scene.bodies {
+                body.desc.validate().unwrap();
+            }
+        }
+    }
+
+    /// Writes `scenes/` anew: `cargo test --features gltf -- --ignored write_the_committed_scenes`.
+    #[test]
+    #[ignore = "changes the repository"]
+    fn write_the_committed_scenes() {
+        write_shipped(Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")).unwrap();
+    }
 }

@@ -10,8 +10,12 @@ use std::path::Path;
 pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
     let bytes = std::fs::read(path).map_err(|source| SceneError::Read { file: path.into(), source })?;
     let malformed = |what: String| SceneError::Malformed { file: path.into(), what };
-    let options =
-        tobj::LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..Default::default() };
+    let options = tobj::LoadOptions {
+        triangulate: true,
+        ignore_points: true,
+        ignore_lines: true,
+        ..Default::default()
+    };
     // Materials say nothing about contacts: don't look for their files.
     let no_materials = |_: &Path| Err(tobj::LoadError::OpenFileFailed);
     let (models, _) = tobj::load_obj_buf(&mut &bytes[..], &options, no_materials)
@@ -24,16 +28,23 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
             Some(Vec3::new(p[0], p[1], p[2])).filter(|p| p.is_finite())
         };
         for triangle in model.mesh.indices.chunks_exact(3) {
-            let [Some(a), Some(b), Some(c)] = [corner(&triangle[0]), corner(&triangle[1]), corner(&triangle[2])]
+            let [Some(a), Some(b), Some(c)] =
+                [corner(&triangle[0]), corner(&triangle[1]), corner(&triangle[2])]
             else {
-                return Err(malformed(format!("object {}: a coordinate is missing or not finite", model.name)));
+                return Err(malformed(format!(
+                    "object {}: a coordinate is missing or not finite",
+                    model.name
+                )));
             };
             welded.triangle([a, b, c]);
         }
     }
     let name = path.file_stem().and_then(|s| s.to_str()).unwrap_or("mesh");
-    let mesh = assets::mesh(&welded.vertices, &welded.triangles)
-        .map_err(|source| SceneError::Body { file: path.into(), node: name.into(), source })?;
+    let mesh = assets::mesh(&welded.vertices, &welded.triangles).map_err(|source| SceneError::Body {
+        file: path.into(),
+        node: name.into(),
+        source,
+    })?;
     let mut scene = Scene::new(name);
     scene.source = Some(path.into());
     scene.add(name, BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Mesh(mesh))));
@@ -59,7 +70,9 @@ mod tests {
     #[test]
     fn broken_files_are_refused() {
         let dir = scratch("obj_broken");
-        for text in ["", "f 1 2 3\n", "v 0 0\nf 1 1 1\n", "v a b c\n", "v 0 0 0\nv 1 0 0\nv 0 1e39 0\nf 1 2 3\n"] {
+        for text in
+            ["", "f 1 2 3\n", "v 0 0\nf 1 1 1\n", "v a b c\n", "v 0 0 0\nv 1 0 0\nv 0 1e39 0\nf 1 2 3\n"]
+        {
             let path = dir.join("broken.obj");
             std::fs::write(&path, text).unwrap();
             assert!(load(&path).is_err(), "{text:?}");

@@ -17,7 +17,11 @@ impl Recorder {
     /// For all bodies of the scene that are not static.
     pub fn new(scene: &Scene) -> Self {
         let moving = |i: &usize| scene.bodies[*i].desc.kind != BodyKind::Static;
-        Recorder { bodies: (0..scene.bodies.len()).filter(moving).collect(), times: Vec::new(), poses: Vec::new() }
+        Recorder {
+            bodies: (0..scene.bodies.len()).filter(moving).collect(),
+            times: Vec::new(),
+            poses: Vec::new(),
+        }
     }
 
     /// Adds a frame at `time` [s]; `pose` gives position and rotation of a body by its index in the scene. A frame
@@ -30,7 +34,8 @@ impl Recorder {
         for slot in 0..self.bodies.len() {
             let (position, mut rotation) = pose(self.bodies[slot]);
             // q and -q are one rotation, but a viewer interpolates the numbers: stay on one side.
-            if self.times.len() > 1 && rotation.dot(self.poses[self.poses.len() - self.bodies.len()].1) < 0.0 {
+            if self.times.len() > 1 && rotation.dot(self.poses[self.poses.len() - self.bodies.len()].1) < 0.0
+            {
                 rotation = -rotation;
             }
             self.poses.push((position, rotation));

@@ -1,7 +1,7 @@
 //! Positions and indices out of buffers, with every offset checked before it is used.
 
-use gltf::accessor::{DataType, Dimensions};
 use glam::Vec3;
+use gltf::accessor::{DataType, Dimensions};
 
 /// `count` elements of `size` bytes, `stride` apart.
 struct Elements<'a> {
@@ -26,7 +26,12 @@ impl<'a> Elements<'a> {
             0 => offset,
             _ => stride.checked_mul(count - 1)?.checked_add(offset)?.checked_add(size)?,
         };
-        (stride >= size && end <= bytes.len()).then(|| Elements { bytes: &bytes[offset..], count, stride, size })
+        (stride >= size && end <= bytes.len()).then(|| Elements {
+            bytes: &bytes[offset..],
+            count,
+            stride,
+            size,
+        })
     }
 
     fn iter(&self) -> impl Iterator<Item = &'a [u8]> + '_ {

@@ -56,7 +56,8 @@ mod tests {
         let systems = &a.collision_systems;
         let with = |list: &Vec<String>| systems.is_empty() || systems.iter().any(|s| list.contains(s));
         let without = |list: &Vec<String>| !systems.is_empty() && systems.iter().all(|s| list.contains(s));
-        b.collide_with_systems.as_ref().is_none_or(with) && !b.not_collide_with_systems.as_ref().is_some_and(without)
+        b.collide_with_systems.as_ref().is_none_or(with)
+            && !b.not_collide_with_systems.as_ref().is_some_and(without)
     }
 
     #[test]

@@ -63,8 +63,11 @@ fn static_mesh(parts: &Parts, tree: &Tree, scene: &mut Scene) -> Result<(), Scen
         }
     }
     let name = scene.name.clone();
-    let mesh = assets::mesh(&welded.vertices, &welded.triangles)
-        .map_err(|source| SceneError::Body { file: parts.path.clone(), node: name.clone(), source })?;
+    let mesh = assets::mesh(&welded.vertices, &welded.triangles).map_err(|source| SceneError::Body {
+        file: parts.path.clone(),
+        node: name.clone(),
+        source,
+    })?;
     scene.add(name, BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Mesh(mesh))));
     Ok(())
 }
@@ -91,8 +94,12 @@ impl<'a> Loader<'a> {
     ) -> Result<Self, SceneError> {
         let shapes: Shapes =
             parts.document.extension_value(SHAPES).map(|v| parse(parts, v)).transpose()?.unwrap_or_default();
-        let root: Physics =
-            parts.document.extension_value(RIGID_BODIES).map(|v| parse(parts, v)).transpose()?.unwrap_or_default();
+        let root: Physics = parts
+            .document
+            .extension_value(RIGID_BODIES)
+            .map(|v| parse(parts, v))
+            .transpose()?
+            .unwrap_or_default();
         let filters = filter::filters(&root.collision_filters).map_err(|count| SceneError::Malformed {
             file: parts.path.clone(),
             what: format!("{count} collision systems: at most 64 can be told apart"),
@@ -100,7 +107,17 @@ impl<'a> Loader<'a> {
         let materials = root.physics_materials.iter().map(|m| material(m, &mut scene.notes)).collect();
         let unfiltered = if filters.is_empty() { Filter::default() } else { filter::UNFILTERED };
         let body = vec![None; tree.parent.len()];
-        Ok(Loader { parts, tree, physics, shapes: shapes.shapes, materials, filters, unfiltered, scene, body })
+        Ok(Loader {
+            parts,
+            tree,
+            physics,
+            shapes: shapes.shapes,
+            materials,
+            filters,
+            unfiltered,
+            scene,
+            body,
+        })
     }
 
     /// Bodies first: parents come before children, so a collider's body is there when it is reached.
@@ -149,7 +166,8 @@ impl<'a> Loader<'a> {
             None => self.add_body(node, BodyKind::Static),
         };
         let kind = self.scene.bodies[body].desc.kind;
-        let placed = self.geometry(node, &collider.geometry, scale, kind).map_err(|p| problem(self.parts, node, p))?;
+        let placed =
+            self.geometry(node, &collider.geometry, scale, kind).map_err(|p| problem(self.parts, node, p))?;
         if let Some(note) = placed.note {
             self.note(node, note);
         }
@@ -222,7 +240,7 @@ impl<'a> Loader<'a> {
 
     /// What is left of a node's transform without its pose.
     fn scale(&self, node: usize) -> DMat3 {
-        let linear: DMat3 = self.tree.global[node].matrix3.into();
+        let linear = self.tree.global[node].matrix3;
         let rotation = self.tree.rotation[node];
         match rotation == DQuat::IDENTITY {
             true => linear,

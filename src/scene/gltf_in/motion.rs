@@ -83,7 +83,12 @@ fn from_shapes(desc: &BodyDesc, mass: Option<f32>) -> MassProperties {
 
 /// Axes of infinite inertia (zero in the file) can't turn: the body's lock is about the world's axes, so the nearest
 /// are taken. Returns moments for the others, unless all are locked.
-fn lock_infinite(diagonal: Vec3, turn: Quat, desc: &mut BodyDesc, notes: &mut Vec<&'static str>) -> Option<Vec3> {
+fn lock_infinite(
+    diagonal: Vec3,
+    turn: Quat,
+    desc: &mut BodyDesc,
+    notes: &mut Vec<&'static str>,
+) -> Option<Vec3> {
     let fill = diagonal.max_element();
     if fill == 0.0 {
         desc.lock_rotation = [true; 3];
@@ -95,7 +100,8 @@ fn lock_infinite(diagonal: Vec3, turn: Quat, desc: &mut BodyDesc, notes: &mut Ve
             let world = (desc.rotation * turn * axis).abs();
             let nearest = world.max_position();
             if world[nearest] < 0.9999 {
-                notes.push("infinite inertia about an axis that is not the world's locks the nearest that is");
+                notes
+                    .push("infinite inertia about an axis that is not the world's locks the nearest that is");
             }
             desc.lock_rotation[nearest] = true;
             out[i] = fill;

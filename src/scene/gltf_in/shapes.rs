@@ -49,7 +49,8 @@ impl From<Geometry> for Placed {
 /// An implicit shape under the linear map `scale`: scale in the node's axes, and shear if a turned ancestor is scaled.
 pub(super) fn implicit(shape: &extension::Shape, scale: DMat3, kind: BodyKind) -> Result<Placed, Problem> {
     let s = DVec3::new(scale.x_axis.x, scale.y_axis.y, scale.z_axis.z).abs();
-    let aside = [scale.x_axis.y, scale.x_axis.z, scale.y_axis.x, scale.y_axis.z, scale.z_axis.x, scale.z_axis.y];
+    let aside =
+        [scale.x_axis.y, scale.x_axis.z, scale.y_axis.x, scale.y_axis.z, scale.z_axis.x, scale.z_axis.y];
     let sheared = aside.iter().any(|a| a.abs() > 1e-4 * s.max_element());
     let even = |a: f64, b: f64| (a - b).abs() <= 1e-4 * a.max(b);
     // An exact 1 stays exact: most nodes have no scale.
@@ -61,7 +62,11 @@ pub(super) fn implicit(shape: &extension::Shape, scale: DMat3, kind: BodyKind) -
             if !sheared && even(s.x, s.y) && even(s.y, s.z) {
                 return Ok(Geometry::Sphere { radius: by(radius, s.x) }.into());
             }
-            sampled(scale, capsule_points(0.0, radius, radius), "a sphere with uneven scale is a hull of points on it")
+            sampled(
+                scale,
+                capsule_points(0.0, radius, radius),
+                "a sphere with uneven scale is a hull of points on it",
+            )
         }
         "box" => {
             let half = Vec3::from(shape.cuboid.size) * 0.5;
@@ -69,7 +74,9 @@ pub(super) fn implicit(shape: &extension::Shape, scale: DMat3, kind: BodyKind) -
             if !sheared {
                 return Ok(Geometry::cuboid(by(half.x, s.x), by(half.y, s.y), by(half.z, s.z)).into());
             }
-            let corner = |i: u32| Vec3::from_array([0, 1, 2].map(|a| if i >> a & 1 == 0 { -half[a] } else { half[a] }));
+            let corner = |i: u32| {
+                Vec3::from_array([0, 1, 2].map(|a| if i >> a & 1 == 0 { -half[a] } else { half[a] }))
+            };
             sampled(scale, (0..8).map(corner).collect(), "a sheared box is a hull of its corners")
         }
         "capsule" => {
@@ -109,7 +116,8 @@ fn plane(plane: &extension::Plane, scale: DMat3, kind: BodyKind) -> Result<Place
     let (x, z) = (half(plane.size_x)?, half(plane.size_z)?);
     let corners = [(-x, -z), (-x, z), (x, z), (x, -z)].map(|(x, z)| transform(scale, Vec3::new(x, 0.0, z)));
     let mesh = assets::mesh(&corners, &[[0, 1, 2], [0, 2, 3]])?;
-    let note = (!plane.double_sided).then_some("a plane with a size is two triangles, which hold from both sides");
+    let note =
+        (!plane.double_sided).then_some("a plane with a size is two triangles, which hold from both sides");
     Ok(Placed { note, ..Geometry::Mesh(mesh).into() })
 }
 
@@ -123,7 +131,8 @@ fn capsule(half_height: f32, radius_bottom: f32, radius_top: f32) -> Placed {
     }
     // Ends without radius are allowed in files but not in the engine.
     let least = larger * 1e-3;
-    let note = (radius_bottom.min(radius_top) < least).then_some("a pointed capsule is rounded a little at its point");
+    let note = (radius_bottom.min(radius_top) < least)
+        .then_some("a pointed capsule is rounded a little at its point");
     let (radius_bottom, radius_top) = (radius_bottom.max(least), radius_top.max(least));
     Placed { note, ..Geometry::Capsule { half_height, radius_bottom, radius_top }.into() }
 }
@@ -162,7 +171,9 @@ fn collect(
     welded: &mut Welded,
 ) -> Result<Option<&'static str>, Problem> {
     let nodes: Vec<gltf::Node> = parts.document.nodes().collect();
-    let Some(root) = nodes.get(node) else { return text(format!("its geometry, node {node}, does not exist")) };
+    let Some(root) = nodes.get(node) else {
+        return text(format!("its geometry, node {node}, does not exist"));
+    };
     let mut note = None;
     let mut stack = vec![(root.clone(), DAffine3::from_mat3(scale), 0)];
     // Nodes outside the scene were not checked for cycles.
@@ -184,7 +195,7 @@ fn collect(
         for child in node.children() {
             let m = child.transform().matrix().map(|c| c.map(f64::from));
             let [x, y, z, t] = m.map(|c| DVec3::new(c[0], c[1], c[2]));
-            let local = DAffine3 { matrix3: DMat3::from_cols(x, y, z).into(), translation: t.into() };
+            let local = DAffine3 { matrix3: DMat3::from_cols(x, y, z), translation: t };
             stack.push((child, to_root * local, depth + 1));
         }
     }
@@ -214,7 +225,8 @@ pub(super) fn add_primitive(
     let triples: Vec<[u32; 3]> = match primitive.mode() {
         Mode::Triangles => indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
         Mode::TriangleStrip => {
-            let turn = |(i, w): (usize, &[u32])| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] };
+            let turn =
+                |(i, w): (usize, &[u32])| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] };
             indices.windows(3).enumerate().map(turn).collect()
         }
         _ => indices.windows(2).skip(1).map(|w| [indices[0], w[0], w[1]]).collect(),

@@ -20,7 +20,8 @@ fn file(nodes: Value, shapes: Value, physics: Value) -> Value {
     for node in nodes.as_array().unwrap() {
         is_child.extend(node["children"].as_array().into_iter().flatten().filter_map(Value::as_u64));
     }
-    let roots: Vec<u64> = (0..nodes.as_array().unwrap().len() as u64).filter(|n| !is_child.contains(n)).collect();
+    let roots: Vec<u64> =
+        (0..nodes.as_array().unwrap().len() as u64).filter(|n| !is_child.contains(n)).collect();
     json!({
         "asset": { "version": "2.0" },
         "extensionsUsed": ["KHR_implicit_shapes", "KHR_physics_rigid_bodies"],
@@ -61,15 +62,20 @@ fn implicit_shapes_have_the_defaults_of_the_specification() {
 #[test]
 fn scale_is_baked_by_its_absolute_value() {
     // The example of KHR_physics_rigid_bodies, "Geometry": a unit box under [1, -2, 3] is a box of size [1, 2, 3].
-    let Geometry::Box { half_extents } = one_shape("scale", json!({ "type": "box" }), [1.0, -2.0, 3.0]) else {
+    let Geometry::Box { half_extents } = one_shape("scale", json!({ "type": "box" }), [1.0, -2.0, 3.0])
+    else {
         panic!()
     };
     assert_eq!(half_extents, Vec3::new(0.5, 1.0, 1.5));
     let sphere = one_shape("scale", json!({ "type": "sphere" }), [3.0; 3]);
     assert!(matches!(sphere, Geometry::Sphere { radius: 1.5 }));
     let cylinder = one_shape("scale", json!({ "type": "cylinder" }), [2.0, 4.0, 2.0]);
-    let Geometry::Cylinder { half_height: 1.0, radius_bottom: 0.5, radius_top: 0.5 } = cylinder else { panic!() };
-    let Geometry::Hull(egg) = one_shape("scale", json!({ "type": "sphere" }), [1.0, 2.0, 4.0]) else { panic!() };
+    let Geometry::Cylinder { half_height: 1.0, radius_bottom: 0.5, radius_top: 0.5 } = cylinder else {
+        panic!()
+    };
+    let Geometry::Hull(egg) = one_shape("scale", json!({ "type": "sphere" }), [1.0, 2.0, 4.0]) else {
+        panic!()
+    };
     for v in egg.vertices() {
         assert!(((*v / Vec3::new(0.5, 1.0, 2.0)).length() - 1.0).abs() < 1e-5, "on the ellipsoid");
     }
@@ -106,7 +112,8 @@ fn colliders_below_a_motion_are_one_body_and_others_are_static() {
 fn mass_comes_from_the_file_or_from_the_shapes() {
     let body = |motion: Value| {
         let e = physics(json!({ "motion": motion, "collider": { "geometry": { "shape": 0 } } }));
-        let scene = load_json("mass", &file(json!([{ "extensions": e }]), json!([{ "type": "box" }]), json!({})));
+        let scene =
+            load_json("mass", &file(json!([{ "extensions": e }]), json!([{ "type": "box" }]), json!({})));
         scene.unwrap().bodies.remove(0).desc
     };
     assert_eq!(body(json!({})).mass, None);
@@ -125,7 +132,8 @@ fn mass_comes_from_the_file_or_from_the_shapes() {
 fn zero_mass_and_inertia_mean_infinite() {
     let body = |motion: Value| {
         let e = physics(json!({ "motion": motion, "collider": { "geometry": { "shape": 0 } } }));
-        let scene = load_json("zero", &file(json!([{ "extensions": e }]), json!([{ "type": "box" }]), json!({})));
+        let scene =
+            load_json("zero", &file(json!([{ "extensions": e }]), json!([{ "type": "box" }]), json!({})));
         scene.unwrap().bodies.remove(0).desc
     };
     assert_eq!(body(json!({ "mass": 0 })).lock_translation, [true; 3]);
@@ -174,7 +182,8 @@ fn a_cycle_of_nodes_is_refused() {
 
 #[test]
 fn a_deep_chain_of_nodes_is_walked() {
-    let mut nodes: Vec<Value> = (1..20_000).map(|i| json!({ "translation": [0, 1, 0], "children": [i] })).collect();
+    let mut nodes: Vec<Value> =
+        (1..20_000).map(|i| json!({ "translation": [0, 1, 0], "children": [i] })).collect();
     nodes.push(json!({ "extensions": physics(json!({ "collider": { "geometry": { "shape": 0 } } })) }));
     let scene = load_json("deep", &file(json!(nodes), json!([{ "type": "box" }]), json!({}))).unwrap();
     assert_eq!(scene.bodies[0].desc.position.y, 19_999.0);
@@ -248,7 +257,8 @@ fn conformance_scenes_load_unless_they_have_joints() {
     let Some(root) = data("gltf") else { return };
     let mut loaded = 0;
     for folder in ["tests", "samples"] {
-        let mut files: Vec<_> = std::fs::read_dir(root.join(folder)).unwrap().map(|f| f.unwrap().path()).collect();
+        let mut files: Vec<_> =
+            std::fs::read_dir(root.join(folder)).unwrap().map(|f| f.unwrap().path()).collect();
         files.sort();
         for path in files.iter().filter(|p| p.extension().is_some_and(|e| e == "gltf" || e == "glb")) {
             let has_joints = path.to_string_lossy().contains("Joint");
@@ -273,7 +283,8 @@ fn broken_files_never_panic() {
     for i in [0u16, 1, 2, 0, 2, 3, 0, 3, 1, 1, 3, 2] {
         bytes.extend(i.to_le_bytes());
     }
-    let collider = |g: Value| json!({ "collider": { "geometry": g, "physicsMaterial": 0, "collisionFilter": 0 } });
+    let collider =
+        |g: Value| json!({ "collider": { "geometry": g, "physicsMaterial": 0, "collisionFilter": 0 } });
     let mut moving = collider(json!({ "node": 0, "convexHull": true }));
     moving["motion"] = json!({ "mass": 2.0, "inertiaDiagonal": [1, 1, 1], "linearVelocity": [1, 2, 3] });
     let mut file = file(
@@ -290,7 +301,8 @@ fn broken_files_never_panic() {
         { "bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1] },
         { "bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR" }
     ]);
-    file["bufferViews"] = json!([{ "buffer": 0, "byteLength": 48 }, { "buffer": 0, "byteOffset": 48, "byteLength": 24 }]);
+    file["bufferViews"] =
+        json!([{ "buffer": 0, "byteLength": 48 }, { "buffer": 0, "byteOffset": 48, "byteLength": 24 }]);
     file["buffers"] = json!([{ "byteLength": 72 }]);
     let mut text = file.to_string().into_bytes();
     text.resize(text.len().next_multiple_of(4), b' ');

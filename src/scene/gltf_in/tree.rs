@@ -91,7 +91,7 @@ impl Local {
         let local = match node.transform() {
             gltf::scene::Transform::Matrix { matrix } => {
                 let [x, y, z, t] = matrix.map(|c| DVec3::new(c[0].into(), c[1].into(), c[2].into()));
-                let affine = DAffine3 { matrix3: DMat3::from_cols(x, y, z).into(), translation: t.into() };
+                let affine = DAffine3 { matrix3: DMat3::from_cols(x, y, z), translation: t };
                 Local { affine, rotation: None }
             }
             gltf::scene::Transform::Decomposed { translation, rotation, scale } => {
@@ -105,10 +105,13 @@ impl Local {
                 let unit = if (length - 1.0).abs() < 1e-6 { raw } else { raw / length };
                 let scale = Vec3::from(scale).as_dvec3();
                 let turned = DMat3::from_quat(unit / unit.length());
-                let matrix3 =
-                    DMat3::from_cols(turned.x_axis * scale.x, turned.y_axis * scale.y, turned.z_axis * scale.z);
+                let matrix3 = DMat3::from_cols(
+                    turned.x_axis * scale.x,
+                    turned.y_axis * scale.y,
+                    turned.z_axis * scale.z,
+                );
                 let translation = Vec3::from(translation).as_dvec3();
-                Local { affine: DAffine3 { matrix3: matrix3.into(), translation: translation.into() }, rotation: Some(unit) }
+                Local { affine: DAffine3 { matrix3, translation }, rotation: Some(unit) }
             }
         };
         match local.affine.is_finite() {
@@ -124,8 +127,7 @@ impl Local {
 
 /// The rotation in a matrix with scale, mirroring and shear: its x axis, and y as near as can be (Gram-Schmidt).
 /// `None` if it flattens.
-pub(in crate::scene) fn rotation_of(m: impl Into<DMat3>) -> Option<DQuat> {
-    let m = m.into();
+pub(in crate::scene) fn rotation_of(m: DMat3) -> Option<DQuat> {
     let mirrored = if m.determinant() < 0.0 { -1.0 } else { 1.0 };
     let x = (m.x_axis * mirrored).try_normalize()?;
     let y = (m.y_axis - x * x.dot(m.y_axis)).try_normalize()?;

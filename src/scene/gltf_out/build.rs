@@ -67,7 +67,11 @@ impl<'a> Builder<'a> {
                     self.set(child, "mesh", mesh);
                     if self.physics {
                         let collider = self.collider(shape, child);
-                        self.set(child, "extensions", Some(json!({ RIGID_BODIES: { "collider": collider } })));
+                        self.set(
+                            child,
+                            "extensions",
+                            Some(json!({ RIGID_BODIES: { "collider": collider } })),
+                        );
                     }
                     children.push(child);
                 }
@@ -148,7 +152,9 @@ impl<'a> Builder<'a> {
     fn collider(&mut self, shape: &ShapeDesc, node: usize) -> Value {
         let geometry = match implicit(&shape.geometry) {
             Some(shape) => json!({ "shape": intern(&mut self.shapes, shape) }),
-            None if matches!(shape.geometry, Geometry::Hull(_)) => json!({ "node": node, "convexHull": true }),
+            None if matches!(shape.geometry, Geometry::Hull(_)) => {
+                json!({ "node": node, "convexHull": true })
+            }
             None => json!({ "node": node }),
         };
         let mut collider = json!({ "geometry": geometry });
@@ -192,7 +198,8 @@ fn motion(desc: &BodyDesc) -> Value {
     if desc.gravity_scale != 1.0 {
         motion["gravityFactor"] = json!(desc.gravity_scale);
     }
-    let dense = |s: &ShapeDesc| MassProperties::of(&s.geometry, s.density).transformed(s.position, s.rotation);
+    let dense =
+        |s: &ShapeDesc| MassProperties::of(&s.geometry, s.density).transformed(s.position, s.rotation);
     let mass = match desc.mass {
         None if desc.shapes.iter().any(|s| s.density != 1000.0) && desc.kind == BodyKind::Dynamic => {
             Some(MassProperties::combine(&desc.shapes.iter().map(dense).collect::<Vec<_>>()))
@@ -211,9 +218,7 @@ fn motion(desc: &BodyDesc) -> Value {
 
 /// The implicit shape for a geometry that has one.
 fn implicit(geometry: &Geometry) -> Option<Value> {
-    let round = |kind: &str, half_height: f32, bottom: f32, top: f32| {
-        json!({ "type": kind, kind: { "height": 2.0 * half_height, "radiusBottom": bottom, "radiusTop": top } })
-    };
+    let round = |kind: &str, half_height: f32, bottom: f32, top: f32| json!({ "type": kind, kind: { "height": 2.0 * half_height, "radiusBottom": bottom, "radiusTop": top } });
     Some(match geometry {
         Geometry::Sphere { radius } => json!({ "type": "sphere", "sphere": { "radius": radius } }),
         // A capsule without height is not allowed in a file.
@@ -226,7 +231,9 @@ fn implicit(geometry: &Geometry) -> Option<Value> {
         Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
             round("cylinder", *half_height, *radius_bottom, *radius_top)
         }
-        Geometry::Box { half_extents } => json!({ "type": "box", "box": { "size": (2.0 * *half_extents).to_array() } }),
+        Geometry::Box { half_extents } => {
+            json!({ "type": "box", "box": { "size": (2.0 * *half_extents).to_array() } })
+        }
         Geometry::Plane => json!({ "type": "plane", "plane": {} }),
         Geometry::Hull(_) | Geometry::Mesh(_) | Geometry::HeightField(_) => return None,
     })

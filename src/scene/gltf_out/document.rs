@@ -91,7 +91,10 @@ impl Document {
             (U32, self.view(bytemuck::cast_slice(triangles), Some(INDICES)))
         };
         let count = 3 * triangles.len();
-        self.push("accessors", json!({ "bufferView": view, "componentType": kind, "count": count, "type": "SCALAR" }))
+        self.push(
+            "accessors",
+            json!({ "bufferView": view, "componentType": kind, "count": count, "type": "SCALAR" }),
+        )
     }
 
     /// Accessor of the times of frames, in ascending order.
@@ -105,14 +108,20 @@ impl Document {
     /// Accessor of translations over time.
     pub(super) fn translations(&mut self, values: &[Vec3]) -> usize {
         let view = self.view(bytemuck::cast_slice(values), None);
-        self.push("accessors", json!({ "bufferView": view, "componentType": F32, "count": values.len(), "type": "VEC3" }))
+        self.push(
+            "accessors",
+            json!({ "bufferView": view, "componentType": F32, "count": values.len(), "type": "VEC3" }),
+        )
     }
 
     /// Accessor of rotations over time.
     pub(super) fn rotations(&mut self, values: &[Quat]) -> usize {
         let values: Vec<[f32; 4]> = values.iter().map(|q| q.to_array()).collect();
         let view = self.view(bytemuck::cast_slice(&values), None);
-        self.push("accessors", json!({ "bufferView": view, "componentType": F32, "count": values.len(), "type": "VEC4" }))
+        self.push(
+            "accessors",
+            json!({ "bufferView": view, "componentType": F32, "count": values.len(), "type": "VEC4" }),
+        )
     }
 
     /// Bytes of the buffer; every view starts at a multiple of four, which suits all component types.
@@ -131,7 +140,7 @@ impl Document {
     }
 
     /// Binary glTF (glTF 2.0, section 4.4).
-    pub(super) fn to_glb(mut self) -> Vec<u8> {
+    pub(super) fn into_glb(mut self) -> Vec<u8> {
         self.align();
         self.close(None);
         let mut text = Value::Object(self.json).to_string().into_bytes();
@@ -153,7 +162,7 @@ impl Document {
     }
 
     /// JSON with the buffer as a data URI.
-    pub(super) fn to_gltf(mut self) -> Vec<u8> {
+    pub(super) fn into_gltf(mut self) -> Vec<u8> {
         let text = base64::engine::general_purpose::STANDARD.encode(&self.bytes);
         self.close(Some(format!("data:application/octet-stream;base64,{text}")));
         let mut text = format!("{:#}", Value::Object(self.json)).into_bytes();

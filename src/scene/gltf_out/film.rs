@@ -26,7 +26,12 @@ pub(super) fn document(scene: &Scene, recorder: &Recorder) -> Result<Document, S
         Some(source) => over_source(scene, recorder, source)?,
         None => {
             let (document, nodes) = build::scene(scene, false);
-            (document, (0..recorder.bodies().len()).map(|s| in_world(recorder, s, nodes[recorder.bodies()[s]])).collect())
+            (
+                document,
+                (0..recorder.bodies().len())
+                    .map(|s| in_world(recorder, s, nodes[recorder.bodies()[s]]))
+                    .collect(),
+            )
         }
     };
     animate(&mut document, recorder.times(), &tracks);
@@ -41,10 +46,15 @@ fn in_world(recorder: &Recorder, slot: usize, node: usize) -> Track {
 
 /// The file that the scene came from, and tracks for its nodes. Moving bodies that were added to the scene later get
 /// nodes and meshes of their own.
-fn over_source(scene: &Scene, recorder: &Recorder, source: &Path) -> Result<(Document, Vec<Track>), SceneError> {
+fn over_source(
+    scene: &Scene,
+    recorder: &Recorder,
+    source: &Path,
+) -> Result<(Document, Vec<Track>), SceneError> {
     let parts = Parts::read(source)?;
     let tree = Tree::new(&parts)?;
-    let mut document = Document::from_parts(parts.json.as_object().cloned().unwrap_or_default(), &parts.buffers);
+    let mut document =
+        Document::from_parts(parts.json.as_object().cloned().unwrap_or_default(), &parts.buffers);
     embed_images(&mut document, source);
     drop_required(&mut document.json);
     // The recorder's slot of the body at each node.
@@ -77,7 +87,8 @@ fn over_source(scene: &Scene, recorder: &Recorder, source: &Path) -> Result<(Doc
     if !added.is_empty() {
         let shown = document.json.get("scene").and_then(Value::as_u64).unwrap_or(0) as usize;
         if document.list("scenes").is_empty() {
-            let roots: Vec<usize> = tree.order.iter().copied().filter(|&n| tree.parent[n].is_none()).collect();
+            let roots: Vec<usize> =
+                tree.order.iter().copied().filter(|&n| tree.parent[n].is_none()).collect();
             document.push("scenes", json!({ "nodes": roots }));
         }
         let scenes = document.list("scenes");
@@ -104,8 +115,13 @@ fn below(
     }
     // Of the carrier in the file, to find where the parent is relative to it.
     let carrier = carrier.and_then(|n| {
-        let pose = DAffine3::from_rotation_translation(tree.rotation[n].normalize(), tree.global[n].translation);
-        Some((slots[n]?, pose.inverse() * tree.global[parent], tree.rotation[n].inverse() * tree.rotation[parent]))
+        let pose =
+            DAffine3::from_rotation_translation(tree.rotation[n].normalize(), tree.global[n].translation);
+        Some((
+            slots[n]?,
+            pose.inverse() * tree.global[parent],
+            tree.rotation[n].inverse() * tree.rotation[parent],
+        ))
     });
     let mut track = Track { node, translations: Vec::new(), rotations: Vec::new() };
     for (frame, (position, rotation)) in recorder.track(slot).enumerate() {
@@ -151,7 +167,8 @@ fn animate(document: &mut Document, times: &[f32], tracks: &[Track]) {
             ("rotation", document.rotations(&track.rotations)),
         ];
         for (path, output) in outputs {
-            channels.push(json!({ "sampler": samplers.len(), "target": { "node": track.node, "path": path } }));
+            channels
+                .push(json!({ "sampler": samplers.len(), "target": { "node": track.node, "path": path } }));
             samplers.push(json!({ "input": input, "output": output, "interpolation": "LINEAR" }));
         }
     }

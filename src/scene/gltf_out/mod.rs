@@ -33,6 +33,6 @@ pub fn write_animation(scene: &Scene, recorder: &Recorder, path: impl AsRef<Path
 
 fn write(document: Document, path: &Path) -> Result<(), SceneError> {
     let text = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf"));
-    let bytes = if text { document.to_gltf() } else { document.to_glb() };
+    let bytes = if text { document.into_gltf() } else { document.into_glb() };
     std::fs::write(path, bytes).map_err(|source| SceneError::Write { file: path.into(), source })
 }

@@ -94,7 +94,8 @@ fn lathe(profile: &[(f32, f32)]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
 }
 
 fn cuboid(half: Vec3) -> (Vec<Vec3>, Vec<[u32; 3]>) {
-    let corner = |i: u32| Vec3::from_array([0, 1, 2].map(|a| if i >> a & 1 == 0 { -half[a] } else { half[a] }));
+    let corner =
+        |i: u32| Vec3::from_array([0, 1, 2].map(|a| if i >> a & 1 == 0 { -half[a] } else { half[a] }));
     let quads: [[u32; 4]; 6] =
         [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
     let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
