@@ -91,24 +91,28 @@ fn tower() -> Scene {
 /// kinds of balls of which one falls through a filtered plate.
 fn playground() -> Scene {
     let mut scene = Scene::new("playground");
-    scene.add("floor", fixed(Geometry::Plane, Vec3::ZERO));
+    // Both partners of a pair ask for the same way to combine, so that the outcome hangs on no rule between ways.
+    let least = Material { friction_combine: Combine::Minimum, ..Material::default() };
+    let most = Material { restitution_combine: Combine::Maximum, ..Material::default() };
+    let mut floor = fixed(Geometry::Plane, Vec3::ZERO);
+    floor.shapes[0].material = most;
+    scene.add("floor", floor);
     let tilt = axis_angle(Vec3::X, 0.45);
     for i in 0..5 {
         let x = -12.0 + 3.0 * i as f32;
         let friction = 0.2 * i as f32;
-        let material =
-            Material { friction_combine: Combine::Minimum, ..Material::default() }.with_friction(friction);
         let mut ramp = fixed(Geometry::cuboid(1.2, 0.1, 4.0), Vec3::new(x, 2.0, 0.0)).rotated(tilt);
-        ramp.shapes[0].material = material;
+        ramp.shapes[0].material = least.with_friction(friction);
         scene.add(format!("ramp {friction:.1}"), ramp);
         let above = Vec3::new(x, 2.0, 0.0) + tilt * Vec3::new(0.0, 0.41, -3.0);
-        scene.add("slider", dynamic(Geometry::cuboid(0.4, 0.3, 0.4), above).rotated(tilt));
+        let mut slider = dynamic(Geometry::cuboid(0.4, 0.3, 0.4), above).rotated(tilt);
+        slider.shapes[0].material = least;
+        scene.add("slider", slider);
     }
     for i in 0..5 {
         let mut ball = dynamic(Geometry::Sphere { radius: 0.3 }, Vec3::new(4.0 + i as f32, 4.0, -2.0));
         let restitution = 0.25 * i as f32;
-        ball.shapes[0].material = Material { restitution_combine: Combine::Maximum, ..Material::default() }
-            .with_restitution(restitution);
+        ball.shapes[0].material = most.with_restitution(restitution);
         scene.add(format!("ball {restitution:.2}"), ball);
     }
     for i in 0..3 {

@@ -130,7 +130,7 @@ pub fn open(name: &str, options: &LoadOptions) -> Result<Scene, SceneError> {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "gltf"))]
 mod testing {
     //! Where tests find data and put files.
 

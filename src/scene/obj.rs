@@ -80,6 +80,25 @@ mod tests {
     }
 
     #[test]
+    fn mutated_files_never_panic() {
+        let text =
+            b"mtllib a.mtl\no cube\nv 0 0 0 1 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 1\nvt 0 1\nvn 0 0 1\nusemtl a\n\
+            f 1/1/1 2/1/1 3/1/1 4/1/1\ng two\nf 1//1 2//1 3//1\nf -1 -2 -3\nl 1 2\np 1\n";
+        let path = scratch("obj_mutated").join("mutated.obj");
+        let mut rng = super::super::rng::Rng::new(5);
+        for i in 0..1000 {
+            let mut broken = text[..text.len() - i % text.len()].to_vec();
+            for _ in 0..rng.next() % 4 {
+                let at = rng.next() as usize % broken.len();
+                broken[at] = b"0123456789-/. \nvfnte"[rng.next() as usize % 20];
+            }
+            std::fs::write(&path, &broken).unwrap();
+            // Either is fine; what counts is that it returns.
+            let _ = load(&path);
+        }
+    }
+
+    #[test]
     fn level_meshes_load_whole() {
         let Some(data) = data("meshes") else { return };
         for file in ["collision_mesh_01.obj", "voxel_mesh_01.obj"] {

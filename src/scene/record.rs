@@ -53,11 +53,13 @@ impl Recorder {
     }
 
     /// Poses of `bodies()[slot]` over time.
+    #[cfg(any(feature = "gltf", test))]
     pub(crate) fn track(&self, slot: usize) -> impl Iterator<Item = (DVec3, Quat)> + '_ {
         self.poses.iter().skip(slot).step_by(self.bodies.len().max(1)).copied()
     }
 
     /// Pose of `bodies()[slot]` in one frame.
+    #[cfg(feature = "gltf")]
     pub(crate) fn pose(&self, slot: usize, frame: usize) -> (DVec3, Quat) {
         self.poses[frame * self.bodies.len() + slot]
     }

@@ -323,12 +323,12 @@ fn broken_files_never_panic() {
     let scene = try_load(&glb).unwrap();
     assert_eq!((scene.bodies.len(), scene.bodies[1].desc.shapes.len()), (2, 2));
     assert!(scene.bodies[1].desc.rotation == Quat::IDENTITY);
-    for cut in (0..glb.len()).step_by(7) {
+    for cut in (0..glb.len()).step_by(11) {
         assert!(try_load(&glb[..cut]).is_err(), "cut to {cut} bytes");
     }
     let mut rng = Rng::new(3);
     let mut refused = 0;
-    for _ in 0..3000 {
+    for _ in 0..1000 {
         let mut broken = glb.clone();
         for _ in 0..1 + rng.next() % 3 {
             let at = rng.next() as usize % broken.len();
@@ -340,5 +340,5 @@ fn broken_files_never_panic() {
         }
         refused += usize::from(try_load(&broken).is_err());
     }
-    assert!(refused > 1000);
+    assert!(refused > 300);
 }

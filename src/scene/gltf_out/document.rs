@@ -37,7 +37,7 @@ impl Document {
         }
         for view in document.list("bufferViews") {
             let start = view["buffer"].as_u64().and_then(|b| starts.get(b as usize)).copied().unwrap_or(0);
-            view["byteOffset"] = json!(view["byteOffset"].as_u64().unwrap_or(0) + start as u64);
+            view["byteOffset"] = json!(view["byteOffset"].as_u64().unwrap_or(0).saturating_add(start as u64));
             view["buffer"] = json!(0);
         }
         document
