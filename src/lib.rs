@@ -14,6 +14,7 @@ mod memory;
 mod movers;
 mod narrow_phase;
 mod query;
+pub mod scene;
 mod shape;
 mod solver;
 mod step;

@@ -2,8 +2,8 @@
 
 use super::ahead::look_ahead;
 use super::box_box::box_box;
-use super::capsule_box::capsule_box;
-use super::capsule_capsule::capsule_capsule;
+use super::capsule_box::{capsule_box, tapered_capsule_box};
+use super::capsule_capsule::{capsule_capsule, tapered_capsule_capsule};
 use super::collide::{Found, Input, near};
 use super::contact::{Contact, NONE};
 use super::convex::collide_convex;
@@ -24,14 +24,22 @@ use crate::threads::Shared;
 pub(crate) struct Bin(pub(crate) u8);
 
 const KINDS: u8 = 8;
-/// One bin a pair of kinds.
-const COUNT: usize = KINDS as usize * KINDS as usize;
+/// Tapered capsules have kernels, and so bins, of their own.
+const TAPERED_CAPSULES: Bin = Bin(KINDS * KINDS);
+const TAPERED_BOX: Bin = Bin(KINDS * KINDS + 1);
+/// One bin a pair of kinds, and the tapered ones.
+const COUNT: usize = KINDS as usize * KINDS as usize + 2;
 /// Pairs a block of one bin: a multiple of eight.
 const BLOCK: u32 = 64;
 
 impl Bin {
     pub(crate) fn of(a: &Collider, b: &Collider) -> Bin {
-        Bin(a.kind as u8 * KINDS + b.kind as u8)
+        let tapered = |c: &Collider| c.kind == Kind::Capsule && c.size[1] != c.size[2];
+        match (a.kind, b.kind) {
+            (Kind::Capsule, Kind::Capsule) if tapered(a) || tapered(b) => TAPERED_CAPSULES,
+            (Kind::Capsule, Kind::Box) if tapered(a) => TAPERED_BOX,
+            (a, b) => Bin(Bin::pair(a, b)),
+        }
     }
 
     const fn pair(a: Kind, b: Kind) -> u8 {
@@ -91,7 +99,11 @@ fn kernel_of(bin: Bin) -> Option<Kernel> {
     const CAPSULES: u8 = Bin::pair(Kind::Capsule, Kind::Capsule);
     const CAPSULE_BOX: u8 = Bin::pair(Kind::Capsule, Kind::Box);
     const BOXES: u8 = Bin::pair(Kind::Box, Kind::Box);
+    const TAPERED: u8 = TAPERED_CAPSULES.0;
+    const TAPERED_ON_BOX: u8 = TAPERED_BOX.0;
     match bin.0 {
+        TAPERED => Some(tapered_capsule_capsule::<f32x8>),
+        TAPERED_ON_BOX => Some(tapered_capsule_box::<f32x8>),
         SPHERES => Some(sphere_sphere::<f32x8>),
         SPHERE_CAPSULE => Some(sphere_capsule::<f32x8>),
         SPHERE_BOX => Some(sphere_box::<f32x8>),

@@ -155,8 +155,8 @@ impl Combine {
     }
 }
 
-/// Friction and restitution of a surface. Where two surfaces want different ways to combine, the later of
-/// average < minimum < maximum < multiply is taken.
+/// Friction and restitution of a surface. Where two surfaces want different ways to combine, the first
+/// of average, minimum, maximum, multiply is taken (as glTF's `KHR_physics_rigid_bodies` has it).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct Material {
@@ -197,7 +197,7 @@ impl Material {
     }
     /// Static and dynamic friction of two surfaces.
     pub(crate) fn friction_with(&self, other: &Material) -> (f32, f32) {
-        let how = self.friction_combine.max(other.friction_combine);
+        let how = self.friction_combine.min(other.friction_combine);
         (
             how.of(self.static_friction, other.static_friction),
             how.of(self.dynamic_friction, other.dynamic_friction),
@@ -205,7 +205,7 @@ impl Material {
     }
     /// Restitution of two surfaces.
     pub(crate) fn restitution_with(&self, other: &Material) -> f32 {
-        self.restitution_combine.max(other.restitution_combine).of(self.restitution, other.restitution)
+        self.restitution_combine.min(other.restitution_combine).of(self.restitution, other.restitution)
     }
     pub(crate) fn validate(&self) -> Result<(), Error> {
         within("static friction", self.static_friction, 0.0, f32::MAX, "at least zero")?;
