@@ -130,7 +130,10 @@ pub(super) fn face_contact(
     if face.separation < 0.0 && cloud.least() > face.separation + tolerance {
         let (vertex, _) = incident.support(down);
         let position = incident_to_a.point(incident.vertices[vertex]) - normal * (0.5 * face.separation);
-        cloud.push(RawPoint { position, separation: face.separation, key: key(0, vertex, 1) });
+        let known = corners.iter().any(|&c| usize::from(c) == vertex);
+        if !known || cloud.points().is_empty() {
+            cloud.push(RawPoint { position, separation: face.separation, key: key(0, vertex, 1) });
+        }
     }
     cloud.mark(before, bit);
     if on_b { -normal } else { normal }
@@ -396,33 +399,31 @@ pub(crate) mod testing {
                 - extent(self.b, rotation.conjugate() * -n)
         }
 
+        /// A lower bound of [`Self::signed_distance`] out of 400 directions.
+        pub(crate) fn about(&self) -> f64 {
+            spiral(400).map(|n| self.along(n)).fold(f64::MIN, f64::max)
+        }
+
         /// The largest distance along any direction: the distance of the shapes or, negative, the depth of their
-        /// overlap. Two thousand directions, and from the best of them downhill.
+        /// overlap. A thousand directions and all normals, and from the best of them uphill.
         pub(crate) fn signed_distance(&self) -> f64 {
             let rotation: DQuat = self.rel.rotation.as_dquat().normalize();
-            let mut starts: Vec<(f64, DVec3)> = (0..2000)
-                .map(|i| {
-                    let y = 1.0 - (2.0 * f64::from(i) + 1.0) / 2000.0;
-                    let angle = f64::from(i) * 2.399_963_229_728_653;
-                    let r = (1.0 - y * y).sqrt();
-                    DVec3::new(r * libm::cos(angle), y, r * libm::sin(angle))
-                })
-                .chain(self.normals(rotation))
-                .map(|n| (self.along(n), n))
-                .collect();
+            let mut starts: Vec<(f64, DVec3)> =
+                spiral(1000).chain(self.normals(rotation)).map(|n| (self.along(n), n)).collect();
             starts.sort_by(|a, b| b.0.total_cmp(&a.0));
             let mut best = f64::MIN;
-            for &(mut value, mut n) in starts.iter().take(16) {
-                let mut step = 0.05;
-                while step > 1e-9 {
+            for &(mut value, mut n) in starts.iter().take(8) {
+                let mut step = 0.04;
+                while step > 1e-7 {
                     let (u, v) = (n.any_orthonormal_vector(), n.cross(n.any_orthonormal_vector()));
                     let mut better = false;
-                    for k in 0..16 {
-                        let angle = f64::from(k) * std::f64::consts::TAU / 16.0;
+                    for k in 0..12 {
+                        let angle = f64::from(k) * std::f64::consts::TAU / 12.0;
                         let next = (n + (u * libm::cos(angle) + v * libm::sin(angle)) * step).normalize();
                         let at = self.along(next);
                         if at > value {
                             (value, n, better) = (at, next, true);
+                            break;
                         }
                     }
                     if !better {
@@ -446,24 +447,23 @@ pub(crate) mod testing {
         }
     }
 
-    /// How far a point is outside of a shape; negative inside.
-    pub(crate) fn outside(shape: &Collider, p: DVec3) -> f64 {
-        // The distance is the largest excess over the extents.
-        let mut best = f64::MIN;
-        for i in 0..4000 {
-            let y = 1.0 - (2.0 * f64::from(i) + 1.0) / 4000.0;
+    /// Evenly spread unit vectors.
+    fn spiral(count: i32) -> impl Iterator<Item = DVec3> {
+        (0..count).map(move |i| {
+            let y = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(count);
             let angle = f64::from(i) * 2.399_963_229_728_653;
             let r = (1.0 - y * y).sqrt();
-            let n = DVec3::new(r * libm::cos(angle), y, r * libm::sin(angle));
-            best = best.max(n.dot(p) - extent(shape, n));
+            DVec3::new(r * libm::cos(angle), y, r * libm::sin(angle))
+        })
+    }
+
+    /// At most how far a point is outside of a shape, by its planes; negative inside.
+    pub(crate) fn outside(shape: &Collider, p: DVec3) -> f64 {
+        let excess = |n: DVec3| n.dot(p) - extent(shape, n);
+        match Solid::of(shape, p.as_vec3()) {
+            Some(solid) => solid.view().planes.iter().map(|plane| excess(plane.0.as_dvec3())).fold(f64::MIN, f64::max),
+            None => spiral(1000).map(excess).fold(f64::MIN, f64::max),
         }
-        if let Some(solid) = Solid::of(shape, p.as_vec3()) {
-            for plane in solid.view().planes {
-                let n = plane.0.as_dvec3();
-                best = best.max(n.dot(p) - extent(shape, n));
-            }
-        }
-        best
     }
 }
 
@@ -490,7 +490,8 @@ mod tests {
         let distance = pair.signed_distance();
         let tolerance = tolerance(pair, distance);
         let margin = f64::from(MARGIN);
-        let what = format!("{:?} {:?} {:?}\n{manifold:?}\ndistance {distance}", pair.a.geometry, pair.b.geometry, pair.rel);
+        let kinds = (pair.a.kind, pair.a.size, pair.b.kind, pair.b.size);
+        let what = format!("{kinds:?} {:?}\n{manifold:?}\ndistance {distance}", pair.rel);
         if manifold.count == 0 {
             assert!(distance > margin - tolerance, "missed: {what}");
             return manifold;
@@ -530,18 +531,32 @@ mod tests {
             let at_distance =
                 |t: f32| Pair { a: &one, b: &two, rel: Relative { position: direction * t, rotation } };
             for _ in 0..12 {
-                far -= (at_distance(far).signed_distance() as f32 - at).max(-0.3) * 0.9;
+                far -= (at_distance(far).about() as f32 - at).max(-0.3) * 0.9;
             }
             check(&at_distance(far));
         }
     }
 
     #[test]
-    fn every_pair_of_kinds_agrees_with_the_slow_reference() {
-        for (i, a) in KINDS.into_iter().enumerate() {
-            for (j, b) in KINDS.into_iter().enumerate().skip(i) {
-                sweep(a, b, (10 * i + j) as u64, 12);
+    fn round_pairs_agree_with_the_slow_reference() {
+        for (i, a) in KINDS[..2].iter().enumerate() {
+            for (j, b) in KINDS.iter().enumerate().skip(i) {
+                sweep(*a, *b, (10 * i + j) as u64, 20);
             }
         }
+    }
+
+    #[test]
+    fn boxes_and_hulls_agree_with_the_slow_reference() {
+        sweep(Kind::Box, Kind::Box, 1, 60);
+        sweep(Kind::Box, Kind::Hull, 2, 60);
+        sweep(Kind::Hull, Kind::Hull, 3, 60);
+    }
+
+    #[test]
+    fn cylinders_agree_with_the_slow_reference() {
+        sweep(Kind::Box, Kind::Cylinder, 1, 40);
+        sweep(Kind::Cylinder, Kind::Hull, 2, 40);
+        sweep(Kind::Cylinder, Kind::Cylinder, 3, 40);
     }
 }

@@ -58,16 +58,18 @@ pub(crate) fn reduce(points: &[RawPoint], normal: Vec3) -> ([RawPoint; MAX_POINT
         }
     }
     let mut hull = [(Vec2::ZERO, 0usize); MOST];
-    let mut corners = convex_hull(&mut seeds[..count], &mut hull);
-    let keep = hull[..corners].iter().any(|h| h.1 == deepest);
+    let all = convex_hull(&mut seeds[..count], &mut hull);
+    let keep = hull[..all].iter().any(|h| h.1 == deepest);
     let room = if keep { MAX_POINTS } else { MAX_POINTS - 1 };
+    let mut left = hull;
+    let mut corners = all;
     while corners > room {
         let area = |i: usize| {
-            let (before, this) = (hull[(i + corners - 1) % corners].0, hull[i].0);
-            (this - before).perp_dot(hull[(i + 1) % corners].0 - this)
+            let (before, this) = (left[(i + corners - 1) % corners].0, left[i].0);
+            (this - before).perp_dot(left[(i + 1) % corners].0 - this)
         };
         let mut least: Option<(usize, f32)> = None;
-        for i in (0..corners).filter(|&i| hull[i].1 != deepest) {
+        for i in (0..corners).filter(|&i| left[i].1 != deepest) {
             let loss = area(i);
             // The last of equals goes.
             if least.is_none_or(|(_, best)| loss <= best * (1.0 + 1e-4)) {
@@ -75,18 +77,46 @@ pub(crate) fn reduce(points: &[RawPoint], normal: Vec3) -> ([RawPoint; MAX_POINT
             }
         }
         let Some((gone, _)) = least else { break };
-        hull.copy_within(gone + 1..corners, gone);
+        left.copy_within(gone + 1..corners, gone);
         corners -= 1;
     }
-    out[0] = points[deepest];
+    let mut chosen = [(Vec2::ZERO, deepest); MAX_POINTS];
     let mut kept = 1;
-    for &(_, i) in hull[..corners].iter().filter(|h| h.1 != deepest) {
-        if kept < MAX_POINTS {
-            out[kept] = points[i];
-            kept += 1;
+    for &corner in left[..corners].iter().filter(|h| h.1 != deepest).take(MAX_POINTS - 1) {
+        chosen[kept] = corner;
+        kept += 1;
+    }
+    // What went one by one may be worth more than what stayed: exchange while that gains area.
+    if kept == MAX_POINTS && all > room {
+        for _ in 0..2 {
+            for place in 1..MAX_POINTS {
+                for corner in &hull[..all] {
+                    if chosen.iter().any(|c| c.1 == corner.1) {
+                        continue;
+                    }
+                    let mut other = chosen;
+                    other[place] = *corner;
+                    if area_of_four(&other) > area_of_four(&chosen) * (1.0 + 1e-3) {
+                        chosen = other;
+                    }
+                }
+            }
         }
     }
+    for (to, from) in out.iter_mut().zip(&chosen[..kept]) {
+        *to = points[from.1];
+    }
     (out, kept as u32)
+}
+
+/// Twice the area of the convex hull of four points in any order: as a quadrilateral with two of them as ends of one
+/// diagonal, or as a triangle with the fourth inside.
+fn area_of_four(p: &[(Vec2, usize); 4]) -> f32 {
+    let [a, b, c, d] = p.map(|p| p.0);
+    let quad = |a: Vec2, b: Vec2, c: Vec2, d: Vec2| (b - a).perp_dot(d - c).abs();
+    let triangle = |a: Vec2, b: Vec2, c: Vec2| (b - a).perp_dot(c - a).abs();
+    let quads = quad(a, b, c, d).max(quad(a, c, b, d)).max(quad(a, d, b, c));
+    quads.max(triangle(a, b, c)).max(triangle(a, b, d)).max(triangle(a, c, d)).max(triangle(b, c, d))
 }
 
 /// The corners of the convex hull, counter-clockwise: Andrew's monotone chain (1979). Sorts the points.

@@ -166,21 +166,7 @@ pub(crate) fn round_polytope(core: &Core, p: &Polytope, margin: f32, size: f32) 
     let (separation, face) = best;
     let (normal, offset) = p.planes[face];
 
-    // The part of the core over the face.
-    let (mut low, mut high) = (0.0f32, 1.0f32);
-    let corners = p.face(face);
-    let corner = |i: usize| p.vertices[usize::from(corners[if i < corners.len() { i } else { 0 }])];
-    for i in 0..corners.len() {
-        let out = (corner(i + 1) - corner(i)).cross(normal);
-        let (d0, d1) = (out.dot(start - corner(i)), out.dot(end - corner(i)));
-        if d0 > 0.0 && d1 > 0.0 {
-            high = -1.0;
-        } else if d0 > 0.0 {
-            low = low.max(d0 / (d0 - d1));
-        } else if d1 > 0.0 {
-            high = high.min(d0 / (d0 - d1));
-        }
-    }
+    let (low, high) = over_face(p, face, start, end);
     let over = low <= high;
     let height = |s: f32| normal.dot(core.at(s)) - offset;
     let by_face = |manifold: &mut RawManifold, low: f32, high: f32| {
@@ -254,7 +240,9 @@ pub(crate) fn round_polytope(core: &Core, p: &Polytope, margin: f32, size: f32) 
         if high - low > 1e-3 {
             for (k, s) in [low, high].into_iter().enumerate() {
                 let c = core.at(s);
-                let q = v + e * (e.dot(c - v) / ee).clamp(0.0, 1.0);
+                // Straight ahead, along the normal.
+                let ahead = c + n * apart;
+                let q = v + e * (e.dot(ahead - v) / ee).clamp(0.0, 1.0);
                 let (h, r) = (n.dot(q - c), core.radius_at(s));
                 add(&mut manifold, margin, c + n * (0.5 * (h + r)), h - r, name + k as u32);
             }
@@ -265,14 +253,36 @@ pub(crate) fn round_polytope(core: &Core, p: &Polytope, margin: f32, size: f32) 
     add(&mut manifold, margin, c + n * (0.5 * (apart + r)), apart - r, name);
     // Over the edge of a face it nearly lies on: the other end over the face steadies it.
     let slope = -normal.dot(n);
-    if over && slope > 0.99 && face >= p.sides {
+    if slope > 0.99 && face >= p.sides && !core.is_ball() {
+        let shadow = |s: f32| core.at(s) + n * (height(s) / slope);
+        let (low, high) = over_face(p, face, shadow(0.0), shadow(1.0));
         let other = if (low - s).abs() > (high - s).abs() { low } else { high };
-        if (other - s).abs() > 0.05 {
+        if low <= high && (other - s).abs() > 0.05 {
             let (h, r) = (height(other) / slope, core.radius_at(other));
             add(&mut manifold, margin, core.at(other) + n * (0.5 * (h + r)), h - r, name + 2);
         }
     }
     manifold
+}
+
+/// The part of a segment that is over a face, in the segment's 0..=1; the first above the second if none is.
+fn over_face(p: &Polytope, face: usize, start: Vec3, end: Vec3) -> (f32, f32) {
+    let (normal, _) = p.planes[face];
+    let (mut low, mut high) = (0.0f32, 1.0f32);
+    let corners = p.face(face);
+    let corner = |i: usize| p.vertices[usize::from(corners[if i < corners.len() { i } else { 0 }])];
+    for i in 0..corners.len() {
+        let out = (corner(i + 1) - corner(i)).cross(normal);
+        let (d0, d1) = (out.dot(start - corner(i)), out.dot(end - corner(i)));
+        if d0 > 0.0 && d1 > 0.0 {
+            high = -1.0;
+        } else if d0 > 0.0 {
+            low = low.max(d0 / (d0 - d1));
+        } else if d1 > 0.0 {
+            high = high.min(d0 / (d0 - d1));
+        }
+    }
+    (low, high)
 }
 
 /// Whether the core itself, without its radius, meets the polytope.
@@ -339,7 +349,7 @@ pub(crate) fn round_round(a: &Core, b: &Core, margin: f32) -> RawManifold {
     let mut emit = |s: f32, t: f32, key: u32| {
         let (p, q) = (a.at(s), b.at(t));
         let (h, ra, rb) = (n.dot(q - p), a.radius_at(s), b.radius_at(t));
-        add(&mut manifold, margin, p + n * (0.5 * (h + ra - rb)), h - ra - rb, key);
+        add(&mut manifold, margin, (p + q + n * (ra - rb)) * 0.5, h - ra - rb, key);
     };
     let (aa, bb, ab) = (a.along.length_squared(), b.along.length_squared(), a.along.dot(b.along));
     if aa > 0.0 && bb > 0.0 && aa * bb - ab * ab < ALONG * aa * bb {
@@ -348,7 +358,8 @@ pub(crate) fn round_round(a: &Core, b: &Core, margin: f32) -> RawManifold {
         // Side by side, and not overlapping so deep that the way out is along them.
         if high - low > 1e-3 && n.dot(a.along).abs() < 0.5 * aa.sqrt() {
             for (s, key) in [(low, 0), (high, 1)] {
-                emit(s, (b.along.dot(a.at(s) - b.start) / bb).clamp(0.0, 1.0), key);
+                // Straight ahead, along the normal.
+                emit(s, (b.along.dot(a.at(s) + n * apart - b.start) / bb).clamp(0.0, 1.0), key);
             }
             return manifold;
         }

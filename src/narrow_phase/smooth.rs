@@ -121,6 +121,9 @@ impl Both<'_> {
     }
     /// The exact axis near `n` of two parts.
     fn refine(&self, parts: [Part; 2], n: Vec3) -> Vec3 {
+        if parts.iter().any(|part| matches!(part, Part::Rim)) {
+            return self.refine_rim(parts, n);
+        }
         let mut best = (n, self.separation(n));
         let mut now = n;
         for _ in 0..4 {
@@ -144,6 +147,49 @@ impl Both<'_> {
             }
         }
         best.0
+    }
+    /// The exact axis near `n` where a rim meets a line: the line and a tangent of the rim make an axis, and the tangent
+    /// is searched for by golden sections. Of two rims one after the other.
+    fn refine_rim(&self, parts: [Part; 2], mut n: Vec3) -> Vec3 {
+        for k in [0, 1, 0] {
+            let other = 1 - k;
+            if !matches!(parts[k], Part::Rim) {
+                continue;
+            }
+            let (Some(t), Some(line)) = (self.line(k, Part::Rim, n), self.line(other, parts[other], n)) else {
+                continue;
+            };
+            let up = if k == 0 { Vec3::Y } else { self.pose.axes.y_axis };
+            let aside = up.cross(t);
+            let axis = |x: f32| {
+                let cross = (t + aside * x).cross(line);
+                let length = cross.length();
+                let axis = if length > 0.0 { cross / length } else { n };
+                if axis.dot(n) < 0.0 { -axis } else { axis }
+            };
+            // Half the angle between two edges of the prism, and some more.
+            let ratio = 0.618_034;
+            let (mut low, mut high) = (-0.35f32, 0.35f32);
+            let point = |low: f32, high: f32| high - ratio * (high - low);
+            let (mut one, mut two) = (point(low, high), point(high, low));
+            let (mut at_one, mut at_two) = (self.separation(axis(one)), self.separation(axis(two)));
+            for _ in 0..14 {
+                if at_one > at_two {
+                    (high, two, at_two) = (two, one, at_one);
+                    one = point(low, high);
+                    at_one = self.separation(axis(one));
+                } else {
+                    (low, one, at_one) = (one, two, at_two);
+                    two = point(high, low);
+                    at_two = self.separation(axis(two));
+                }
+            }
+            let found = axis(0.5 * (low + high));
+            if self.separation(found) > self.separation(n) {
+                n = found;
+            }
+        }
+        n
     }
     /// The normal of a round side towards what it meets: a vertex, an edge along it, another round shape's axis or rim.
     fn sideways(&self, parts: [Part; 2], n: Vec3) -> Option<Vec3> {
