@@ -41,7 +41,7 @@ pub(crate) fn collide_convex(a: &Collider, b: &Collider, rel: &Relative, margin:
             let back = pose.inverse();
             let size = a.radius.min(b.radius);
             let in_b = if b.kind == Kind::Cylinder {
-                smooth::round_cylinder(&core.moved(&back), b, margin, size)
+                smooth::round_cylinder(&core.moved(&back), b, margin)
             } else {
                 let Some(solid) = Solid::of(b, Vec3::Y) else { return RawManifold::default() };
                 round_polytope(&core.moved(&back), &solid.view(), margin, size)

@@ -119,6 +119,10 @@ fn add(manifold: &mut RawManifold, margin: f32, position: Vec3, separation: f32,
     }
 }
 
+fn least(manifold: &RawManifold) -> f32 {
+    manifold.points().iter().map(|p| p.separation).fold(f32::MAX, f32::min)
+}
+
 fn lanes(v: Vec3) -> LaneVec3<f32> {
     LaneVec3::new(v.x, v.y, v.z)
 }
@@ -246,14 +250,16 @@ pub(crate) fn round_polytope(core: &Core, p: &Polytope, margin: f32, size: f32) 
                 let (h, r) = (n.dot(q - c), core.radius_at(s));
                 add(&mut manifold, margin, c + n * (0.5 * (h + r)), h - r, name + k as u32);
             }
-            return manifold;
         }
     }
     let r = core.radius_at(s);
+    if manifold.count > 0 && least(&manifold) <= apart - r + tolerance {
+        return manifold;
+    }
     add(&mut manifold, margin, c + n * (0.5 * (apart + r)), apart - r, name);
     // Over the edge of a face it nearly lies on: the other end over the face steadies it.
     let slope = -normal.dot(n);
-    if slope > 0.99 && face >= p.sides && !core.is_ball() {
+    if manifold.count == 1 && slope > 0.99 && face >= p.sides && !core.is_ball() {
         let shadow = |s: f32| core.at(s) + n * (height(s) / slope);
         let (low, high) = over_face(p, face, shadow(0.0), shadow(1.0));
         let other = if (low - s).abs() > (high - s).abs() { low } else { high };
@@ -361,9 +367,17 @@ pub(crate) fn round_round(a: &Core, b: &Core, margin: f32) -> RawManifold {
                 // Straight ahead, along the normal.
                 emit(s, (b.along.dot(a.at(s) + n * apart - b.start) / bb).clamp(0.0, 1.0), key);
             }
-            return manifold;
         }
     }
+    // Tapered ones can be nearest in between.
     emit(s, t, 2);
+    let count = manifold.count as usize;
+    if count > 1 {
+        let between = manifold.points[count - 1].separation;
+        manifold.count -= 1;
+        if least(&manifold) > between + 1e-4 * (a.radius + b.radius) {
+            manifold.count += 1;
+        }
+    }
     manifold
 }

@@ -9,9 +9,8 @@ use super::clip::{Cloud, Segment, clip_edges};
 use super::convex::{face_contact, manifold_of};
 use super::manifold::{RawManifold, RawPoint};
 use super::polytope::{Polytope, Pose, SIDES, Solid, Triangle};
-use super::round_polytope::{Core, round_polytope};
-use super::sat::{FaceAxis, edge_axis, edges_in_reach, face_axis, nearest_edges, nearest_on_segments};
-use crate::lanes::Vec3 as LaneVec3;
+use super::round_polytope::Core;
+use super::sat::{FaceAxis, edge_axis, edges_in_reach, face_axis, nearest_edges};
 use crate::shape::{Collider, Geometry};
 use glam::{Vec2, Vec3};
 
@@ -77,10 +76,6 @@ impl<'a> Other<'a> {
             Other::Triangle(_) => None,
         }
     }
-}
-
-fn lanes(v: Vec3) -> LaneVec3<f32> {
-    LaneVec3::new(v.x, v.y, v.z)
 }
 
 /// What of one shape is in contact: decides which curve its part of the axis comes from.
@@ -253,48 +248,75 @@ pub(super) fn cylinder(a: &Collider, b: &Other, pose: &Pose, margin: f32) -> Raw
             return manifold_of(&cloud, normal);
         }
     } else if separation <= 0.0 {
-        let one = Segment::support(&p, n, 0.01 * size, &Pose::IDENTITY);
-        let other = Segment::support(&q, pose.back(-n), 0.01 * size, pose);
-        clip_edges(&one, &other, n, margin, &mut cloud);
-        return manifold_of(&cloud, n);
+        return along(a, b, &both, n, margin, size);
     }
-    apart(a, b, (pose, &back), n, margin, slack, size)
+    match apart(a, b, (&both, &back), n, margin, slack) {
+        Some(n) => along(a, b, &both, n, margin, size),
+        None => none,
+    }
 }
 
-/// Apart, and nearest at an edge, a rim or a round side of both: spun to the nearest points and looked at again.
-fn apart(
-    a: &Collider,
-    b: &Other,
-    (pose, back): (&Pose, &Pose),
-    mut n: Vec3,
-    margin: f32,
-    slack: f32,
-    size: f32,
-) -> RawManifold {
-    let none = RawManifold::default();
-    let mut cloud = Cloud::new();
-    for round in 0..3 {
-        let (Some(of_a), Some(of_b)) = (Solid::of(a, n), b.solid(pose.back(-n))) else { return none };
+/// Apart, and nearest at an edge, a rim or a round side of both. Spun towards the nearest points, looked at again;
+/// of what is found the direction along which they are furthest apart, since no direction shows more than the
+/// distance.
+fn apart(a: &Collider, b: &Other, (both, back): (&Both, &Pose), first: Vec3, margin: f32, slack: f32) -> Option<Vec3> {
+    let pose = both.pose;
+    let mut best = (first, both.separation(first));
+    let (mut spin_a, mut spin_b) = (first, pose.back(-first));
+    for _ in 0..3 {
+        let (of_a, of_b) = (Solid::of(a, spin_a)?, b.solid(spin_b)?);
         let (p, q) = (of_a.view(), of_b.view());
+        let n = best.0;
         let high = p.support(n).1;
         let low = n.dot(pose.position) - q.support(pose.back(-n)).1;
-        let reach = margin + slack;
-        let near = edges_in_reach(&p, &q, pose, back, reach, n, (high, low));
-        let Some(nearest) = nearest_edges(&p, &q, pose, &near) else { return none };
-        if nearest.distance > margin + if round < 2 { slack } else { 0.0 } {
-            return none;
+        let near = edges_in_reach(&p, &q, pose, back, margin + slack, n, (high, low));
+        let Some(nearest) = nearest_edges(&p, &q, pose, &near) else { break };
+        let [on_a, on_b] = nearest.points;
+        if !(nearest.distance > 0.0) {
+            break;
         }
-        let apart = nearest.points[1] - nearest.points[0];
-        if nearest.distance > 1e-5 * size {
-            n = apart / nearest.distance;
+        let n = (on_b - on_a) / nearest.distance;
+        let parts = [part(&p, nearest.edges[0], &Pose::IDENTITY), part(&q, nearest.edges[1], pose)];
+        for n in [n, both.refine(parts, n)] {
+            let separation = both.separation(n);
+            if separation > best.1 {
+                best = (n, separation);
+            }
         }
-        if round == 2 {
-            let one = Segment::of_edge(&p, nearest.edges[0], &Pose::IDENTITY);
-            let other = Segment::of_edge(&q, nearest.edges[1], pose);
-            clip_edges(&one, &other, n, margin, &mut cloud);
-        }
+        // The point of a rim or side that is nearest to a vertex is on the way from the axis to it.
+        (spin_a, spin_b) = (on_b, pose.back(on_a - pose.position));
     }
-    manifold_of(&cloud, n)
+    (best.1 <= margin).then_some(best.0)
+}
+
+/// The kind of an edge.
+fn part(p: &Polytope, edge: usize, pose: &Pose) -> Part {
+    match p.sides {
+        0 => {
+            let [v, w] = p.edges[edge].vertices.map(|v| p.vertices[usize::from(v)]);
+            Part::Edge(pose.direction(w - v))
+        }
+        _ if edge < SIDES => Part::Side,
+        _ => Part::Rim,
+    }
+}
+
+/// The contact where two shapes face each other along `n`, with prisms spun to it.
+fn along(a: &Collider, b: &Other, both: &Both, n: Vec3, margin: f32, size: f32) -> RawManifold {
+    let pose = both.pose;
+    let (Some(of_a), Some(of_b)) = (Solid::of(a, n), b.solid(pose.back(-n))) else {
+        return RawManifold::default();
+    };
+    let separation = both.separation(n);
+    let mut cloud = Cloud::new();
+    let one = Segment::support(&of_a.view(), n, 0.01 * size, &Pose::IDENTITY);
+    let other = Segment::support(&of_b.view(), pose.back(-n), 0.01 * size, pose);
+    clip_edges(&one, &other, n, margin, &mut cloud);
+    let mut manifold = manifold_of(&cloud, n);
+    if manifold.count == 1 {
+        manifold.points[0].separation = separation;
+    }
+    manifold
 }
 
 /// The best axis of two prisms or polytopes.
@@ -353,14 +375,6 @@ fn best_axis(
         }
         // A rim's chord beats the cap it belongs to by rounding and by the prism's error; it isn't better then.
         if e.separation > face.separation + tolerance.min(0.05 * e.separation.abs()) {
-            let part = |p: &Polytope, edge: usize, pose: &Pose| match p.sides {
-                0 => {
-                    let [v, w] = p.edges[edge].vertices.map(|v| p.vertices[usize::from(v)]);
-                    Part::Edge(pose.direction(w - v))
-                }
-                _ if edge < SIDES => Part::Side,
-                _ => Part::Rim,
-            };
             let parts = [part(p, e.edges[0], &Pose::IDENTITY), part(q, e.edges[1], pose)];
             return Some(Axis { normal: e.normal, parts: Some(parts) });
         }
@@ -381,71 +395,129 @@ fn best_axis(
 }
 
 /// A sphere or capsule and a cylinder, in the frame of the cylinder; the normal points to the cylinder.
-pub(super) fn round_cylinder(core: &Core, shape: &Collider, margin: f32, size: f32) -> RawManifold {
-    let none = RawManifold::default();
-    let Some(frustum) = Frustum::of(shape) else { return none };
-    if core.is_ball() {
-        return ball(core.start, core.radius, &frustum, margin);
-    }
-    let (axis, along) = (Vec3::Y * -frustum.half_height, Vec3::Y * (2.0 * frustum.half_height));
-    let (s, t) = nearest_on_segments(lanes(core.start), lanes(core.along), lanes(axis), lanes(along));
-    let mut towards = core.at(s) - (axis + along * t);
-    let slack = 0.02 * frustum.bottom.max(frustum.top);
-    for _ in 0..2 {
-        let Some(solid) = Solid::of(shape, towards) else { return none };
-        let manifold = round_polytope(core, &solid.view(), margin + slack, size);
-        if manifold.count == 0 {
-            return none;
-        }
-        let first = manifold.points[0];
-        towards = first.position + manifold.normal * (0.5 * first.separation);
-        // Out of the cylinder at its side: where it is met counts; at a cap the side's edge must not follow.
-        if manifold.normal.y.abs() > 0.999 {
-            towards = Vec3::Y;
-            break;
-        }
-    }
-    let Some(solid) = Solid::of(shape, towards) else { return none };
-    round_polytope(core, &solid.view(), margin, size)
-}
-
-/// A ball and a frustum: in the half plane of the axis and the ball's centre the frustum is three segments.
-fn ball(centre: Vec3, radius: f32, f: &Frustum, margin: f32) -> RawManifold {
-    let u = Frustum::outward(centre);
-    let c = Vec2::new((centre.x * centre.x + centre.z * centre.z).sqrt(), centre.y);
-    let corners = [
-        Vec2::new(0.0, -f.half_height),
-        Vec2::new(f.bottom, -f.half_height),
-        Vec2::new(f.top, f.half_height),
-        Vec2::new(0.0, f.half_height),
-    ];
-    let (mut inside, mut out) = ((f32::MIN, Vec2::Y, 0), (f32::MAX, Vec2::Y));
-    for i in 0..3 {
-        let (p, along) = (corners[i], corners[i + 1] - corners[i]);
-        let length = along.length();
-        if !(length > 0.0) {
-            continue;
-        }
-        let normal = Vec2::new(along.y, -along.x) / length;
-        let height = normal.dot(c - p);
-        if height > inside.0 {
-            inside = (height, normal, i);
-        }
-        let t = (along.dot(c - p) / (length * length)).clamp(0.0, 1.0);
-        let away = c - (p + along * t);
-        if away.length() < out.0 {
-            out = (away.length(), away);
-        }
-    }
-    let (distance, normal) =
-        if inside.0 > 0.0 && out.0 > 0.0 { (out.0, out.1 / out.0) } else { (inside.0, inside.1) };
-    let separation = distance - radius;
+///
+/// The signed distance of a point from the frustum is exact and, like that of any convex set, convex: so is what the
+/// balls of a capsule are away, and golden sections find the nearest. Lying along a side or on a cap gives two points.
+pub(super) fn round_cylinder(core: &Core, shape: &Collider, margin: f32) -> RawManifold {
     let mut manifold = RawManifold::default();
-    if separation <= margin {
-        manifold.normal = -(u * normal.x + Vec3::Y * normal.y);
-        let position = centre + manifold.normal * (0.5 * (distance + radius));
-        manifold.points[0] = RawPoint { position, separation, key: 0 };
-        manifold.count = 1;
+    let Some(frustum) = Frustum::of(shape) else { return manifold };
+    let gap = |s: f32| frustum.distance(core.at(s)).0 - core.radius_at(s);
+    let mut s = 0.0;
+    if !core.is_ball() {
+        let ratio = 0.618_034;
+        let (mut low, mut high) = (0.0f32, 1.0f32);
+        let point = |low: f32, high: f32| high - ratio * (high - low);
+        let (mut one, mut two) = (point(low, high), point(high, low));
+        let (mut at_one, mut at_two) = (gap(one), gap(two));
+        for _ in 0..22 {
+            if at_one < at_two {
+                (high, two, at_two) = (two, one, at_one);
+                one = point(low, high);
+                at_one = gap(one);
+            } else {
+                (low, one, at_one) = (one, two, at_two);
+                two = point(high, low);
+                at_two = gap(two);
+            }
+        }
+        s = 0.5 * (low + high);
+        for end in [0.0, 1.0] {
+            s = if gap(end) <= gap(s) { end } else { s };
+        }
+    }
+    let (distance, out) = frustum.distance(core.at(s));
+    let nearest = distance - core.radius_at(s);
+    if nearest > margin {
+        return manifold;
+    }
+    let n = -out;
+    manifold.normal = n;
+    let mut add = |s: f32, distance: f32, key: u32| {
+        let (separation, count) = (distance - core.radius_at(s), manifold.count as usize);
+        if separation <= margin {
+            let position = core.at(s) + n * (0.5 * (distance + core.radius_at(s)));
+            manifold.points[count] = RawPoint { position, separation, key };
+            manifold.count += 1;
+        }
+        separation
+    };
+    let mut least = f32::MAX;
+    if let Some((low, high, height)) = frustum.shared(core, s, out) {
+        for (s, key) in [(low, 0), (high, 1)] {
+            least = least.min(add(s, height(s), key));
+        }
+    }
+    if least > nearest + 1e-4 * shape.radius {
+        add(s, distance, 2);
     }
     manifold
+}
+
+impl Frustum {
+    /// Signed distance of a point and the way out: in the half plane of the axis and the point a frustum is three
+    /// segments.
+    fn distance(&self, p: Vec3) -> (f32, Vec3) {
+        let u = Frustum::outward(p);
+        let c = Vec2::new((p.x * p.x + p.z * p.z).sqrt(), p.y);
+        let corners = [
+            Vec2::new(0.0, -self.half_height),
+            Vec2::new(self.bottom, -self.half_height),
+            Vec2::new(self.top, self.half_height),
+            Vec2::new(0.0, self.half_height),
+        ];
+        let (mut inside, mut out) = ((f32::MIN, Vec2::Y), (f32::MAX, Vec2::Y));
+        for i in 0..3 {
+            let (p, along) = (corners[i], corners[i + 1] - corners[i]);
+            let squared = along.length_squared();
+            if !(squared > 0.0) {
+                continue;
+            }
+            let normal = Vec2::new(along.y, -along.x) / squared.sqrt();
+            let height = normal.dot(c - p);
+            if height > inside.0 {
+                inside = (height, normal);
+            }
+            let t = (along.dot(c - p) / squared).clamp(0.0, 1.0);
+            let away = c - (p + along * t);
+            if away.length_squared() < out.0 {
+                out = (away.length_squared(), away);
+            }
+        }
+        let length = out.0.sqrt();
+        let (distance, n) =
+            if inside.0 > 0.0 && length > 0.0 { (length, out.1 / length) } else { (inside.0, inside.1) };
+        (distance, u * n.x + Vec3::Y * n.y)
+    }
+
+    /// The part of a core that lies along the side or on a cap, if it does at the ball `s` with the way out `out`;
+    /// and the height of its balls' centres there, along `out`.
+    fn shared(&self, core: &Core, s: f32, out: Vec3) -> Option<(f32, f32, impl Fn(f32) -> f32 + use<>)> {
+        let (p, d) = (core.start, core.along);
+        let length = d.length();
+        if !(length > 0.0) || out.dot(d).abs() > 0.1 * length {
+            return None;
+        }
+        let (low, high, origin) = if out.y.abs() > 0.999 {
+            // Over the cap: a disc.
+            let (y, r) = if out.y > 0.0 { (self.half_height, self.top) } else { (-self.half_height, self.bottom) };
+            let (a, b) = (d.x * d.x + d.z * d.z, p.x * d.x + p.z * d.z);
+            let root = b * b - a * (p.x * p.x + p.z * p.z - r * r);
+            if !(root > 0.0 && a > 0.0) {
+                return None;
+            }
+            ((-b - root.sqrt()) / a, (-b + root.sqrt()) / a, Vec3::Y * y)
+        } else {
+            let u = Frustum::outward(core.at(s));
+            let line = self.line(u, false);
+            if d.cross(line).length_squared() > 0.01 * length * length * line.length_squared() {
+                return None;
+            }
+            let bottom = u * self.bottom - Vec3::Y * self.half_height;
+            let ends = [bottom, bottom + line].map(|q| d.dot(q - p) / (length * length));
+            (ends[0].min(ends[1]), ends[0].max(ends[1]), bottom)
+        };
+        let (low, high) = (low.max(0.0), high.min(1.0));
+        let (at_start, rise) = (out.dot(p - origin), out.dot(d));
+        (high - low > 1e-3).then_some((low, high, move |s: f32| at_start + rise * s))
+    }
 }
