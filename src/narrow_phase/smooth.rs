@@ -116,6 +116,31 @@ impl Both<'_> {
     }
     /// The exact axis near `n` of two parts.
     fn refine(&self, parts: [Part; 2], n: Vec3) -> Vec3 {
+        let n = self.refine_parts(parts, n);
+        if self.round.iter().all(Option::is_some) { self.climb(n) } else { n }
+    }
+    /// Uphill in steps that halve: for two round shapes, whose parts shift with the axis and whose extents are cheap.
+    fn climb(&self, n: Vec3) -> Vec3 {
+        let mut best = (n, self.separation(n));
+        let mut step = 0.1;
+        while step > 5e-4 {
+            let n = best.0;
+            let (u, v) = n.any_orthonormal_pair();
+            for aside in [u, v, u + v, u - v] {
+                for next in [(n + aside * step).normalize(), (n - aside * step).normalize()] {
+                    let separation = self.separation(next);
+                    if separation > best.1 {
+                        best = (next, separation);
+                    }
+                }
+            }
+            if best.0 == n {
+                step *= 0.5;
+            }
+        }
+        best.0
+    }
+    fn refine_parts(&self, parts: [Part; 2], n: Vec3) -> Vec3 {
         if parts.iter().any(|part| matches!(part, Part::Rim)) {
             return self.refine_rim(parts, n);
         }
