@@ -17,6 +17,7 @@ mod mesh_edges;
 pub(crate) use collider::{Collider, Kind};
 pub use height_field::HeightField;
 pub use hull::ConvexHull;
+pub(crate) use hull::HullEdge;
 pub use mass::MassProperties;
 pub use mesh::TriangleMesh;
 
