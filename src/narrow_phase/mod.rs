@@ -8,6 +8,7 @@ mod box_face;
 mod capsule_box;
 mod capsule_capsule;
 mod cast;
+mod cast_mesh;
 mod clip;
 mod collide;
 mod contact;
@@ -16,17 +17,27 @@ mod gjk;
 mod lanes_io;
 mod manifold;
 mod mesh;
+mod motion;
 mod polytope;
 mod reduce;
 mod round_polytope;
 mod sat;
+<<<<<<< HEAD
 mod smooth;
+=======
+mod simplex;
+>>>>>>> h4
 mod sphere_box;
 mod sphere_capsule;
 mod sphere_sphere;
+mod support;
 
+<<<<<<< HEAD
 pub(crate) use collide::{Input, NarrowStats, Scratch, collide};
 pub(crate) use contact::{Contact, Contacts, NONE};
+=======
+pub(crate) use cast_mesh::Triangles;
+>>>>>>> h4
 pub(crate) use manifold::{MAX_POINTS, RawManifold, RawPoint};
 
 /// Pose of shape `b` in the frame of shape `a`.
