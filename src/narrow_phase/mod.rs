@@ -14,6 +14,7 @@ mod polytope;
 mod reduce;
 mod round_polytope;
 mod sat;
+mod smooth;
 mod sphere_box;
 mod sphere_capsule;
 mod sphere_sphere;

@@ -4,9 +4,11 @@
 //! radius (sphere, capsule) or a polytope (box, cylinder, hull); see `narrow_phase`.
 
 mod collider;
+mod extent;
 mod height_field;
 mod hull;
 mod hull_build;
+mod hull_merge;
 mod mass;
 mod mesh;
 mod mesh_bvh;
@@ -16,6 +18,7 @@ mod segment_triangle;
 pub(crate) use collider::{Collider, Kind};
 pub use height_field::HeightField;
 pub use hull::ConvexHull;
+pub(crate) use hull::HullEdge;
 pub use mass::MassProperties;
 pub use mesh::TriangleMesh;
 
