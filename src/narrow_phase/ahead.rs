@@ -35,7 +35,9 @@ pub(crate) fn look_ahead(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold,
 pub(crate) fn look_ahead_mesh(input: &Input<'_>, pair: &Pair, out: &mut Found) {
     let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
     let motion = Motion::new(a, &path(input, pair.a), b, &path(input, pair.b));
-    let Some(Touch { fraction, .. }) = cast_mesh(a, b, &motion, tolerance(a, b), input.margin) else { return };
+    let Some(Touch { fraction, .. }) = cast_mesh(a, b, &motion, tolerance(a, b), input.margin) else {
+        return;
+    };
     out.raw.clear();
     collide_mesh(a, b, &motion.relative(fraction), input.margin, &mut out.mesh, &mut out.raw);
     out.many.extend(out.raw.iter().map(|raw| (carry_back(raw, &motion, fraction), fraction)));

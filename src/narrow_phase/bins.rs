@@ -211,11 +211,12 @@ fn finish_mesh(
 ) {
     let approach = input.approach(pair);
     // Where the body is: what it may reach further away is found by the cast.
-    let margin = input.margin + approach.min(match (input.continuous, input.volume) {
-        (true, true) => approach,
-        (true, false) => a.radius,
-        (false, _) => input.margin,
-    });
+    let margin = input.margin
+        + approach.min(match (input.continuous, input.volume) {
+            (true, true) => approach,
+            (true, false) => a.radius,
+            (false, _) => input.margin,
+        });
     let start = out.many.len() as u32;
     out.raw.clear();
     collide_mesh(a, b, rel, margin, &mut out.mesh, &mut out.raw);

@@ -22,22 +22,16 @@ mod polytope;
 mod reduce;
 mod round_polytope;
 mod sat;
-<<<<<<< HEAD
-mod smooth;
-=======
 mod simplex;
->>>>>>> h4
+mod smooth;
 mod sphere_box;
 mod sphere_capsule;
 mod sphere_sphere;
 mod support;
 
-<<<<<<< HEAD
+pub(crate) use cast_mesh::Triangles;
 pub(crate) use collide::{Input, NarrowStats, Scratch, collide};
 pub(crate) use contact::{Contact, Contacts, NONE};
-=======
-pub(crate) use cast_mesh::Triangles;
->>>>>>> h4
 pub(crate) use manifold::{MAX_POINTS, RawManifold, RawPoint};
 
 /// Pose of shape `b` in the frame of shape `a`.

@@ -148,7 +148,9 @@ impl Both<'_> {
         let mut now = n;
         for _ in 0..4 {
             let next = match [0, 1].map(|k| self.line(k, parts[k], now)) {
-                [Some(d), Some(e)] if d.cross(e).length_squared() > 1e-4 * d.length_squared() * e.length_squared() => {
+                [Some(d), Some(e)]
+                    if d.cross(e).length_squared() > 1e-4 * d.length_squared() * e.length_squared() =>
+                {
                     d.cross(e)
                 }
                 _ => match self.sideways(parts, now) {
@@ -176,7 +178,8 @@ impl Both<'_> {
             if !matches!(parts[k], Part::Rim) {
                 continue;
             }
-            let (Some(t), Some(line)) = (self.line(k, Part::Rim, n), self.line(other, parts[other], n)) else {
+            let (Some(t), Some(line)) = (self.line(k, Part::Rim, n), self.line(other, parts[other], n))
+            else {
                 continue;
             };
             let up = if k == 0 { Vec3::Y } else { self.pose.axes.y_axis };
@@ -284,7 +287,14 @@ pub(super) fn cylinder(a: &Collider, b: &Other, pose: &Pose, margin: f32) -> Raw
 /// Apart, and nearest at an edge, a rim or a round side of both. Spun towards the nearest points, looked at again;
 /// of what is found the direction along which they are furthest apart, since no direction shows more than the
 /// distance.
-fn apart(a: &Collider, b: &Other, (both, back): (&Both, &Pose), first: Vec3, margin: f32, slack: f32) -> Option<Vec3> {
+fn apart(
+    a: &Collider,
+    b: &Other,
+    (both, back): (&Both, &Pose),
+    first: Vec3,
+    margin: f32,
+    slack: f32,
+) -> Option<Vec3> {
     let pose = both.pose;
     let mut best = (first, both.separation(first));
     let (mut spin_a, mut spin_b) = (first, pose.back(-first));
@@ -524,7 +534,8 @@ impl Frustum {
         }
         let (low, high, origin) = if out.y.abs() > 0.999 {
             // Over the cap: a disc.
-            let (y, r) = if out.y > 0.0 { (self.half_height, self.top) } else { (-self.half_height, self.bottom) };
+            let (y, r) =
+                if out.y > 0.0 { (self.half_height, self.top) } else { (-self.half_height, self.bottom) };
             let (a, b) = (d.x * d.x + d.z * d.z, p.x * d.x + p.z * d.z);
             let root = b * b - a * (p.x * p.x + p.z * p.z - r * r);
             if !(root > 0.0 && a > 0.0) {
