@@ -461,7 +461,9 @@ pub(crate) mod testing {
     pub(crate) fn outside(shape: &Collider, p: DVec3) -> f64 {
         let excess = |n: DVec3| n.dot(p) - extent(shape, n);
         match Solid::of(shape, p.as_vec3()) {
-            Some(solid) => solid.view().planes.iter().map(|plane| excess(plane.0.as_dvec3())).fold(f64::MIN, f64::max),
+            Some(solid) => {
+                solid.view().planes.iter().map(|plane| excess(plane.0.as_dvec3())).fold(f64::MIN, f64::max)
+            }
             None => spiral(1000).map(excess).fold(f64::MIN, f64::max),
         }
     }
@@ -502,7 +504,10 @@ mod tests {
         let along = pair.along(n);
         assert!(along > distance - tolerance, "not the way out, {along}: {what}");
         let least = manifold.points().iter().map(|p| p.separation).fold(f32::MAX, f32::min);
-        assert!((f64::from(least) - along).abs() < tolerance, "depth {least} but {along} along the normal: {what}");
+        assert!(
+            (f64::from(least) - along).abs() < tolerance,
+            "depth {least} but {along} along the normal: {what}"
+        );
         let rotation = pair.rel.rotation.as_dquat().normalize();
         for point in manifold.points() {
             assert!(point.separation <= MARGIN);

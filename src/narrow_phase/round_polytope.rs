@@ -174,7 +174,13 @@ pub(crate) fn round_polytope(core: &Core, p: &Polytope, margin: f32, size: f32) 
         for (k, s) in [low, high].into_iter().enumerate() {
             let (h, r) = (height(s), core.radius_at(s));
             if k == 0 || high - low > 1e-3 {
-                add(manifold, margin, core.at(s) - normal * (0.5 * (h + r)), h - r, 2 * face as u32 + k as u32);
+                add(
+                    manifold,
+                    margin,
+                    core.at(s) - normal * (0.5 * (h + r)),
+                    h - r,
+                    2 * face as u32 + k as u32,
+                );
             }
         }
     };
@@ -204,9 +210,8 @@ pub(crate) fn round_polytope(core: &Core, p: &Polytope, margin: f32, size: f32) 
         for i in 1..8 {
             index[i] = wanted.next().map_or(index[i - 1], |(e, _)| e);
         }
-        let end = |k: usize| {
-            LaneVec3::<f32x8>::from_fn(|i| p.vertices[usize::from(p.edges[index[i]].vertices[k])])
-        };
+        let end =
+            |k: usize| LaneVec3::<f32x8>::from_fn(|i| p.vertices[usize::from(p.edges[index[i]].vertices[k])]);
         let q = end(0);
         let e = end(1) - q;
         let (s, t) = core.nearest_segment(q, e);
@@ -344,7 +349,8 @@ pub(crate) fn round_round(a: &Core, b: &Core, margin: f32) -> RawManifold {
     if apart - a.radius_at(s) - b.radius_at(t) > margin {
         return manifold;
     }
-    let n = if apart > 1e-6 * (a.radius + b.radius) { (q - p) / apart } else { perpendicular(a.along, b.along) };
+    let n =
+        if apart > 1e-6 * (a.radius + b.radius) { (q - p) / apart } else { perpendicular(a.along, b.along) };
     manifold.normal = n;
     let mut emit = |s: f32, t: f32, key: u32| {
         let (p, q) = (a.at(s), b.at(t));

@@ -165,7 +165,11 @@ impl EdgeLanes {
     fn gather(b: &Polytope, pose: &Pose, index: [usize; 8]) -> EdgeLanes {
         let end = |k: usize| LaneVec3::from_fn(|i| b.vertices[usize::from(b.edges[index[i]].vertices[k])]);
         let (start, end) = (end(0), end(1));
-        EdgeLanes { index, start: turn(pose, start) + LaneVec3::splat(pose.position), along: turn(pose, end - start) }
+        EdgeLanes {
+            index,
+            start: turn(pose, start) + LaneVec3::splat(pose.position),
+            along: turn(pose, end - start),
+        }
     }
     #[inline(always)]
     fn normals(&self, b: &Polytope, pose: &Pose, k: usize) -> LaneVec3<f32x8> {

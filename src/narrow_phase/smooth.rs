@@ -128,7 +128,9 @@ impl Both<'_> {
         let mut now = n;
         for _ in 0..4 {
             let next = match [0, 1].map(|k| self.line(k, parts[k], now)) {
-                [Some(d), Some(e)] if d.cross(e).length_squared() > 1e-4 * d.length_squared() * e.length_squared() => {
+                [Some(d), Some(e)]
+                    if d.cross(e).length_squared() > 1e-4 * d.length_squared() * e.length_squared() =>
+                {
                     d.cross(e)
                 }
                 _ => match self.sideways(parts, now) {
@@ -156,7 +158,8 @@ impl Both<'_> {
             if !matches!(parts[k], Part::Rim) {
                 continue;
             }
-            let (Some(t), Some(line)) = (self.line(k, Part::Rim, n), self.line(other, parts[other], n)) else {
+            let (Some(t), Some(line)) = (self.line(k, Part::Rim, n), self.line(other, parts[other], n))
+            else {
                 continue;
             };
             let up = if k == 0 { Vec3::Y } else { self.pose.axes.y_axis };
