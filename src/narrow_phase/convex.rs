@@ -461,7 +461,9 @@ pub(crate) mod testing {
     pub(crate) fn outside(shape: &Collider, p: DVec3) -> f64 {
         let excess = |n: DVec3| n.dot(p) - extent(shape, n);
         match Solid::of(shape, p.as_vec3()) {
-            Some(solid) => solid.view().planes.iter().map(|plane| excess(plane.0.as_dvec3())).fold(f64::MIN, f64::max),
+            Some(solid) => {
+                solid.view().planes.iter().map(|plane| excess(plane.0.as_dvec3())).fold(f64::MIN, f64::max)
+            }
             None => spiral(1000).map(excess).fold(f64::MIN, f64::max),
         }
     }
@@ -502,7 +504,10 @@ mod tests {
         let along = pair.along(n);
         assert!(along > distance - tolerance, "not the way out, {along}: {what}");
         let least = manifold.points().iter().map(|p| p.separation).fold(f32::MAX, f32::min);
-        assert!((f64::from(least) - along).abs() < tolerance, "depth {least} but {along} along the normal: {what}");
+        assert!(
+            (f64::from(least) - along).abs() < tolerance,
+            "depth {least} but {along} along the normal: {what}"
+        );
         let rotation = pair.rel.rotation.as_dquat().normalize();
         for point in manifold.points() {
             assert!(point.separation <= MARGIN);
@@ -620,7 +625,9 @@ mod tests {
                     let rel = Relative { position: random.cube() * 0.5, rotation: random.rotation() };
                     let manifold = collide_convex(a, b, &rel, MARGIN);
                     assert!(manifold.normal.is_finite());
-                    assert!(manifold.points().iter().all(|p| p.position.is_finite() && p.separation <= MARGIN));
+                    assert!(
+                        manifold.points().iter().all(|p| p.position.is_finite() && p.separation <= MARGIN)
+                    );
                 }
             }
         }
@@ -631,7 +638,10 @@ mod tests {
     fn shapes_rest_on_a_half_space_by_their_lowest_points() {
         let plane = collider(Geometry::Plane);
         let rests = |geometry: Geometry, rotation: Quat, height: f32| {
-            let rel = Relative { position: rotation.conjugate() * Vec3::Y * -height, rotation: rotation.conjugate() };
+            let rel = Relative {
+                position: rotation.conjugate() * Vec3::Y * -height,
+                rotation: rotation.conjugate(),
+            };
             let manifold = collide_convex(&collider(geometry), &plane, &rel, MARGIN);
             let down = rotation * manifold.normal;
             assert!((down - Vec3::NEG_Y).length() < 1e-6);
@@ -662,7 +672,8 @@ mod tests {
         let (ground, drum) =
             (collider(Geometry::cuboid(5.0, 1.0, 5.0)), collider(Geometry::cylinder(1.0, 0.5)));
         for i in 0..100 {
-            let rotation = Quat::from_rotation_z(std::f32::consts::FRAC_PI_2) * Quat::from_rotation_y(0.1 * i as f32);
+            let rotation =
+                Quat::from_rotation_z(std::f32::consts::FRAC_PI_2) * Quat::from_rotation_y(0.1 * i as f32);
             for height in [1.49, 1.51] {
                 let rel = Relative { position: Vec3::new(0.3, height, 0.1), rotation };
                 let manifold = collide_convex(&ground, &drum, &rel, MARGIN);
@@ -679,7 +690,12 @@ mod tests {
         }
         // Two logs, one on the other: the normal joins their axes.
         let turn = Quat::from_rotation_y(0.3);
-        let manifold = collide_convex(&drum, &drum, &Relative { position: Vec3::new(0.6, 0.0, 0.79), rotation: turn }, 0.01);
+        let manifold = collide_convex(
+            &drum,
+            &drum,
+            &Relative { position: Vec3::new(0.6, 0.0, 0.79), rotation: turn },
+            0.01,
+        );
         assert_eq!(manifold.count, 2);
         assert!((manifold.normal - Vec3::new(0.6, 0.0, 0.79).normalize()).length() < 1e-3, "{manifold:?}");
     }
@@ -705,7 +721,8 @@ mod tests {
                 // The centre is above the triangle, by up to the size of the shape.
                 let height = 0.02 + random.unit();
                 let local = |p: Vec3| rotation.conjugate() * (p - Vec3::Y * height);
-                let lowest = f64::from(height) - extent(&one, (rotation.conjugate() * Vec3::NEG_Y).as_dvec3());
+                let lowest =
+                    f64::from(height) - extent(&one, (rotation.conjugate() * Vec3::NEG_Y).as_dvec3());
                 let manifold = collide_triangle(&one, corners.map(local), MARGIN);
                 assert_eq!(manifold.count == 0, lowest > f64::from(MARGIN), "{kind:?} lowest {lowest}");
                 if manifold.count == 0 {
@@ -729,7 +746,8 @@ mod tests {
         let (one, two) = (shape(&mut random, Kind::Sphere), shape(&mut random, Kind::Hull));
         let rotation = random.rotation();
         let rel = Relative { position: Vec3::X * (one.radius + 0.3), rotation };
-        let back = Relative { position: -(rotation.conjugate() * rel.position), rotation: rotation.conjugate() };
+        let back =
+            Relative { position: -(rotation.conjugate() * rel.position), rotation: rotation.conjugate() };
         let (forth, other) = (collide_convex(&one, &two, &rel, 2.0), collide_convex(&two, &one, &back, 2.0));
         assert!(forth.count > 0 && (other.normal + rotation.conjugate() * forth.normal).length() < 1e-5);
     }

@@ -222,8 +222,7 @@ impl Brick {
 }
 
 const BOX_START: [u16; 7] = [0, 4, 8, 12, 16, 20, 24];
-const BOX_FACES: [u16; 24] =
-    [1, 3, 7, 5, 0, 4, 6, 2, 2, 6, 7, 3, 0, 1, 5, 4, 4, 5, 7, 6, 0, 2, 3, 1];
+const BOX_FACES: [u16; 24] = [1, 3, 7, 5, 0, 4, 6, 2, 2, 6, 7, 3, 0, 1, 5, 4, 4, 5, 7, 6, 0, 2, 3, 1];
 const BOX_EDGES: [HullEdge; 12] = box_edges();
 
 /// Every edge of the box once, found in its faces.
@@ -346,8 +345,9 @@ impl Prism {
         planes[SIDES] = (Vec3::new(0.0, -up, 0.0), half_height);
         planes[SIDES + 1] = (Vec3::new(0.0, up, 0.0), half_height);
         let faces = if narrow > 0.0 { SIDES + 2 } else { SIDES + 1 };
-        let vertex_chunks =
-            std::array::from_fn(|k| std::array::from_fn(|axis| std::array::from_fn(|i| vertices[8 * k + i][axis])));
+        let vertex_chunks = std::array::from_fn(|k| {
+            std::array::from_fn(|axis| std::array::from_fn(|i| vertices[8 * k + i][axis]))
+        });
         let normal_chunks = std::array::from_fn(|k| {
             let plane = |i: usize| planes[if 8 * k + i < faces { 8 * k + i } else { 0 }];
             [
@@ -357,7 +357,14 @@ impl Prism {
                 std::array::from_fn(|i| plane(i).1),
             ]
         });
-        Prism { vertices, vertex_chunks, planes, normal_chunks, faces, extent: Vec3::new(wide, half_height, wide) }
+        Prism {
+            vertices,
+            vertex_chunks,
+            planes,
+            normal_chunks,
+            faces,
+            extent: Vec3::new(wide, half_height, wide),
+        }
     }
 }
 
@@ -458,7 +465,9 @@ mod tests {
         for (bottom, top) in [(1.0, 1.0), (0.5, 1.0)] {
             let prism = Prism::new(1.0, bottom, top, Vec3::new(3.0, 0.5, 4.0));
             let rim = prism.vertices[0];
-            assert!((rim.x - 0.6 * bottom.max(top)).abs() < 1e-6 && (rim.z - 0.8 * bottom.max(top)).abs() < 1e-6);
+            assert!(
+                (rim.x - 0.6 * bottom.max(top)).abs() < 1e-6 && (rim.z - 0.8 * bottom.max(top)).abs() < 1e-6
+            );
         }
     }
 }

@@ -6,7 +6,7 @@
 
 use super::manifold::{MAX_POINTS, RawManifold, RawPoint};
 use super::polytope::Polytope;
-use super::sat::nearest_on_segments;
+use super::sat::{in_lanes, nearest_on_segments};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::shape::{Collider, Geometry};
 use glam::Vec3;
@@ -178,7 +178,13 @@ pub(crate) fn round_polytope(core: &Core, p: &Polytope, margin: f32, size: f32) 
         for (k, s) in [low, high].into_iter().enumerate() {
             let (h, r) = (height(s), core.radius_at(s));
             if k == 0 || high - low > 1e-3 {
-                add(manifold, margin, core.at(s) - normal * (0.5 * (h + r)), h - r, 2 * face as u32 + k as u32);
+                add(
+                    manifold,
+                    margin,
+                    core.at(s) - normal * (0.5 * (h + r)),
+                    h - r,
+                    2 * face as u32 + k as u32,
+                );
             }
         }
     };
@@ -188,7 +194,8 @@ pub(crate) fn round_polytope(core: &Core, p: &Polytope, margin: f32, size: f32) 
         return manifold;
     }
 
-    if pierces(core, p, (low, high), height) {
+    // A plane that the whole core is in front of proves that it doesn't.
+    if separation <= -r0.min(r1) && pierces(core, p, (low, high), height) {
         if over {
             by_face(&mut manifold, low, if core.is_ball() { low } else { high });
         } else {
@@ -208,9 +215,8 @@ pub(crate) fn round_polytope(core: &Core, p: &Polytope, margin: f32, size: f32) 
         for i in 1..8 {
             index[i] = wanted.next().map_or(index[i - 1], |(e, _)| e);
         }
-        let end = |k: usize| {
-            LaneVec3::<f32x8>::from_fn(|i| p.vertices[usize::from(p.edges[index[i]].vertices[k])])
-        };
+        let edges = index.map(|i| p.edges[i]);
+        let end = |k: usize| in_lanes(edges.map(|e| p.vertices[usize::from(e.vertices[k])]));
         let q = end(0);
         let e = end(1) - q;
         let (s, t) = core.nearest_segment(q, e);
@@ -350,7 +356,8 @@ pub(crate) fn round_round(a: &Core, b: &Core, margin: f32) -> RawManifold {
     if apart - a.radius_at(s) - b.radius_at(t) > margin {
         return manifold;
     }
-    let n = if apart > 1e-6 * (a.radius + b.radius) { (q - p) / apart } else { perpendicular(a.along, b.along) };
+    let n =
+        if apart > 1e-6 * (a.radius + b.radius) { (q - p) / apart } else { perpendicular(a.along, b.along) };
     manifold.normal = n;
     let mut emit = |s: f32, t: f32, key: u32| {
         let (p, q) = (a.at(s), b.at(t));

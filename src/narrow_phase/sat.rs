@@ -163,14 +163,24 @@ struct EdgeLanes {
 impl EdgeLanes {
     #[inline(always)]
     fn gather(b: &Polytope, pose: &Pose, index: [usize; 8]) -> EdgeLanes {
-        let end = |k: usize| LaneVec3::from_fn(|i| b.vertices[usize::from(b.edges[index[i]].vertices[k])]);
+        let edges = index.map(|i| b.edges[i]);
+        let end = |k: usize| in_lanes(edges.map(|e| b.vertices[usize::from(e.vertices[k])]));
         let (start, end) = (end(0), end(1));
-        EdgeLanes { index, start: turn(pose, start) + LaneVec3::splat(pose.position), along: turn(pose, end - start) }
+        EdgeLanes {
+            index,
+            start: turn(pose, start) + LaneVec3::splat(pose.position),
+            along: turn(pose, end - start),
+        }
     }
     #[inline(always)]
     fn normals(&self, b: &Polytope, pose: &Pose, k: usize) -> LaneVec3<f32x8> {
-        turn(pose, LaneVec3::from_fn(|i| b.planes[usize::from(b.edges[self.index[i]].faces[k])].0))
+        turn(pose, in_lanes(self.index.map(|i| b.planes[usize::from(b.edges[i].faces[k])].0)))
     }
+}
+
+#[inline(always)]
+pub(crate) fn in_lanes(v: [Vec3; 8]) -> LaneVec3<f32x8> {
+    LaneVec3::new(f32x8::new(v.map(|v| v.x)), f32x8::new(v.map(|v| v.y)), f32x8::new(v.map(|v| v.z)))
 }
 
 #[inline(always)]

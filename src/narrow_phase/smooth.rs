@@ -117,9 +117,11 @@ impl Both<'_> {
     /// The exact axis near `n` of two parts.
     fn refine(&self, parts: [Part; 2], n: Vec3) -> Vec3 {
         let n = self.refine_parts(parts, n);
-        if self.round.iter().all(Option::is_some) { self.climb(n) } else { n }
+        let tapers = |f: &Option<Frustum>| f.is_some_and(|f| f.top != f.bottom);
+        let both_round = self.round.iter().all(Option::is_some);
+        if both_round && self.round.iter().any(tapers) { self.climb(n) } else { n }
     }
-    /// Uphill in steps that halve: for two round shapes, whose parts shift with the axis and whose extents are cheap.
+    /// Uphill in steps that halve: for two round shapes of which one tapers, whose parts shift with the axis and whose extents are cheap.
     fn climb(&self, n: Vec3) -> Vec3 {
         let mut best = (n, self.separation(n));
         let mut step = 0.1;
@@ -148,7 +150,9 @@ impl Both<'_> {
         let mut now = n;
         for _ in 0..4 {
             let next = match [0, 1].map(|k| self.line(k, parts[k], now)) {
-                [Some(d), Some(e)] if d.cross(e).length_squared() > 1e-4 * d.length_squared() * e.length_squared() => {
+                [Some(d), Some(e)]
+                    if d.cross(e).length_squared() > 1e-4 * d.length_squared() * e.length_squared() =>
+                {
                     d.cross(e)
                 }
                 _ => match self.sideways(parts, now) {
@@ -171,12 +175,14 @@ impl Both<'_> {
     /// The exact axis near `n` where a rim meets a line: the line and a tangent of the rim make an axis, and the tangent
     /// is searched for by golden sections. Of two rims one after the other.
     fn refine_rim(&self, parts: [Part; 2], mut n: Vec3) -> Vec3 {
-        for k in [0, 1, 0] {
-            let other = 1 - k;
+        let both = parts.iter().all(|part| matches!(part, Part::Rim));
+        for k in if both { &[0usize, 1, 0][..] } else { &[0, 1] } {
+            let (k, other) = (*k, 1 - *k);
             if !matches!(parts[k], Part::Rim) {
                 continue;
             }
-            let (Some(t), Some(line)) = (self.line(k, Part::Rim, n), self.line(other, parts[other], n)) else {
+            let (Some(t), Some(line)) = (self.line(k, Part::Rim, n), self.line(other, parts[other], n))
+            else {
                 continue;
             };
             let up = if k == 0 { Vec3::Y } else { self.pose.axes.y_axis };
@@ -284,7 +290,14 @@ pub(super) fn cylinder(a: &Collider, b: &Other, pose: &Pose, margin: f32) -> Raw
 /// Apart, and nearest at an edge, a rim or a round side of both. Spun towards the nearest points, looked at again;
 /// of what is found the direction along which they are furthest apart, since no direction shows more than the
 /// distance.
-fn apart(a: &Collider, b: &Other, (both, back): (&Both, &Pose), first: Vec3, margin: f32, slack: f32) -> Option<Vec3> {
+fn apart(
+    a: &Collider,
+    b: &Other,
+    (both, back): (&Both, &Pose),
+    first: Vec3,
+    margin: f32,
+    slack: f32,
+) -> Option<Vec3> {
     let pose = both.pose;
     let mut best = (first, both.separation(first));
     let (mut spin_a, mut spin_b) = (first, pose.back(-first));
@@ -524,7 +537,8 @@ impl Frustum {
         }
         let (low, high, origin) = if out.y.abs() > 0.999 {
             // Over the cap: a disc.
-            let (y, r) = if out.y > 0.0 { (self.half_height, self.top) } else { (-self.half_height, self.bottom) };
+            let (y, r) =
+                if out.y > 0.0 { (self.half_height, self.top) } else { (-self.half_height, self.bottom) };
             let (a, b) = (d.x * d.x + d.z * d.z, p.x * d.x + p.z * d.z);
             let root = b * b - a * (p.x * p.x + p.z * p.z - r * r);
             if !(root > 0.0 && a > 0.0) {
