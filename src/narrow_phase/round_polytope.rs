@@ -215,8 +215,7 @@ pub(crate) fn round_polytope(core: &Core, p: &Polytope, margin: f32, size: f32) 
         for i in 1..8 {
             index[i] = wanted.next().map_or(index[i - 1], |(e, _)| e);
         }
-        let edges = index.map(|i| p.edges[i]);
-        let end = |k: usize| in_lanes(edges.map(|e| p.vertices[usize::from(e.vertices[k])]));
+        let end = |k: usize| in_lanes(|i| p.vertices[usize::from(p.edges[index[i]].vertices[k])]);
         let q = end(0);
         let e = end(1) - q;
         let (s, t) = core.nearest_segment(q, e);
