@@ -175,12 +175,11 @@ impl EdgeLanes {
 /// Lane `i` from `f(i)`, called once for all three coordinates.
 #[inline(always)]
 pub(crate) fn in_lanes(f: impl Fn(usize) -> Vec3) -> LaneVec3<f32x8> {
-    let mut rows = [[0.0f32; 8]; 3];
-    for i in 0..8 {
-        let v = f(i);
-        (rows[0][i], rows[1][i], rows[2][i]) = (v.x, v.y, v.z);
+    let [mut x, mut y, mut z] = [[0.0f32; 8]; 3];
+    for (i, ((x, y), z)) in x.iter_mut().zip(&mut y).zip(&mut z).enumerate() {
+        [*x, *y, *z] = f(i).to_array();
     }
-    LaneVec3::new(f32x8::new(rows[0]), f32x8::new(rows[1]), f32x8::new(rows[2]))
+    LaneVec3::new(f32x8::new(x), f32x8::new(y), f32x8::new(z))
 }
 
 #[inline(always)]

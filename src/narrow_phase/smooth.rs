@@ -5,6 +5,8 @@
 //! both shapes (any direction is a lower bound of the distance, so a better one is never wrong); then the prisms are
 //! spun to it and the contact is read off their caps, edges and rims.
 
+#![allow(clippy::neg_cmp_op_on_partial_ord, reason = "a NaN must go the way of a zero")]
+
 use super::clip::{Cloud, Segment, clip_edges};
 use super::convex::{face_contact, manifold_of};
 use super::manifold::{RawManifold, RawPoint};
