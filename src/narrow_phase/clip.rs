@@ -7,7 +7,7 @@
 
 use super::manifold::RawPoint;
 use super::polytope::{Polytope, Pose, SIDES};
-use super::sat::nearest_on_segments;
+use super::sat::{in_lanes, nearest_on_segments};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use glam::Vec3;
 
@@ -79,7 +79,7 @@ impl Loop {
     }
     /// Eight corners from `8 k` on, past the end the first.
     fn eight(&self, k: usize) -> LaneVec3<f32x8> {
-        LaneVec3::from_fn(|i| self.at(8 * k + i))
+        in_lanes(|i| self.at(8 * k + i))
     }
 }
 
@@ -119,7 +119,7 @@ pub(crate) fn clip_face(
     let (zero, one) = (f32x8::zero(), f32x8::one());
     for k in 0..edges.div_ceil(8) {
         let from = incident.eight(k);
-        let to = LaneVec3::<f32x8>::from_fn(|i| incident.at(8 * k + i + 1));
+        let to = in_lanes(|i| incident.at(8 * k + i + 1));
         let (mut enter, mut exit) = (zero, one);
         let (mut enter_side, mut exit_side) = (zero, zero);
         for (j, (out, bound)) in sides.iter().enumerate() {

@@ -565,6 +565,23 @@ mod tests {
         sweep(Kind::Cylinder, Kind::Cylinder, 3, 40);
     }
 
+    /// More of the above; says how many poses fail and shows each.
+    #[test]
+    #[ignore = "long"]
+    fn many_more_poses_agree_with_the_slow_reference() {
+        let mut failed = vec![];
+        for (i, a) in KINDS.into_iter().enumerate() {
+            for b in KINDS.into_iter().skip(i) {
+                for seed in 0..300 {
+                    if std::panic::catch_unwind(|| sweep(a, b, 1000 + seed, 2)).is_err() {
+                        failed.push((a, b, seed));
+                    }
+                }
+            }
+        }
+        assert!(failed.is_empty(), "{} of 9000: {failed:?}", failed.len());
+    }
+
     fn at(y: f32) -> Relative {
         Relative { position: Vec3::Y * y, rotation: Quat::IDENTITY }
     }

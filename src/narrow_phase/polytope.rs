@@ -5,6 +5,8 @@
 //! prism of [`SIDES`] sides that can be *spun* about its own axis: whoever knows the direction of contact has it
 //! built with an edge in just that direction, and there the prism and the cylinder are the same.
 
+#![allow(clippy::neg_cmp_op_on_partial_ord, reason = "a NaN must go the way of a zero")]
+
 use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
 use crate::shape::{Collider, ConvexHull, Geometry, HullEdge};
 use glam::{Mat3, Quat, Vec3};
@@ -107,6 +109,7 @@ impl<'a> Polytope<'a> {
 
 /// What a polytope's arrays live in.
 #[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant, reason = "lives on the stack where it is used, one or two at a time")]
 pub(crate) enum Solid<'a> {
     Box(Brick),
     Prism(Prism),

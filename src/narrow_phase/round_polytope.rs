@@ -6,7 +6,7 @@
 
 use super::manifold::{MAX_POINTS, RawManifold, RawPoint};
 use super::polytope::Polytope;
-use super::sat::nearest_on_segments;
+use super::sat::{in_lanes, nearest_on_segments};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::shape::{Collider, Geometry};
 use glam::Vec3;
@@ -194,7 +194,8 @@ pub(crate) fn round_polytope(core: &Core, p: &Polytope, margin: f32, size: f32) 
         return manifold;
     }
 
-    if pierces(core, p, (low, high), height) {
+    // A plane that the whole core is in front of proves that it doesn't.
+    if separation <= -r0.min(r1) && pierces(core, p, (low, high), height) {
         if over {
             by_face(&mut manifold, low, if core.is_ball() { low } else { high });
         } else {
@@ -214,8 +215,12 @@ pub(crate) fn round_polytope(core: &Core, p: &Polytope, margin: f32, size: f32) 
         for i in 1..8 {
             index[i] = wanted.next().map_or(index[i - 1], |(e, _)| e);
         }
+<<<<<<< HEAD
         let end =
             |k: usize| LaneVec3::<f32x8>::from_fn(|i| p.vertices[usize::from(p.edges[index[i]].vertices[k])]);
+=======
+        let end = |k: usize| in_lanes(|i| p.vertices[usize::from(p.edges[index[i]].vertices[k])]);
+>>>>>>> h2
         let q = end(0);
         let e = end(1) - q;
         let (s, t) = core.nearest_segment(q, e);

@@ -70,12 +70,6 @@ pub(crate) fn face_axis(p: &Polytope, q: &Polytope, q_in_p: &Pose, margin: f32, 
 pub(crate) struct EdgeSet([u64; EDGE_WORDS]);
 
 impl EdgeSet {
-    #[inline(always)]
-    fn insert(&mut self, edge: usize) {
-        if let Some(word) = self.0.get_mut(edge / 64) {
-            *word |= 1 << (edge % 64);
-        }
-    }
     pub(crate) fn iter(&self) -> impl Iterator<Item = usize> + '_ {
         self.0.iter().enumerate().flat_map(|(k, &word)| {
             let mut rest = word;
@@ -110,10 +104,11 @@ fn edges_near(p: &Polytope, min: Vec3, max: Vec3, normal: Vec3, low: f32) -> Edg
         }
     }
     let mut set = EdgeSet::default();
-    for (i, edge) in p.edges.iter().enumerate() {
-        let [a, b] = edge.vertices.map(|v| codes[usize::from(v) % MAX_VERTICES]);
-        if a & b == 0 {
-            set.insert(i);
+    for (word, edges) in set.0.iter_mut().zip(p.edges.chunks(64)) {
+        for (i, edge) in edges.iter().enumerate() {
+            let a = codes[usize::from(edge.vertices[0]) % MAX_VERTICES];
+            let b = codes[usize::from(edge.vertices[1]) % MAX_VERTICES];
+            *word |= u64::from(a & b == 0) << i;
         }
     }
     set
@@ -163,7 +158,7 @@ struct EdgeLanes {
 impl EdgeLanes {
     #[inline(always)]
     fn gather(b: &Polytope, pose: &Pose, index: [usize; 8]) -> EdgeLanes {
-        let end = |k: usize| LaneVec3::from_fn(|i| b.vertices[usize::from(b.edges[index[i]].vertices[k])]);
+        let end = |k: usize| in_lanes(|i| b.vertices[usize::from(b.edges[index[i]].vertices[k])]);
         let (start, end) = (end(0), end(1));
         EdgeLanes {
             index,
@@ -173,8 +168,18 @@ impl EdgeLanes {
     }
     #[inline(always)]
     fn normals(&self, b: &Polytope, pose: &Pose, k: usize) -> LaneVec3<f32x8> {
-        turn(pose, LaneVec3::from_fn(|i| b.planes[usize::from(b.edges[self.index[i]].faces[k])].0))
+        turn(pose, in_lanes(|i| b.planes[usize::from(b.edges[self.index[i]].faces[k])].0))
     }
+}
+
+/// Lane `i` from `f(i)`, called once for all three coordinates.
+#[inline(always)]
+pub(crate) fn in_lanes(f: impl Fn(usize) -> Vec3) -> LaneVec3<f32x8> {
+    let [mut x, mut y, mut z] = [[0.0f32; 8]; 3];
+    for (i, ((x, y), z)) in x.iter_mut().zip(&mut y).zip(&mut z).enumerate() {
+        [*x, *y, *z] = f(i).to_array();
+    }
+    LaneVec3::new(f32x8::new(x), f32x8::new(y), f32x8::new(z))
 }
 
 #[inline(always)]

@@ -5,6 +5,8 @@
 //! both shapes (any direction is a lower bound of the distance, so a better one is never wrong); then the prisms are
 //! spun to it and the contact is read off their caps, edges and rims.
 
+#![allow(clippy::neg_cmp_op_on_partial_ord, reason = "a NaN must go the way of a zero")]
+
 use super::clip::{Cloud, Segment, clip_edges};
 use super::convex::{face_contact, manifold_of};
 use super::manifold::{RawManifold, RawPoint};
@@ -117,9 +119,11 @@ impl Both<'_> {
     /// The exact axis near `n` of two parts.
     fn refine(&self, parts: [Part; 2], n: Vec3) -> Vec3 {
         let n = self.refine_parts(parts, n);
-        if self.round.iter().all(Option::is_some) { self.climb(n) } else { n }
+        let tapers = |f: &Option<Frustum>| f.is_some_and(|f| f.top != f.bottom);
+        let both_round = self.round.iter().all(Option::is_some);
+        if both_round && self.round.iter().any(tapers) { self.climb(n) } else { n }
     }
-    /// Uphill in steps that halve: for two round shapes, whose parts shift with the axis and whose extents are cheap.
+    /// Uphill in steps that halve: for two round shapes of which one tapers, whose parts shift with the axis and whose extents are cheap.
     fn climb(&self, n: Vec3) -> Vec3 {
         let mut best = (n, self.separation(n));
         let mut step = 0.1;
@@ -173,8 +177,9 @@ impl Both<'_> {
     /// The exact axis near `n` where a rim meets a line: the line and a tangent of the rim make an axis, and the tangent
     /// is searched for by golden sections. Of two rims one after the other.
     fn refine_rim(&self, parts: [Part; 2], mut n: Vec3) -> Vec3 {
-        for k in [0, 1, 0] {
-            let other = 1 - k;
+        let both = parts.iter().all(|part| matches!(part, Part::Rim));
+        for k in if both { &[0usize, 1, 0][..] } else { &[0, 1] } {
+            let (k, other) = (*k, 1 - *k);
             if !matches!(parts[k], Part::Rim) {
                 continue;
             }
