@@ -7,6 +7,8 @@ mod cast;
 mod cast_mesh;
 mod clip;
 mod convex;
+#[cfg(test)]
+pub(crate) mod fixtures;
 mod gjk;
 mod lanes_io;
 mod manifold;
