@@ -13,6 +13,7 @@ mod mass;
 mod mesh;
 mod mesh_bvh;
 mod mesh_edges;
+mod segment_triangle;
 
 pub(crate) use collider::{Collider, Kind};
 pub use height_field::HeightField;
