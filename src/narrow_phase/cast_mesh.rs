@@ -3,7 +3,7 @@
 use super::cast::{Other, Sweep, Touch};
 use super::motion::Motion;
 use super::support::Support;
-use crate::shape::{Collider, Geometry};
+use crate::shape::{Collider, Geometry, HeightField, TriangleMesh};
 use glam::{DVec3, Vec3};
 
 /// What a cast and a segment need of a mesh or a height field, in its own frame.
@@ -32,12 +32,31 @@ pub(crate) fn cast_mesh(
     tolerance: f32,
     resting: f32,
 ) -> Option<Touch> {
-    let _ = (a, motion, tolerance, resting);
     match &mesh.geometry {
-        Geometry::Mesh(_) | Geometry::HeightField(_) => None,
+        Geometry::Mesh(mesh) => cast_triangles(a, &**mesh, motion, tolerance, resting),
+        Geometry::HeightField(field) => cast_triangles(a, &**field, motion, tolerance, resting),
         _ => None,
     }
 }
+
+macro_rules! triangles {
+    ($mesh:ty) => {
+        impl Triangles for $mesh {
+            fn triangle(&self, index: u32) -> [Vec3; 3] {
+                <$mesh>::triangle(self, index)
+            }
+            fn visit_segment(&self, from: Vec3, to: Vec3, inflate: Vec3, f: &mut dyn FnMut(u32, f32) -> f32) {
+                <$mesh>::visit_segment(self, from, to, inflate, f);
+            }
+            fn segment_hit(&self, from: Vec3, to: Vec3) -> Option<(f32, u32)> {
+                <$mesh>::segment_hit(self, from, to)
+            }
+        }
+    };
+}
+
+triangles!(TriangleMesh);
+triangles!(HeightField);
 
 /// [`cast_mesh`] over any triangles.
 pub(crate) fn cast_triangles<T: Triangles + ?Sized>(
@@ -179,6 +198,36 @@ mod tests {
                 assert!(cast_triangles(&cube, &soup, &motion, 1e-4, 0.006).is_none(), "{height}");
             }
         }
+    }
+
+    /// The tree finds what all triangles by hand do, in a mesh and in a height field.
+    #[test]
+    fn meshes_and_height_fields_answer_like_their_triangles() {
+        let mut random = Random(22);
+        let height = |x: u32, z: u32| ((x * 7 + z * 13) % 5) as f32 * 0.2;
+        let n = 16;
+        let heights: Vec<f32> = (0..n * n).map(|i| height(i % n, i / n)).collect();
+        let field = HeightField::new(n as usize, n as usize, glam::Vec2::ONE, heights).unwrap();
+        let all: Vec<[Vec3; 3]> = (0..2 * (n - 1) * (n - 1)).map(|i| field.triangle(i)).collect();
+        let vertices: Vec<Vec3> = all.iter().flatten().copied().collect();
+        let indices = (0..all.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let field = collider(Geometry::HeightField(field.into()));
+        let mesh = collider(Geometry::Mesh(TriangleMesh::new(vertices, indices).unwrap().into()));
+        let (soup, mut hits) = (Soup(all), 0);
+        for i in 0..if cfg!(miri) { 3 } else { 200 } {
+            let a = random.shape(CONVEX[i % 5], 0.5);
+            let centre = Vec3::new(random.range(0.0, 15.0), random.range(1.5, 4.0), random.range(0.0, 15.0));
+            let mut pa = path(centre, (random.cube() - Vec3::Y * 0.5) * 8.0);
+            pa.spin = random.cube() * [0.0, 2.0][i % 2];
+            let b = path(Vec3::ZERO, Vec3::ZERO);
+            let motion = Motion::new(&a, &pa, &mesh, &b);
+            let expected = cast_triangles(&a, &soup, &motion, 1e-4, 0.01).map(|t| t.fraction);
+            for other in [&mesh, &field] {
+                assert_eq!(cast_mesh(&a, other, &motion, 1e-4, 0.01).map(|t| t.fraction), expected);
+            }
+            hits += u32::from(expected.is_some());
+        }
+        assert!(cfg!(miri) || (50..150).contains(&hits), "{hits}");
     }
 
     #[test]

@@ -39,7 +39,13 @@ pub(crate) fn segment_hits(shape: &Collider, from: Vec3, to: Vec3) -> Option<Seg
             _ => None,
         },
         Kind::Plane => plane(start, path),
-        Kind::Mesh | Kind::HeightField => None,
+        Kind::Mesh | Kind::HeightField => {
+            return match &shape.geometry {
+                Geometry::Mesh(mesh) => segment_hits_triangles(&**mesh, from, to),
+                Geometry::HeightField(field) => segment_hits_triangles(&**field, from, to),
+                _ => None,
+            };
+        }
     };
     found.map(|(fraction, normal)| SegmentHit {
         fraction: fraction as f32,
@@ -114,7 +120,7 @@ fn capsule(start: DVec3, path: DVec3, half: f64, bottom: f64, top: f64) -> Optio
     let lean = if half > 0.0 { (bottom - top) / (2.0 * half) } else { 2.0 };
     if lean.abs() >= 1.0 {
         let (at, radius) = if bottom > top { (-centre, bottom) } else { (centre, top) };
-        return ball(start - at, path, radius).map(|(t, n)| (t, n));
+        return ball(start - at, path, radius);
     }
     let flat = (1.0 - lean * lean).sqrt();
     let mean = 0.5 * (bottom + top);
@@ -312,6 +318,18 @@ mod tests {
         assert_eq!(at(0.0, -1.0).map(|h| h.fraction), Some(0.0));
         assert_eq!(at(1.0, 0.0).map(|h| h.fraction), Some(1.0));
         assert_eq!([at(-1.0, 1.0), at(-1.0, -2.0), at(0.0, 1.0), at(1.0, 0.5), at(0.0, 0.0)], [None; 5]);
+    }
+
+    #[test]
+    fn triangles_face_whoever_comes() {
+        let corners = vec![Vec3::ZERO, Vec3::X, Vec3::Z];
+        let mesh = crate::shape::TriangleMesh::new(corners, vec![[0, 1, 2]]).unwrap();
+        let mesh = Geometry::Mesh(mesh.into());
+        let at = |y: f32| Vec3::new(0.25, y, 0.25);
+        let hit = |from: f32, to: f32| hit(mesh.clone(), at(from), at(to));
+        assert_eq!(hit(1.0, -3.0), Some(SegmentHit { fraction: 0.25, normal: Vec3::Y }));
+        assert_eq!(hit(-1.0, 1.0), Some(SegmentHit { fraction: 0.5, normal: Vec3::NEG_Y }));
+        assert_eq!(hit(1.0, 0.5), None);
     }
 
     #[test]
