@@ -13,6 +13,8 @@ mod clip;
 mod collide;
 mod contact;
 mod convex;
+#[cfg(test)]
+pub(crate) mod fixtures;
 mod gjk;
 mod lanes_io;
 mod manifold;
