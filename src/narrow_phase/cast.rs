@@ -17,6 +17,7 @@
 
 use super::gjk::core_gap;
 use super::motion::{Motion, Turn, turn};
+use super::simplex::Simplex;
 use super::support::{Pose, Support};
 use crate::shape::Collider;
 use glam::{DMat3, DQuat, DVec3, Vec3};
@@ -132,10 +133,11 @@ impl<'a> Sweep<'a> {
         let target = 0.5 * self.tolerance;
         let still = self.turn_a.rate == 0.0 && self.turn_b.rate == 0.0;
         let (mut t, mut normal) = (0.0, DVec3::ZERO);
+        let mut simplex = Simplex::empty();
         let mut placed = self.placed(0.0);
         for _ in 0..MAX_STEPS {
             let gap;
-            (gap, normal) = self.gap(&placed, normal);
+            (gap, normal) = self.gap(&placed, &mut simplex);
             if gap <= self.tolerance {
                 return Some(touch(t, normal));
             }
@@ -250,14 +252,14 @@ impl<'a> Sweep<'a> {
     }
 
     /// A lower bound of the distance, and the direction from a to b along which it holds.
-    pub(super) fn gap(&self, placed: &Placed, hint: DVec3) -> (f64, DVec3) {
+    pub(super) fn gap(&self, placed: &Placed, simplex: &mut Simplex) -> (f64, DVec3) {
         let Other::Convex(b) = &self.b else {
             let normal = -placed.rotation_b.y_axis;
             return (self.gap_along(placed, normal), normal);
         };
         let to_a = placed.rotation_a.transpose();
         let pose = Pose { rotation: to_a * placed.rotation_b, position: to_a * placed.offset };
-        let found = core_gap(&self.a, b, &pose, to_a * hint, 0.1 * self.tolerance, 1e-3);
+        let found = core_gap(&self.a, b, &pose, DVec3::ZERO, simplex, (0.1 * self.tolerance, 1e-3));
         let radii = self.a.radius + b.radius;
         (found.lower - radii, placed.rotation_a * found.normal)
     }
@@ -359,7 +361,7 @@ mod tests {
         let pose =
             Pose { rotation: DMat3::from_quat(ra.conjugate() * rb), position: ra.conjugate() * (xb - xa) };
         let (a, b) = (Support::of(a).unwrap(), Support::of(b).unwrap());
-        let gap = core_gap(&a, &b, &pose, DVec3::ZERO, 0.0, 1e-9);
+        let gap = core_gap(&a, &b, &pose, DVec3::ZERO, &mut Simplex::empty(), (0.0, 1e-9));
         (if gap.overlap { 0.0 } else { gap.upper }) - a.radius - b.radius
     }
 
@@ -587,8 +589,14 @@ mod tests {
                 rotation: DMat3::from_quat(rel.rotation.as_dquat()),
                 position: rel.position.as_dvec3(),
             };
-            let found =
-                core_gap(&Support::of(&a).unwrap(), &Support::of(&b).unwrap(), &pose, DVec3::ZERO, 0.0, 1e-9);
+            let found = core_gap(
+                &Support::of(&a).unwrap(),
+                &Support::of(&b).unwrap(),
+                &pose,
+                DVec3::ZERO,
+                &mut Simplex::empty(),
+                (0.0, 1e-9),
+            );
             let expected = distance_at(&a, &b, (&paths.0, &paths.1), f64::from(t));
             assert!((found.upper - expected).abs() < 3e-6, "{} {expected}", found.upper);
         }
