@@ -15,14 +15,14 @@ pub(super) struct Simplex {
     /// In a's and in b's frame: of any pose, the same corners make a simplex.
     on_a: [DVec3; 4],
     on_b: [DVec3; 4],
-    /// Weights of the nearest point, after [`Self::reduce`].
-    weights: [f64; 4],
+    /// Weights of the nearest point, after [`Self::keep`].
+    weights: [f64; 3],
 }
 
 /// The nearest point of one feature: up to three corners and their weights.
 #[derive(Clone, Copy)]
-struct Nearest {
-    point: DVec3,
+pub(super) struct Nearest {
+    pub(super) point: DVec3,
     count: usize,
     corners: [usize; 3],
     weights: [f64; 3],
@@ -31,7 +31,7 @@ struct Nearest {
 impl Simplex {
     pub(super) fn empty() -> Simplex {
         let zero = [DVec3::ZERO; 4];
-        Simplex { count: 0, points: zero, on_a: zero, on_b: zero, weights: [1.0, 0.0, 0.0, 0.0] }
+        Simplex { count: 0, points: zero, on_a: zero, on_b: zero, weights: [1.0, 0.0, 0.0] }
     }
 
     /// The same corners after the shapes have moved.
@@ -57,23 +57,32 @@ impl Simplex {
         self.count += 1;
     }
 
-    /// The point nearest to the origin; only the corners that make it up stay. None: the origin is inside.
-    pub(super) fn reduce(&mut self) -> Option<DVec3> {
-        let nearest = match self.count {
-            1 => Nearest { point: self.points[0], count: 1, corners: [0; 3], weights: [1.0, 0.0, 0.0] },
-            2 => self.on_edge(0, 1),
-            3 => self.on_triangle([0, 1, 2], self.normal([0, 1, 2])),
-            _ => self.on_tetrahedron()?,
-        };
-        let (points, on_a, on_b) = (self.points, self.on_a, self.on_b);
-        self.count = nearest.count;
-        for i in 0..nearest.count {
-            self.points[i] = points[nearest.corners[i]];
-            self.on_a[i] = on_a[nearest.corners[i]];
-            self.on_b[i] = on_b[nearest.corners[i]];
-            self.weights[i] = nearest.weights[i];
+    /// Takes back the last push.
+    pub(super) fn pop(&mut self) {
+        self.count -= 1;
+    }
+
+    /// The feature nearest to the origin. None: the origin is inside.
+    pub(super) fn nearest(&self) -> Option<Nearest> {
+        match self.count {
+            1 => Some(Nearest { point: self.points[0], count: 1, corners: [0; 3], weights: [1.0, 0.0, 0.0] }),
+            2 => Some(self.on_edge(0, 1)),
+            3 => Some(self.on_triangle([0, 1, 2], self.normal([0, 1, 2]))),
+            _ => self.on_tetrahedron(),
         }
-        Some(nearest.point)
+    }
+
+    /// Lets go of the corners that are not of this feature.
+    pub(super) fn keep(&mut self, nearest: &Nearest) {
+        let at = nearest.corners;
+        let points = at.map(|i| self.points[i]);
+        let on_a = at.map(|i| self.on_a[i]);
+        let on_b = at.map(|i| self.on_b[i]);
+        self.points[..3].copy_from_slice(&points);
+        self.on_a[..3].copy_from_slice(&on_a);
+        self.on_b[..3].copy_from_slice(&on_b);
+        self.weights = nearest.weights;
+        self.count = nearest.count;
     }
 
     /// The nearest point's partner on a.
