@@ -7,7 +7,9 @@
 pub mod builtin;
 mod record;
 mod rng;
+pub mod shots;
 mod terrain;
+mod weld;
 
 #[cfg(feature = "gltf")]
 mod assets;
@@ -21,8 +23,6 @@ mod gltf_in;
 mod gltf_out;
 #[cfg(feature = "gltf")]
 mod obj;
-#[cfg(feature = "gltf")]
-mod weld;
 
 pub use record::Recorder;
 pub use terrain::Terrain;
