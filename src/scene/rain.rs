@@ -87,7 +87,8 @@ fn drop(i: usize, size: f32, rng: &mut Rng) -> (&'static str, BodyDesc) {
         6 => Geometry::cuboid(s, 0.15 * s, 0.7 * s),
         7 => Geometry::Cylinder { half_height: 0.6 * s, radius_bottom: 0.8 * s, radius_top: 0.0 },
         _ => {
-            let part = |geometry, y| ShapeDesc { position: Vec3::new(0.0, y, 0.0), ..ShapeDesc::new(geometry) };
+            let part =
+                |geometry, y| ShapeDesc { position: Vec3::new(0.0, y, 0.0), ..ShapeDesc::new(geometry) };
             let dumbbell = BodyDesc::dynamic()
                 .with_shape(part(Geometry::cylinder(0.7 * s, 0.2 * s), 0.0))
                 .with_shape(part(Geometry::Sphere { radius: 0.5 * s }, 0.7 * s))
@@ -100,8 +101,8 @@ fn drop(i: usize, size: f32, rng: &mut Rng) -> (&'static str, BodyDesc) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::builtin::{add_terrain, fixed};
     use super::super::Terrain;
+    use super::super::builtin::{add_terrain, fixed};
     use super::*;
 
     #[test]
@@ -128,7 +129,11 @@ mod tests {
     #[test]
     fn a_plane_alone_is_rained_on_too() {
         let mut scene = Scene::new("plane");
-        scene.bodies.push(super::super::SceneBody { name: "p".into(), node: None, desc: fixed(Geometry::Plane, Vec3::ZERO) });
+        scene.bodies.push(super::super::SceneBody {
+            name: "p".into(),
+            node: None,
+            desc: fixed(Geometry::Plane, Vec3::ZERO),
+        });
         scene.rain(3, 0);
         assert!(scene.bodies[1..].iter().all(|b| b.desc.position.is_finite() && b.desc.position.y > 0.0));
     }

@@ -57,7 +57,8 @@ pub(super) fn shapes(index: usize, rng: &mut Rng) -> Vec<ShapeDesc> {
             radius_top: 0.0,
         },
         "hull" => {
-            let radii = Vec3::new(size(2.0 * SMALL, LARGE), size(2.0 * SMALL, LARGE), size(2.0 * SMALL, LARGE));
+            let radii =
+                Vec3::new(size(2.0 * SMALL, LARGE), size(2.0 * SMALL, LARGE), size(2.0 * SMALL, LARGE));
             // Thinner than a tenth would be a plate, which the builder may take for flat.
             let radii = radii.max(Vec3::splat(0.1 * radii.max_element()));
             let count = 8 + pick(rng, 40);

@@ -108,7 +108,8 @@ impl Shot {
     /// None that a shot of [`Shot::new`] should give.
     pub fn run(&self, targets: &Targets, mode: Continuous) -> Result<Outcome, Error> {
         let (substeps, iterations) = self.solver;
-        let mut world = World::new(Settings { substeps, iterations, continuous: mode, ..Settings::default() })?;
+        let mut world =
+            World::new(Settings { substeps, iterations, continuous: mode, ..Settings::default() })?;
         world.add_bodies(targets.bodies(self.target))?;
         let body = world.add_body(&self.body)?;
         let mut before = world.centre_of_mass(body)?;
