@@ -172,8 +172,10 @@ fn finish_convex(
     if input.continuous && nearest > input.real && input.approach(pair) > input.fast {
         // Apart and fast: a plane at the start of the step would be a guess, so look where they really touch.
         out.casts += 1;
-        match look_ahead(input, pair, rel) {
+        match look_ahead(input, pair) {
             Some((ahead, at)) => (raw, fraction) = (ahead, at),
+            // Nothing in reach on this path. The larger volume keeps what another impact might lead to.
+            None if input.volume => {}
             None => raw.count = 0,
         }
     }
@@ -209,13 +211,18 @@ fn finish_mesh(
 ) {
     let approach = input.approach(pair);
     // Where the body is: what it may reach further away is found by the cast.
-    let margin = input.margin + approach.min(if input.continuous { a.radius } else { input.margin });
+    let margin = input.margin
+        + approach.min(match (input.continuous, input.volume) {
+            (true, true) => approach,
+            (true, false) => a.radius,
+            (false, _) => input.margin,
+        });
     let start = out.many.len() as u32;
     out.raw.clear();
     collide_mesh(a, b, rel, margin, &mut out.mesh, &mut out.raw);
     let nearest = out.raw.iter().flat_map(|m| m.points()).fold(f32::INFINITY, |s, p| s.min(p.separation));
     let fast = input.continuous && approach > input.fast;
-    if fast {
+    if fast && !input.volume {
         // Manifolds without a real point are guesses; what is really hit comes from the cast.
         let real = input.real;
         out.raw.retain(|m| m.points().iter().any(|p| p.separation <= real));
@@ -223,7 +230,7 @@ fn finish_mesh(
     out.many.extend(out.raw.iter().map(|&m| (m, 0.0)));
     if fast {
         out.casts += 1;
-        super::ahead::look_ahead_mesh(input, pair, rel, out);
+        super::ahead::look_ahead_mesh(input, pair, out);
     }
     if pair.contact != NONE {
         // SAFETY: the contact is this pair's, and this block has the pair.

@@ -1,1 +1,476 @@
-//! To be written.
+//! Polytopes: what the separating-axis test, the clipper and the round shapes read of a box, a cylinder, a hull or a
+//! triangle.
+//!
+//! A hull is borrowed; the others are built on the stack, which costs less than to look them up. A cylinder is a
+//! prism of [`SIDES`] sides that can be *spun* about its own axis: whoever knows the direction of contact has it
+//! built with an edge in just that direction, and there the prism and the cylinder are the same.
+
+#![allow(clippy::neg_cmp_op_on_partial_ord, reason = "a NaN must go the way of a zero")]
+
+use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
+use crate::shape::{Collider, ConvexHull, Geometry, HullEdge};
+use glam::{Mat3, Quat, Vec3};
+
+/// Sides of the prism that stands for a cylinder, a frustum or a cone. Neighbouring edges are 22.5 degrees apart: a
+/// cap that lies on the ground loses 2 % of its radius between them.
+pub(crate) const SIDES: usize = 16;
+
+/// A pose as a matrix: `b` in the frame of `a`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pose {
+    pub(crate) axes: Mat3,
+    pub(crate) position: Vec3,
+}
+
+impl Pose {
+    pub(crate) const IDENTITY: Pose = Pose { axes: Mat3::IDENTITY, position: Vec3::ZERO };
+
+    pub(crate) fn new(position: Vec3, rotation: Quat) -> Pose {
+        Pose { axes: Mat3::from_quat(rotation), position }
+    }
+    #[inline(always)]
+    pub(crate) fn point(&self, p: Vec3) -> Vec3 {
+        self.axes.x_axis * p.x + self.axes.y_axis * p.y + self.axes.z_axis * p.z + self.position
+    }
+    #[inline(always)]
+    pub(crate) fn direction(&self, d: Vec3) -> Vec3 {
+        self.axes.x_axis * d.x + self.axes.y_axis * d.y + self.axes.z_axis * d.z
+    }
+    /// A direction of `a` in the frame of `b`.
+    #[inline(always)]
+    pub(crate) fn back(&self, d: Vec3) -> Vec3 {
+        Vec3::new(self.axes.x_axis.dot(d), self.axes.y_axis.dot(d), self.axes.z_axis.dot(d))
+    }
+    /// `a` in the frame of `b`.
+    #[inline(always)]
+    pub(crate) fn inverse(&self) -> Pose {
+        Pose { axes: self.axes.transpose(), position: -self.back(self.position) }
+    }
+}
+
+/// A convex polytope in its own frame [m]. The arrays are those of [`ConvexHull`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Polytope<'a> {
+    pub(crate) vertices: &'a [Vec3],
+    /// Eight vertices at a time, filled up with the first.
+    pub(crate) vertex_chunks: &'a [[[f32; 8]; 3]],
+    /// Unit outward normal and offset.
+    pub(crate) planes: &'a [(Vec3, f32)],
+    /// Eight planes at a time, filled up with the first. These are the faces that may be an axis: of a triangle only
+    /// the front.
+    pub(crate) normal_chunks: &'a [[[f32; 8]; 4]],
+    pub(crate) face_start: &'a [u16],
+    pub(crate) face_vertices: &'a [u16],
+    pub(crate) edges: &'a [HullEdge],
+    /// Corners of a box around it.
+    pub(crate) min: Vec3,
+    pub(crate) max: Vec3,
+    /// How many of the first faces are flat only because a round side was cut into a prism.
+    pub(crate) sides: usize,
+}
+
+impl<'a> Polytope<'a> {
+    pub(crate) fn face(&self, face: usize) -> &'a [u16] {
+        &self.face_vertices[usize::from(self.face_start[face])..usize::from(self.face_start[face + 1])]
+    }
+
+    /// The vertex furthest along `direction`, the first of several.
+    pub(crate) fn support(&self, direction: Vec3) -> (usize, f32) {
+        let mut best = (0, f32::MIN);
+        for (i, v) in self.vertices.iter().enumerate() {
+            let along = v.dot(direction);
+            if along > best.1 {
+                best = (i, along);
+            }
+        }
+        best
+    }
+
+    /// The face whose normal is furthest along `direction`; of equals the first in its lane. Of a triangle the front.
+    pub(crate) fn face_towards(&self, direction: Vec3) -> usize {
+        let d = LaneVec3::<f32x8>::splat(direction);
+        let (mut most, mut chunk) = (f32x8::splat(f32::MIN), f32x8::zero());
+        for (k, [nx, ny, nz, _]) in self.normal_chunks.iter().enumerate() {
+            let along = LaneVec3::new(f32x8::new(*nx), f32x8::new(*ny), f32x8::new(*nz)).dot(d);
+            let better = along.gt(most);
+            most = Lanes::select(better, along, most);
+            chunk = Lanes::select(better, f32x8::splat(k as f32), chunk);
+        }
+        let (mut best, mut face) = (f32::MIN, 0);
+        for (i, (&along, &chunk)) in most.to_array().iter().zip(&chunk.to_array()).enumerate() {
+            if along > best {
+                (best, face) = (along, 8 * chunk as usize + i);
+            }
+        }
+        // The filling repeats the first plane, and the filling's lane can come first.
+        if face < self.planes.len() { face } else { 0 }
+    }
+}
+
+/// What a polytope's arrays live in.
+#[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant, reason = "lives on the stack where it is used, one or two at a time")]
+pub(crate) enum Solid<'a> {
+    Box(Brick),
+    Prism(Prism),
+    Hull(&'a ConvexHull),
+    Triangle(Triangle),
+}
+
+impl<'a> Solid<'a> {
+    /// The shape's polytope; `None` of what has no faces. A cylinder has an edge towards `direction`.
+    #[inline]
+    pub(crate) fn of(shape: &'a Collider, direction: Vec3) -> Option<Solid<'a>> {
+        Some(match &shape.geometry {
+            Geometry::Box { half_extents } => Solid::Box(Brick::new(*half_extents)),
+            Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
+                Solid::Prism(Prism::new(*half_height, *radius_bottom, *radius_top, direction))
+            }
+            Geometry::Hull(hull) => Solid::Hull(hull),
+            _ => return None,
+        })
+    }
+
+    #[inline]
+    pub(crate) fn view(&self) -> Polytope<'_> {
+        match self {
+            Solid::Box(b) => Polytope {
+                vertices: &b.vertices,
+                vertex_chunks: &b.vertex_chunks,
+                planes: &b.planes,
+                normal_chunks: &b.normal_chunks,
+                face_start: &BOX_START,
+                face_vertices: &BOX_FACES,
+                edges: &BOX_EDGES,
+                min: b.vertices[0],
+                max: b.vertices[7],
+                sides: 0,
+            },
+            Solid::Prism(p) => Polytope {
+                vertices: &p.vertices,
+                vertex_chunks: &p.vertex_chunks,
+                planes: &p.planes[..p.faces],
+                normal_chunks: &p.normal_chunks,
+                face_start: &PRISM_START[..=p.faces],
+                face_vertices: &PRISM_FACES,
+                // A cone's tip has no rim.
+                edges: &PRISM_EDGES[..if p.faces == SIDES + 2 { 3 * SIDES } else { 2 * SIDES }],
+                min: -p.extent,
+                max: p.extent,
+                sides: SIDES,
+            },
+            Solid::Hull(h) => Polytope {
+                vertices: &h.vertices,
+                vertex_chunks: &h.vertex_chunks,
+                planes: &h.planes,
+                normal_chunks: &h.normal_chunks,
+                face_start: &h.face_start,
+                face_vertices: &h.face_vertices,
+                edges: &h.edges,
+                min: h.min,
+                max: h.max,
+                sides: 0,
+            },
+            Solid::Triangle(t) => Polytope {
+                vertices: &t.vertices,
+                vertex_chunks: &t.vertex_chunks,
+                planes: &t.planes,
+                normal_chunks: &t.normal_chunks,
+                face_start: &[0, 3, 6],
+                face_vertices: &[0, 1, 2, 0, 2, 1],
+                edges: &TRIANGLE_EDGES,
+                min: t.vertices[0].min(t.vertices[1]).min(t.vertices[2]),
+                max: t.vertices[0].max(t.vertices[1]).max(t.vertices[2]),
+                sides: 0,
+            },
+        }
+    }
+}
+
+/// A box. Vertex `i` is at plus in x, y, z where bit 0, 1, 2 of `i` is set; faces are +x, -x, +y, -y, +z, -z.
+#[derive(Clone, Debug)]
+pub(crate) struct Brick {
+    vertices: [Vec3; 8],
+    vertex_chunks: [[[f32; 8]; 3]; 1],
+    planes: [(Vec3, f32); 6],
+    normal_chunks: [[[f32; 8]; 4]; 1],
+}
+
+impl Brick {
+    #[inline]
+    pub(crate) fn new(half: Vec3) -> Brick {
+        let Vec3 { x, y, z } = half;
+        let xs = [-x, x, -x, x, -x, x, -x, x];
+        let ys = [-y, -y, y, y, -y, -y, y, y];
+        let zs = [-z, -z, -z, -z, z, z, z, z];
+        Brick {
+            vertices: std::array::from_fn(|i| Vec3::new(xs[i], ys[i], zs[i])),
+            vertex_chunks: [[xs, ys, zs]],
+            planes: [
+                (Vec3::X, x),
+                (Vec3::NEG_X, x),
+                (Vec3::Y, y),
+                (Vec3::NEG_Y, y),
+                (Vec3::Z, z),
+                (Vec3::NEG_Z, z),
+            ],
+            normal_chunks: [[
+                [1.0, -1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0],
+                [0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, 0.0],
+                [0.0, 0.0, 0.0, 0.0, 1.0, -1.0, 0.0, 0.0],
+                [x, x, y, y, z, z, x, x],
+            ]],
+        }
+    }
+}
+
+const BOX_START: [u16; 7] = [0, 4, 8, 12, 16, 20, 24];
+const BOX_FACES: [u16; 24] = [1, 3, 7, 5, 0, 4, 6, 2, 2, 6, 7, 3, 0, 1, 5, 4, 4, 5, 7, 6, 0, 2, 3, 1];
+const BOX_EDGES: [HullEdge; 12] = box_edges();
+
+/// Every edge of the box once, found in its faces.
+const fn box_edges() -> [HullEdge; 12] {
+    let mut edges = [HullEdge { vertices: [0; 2], faces: [0; 2] }; 12];
+    let mut count = 0;
+    let mut i = 0;
+    while i < 24 {
+        let (from, to) = (BOX_FACES[i], BOX_FACES[i / 4 * 4 + (i + 1) % 4]);
+        if from < to {
+            let mut k = 0;
+            while k < 24 {
+                if BOX_FACES[k] == to && BOX_FACES[k / 4 * 4 + (k + 1) % 4] == from {
+                    edges[count] = HullEdge { vertices: [from, to], faces: [i as u16 / 4, k as u16 / 4] };
+                    count += 1;
+                }
+                k += 1;
+            }
+        }
+        i += 1;
+    }
+    edges
+}
+
+/// A triangle: face 0 is the front, from which it is touched, face 1 the back.
+#[derive(Clone, Debug)]
+pub(crate) struct Triangle {
+    vertices: [Vec3; 3],
+    vertex_chunks: [[[f32; 8]; 3]; 1],
+    planes: [(Vec3, f32); 2],
+    normal_chunks: [[[f32; 8]; 4]; 1],
+}
+
+const TRIANGLE_EDGES: [HullEdge; 3] = [
+    HullEdge { vertices: [0, 1], faces: [0, 1] },
+    HullEdge { vertices: [1, 2], faces: [0, 1] },
+    HullEdge { vertices: [2, 0], faces: [0, 1] },
+];
+
+impl Triangle {
+    /// Its front is where `eye` is. `None` if the corners are on a line.
+    pub(crate) fn facing(corners: [Vec3; 3], eye: Vec3) -> Option<Triangle> {
+        let [p, q, r] = corners;
+        let cross = (q - p).cross(r - p);
+        // The longest side bounds what rounding does to the cross product.
+        let size = (q - p).length_squared().max((r - p).length_squared());
+        let normal = cross / cross.length();
+        if !(cross.length_squared() > 1e-12 * size * size) || !normal.is_finite() {
+            return None;
+        }
+        let front = normal.dot(eye - p) >= 0.0;
+        let (normal, v) = if front { (normal, [p, q, r]) } else { (-normal, [p, r, q]) };
+        let offset = normal.dot(p);
+        let at = |axis: usize| std::array::from_fn(|i| v[if i < 3 { i } else { 0 }][axis]);
+        Some(Triangle {
+            vertices: v,
+            vertex_chunks: [[at(0), at(1), at(2)]],
+            planes: [(normal, offset), (-normal, -offset)],
+            normal_chunks: [[[normal.x; 8], [normal.y; 8], [normal.z; 8], [offset; 8]]],
+        })
+    }
+    pub(crate) fn normal(&self) -> Vec3 {
+        self.planes[0].0
+    }
+}
+
+/// A cylinder, frustum or cone as a prism. Vertices 0..[`SIDES`] are the wider rim, the others the narrower one; vertex
+/// 0 and vertex [`SIDES`] make the edge that was spun in place. Faces are the sides, the wider cap, the narrower cap.
+#[derive(Clone, Debug)]
+pub(crate) struct Prism {
+    vertices: [Vec3; 2 * SIDES],
+    vertex_chunks: [[[f32; 8]; 3]; SIDES / 4],
+    planes: [(Vec3, f32); SIDES + 2],
+    normal_chunks: [[[f32; 8]; 4]; SIDES / 8 + 1],
+    faces: usize,
+    extent: Vec3,
+}
+
+// Cosines of 0, 22.5, 45, 67.5 degrees and of the angles half way.
+const C0: f32 = 1.0;
+const C1: f32 = 0.923_879_5;
+const C2: f32 = std::f32::consts::FRAC_1_SQRT_2;
+const C3: f32 = 0.382_683_43;
+const H0: f32 = 0.980_785_25;
+const H1: f32 = 0.831_469_6;
+const H2: f32 = 0.555_570_24;
+const H3: f32 = 0.195_090_32;
+const CORNERS: [f32; SIDES] = [C0, C1, C2, C3, 0.0, -C3, -C2, -C1, -C0, -C1, -C2, -C3, 0.0, C3, C2, C1];
+const MIDDLES: [f32; SIDES] = [H0, H1, H2, H3, -H3, -H2, -H1, -H0, -H0, -H1, -H2, -H3, H3, H2, H1, H0];
+
+impl Prism {
+    /// With an edge towards `direction`; if that is nearly the axis, towards x: a cylinder that stands must not spin
+    /// its points about with every tremor.
+    #[inline]
+    pub(crate) fn new(half_height: f32, radius_bottom: f32, radius_top: f32, direction: Vec3) -> Prism {
+        // The narrower end is built upwards; half a turn about x puts it where it is.
+        let up = if radius_top <= radius_bottom { 1.0 } else { -1.0 };
+        let (wide, narrow) = (radius_bottom.max(radius_top), radius_bottom.min(radius_top));
+        let (x, z) = (direction.x, direction.z * up);
+        let flat = (x * x + z * z).sqrt();
+        let standing = !(flat > 0.02 * direction.y.abs()) || !(flat < f32::MAX);
+        let (c, s) = if standing { (1.0, 0.0) } else { (x / flat, z / flat) };
+
+        let slope = (wide - narrow) * H0 / (2.0 * half_height);
+        let flatten = 1.0 / (1.0 + slope * slope).sqrt();
+        let turned = |table: &[f32; SIDES], i: usize| {
+            let (tc, ts) = (table[i], table[(i + SIDES - SIDES / 4) % SIDES]);
+            (c * tc - s * ts, (s * tc + c * ts) * up)
+        };
+        let mut vertices = [Vec3::ZERO; 2 * SIDES];
+        let mut planes = [(Vec3::ZERO, 0.0); SIDES + 2];
+        for i in 0..SIDES {
+            let (vx, vz) = turned(&CORNERS, i);
+            vertices[i] = Vec3::new(wide * vx, -half_height * up, wide * vz);
+            vertices[i + SIDES] = Vec3::new(narrow * vx, half_height * up, narrow * vz);
+            let (nx, nz) = turned(&MIDDLES, i);
+            let normal = Vec3::new(nx * flatten, slope * up * flatten, nz * flatten);
+            planes[i] = (normal, normal.dot(vertices[i]));
+        }
+        planes[SIDES] = (Vec3::new(0.0, -up, 0.0), half_height);
+        planes[SIDES + 1] = (Vec3::new(0.0, up, 0.0), half_height);
+        let faces = if narrow > 0.0 { SIDES + 2 } else { SIDES + 1 };
+        let vertex_chunks = std::array::from_fn(|k| {
+            std::array::from_fn(|axis| std::array::from_fn(|i| vertices[8 * k + i][axis]))
+        });
+        let normal_chunks = std::array::from_fn(|k| {
+            let plane = |i: usize| planes[if 8 * k + i < faces { 8 * k + i } else { 0 }];
+            [
+                std::array::from_fn(|i| plane(i).0.x),
+                std::array::from_fn(|i| plane(i).0.y),
+                std::array::from_fn(|i| plane(i).0.z),
+                std::array::from_fn(|i| plane(i).1),
+            ]
+        });
+        Prism {
+            vertices,
+            vertex_chunks,
+            planes,
+            normal_chunks,
+            faces,
+            extent: Vec3::new(wide, half_height, wide),
+        }
+    }
+}
+
+const PRISM_START: [u16; SIDES + 3] = {
+    let mut start = [0; SIDES + 3];
+    let mut i = 0;
+    while i <= SIDES {
+        start[i] = 4 * i as u16;
+        i += 1;
+    }
+    start[SIDES + 1] = (5 * SIDES) as u16;
+    start[SIDES + 2] = (6 * SIDES) as u16;
+    start
+};
+const PRISM_FACES: [u16; 6 * SIDES] = {
+    let mut faces = [0; 6 * SIDES];
+    let mut i = 0;
+    while i < SIDES {
+        let next = (i + 1) % SIDES;
+        faces[4 * i] = i as u16;
+        faces[4 * i + 1] = (SIDES + i) as u16;
+        faces[4 * i + 2] = (SIDES + next) as u16;
+        faces[4 * i + 3] = next as u16;
+        faces[4 * SIDES + i] = i as u16;
+        faces[5 * SIDES + i] = (2 * SIDES - 1 - i) as u16;
+        i += 1;
+    }
+    faces
+};
+/// From rim to rim first, then the wider rim, then the narrower.
+const PRISM_EDGES: [HullEdge; 3 * SIDES] = {
+    let mut edges = [HullEdge { vertices: [0; 2], faces: [0; 2] }; 3 * SIDES];
+    let mut i = 0;
+    while i < SIDES {
+        let (this, next) = (i as u16, ((i + 1) % SIDES) as u16);
+        let (n, before) = (SIDES as u16, ((i + SIDES - 1) % SIDES) as u16);
+        edges[i] = HullEdge { vertices: [this, n + this], faces: [this, before] };
+        edges[SIDES + i] = HullEdge { vertices: [this, next], faces: [n, this] };
+        edges[2 * SIDES + i] = HullEdge { vertices: [n + next, n + this], faces: [n + 1, this] };
+        i += 1;
+    }
+    edges
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn closed_and_convex(p: &Polytope, euler: bool) {
+        for (f, (n, offset)) in p.planes.iter().enumerate() {
+            assert!((n.length() - 1.0).abs() < 1e-6);
+            for v in p.vertices {
+                assert!(n.dot(*v) <= offset + 1e-6);
+            }
+            let face = p.face(f);
+            let at = |i: usize| p.vertices[usize::from(face[i % face.len()])];
+            for i in 0..face.len() {
+                assert!((n.dot(at(i)) - offset).abs() < 1e-6);
+                assert!((at(i + 1) - at(i)).cross(at(i + 2) - at(i + 1)).dot(*n) >= -1e-6);
+            }
+        }
+        for e in p.edges {
+            let has = |f: u16, a: u16, b: u16| {
+                let face = p.face(usize::from(f));
+                (0..face.len()).any(|i| face[i] == a && face[(i + 1) % face.len()] == b)
+            };
+            let [a, b] = e.vertices;
+            assert!(has(e.faces[0], a, b) && has(e.faces[1], b, a), "{e:?}");
+        }
+        if euler {
+            assert_eq!(p.vertices.len() + p.planes.len(), p.edges.len() + 2);
+        }
+    }
+
+    #[test]
+    fn boxes_prisms_and_triangles_are_closed_and_wind_outwards() {
+        closed_and_convex(&Solid::Box(Brick::new(Vec3::new(1.0, 2.0, 0.5))).view(), true);
+        for (bottom, top) in [(1.0, 1.0), (1.0, 0.4), (0.4, 1.0)] {
+            let prism = Prism::new(0.7, bottom, top, Vec3::new(0.3, 0.2, -0.5));
+            closed_and_convex(&Solid::Prism(prism).view(), true);
+        }
+        for (bottom, top) in [(1.0, 0.0), (0.0, 1.0)] {
+            let cone = Prism::new(0.7, bottom, top, Vec3::new(-0.3, 0.2, -0.5));
+            closed_and_convex(&Solid::Prism(cone).view(), false);
+        }
+        let corners = [Vec3::ZERO, Vec3::X, Vec3::new(0.3, 0.4, 0.9)];
+        for eye in [Vec3::Y * 3.0, Vec3::NEG_Y * 3.0] {
+            let triangle = Triangle::facing(corners, eye).unwrap();
+            assert!(triangle.normal().dot(eye) > 0.0);
+            closed_and_convex(&Solid::Triangle(triangle).view(), true);
+        }
+        assert!(Triangle::facing([Vec3::ZERO, Vec3::X, Vec3::X * 2.0], Vec3::Y).is_none());
+        assert!(Triangle::facing([Vec3::ZERO; 3], Vec3::Y).is_none());
+    }
+
+    #[test]
+    fn a_spun_prism_has_its_first_edge_where_it_was_asked() {
+        for (bottom, top) in [(1.0, 1.0), (0.5, 1.0)] {
+            let prism = Prism::new(1.0, bottom, top, Vec3::new(3.0, 0.5, 4.0));
+            let rim = prism.vertices[0];
+            assert!(
+                (rim.x - 0.6 * bottom.max(top)).abs() < 1e-6 && (rim.z - 0.8 * bottom.max(top)).abs() < 1e-6
+            );
+        }
+    }
+}

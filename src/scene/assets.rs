@@ -6,7 +6,7 @@ use glam::Vec3;
 use std::sync::Arc;
 
 pub(super) fn mesh(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Result<Arc<TriangleMesh>, Error> {
-    TriangleMesh::new(vertices, triangles).map(Arc::new)
+    TriangleMesh::new(vertices.to_vec(), triangles.to_vec()).map(Arc::new)
 }
 
 pub(super) fn hull(points: &[Vec3]) -> Result<Arc<ConvexHull>, Error> {

@@ -207,7 +207,7 @@ pub(super) fn fixed(geometry: Geometry, position: Vec3) -> BodyDesc {
 
 pub(super) fn add_terrain(scene: &mut Scene, terrain: &Terrain) {
     let (vertices, triangles) = terrain.mesh();
-    let mesh = TriangleMesh::new(&vertices, &triangles).expect("a terrain has cells");
+    let mesh = TriangleMesh::new(vertices, triangles).expect("a terrain has cells");
     scene.add("terrain", fixed(Geometry::Mesh(Arc::new(mesh)), Vec3::ZERO));
 }
 

@@ -10,15 +10,18 @@ mod hull;
 mod hull_build;
 mod hull_merge;
 mod mass;
-mod mesh;
+pub(crate) mod mesh;
 mod mesh_bvh;
 mod mesh_edges;
+mod segment_triangle;
 
 pub(crate) use collider::{Collider, Kind};
 pub use height_field::HeightField;
 pub use hull::ConvexHull;
+pub(crate) use hull::HullEdge;
 pub use mass::MassProperties;
 pub use mesh::TriangleMesh;
+pub(crate) use mesh_edges::{Edges, FLAT_COSINE, Fold};
 
 use crate::error::{Error, finite, finite3, positive, within};
 use glam::{Quat, Vec3};
