@@ -156,7 +156,9 @@ pub(crate) fn contacts(area: &Area<'_>, trace: &Trace) -> Drawn {
         columns.map(|range| f64::from(reports[range].iter().map(what).max().unwrap_or(0))).collect()
     };
     let drawn: Vec<_> = lines.iter().map(|&(name, colour, what)| (name, colour, most(what))).collect();
-    let top = drawn.iter().flat_map(|(_, _, line)| line).fold(4.0f64, |m, p| m.max(p.1)) * 1.25;
+    let top = drawn.iter().flat_map(|(_, _, line)| line).fold(4.0f64, |m, p| m.max(p.1));
+    // Room for the legend.
+    let top = 1.4 * top;
     let mut chart = frame!(
         area,
         "Contacts",

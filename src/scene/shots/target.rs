@@ -58,7 +58,7 @@ impl Targets {
         });
         let mesh = |terrain: &Terrain| {
             let (vertices, triangles) = terrain.mesh();
-            Ok(vec![fixed(Geometry::Mesh(Arc::new(TriangleMesh::new(&vertices, &triangles)?)), Vec3::ZERO)])
+            Ok(vec![fixed(Geometry::Mesh(Arc::new(TriangleMesh::new(vertices, triangles)?)), Vec3::ZERO)])
         };
         let slab = |half| vec![fixed(Geometry::cuboid(HALF, half, HALF), Vec3::ZERO)];
         let wall = |axis: usize| {
@@ -200,7 +200,7 @@ fn corner() -> Result<TriangleMesh, Error> {
             welded.triangle([a, c, d]);
         }
     }
-    TriangleMesh::new(&welded.vertices, &welded.triangles)
+    TriangleMesh::new(welded.vertices, welded.triangles)
 }
 
 #[cfg(test)]
