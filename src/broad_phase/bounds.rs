@@ -61,8 +61,12 @@ fn local_bounds(collider: &Collider, rotation: Quat) -> (Vec3, Vec3) {
 }
 
 /// The box around a static asset, in its own frame [m].
-fn local_box(_geometry: &Geometry) -> Option<(Vec3, Vec3)> {
-    None
+fn local_box(geometry: &Geometry) -> Option<(Vec3, Vec3)> {
+    match geometry {
+        Geometry::Mesh(mesh) => Some(mesh.aabb()),
+        Geometry::HeightField(field) => Some(field.aabb()),
+        _ => None,
+    }
 }
 
 /// Bounds of a turned hull, from its vertices: its box, turned, would be up to twice as large.

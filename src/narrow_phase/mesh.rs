@@ -140,6 +140,12 @@ pub(crate) struct MeshScratch {
     merge: Merge,
 }
 
+impl std::fmt::Debug for MeshScratch {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("MeshScratch").finish_non_exhaustive()
+    }
+}
+
 impl MeshScratch {
     /// Bytes live and reserved.
     pub(crate) fn bytes(&self) -> (usize, usize) {

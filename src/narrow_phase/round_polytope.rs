@@ -215,12 +215,7 @@ pub(crate) fn round_polytope(core: &Core, p: &Polytope, margin: f32, size: f32) 
         for i in 1..8 {
             index[i] = wanted.next().map_or(index[i - 1], |(e, _)| e);
         }
-<<<<<<< HEAD
-        let end =
-            |k: usize| LaneVec3::<f32x8>::from_fn(|i| p.vertices[usize::from(p.edges[index[i]].vertices[k])]);
-=======
         let end = |k: usize| in_lanes(|i| p.vertices[usize::from(p.edges[index[i]].vertices[k])]);
->>>>>>> h2
         let q = end(0);
         let e = end(1) - q;
         let (s, t) = core.nearest_segment(q, e);
