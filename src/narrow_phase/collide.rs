@@ -22,6 +22,8 @@ pub(crate) struct Input<'a> {
     pub(crate) poses: &'a [Pose],
     /// Predicted displacement [m] and rotation vector [rad] of each body that can move, within the step.
     pub(crate) motion: &'a [Record],
+    /// Bodies before this one are dynamic.
+    pub(crate) dynamic: usize,
     /// Points nearer than this are always looked for [m].
     pub(crate) margin: f32,
     /// A separation up to this is a real contact [m].
