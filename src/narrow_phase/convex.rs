@@ -572,14 +572,14 @@ mod tests {
         let mut failed = vec![];
         for (i, a) in KINDS.into_iter().enumerate() {
             for b in KINDS.into_iter().skip(i) {
-                for seed in 0..300 {
+                for seed in 0..150 {
                     if std::panic::catch_unwind(|| sweep(a, b, 1000 + seed, 2)).is_err() {
                         failed.push((a, b, seed));
                     }
                 }
             }
         }
-        assert!(failed.is_empty(), "{} of 9000: {failed:?}", failed.len());
+        assert!(failed.is_empty(), "{} of 4500: {failed:?}", failed.len());
     }
 
     fn at(y: f32) -> Relative {
