@@ -67,7 +67,7 @@ pub struct Settings {
     pub restitution_threshold: f32,
     /// Overlap that is left alone [length units]. Default 0.0005.
     pub slop: f32,
-    /// Contact stiffness [Hz], capped at a quarter of the substep rate. Default 60.
+    /// Contact stiffness [Hz], capped at a quarter of the substep rate. Default 120.
     pub contact_hertz: f32,
     /// Contact damping ratio. Default 10 (Catto, Box2D v3).
     pub contact_damping: f32,
@@ -94,7 +94,7 @@ impl Default for Settings {
             length_unit: 1.0,
             restitution_threshold: 0.3,
             slop: 0.0005,
-            contact_hertz: 60.0,
+            contact_hertz: 120.0,
             contact_damping: 10.0,
             push_speed: 3.0,
             warm_starting: true,

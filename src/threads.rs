@@ -1,22 +1,272 @@
 //! Blocks of work, claimed one by one; all that knows rayon.
+//!
+//! A step has hundreds of short parallel stages, and handing each to a pool costs microseconds. So the pool is
+//! entered once a step: helpers wait, spinning, for the caller to announce a stage, and claim blocks of it beside
+//! the caller. Nobody waits for a helper that has not claimed a block: if none ever arrives, the caller does all.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 
 /// Who works on a step: the caller alone, or with helpers.
 #[derive(Clone, Copy)]
 pub(crate) struct Crew<'a> {
-    shared: Option<&'a ()>,
+    stage: Option<&'a Stage>,
 }
 
 impl Crew<'_> {
     /// Only the caller.
     pub(crate) fn alone() -> Self {
-        Crew { shared: None }
+        Crew { stage: None }
     }
 
     /// Runs `work` once for each block in `0..blocks` and returns when all are done. Blocks run in any order and at
     /// the same time: what a block writes must be its own.
     pub(crate) fn run(&self, blocks: usize, work: &(dyn Fn(usize) + Sync)) {
-        for block in 0..blocks {
+        match self.stage {
+            Some(stage) if blocks > 1 && blocks <= MASK as usize => stage.run(blocks, work),
+            _ => (0..blocks).for_each(work),
+        }
+    }
+
+    /// Whether helpers may be there.
+    pub(crate) fn is_shared(&self) -> bool {
+        self.stage.is_some()
+    }
+}
+
+const BITS: u32 = 24;
+const MASK: u64 = (1 << BITS) - 1;
+
+type Work<'a> = &'a (dyn Fn(usize) + Sync + 'a);
+
+/// A [`Work`] without its lifetime: where the caller's reference lies, and how to call through it.
+type Erased = (*const (), fn(*const (), usize));
+
+/// The stage that is being worked on.
+struct Stage {
+    /// Epoch (16 bits), number of blocks (24) and next block to claim (24) in one word, so that a claim is one
+    /// exchange and can't mistake one stage for another.
+    ticket: AtomicU64,
+    done: AtomicUsize,
+    quit: AtomicBool,
+    /// Written by the caller only while no block is claimed.
+    work: std::cell::UnsafeCell<Option<Erased>>,
+}
+
+// SAFETY: `work` is written only by the caller in `run`, before the ticket is released and after every claimed block
+// of the stage before is done; helpers read it only while they hold a claimed block, see `help`.
+unsafe impl Sync for Stage {}
+
+/// Counts a block as done, also when its work panics: the caller must not wait for ever.
+struct Done<'a>(&'a AtomicUsize);
+
+impl Drop for Done<'_> {
+    fn drop(&mut self) {
+        self.0.fetch_add(1, Ordering::Release);
+    }
+}
+
+impl Stage {
+    fn new() -> Self {
+        Stage {
+            ticket: AtomicU64::new(0),
+            done: AtomicUsize::new(0),
+            quit: AtomicBool::new(false),
+            work: std::cell::UnsafeCell::new(None),
+        }
+    }
+
+    fn run(&self, blocks: usize, work: Work<'_>) {
+        fn call(work: *const (), block: usize) {
+            // SAFETY: `work` points to the reference that the caller of `run` holds, see below.
+            unsafe { (*work.cast::<Work<'_>>())(block) }
+        }
+        let epoch = (self.ticket.load(Ordering::Relaxed) >> (2 * BITS)).wrapping_add(1);
+        self.done.store(0, Ordering::Relaxed);
+        // SAFETY: no helper holds a block now, so nobody reads while this writes. This function does not return
+        // before all blocks are done, and a helper uses the pointer only while it holds a block, so it never outlives
+        // the reference.
+        unsafe { *self.work.get() = Some(((&raw const work).cast(), call)) };
+        self.ticket.store(epoch << (2 * BITS) | (blocks as u64) << BITS, Ordering::Release);
+        let finish = Finish { stage: self, blocks };
+        while let Some(block) = self.claim() {
+            let _done = Done(&self.done);
             work(block);
         }
+        drop(finish);
+    }
+
+    /// Takes the next block of the current stage, if any is left.
+    fn claim(&self) -> Option<usize> {
+        let mut ticket = self.ticket.load(Ordering::Acquire);
+        loop {
+            if ticket & MASK >= ticket >> BITS & MASK {
+                return None;
+            }
+            match self.ticket.compare_exchange_weak(ticket, ticket + 1, Ordering::AcqRel, Ordering::Acquire) {
+                Ok(_) => return Some((ticket & MASK) as usize),
+                Err(now) => ticket = now,
+            }
+        }
+    }
+
+    /// Works on what the caller announces until it quits.
+    fn help(&self) {
+        let mut idle = 0u32;
+        while !self.quit.load(Ordering::Acquire) {
+            if let Some(block) = self.claim() {
+                idle = 0;
+                let _done = Done(&self.done);
+                // SAFETY: this helper holds a block that is not done, so the caller is still in `run` of the stage
+                // that the block belongs to, and does not write.
+                if let Some((work, call)) = unsafe { *self.work.get() } {
+                    call(work, block);
+                }
+            } else {
+                idle += 1;
+                // A helper whose core is wanted by someone else gives way after some microseconds.
+                if idle < 4096 { std::hint::spin_loop() } else { std::thread::yield_now() }
+            }
+        }
+    }
+}
+
+/// Waits for every claimed block of a stage, also when the caller's own block panics.
+struct Finish<'a> {
+    stage: &'a Stage,
+    blocks: usize,
+}
+
+impl Drop for Finish<'_> {
+    fn drop(&mut self) {
+        // What is left unclaimed after a panic is given up, so that only claimed blocks are waited for.
+        let mut unclaimed = 0;
+        while self.stage.claim().is_some() {
+            unclaimed += 1;
+        }
+        let mut idle = 0u32;
+        while self.stage.done.load(Ordering::Acquire) + unclaimed < self.blocks {
+            idle += 1;
+            if idle < 4096 { std::hint::spin_loop() } else { std::thread::yield_now() }
+        }
+    }
+}
+
+/// Runs `f` with a crew of at most `threads`, from the caller's rayon pool.
+#[cfg(feature = "parallel")]
+pub(crate) fn with_crew<R: Send>(threads: usize, f: impl FnOnce(Crew<'_>) -> R + Send) -> R {
+    struct Quit<'a>(&'a AtomicBool);
+    impl Drop for Quit<'_> {
+        fn drop(&mut self) {
+            self.0.store(true, Ordering::Release);
+        }
+    }
+    fn helpers(stage: &Stage, count: usize) {
+        match count {
+            0 => {}
+            1 => stage.help(),
+            _ => drop(rayon::join(|| stage.help(), || helpers(stage, count - 1))),
+        }
+    }
+    let helping = threads.min(rayon::current_num_threads()).saturating_sub(1);
+    if helping == 0 {
+        return f(Crew::alone());
+    }
+    let stage = Stage::new();
+    let caller = || {
+        let _quit = Quit(&stage.quit);
+        f(Crew { stage: Some(&stage) })
+    };
+    rayon::join(caller, || helpers(&stage, helping)).0
+}
+
+/// Runs `f` with the caller alone: built without threads.
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn with_crew<R>(_threads: usize, f: impl FnOnce(Crew<'_>) -> R) -> R {
+    f(Crew::alone())
+}
+
+/// A slice whose elements different blocks of a stage may write, each element by one block at most.
+pub(crate) struct Shared<'a, T> {
+    start: *mut T,
+    len: usize,
+    lifetime: std::marker::PhantomData<&'a mut [T]>,
+}
+
+// SAFETY: the elements are handed out one by one under the contract of `get`; sharing the slice shares nothing else.
+unsafe impl<T: Send> Sync for Shared<'_, T> {}
+// SAFETY: as for any `&mut [T]`.
+unsafe impl<T: Send> Send for Shared<'_, T> {}
+
+impl<'a, T> Shared<'a, T> {
+    pub(crate) fn new(slice: &'a mut [T]) -> Self {
+        Shared { start: slice.as_mut_ptr(), len: slice.len(), lifetime: std::marker::PhantomData }
+    }
+
+    /// The element at `i`, to be written. Panics if `i` is outside.
+    ///
+    /// # Safety
+    /// Until the stage is over no other thread may ask for the same element, and this one may hold it only once.
+    #[inline(always)]
+    #[allow(clippy::mut_from_ref, reason = "the contract is the caller's, see above")]
+    pub(crate) unsafe fn get(&self, i: usize) -> &mut T {
+        assert!(i < self.len);
+        // SAFETY: inside the slice by the assertion; exclusive by the contract.
+        unsafe { &mut *self.start.add(i) }
+    }
+
+    /// A copy of the element at `i`.
+    ///
+    /// # Safety
+    /// Until the stage is over no other thread may write the element.
+    #[inline(always)]
+    pub(crate) unsafe fn read(&self, i: usize) -> T
+    where
+        T: Copy,
+    {
+        assert!(i < self.len);
+        // SAFETY: inside the slice by the assertion; nobody writes by the contract.
+        unsafe { *self.start.add(i) }
+    }
+
+    /// The whole slice for reading.
+    ///
+    /// # Safety
+    /// Until the stage is over nobody may write elements that the caller reads.
+    #[inline(always)]
+    pub(crate) unsafe fn slice(&self) -> &[T] {
+        // SAFETY: the pointer and length are those of the slice this was made of.
+        unsafe { std::slice::from_raw_parts(self.start, self.len) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_block_runs_once_with_any_crew() {
+        for threads in [1, 2, 3, 8] {
+            with_crew(threads, |crew| {
+                for blocks in [0, 1, 2, 7, 100] {
+                    for _ in 0..50 {
+                        let mut counts = vec![0u32; blocks];
+                        let shared = Shared::new(&mut counts);
+                        // SAFETY: each block writes its own element.
+                        crew.run(blocks, &|block| unsafe { *shared.get(block) += 1 });
+                        assert!(counts.iter().all(|&c| c == 1));
+                    }
+                }
+            });
+        }
+    }
+
+    #[test]
+    fn a_crew_without_free_threads_still_finishes() {
+        // The pool has one thread, so the helpers that were asked for never arrive.
+        with_crew(8, |crew| {
+            let sum = AtomicUsize::new(0);
+            crew.run(1000, &|block| drop(sum.fetch_add(block, Ordering::Relaxed)));
+            assert_eq!(sum.into_inner(), 499_500);
+        });
     }
 }

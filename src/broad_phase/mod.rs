@@ -1,17 +1,84 @@
 //! Predicted motion in, pairs out.
+//!
+//! A *slow* mover keeps a fat box, and while it stays inside, all it costs is that check; its pairs last as long as
+//! fat boxes overlap. A *fast* one, which outruns its margin within the step, is swept: the tree holds its box from
+//! start to end, and who touches that is tested exactly, by the segment of relative motion against the inflated box
+//! (`segment.rs`); so two fast ones aren't missed, nor do long boxes that merely cross make pairs by the thousand.
+//! What doesn't move is in a tree of its own; what has no end (planes) is in a list.
+//!
+//! Same pairs in the same order whatever the number of threads: searches run in blocks, and blocks are merged in
+//! order.
 
+mod bounds;
+mod build;
 mod bvh;
+mod find;
+mod look_up;
 mod pairs;
+mod proxy;
 mod segment;
+#[cfg(test)]
+mod tests;
+#[cfg(test)]
+mod timing;
+
+pub(crate) use bounds::aabb_of;
+pub(crate) use look_up::Whom;
 
 use crate::config::Continuous;
+use crate::memory::bytes_of;
+use crate::threads::Crew;
+use bvh::{NONE, Tree};
+use find::Block;
 use glam::Vec3;
+use pairs::PairTable;
+use proxy::{Proxy, Role};
+use segment::Path;
+use std::sync::Mutex;
+
+/// Boxes with a coordinate beyond this are taken for unbounded; motions are cut to it [m]. Products of two lengths
+/// stay far from overflow.
+const LARGEST: f32 = 1e15;
 
 /// An axis-aligned box in world coordinates, rounded outwards [m].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Aabb {
     pub(crate) min: Vec3,
     pub(crate) max: Vec3,
+}
+
+impl Aabb {
+    /// Holds nothing, touches nothing.
+    pub(crate) const EMPTY: Aabb = Aabb { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
+
+    /// Whether two boxes have a point in common.
+    #[inline]
+    pub(crate) fn overlaps(&self, other: &Aabb) -> bool {
+        (self.min.cmple(other.max) & self.max.cmpge(other.min)).all()
+    }
+
+    /// Whether the other box is inside.
+    #[inline]
+    pub(crate) fn contains(&self, other: &Aabb) -> bool {
+        (self.min.cmple(other.min) & self.max.cmpge(other.max)).all()
+    }
+
+    #[inline]
+    fn union(&self, other: &Aabb) -> Aabb {
+        Aabb { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// Half the area [m²]; 0 if empty.
+    #[inline]
+    fn half_area(&self) -> f32 {
+        let d = (self.max - self.min).max(Vec3::ZERO);
+        d.x * d.y + d.y * d.z + d.z * d.x
+    }
+
+    fn is_bounded(&self) -> bool {
+        let largest = Vec3::splat(LARGEST);
+        (self.min.abs().cmple(largest) & self.max.abs().cmple(largest)).all()
+    }
 }
 
 /// A collider that may move in this step.
@@ -38,4 +105,340 @@ pub(crate) struct Pair {
     pub(crate) contact: u32,
     /// Set while the relative motion of this step outruns the margin: the narrow phase casts.
     pub(crate) fast: bool,
+}
+
+/// What one update did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct BroadStats {
+    /// Movers that left their fat box, are fast, or are new.
+    pub(crate) moved: u32,
+    /// Of these, the ones that were swept.
+    pub(crate) fast: u32,
+    /// Pairs that began.
+    pub(crate) added: u32,
+    /// Pairs that ended.
+    pub(crate) removed: u32,
+    /// Trees that were built anew.
+    pub(crate) built: u32,
+}
+
+/// Whether two colliders may collide at all: their filters, not of one body, not both static.
+pub(crate) type MayCollide<'a> = &'a (dyn Fn(u32, u32) -> bool + Sync);
+/// Which of two colliders is `a`.
+pub(crate) type Order<'a> = &'a (dyn Fn(u32, u32) -> (u32, u32) + Sync);
+
+/// Its bounds, the filter, or both may have changed since pairs were last looked up.
+const MOVED: u8 = 1;
+const FILTER: u8 = 2;
+
+/// The broad phase: who may touch whom.
+#[derive(Debug, Default)]
+pub(crate) struct BroadPhase {
+    /// The pairs, in an order that only what happened depends on. The owner may write `contact`, nothing else.
+    pub(crate) pairs: Vec<Pair>,
+    table: PairTable,
+    /// By collider: what it is here, its box in the tree, and what changed.
+    roles: Vec<Role>,
+    proxies: Vec<Proxy>,
+    marks: Vec<u8>,
+    /// Colliders whose mark is set, in order.
+    changed: Vec<u32>,
+    statics: Tree,
+    movers: Tree,
+    /// Colliders without bounds.
+    unbounded: Vec<u32>,
+    /// Colliders that wait for a place in their tree.
+    new_statics: Vec<u32>,
+    new_movers: Vec<u32>,
+    /// The fast movers of this step.
+    paths: Vec<Path>,
+    blocks: Vec<Mutex<Block>>,
+    block: Block,
+    /// Set while boxes are newer than pairs.
+    refreshed: bool,
+    /// In which order blocks run, where a test wants to choose.
+    #[cfg(test)]
+    shuffle: Option<fn(usize) -> Vec<usize>>,
+}
+
+impl BroadPhase {
+    /// Adds a collider that doesn't move. Its tree is only made with the next update or search, for all at once.
+    pub(crate) fn insert_static(&mut self, collider: u32, aabb: Aabb) {
+        let bounded = aabb.is_bounded();
+        let role = if bounded { Role::Static } else { Role::Endless };
+        self.grow(collider, role, aabb);
+        let list = if bounded { &mut self.new_statics } else { &mut self.unbounded };
+        list.push(collider);
+        if !bounded {
+            self.proxies[collider as usize].path = look_up::ENDLESS_STATIC;
+            self.mark(collider, MOVED);
+        }
+    }
+
+    /// Adds a collider that may move; it is found from the first update on that lists it.
+    pub(crate) fn insert_mover(&mut self, collider: u32) {
+        self.grow(collider, Role::New, Aabb::EMPTY);
+    }
+
+    /// Takes a collider out. Its pairs go to `removed`: the owner frees their contacts.
+    pub(crate) fn remove(&mut self, collider: u32, removed: &mut Vec<Pair>) {
+        let c = collider as usize;
+        let Some(&role) = self.roles.get(c) else { return };
+        let mut block = std::mem::take(&mut self.block);
+        if role >= Role::Static && !self.refreshed {
+            // All partners' boxes touch its box, so the trees lead to its pairs.
+            self.partners(collider, None, &mut block);
+        } else {
+            let others = self.pairs.iter().filter(|p| p.a == collider || p.b == collider);
+            block.partners.clear();
+            block.partners.extend(others.map(|p| if p.a == collider { p.b } else { p.a }));
+        }
+        for &other in &block.partners {
+            if let Some(place) = self.table.find(&self.pairs, collider, other) {
+                removed.push(self.table.swap_remove(&mut self.pairs, place));
+            }
+        }
+        self.block = block;
+        let place = self.proxies[c].place;
+        match role {
+            Role::Static if place != NONE => self.statics.remove(place),
+            Role::Slow | Role::Fast | Role::Volume if place != NONE => self.movers.remove(place),
+            Role::Endless => self.unbounded.retain(|&u| u != collider),
+            _ => {}
+        }
+        self.proxies[c] = Proxy::NONE;
+        self.roles[c] = Role::Absent;
+    }
+
+    /// Says that a collider's filter changed: its pairs are looked up again in the next update.
+    pub(crate) fn touch(&mut self, collider: u32) {
+        if self.roles.get(collider as usize).is_some_and(|&role| role != Role::Absent) {
+            self.mark(collider, MOVED | FILTER);
+        }
+    }
+
+    /// Finds the pairs of a step.
+    ///
+    /// A mover that isn't listed stays where it is (asleep). `margin` is the widest that a fat box is made on each
+    /// side [m]. Pairs that end go to `removed`, in an order that doesn't depend on threads.
+    pub(crate) fn update(
+        &mut self,
+        crew: &Crew,
+        movers: &[Mover],
+        margin: f32,
+        may_collide: MayCollide,
+        order: Order,
+        removed: &mut Vec<Pair>,
+    ) -> BroadStats {
+        let built = self.refresh(movers, margin);
+        let (moved, fast) = (self.changed.len() as u32, self.paths.len() as u32);
+        let mut stats = BroadStats { moved, fast, built, ..BroadStats::default() };
+        self.refreshed = false;
+        if moved == 0 {
+            return stats;
+        }
+        let before = removed.len();
+        self.keep_pairs(crew, may_collide, removed);
+        stats.removed = (removed.len() - before) as u32;
+        stats.added = self.find_pairs(crew, may_collide, order);
+        for c in self.changed.drain(..) {
+            self.marks[c as usize] = 0;
+        }
+        stats
+    }
+
+    /// Makes boxes and trees fit without a look at pairs, for look-ups between steps; the next update does the rest.
+    /// Returns how many trees were built anew.
+    pub(crate) fn refresh(&mut self, movers: &[Mover], margin: f32) -> u32 {
+        self.place_movers(movers, margin);
+        let built = self.fit_movers() + self.fit_statics();
+        self.refreshed = !self.changed.is_empty();
+        built
+    }
+
+    /// Gives every mover that needs one a new box: the swept one if it is fast, else a fat one.
+    fn place_movers(&mut self, movers: &[Mover], margin: f32) {
+        // Last step's fast movers keep their swept box as a fat one should they fall asleep on the way.
+        let mut paths = std::mem::take(&mut self.paths);
+        for path in paths.drain(..) {
+            let c = path.collider as usize;
+            if self.roles[c] >= Role::Fast {
+                self.roles[c] = Role::Slow;
+                self.mark(path.collider, MOVED);
+            }
+        }
+        self.paths = paths;
+        for mover in movers {
+            let c = mover.collider as usize;
+            let same = self.roles[c] == Role::Slow && self.marks[c] == 0;
+            if !(same && proxy::rests(mover, margin, &self.proxies[c].bounds)) {
+                let (margin, fast) = proxy::margin_of(mover, margin);
+                self.place_mover(mover, margin, fast);
+            }
+        }
+    }
+
+    fn place_mover(&mut self, mover: &Mover, margin: f32, fast: bool) {
+        let c = mover.collider as usize;
+        if matches!(self.roles[c], Role::Absent | Role::Static) {
+            debug_assert!(false, "collider {c} is no mover");
+            return;
+        }
+        let endless = !mover.aabb.is_bounded();
+        if endless && self.roles[c] == Role::Endless && self.proxies[c].bounds == mover.aabb {
+            return;
+        }
+        self.mark(mover.collider, MOVED);
+        if endless != (self.roles[c] == Role::Endless) {
+            if endless {
+                if self.proxies[c].place != NONE {
+                    self.movers.remove(self.proxies[c].place);
+                    self.proxies[c].place = NONE;
+                }
+                self.unbounded.push(mover.collider);
+            } else {
+                self.unbounded.retain(|&u| u != mover.collider);
+            }
+        }
+        let proxy = &mut self.proxies[c];
+        if endless {
+            self.roles[c] = Role::Endless;
+            proxy.bounds = mover.aabb;
+            proxy.path = NONE;
+            return;
+        }
+        if fast {
+            self.roles[c] = if mover.mode == Continuous::Volume { Role::Volume } else { Role::Fast };
+            let mover = proxy::tamed(mover);
+            proxy.bounds = proxy::swept_box(&mover, margin);
+            proxy.path = self.paths.len() as u32;
+            self.paths.push(Path::new(&mover, margin));
+        } else {
+            self.roles[c] = Role::Slow;
+            proxy.bounds = proxy::fat_box(mover, margin);
+        }
+        if proxy.place == NONE {
+            self.new_movers.push(mover.collider);
+        }
+    }
+
+    /// Makes the movers' tree fit their boxes; returns how often it was built anew.
+    fn fit_movers(&mut self) -> u32 {
+        let BroadPhase { movers, proxies, roles, new_movers, changed, .. } = self;
+        let moved = changed.iter().filter_map(|&c| {
+            let proxy = &proxies[c as usize];
+            let in_tree = roles[c as usize] >= Role::Slow && proxy.place != NONE;
+            in_tree.then_some((proxy.place, proxy.bounds))
+        });
+        let bad = movers.refit(moved);
+        if !bad && new_movers.is_empty() {
+            return 0;
+        }
+        Self::add_leaves(movers, proxies, new_movers, bad)
+    }
+
+    /// Puts new static colliders into their tree; returns how often it was built anew.
+    fn fit_statics(&mut self) -> u32 {
+        // Each new static looks for movers, or, where they are many, each mover for statics.
+        let few = self.new_statics.len() * 4 <= self.movers.leaves();
+        let mut all = self.unbounded.iter().any(|&u| self.marks[u as usize] != 0);
+        let built = self.build_statics(|broad, c| {
+            if few {
+                broad.mark(c, MOVED);
+            }
+            all |= !few;
+        });
+        if all {
+            let BroadPhase { movers, marks, changed, .. } = self;
+            movers.for_each(|c| {
+                if marks[c as usize] == 0 {
+                    marks[c as usize] = MOVED;
+                    changed.push(c);
+                }
+            });
+        }
+        built
+    }
+
+    fn build_statics(&mut self, mut each: impl FnMut(&mut Self, u32)) -> u32 {
+        if self.new_statics.is_empty() {
+            return 0;
+        }
+        let mut new = std::mem::take(&mut self.new_statics);
+        // What was removed meanwhile, or removed and added again.
+        new.sort_unstable();
+        new.dedup();
+        new.retain(|&c| self.roles[c as usize] == Role::Static && self.proxies[c as usize].place == NONE);
+        for &c in &new {
+            each(self, c);
+        }
+        let built = Self::add_leaves(&mut self.statics, &mut self.proxies, &mut new, false);
+        self.new_statics = new;
+        built
+    }
+
+    fn add_leaves(tree: &mut Tree, proxies: &mut [Proxy], new: &mut Vec<u32>, bad: bool) -> u32 {
+        // The tree reads boxes while it tells places; a cell lets it do both.
+        let cells = std::cell::Cell::from_mut(proxies).as_slice_of_cells();
+        let bounds = |c: u32| cells[c as usize].get().bounds;
+        let place = |c: u32, place: u32| {
+            let cell = &cells[c as usize];
+            cell.set(Proxy { place, ..cell.get() });
+        };
+        let built = if bad {
+            tree.rebuild(new, bounds, place);
+            true
+        } else {
+            tree.add(new, bounds, place)
+        };
+        new.clear();
+        u32::from(built)
+    }
+
+    fn grow(&mut self, collider: u32, role: Role, bounds: Aabb) {
+        let c = collider as usize;
+        if c >= self.roles.len() {
+            self.roles.resize(c + 1, Role::Absent);
+            self.proxies.resize(c + 1, Proxy::NONE);
+            self.marks.resize(c + 1, 0);
+        }
+        debug_assert!(self.roles[c] == Role::Absent, "collider {c} is there already");
+        self.roles[c] = role;
+        self.proxies[c] = Proxy { bounds, ..Proxy::NONE };
+    }
+
+    fn mark(&mut self, collider: u32, mark: u8) {
+        let old = &mut self.marks[collider as usize];
+        if *old == 0 {
+            self.changed.push(collider);
+        }
+        *old |= mark;
+    }
+
+    /// Live and reserved bytes of all that is needed without continuous collision too.
+    pub(crate) fn bytes(&self) -> (usize, usize) {
+        let mut sum = (0, 0);
+        let mut add = |(live, reserved): (usize, usize)| sum = (sum.0 + live, sum.1 + reserved);
+        add(bytes_of(&self.pairs));
+        add(self.table.bytes());
+        add(bytes_of(&self.roles));
+        add(bytes_of(&self.proxies));
+        add(bytes_of(&self.marks));
+        add(self.statics.bytes());
+        add(self.movers.bytes());
+        for list in [&self.changed, &self.unbounded, &self.new_statics, &self.new_movers] {
+            add(bytes_of(list));
+        }
+        add(bytes_of(&self.blocks));
+        add(self.block.bytes());
+        for block in &self.blocks {
+            add(find::lock(block).bytes());
+        }
+        sum
+    }
+
+    /// Live and reserved bytes of motion segments, which only continuous collision needs.
+    pub(crate) fn continuous_bytes(&self) -> (usize, usize) {
+        bytes_of(&self.paths)
+    }
 }

@@ -8,7 +8,7 @@
 mod gather;
 mod math;
 
-pub(crate) use gather::{Record, gather, scatter};
+pub(crate) use gather::{GatherLanes, Record, gather, scatter};
 pub(crate) use math::{Mat3, Quat, Sym3, Vec3};
 pub(crate) use wide::{f32x4, f32x8};
 

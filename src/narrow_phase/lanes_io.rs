@@ -1,1 +1,288 @@
-//! To be written.
+//! What goes into a lane kernel and what comes out: `L::N` pairs of one shape pair at a time.
+
+use super::{MAX_POINTS, RawManifold, RawPoint, Relative};
+use crate::lanes::{Lanes, Mask, Quat, Vec3};
+
+/// `L::N` pairs of the same two kinds, each in the frame of its shape `a`.
+///
+/// Sizes by kind, as in [`crate::shape`]: sphere (radius), capsule (half height, bottom radius, top radius;
+/// along y), box (half extents). A lane without a pair repeats another's; its answer is not read.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PairLanes<L> {
+    /// Centre of `b` [m].
+    pub(crate) position: Vec3<L>,
+    /// Axes of `b`; unit.
+    pub(crate) rotation: Quat<L>,
+    pub(crate) size_a: [L; 4],
+    pub(crate) size_b: [L; 4],
+    /// Points nearer than this are contacts [m].
+    pub(crate) margin: L,
+}
+
+impl<L: Lanes> PairLanes<L> {
+    /// From values that are in lanes already.
+    #[inline(always)]
+    pub(crate) fn new(
+        position: Vec3<L>,
+        rotation: Quat<L>,
+        size_a: [L; 4],
+        size_b: [L; 4],
+        margin: L,
+    ) -> Self {
+        PairLanes { position, rotation, size_a, size_b, margin }
+    }
+
+    /// Lane `i` from `f(i)`: relative pose, size of `a`, size of `b`, margin.
+    #[inline(always)]
+    pub(crate) fn from_fn(f: impl Fn(usize) -> (Relative, [f32; 4], [f32; 4], f32)) -> Self {
+        PairLanes {
+            position: Vec3::from_fn(|i| f(i).0.position),
+            rotation: Quat::from_fn(|i| f(i).0.rotation),
+            size_a: std::array::from_fn(|k| L::from_fn(|i| f(i).1[k])),
+            size_b: std::array::from_fn(|k| L::from_fn(|i| f(i).2[k])),
+            margin: L::from_fn(|i| f(i).3),
+        }
+    }
+}
+
+/// `L::N` manifolds, each in the frame of its shape `a`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ManifoldLanes<L> {
+    /// Unit, from `a` to `b`.
+    pub(crate) normal: Vec3<L>,
+    /// Midway between the surfaces [m].
+    pub(crate) position: [Vec3<L>; MAX_POINTS],
+    /// [m]; infinite where the lane has no such point.
+    pub(crate) separation: [L; MAX_POINTS],
+    /// Which features meet: small integers, exact as floats.
+    pub(crate) key: [L; MAX_POINTS],
+    pub(crate) margin: L,
+}
+
+impl<L: Lanes> ManifoldLanes<L> {
+    /// A manifold of one point, whose key is 0.
+    #[inline(always)]
+    pub(crate) fn single(normal: Vec3<L>, position: Vec3<L>, separation: L, margin: L) -> Self {
+        let mut one = ManifoldLanes {
+            normal,
+            position: [Vec3::zero(); MAX_POINTS],
+            separation: [L::splat(f32::INFINITY); MAX_POINTS],
+            key: [L::zero(); MAX_POINTS],
+            margin,
+        };
+        (one.position[0], one.separation[0]) = (position, separation);
+        one
+    }
+
+    /// How many points lane `i` has.
+    #[inline(always)]
+    pub(crate) fn count(&self, i: usize) -> u32 {
+        self.separation.iter().map(|s| s.lt(self.margin).bits() >> i & 1).sum()
+    }
+
+    /// The manifold of lane `i`: its points nearer than the margin, in their order.
+    #[inline(always)]
+    pub(crate) fn lane(&self, i: usize) -> RawManifold {
+        let mut out = RawManifold { normal: self.normal.lane(i), ..RawManifold::default() };
+        let margin = self.margin.lane(i);
+        let mut count = 0;
+        for k in 0..MAX_POINTS {
+            let separation = self.separation[k].lane(i);
+            if separation < margin {
+                out.points[count] = RawPoint {
+                    position: self.position[k].lane(i),
+                    separation,
+                    key: self.key[k].lane(i) as u32,
+                };
+                count += 1;
+            }
+        }
+        out.count = count as u32;
+        out
+    }
+}
+
+/// Direction and length of `v`; `fallback` (unit) where it is no longer than `least` and has no direction to
+/// speak of.
+#[inline(always)]
+pub(crate) fn direction<L: Lanes>(v: Vec3<L>, least: L, fallback: Vec3<L>) -> (Vec3<L>, L) {
+    let length = v.length();
+    // The floor also keeps the squares of tiny numbers, which have lost their digits, out of the division.
+    let has = length.gt(least.max(L::splat(1e-15)));
+    let scale = L::one() / L::select(has, length, L::one());
+    (Vec3::select(has, v * scale, fallback), length)
+}
+
+/// `values[index]`, for an index of 0, 1 or 2 given as two masks.
+#[inline(always)]
+pub(crate) fn pick<L: Lanes>(is_1: L::Mask, is_2: L::Mask, values: [L; 3]) -> L {
+    L::select(is_2, values[2], L::select(is_1, values[1], values[0]))
+}
+
+/// Pairs for the kernels' tests: random ones, and the proof that the width does not show.
+#[cfg(test)]
+pub(crate) mod testing {
+    use super::*;
+    use crate::lanes::{f32x4, f32x8};
+
+    pub(crate) type Pair = (Relative, [f32; 4], [f32; 4], f32);
+
+    /// SplitMix64 (Steele, Lea, Flood 2014): the same numbers everywhere.
+    pub(crate) struct Random(pub(crate) u64);
+
+    impl Random {
+        pub(crate) fn unit(&mut self) -> f32 {
+            self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let mut z = self.0;
+            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            ((z ^ (z >> 31)) >> 40) as f32 / (1u64 << 24) as f32
+        }
+        pub(crate) fn range(&mut self, low: f32, high: f32) -> f32 {
+            low + (high - low) * self.unit()
+        }
+        pub(crate) fn vector(&mut self, size: f32) -> glam::Vec3 {
+            glam::vec3(self.range(-size, size), self.range(-size, size), self.range(-size, size))
+        }
+        /// Any rotation; one in four is about y alone or none, so that features are parallel.
+        pub(crate) fn rotation(&mut self) -> glam::Quat {
+            let q = glam::Quat::from_xyzw(
+                self.range(-1.0, 1.0),
+                self.range(-1.0, 1.0),
+                self.range(-1.0, 1.0),
+                self.range(-1.0, 1.0),
+            );
+            match self.range(0.0, 8.0) as u32 {
+                0 => glam::Quat::IDENTITY,
+                1 => glam::Quat::from_xyzw(0.0, q.y, 0.0, q.w + 2.0).normalize(),
+                _ if q.length_squared() > 1e-3 => q.normalize(),
+                _ => glam::Quat::IDENTITY,
+            }
+        }
+        pub(crate) fn relative(&mut self, reach: f32) -> Relative {
+            Relative { position: self.vector(reach), rotation: self.rotation() }
+        }
+        pub(crate) fn sizes(&mut self, low: f32, high: f32) -> [f32; 4] {
+            std::array::from_fn(|_| self.range(low, high))
+        }
+    }
+
+    /// Random pairs of any sizes within `reach` of each other.
+    pub(crate) fn pairs(seed: u64, count: usize, reach: f32) -> Vec<Pair> {
+        let mut random = Random(seed);
+        (0..count)
+            .map(|_| {
+                (
+                    random.relative(reach),
+                    random.sizes(0.1, 1.0),
+                    random.sizes(0.1, 1.0),
+                    random.range(0.0, 3.0),
+                )
+            })
+            .collect()
+    }
+
+    pub(crate) fn run<L: Lanes>(
+        pairs: &[Pair],
+        kernel: fn(&PairLanes<L>) -> ManifoldLanes<L>,
+    ) -> Vec<RawManifold> {
+        let mut out = Vec::new();
+        for start in (0..pairs.len()).step_by(L::N) {
+            let last = pairs.len() - 1;
+            let m = kernel(&PairLanes::from_fn(|i| pairs[(start + i).min(last)]));
+            for i in 0..L::N.min(pairs.len() - start) {
+                out.push(m.lane(i));
+                assert_eq!(m.lane(i).count, m.count(i));
+            }
+        }
+        out
+    }
+
+    fn bits(m: &RawManifold) -> Vec<u32> {
+        let mut all = vec![m.count];
+        all.extend(m.normal.to_array().map(f32::to_bits));
+        for p in m.points() {
+            all.extend(p.position.to_array().map(f32::to_bits));
+            all.extend([p.separation.to_bits(), p.key]);
+        }
+        all
+    }
+
+    /// Asserts that one, four and eight lanes give the same bits, and no NaN; returns the manifolds.
+    pub(crate) fn same_at_any_width(
+        pairs: &[Pair],
+        one: fn(&PairLanes<f32>) -> ManifoldLanes<f32>,
+        four: fn(&PairLanes<f32x4>) -> ManifoldLanes<f32x4>,
+        eight: fn(&PairLanes<f32x8>) -> ManifoldLanes<f32x8>,
+    ) -> Vec<RawManifold> {
+        let (one, four, eight) = (run(pairs, one), run(pairs, four), run(pairs, eight));
+        for (i, pair) in pairs.iter().enumerate() {
+            assert_eq!(bits(&one[i]), bits(&four[i]), "four lanes, pair {i}: {pair:?}");
+            assert_eq!(bits(&one[i]), bits(&eight[i]), "eight lanes, pair {i}: {pair:?}");
+            let m = &one[i];
+            assert!((m.normal.length() - 1.0).abs() < 1e-4, "normal {:?} of {pair:?}", m.normal);
+            assert!(m.points().iter().all(|p| p.position.is_finite() && p.separation.is_finite()));
+        }
+        one
+    }
+
+    pub(crate) fn deepest(m: &RawManifold) -> f32 {
+        m.points().iter().fold(f32::INFINITY, |least, p| least.min(p.separation))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::testing::*;
+    use super::*;
+    use crate::lanes::f32x8;
+    use glam::Quat;
+
+    fn speed(name: &str, pairs: &[Pair], f: fn(&PairLanes<f32x8>) -> ManifoldLanes<f32x8>) {
+        let lanes: Vec<_> = (0..pairs.len() / 8).map(|k| PairLanes::from_fn(|i| pairs[8 * k + i])).collect();
+        let mut out = vec![RawManifold::default(); pairs.len()];
+        let (mut kernel, mut whole) = (f64::INFINITY, f64::INFINITY);
+        for _ in 0..50 {
+            let start = std::time::Instant::now();
+            for p in &lanes {
+                std::hint::black_box(f(p));
+            }
+            kernel = kernel.min(start.elapsed().as_nanos() as f64);
+            let start = std::time::Instant::now();
+            for (p, out) in lanes.iter().zip(out.chunks_mut(8)) {
+                let m = f(p);
+                for (i, out) in out.iter_mut().enumerate() {
+                    *out = m.lane(i);
+                }
+            }
+            std::hint::black_box(&mut out);
+            whole = whole.min(start.elapsed().as_nanos() as f64);
+        }
+        let n = pairs.len() as f64;
+        println!("{name}: {:.1} ns a pair, {:.1} with its manifold", kernel / n, whole / n);
+    }
+
+    #[test]
+    #[ignore = "a measurement: cargo test --release --lib speed_of_a_pair -- --ignored --nocapture"]
+    fn speed_of_a_pair() {
+        use super::super::*;
+        let mut random = Random(14);
+        let stack: Vec<Pair> = (0..4096)
+            .map(|_| {
+                let position = glam::vec3(random.range(-1.0, 1.0), 1.0, random.range(-0.5, 0.5));
+                let rotation = Quat::from_scaled_axis(random.vector(1e-3));
+                (Relative { position, rotation }, [0.5; 4], [0.5; 4], 0.02)
+            })
+            .collect();
+        speed("box box, stacked", &stack, box_box::box_box);
+        let pairs = pairs(15, 4096, 1.5);
+        speed("box box, anyhow", &pairs, box_box::box_box);
+        speed("sphere sphere", &pairs, sphere_sphere::sphere_sphere);
+        speed("sphere capsule", &pairs, sphere_capsule::sphere_capsule);
+        speed("sphere box", &pairs, sphere_box::sphere_box);
+        speed("capsule capsule", &pairs, capsule_capsule::capsule_capsule);
+        speed("capsule capsule, tapered", &pairs, capsule_capsule::tapered_capsule_capsule);
+        speed("capsule box", &pairs, capsule_box::capsule_box);
+        speed("capsule box, tapered", &pairs, capsule_box::tapered_capsule_box);
+    }
+}

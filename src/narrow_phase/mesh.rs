@@ -1,1 +1,559 @@
-//! To be written.
+//! A convex shape against a triangle mesh or a height field.
+//!
+//! Triangles near the shape are gathered eight at a time and brought into its frame. In lanes, most are found to be
+//! apart by more than the margin. Each of the others yields a *patch*: a normal and the points nearer than the margin,
+//! real and potential ones in one go ([`mesh_box`](super::mesh_box), [`mesh_sphere`](super::mesh_sphere),
+//! [`mesh_convex`](super::mesh_convex)). A patch whose normal the surface doesn't have there, because its edge is flat
+//! or concave, takes the triangle's or goes ([`mesh_patch`](super::mesh_patch)). Patches of about the same normal
+//! become one manifold of at most four points ([`mesh_merge`](super::mesh_merge)).
+//!
+//! A triangle has two sides; the one on which the shape's centre is counts as outside, so that a shape that is stuck
+//! halfway is pushed back to where its centre is.
+
+use super::mesh_merge::Merge;
+use super::mesh_patch::{Patches, Touch};
+use super::polytope::Pose;
+use super::{RawManifold, Relative, mesh_box, mesh_convex, mesh_sphere};
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
+use crate::shape::{Collider, Edges, Geometry, HeightField, Kind, TriangleMesh};
+use glam::Vec3;
+
+/// What is collided with.
+#[derive(Clone, Copy)]
+pub(super) enum Ground<'a> {
+    Mesh(&'a TriangleMesh),
+    Field(&'a HeightField),
+}
+
+impl Ground<'_> {
+    fn visit_box(&self, min: Vec3, max: Vec3, f: &mut impl FnMut(u32, [Vec3; 3])) {
+        match self {
+            Ground::Mesh(mesh) => mesh.visit_box(min, max, &mut |i| f(i, mesh.triangle(i))),
+            Ground::Field(field) => field.visit_box(min, max, &mut |i| f(i, field.triangle(i))),
+        }
+    }
+    pub(super) fn edges(&self, i: u32) -> Edges {
+        match self {
+            Ground::Mesh(mesh) => mesh.edges(i),
+            Ground::Field(field) => field.edges(i),
+        }
+    }
+}
+
+/// Up to eight triangles as they lie in memory, in the mesh's frame.
+#[derive(Clone, Debug, Default)]
+struct Eight {
+    /// Per corner and axis, by lane.
+    corners: [[[f32; 8]; 3]; 3],
+    index: [u32; 8],
+    count: usize,
+}
+
+/// Eight triangles in the shape's frame.
+pub(super) struct Triangles {
+    pub(super) corners: [LaneVec3<f32x8>; 3],
+    /// Unit, to the side on which the shape's centre is.
+    pub(super) front: LaneVec3<f32x8>,
+    /// Height of the shape's centre over the plane, at least zero [m].
+    pub(super) height: f32x8,
+    /// Lanes in which the winding's own front is away from the shape.
+    behind: u32,
+    /// Lanes that hold a triangle whose normal is known.
+    pub(super) valid: u32,
+    index: [u32; 8],
+}
+
+impl Triangles {
+    #[inline(always)]
+    fn new(eight: &Eight, pose: &Pose, centre: Vec3) -> Triangles {
+        let m = &pose.axes;
+        let axes = [m.x_axis, m.y_axis, m.z_axis].map(LaneVec3::<f32x8>::splat);
+        let position = LaneVec3::splat(pose.position);
+        let corners = [0, 1, 2].map(|k| {
+            let [x, y, z] = eight.corners[k].map(f32x8::new);
+            axes[0] * x + axes[1] * y + axes[2] * z + position
+        });
+        let cross = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+        let squared = cross.length_squared();
+        let valid = squared.gt(f32x8::splat(f32::MIN_POSITIVE));
+        let length = Lanes::select(valid, squared, f32x8::one()).sqrt();
+        let height = cross.dot(LaneVec3::splat(centre) - corners[0]) / length;
+        let behind = height.lt(f32x8::zero());
+        let front = cross * (height.sign() / length);
+        Triangles {
+            corners,
+            front,
+            height: height.abs(),
+            behind: behind.bits(),
+            valid: valid.bits() & ((1u32 << eight.count) - 1),
+            index: eight.index,
+        }
+    }
+
+    /// One of them.
+    #[inline]
+    pub(super) fn touch(&self, lane: usize, ground: &Ground) -> Touch {
+        let behind = self.behind >> lane & 1 != 0;
+        Touch {
+            corners: self.corners.map(|c| c.lane(lane)),
+            front: self.front.lane(lane),
+            behind,
+            edges: ground.edges(self.index[lane]).seen(behind),
+            index: self.index[lane],
+        }
+    }
+
+    /// How far a box (of which `front` is told) is apart from each: along the triangles' normals, and the most along
+    /// the box's own axes, with the axis: 0, 1, 2 towards +x, +y, +z, then 3, 4, 5 towards -x, -y, -z.
+    ///
+    /// An axis on which the box would leave to the back of a triangle it overlaps doesn't count.
+    #[inline(always)]
+    pub(super) fn separate(&self, centre: Vec3, half: Vec3) -> (f32x8, f32x8, f32x8) {
+        let [a, b, c] = self.corners;
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        let face = self.height - self.front.abs().dot(LaneVec3::splat(half));
+        let mut best = f32x8::splat(f32::MIN);
+        let mut axis = f32x8::zero();
+        let zero = f32x8::zero();
+        for (k, low, high, front) in [
+            (0, low.x, high.x, self.front.x),
+            (1, low.y, high.y, self.front.y),
+            (2, low.z, high.z, self.front.z),
+        ] {
+            let (c, h) = (f32x8::splat(centre[k]), f32x8::splat(half[k]));
+            for (name, apart, through) in [(k, low - c - h, front), (k + 3, c - high - h, -front)] {
+                let wrong = through.gt(f32x8::splat(1e-3)) & apart.lt(zero);
+                let better = apart.gt(best) & !wrong;
+                best = Lanes::select(better, apart, best);
+                axis = Lanes::select(better, f32x8::splat(name as f32), axis);
+            }
+        }
+        (face, best, axis)
+    }
+}
+
+/// Buffers of [`collide_mesh`], kept from call to call.
+#[derive(Default)]
+pub(crate) struct MeshScratch {
+    eights: Vec<Eight>,
+    patches: Patches,
+    merge: Merge,
+}
+
+impl std::fmt::Debug for MeshScratch {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("MeshScratch").finish_non_exhaustive()
+    }
+}
+
+impl MeshScratch {
+    /// Bytes live and reserved.
+    pub(crate) fn bytes(&self) -> (usize, usize) {
+        let parts = [crate::memory::bytes_of(&self.eights), self.patches.bytes(), self.merge.bytes()];
+        parts.iter().fold((0, 0), |sum, part| (sum.0 + part.0, sum.1 + part.1))
+    }
+}
+
+/// All points of a convex shape and a mesh or height field that are nearer than the margin, as up to
+/// [`MOST`](super::mesh_merge::MOST) manifolds in the shape's frame, added to `out`; the deepest first.
+pub(crate) fn collide_mesh(
+    a: &Collider,
+    b: &Collider,
+    rel: &Relative,
+    margin: f32,
+    scratch: &mut MeshScratch,
+    out: &mut Vec<RawManifold>,
+) {
+    let ground = match &b.geometry {
+        Geometry::Mesh(mesh) => Ground::Mesh(mesh),
+        Geometry::HeightField(field) => Ground::Field(field),
+        _ => return,
+    };
+    let Some((middle, half, centre)) = bounds(a) else { return };
+    let pose = Pose::new(rel.position, rel.rotation);
+    scratch.gather(ground, &pose, middle, half + Vec3::splat(margin));
+    let MeshScratch { eights, patches, merge } = scratch;
+    patches.clear();
+    match a.geometry {
+        Geometry::Sphere { radius } => {
+            for eight in eights.iter() {
+                mesh_sphere::touch(radius, &Triangles::new(eight, &pose, centre), margin, &ground, patches);
+            }
+            mesh_sphere::finish(radius, patches);
+        }
+        Geometry::Box { half_extents } => {
+            for eight in eights.iter() {
+                mesh_box::touch(
+                    half_extents,
+                    &Triangles::new(eight, &pose, centre),
+                    margin,
+                    &ground,
+                    patches,
+                );
+            }
+        }
+        _ => {
+            for eight in eights.iter() {
+                let triangles = Triangles::new(eight, &pose, centre);
+                mesh_convex::touch(a, (middle, half, centre), &triangles, margin, &ground, patches);
+            }
+        }
+    }
+    patches.drop_hidden(a.radius);
+    merge.manifolds(patches, &pose, a.radius, out);
+}
+
+impl MeshScratch {
+    /// The triangles that meet a box of the shape's frame.
+    fn gather(&mut self, ground: Ground, pose: &Pose, middle: Vec3, half: Vec3) {
+        let middle = pose.inverse().point(middle);
+        let m = pose.axes;
+        let half = Vec3::new(m.x_axis.abs().dot(half), m.y_axis.abs().dot(half), m.z_axis.abs().dot(half));
+        // A millionth of the coordinates is their rounding.
+        let half = half + Vec3::splat(1e-6 * middle.abs().max_element());
+        self.eights.clear();
+        let eights = &mut self.eights;
+        ground.visit_box(middle - half, middle + half, &mut |index, corners| {
+            if eights.last().is_none_or(|e| e.count == 8) {
+                eights.push(Eight::default());
+            }
+            if let Some(eight) = eights.last_mut() {
+                let lane = eight.count % 8;
+                for (to, corner) in eight.corners.iter_mut().zip(corners) {
+                    (to[0][lane], to[1][lane], to[2][lane]) = (corner.x, corner.y, corner.z);
+                }
+                eight.index[lane] = index;
+                eight.count += 1;
+            }
+        });
+    }
+}
+
+/// Middle and half extents of the box around a shape in its own frame, and the shape's centre.
+fn bounds(a: &Collider) -> Option<(Vec3, Vec3, Vec3)> {
+    let around = |half: Vec3| Some((Vec3::ZERO, half, Vec3::ZERO));
+    match &a.geometry {
+        Geometry::Sphere { radius } => around(Vec3::splat(*radius)),
+        Geometry::Capsule { half_height, radius_bottom, radius_top } => {
+            let r = radius_bottom.max(*radius_top);
+            around(Vec3::new(r, half_height + r, r))
+        }
+        Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
+            let r = radius_bottom.max(*radius_top);
+            around(Vec3::new(r, *half_height, r))
+        }
+        Geometry::Box { half_extents } => around(*half_extents),
+        Geometry::Hull(hull) => Some(((hull.min + hull.max) * 0.5, (hull.max - hull.min) * 0.5, hull.centre)),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::narrow_phase::convex::{collide_triangle, testing};
+    use crate::shape::mesh::testing::{Random, bumpy, cuboid, grid, terrain};
+    use glam::{Quat, Vec2};
+    use std::sync::Arc;
+
+    const MARGIN: f32 = 0.02;
+
+    fn mesh((vertices, triangles): (Vec<Vec3>, Vec<[u32; 3]>)) -> Collider {
+        testing::collider(Geometry::Mesh(Arc::new(TriangleMesh::new(vertices, triangles).unwrap())))
+    }
+
+    fn flat_field() -> Collider {
+        let field = HeightField::new(17, 17, Vec2::splat(0.25), vec![0.0; 17 * 17]).unwrap();
+        testing::collider(Geometry::HeightField(Arc::new(field)))
+    }
+
+    /// Manifolds of a shape at a pose in the mesh's frame, brought into that frame.
+    fn collide(a: &Collider, b: &Collider, position: Vec3, rotation: Quat, margin: f32) -> Vec<RawManifold> {
+        let back = rotation.conjugate();
+        let rel = Relative { position: -(back * position), rotation: back };
+        let (mut scratch, mut out) = (MeshScratch::default(), Vec::new());
+        collide_mesh(a, b, &rel, margin, &mut scratch, &mut out);
+        for m in &mut out {
+            m.normal = rotation * m.normal;
+            for p in &mut m.points[..m.count as usize] {
+                p.position = rotation * p.position + position;
+            }
+        }
+        out
+    }
+
+    fn shapes() -> Vec<Collider> {
+        let mut random = testing::Random(3);
+        vec![
+            testing::collider(Geometry::Sphere { radius: 0.3 }),
+            testing::collider(Geometry::capsule(0.3, 0.2)),
+            testing::collider(Geometry::cuboid(0.3, 0.2, 0.4)),
+            testing::collider(Geometry::cylinder(0.25, 0.3)),
+            testing::collider(testing::hull(&mut random, 20)),
+        ]
+    }
+
+    #[test]
+    fn a_flat_mesh_is_felt_as_a_plane_by_every_shape() {
+        let mut random = Random(1);
+        let fields =
+            [(mesh(grid(16, 0.25, |_, _| 0.0)), Vec3::ZERO), (flat_field(), Vec3::new(2.0, 0.0, 2.0))];
+        for shape in shapes() {
+            for (ground, middle) in &fields {
+                for i in 0..400 {
+                    let rotation = match i % 4 {
+                        0 => Quat::IDENTITY,
+                        1 => Quat::from_rotation_y(random.range(-3.0, 3.0)),
+                        2 => Quat::from_rotation_x(std::f32::consts::FRAC_PI_2),
+                        _ => random.rotation(),
+                    };
+                    let plane =
+                        testing::extent(&shape, (rotation.conjugate() * Vec3::NEG_Y).as_dvec3()) as f32;
+                    let gap = random.range(-0.01, 0.01);
+                    let side = if i % 2 == 0 { 1.0 } else { -1.0 };
+                    // From below: the same the other way up.
+                    let plane = if side < 0.0 {
+                        testing::extent(&shape, (rotation.conjugate() * Vec3::Y).as_dvec3()) as f32
+                    } else {
+                        plane
+                    };
+                    let mut position = *middle + random.cube() * 1.2;
+                    position.y = side * (plane + gap);
+                    let found = collide(&shape, ground, position, rotation, MARGIN);
+                    assert_eq!(found.len(), 1, "{:?} {i} {found:?}", shape.kind);
+                    let m = &found[0];
+                    let up = Vec3::NEG_Y * side;
+                    assert!((m.normal - up).length() < 1e-5, "{:?} {i} {:?}", shape.kind, m.normal);
+                    let least = m.points().iter().map(|p| p.separation).fold(f32::MAX, f32::min);
+                    assert!((least - gap).abs() < 2e-4, "{:?} {i} {least} {gap}", shape.kind);
+                    for p in m.points() {
+                        assert!(p.separation <= MARGIN && p.separation >= gap - 2e-4);
+                        assert!((p.position.y - 0.5 * side * p.separation).abs() < 1e-4);
+                        assert!((p.position - position).length() < shape.radius + MARGIN);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_box_on_many_triangles_rests_on_its_corners_and_they_keep_their_keys() {
+        let ground = mesh(grid(16, 0.25, |_, _| 0.0));
+        let shape = testing::collider(Geometry::cuboid(0.6, 0.2, 0.5));
+        let mut keys = None;
+        for i in 0..200 {
+            // 5 mm a step, at an angle to the grid.
+            let position = Vec3::new(-0.5 + 0.005 * i as f32, 0.199, -0.2 + 0.002 * i as f32);
+            let rotation = Quat::from_rotation_y(0.3);
+            let found = collide(&shape, &ground, position, rotation, MARGIN);
+            assert_eq!(found.len(), 1);
+            assert!((found[0].normal - Vec3::NEG_Y).length() < 1e-6);
+            assert_eq!(found[0].count, 4);
+            let mut now = Vec::new();
+            for p in found[0].points() {
+                let local = rotation.conjugate() * (p.position - position);
+                assert!((local.x.abs() - 0.6).abs() < 1e-4 && (local.z.abs() - 0.5).abs() < 1e-4, "{local}");
+                assert!((p.separation + 0.001).abs() < 1e-5);
+                now.push(p.key);
+            }
+            now.sort_unstable();
+            now.dedup();
+            assert_eq!(now.len(), 4);
+            assert_eq!(*keys.get_or_insert(now.clone()), now);
+        }
+    }
+
+    #[test]
+    fn a_shape_that_slides_over_the_edge_of_a_table_is_not_held_back() {
+        // The sides and the bottom are behind the top; with and without cells on all of them.
+        let table = mesh(cuboid(Vec3::new(1.0, 0.05, 1.0)));
+        let mut random = Random(8);
+        // Not the hull: its slanted faces do touch the edge.
+        for shape in shapes().into_iter().take(4) {
+            let lying =
+                if shape.kind == Kind::Capsule { Quat::from_rotation_z(1.570_796_3) } else { Quat::IDENTITY };
+            for i in 0..600 {
+                let rotation = Quat::from_rotation_y(random.range(-3.0, 3.0)) * lying;
+                let reach = testing::extent(&shape, (rotation.conjugate() * Vec3::NEG_Y).as_dvec3()) as f32;
+                let gap = -random.range(0.0, 0.002);
+                // Its centre is over the table, but its side hangs over.
+                let position = Vec3::new(1.0 - 0.001 * i as f32, 0.05 + reach + gap, random.range(-0.9, 0.9));
+                let found = collide(&shape, &table, position, rotation, MARGIN);
+                assert!(!found.is_empty(), "{:?} {i}", shape.kind);
+                for m in &found {
+                    assert!(m.normal.y < -0.9999, "{:?} {i} {} {:?}", shape.kind, m.normal, m.points());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_box_on_a_ridge_touches_the_ridge() {
+        // A roof along z, 30 degrees on either side.
+        let slope = libm::tanf(0.523_598_8);
+        let roof = mesh(grid(8, 0.5, |x, _| -slope * x.abs()));
+        let shape = testing::collider(Geometry::cuboid(0.3, 0.2, 0.4));
+        for offset in [0.0, 0.1, -0.2] {
+            let found = collide(&shape, &roof, Vec3::new(offset, 0.199, 0.1), Quat::IDENTITY, MARGIN);
+            let m = &found[0];
+            assert_eq!(found.len(), 1, "{found:?}");
+            assert!((m.normal - Vec3::NEG_Y).length() < 1e-5);
+            for p in m.points().iter().filter(|p| p.separation < 0.0) {
+                assert!(p.position.x.abs() < 1e-4 && (p.separation + 0.001).abs() < 1e-5, "{p:?}");
+            }
+            let ends = m.points().iter().filter(|p| p.separation < 0.0);
+            let (low, high) =
+                ends.fold((f32::MAX, f32::MIN), |e, p| (e.0.min(p.position.z), e.1.max(p.position.z)));
+            assert!((low + 0.3).abs() < 1e-4 && (high - 0.5).abs() < 1e-4);
+        }
+        // Flat on one side: nothing of the other.
+        let rotation = Quat::from_rotation_z(-0.523_598_8);
+        let up = rotation * Vec3::Y;
+        let at = Vec3::new(0.4, -0.4 * slope, 0.0) + up * 0.1995;
+        let found = collide(&shape, &roof, at, rotation, 0.005);
+        assert_eq!(found.len(), 1);
+        assert!((found[0].normal + up).length() < 1e-5);
+        assert_eq!(found[0].count, 4);
+    }
+
+    #[test]
+    fn a_box_in_a_corner_touches_floor_and_wall() {
+        let valley = mesh(grid(8, 0.5, |x, _| if x > 0.9 { 4.0 * (x - 1.0) } else { 0.0 }));
+        let shape = testing::collider(Geometry::cuboid(0.3, 0.2, 0.4));
+        let found = collide(&shape, &valley, Vec3::new(0.699, 0.199, 0.1), Quat::IDENTITY, MARGIN);
+        assert_eq!(found.len(), 2, "{found:?}");
+        assert!(
+            (found[0].normal - Vec3::NEG_Y).length() < 1e-5
+                || (found[1].normal - Vec3::NEG_Y).length() < 1e-5
+        );
+        let wall = Vec3::new(4.0, -1.0, 0.0).normalize();
+        assert!(found.iter().any(|m| (m.normal - wall).length() < 1e-5), "{found:?}");
+    }
+
+    #[test]
+    fn a_shape_stuck_halfway_is_pushed_to_its_centres_side() {
+        let ground = mesh(grid(16, 0.25, |_, _| 0.0));
+        let mut random = Random(2);
+        for shape in shapes() {
+            for i in 0..100 {
+                let rotation = if i % 2 == 0 { Quat::IDENTITY } else { random.rotation() };
+                let side = if i % 3 == 0 { -1.0 } else { 1.0 };
+                let position = Vec3::new(0.1, side * random.range(0.005, 0.08), 0.07);
+                let position = position - rotation * bounds(&shape).unwrap().2;
+                let found = collide(&shape, &ground, position, rotation, MARGIN);
+                assert!(!found.is_empty());
+                for m in &found {
+                    assert!(m.normal.y * side < -0.999, "{:?} {i} {} {side}", shape.kind, m.normal);
+                }
+                let deepest = found[0].points().iter().map(|p| p.separation).fold(0.0, f32::min);
+                assert!(deepest < -0.1, "{:?} {deepest}", shape.kind);
+            }
+        }
+    }
+
+    /// On bumpy ground the deepest point is where triangles one by one have theirs.
+    #[test]
+    fn what_touches_rough_ground_is_found() {
+        let ground = terrain(40);
+        let shared = Arc::new(ground);
+        let collider = testing::collider(Geometry::Mesh(shared.clone()));
+        let mut random = Random(4);
+        let mut seen = 0;
+        for shape in shapes() {
+            for _ in 0..1500 {
+                let rotation = random.rotation();
+                let (x, z) = (random.range(-8.0, 8.0), random.range(-8.0, 8.0));
+                let position = Vec3::new(x, bumpy(x, z) + random.range(0.1, 0.6), z);
+                let back = rotation.conjugate();
+                let mut least = f32::MAX;
+                for t in 0..shared.triangle_count() as u32 {
+                    let corners = shared.triangle(t);
+                    let far = |c: &Vec3| (*c - position).length() > shape.radius + 1.0;
+                    if !corners.iter().all(far) {
+                        let m = collide_triangle(&shape, corners.map(|c| back * (c - position)), 0.05);
+                        least = m.points().iter().map(|p| p.separation).fold(least, f32::min);
+                    }
+                }
+                if least < -0.005 || least > 0.04 {
+                    continue;
+                }
+                seen += 1;
+                let found = collide(&shape, &collider, position, rotation, 0.05);
+                let deepest =
+                    found.iter().flat_map(|m| m.points()).map(|p| p.separation).fold(f32::MAX, f32::min);
+                if (deepest - least).abs() >= 0.004 {
+                    for t in 0..shared.triangle_count() as u32 {
+                        let corners = shared.triangle(t).map(|c| back * (c - position));
+                        let m = collide_triangle(&shape, corners, 0.05);
+                        if m.count > 0 {
+                            println!(
+                                "{t} {:?} {:?} n {} {:?}",
+                                shared.edges(t),
+                                corners,
+                                rotation * m.normal,
+                                m.points()
+                            );
+                        }
+                    }
+                }
+                assert!((deepest - least).abs() < 0.004, "{:?} {least} {deepest} {found:?}", shape.kind);
+            }
+        }
+        assert!(seen > 200, "{seen}");
+    }
+
+    #[test]
+    #[ignore = "a measurement"]
+    fn how_long_a_box_on_a_terrain_takes() {
+        let ground = Arc::new(terrain(224));
+        let b = testing::collider(Geometry::Mesh(ground.clone()));
+        for shape in [
+            testing::collider(Geometry::cuboid(0.3, 0.3, 0.3)),
+            testing::collider(Geometry::Sphere { radius: 0.3 }),
+            testing::collider(Geometry::capsule(0.3, 0.2)),
+            shapes().remove(4),
+        ] {
+            let mut random = Random(9);
+            let pairs: Vec<Relative> = (0..1000)
+                .filter_map(|_| {
+                    let (x, z) = (random.range(-50.0, 50.0), random.range(-50.0, 50.0));
+                    let y = bumpy(x, z);
+                    let up = Vec3::new(
+                        bumpy(x - 0.3, z) - bumpy(x + 0.3, z),
+                        0.6,
+                        bumpy(x, z - 0.3) - bumpy(x, z + 0.3),
+                    );
+                    let rotation = Quat::from_rotation_arc(Vec3::Y, up.normalize());
+                    let height = testing::extent(&shape, glam::DVec3::NEG_Y) as f32;
+                    let position = Vec3::new(x, y, z) + up.normalize() * height;
+                    let back = rotation.conjugate();
+                    Some(Relative { position: -(back * position), rotation: back })
+                })
+                .collect();
+            let (mut scratch, mut out) = (MeshScratch::default(), Vec::new());
+            let mut best = f64::MAX;
+            let (mut near, mut patches, mut manifolds) = (0, 0, 0);
+            for _ in 0..30 {
+                let start = std::time::Instant::now();
+                (near, patches, manifolds) = (0, 0, 0);
+                for rel in &pairs {
+                    out.clear();
+                    collide_mesh(&shape, &b, rel, MARGIN, &mut scratch, &mut out);
+                    near += scratch.eights.iter().map(|e| e.count).sum::<usize>();
+                    patches += scratch.patches.patches.len();
+                    manifolds += out.len();
+                }
+                best = best.min(start.elapsed().as_secs_f64() / pairs.len() as f64);
+            }
+            let each = |n: usize| n as f64 / pairs.len() as f64;
+            println!(
+                "{:?}: {:.0} ns a pair, {:.1} triangles near, {:.1} patches, {:.1} manifolds",
+                shape.kind,
+                best * 1e9,
+                each(near),
+                each(patches),
+                each(manifolds)
+            );
+        }
+    }
+}

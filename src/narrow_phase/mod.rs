@@ -1,24 +1,44 @@
 //! Pairs in, manifolds out.
 
+mod ahead;
+mod bins;
+mod box_apart;
 mod box_box;
+mod box_face;
 mod capsule_box;
 mod capsule_capsule;
 mod cast;
+mod cast_mesh;
 mod clip;
+mod collide;
+mod contact;
 mod convex;
+#[cfg(test)]
+pub(crate) mod fixtures;
 mod gjk;
 mod lanes_io;
 mod manifold;
 mod mesh;
+mod mesh_box;
+mod mesh_convex;
+mod mesh_merge;
+mod mesh_patch;
+mod mesh_sphere;
+mod motion;
 mod polytope;
 mod reduce;
 mod round_polytope;
 mod sat;
+mod simplex;
 mod smooth;
 mod sphere_box;
 mod sphere_capsule;
 mod sphere_sphere;
+mod support;
 
+pub(crate) use cast_mesh::Triangles;
+pub(crate) use collide::{Input, NarrowStats, Scratch, collide};
+pub(crate) use contact::{Contact, Contacts, NONE};
 pub(crate) use manifold::{MAX_POINTS, RawManifold, RawPoint};
 
 /// Pose of shape `b` in the frame of shape `a`.

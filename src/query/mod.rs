@@ -1,3 +1,5 @@
 //! Questions about shapes that change nothing.
 
 mod segment;
+
+pub(crate) use segment::segment_hits;

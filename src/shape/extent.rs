@@ -1,6 +1,7 @@
 //! How far a shape reaches from its own origin, and how far it surely fills space around it.
 
 use super::Geometry;
+use glam::Vec3;
 
 impl Geometry {
     /// Largest distance of a point of the shape from its own origin [m]; infinite for a plane.
@@ -16,7 +17,9 @@ impl Geometry {
                 (half_height * half_height + wide * wide).sqrt()
             }
             Geometry::Hull(ref hull) => hull.radius,
-            Geometry::Plane | Geometry::Mesh(_) | Geometry::HeightField(_) => f32::INFINITY,
+            Geometry::Mesh(ref mesh) => furthest(mesh.aabb()),
+            Geometry::HeightField(ref field) => furthest(field.aabb()),
+            Geometry::Plane => f32::INFINITY,
         }
     }
 
@@ -40,6 +43,11 @@ impl Geometry {
             Geometry::Plane | Geometry::Mesh(_) | Geometry::HeightField(_) => 0.0,
         }
     }
+}
+
+/// Distance of the furthest corner of a box from the origin.
+fn furthest((min, max): (Vec3, Vec3)) -> f32 {
+    min.abs().max(max.abs()).length()
 }
 
 #[cfg(test)]

@@ -10,9 +10,10 @@ mod hull;
 mod hull_build;
 mod hull_merge;
 mod mass;
-mod mesh;
+pub(crate) mod mesh;
 mod mesh_bvh;
 mod mesh_edges;
+mod segment_triangle;
 
 pub(crate) use collider::{Collider, Kind};
 pub use height_field::HeightField;
@@ -20,6 +21,7 @@ pub use hull::ConvexHull;
 pub(crate) use hull::HullEdge;
 pub use mass::MassProperties;
 pub use mesh::TriangleMesh;
+pub(crate) use mesh_edges::{Edges, FLAT_COSINE, Fold};
 
 use crate::error::{Error, finite, finite3, positive, within};
 use glam::{Quat, Vec3};
@@ -80,6 +82,29 @@ impl Geometry {
         Geometry::Box { half_extents: Vec3::new(x, y, z) }
     }
 
+    /// What [`Collider::size`] holds.
+    pub(crate) fn size(&self) -> [f32; 4] {
+        match *self {
+            Geometry::Sphere { radius } => [radius, 0.0, 0.0, 0.0],
+            Geometry::Capsule { half_height, radius_bottom, radius_top }
+            | Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
+                [half_height, radius_bottom, radius_top, 0.0]
+            }
+            Geometry::Box { half_extents } => [half_extents.x, half_extents.y, half_extents.z, 0.0],
+            _ => [0.0; 4],
+        }
+    }
+
+    pub(crate) fn require_convex(&self) -> Result<(), Error> {
+        let shape = match self {
+            Geometry::Plane => "plane",
+            Geometry::Mesh(_) => "triangle mesh",
+            Geometry::HeightField(_) => "height field",
+            _ => return Ok(()),
+        };
+        Err(Error::StaticOnly { shape })
+    }
+
     /// Checks every range.
     ///
     /// # Errors
@@ -122,8 +147,19 @@ pub enum Combine {
     Multiply,
 }
 
-/// Friction and restitution of a surface. Where two surfaces want different ways to combine, the later of
-/// average < minimum < maximum < multiply is taken.
+impl Combine {
+    fn of(self, a: f32, b: f32) -> f32 {
+        match self {
+            Combine::Average => 0.5 * (a + b),
+            Combine::Minimum => a.min(b),
+            Combine::Maximum => a.max(b),
+            Combine::Multiply => a * b,
+        }
+    }
+}
+
+/// Friction and restitution of a surface. Where two surfaces want different ways to combine, the first
+/// of average, minimum, maximum, multiply is taken (as glTF's `KHR_physics_rigid_bodies` has it).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct Material {
@@ -162,7 +198,19 @@ impl Material {
         self.restitution = restitution;
         self
     }
-    fn validate(&self) -> Result<(), Error> {
+    /// Static and dynamic friction of two surfaces.
+    pub(crate) fn friction_with(&self, other: &Material) -> (f32, f32) {
+        let how = self.friction_combine.min(other.friction_combine);
+        (
+            how.of(self.static_friction, other.static_friction),
+            how.of(self.dynamic_friction, other.dynamic_friction),
+        )
+    }
+    /// Restitution of two surfaces.
+    pub(crate) fn restitution_with(&self, other: &Material) -> f32 {
+        self.restitution_combine.min(other.restitution_combine).of(self.restitution, other.restitution)
+    }
+    pub(crate) fn validate(&self) -> Result<(), Error> {
         within("static friction", self.static_friction, 0.0, f32::MAX, "at least zero")?;
         within("dynamic friction", self.dynamic_friction, 0.0, f32::MAX, "at least zero")?;
         within("restitution", self.restitution, 0.0, 1.0, "in 0..=1").map(drop)

@@ -1,0 +1,132 @@
+//! What a caller says of a body.
+
+use crate::config::Continuous;
+use crate::error::{Error, finite, finite3};
+use crate::shape::{MassProperties, ShapeDesc, unit_quat};
+use glam::{DVec3, Quat, Vec3};
+
+/// What moves a body.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
+pub enum BodyKind {
+    /// Nothing: it has no velocity.
+    Static,
+    /// Its velocity alone, which nothing changes but the caller: it pushes and is not pushed.
+    Kinematic,
+    /// Forces and contacts.
+    #[default]
+    Dynamic,
+}
+
+/// A body to be added.
+#[derive(Clone, Debug)]
+pub struct BodyDesc {
+    /// What moves it.
+    pub kind: BodyKind,
+    /// Where its origin is [m].
+    pub position: DVec3,
+    /// How its axes are turned; a unit quaternion.
+    pub rotation: Quat,
+    /// Velocity of its centre of mass [m/s].
+    pub linear_velocity: Vec3,
+    /// About the world's axes [rad/s].
+    pub angular_velocity: Vec3,
+    /// Its shapes; several make a compound.
+    pub shapes: Vec<ShapeDesc>,
+    /// Mass, centre and inertia in the body's axes; `None`: from the shapes and their densities.
+    pub mass: Option<MassProperties>,
+    /// Factor on gravity. Default 1.
+    pub gravity_scale: f32,
+    /// World axes along which it can't move.
+    pub lock_translation: [bool; 3],
+    /// World axes about which it can't turn.
+    pub lock_rotation: [bool; 3],
+    /// How it is kept from passing through others. Default [`Continuous::Segment`].
+    pub continuous: Continuous,
+    /// Free for the caller.
+    pub user_data: u64,
+}
+
+impl Default for BodyDesc {
+    fn default() -> Self {
+        BodyDesc {
+            kind: BodyKind::Dynamic,
+            position: DVec3::ZERO,
+            rotation: Quat::IDENTITY,
+            linear_velocity: Vec3::ZERO,
+            angular_velocity: Vec3::ZERO,
+            shapes: Vec::new(),
+            mass: None,
+            gravity_scale: 1.0,
+            lock_translation: [false; 3],
+            lock_rotation: [false; 3],
+            continuous: Continuous::Segment,
+            user_data: 0,
+        }
+    }
+}
+
+impl BodyDesc {
+    /// A body of the given kind at the origin, without shapes.
+    pub fn new(kind: BodyKind) -> Self {
+        BodyDesc { kind, ..Default::default() }
+    }
+    /// A body that nothing moves.
+    pub fn fixed() -> Self {
+        Self::new(BodyKind::Static)
+    }
+    /// A body that its velocity alone moves.
+    pub fn kinematic() -> Self {
+        Self::new(BodyKind::Kinematic)
+    }
+    /// A body that forces and contacts move.
+    pub fn dynamic() -> Self {
+        Self::new(BodyKind::Dynamic)
+    }
+    /// Where its origin is [m].
+    pub fn at(mut self, position: impl Into<DVec3>) -> Self {
+        self.position = position.into();
+        self
+    }
+    /// How its axes are turned.
+    pub fn rotated(mut self, rotation: Quat) -> Self {
+        self.rotation = rotation;
+        self
+    }
+    /// Linear [m/s] and angular [rad/s] velocity.
+    pub fn moving(mut self, linear: Vec3, angular: Vec3) -> Self {
+        (self.linear_velocity, self.angular_velocity) = (linear, angular);
+        self
+    }
+    /// One more shape.
+    pub fn with_shape(mut self, shape: ShapeDesc) -> Self {
+        self.shapes.push(shape);
+        self
+    }
+
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// Names the first number that is out of range, or a shape that the kind of body can't have.
+    pub fn validate(&self) -> Result<(), Error> {
+        for value in self.position.to_array() {
+            if !value.is_finite() {
+                return Err(Error::NotFinite { what: "position", value });
+            }
+        }
+        unit_quat("rotation", self.rotation)?;
+        finite3("linear velocity", self.linear_velocity)?;
+        finite3("angular velocity", self.angular_velocity)?;
+        finite("gravity scale", self.gravity_scale)?;
+        for shape in &self.shapes {
+            shape.validate()?;
+            if self.kind == BodyKind::Dynamic {
+                shape.geometry.require_convex()?;
+            }
+        }
+        if let Some(mass) = &self.mass {
+            mass.validate()?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,9 @@
+//! Bodies: what the caller describes, and the columns that the stages work on.
+
+mod desc;
+mod motion;
+mod store;
+
+pub use desc::{BodyDesc, BodyKind};
+pub(crate) use motion::{exp_map, tumble};
+pub(crate) use store::{Bodies, Cold, Mass, NewBody, Pose, Previous, Traits};

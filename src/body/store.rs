@@ -1,0 +1,285 @@
+//! Body columns. Dense: dynamic bodies first, then kinematic, then static ones, so that every loop over what
+//! moves is a loop over a prefix.
+
+use super::BodyKind;
+use crate::config::Continuous;
+use crate::handle::Slots;
+use crate::lanes::Record;
+use crate::memory::bytes_of;
+use glam::{DVec3, Quat, Vec3};
+
+/// Pose of the centre of mass, in the principal axes of inertia.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pose {
+    pub(crate) position: DVec3,
+    pub(crate) rotation: Quat,
+}
+
+/// Inverse mass, and principal moments of inertia with their inverses; zero where a body can't be moved.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Mass {
+    pub(crate) inverse: f32,
+    pub(crate) inertia: Vec3,
+    pub(crate) inverse_inertia: Vec3,
+}
+
+/// What a step reads seldom.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cold {
+    /// From the body's origin to its centre of mass, in the body's axes [m].
+    pub(crate) centre: Vec3,
+    /// Principal axes in the body's axes.
+    pub(crate) axes: Quat,
+    /// Given or computed, before locks [kg].
+    pub(crate) mass: f32,
+    /// Whether mass comes from the shapes.
+    pub(crate) mass_from_shapes: bool,
+    pub(crate) user_data: u64,
+}
+
+/// Flags of a body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Traits {
+    pub(crate) gravity_scale: f32,
+    pub(crate) continuous: Continuous,
+    /// Bits 0-2: translation along x, y, z is locked; 3-5: rotation about x, y, z.
+    pub(crate) locks: u8,
+}
+
+impl Traits {
+    /// Takes away the velocity along and about locked axes.
+    #[inline]
+    pub(crate) fn lock(&self, v: &mut Record) {
+        for axis in 0..3 {
+            if self.locks >> axis & 1 != 0 {
+                v.linear[axis] = 0.0;
+            }
+            if self.locks >> (axis + 3) & 1 != 0 {
+                v.angular[axis] = 0.0;
+            }
+        }
+    }
+
+    pub(crate) fn lock_bits(translation: [bool; 3], rotation: [bool; 3]) -> u8 {
+        (0..3).map(|i| (translation[i] as u8) << i | (rotation[i] as u8) << (i + 3)).sum()
+    }
+}
+
+/// All bodies. A column's index is the body's dense index.
+#[derive(Debug, Default)]
+pub(crate) struct Bodies {
+    pub(crate) slots: Slots,
+    pub(crate) slot: Vec<u32>,
+    pub(crate) kind: Vec<BodyKind>,
+    pub(crate) pose: Vec<Pose>,
+    pub(crate) velocity: Vec<Record>,
+    pub(crate) mass: Vec<Mass>,
+    pub(crate) traits: Vec<Traits>,
+    pub(crate) cold: Vec<Cold>,
+    /// Collider indices of each body.
+    pub(crate) colliders: Vec<Colliders>,
+    /// Force [N] and torque [N m] about the centre of mass, for the next step; empty unless the caller ever
+    /// applied one.
+    pub(crate) force: Vec<Record>,
+    /// What the last step did to each body; empty unless the scene has restitution.
+    pub(crate) previous: Vec<Previous>,
+    /// How many bodies have a locked axis.
+    pub(crate) locked: u32,
+    dynamic: u32,
+    kinematic: u32,
+}
+
+/// Where a body came from: restitution gives back the velocity from before a potential point took it away.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Previous {
+    /// At the start of the last step.
+    pub(crate) linear: Vec3,
+    pub(crate) angular: Vec3,
+    /// Displacement in the last step [m].
+    pub(crate) moved: Vec3,
+}
+
+/// The colliders of a body: most have one.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) enum Colliders {
+    #[default]
+    None,
+    One(u32),
+    Many(Vec<u32>),
+}
+
+impl Colliders {
+    pub(crate) fn as_slice(&self) -> &[u32] {
+        match self {
+            Colliders::None => &[],
+            Colliders::One(one) => std::slice::from_ref(one),
+            Colliders::Many(many) => many,
+        }
+    }
+    pub(crate) fn push(&mut self, collider: u32) {
+        match self {
+            Colliders::None => *self = Colliders::One(collider),
+            Colliders::One(one) => *self = Colliders::Many(vec![*one, collider]),
+            Colliders::Many(many) => many.push(collider),
+        }
+    }
+    pub(crate) fn remove(&mut self, collider: u32) {
+        match self {
+            Colliders::One(one) if *one == collider => *self = Colliders::None,
+            Colliders::Many(many) => many.retain(|&c| c != collider),
+            _ => {}
+        }
+    }
+}
+
+/// A new row of all columns.
+pub(crate) struct NewBody {
+    pub(crate) kind: BodyKind,
+    pub(crate) pose: Pose,
+    pub(crate) velocity: Record,
+    pub(crate) mass: Mass,
+    pub(crate) traits: Traits,
+    pub(crate) cold: Cold,
+}
+
+impl Bodies {
+    pub(crate) fn len(&self) -> usize {
+        self.slot.len()
+    }
+    /// How many bodies are dynamic: those with an index below.
+    pub(crate) fn dynamic(&self) -> usize {
+        self.dynamic as usize
+    }
+    /// How many bodies can move: those with an index below.
+    pub(crate) fn movers(&self) -> usize {
+        (self.dynamic + self.kinematic) as usize
+    }
+
+    pub(crate) fn reserve(&mut self, more: usize) {
+        self.slots.reserve(more);
+        self.slot.reserve(more);
+        self.kind.reserve(more);
+        self.pose.reserve(more);
+        self.velocity.reserve(more);
+        self.mass.reserve(more);
+        self.traits.reserve(more);
+        self.cold.reserve(more);
+        self.colliders.reserve(more);
+        if !self.force.is_empty() {
+            self.force.reserve(more);
+        }
+    }
+
+    /// Adds a row and returns its slot and generation. `moved` is called for each body that changed its index.
+    pub(crate) fn insert(&mut self, body: NewBody, mut moved: impl FnMut(&Colliders, u32)) -> (u32, u32) {
+        let last = self.len() as u32;
+        self.locked += u32::from(body.traits.locks != 0);
+        let handle = self.slots.insert(last);
+        self.slot.push(handle.0);
+        self.kind.push(body.kind);
+        self.pose.push(body.pose);
+        self.velocity.push(body.velocity);
+        self.mass.push(body.mass);
+        self.traits.push(body.traits);
+        self.cold.push(body.cold);
+        self.colliders.push(Colliders::None);
+        if !self.force.is_empty() {
+            self.force.push(Record::default());
+        }
+        if !self.previous.is_empty() {
+            self.previous.push(Previous::default());
+        }
+        let kinematic_end = self.dynamic + self.kinematic;
+        match body.kind {
+            BodyKind::Static => {}
+            BodyKind::Kinematic => {
+                self.swap(last, kinematic_end, &mut moved);
+                self.kinematic += 1;
+            }
+            BodyKind::Dynamic => {
+                self.swap(last, kinematic_end, &mut moved);
+                self.swap(kinematic_end, self.dynamic, &mut moved);
+                self.dynamic += 1;
+            }
+        }
+        handle
+    }
+
+    /// Removes the body at `index`.
+    pub(crate) fn remove(&mut self, index: u32, mut moved: impl FnMut(&Colliders, u32)) {
+        let mut hole = index;
+        self.locked -= u32::from(self.traits[index as usize].locks != 0);
+        if self.kind[index as usize] == BodyKind::Dynamic {
+            self.dynamic -= 1;
+            self.swap(hole, self.dynamic, &mut moved);
+            hole = self.dynamic;
+            self.swap(hole, self.dynamic + self.kinematic, &mut moved);
+            hole = self.dynamic + self.kinematic;
+        } else if self.kind[index as usize] == BodyKind::Kinematic {
+            self.kinematic -= 1;
+            self.swap(hole, self.dynamic + self.kinematic, &mut moved);
+            hole = self.dynamic + self.kinematic;
+        }
+        self.swap(hole, self.len() as u32 - 1, &mut moved);
+        if let Some(slot) = self.slot.pop() {
+            self.slots.remove(slot);
+        }
+        self.kind.pop();
+        self.pose.pop();
+        self.velocity.pop();
+        self.mass.pop();
+        self.traits.pop();
+        self.cold.pop();
+        self.colliders.pop();
+        self.force.pop();
+        self.previous.pop();
+    }
+
+    fn swap(&mut self, i: u32, k: u32, moved: &mut impl FnMut(&Colliders, u32)) {
+        if i == k {
+            return;
+        }
+        let (a, b) = (i as usize, k as usize);
+        self.slot.swap(a, b);
+        self.kind.swap(a, b);
+        self.pose.swap(a, b);
+        self.velocity.swap(a, b);
+        self.mass.swap(a, b);
+        self.traits.swap(a, b);
+        self.cold.swap(a, b);
+        self.colliders.swap(a, b);
+        if !self.force.is_empty() {
+            self.force.swap(a, b);
+        }
+        if !self.previous.is_empty() {
+            self.previous.swap(a, b);
+        }
+        for index in [i, k] {
+            self.slots.moved(self.slot[index as usize], index);
+            moved(&self.colliders[index as usize], index);
+        }
+    }
+
+    /// Live and reserved bytes.
+    pub(crate) fn bytes(&self) -> (usize, usize) {
+        let lists = self.colliders.iter().filter_map(|c| match c {
+            Colliders::Many(many) => Some(bytes_of(many)),
+            _ => None,
+        });
+        [
+            self.slots.bytes(),
+            bytes_of(&self.slot),
+            bytes_of(&self.kind),
+            bytes_of(&self.pose),
+            bytes_of(&self.velocity),
+            bytes_of(&self.mass),
+            bytes_of(&self.traits),
+            bytes_of(&self.cold),
+            bytes_of(&self.colliders),
+            bytes_of(&self.force),
+        ]
+        .into_iter()
+        .chain(lists)
+        .fold((0, 0), |sum, bytes| (sum.0 + bytes.0, sum.1 + bytes.1))
+    }
+}

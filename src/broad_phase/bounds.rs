@@ -1,0 +1,226 @@
+//! The world bounds of a collider.
+
+use super::Aabb;
+use crate::lanes::{self, Lanes, f32x8};
+use crate::shape::{Collider, ConvexHull, Geometry, Kind};
+use glam::{DVec3, Mat3, Quat, Vec3};
+
+/// What bounds are widened by, as a share of the shape's size: rotating a point loses a few units of 2^-24.
+const ROUNDING: f32 = 8.0 / (1 << 24) as f32;
+
+/// World bounds of a collider on a body at a pose (`position`: its centre of mass, in the world).
+///
+/// Exact for every shape but for rounding, which goes outwards; at 1e7 m from the origin that is 1 m, the distance
+/// between two numbers there. A plane's are infinite, but end at its surface if that is level with an axis.
+pub(crate) fn aabb_of(collider: &Collider, position: DVec3, rotation: Quat) -> Aabb {
+    let turned = rotation * collider.rotation;
+    let offset = rotation * collider.position;
+    let (min, max) = local_bounds(collider, turned);
+    let reach = Vec3::splat(offset.length());
+    let size = if collider.kind == Kind::Plane { reach } else { min.abs().max(max.abs()).max(reach) };
+    let slack = (size * ROUNDING).as_dvec3();
+    let origin = position + offset.as_dvec3();
+    Aabb { min: round_down(origin + min.as_dvec3() - slack), max: round_up(origin + max.as_dvec3() + slack) }
+}
+
+/// Bounds around the shape's own origin once it is turned.
+fn local_bounds(collider: &Collider, rotation: Quat) -> (Vec3, Vec3) {
+    let size = collider.size;
+    match collider.kind {
+        Kind::Sphere => (Vec3::splat(-size[0]), Vec3::splat(size[0])),
+        Kind::Capsule => {
+            let [half_height, bottom, top, _] = size;
+            let top_centre = rotation * Vec3::Y * half_height;
+            let (bottom, top) = (Vec3::splat(bottom), Vec3::splat(top));
+            ((top_centre - top).min(-top_centre - bottom), (top_centre + top).max(-top_centre + bottom))
+        }
+        Kind::Box => {
+            let m = Mat3::from_quat(rotation);
+            let half = m.x_axis.abs() * size[0] + m.y_axis.abs() * size[1] + m.z_axis.abs() * size[2];
+            (-half, half)
+        }
+        Kind::Cylinder => {
+            let [half_height, bottom, top, _] = size;
+            let m = Mat3::from_quat(rotation);
+            // How far a disc of radius 1 reaches along each axis: the root of 1 - y², without its cancellation.
+            let disc = (m.x_axis * m.x_axis + m.z_axis * m.z_axis).map(f32::sqrt);
+            let top_centre = m.y_axis * half_height;
+            let (bottom, top) = (disc * bottom, disc * top);
+            ((top_centre - top).min(-top_centre - bottom), (top_centre + top).max(-top_centre + bottom))
+        }
+        Kind::Plane => half_space(rotation),
+        Kind::Hull | Kind::Mesh | Kind::HeightField => match &collider.geometry {
+            Geometry::Hull(hull) => turned_hull(hull, rotation),
+            geometry => match local_box(geometry) {
+                Some((min, max)) => turned_box(min, max, rotation),
+                // Its ball holds it, whatever its form.
+                None => (Vec3::splat(-collider.radius), Vec3::splat(collider.radius)),
+            },
+        },
+    }
+}
+
+/// The box around a static asset, in its own frame [m].
+fn local_box(geometry: &Geometry) -> Option<(Vec3, Vec3)> {
+    match geometry {
+        Geometry::Mesh(mesh) => Some(mesh.aabb()),
+        Geometry::HeightField(field) => Some(field.aabb()),
+        _ => None,
+    }
+}
+
+/// Bounds of a turned hull, from its vertices: its box, turned, would be up to twice as large.
+fn turned_hull(hull: &ConvexHull, rotation: Quat) -> (Vec3, Vec3) {
+    let rows = Mat3::from_quat(rotation).transpose();
+    let rows = [rows.x_axis, rows.y_axis, rows.z_axis].map(lanes::Vec3::<f32x8>::splat);
+    let mut low = [f32x8::splat(f32::INFINITY); 3];
+    let mut high = [f32x8::splat(f32::NEG_INFINITY); 3];
+    for chunk in &hull.vertex_chunks {
+        let [x, y, z] = chunk.map(f32x8::new);
+        let vertices = lanes::Vec3 { x, y, z };
+        for k in 0..3 {
+            let along = rows[k].dot(vertices);
+            low[k] = Lanes::min(low[k], along);
+            high[k] = Lanes::max(high[k], along);
+        }
+    }
+    let lowest = |v: f32x8| v.to_array().into_iter().fold(f32::INFINITY, f32::min);
+    let highest = |v: f32x8| v.to_array().into_iter().fold(f32::NEG_INFINITY, f32::max);
+    (Vec3::from_array(low.map(lowest)), Vec3::from_array(high.map(highest)))
+}
+
+/// Bounds of a turned box.
+fn turned_box(min: Vec3, max: Vec3, rotation: Quat) -> (Vec3, Vec3) {
+    let m = Mat3::from_quat(rotation);
+    let (middle, half) = (m * (min * 0.5 + max * 0.5), max * 0.5 - min * 0.5);
+    let half = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z;
+    (middle - half, middle + half)
+}
+
+/// The half-space below a plane through the origin: bounded only if its normal is exactly an axis.
+fn half_space(rotation: Quat) -> (Vec3, Vec3) {
+    let normal = rotation * Vec3::Y;
+    let (mut min, mut max) = (Vec3::NEG_INFINITY, Vec3::INFINITY);
+    for k in 0..3 {
+        let others = normal.abs().dot(Vec3::ONE) - normal[k].abs();
+        if others == 0.0 && normal[k] > 0.0 {
+            max[k] = 0.0;
+        } else if others == 0.0 && normal[k] < 0.0 {
+            min[k] = 0.0;
+        }
+    }
+    (min, max)
+}
+
+fn round_down(v: DVec3) -> Vec3 {
+    v.as_vec3().map_with(v, |near, exact| if f64::from(near) > exact { near.next_down() } else { near })
+}
+
+fn round_up(v: DVec3) -> Vec3 {
+    v.as_vec3().map_with(v, |near, exact| if f64::from(near) < exact { near.next_up() } else { near })
+}
+
+trait MapWith {
+    fn map_with(self, other: DVec3, f: impl Fn(f32, f64) -> f32) -> Self;
+}
+
+impl MapWith for Vec3 {
+    fn map_with(self, other: DVec3, f: impl Fn(f32, f64) -> f32) -> Vec3 {
+        Vec3::new(f(self.x, other.x), f(self.y, other.y), f(self.z, other.z))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shape::{Filter, Material};
+    use glam::{EulerRot, dvec3, vec3};
+    use std::sync::Arc;
+
+    fn collider(geometry: Geometry, size: [f32; 4]) -> Collider {
+        Collider {
+            kind: Kind::of(&geometry),
+            body: 0,
+            size,
+            position: vec3(0.3, -0.2, 0.1),
+            rotation: Quat::from_rotation_z(0.4),
+            radius: 3.0,
+            inner_radius: 0.1,
+            geometry,
+            material: Material::default(),
+            filter: Filter::default(),
+            density: 1000.0,
+            user_data: 0,
+        }
+    }
+
+    /// The furthest point of a shape along a direction of its own frame, by definition.
+    fn support(c: &Collider, d: DVec3) -> f64 {
+        let s = c.size.map(f64::from);
+        let side = (d.x * d.x + d.z * d.z).sqrt();
+        match c.kind {
+            Kind::Sphere => s[0] * d.length(),
+            Kind::Capsule => (d.y * s[0] + s[2] * d.length()).max(-d.y * s[0] + s[1] * d.length()),
+            Kind::Hull => match &c.geometry {
+                Geometry::Hull(h) => {
+                    h.vertices.iter().map(|v| v.as_dvec3().dot(d)).fold(f64::NEG_INFINITY, f64::max)
+                }
+                _ => f64::NAN,
+            },
+            Kind::Box => d.x.abs() * s[0] + d.y.abs() * s[1] + d.z.abs() * s[2],
+            _ => (d.y * s[0] + s[2] * side).max(-d.y * s[0] + s[1] * side),
+        }
+    }
+
+    #[test]
+    fn bounds_hold_the_shape_and_are_tight_near_and_far() {
+        let corner = |i: usize| {
+            let i = i as f32;
+            vec3((i * 0.77) % 1.7 - 1.0, (i * 1.9) % 1.3 - 0.4, (i * 0.31) % 2.0)
+        };
+        let points: Vec<Vec3> = (0..20).map(corner).collect();
+        let hull = ConvexHull::new(&points).unwrap();
+        let shapes = [
+            collider(Geometry::Sphere { radius: 0.7 }, [0.7, 0.0, 0.0, 0.0]),
+            collider(
+                Geometry::Capsule { half_height: 1.2, radius_bottom: 0.5, radius_top: 0.2 },
+                [1.2, 0.5, 0.2, 0.0],
+            ),
+            collider(Geometry::cuboid(0.5, 1.0, 2.0), [0.5, 1.0, 2.0, 0.0]),
+            collider(
+                Geometry::Cylinder { half_height: 0.8, radius_bottom: 0.6, radius_top: 0.0 },
+                [0.8, 0.6, 0.0, 0.0],
+            ),
+            collider(Geometry::Hull(Arc::new(hull)), [0.0; 4]),
+        ];
+        for (at, tight) in [(dvec3(1.0, 2.0, 3.0), 5e-6), (dvec3(1e7 + 0.3, -1e7, 12_345.678), 1.01)] {
+            for i in 0..200 {
+                let i = i as f32;
+                let rotation = Quat::from_euler(EulerRot::XYZ, i * 0.7, i * 1.3, i * 0.2);
+                for c in &shapes {
+                    let bounds = aabb_of(c, at, rotation);
+                    let (body, local) = (rotation.as_dquat().normalize(), c.rotation.as_dquat().normalize());
+                    let origin = at + body * c.position.as_dvec3();
+                    for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+                        let high = origin.dot(axis) + support(c, (body * local).inverse() * axis);
+                        let low = origin.dot(axis) - support(c, (body * local).inverse() * -axis);
+                        let (min, max) = (bounds.min.as_dvec3().dot(axis), bounds.max.as_dvec3().dot(axis));
+                        assert!(min <= low && low - min < tight, "{:?} {min} {low}", c.kind);
+                        assert!(max >= high && max - high < tight, "{:?} {max} {high}", c.kind);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_level_plane_ends_at_its_surface_and_a_tilted_one_nowhere() {
+        let mut plane = collider(Geometry::Plane, [0.0; 4]);
+        (plane.position, plane.rotation) = (Vec3::ZERO, Quat::IDENTITY);
+        let level = aabb_of(&plane, dvec3(5.0, 2.0, 0.0), Quat::IDENTITY);
+        assert_eq!(level.max, vec3(f32::INFINITY, 2.0, f32::INFINITY));
+        assert_eq!(level.min, Vec3::NEG_INFINITY);
+        let tilted = aabb_of(&plane, dvec3(5.0, 2.0, 0.0), Quat::from_rotation_x(0.1));
+        assert_eq!((tilted.min, tilted.max), (Vec3::NEG_INFINITY, Vec3::INFINITY));
+    }
+}

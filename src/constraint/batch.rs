@@ -1,0 +1,137 @@
+//! Rows of contacts, packed in lanes.
+
+use super::order::Stage;
+use super::prepare::Part;
+use crate::lanes::{Lanes, Sym3, Vec3, f32x8};
+use crate::memory::bytes_of;
+
+/// One normal row per lane.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
+pub(crate) struct PointRow<L> {
+    /// Arm x normal, of either body: the angular part of the row [m].
+    pub(crate) arm_a: Vec3<L>,
+    pub(crate) arm_b: Vec3<L>,
+    /// At the start of the step [m]; infinite in a lane without a point.
+    pub(crate) separation: L,
+    /// Effective mass [kg]; zero in a lane without a point.
+    pub(crate) mass: L,
+    /// [N s]
+    pub(crate) impulse: L,
+    /// 1 / mass of the row [1/kg].
+    pub(crate) stiffness: L,
+    /// 1 for a real point, whose impulse bounds friction; 0 for a potential one.
+    pub(crate) real: L,
+}
+
+/// Friction of a manifold, at its centre: two rows along the tangents and one against twist.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
+pub(crate) struct FrictionRow<L> {
+    pub(crate) tangent: Vec3<L>,
+    pub(crate) arm_a: Vec3<L>,
+    pub(crate) arm_b: Vec3<L>,
+    /// Inverse of the 2x2 matrix of the tangential rows [kg]: (11, 12, 22).
+    pub(crate) mass: [L; 3],
+    pub(crate) twist_mass: L,
+    /// Mean distance of the points from the centre: the lever of twist [m].
+    pub(crate) radius: L,
+    pub(crate) coefficient: L,
+    /// [N s]
+    pub(crate) impulse: [L; 2],
+    /// [N m s]
+    pub(crate) twist: L,
+}
+
+/// Up to `L::N` manifolds of at most `P` points that share no dynamic body.
+///
+/// Normal rows of a manifold have one direction, so they are solved in row space: `coupling` says by how much an
+/// impulse at one point changes the normal velocity of another, and the bodies' velocities are touched once.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub(crate) struct Batch<L, const P: usize> {
+    pub(crate) normal: Vec3<L>,
+    pub(crate) inverse_mass_a: L,
+    pub(crate) inverse_mass_b: L,
+    pub(crate) inverse_inertia_a: Sym3<L>,
+    pub(crate) inverse_inertia_b: Sym3<L>,
+    pub(crate) points: [PointRow<L>; P],
+    /// Of points (0,1), (0,2), (1,2), (0,3), (1,3), (2,3) [1/kg].
+    pub(crate) coupling: [L; 6],
+    pub(crate) friction: FrictionRow<L>,
+    /// Dense indices of the bodies; an inert lane repeats lane 0.
+    pub(crate) a: [u32; 8],
+    pub(crate) b: [u32; 8],
+    /// Where the impulses go back to.
+    pub(crate) contact: [Part; 8],
+    /// Bit per lane: body `b` (and `a`) may be written.
+    pub(crate) write_a: u32,
+    pub(crate) write_b: u32,
+    /// Bit per lane: the contact's `a` is this batch's `b`.
+    pub(crate) swapped: u32,
+}
+
+impl<L: Lanes, const P: usize> Default for Batch<L, P> {
+    fn default() -> Self {
+        Batch {
+            normal: Vec3::default(),
+            inverse_mass_a: L::default(),
+            inverse_mass_b: L::default(),
+            inverse_inertia_a: Sym3::default(),
+            inverse_inertia_b: Sym3::default(),
+            points: [PointRow::default(); P],
+            coupling: [L::default(); 6],
+            friction: FrictionRow::default(),
+            a: [0; 8],
+            b: [0; 8],
+            contact: [Part::NONE; 8],
+            write_a: 0,
+            write_b: 0,
+            swapped: 0,
+        }
+    }
+}
+
+/// Index of a pair of points in [`Batch::coupling`]; `i < k`.
+#[inline(always)]
+pub(crate) const fn couple(i: usize, k: usize) -> usize {
+    k * (k - 1) / 2 + i
+}
+
+/// A batch by its number of points and its place among those.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BatchRef {
+    /// 1 to 4.
+    pub(crate) points: u8,
+    pub(crate) index: u32,
+}
+
+/// All batches of a step.
+#[derive(Debug, Default)]
+pub(crate) struct Rows {
+    pub(crate) p1: Vec<Batch<f32x8, 1>>,
+    pub(crate) p2: Vec<Batch<f32x8, 2>>,
+    pub(crate) p3: Vec<Batch<f32x8, 3>>,
+    pub(crate) p4: Vec<Batch<f32x8, 4>>,
+    /// Contacts that found no colour.
+    pub(crate) single: Vec<Batch<f32, 4>>,
+    pub(crate) schedule: Vec<BatchRef>,
+    pub(crate) stages: Vec<Stage>,
+}
+
+impl Rows {
+    /// Live and reserved bytes.
+    pub(crate) fn bytes(&self) -> (usize, usize) {
+        [
+            bytes_of(&self.p1),
+            bytes_of(&self.p2),
+            bytes_of(&self.p3),
+            bytes_of(&self.p4),
+            bytes_of(&self.single),
+            bytes_of(&self.schedule),
+            bytes_of(&self.stages),
+        ]
+        .into_iter()
+        .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
+    }
+}

@@ -1,0 +1,13 @@
+//! Contacts in, batches of rows out: ordered by importance, coloured, packed in lanes.
+
+mod batch;
+mod bounce;
+mod colour;
+pub(crate) mod contact_row;
+mod order;
+mod prepare;
+
+pub(crate) use batch::{Batch, Rows};
+pub(crate) use bounce::{BounceInput, BounceScratch, bounce};
+pub(crate) use order::{Group, Stage};
+pub(crate) use prepare::{Part, PrepareInput, PrepareScratch, prepare};

@@ -1,0 +1,101 @@
+//! Displacements -> poses; nothing may have crossed static geometry on the way; then the report.
+
+mod guard;
+mod report;
+
+pub(crate) use guard::Guard;
+pub use report::{StageTimes, StepReport};
+
+use crate::body::{exp_map, tumble};
+use crate::forces::spins_freely;
+use crate::threads::{Crew, Shared};
+use crate::world::World;
+use std::sync::Mutex;
+
+/// Buffers of one step.
+#[derive(Debug, Default)]
+pub(crate) struct Buffers {
+    stacks: Vec<Mutex<Vec<u32>>>,
+}
+
+impl Buffers {
+    pub(crate) fn bytes(&self) -> (usize, usize) {
+        let stacks =
+            self.stacks.iter().filter_map(|s| s.lock().ok().map(|s| s.capacity() * 4)).sum::<usize>();
+        let own = self.stacks.capacity() * size_of::<Mutex<Vec<u32>>>();
+        (own, own + stacks)
+    }
+}
+
+/// What finishing counted.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Ended {
+    /// Bodies that the guard held.
+    pub(crate) held: u32,
+}
+
+/// Bodies a block.
+const BLOCK: usize = 64;
+/// A free body that turns more than this within a step is turned in several [rad].
+const TURN: f32 = 0.1;
+
+/// Moves the bodies to the end of the step.
+pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, dt: f32) -> Ended {
+    let (movers, dynamic) = (world.bodies.movers(), world.bodies.dynamic());
+    let blocks = movers.div_ceil(BLOCK);
+    let held = std::sync::atomic::AtomicU32::new(0);
+    let stacks = &mut world.buffers.finish.stacks;
+    if stacks.len() < blocks {
+        stacks.resize_with(blocks, Mutex::default);
+    }
+    let guard = Guard {
+        broad: &world.broad,
+        colliders: &world.colliders.all,
+        poses: &world.colliders.poses,
+        mode: world.settings.continuous,
+    };
+    let bodies = &mut world.bodies;
+    let delta = &world.buffers.solver.delta;
+    let start = &world.buffers.forces.start;
+    let keep = !bodies.previous.is_empty();
+    let previous = Shared::new(&mut bodies.previous);
+    let (mass, traits, colliders) = (&bodies.mass, &bodies.traits, &bodies.colliders);
+    let velocity = Shared::new(&mut bodies.velocity);
+    let pose = Shared::new(&mut bodies.pose);
+    let stacks = &world.buffers.finish.stacks;
+    crew.run(blocks, &|block| {
+        let Ok(mut stack) = stacks[block].lock() else { return };
+        for i in block * BLOCK..((block + 1) * BLOCK).min(movers) {
+            let d = &delta[i];
+            // SAFETY: each body is in one block.
+            let (pose, velocity) = unsafe { (pose.get(i), velocity.get(i)) };
+            let touched = d.pad0 != 0.0;
+            if i < dynamic && !touched && spins_freely(&mass[i], &traits[i], start[i].angular, dt) {
+                let spin = start[i].angular;
+                let parts = (spin.length() * dt / TURN).ceil().clamp(1.0, 256.0);
+                let (mut q, mut w) = (pose.rotation, spin);
+                for _ in 0..parts as u32 {
+                    (q, w) = tumble(q, w, mass[i].inertia, dt / parts);
+                }
+                (pose.rotation, velocity.angular) = (q, w);
+            } else {
+                pose.rotation = (exp_map(d.angular) * pose.rotation).normalize();
+            }
+            let mut moved = d.linear;
+            if i < dynamic && guard.wants(&traits[i], colliders[i].as_slice(), moved.length()) {
+                let from = pose.position;
+                if guard.hold(&mut stack, colliders[i].as_slice(), from, &mut moved, velocity) {
+                    held.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+                }
+            }
+            pose.position += moved.as_dvec3();
+            if keep {
+                // SAFETY: each body is in one block.
+                let previous = unsafe { previous.get(i) };
+                (previous.linear, previous.angular) = (start[i].linear, start[i].angular);
+                previous.moved = moved;
+            }
+        }
+    });
+    Ended { held: held.into_inner() }
+}

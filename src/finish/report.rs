@@ -1,0 +1,100 @@
+//! What a step did.
+
+use super::Ended;
+use crate::broad_phase::BroadStats;
+use crate::narrow_phase::NarrowStats;
+use crate::world::World;
+
+/// How long the stages took [us].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct StageTimes {
+    /// The whole step.
+    pub step: f32,
+    /// Forces, bounds, pairs.
+    pub broad: f32,
+    /// Manifolds.
+    pub narrow: f32,
+    /// Restitution; rows sorted, coloured and packed.
+    pub prepare: f32,
+    /// Substeps.
+    pub solve: f32,
+    /// Poses, guard.
+    pub finish: f32,
+}
+
+/// Counts and times of a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct StepReport {
+    /// How long the stages took.
+    pub times: StageTimes,
+    /// Pairs that the broad phase keeps.
+    pub pairs: u32,
+    /// Movers whose box in the tree was renewed.
+    pub moved: u32,
+    /// Movers that were swept along their path.
+    pub swept: u32,
+    /// Manifolds with at least one point.
+    pub manifolds: u32,
+    /// Points that touch.
+    pub real: u32,
+    /// Points that may touch within the step.
+    pub potential: u32,
+    /// Potential manifolds that had to push.
+    pub pushed: u32,
+    /// Pushes of the step before whose gap was not closed: pushed by what was never touched.
+    pub ghosts: u32,
+    /// Pairs that kept their manifold without a new narrow phase.
+    pub recycled: u32,
+    /// Fast pairs whose first touch within the step was looked for.
+    pub casts: u32,
+    /// Points that bounced.
+    pub impacts: u32,
+    /// Batches of eight manifolds.
+    pub batches: u32,
+    /// Contacts that found no colour.
+    pub uncoloured: u32,
+    /// Bodies whose centre would have crossed static geometry, had the guard not held them.
+    pub held: u32,
+    /// Points that were left out because memory was not allowed to grow.
+    pub shed: u32,
+}
+
+impl StepReport {
+    pub(crate) fn new(
+        world: &World,
+        times: StageTimes,
+        (broad, gone): (BroadStats, u32),
+        narrow: NarrowStats,
+        impacts: usize,
+        ended: Ended,
+    ) -> StepReport {
+        let mut report = StepReport {
+            times,
+            pairs: world.broad.pairs.len() as u32,
+            moved: broad.moved,
+            swept: broad.fast,
+            ghosts: narrow.ghosts + gone,
+            recycled: narrow.recycled,
+            casts: narrow.casts,
+            impacts: impacts as u32,
+            held: ended.held,
+            uncoloured: world.buffers.rows.single.len() as u32,
+            batches: world.buffers.rows.schedule.len() as u32,
+            ..StepReport::default()
+        };
+        let real = crate::step::REAL * world.settings.length_unit;
+        for contact in &world.contacts.all {
+            if contact.count > 0 {
+                report.manifolds += 1;
+                report.pushed += u32::from(contact.pushed);
+                let touching = contact.points().iter().filter(|p| p.separation <= real).count() as u32;
+                report.real += touching;
+                report.potential += u32::from(contact.count) - touching;
+            }
+        }
+        report
+    }
+}

@@ -1,0 +1,125 @@
+//! The broad stage: places the colliders of what moves and finds the pairs of the step.
+
+use crate::body::BodyKind;
+use crate::broad_phase::{BroadStats, Mover, aabb_of};
+use crate::config::Continuous;
+use crate::lanes::Record;
+use crate::memory::bytes_of;
+use crate::shape::Collider;
+use crate::threads::{Crew, Shared};
+use crate::world::World;
+
+/// Buffers of one step.
+#[derive(Debug, Default)]
+pub(crate) struct Buffers {
+    movers: Vec<Mover>,
+    /// Where each body's colliders begin in `movers`.
+    starts: Vec<u32>,
+    removed: Vec<crate::broad_phase::Pair>,
+}
+
+impl Buffers {
+    pub(crate) fn bytes(&self) -> (usize, usize) {
+        [bytes_of(&self.movers), bytes_of(&self.starts), bytes_of(&self.removed)]
+            .into_iter()
+            .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
+    }
+}
+
+/// Widest margin of a fat box [length units]: wider, and more pairs are looked at in vain; narrower, and boxes are made
+/// anew more often.
+const MARGIN: f32 = 0.1;
+/// Bodies a block.
+const BLOCK: usize = 128;
+
+/// Finds the pairs of this step; also says how many ghosts left with the pairs that ended.
+pub(crate) fn pairs(crew: &Crew<'_>, world: &mut World) -> (BroadStats, u32) {
+    let count = world.bodies.movers();
+    let Buffers { movers, starts, removed } = &mut world.buffers.broad;
+    starts.clear();
+    let mut total = 0;
+    for colliders in &world.bodies.colliders[..count] {
+        starts.push(total);
+        total += colliders.as_slice().len() as u32;
+    }
+    let empty = Mover {
+        collider: 0,
+        aabb: crate::broad_phase::Aabb { min: glam::Vec3::ZERO, max: glam::Vec3::ZERO },
+        motion: glam::Vec3::ZERO,
+        spin: 0.0,
+        mode: Continuous::Discrete,
+    };
+    movers.resize(total as usize, empty);
+    {
+        let out = Shared::new(movers);
+        let poses = Shared::new(&mut world.colliders.poses);
+        let (bodies, all) = (&world.bodies, &world.colliders.all);
+        let motion = &world.buffers.forces.motion;
+        let whole = world.settings.continuous;
+        let starts = &*starts;
+        crew.run(count.div_ceil(BLOCK), &|block| {
+            for i in block * BLOCK..((block + 1) * BLOCK).min(count) {
+                let mode = mode_of(whole, bodies.traits[i].continuous);
+                let pose = &bodies.pose[i];
+                for (k, &c) in bodies.colliders[i].as_slice().iter().enumerate() {
+                    let collider = &all[c as usize];
+                    // SAFETY: a collider has one body, and a body is in one block.
+                    unsafe {
+                        let placed = poses.get(c as usize);
+                        placed.position = pose.position + (pose.rotation * collider.position).as_dvec3();
+                        placed.rotation = pose.rotation * collider.rotation;
+                        *out.get(starts[i] as usize + k) = mover(
+                            c,
+                            collider,
+                            &motion[i],
+                            aabb_of(collider, pose.position, pose.rotation),
+                            mode,
+                        );
+                    }
+                }
+            }
+        });
+    }
+    removed.clear();
+    let (bodies, all) = (&world.bodies, &world.colliders.all);
+    let may_collide = |a: u32, b: u32| {
+        let (a, b) = (&all[a as usize], &all[b as usize]);
+        let dynamic = |c: &Collider| bodies.kind[c.body as usize] == BodyKind::Dynamic;
+        a.body != b.body && (dynamic(a) || dynamic(b)) && a.filter.allows(&b.filter)
+    };
+    let order = |a: u32, b: u32| {
+        let kind = |c: u32| all[c as usize].kind;
+        if (kind(a), a) <= (kind(b), b) { (a, b) } else { (b, a) }
+    };
+    let margin = MARGIN * world.settings.length_unit;
+    let stats = world.broad.update(crew, movers, margin, &may_collide, &order, removed);
+    let mut ghosts = 0;
+    for pair in removed.iter() {
+        ghosts += world.contacts.count_pushed(pair.contact);
+        world.contacts.remove_chain(pair.contact);
+    }
+    (stats, ghosts)
+}
+
+/// The mode a body really has.
+pub(crate) fn mode_of(world: Continuous, body: Continuous) -> Continuous {
+    match (world, body) {
+        (Continuous::Discrete, _) | (_, Continuous::Discrete) => Continuous::Discrete,
+        (Continuous::Volume, _) => Continuous::Volume,
+        (Continuous::Segment, own) => own,
+    }
+}
+
+fn mover(
+    c: u32,
+    collider: &Collider,
+    motion: &Record,
+    aabb: crate::broad_phase::Aabb,
+    mode: Continuous,
+) -> Mover {
+    let turn = motion.angular.length();
+    // A point can't get further than across the circle that it runs on.
+    let swing = |arm: f32| (turn * arm).min(2.0 * arm);
+    let spin = if turn == 0.0 { 0.0 } else { swing(collider.position.length() + collider.radius) };
+    Mover { collider: c, aabb, motion: motion.linear, spin, mode }
+}

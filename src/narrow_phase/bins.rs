@@ -1,0 +1,248 @@
+//! Pairs binned by shape pair, and worked through in lanes.
+
+use super::ahead::look_ahead;
+use super::box_box::box_box;
+use super::capsule_box::{capsule_box, tapered_capsule_box};
+use super::capsule_capsule::{capsule_capsule, tapered_capsule_capsule};
+use super::collide::{Found, Input, near};
+use super::contact::{Contact, NONE};
+use super::convex::collide_convex;
+use super::lanes_io::{ManifoldLanes, PairLanes};
+use super::mesh::collide_mesh;
+use super::sphere_box::sphere_box;
+use super::sphere_capsule::sphere_capsule;
+use super::sphere_sphere::sphere_sphere;
+use super::{RawManifold, Relative};
+use crate::broad_phase::Pair;
+use crate::lanes::f32x8;
+use crate::memory::bytes_of;
+use crate::shape::{Collider, Kind};
+use crate::threads::Shared;
+
+/// A shape pair, as a small number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Bin(pub(crate) u8);
+
+const KINDS: u8 = 8;
+/// Tapered capsules have kernels, and so bins, of their own.
+const TAPERED_CAPSULES: Bin = Bin(KINDS * KINDS);
+const TAPERED_BOX: Bin = Bin(KINDS * KINDS + 1);
+/// One bin a pair of kinds, and the tapered ones.
+const COUNT: usize = KINDS as usize * KINDS as usize + 2;
+/// Pairs a block of one bin: a multiple of eight.
+const BLOCK: u32 = 64;
+
+impl Bin {
+    pub(crate) fn of(a: &Collider, b: &Collider) -> Bin {
+        let tapered = |c: &Collider| c.kind == Kind::Capsule && c.size[1] != c.size[2];
+        match (a.kind, b.kind) {
+            (Kind::Capsule, Kind::Capsule) if tapered(a) || tapered(b) => TAPERED_CAPSULES,
+            (Kind::Capsule, Kind::Box) if tapered(a) => TAPERED_BOX,
+            (a, b) => Bin(Bin::pair(a, b)),
+        }
+    }
+
+    const fn pair(a: Kind, b: Kind) -> u8 {
+        a as u8 * KINDS + b as u8
+    }
+}
+
+/// Pairs in the order of their bins.
+#[derive(Debug, Default)]
+pub(crate) struct Bins {
+    /// Pair indices, bin after bin.
+    pub(crate) order: Vec<u32>,
+    /// Bin, start and end in `order`.
+    pub(crate) blocks: Vec<(Bin, u32, u32)>,
+}
+
+impl Bins {
+    /// Counting sort of the pairs by bin; those with `skip` are left out and counted.
+    pub(crate) fn sort(&mut self, bin_of: &[u8], skip: u8) -> u32 {
+        let mut starts = [0u32; COUNT + 1];
+        for &bin in bin_of.iter().filter(|&&bin| bin != skip) {
+            starts[bin as usize + 1] += 1;
+        }
+        for bin in 0..COUNT {
+            starts[bin + 1] += starts[bin];
+        }
+        let total = starts[COUNT];
+        self.order.clear();
+        self.order.resize(total as usize, 0);
+        self.blocks.clear();
+        for bin in 0..COUNT {
+            for start in (starts[bin]..starts[bin + 1]).step_by(BLOCK as usize) {
+                self.blocks.push((Bin(bin as u8), start, starts[bin + 1].min(start + BLOCK)));
+            }
+        }
+        for (pair, &bin) in bin_of.iter().enumerate().filter(|&(_, &bin)| bin != skip) {
+            let at = &mut starts[bin as usize];
+            self.order[*at as usize] = pair as u32;
+            *at += 1;
+        }
+        bin_of.len() as u32 - total
+    }
+
+    pub(crate) fn bytes(&self) -> (usize, usize) {
+        let (a, b) = (bytes_of(&self.order), bytes_of(&self.blocks));
+        (a.0 + b.0, a.1 + b.1)
+    }
+}
+
+type Kernel = fn(&PairLanes<f32x8>) -> ManifoldLanes<f32x8>;
+
+/// The lane kernel of a bin, if it has one.
+fn kernel_of(bin: Bin) -> Option<Kernel> {
+    const SPHERES: u8 = Bin::pair(Kind::Sphere, Kind::Sphere);
+    const SPHERE_CAPSULE: u8 = Bin::pair(Kind::Sphere, Kind::Capsule);
+    const SPHERE_BOX: u8 = Bin::pair(Kind::Sphere, Kind::Box);
+    const CAPSULES: u8 = Bin::pair(Kind::Capsule, Kind::Capsule);
+    const CAPSULE_BOX: u8 = Bin::pair(Kind::Capsule, Kind::Box);
+    const BOXES: u8 = Bin::pair(Kind::Box, Kind::Box);
+    const TAPERED: u8 = TAPERED_CAPSULES.0;
+    const TAPERED_ON_BOX: u8 = TAPERED_BOX.0;
+    match bin.0 {
+        TAPERED => Some(tapered_capsule_capsule::<f32x8>),
+        TAPERED_ON_BOX => Some(tapered_capsule_box::<f32x8>),
+        SPHERES => Some(sphere_sphere::<f32x8>),
+        SPHERE_CAPSULE => Some(sphere_capsule::<f32x8>),
+        SPHERE_BOX => Some(sphere_box::<f32x8>),
+        CAPSULES => Some(capsule_capsule::<f32x8>),
+        CAPSULE_BOX => Some(capsule_box::<f32x8>),
+        BOXES => Some(box_box::<f32x8>),
+        _ => None,
+    }
+}
+
+/// Works through a block of pairs of one bin.
+pub(crate) fn run_bin(
+    bin: Bin,
+    order: &[u32],
+    input: &Input<'_>,
+    pairs: &[Pair],
+    relative: &[Relative],
+    contacts: &Shared<'_, Contact>,
+    out: &mut Found,
+) {
+    let margin_of = |pair: &Pair| input.margin + input.approach(pair);
+    if let Some(kernel) = kernel_of(bin) {
+        for eight in order.chunks(8) {
+            let pair = |lane: usize| eight[lane.min(eight.len() - 1)] as usize;
+            let shape = |c: u32| input.colliders[c as usize].size;
+            let lanes = PairLanes::from_fn(|lane| {
+                let (p, i) = (&pairs[pair(lane)], pair(lane));
+                (relative[i], shape(p.a), shape(p.b), margin_of(p))
+            });
+            let manifolds = kernel(&lanes);
+            for (lane, &index) in eight.iter().enumerate() {
+                let raw = manifolds.lane(lane);
+                finish_convex(input, pairs, index, raw, &relative[index as usize], contacts, out);
+            }
+        }
+        return;
+    }
+    for &index in order {
+        let pair = &pairs[index as usize];
+        let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
+        let rel = &relative[index as usize];
+        if b.kind == Kind::Mesh || b.kind == Kind::HeightField {
+            finish_mesh(input, pair, index, a, b, rel, contacts, out);
+        } else {
+            let raw = collide_convex(a, b, rel, margin_of(pair));
+            finish_convex(input, pairs, index, raw, rel, contacts, out);
+        }
+    }
+}
+
+/// A gap that a push should have closed counts as a ghost above this many margins.
+const GHOST_GAP: f32 = 0.5;
+
+fn finish_convex(
+    input: &Input<'_>,
+    pairs: &[Pair],
+    index: u32,
+    raw: RawManifold,
+    rel: &Relative,
+    contacts: &Shared<'_, Contact>,
+    out: &mut Found,
+) {
+    let pair = &pairs[index as usize];
+    let nearest = raw.points().iter().fold(f32::INFINITY, |s, p| s.min(p.separation));
+    let (mut raw, mut fraction) = (raw, 0.0);
+    if input.continuous && nearest > input.real && input.approach(pair) > input.fast {
+        // Apart and fast: a plane at the start of the step would be a guess, so look where they really touch.
+        out.casts += 1;
+        match look_ahead(input, pair) {
+            Some((ahead, at)) => (raw, fraction) = (ahead, at),
+            // Nothing in reach on this path. The larger volume keeps what another impact might lead to.
+            None if input.volume => {}
+            None => raw.count = 0,
+        }
+    }
+    if pair.contact == NONE {
+        if raw.count > 0 {
+            out.fresh.push((index, raw, *rel, fraction));
+        }
+        return;
+    }
+    // SAFETY: the contact is this pair's, and this block has the pair.
+    let contact = unsafe { contacts.get(pair.contact as usize) };
+    if contact.pushed && nearest > GHOST_GAP * input.margin {
+        out.ghosts += 1;
+    }
+    if raw.count == 0 {
+        out.emptied.push(index);
+    } else {
+        contact.renew(&raw, *rel, near(input, pair));
+        contact.fraction = fraction;
+    }
+}
+
+#[allow(clippy::too_many_arguments, reason = "one call, one place")]
+fn finish_mesh(
+    input: &Input<'_>,
+    pair: &Pair,
+    index: u32,
+    a: &Collider,
+    b: &Collider,
+    rel: &Relative,
+    contacts: &Shared<'_, Contact>,
+    out: &mut Found,
+) {
+    let approach = input.approach(pair);
+    // Where the body is: what it may reach further away is found by the cast.
+    let margin = input.margin
+        + approach.min(match (input.continuous, input.volume) {
+            (true, true) => approach,
+            (true, false) => a.radius,
+            (false, _) => input.margin,
+        });
+    let start = out.many.len() as u32;
+    out.raw.clear();
+    collide_mesh(a, b, rel, margin, &mut out.mesh, &mut out.raw);
+    let nearest = out.raw.iter().flat_map(|m| m.points()).fold(f32::INFINITY, |s, p| s.min(p.separation));
+    let fast = input.continuous && approach > input.fast;
+    if fast && !input.volume {
+        // Manifolds without a real point are guesses; what is really hit comes from the cast.
+        let real = input.real;
+        out.raw.retain(|m| m.points().iter().any(|p| p.separation <= real));
+    }
+    out.many.extend(out.raw.iter().map(|&m| (m, 0.0)));
+    if fast {
+        out.casts += 1;
+        super::ahead::look_ahead_mesh(input, pair, out);
+    }
+    if pair.contact != NONE {
+        // SAFETY: the contact is this pair's, and this block has the pair.
+        let contact = unsafe { contacts.get(pair.contact as usize) };
+        if contact.pushed && nearest > GHOST_GAP * input.margin {
+            out.ghosts += 1;
+        }
+    }
+    let end = out.many.len() as u32;
+    if end > start {
+        out.meshes.push((index, *rel, start, end));
+    } else if pair.contact != NONE {
+        out.emptied.push(index);
+    }
+}

@@ -1,0 +1,306 @@
+//! The narrow phase of a step: pairs in, contacts out.
+//!
+//! Three passes. *Place*: the relative pose of every pair, eight at a time; a pair that hardly moved since its contact
+//! was found keeps it. *Bins*: the others are binned by shape pair and go through their kernel in lanes. *Commit*, by
+//! one thread and in the order of the pairs: contacts come and go.
+
+use super::bins::{Bin, Bins, run_bin};
+use super::contact::{Contact, Contacts, NONE};
+use super::{RawManifold, Relative};
+use crate::body::Pose;
+use crate::broad_phase::Pair;
+use crate::lanes::{Lanes, Quat, Record, Vec3, f32x8};
+use crate::memory::bytes_of;
+use crate::shape::Collider;
+use crate::threads::{Crew, Shared};
+use std::sync::Mutex;
+
+/// What the narrow phase reads.
+pub(crate) struct Input<'a> {
+    pub(crate) colliders: &'a [Collider],
+    /// World pose of each collider at the start of the step.
+    pub(crate) poses: &'a [Pose],
+    /// Predicted displacement [m] and rotation vector [rad] of each body that can move, within the step.
+    pub(crate) motion: &'a [Record],
+    /// Points nearer than this are always looked for [m].
+    pub(crate) margin: f32,
+    /// A separation up to this is a real contact [m].
+    pub(crate) real: f32,
+    /// Relative motion in a step above which a pair that is apart is cast [m].
+    pub(crate) fast: f32,
+    /// How far a pair may move before its contact is looked for again [m]; negative: at once.
+    pub(crate) recycle: f32,
+    /// Whether fast pairs are cast at all.
+    pub(crate) continuous: bool,
+    /// Whether obstacles behind the first one on the path count too.
+    pub(crate) volume: bool,
+}
+
+impl Input<'_> {
+    /// Displacement and rotation vector of a collider's body within the step.
+    pub(crate) fn motion_of(&self, collider: u32) -> Record {
+        let body = self.colliders[collider as usize].body as usize;
+        self.motion.get(body).copied().unwrap_or_default()
+    }
+
+    /// The furthest that two points of a pair may approach each other within the step [m].
+    pub(crate) fn approach(&self, pair: &Pair) -> f32 {
+        let (a, b) = (self.motion_of(pair.a), self.motion_of(pair.b));
+        let reach = |collider: u32, motion: &Record| {
+            let c = &self.colliders[collider as usize];
+            let turn = motion.angular.length();
+            // A point of the shape can't get further than across it.
+            if turn == 0.0 {
+                0.0
+            } else {
+                (turn * (c.position.length() + c.radius)).min(2.0 * c.radius + turn * c.position.length())
+            }
+        };
+        (b.linear - a.linear).length() + reach(pair.a, &a) + reach(pair.b, &b)
+    }
+}
+
+/// What a block of pairs found that needs a slot.
+#[derive(Debug, Default)]
+pub(crate) struct Found {
+    /// Pair, manifold, where it was found, fraction of the step.
+    pub(crate) fresh: Vec<(u32, RawManifold, Relative, f32)>,
+    /// Pairs that lost their contact.
+    pub(crate) emptied: Vec<u32>,
+    /// Mesh pairs that were looked at, with the range of their manifolds in `many`.
+    pub(crate) meshes: Vec<(u32, Relative, u32, u32)>,
+    pub(crate) many: Vec<(RawManifold, f32)>,
+    pub(crate) raw: Vec<RawManifold>,
+    pub(crate) mesh: super::mesh::MeshScratch,
+    pub(crate) casts: u32,
+    pub(crate) ghosts: u32,
+}
+
+/// Buffers of one step.
+#[derive(Debug, Default)]
+pub(crate) struct Scratch {
+    relative: Vec<Relative>,
+    bin_of: Vec<u8>,
+    bins: Bins,
+    found: Vec<Mutex<Found>>,
+    chain: Vec<Contact>,
+}
+
+impl Scratch {
+    /// Live and reserved bytes.
+    pub(crate) fn bytes(&self) -> (usize, usize) {
+        let mut sum =
+            [bytes_of(&self.relative), bytes_of(&self.bin_of), self.bins.bytes(), bytes_of(&self.chain)]
+                .into_iter()
+                .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1));
+        sum.1 += self.found.capacity() * size_of::<Mutex<Found>>();
+        for found in &self.found {
+            let Ok(found) = found.lock() else { continue };
+            sum.1 += bytes_of(&found.fresh).1
+                + bytes_of(&found.emptied).1
+                + bytes_of(&found.meshes).1
+                + bytes_of(&found.many).1
+                + bytes_of(&found.raw).1
+                + found.mesh.bytes().1;
+        }
+        sum
+    }
+}
+
+/// Counts of one step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct NarrowStats {
+    pub(crate) recycled: u32,
+    pub(crate) casts: u32,
+    pub(crate) ghosts: u32,
+}
+
+/// In `bin_of`: the pair keeps its contact.
+const KEPT: u8 = u8::MAX;
+/// Pairs a block: a multiple of the lanes; fewer and the claim shows, more and two threads end apart.
+const BLOCK: usize = 128;
+
+/// Finds the contacts of all pairs.
+pub(crate) fn collide(
+    crew: &Crew<'_>,
+    input: &Input<'_>,
+    pairs: &mut [Pair],
+    contacts: &mut Contacts,
+    scratch: &mut Scratch,
+) -> NarrowStats {
+    place(crew, input, pairs, contacts, scratch);
+    let Scratch { relative, bin_of, bins, found, chain } = scratch;
+    let mut stats = NarrowStats { recycled: bins.sort(bin_of, KEPT), ..NarrowStats::default() };
+    if found.len() < bins.blocks.len() {
+        found.resize_with(bins.blocks.len(), Mutex::default);
+    }
+    {
+        let all = Shared::new(&mut contacts.all);
+        let pairs = &*pairs;
+        let (bins, relative, found) = (&*bins, &*relative, &*found);
+        crew.run(bins.blocks.len(), &|block| {
+            let (bin, start, end) = bins.blocks[block];
+            if let Ok(mut out) = found[block].lock() {
+                run_bin(
+                    bin,
+                    &bins.order[start as usize..end as usize],
+                    input,
+                    pairs,
+                    relative,
+                    &all,
+                    &mut out,
+                );
+            }
+        });
+    }
+    for block in 0..bins.blocks.len() {
+        if let Ok(out) = found[block].get_mut() {
+            commit(pairs, contacts, out, chain, input);
+            stats.casts += std::mem::take(&mut out.casts);
+            stats.ghosts += std::mem::take(&mut out.ghosts);
+        }
+    }
+    stats
+}
+
+/// Relative poses of all pairs, and which of them keep their contacts.
+fn place(crew: &Crew<'_>, input: &Input<'_>, pairs: &[Pair], contacts: &mut Contacts, scratch: &mut Scratch) {
+    let zero = Relative { position: glam::Vec3::ZERO, rotation: glam::Quat::IDENTITY };
+    scratch.relative.clear();
+    scratch.relative.resize(pairs.len(), zero);
+    scratch.bin_of.clear();
+    scratch.bin_of.resize(pairs.len(), 0);
+    let relative = Shared::new(&mut scratch.relative);
+    let bin_of = Shared::new(&mut scratch.bin_of);
+    let all = Shared::new(&mut contacts.all);
+    crew.run(pairs.len().div_ceil(BLOCK), &|block| {
+        let end = ((block + 1) * BLOCK).min(pairs.len());
+        for first in (block * BLOCK..end).step_by(8) {
+            let lanes = &pairs[first..end.min(first + 8)];
+            let placed = relative_poses(lanes, input.poses);
+            for (i, (pair, now)) in lanes.iter().zip(placed).enumerate() {
+                // SAFETY: block and lane fix `first + i`, which no other block has.
+                unsafe {
+                    *relative.get(first + i) = now;
+                    *bin_of.get(first + i) = if recycle(input, pair, &now, &all) {
+                        KEPT
+                    } else {
+                        let kind = |c: u32| &input.colliders[c as usize];
+                        Bin::of(kind(pair.a), kind(pair.b)).0
+                    };
+                }
+            }
+        }
+    });
+}
+
+/// Pose of `b` in `a` for up to eight pairs.
+fn relative_poses(pairs: &[Pair], poses: &[Pose]) -> [Relative; 8] {
+    let at = |i: usize| pairs[i.min(pairs.len() - 1)];
+    let a = |i: usize| &poses[at(i).a as usize];
+    let b = |i: usize| &poses[at(i).b as usize];
+    let qa = Quat::<f32x8>::from_fn(|i| a(i).rotation).conjugate();
+    let qb = Quat::<f32x8>::from_fn(|i| b(i).rotation);
+    // The difference of two f64 positions, then f32: exact near each other wherever the world is.
+    let position = qa.rotate(Vec3::from_fn(|i| (b(i).position - a(i).position).as_vec3()));
+    let rotation = qa.compose(qb);
+    let (x, y, z) = (position.x.to_array(), position.y.to_array(), position.z.to_array());
+    let (i, j, k) = (rotation.v.x.to_array(), rotation.v.y.to_array(), rotation.v.z.to_array());
+    let w = rotation.w.to_array();
+    std::array::from_fn(|n| Relative {
+        position: glam::Vec3::new(x[n], y[n], z[n]),
+        rotation: glam::Quat::from_xyzw(i[n], j[n], k[n], w[n]),
+    })
+}
+
+/// Whether the pair keeps its contacts; moves their points with the bodies if so.
+///
+/// # Safety
+/// No other thread may look at the contacts of this pair.
+unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'_, Contact>) -> bool {
+    if pair.contact == NONE || pair.fast || input.recycle < 0.0 {
+        return false;
+    }
+    // SAFETY: by the contract.
+    let first = unsafe { all.read(pair.contact as usize) };
+    if first.count == 0 || first.fraction > 0.0 {
+        return false;
+    }
+    let reach = input.colliders[pair.a as usize].radius.min(input.colliders[pair.b as usize].radius);
+    let limit = input.recycle.min(0.05 * reach);
+    let moved = (now.position - first.found_at.position).length_squared();
+    // |sin(angle / 2)| of the turn since then, by the quaternion's vector part.
+    let d = now.rotation * first.found_at.rotation.conjugate();
+    let turned = 4.0 * (d.x * d.x + d.y * d.y + d.z * d.z);
+    if moved > limit * limit || turned * reach * reach > limit * limit {
+        return false;
+    }
+    let mut slot = pair.contact;
+    while slot != NONE {
+        // SAFETY: by the contract.
+        let contact = unsafe { all.get(slot as usize) };
+        contact.follow(now);
+        slot = contact.next;
+    }
+    true
+}
+
+/// Gives slots to what a block found.
+fn commit(
+    pairs: &mut [Pair],
+    contacts: &mut Contacts,
+    out: &mut Found,
+    chain: &mut Vec<Contact>,
+    input: &Input<'_>,
+) {
+    for index in out.emptied.drain(..) {
+        let pair = &mut pairs[index as usize];
+        contacts.remove_chain(std::mem::replace(&mut pair.contact, NONE));
+    }
+    for (index, raw, found_at, fraction) in out.fresh.drain(..) {
+        let pair = &mut pairs[index as usize];
+        let mut contact = Contact::new(pair.a, pair.b);
+        contact.take(&raw, found_at);
+        contact.fraction = fraction;
+        pair.contact = contacts.insert(contact);
+    }
+    for (index, found_at, start, end) in out.meshes.drain(..) {
+        let pair = &mut pairs[index as usize];
+        chain.clear();
+        let mut slot = pair.contact;
+        while slot != NONE {
+            chain.push(contacts.all[slot as usize]);
+            slot = contacts.all[slot as usize].next;
+        }
+        contacts.remove_chain(pair.contact);
+        pair.contact = NONE;
+        let mut last = NONE;
+        for (raw, fraction) in &out.many[start as usize..end as usize] {
+            let mut contact = Contact::new(pair.a, pair.b);
+            contact.take(raw, found_at);
+            contact.fraction = *fraction;
+            contact.struck = chain.iter().any(|old| old.pushed);
+            // The manifold of the last step whose normal is nearest.
+            let nearest =
+                chain.iter().max_by(|x, y| x.normal.dot(raw.normal).total_cmp(&y.normal.dot(raw.normal)));
+            if let Some(old) = nearest.filter(|old| old.normal.dot(raw.normal) > 0.9) {
+                contact.inherit(old, near(input, pair));
+                (contact.friction, contact.twist) = (old.friction, old.twist);
+            }
+            let slot = contacts.insert(contact);
+            if last == NONE {
+                pair.contact = slot;
+            } else {
+                contacts.all[last as usize].next = slot;
+            }
+            last = slot;
+        }
+    }
+    out.many.clear();
+}
+
+/// How near two points must be to count as the same [m].
+pub(crate) fn near(input: &Input<'_>, pair: &Pair) -> f32 {
+    let radius = |c: u32| input.colliders[c as usize].radius;
+    0.1 * radius(pair.a).min(radius(pair.b))
+}

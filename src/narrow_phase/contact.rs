@@ -1,0 +1,187 @@
+//! Contacts: manifolds that last while their pair does, with the impulses of the last step.
+
+use super::Relative;
+use super::manifold::{MAX_POINTS, RawManifold};
+use crate::memory::bytes_of;
+use glam::{Quat, Vec3};
+
+/// No contact.
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// A point of a contact.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Point {
+    /// Midway between the surfaces when the contact was found, in the frame of shape `a` [m].
+    pub(crate) position: Vec3,
+    /// At the start of the step, negative in overlap [m].
+    pub(crate) separation: f32,
+    /// When the contact was found [m].
+    pub(crate) found: f32,
+    /// Normal impulse of the last substep [N s].
+    pub(crate) impulse: f32,
+    pub(crate) key: u32,
+}
+
+/// A manifold of a pair of colliders.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Contact {
+    pub(crate) a: u32,
+    pub(crate) b: u32,
+    /// Next contact of the same pair (meshes have several), or [`NONE`].
+    pub(crate) next: u32,
+    pub(crate) count: u8,
+    /// The solver had to push a potential point of it in this step.
+    pub(crate) pushed: bool,
+    /// The same of the step before: now it is known whether the gap was closed.
+    pub(crate) struck: bool,
+    /// Of the step: the contact was found at the pose of first touch, this far into the step, and its separations
+    /// carried back to the start of it. Zero: found at the start. Such a contact is never recycled.
+    pub(crate) fraction: f32,
+    /// Unit, from `a` to `b`, in the frame of shape `a`.
+    pub(crate) normal: Vec3,
+    pub(crate) points: [Point; MAX_POINTS],
+    /// Friction impulse of the last substep, in the frame of shape `a` [N s].
+    pub(crate) friction: Vec3,
+    /// Impulse against twist about the normal [N m s].
+    pub(crate) twist: f32,
+    /// Pose of `b` in `a` when the contact was found.
+    pub(crate) found_at: Relative,
+}
+
+impl Contact {
+    pub(crate) fn new(a: u32, b: u32) -> Self {
+        Contact {
+            a,
+            b,
+            next: NONE,
+            count: 0,
+            pushed: false,
+            struck: false,
+            fraction: 0.0,
+            normal: Vec3::Y,
+            points: [Point::default(); MAX_POINTS],
+            friction: Vec3::ZERO,
+            twist: 0.0,
+            found_at: Relative { position: Vec3::ZERO, rotation: Quat::IDENTITY },
+        }
+    }
+
+    pub(crate) fn points(&self) -> &[Point] {
+        &self.points[..self.count as usize]
+    }
+
+    /// Takes a new manifold and keeps the impulses of points that are the same: by key, else by place.
+    /// `near`: how close two points must be to count as one [m].
+    pub(crate) fn renew(&mut self, raw: &RawManifold, found_at: Relative, near: f32) {
+        let old = *self;
+        self.take(raw, found_at);
+        if old.count == 0 || old.normal.dot(raw.normal) < 0.7 {
+            (self.friction, self.twist) = (Vec3::ZERO, 0.0);
+            return;
+        }
+        self.inherit(&old, near);
+    }
+
+    /// Sets the points without impulses.
+    pub(crate) fn take(&mut self, raw: &RawManifold, found_at: Relative) {
+        self.count = raw.count as u8;
+        self.normal = raw.normal;
+        self.found_at = found_at;
+        self.fraction = 0.0;
+        self.struck = std::mem::take(&mut self.pushed);
+        for (point, new) in self.points.iter_mut().zip(raw.points()) {
+            *point = Point {
+                position: new.position,
+                separation: new.separation,
+                found: new.separation,
+                impulse: 0.0,
+                key: new.key,
+            };
+        }
+    }
+
+    /// Gives each point without an impulse that of the same point of `old`.
+    pub(crate) fn inherit(&mut self, old: &Contact, near: f32) {
+        let mut used = 0u32;
+        let count = self.count as usize;
+        for point in &mut self.points[..count] {
+            let same = old.points().iter().position(|o| o.key == point.key);
+            let same = same.filter(|i| used >> i & 1 == 0);
+            if let Some(i) = same {
+                used |= 1 << i;
+                point.impulse = old.points[i].impulse;
+            } else {
+                point.impulse = f32::NAN;
+            }
+        }
+        for point in &mut self.points[..count] {
+            if point.impulse.is_nan() {
+                point.impulse = 0.0;
+                let close = (0..old.count as usize)
+                    .filter(|i| used >> i & 1 == 0)
+                    .map(|i| (i, old.points[i].position.distance_squared(point.position)))
+                    .filter(|&(_, d)| d < near * near)
+                    .min_by(|x, y| x.1.total_cmp(&y.1));
+                if let Some((i, _)) = close {
+                    used |= 1 << i;
+                    point.impulse = old.points[i].impulse;
+                }
+            }
+        }
+    }
+
+    /// Moves the points with the bodies, for a pair that hardly moved since its contact was found.
+    pub(crate) fn follow(&mut self, now: &Relative) {
+        let turn = now.rotation * self.found_at.rotation.conjugate();
+        for point in &mut self.points[..self.count as usize] {
+            let on_b = now.position + turn * (point.position - self.found_at.position);
+            point.separation = point.found + self.normal.dot(on_b - point.position);
+        }
+        self.struck = std::mem::take(&mut self.pushed);
+    }
+}
+
+/// All contacts, with holes that are used again.
+#[derive(Debug, Default)]
+pub(crate) struct Contacts {
+    pub(crate) all: Vec<Contact>,
+    free: Vec<u32>,
+}
+
+impl Contacts {
+    pub(crate) fn insert(&mut self, contact: Contact) -> u32 {
+        if let Some(slot) = self.free.pop() {
+            self.all[slot as usize] = contact;
+            return slot;
+        }
+        self.all.push(contact);
+        self.all.len() as u32 - 1
+    }
+
+    /// Frees a contact and all that follow it.
+    pub(crate) fn remove_chain(&mut self, mut slot: u32) {
+        while slot != NONE {
+            let contact = &mut self.all[slot as usize];
+            contact.count = 0;
+            let next = std::mem::replace(&mut contact.next, NONE);
+            self.free.push(slot);
+            slot = next;
+        }
+    }
+
+    /// How many contacts of a chain pushed in the last step.
+    pub(crate) fn count_pushed(&self, mut slot: u32) -> u32 {
+        let mut pushed = 0;
+        while slot != NONE {
+            pushed += u32::from(self.all[slot as usize].pushed);
+            slot = self.all[slot as usize].next;
+        }
+        pushed
+    }
+
+    /// Live and reserved bytes, .
+    pub(crate) fn bytes(&self) -> (usize, usize) {
+        let (all, free) = (bytes_of(&self.all), bytes_of(&self.free));
+        (all.0 - self.free.len() * size_of::<Contact>() + free.0, all.1 + free.1)
+    }
+}

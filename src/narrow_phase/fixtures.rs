@@ -1,0 +1,171 @@
+//! Random shapes and poses for the tests of this folder and of the queries.
+
+use crate::shape::{Collider, ConvexHull, Filter, Geometry, Kind, Material};
+use glam::{DQuat, DVec3, Quat, Vec3};
+use std::sync::Arc;
+
+/// Numbers from a seed (SplitMix64).
+pub(crate) struct Random(pub(crate) u64);
+
+impl Random {
+    pub(crate) fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+    pub(crate) fn below(&mut self, n: u64) -> u64 {
+        self.bits() % n
+    }
+    pub(crate) fn range(&mut self, low: f32, high: f32) -> f32 {
+        low + (high - low) * ((self.bits() >> 40) as f32 / (1 << 24) as f32)
+    }
+    /// Evenly in magnitude.
+    pub(crate) fn log_range(&mut self, low: f32, high: f32) -> f32 {
+        libm::expf(self.range(libm::logf(low), libm::logf(high)))
+    }
+    pub(crate) fn cube(&mut self) -> Vec3 {
+        Vec3::new(self.range(-1.0, 1.0), self.range(-1.0, 1.0), self.range(-1.0, 1.0))
+    }
+    pub(crate) fn direction(&mut self) -> Vec3 {
+        loop {
+            let v = self.cube();
+            if (0.01..1.0).contains(&v.length_squared()) {
+                return v.normalize();
+            }
+        }
+    }
+    pub(crate) fn rotation(&mut self) -> Quat {
+        let (v, w) = (self.cube(), self.range(0.01, 1.0));
+        Quat::from_xyzw(v.x, v.y, v.z, w).normalize()
+    }
+    /// Turned at random, or by quarter turns, so that faces and edges lie parallel.
+    pub(crate) fn rotation_or_aligned(&mut self) -> Quat {
+        match self.below(3) {
+            0 => Quat::IDENTITY,
+            1 => {
+                let h = std::f32::consts::FRAC_1_SQRT_2;
+                [Quat::from_xyzw(h, 0.0, 0.0, h), Quat::from_xyzw(0.0, 0.0, h, h)][self.below(2) as usize]
+            }
+            _ => self.rotation(),
+        }
+    }
+    /// A convex shape of about this size.
+    pub(crate) fn shape(&mut self, kind: Kind, size: f32) -> Collider {
+        let mut length = || size * self.range(0.05, 1.0);
+        let (x, y, z) = (length(), length(), length());
+        collider(match kind {
+            Kind::Sphere => Geometry::Sphere { radius: x },
+            Kind::Capsule if self.below(2) == 0 => Geometry::capsule(x, y),
+            Kind::Capsule => Geometry::Capsule { half_height: x, radius_bottom: y, radius_top: z },
+            Kind::Box => Geometry::cuboid(x, y, z),
+            Kind::Cylinder if self.below(2) == 0 => Geometry::cylinder(x, y),
+            Kind::Cylinder if self.below(4) == 0 => {
+                Geometry::Cylinder { half_height: x, radius_bottom: y, radius_top: 0.0 }
+            }
+            Kind::Cylinder => Geometry::Cylinder { half_height: x, radius_bottom: y, radius_top: z },
+            _ => {
+                let points: Vec<Vec3> = (0..4 + self.below(40)).map(|_| self.cube() * size).collect();
+                match ConvexHull::new(&points) {
+                    Ok(hull) => Geometry::Hull(Arc::new(hull)),
+                    Err(_) => Geometry::cuboid(x, y, z),
+                }
+            }
+        })
+    }
+}
+
+pub(crate) const CONVEX: [Kind; 5] = [Kind::Sphere, Kind::Capsule, Kind::Box, Kind::Cylinder, Kind::Hull];
+
+/// A shape in the middle of its body.
+pub(crate) fn collider(geometry: Geometry) -> Collider {
+    let size = match geometry {
+        Geometry::Sphere { radius } => [radius, 0.0, 0.0, 0.0],
+        Geometry::Capsule { half_height, radius_bottom, radius_top }
+        | Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
+            [half_height, radius_bottom, radius_top, 0.0]
+        }
+        Geometry::Box { half_extents: h } => [h.x, h.y, h.z, 0.0],
+        _ => [0.0; 4],
+    };
+    Collider {
+        kind: Kind::of(&geometry),
+        body: 0,
+        size,
+        position: Vec3::ZERO,
+        rotation: Quat::IDENTITY,
+        radius: geometry.radius(),
+        inner_radius: geometry.inner_radius(),
+        geometry,
+        material: Material::default(),
+        filter: Filter::default(),
+        density: 1000.0,
+        user_data: 0,
+    }
+}
+
+/// How far a point is inside a convex shape's surface along the direction in which it is least so, by definition,
+/// not by the code under test; about, for a tapered capsule. Positive inside [m].
+pub(crate) fn depth(shape: &Collider, p: DVec3) -> f64 {
+    let across = (p.x * p.x + p.z * p.z).sqrt();
+    let [x, y, z, _] = shape.size.map(f64::from);
+    match shape.kind {
+        Kind::Sphere => x - p.length(),
+        // The balls along the axis whose radii go from one to the other, finely.
+        Kind::Capsule => (0..=1000)
+            .map(|i| f64::from(i) / 1000.0)
+            .map(|s| (y + (z - y) * s) - (p - DVec3::Y * (x * (2.0 * s - 1.0))).length())
+            .fold(f64::MIN, f64::max),
+        Kind::Box => (DVec3::new(x, y, z) - p.abs()).min_element(),
+        Kind::Cylinder => {
+            let slope = (y - z) / (2.0 * x);
+            let side = (0.5 * (y + z) - slope * p.y - across) / (1.0 + slope * slope).sqrt();
+            side.min(x - p.y.abs())
+        }
+        Kind::Hull => match &shape.geometry {
+            Geometry::Hull(hull) => hull
+                .planes
+                .iter()
+                .map(|(n, offset)| f64::from(*offset) - n.as_dvec3().dot(p))
+                .fold(f64::MAX, f64::min),
+            _ => f64::MIN,
+        },
+        Kind::Plane => -p.y,
+        Kind::Mesh | Kind::HeightField => f64::MIN,
+    }
+}
+
+/// The furthest point along `d` by definition, in f64 [m].
+pub(crate) fn furthest(shape: &Collider, d: DVec3) -> DVec3 {
+    let [x, y, z, _] = shape.size.map(f64::from);
+    let best = |points: &mut dyn Iterator<Item = DVec3>| {
+        points.fold(None, |best: Option<DVec3>, p| match best {
+            Some(b) if b.dot(d) >= p.dot(d) => Some(b),
+            _ => Some(p),
+        })
+    };
+    let across = DVec3::new(d.x, 0.0, d.z).normalize_or_zero();
+    let found = match shape.kind {
+        Kind::Sphere => Some(d.normalize() * x),
+        Kind::Capsule => {
+            best(&mut [DVec3::Y * x + d.normalize() * z, DVec3::Y * -x + d.normalize() * y].into_iter())
+        }
+        Kind::Box => best(&mut (0..8).map(|i| {
+            let s = |b: u32, v: f64| if i >> b & 1 == 0 { v } else { -v };
+            DVec3::new(s(0, x), s(1, y), s(2, z))
+        })),
+        Kind::Cylinder => best(&mut [DVec3::Y * x + across * z, DVec3::Y * -x + across * y].into_iter()),
+        _ => match &shape.geometry {
+            Geometry::Hull(hull) => best(&mut hull.vertices.iter().map(|v| v.as_dvec3())),
+            _ => None,
+        },
+    };
+    found.unwrap_or_default()
+}
+
+/// The gap of two shapes along a unit direction from a to b, in a's frame [m].
+pub(crate) fn gap_along(a: &Collider, b: &Collider, rotation: DQuat, position: DVec3, n: DVec3) -> f64 {
+    let on_b = rotation * furthest(b, rotation.conjugate() * -n) + position;
+    (on_b - furthest(a, n)).dot(n)
+}

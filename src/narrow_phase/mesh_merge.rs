@@ -1,0 +1,157 @@
+//! Patches of many triangles to few manifolds.
+//!
+//! Patches whose normals are about the same become one manifold. A box that lies on ten triangles has some forty
+//! points, most of them on flat edges inside its own outline; before the dearer reduction to four, those that are
+//! furthest in none of eight directions go.
+
+use super::mesh_box::CORNERS;
+use super::mesh_patch::Patches;
+use super::polytope::Pose;
+use super::reduce::reduce;
+use super::{MAX_POINTS, RawManifold, RawPoint};
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
+use crate::memory::bytes_of;
+use glam::Vec3;
+
+/// Most manifolds of a pair.
+pub(crate) const MOST: usize = 8;
+/// Cosine of 2.5 degrees: normals nearer than this are one. Half the angle of a flat edge.
+const SAME: f32 = 0.999;
+/// Cosine under which two normals are never one, even where there are too many: 25 degrees.
+const RELATED: f32 = 0.9;
+
+/// Buffers.
+#[derive(Default)]
+pub(super) struct Merge {
+    points: Vec<RawPoint>,
+    /// Which manifold each patch went to.
+    place: Vec<u8>,
+}
+
+impl Merge {
+    pub(super) fn bytes(&self) -> (usize, usize) {
+        let (one, other) = (bytes_of(&self.points), bytes_of(&self.place));
+        (one.0 + other.0, one.1 + other.1)
+    }
+
+    /// Adds the manifolds of patches that are sorted, the deepest first.
+    pub(super) fn manifolds(
+        &mut self,
+        patches: &Patches,
+        pose: &Pose,
+        size: f32,
+        out: &mut Vec<RawManifold>,
+    ) {
+        let mut normals = [Vec3::ZERO; MOST];
+        let mut count = 0;
+        self.place.clear();
+        for patch in &patches.patches {
+            let nearest = (0..count).map(|i| (normals[i].dot(patch.normal), i));
+            let nearest =
+                nearest.fold((f32::MIN, MOST), |best, this| if this.0 > best.0 { this } else { best });
+            let place = if nearest.0 > SAME || (count == MOST && nearest.0 > RELATED) {
+                nearest.1
+            } else if count < MOST {
+                normals[count] = patch.normal;
+                count += 1;
+                count - 1
+            } else {
+                // The shallowest of too many different ones.
+                MOST
+            };
+            self.place.push(place as u8);
+        }
+        for (i, &normal) in normals[..count].iter().enumerate() {
+            self.points.clear();
+            for (patch, _) in
+                patches.patches.iter().zip(&self.place).filter(|(_, place)| usize::from(**place) == i)
+            {
+                let first = patch.first as usize;
+                self.points.extend_from_slice(&patches.points[first..first + patch.count as usize]);
+            }
+            let mut manifold = few(&self.points, normal, size);
+            // A corner keeps its key from triangle to triangle; floors and walls are told apart by the side they face.
+            let side = pose.back(normal);
+            let steep = side.abs();
+            let axis = if steep.x > steep.y && steep.x > steep.z {
+                0
+            } else if steep.y > steep.z {
+                1
+            } else {
+                2
+            };
+            let facing = 2 * axis + u32::from(side[axis as usize] > 0.0);
+            for point in &mut manifold.points[..manifold.count as usize] {
+                if point.key < CORNERS {
+                    point.key |= facing << 8;
+                }
+            }
+            out.push(manifold);
+        }
+    }
+}
+
+/// At most four of the points.
+fn few(points: &[RawPoint], normal: Vec3, size: f32) -> RawManifold {
+    let mut some = [RawPoint::default(); 9];
+    let mut count = 0;
+    let same = 1e-3 * size;
+    let mut take = |point: &RawPoint| {
+        // The deepest of a place, if there are several: corners where triangles meet.
+        for other in some[..count].iter_mut() {
+            if (other.position - point.position).length_squared() < same * same {
+                if point.separation < other.separation {
+                    *other = *point;
+                }
+                return;
+            }
+        }
+        if count < some.len() {
+            some[count] = *point;
+            count += 1;
+        }
+    };
+    if points.len() <= MAX_POINTS {
+        points.iter().for_each(&mut take);
+    } else {
+        furthest(points, normal, 1e-5 * size).iter().for_each(|&i| take(&points[i]));
+    }
+    let (points, count) = reduce(&some[..count], normal);
+    RawManifold { normal, count, points }
+}
+
+/// The points furthest in eight directions across the normal, and the deepest; some may be the same. Of equally far
+/// ones the first counts.
+fn furthest(points: &[RawPoint], normal: Vec3, tolerance: f32) -> [usize; 9] {
+    const DIAGONAL: f32 = std::f32::consts::FRAC_1_SQRT_2;
+    let (u, v) = LaneVec3::<f32>::splat(normal).tangents();
+    let (u, v) = (LaneVec3::<f32x8>::splat(u.lane(0)), LaneVec3::splat(v.lane(0)));
+    // Every corner of a rectangle that lies along u and v is furthest along a diagonal, and the other way round; the
+    // eight are turned by an odd angle, or of two corners at one edge either might be the furthest.
+    let x = f32x8::new([1.0, DIAGONAL, 0.0, -DIAGONAL, -1.0, -DIAGONAL, 0.0, DIAGONAL]);
+    let y = f32x8::new([0.0, DIAGONAL, 1.0, DIAGONAL, 0.0, -DIAGONAL, -1.0, -DIAGONAL]);
+    let (s, c) = (f32x8::splat(0.224_951), f32x8::splat(0.974_370));
+    let (x, y) = (x * c - y * s, x * s + y * c);
+    let directions = u * x + v * y;
+
+    let mut best = f32x8::splat(f32::MIN);
+    let mut index = f32x8::zero();
+    let mut deepest = 0;
+    for (i, point) in points.iter().enumerate() {
+        let along = directions.dot(LaneVec3::splat(point.position));
+        let further = along.gt(best + f32x8::splat(tolerance));
+        best = Lanes::select(further, along, best);
+        index = Lanes::select(further, f32x8::splat(i as f32), index);
+        if point.separation < points[deepest].separation - tolerance {
+            deepest = i;
+        }
+    }
+    let index = index.to_array();
+    let mut found: [usize; 9] = std::array::from_fn(|i| index[i % 8] as usize);
+    // Only if it is clearly deeper than those at the border: a box that lies flat keeps its corners.
+    let least = found.iter().map(|&i| points[i].separation).fold(f32::MAX, f32::min);
+    if points[deepest].separation < least - 10.0 * tolerance {
+        found[8] = deepest;
+    }
+    found
+}

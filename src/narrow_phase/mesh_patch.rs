@@ -1,0 +1,208 @@
+//! Contact patches of single triangles, and which of them the surface as a whole does not have.
+//!
+//! A triangle alone has sharp edges all around. In a mesh most of them are flat or lie in a valley, and a normal that
+//! comes from such an edge is a ghost that bodies trip over. Three rules take ghosts out:
+//!
+//! 1. A normal at an edge that is concave, as seen from the shape's side: the face beyond that edge is in front of it
+//!    and is what is really touched. The patch goes.
+//! 2. A normal at an edge that is flat: the patch takes the face's normal, and of its points those that lie over the
+//!    triangle. If they are far deeper below the face than the shape is past the edge, it does not come from above
+//!    the face at all, and the patch goes.
+//! 3. A triangle wholly behind the plane of another face that is touched, which the shape would not reach any more
+//!    once it were lifted out of that face: the sides of a step under a box that stands on it.
+
+use super::RawPoint;
+use crate::memory::bytes_of;
+use crate::shape::{Edges, FLAT_COSINE, Fold};
+use glam::Vec3;
+
+/// Cosine of twice the angle of a flat edge: a normal nearer than this to a face may be one in the gap between it and
+/// its neighbour. There the shape may well reach far below the face elsewhere, on the far side of a hill.
+pub(super) const GAP: f32 = 0.984_807_8;
+
+/// A triangle that may be touched, in the shape's frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Touch {
+    pub(super) corners: [Vec3; 3],
+    /// Unit, to the side on which the shape's centre is.
+    pub(super) front: Vec3,
+    /// Whether it winds clockwise seen from there.
+    pub(super) behind: bool,
+    /// As seen from there.
+    pub(super) edges: Edges,
+    pub(super) index: u32,
+}
+
+impl Touch {
+    /// In the triangle's plane, away from it, at edge `i`; not of unit length.
+    fn outward(&self, i: usize) -> Vec3 {
+        let along = self.corners[(i + 1) % 3] - self.corners[i];
+        if self.behind { self.front.cross(along) } else { along.cross(self.front) }
+    }
+
+    /// The edge that a normal of contact leans over most, of those that meet in the feature that is furthest against
+    /// it; `None` where that is the whole face. `tolerance` [m]: corners this close are equally far.
+    pub(super) fn feature(&self, normal: Vec3, tolerance: f32) -> Option<usize> {
+        let along = self.corners.map(|c| c.dot(normal));
+        let least = along[0].min(along[1]).min(along[2]) + tolerance;
+        let first = along.map(|x| x <= least);
+        match first {
+            [true, true, true] => None,
+            [true, true, false] => Some(0),
+            [false, true, true] => Some(1),
+            [true, false, true] => Some(2),
+            // One corner: the edge before and the edge after it.
+            _ => {
+                let corner = first.iter().position(|&x| x).unwrap_or(0);
+                let (before, after) = ((corner + 2) % 3, corner);
+                let lean = |i: usize| {
+                    let out = self.outward(i);
+                    -normal.dot(out) / out.length()
+                };
+                Some(if lean(after) > lean(before) { after } else { before })
+            }
+        }
+    }
+
+    /// What becomes of a patch with this normal: see the module.
+    ///
+    /// `apart` and `face_apart`: separation of all of the shape along this normal and the face's [m]. `size`: of the
+    /// shape [m].
+    pub(super) fn judge(&self, normal: Vec3, apart: f32, face_apart: f32, size: f32) -> Verdict {
+        if -normal.dot(self.front) > FLAT_COSINE {
+            return Verdict::Face(f32::MIN);
+        }
+        let Some(edge) = self.feature(normal, 1e-3 * size) else { return Verdict::Face(f32::MIN) };
+        match self.edges.fold(edge) {
+            Fold::Ridge | Fold::Open => Verdict::Keep,
+            Fold::Valley => Verdict::Drop,
+            Fold::Flat => {
+                // Four times as deep: a corner that pokes through a small triangle may do that.
+                let least = 4.0 * apart.min(0.0) - 0.02 * size;
+                let leans = -normal.dot(self.front) < GAP;
+                if leans && face_apart < least { Verdict::Drop } else { Verdict::Face(least) }
+            }
+        }
+    }
+}
+
+/// See [`Touch::judge`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Verdict {
+    Keep,
+    /// Take the face's normal, unless a point is deeper than this then.
+    Face(f32),
+    Drop,
+}
+
+/// The points of one triangle.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Patch {
+    /// Unit, from the shape to the triangle.
+    pub(super) normal: Vec3,
+    /// Its points are `first..first + count` of all.
+    pub(super) first: u32,
+    pub(super) count: u32,
+    /// Least separation of its points [m].
+    pub(super) least: f32,
+    /// For a face: how far the shape reaches beyond its plane, negative [m].
+    pub(super) reach: Option<f32>,
+    /// Which of the triangles.
+    pub(super) touch: u32,
+}
+
+/// A face that may hide others.
+#[derive(Clone, Copy, Default)]
+struct Plane {
+    front: Vec3,
+    offset: f32,
+    low: f32,
+    patch: usize,
+    of: Patch,
+}
+
+/// Patches of a pair. Triangles that were touched, patches and points each in one column.
+#[derive(Default)]
+pub(super) struct Patches {
+    pub(super) touches: Vec<Touch>,
+    pub(super) patches: Vec<Patch>,
+    pub(super) points: Vec<RawPoint>,
+}
+
+impl Patches {
+    pub(super) fn bytes(&self) -> (usize, usize) {
+        let parts = [bytes_of(&self.touches), bytes_of(&self.patches), bytes_of(&self.points)];
+        parts.iter().fold((0, 0), |sum, part| (sum.0 + part.0, sum.1 + part.1))
+    }
+    pub(super) fn clear(&mut self) {
+        self.touches.clear();
+        self.patches.clear();
+        self.points.clear();
+    }
+
+    /// Drops the points from `first` on if one of them is deeper than `least`.
+    pub(super) fn limit(&mut self, first: usize, least: f32) {
+        if self.points[first..].iter().any(|p| p.separation < least) {
+            self.points.truncate(first);
+        }
+    }
+
+    /// Makes a patch of the points from `first` on, if there are any.
+    pub(super) fn add(&mut self, touch: Touch, normal: Vec3, reach: Option<f32>, first: usize) {
+        let points = &self.points[first..];
+        if points.is_empty() {
+            return;
+        }
+        let least = points.iter().map(|p| p.separation).fold(f32::MAX, f32::min);
+        self.patches.push(Patch {
+            normal,
+            first: first as u32,
+            count: points.len() as u32,
+            least,
+            reach,
+            touch: self.touches.len() as u32,
+        });
+        self.touches.push(touch);
+    }
+
+    /// The third rule. Also sorts the patches: the deepest first.
+    pub(super) fn drop_hidden(&mut self, size: f32) {
+        self.patches.sort_unstable_by(|a, b| a.least.total_cmp(&b.least).then(a.touch.cmp(&b.touch)));
+        // A body that lies in a thousand triangles must not cost a million tests.
+        const FACES: usize = 32;
+        let mut planes = [Plane::default(); FACES];
+        let mut count = 0;
+        for (i, p) in self.patches.iter().enumerate() {
+            let Some(reach) = p.reach.filter(|_| p.least < 1e-3 * size && count < FACES) else { continue };
+            let front = self.touches[p.touch as usize].front;
+            let offset = front.dot(self.touches[p.touch as usize].corners[0]);
+            // Lifted out of this face by what overlaps over the face itself, the shape still reaches this low.
+            let low = (reach - p.least.min(0.0)).min(0.0) + 1e-4 * size;
+            planes[count] = Plane { front, offset, low, patch: i, of: *p };
+            count += 1;
+        }
+        if count == 0 || self.patches.len() < 2 {
+            return;
+        }
+        let planes = &planes[..count];
+        let hides = |plane: &Plane, p: &Patch| {
+            let corners = &self.touches[p.touch as usize].corners;
+            -p.normal.dot(plane.front) < FLAT_COSINE
+                && corners.iter().all(|c| plane.front.dot(*c) - plane.offset <= plane.low)
+        };
+        let mut keep = 0;
+        for i in 0..self.patches.len() {
+            let p = self.patches[i];
+            let hidden = planes.iter().any(|plane| {
+                // Two faces on either side of a ridge hide each other: then the deeper one stays.
+                let back = |own: &&Plane| own.patch == i && i < plane.patch;
+                hides(plane, &p) && !planes.iter().find(back).is_some_and(|own| hides(own, &plane.of))
+            });
+            if !hidden {
+                self.patches[keep] = p;
+                keep += 1;
+            }
+        }
+        self.patches.truncate(keep);
+    }
+}

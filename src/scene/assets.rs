@@ -1,0 +1,31 @@
+//! What scenes need of the engine's shapes, in one place.
+
+use crate::error::Error;
+use crate::shape::{ConvexHull, Geometry, MassProperties, ShapeDesc, TriangleMesh};
+use glam::Vec3;
+use std::sync::Arc;
+
+pub(super) fn mesh(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Result<Arc<TriangleMesh>, Error> {
+    TriangleMesh::new(vertices.to_vec(), triangles.to_vec()).map(Arc::new)
+}
+
+pub(super) fn hull(points: &[Vec3]) -> Result<Arc<ConvexHull>, Error> {
+    ConvexHull::new(points).map(Arc::new)
+}
+
+/// Vertices and triangles of a mesh.
+pub(super) fn mesh_triangles(mesh: &TriangleMesh) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let mut welded = super::weld::Welded::default();
+    for i in 0..mesh.triangle_count() as u32 {
+        welded.triangle(mesh.triangle(i));
+    }
+    (welded.vertices, welded.triangles)
+}
+
+/// Vertices and triangles of a hull.
+pub(super) fn hull_triangles(hull: &ConvexHull) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let fan = |face: &[u16]| -> Vec<[u32; 3]> {
+        face.windows(2).skip(1).map(|w| [face[0], w[0], w[1]].map(u32::from)).collect()
+    };
+    (hull.vertices().to_vec(), hull.faces().flat_map(fan).collect())
+}

@@ -1,0 +1,265 @@
+//! Scenes that tests, benches and the command share. Everything random is seeded, so each is the same everywhere.
+//!
+//! All bodies have friction 0.6, restitution 0 and, unless said otherwise, density 1000 kg/m³.
+
+use super::rng::Rng;
+use super::{Scene, Terrain};
+use crate::body::BodyDesc;
+use crate::shape::{ConvexHull, Geometry, ShapeDesc, TriangleMesh};
+use glam::Vec3;
+use std::f32::consts::TAU;
+use std::sync::Arc;
+
+/// The names that [`build`] knows, in the order in which reports list them.
+pub const NAMES: &[&str] = &[
+    "talk",
+    "bullets",
+    "bullets_box",
+    "large_pyramid",
+    "large_pyramid_100",
+    "pile",
+    "mass_stack_1e3",
+    "mass_stack_1e4",
+    "mass_stack_1e5",
+    "tall_stack",
+];
+
+/// A scene by its name.
+pub fn build(name: &str) -> Option<Scene> {
+    let mut scene = match name {
+        "talk" => talk(),
+        "bullets" => bullets(false),
+        "bullets_box" => bullets(true),
+        "large_pyramid" => large_pyramid(60),
+        "large_pyramid_100" => large_pyramid(100),
+        "pile" => pile(),
+        "mass_stack_1e3" => mass_stack(1e3),
+        "mass_stack_1e4" => mass_stack(1e4),
+        "mass_stack_1e5" => mass_stack(1e5),
+        "tall_stack" => tall_stack(),
+        _ => return None,
+    };
+    scene.name = name.into();
+    Some(scene)
+}
+
+/// The terrain of [`talk`]: 100 352 triangles over 112 m by 112 m.
+pub fn talk_terrain() -> Terrain {
+    Terrain::bumpy(224, 0.5)
+}
+
+/// Eleven fast, spinning bodies of every shape onto a terrain: they hit it between frames 20 and 33, the rest of the
+/// time they settle.
+pub fn talk() -> Scene {
+    let terrain = talk_terrain();
+    let mut scene = Scene::new("talk");
+    add_terrain(&mut scene, &terrain);
+    let mut rng = Rng::new(11);
+    let mut shapes = Vec::new();
+    for _ in 0..3 {
+        shapes.push(Geometry::Sphere { radius: 0.3 });
+        shapes.push(Geometry::capsule(0.3, 0.2));
+        shapes.push(Geometry::cuboid(0.3, 0.2, 0.4));
+    }
+    shapes.push(pebble(14, Vec3::new(0.35, 0.3, 0.4), &mut rng));
+    shapes.push(pebble(22, Vec3::new(0.4, 0.3, 0.3), &mut rng));
+    for (i, shape) in shapes.into_iter().enumerate() {
+        throw_at(&mut scene, &terrain, i, shape, &mut rng);
+    }
+    scene
+}
+
+/// The `i`-th thrown body: from above its cell of a 4 by 3 raster, to reach the ground about 0.35 s later if 55 m/s is
+/// enough for that.
+pub(super) fn throw_at(scene: &mut Scene, terrain: &Terrain, i: usize, shape: Geometry, rng: &mut Rng) {
+    let x = (i % 4) as f32 * 8.0 - 12.0 + rng.range(-2.0, 2.0);
+    let z = (i / 4) as f32 * 8.0 - 8.0 + rng.range(-2.0, 2.0);
+    let above = rng.range(10.0, 30.0);
+    let down = (above / 0.35).clamp(20.0, 55.0);
+    let sideways = rng.range(0.1, 0.45) * down;
+    let angle = rng.range(0.0, TAU);
+    let rotation = rng.rotation();
+    let velocity = Vec3::new(sideways * libm::cosf(angle), -down, sideways * libm::sinf(angle));
+    let spin = rng.direction() * rng.range(10.0, 30.0);
+    let position = Vec3::new(x, terrain.height(x, z) + above, z);
+    let name = format!("{} {}", kind_name(&shape), i + 1);
+    let desc = dynamic(shape, position).rotated(rotation).moving(velocity, spin);
+    scene.add(name, desc);
+}
+
+/// A thousand small bodies shot at a floor at 50 to 500 m/s: a mesh without thickness, or boxes 2 cm thick.
+pub fn bullets(thin_boxes: bool) -> Scene {
+    const HALF: f32 = 200.0;
+    let mut scene = Scene::new(if thin_boxes { "bullets_box" } else { "bullets" });
+    scene.steps = 120;
+    if thin_boxes {
+        for (i, k) in (0..10).flat_map(|i| (0..10).map(move |k| (i, k))) {
+            let centre = |n: i32| (n as f32 - 4.5) * HALF / 5.0;
+            let tile = Geometry::cuboid(HALF / 10.0, 0.01, HALF / 10.0);
+            scene.add("floor", fixed(tile, Vec3::new(centre(i), -0.01, centre(k))));
+        }
+    } else {
+        add_terrain(&mut scene, &Terrain::from_fn(40, HALF / 20.0, |_, _| 0.0));
+    }
+    let mut rng = Rng::new(2);
+    for i in 0..1000 {
+        let (kind, column, row) = (i % 4, i % 32, i / 32);
+        let shape = match kind {
+            0 => Geometry::Sphere { radius: 0.05 },
+            1 => Geometry::capsule(0.1, 0.05),
+            2 => Geometry::cuboid(0.01, 0.5, 0.01),
+            _ => Geometry::cuboid(0.01, 0.1, 0.5),
+        };
+        let spin = if kind >= 2 { 50.0 } else { 10.0 };
+        let speed = rng.range(50.0, 500.0);
+        let (tilt, turn) = (rng.range(0.0, 1.05), rng.range(0.0, TAU));
+        let flat = libm::sinf(tilt);
+        let direction = Vec3::new(flat * libm::cosf(turn), -libm::cosf(tilt), flat * libm::sinf(turn));
+        let position =
+            Vec3::new((column as f32 - 15.5) * 2.5, rng.range(3.0, 12.0), (row as f32 - 15.5) * 2.5);
+        let rotation = rng.rotation();
+        let spin = rng.direction() * spin;
+        scene.add("bullet", dynamic(shape, position).rotated(rotation).moving(direction * speed, spin));
+    }
+    scene
+}
+
+/// A wall of unit boxes, `base` of them in the lowest row and each row one box shorter than the one below. The last
+/// body is the top.
+pub fn large_pyramid(base: usize) -> Scene {
+    let mut scene = Scene::new("large_pyramid");
+    scene.add("floor", fixed(Geometry::cuboid(200.0, 1.0, 200.0), Vec3::new(0.0, -1.0, 0.0)));
+    for row in 0..base {
+        for column in row..base {
+            let x = (row as f32 + 1.0) * 0.5 + (column - row) as f32 - 0.5 * base as f32;
+            scene.add("box", dynamic(Geometry::cuboid(0.5, 0.5, 0.5), Vec3::new(x, row as f32 + 0.5, 0.0)));
+        }
+    }
+    scene
+}
+
+/// 4096 mixed bodies into an open box of 16 m by 16 m.
+pub fn pile() -> Scene {
+    const HALF: f32 = 8.0;
+    let mut scene = Scene::new("pile");
+    scene.steps = 600;
+    scene.add("floor", fixed(Geometry::cuboid(HALF + 1.0, 0.5, HALF + 1.0), Vec3::new(0.0, -0.5, 0.0)));
+    for side in [-1.0, 1.0] {
+        let offset = side * (HALF + 0.5);
+        scene.add("wall", fixed(Geometry::cuboid(0.5, 15.0, HALF + 1.0), Vec3::new(offset, 15.0, 0.0)));
+        scene.add("wall", fixed(Geometry::cuboid(HALF, 15.0, 0.5), Vec3::new(0.0, 15.0, offset)));
+    }
+    let mut rng = Rng::new(4);
+    let hulls: Vec<Geometry> = (0..4).map(|_| pebble(16, Vec3::new(0.4, 0.35, 0.4), &mut rng)).collect();
+    for i in 0..4096usize {
+        let (x, z, layer) = (i % 16, i / 16 % 16, i / 256);
+        // Shapes shift by one from row to row and layer to layer, so that kinds mix.
+        let shape = match (x + z + layer) % 4 {
+            0 => Geometry::cuboid(0.35, 0.3, 0.4),
+            1 => Geometry::Sphere { radius: 0.35 },
+            2 => Geometry::capsule(0.25, 0.25),
+            _ => hulls[i / 4 % 4].clone(),
+        };
+        let mut jitter = || rng.range(-0.04, 0.04);
+        let position = Vec3::new(
+            (x as f32 - 7.5) * 0.98 + jitter(),
+            1.0 + layer as f32 * 1.1,
+            (z as f32 - 7.5) * 0.98 + jitter(),
+        );
+        let name = kind_name(&shape);
+        scene.add(name, dynamic(shape, position).rotated(rng.small_rotation(0.3)));
+    }
+    scene
+}
+
+/// Ten unit boxes, each ten times as heavy as the one below it until `cap` times the lowest, which has 1 kg.
+pub fn mass_stack(cap: f32) -> Scene {
+    let mut scene = Scene::new("mass_stack");
+    scene.add("floor", fixed(Geometry::cuboid(50.0, 1.0, 50.0), Vec3::new(0.0, -1.0, 0.0)));
+    let mut density = 1.0f32;
+    for i in 0..10 {
+        let mut desc = dynamic(Geometry::cuboid(0.5, 0.5, 0.5), Vec3::new(0.0, 0.5 + i as f32, 0.0));
+        desc.shapes[0].density = density.min(cap);
+        scene.add("box", desc);
+        density *= 10.0;
+    }
+    scene
+}
+
+/// Thirty unit boxes on top of each other for 20 s.
+pub fn tall_stack() -> Scene {
+    let mut scene = Scene::new("tall_stack");
+    scene.steps = 1200;
+    scene.add("floor", fixed(Geometry::cuboid(50.0, 1.0, 50.0), Vec3::new(0.0, -1.0, 0.0)));
+    for i in 0..30 {
+        scene.add("box", dynamic(Geometry::cuboid(0.5, 0.5, 0.5), Vec3::new(0.0, 0.5 + i as f32, 0.0)));
+    }
+    scene
+}
+
+pub(super) fn dynamic(geometry: Geometry, position: Vec3) -> BodyDesc {
+    BodyDesc::dynamic().at(position).with_shape(ShapeDesc::new(geometry))
+}
+
+pub(super) fn fixed(geometry: Geometry, position: Vec3) -> BodyDesc {
+    BodyDesc::fixed().at(position).with_shape(ShapeDesc::new(geometry))
+}
+
+pub(super) fn add_terrain(scene: &mut Scene, terrain: &Terrain) {
+    let (vertices, triangles) = terrain.mesh();
+    let mesh = TriangleMesh::new(vertices, triangles).expect("a terrain has cells");
+    scene.add("terrain", fixed(Geometry::Mesh(Arc::new(mesh)), Vec3::ZERO));
+}
+
+/// A convex hull of `count` points spread evenly, but not regularly, over an ellipsoid.
+pub(super) fn pebble(count: usize, radii: Vec3, rng: &mut Rng) -> Geometry {
+    let point = |i: usize| {
+        let y = 1.0 - 2.0 * (i as f32 + 0.5) / count as f32;
+        let angle = i as f32 * 2.399_963 + rng.range(-0.2, 0.2);
+        let ring = (1.0 - y * y).sqrt();
+        Vec3::new(ring * libm::cosf(angle), y, ring * libm::sinf(angle)) * radii
+    };
+    let points: Vec<Vec3> = (0..count).map(point).collect();
+    Geometry::Hull(Arc::new(ConvexHull::new(&points).expect("points of an ellipsoid span a volume")))
+}
+
+pub(super) fn kind_name(geometry: &Geometry) -> &'static str {
+    match geometry {
+        Geometry::Sphere { .. } => "sphere",
+        Geometry::Capsule { .. } => "capsule",
+        Geometry::Box { .. } => "box",
+        Geometry::Cylinder { .. } => "cylinder",
+        Geometry::Hull(_) => "hull",
+        Geometry::Plane => "plane",
+        Geometry::Mesh(_) => "mesh",
+        Geometry::HeightField(_) => "height field",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_builtin_scene_has_its_bodies() {
+        // Counted from the descriptions: a pyramid of 60 has 60 * 61 / 2 boxes.
+        let expected = [11, 1000, 1000, 1830, 5050, 4096, 10, 10, 10, 30];
+        for (name, count) in NAMES.iter().zip(expected) {
+            let scene = build(name).unwrap();
+            assert_eq!((scene.name.as_str(), scene.dynamic_bodies()), (*name, count));
+            for body in &scene.bodies {
+                body.desc.validate().unwrap();
+            }
+        }
+        assert!(build("no such scene").is_none());
+    }
+
+    #[test]
+    fn scenes_are_the_same_each_time() {
+        let text = |s: Scene| {
+            format!("{:?}", s.bodies.iter().map(|b| (b.desc.position, b.desc.rotation)).collect::<Vec<_>>())
+        };
+        assert_eq!(text(talk()), text(talk()));
+        assert_ne!(text(talk()), text(bullets(true)));
+    }
+}

@@ -1,0 +1,162 @@
+//! What `KHR_physics_rigid_bodies` and `KHR_implicit_shapes` say, as they say it.
+
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+
+pub(in crate::scene) const RIGID_BODIES: &str = "KHR_physics_rigid_bodies";
+pub(in crate::scene) const SHAPES: &str = "KHR_implicit_shapes";
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Shapes {
+    pub(super) shapes: Vec<Shape>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Shape {
+    #[serde(rename = "type")]
+    pub(super) kind: String,
+    #[serde(default)]
+    pub(super) sphere: Sphere,
+    #[serde(default, rename = "box")]
+    pub(super) cuboid: Cuboid,
+    #[serde(default)]
+    pub(super) capsule: Round,
+    #[serde(default)]
+    pub(super) cylinder: Round,
+    #[serde(default)]
+    pub(super) plane: Plane,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(default)]
+pub(super) struct Sphere {
+    pub(super) radius: f32,
+}
+
+impl Default for Sphere {
+    fn default() -> Self {
+        Sphere { radius: 0.5 }
+    }
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(default)]
+pub(super) struct Cuboid {
+    pub(super) size: [f32; 3],
+}
+
+impl Default for Cuboid {
+    fn default() -> Self {
+        Cuboid { size: [1.0; 3] }
+    }
+}
+
+/// A capsule or a cylinder.
+#[derive(Debug, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Round {
+    pub(super) height: f32,
+    pub(super) radius_bottom: f32,
+    pub(super) radius_top: f32,
+}
+
+impl Default for Round {
+    fn default() -> Self {
+        Round { height: 0.5, radius_bottom: 0.25, radius_top: 0.25 }
+    }
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Plane {
+    pub(super) size_x: Option<f32>,
+    pub(super) size_z: Option<f32>,
+    pub(super) double_sided: bool,
+}
+
+/// At the root of the file.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Physics {
+    pub(super) physics_materials: Vec<Material>,
+    pub(super) collision_filters: Vec<Filter>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Material {
+    pub(super) static_friction: f32,
+    pub(super) dynamic_friction: f32,
+    pub(super) restitution: f32,
+    pub(super) friction_combine: Option<Combine>,
+    pub(super) restitution_combine: Option<Combine>,
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Material {
+            static_friction: 0.6,
+            dynamic_friction: 0.6,
+            restitution: 0.0,
+            friction_combine: None,
+            restitution_combine: None,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Combine {
+    Average,
+    Minimum,
+    Maximum,
+    Multiply,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Filter {
+    pub(super) collision_systems: Vec<String>,
+    pub(super) collide_with_systems: Option<Vec<String>>,
+    pub(super) not_collide_with_systems: Option<Vec<String>>,
+}
+
+/// At a node.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct NodePhysics {
+    pub(super) motion: Option<Motion>,
+    pub(super) collider: Option<Collider>,
+    pub(super) trigger: Option<IgnoredAny>,
+    pub(super) joint: Option<IgnoredAny>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Motion {
+    pub(super) is_kinematic: bool,
+    pub(super) mass: Option<f32>,
+    pub(super) center_of_mass: Option<[f32; 3]>,
+    pub(super) inertia_diagonal: Option<[f32; 3]>,
+    pub(super) inertia_orientation: Option<[f32; 4]>,
+    pub(super) linear_velocity: [f32; 3],
+    pub(super) angular_velocity: [f32; 3],
+    pub(super) gravity_factor: Option<f32>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Collider {
+    pub(super) geometry: Geometry,
+    pub(super) physics_material: Option<usize>,
+    pub(super) collision_filter: Option<usize>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Geometry {
+    pub(super) shape: Option<usize>,
+    pub(super) node: Option<usize>,
+    pub(super) convex_hull: bool,
+}

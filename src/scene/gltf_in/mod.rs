@@ -1,0 +1,304 @@
+//! glTF 2.0 in, with `KHR_physics_rigid_bodies` and `KHR_implicit_shapes` (Khronos, drafts of 2024).
+//!
+//! A node with `motion` is a body at that node, made of its own collider and those of its descendants up to the next
+//! `motion`. A collider without such an ancestor is a static body. A file without physics is one static mesh.
+
+mod accessor;
+pub(super) mod extension;
+pub(super) mod file;
+mod filter;
+mod motion;
+mod shapes;
+pub(super) mod tree;
+
+#[cfg(test)]
+mod tests;
+
+use super::weld::Welded;
+use super::{LoadOptions, Scene, SceneBody, SceneError, assets};
+use crate::body::{BodyDesc, BodyKind};
+use crate::error::Error;
+use crate::shape::{Combine, Filter, Geometry, Material, ShapeDesc};
+use extension::{NodePhysics, Physics, RIGID_BODIES, SHAPES, Shapes};
+use file::Parts;
+use glam::{DMat3, DQuat};
+use serde::de::DeserializeOwned;
+use shapes::{Placed, Problem};
+use std::path::Path;
+use tree::Tree;
+
+pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
+    let parts = Parts::read(path)?;
+    let tree = Tree::new(&parts)?;
+    let name = path.file_stem().and_then(|s| s.to_str()).unwrap_or("scene");
+    let mut scene = Scene::new(name);
+    scene.source = Some(path.into());
+    for unknown in &parts.unknown_required {
+        scene.notes.push(format!("the extension {unknown}, which the file requires, is ignored"));
+    }
+    let physics: Vec<Option<NodePhysics>> = parts
+        .document
+        .nodes()
+        .map(|n| n.extension_value(RIGID_BODIES).map(|v| parse(&parts, v)).transpose())
+        .collect::<Result<_, _>>()?;
+    if physics.iter().all(Option::is_none) {
+        static_mesh(&parts, &tree, &mut scene)?;
+        return Ok(scene);
+    }
+    let mut loader = Loader::new(&parts, &tree, physics, scene)?;
+    for &node in &tree.order {
+        loader.visit(node, options)?;
+    }
+    loader.finish()
+}
+
+/// All meshes of the scene as one static body at the origin.
+fn static_mesh(parts: &Parts, tree: &Tree, scene: &mut Scene) -> Result<(), SceneError> {
+    let mut welded = Welded::default();
+    let nodes: Vec<gltf::Node> = parts.document.nodes().collect();
+    for &node in &tree.order {
+        for primitive in nodes[node].mesh().iter().flat_map(|m| m.primitives()) {
+            shapes::add_primitive(parts, &primitive, &tree.global[node], &mut welded)
+                .map_err(|p| problem(parts, node, p))?;
+        }
+    }
+    let name = scene.name.clone();
+    let mesh = assets::mesh(&welded.vertices, &welded.triangles).map_err(|source| SceneError::Body {
+        file: parts.path.clone(),
+        node: name.clone(),
+        source,
+    })?;
+    scene.add(name, BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Mesh(mesh))));
+    Ok(())
+}
+
+struct Loader<'a> {
+    parts: &'a Parts,
+    tree: &'a Tree,
+    physics: Vec<Option<NodePhysics>>,
+    shapes: Vec<extension::Shape>,
+    materials: Vec<Material>,
+    filters: Vec<Filter>,
+    unfiltered: Filter,
+    scene: Scene,
+    /// Per node: the body that it belongs to.
+    body: Vec<Option<usize>>,
+}
+
+impl<'a> Loader<'a> {
+    fn new(
+        parts: &'a Parts,
+        tree: &'a Tree,
+        physics: Vec<Option<NodePhysics>>,
+        mut scene: Scene,
+    ) -> Result<Self, SceneError> {
+        let shapes: Shapes =
+            parts.document.extension_value(SHAPES).map(|v| parse(parts, v)).transpose()?.unwrap_or_default();
+        let root: Physics = parts
+            .document
+            .extension_value(RIGID_BODIES)
+            .map(|v| parse(parts, v))
+            .transpose()?
+            .unwrap_or_default();
+        let filters = filter::filters(&root.collision_filters).map_err(|count| SceneError::Malformed {
+            file: parts.path.clone(),
+            what: format!("{count} collision systems: at most 64 can be told apart"),
+        })?;
+        let materials = root.physics_materials.iter().map(|m| material(m, &mut scene.notes)).collect();
+        let unfiltered = if filters.is_empty() { Filter::default() } else { filter::UNFILTERED };
+        let body = vec![None; tree.parent.len()];
+        Ok(Loader {
+            parts,
+            tree,
+            physics,
+            shapes: shapes.shapes,
+            materials,
+            filters,
+            unfiltered,
+            scene,
+            body,
+        })
+    }
+
+    /// Bodies first: parents come before children, so a collider's body is there when it is reached.
+    fn visit(&mut self, node: usize, options: &LoadOptions) -> Result<(), SceneError> {
+        self.body[node] = self.tree.parent[node].and_then(|p| self.body[p]);
+        let Some(physics) = self.physics[node].take() else { return Ok(()) };
+        if let Some(motion) = &physics.motion {
+            let kind = if motion.is_kinematic { BodyKind::Kinematic } else { BodyKind::Dynamic };
+            self.body[node] = Some(self.add_body(node, kind));
+        }
+        if physics.joint.is_some() {
+            if !options.skip_joints {
+                return Err(SceneError::Joint { file: self.parts.path.clone(), node: self.label(node) });
+            }
+            self.note(node, "its joint is left out: joints are not supported yet");
+        }
+        if physics.trigger.is_some() {
+            self.note(node, "its trigger is left out: bodies without response are not supported yet");
+        }
+        if let Some(collider) = &physics.collider {
+            self.add_collider(node, collider)?;
+        }
+        self.physics[node] = Some(physics);
+        Ok(())
+    }
+
+    fn add_body(&mut self, node: usize, kind: BodyKind) -> usize {
+        let rotation = self.tree.rotation[node].as_quat();
+        let desc = BodyDesc::new(kind).at(self.tree.global[node].translation).rotated(rotation);
+        let name = match self.node(node).and_then(|n| n.name().map(str::to_owned)) {
+            Some(name) => name,
+            None => format!("node {node}"),
+        };
+        self.scene.bodies.push(SceneBody { name, node: Some(node), desc });
+        self.scene.bodies.len() - 1
+    }
+
+    fn add_collider(&mut self, node: usize, collider: &extension::Collider) -> Result<(), SceneError> {
+        let scale = self.scale(node);
+        if scale == DMat3::ZERO {
+            self.note(node, "its collider is off: the scale is zero");
+            return Ok(());
+        }
+        let body = match self.body[node] {
+            Some(body) => body,
+            None => self.add_body(node, BodyKind::Static),
+        };
+        let kind = self.scene.bodies[body].desc.kind;
+        let placed =
+            self.geometry(node, &collider.geometry, scale, kind).map_err(|p| problem(self.parts, node, p))?;
+        if let Some(note) = placed.note {
+            self.note(node, note);
+        }
+        let missing = |what: &str, index: usize| {
+            problem(self.parts, node, Problem::Text(format!("{what} {index} does not exist")))
+        };
+        let material = match collider.physics_material {
+            Some(i) => *self.materials.get(i).ok_or_else(|| missing("physics material", i))?,
+            None => Material::default(),
+        };
+        let filter = match collider.collision_filter {
+            Some(i) => *self.filters.get(i).ok_or_else(|| missing("collision filter", i))?,
+            None => self.unfiltered,
+        };
+        let mut shape = ShapeDesc { material, filter, ..ShapeDesc::new(placed.geometry) };
+        let home = self.scene.bodies[body].node.unwrap_or(node);
+        shape.position = placed.offset;
+        if home != node {
+            let back = self.tree.rotation[home].inverse();
+            let turn = back * self.tree.rotation[node];
+            let apart = self.tree.global[node].translation - self.tree.global[home].translation;
+            shape.rotation = turn.as_quat();
+            shape.position = (back * apart + turn * placed.offset.as_dvec3()).as_vec3();
+        }
+        shape.validate().map_err(|e| problem(self.parts, node, Problem::Engine(e)))?;
+        self.scene.bodies[body].desc.shapes.push(shape);
+        Ok(())
+    }
+
+    fn geometry(
+        &self,
+        node: usize,
+        geometry: &extension::Geometry,
+        scale: DMat3,
+        kind: BodyKind,
+    ) -> Result<Placed, Problem> {
+        match (geometry.shape, geometry.node) {
+            (Some(shape), None) => match self.shapes.get(shape) {
+                Some(shape) => shapes::implicit(shape, scale, kind),
+                None => Err(Problem::Text(format!("shape {shape} does not exist"))),
+            },
+            (None, Some(mesh)) => {
+                let moves = |n: usize| n != node && self.moves(n);
+                shapes::of_mesh(self.parts, mesh, &moves, geometry.convex_hull, scale, kind)
+            }
+            _ => Err(Problem::Text("its geometry must have either a shape or a node".into())),
+        }
+    }
+
+    fn moves(&self, node: usize) -> bool {
+        self.physics.get(node).and_then(Option::as_ref).is_some_and(|p| p.motion.is_some())
+    }
+
+    /// Mass and velocity, once all shapes are there.
+    fn finish(mut self) -> Result<Scene, SceneError> {
+        for index in 0..self.scene.bodies.len() {
+            let Some(node) = self.scene.bodies[index].node else { continue };
+            let scale = self.scale(node);
+            let failed = |e: Error| problem(self.parts, node, Problem::Engine(e));
+            let desc = &mut self.scene.bodies[index].desc;
+            let mut notes = Vec::new();
+            if let Some(motion) = self.physics[node].as_ref().and_then(|p| p.motion.as_ref()) {
+                notes = motion::apply(motion, scale, desc).map_err(failed)?;
+            }
+            desc.validate().map_err(failed)?;
+            notes.into_iter().for_each(|n| self.note(node, n));
+        }
+        Ok(self.scene)
+    }
+
+    /// What is left of a node's transform without its pose.
+    fn scale(&self, node: usize) -> DMat3 {
+        let linear = self.tree.global[node].matrix3;
+        let rotation = self.tree.rotation[node];
+        match rotation == DQuat::IDENTITY {
+            true => linear,
+            false => tidy(DMat3::from_quat(rotation.normalize()).transpose() * linear),
+        }
+    }
+
+    fn node(&self, node: usize) -> Option<gltf::Node<'a>> {
+        self.parts.document.nodes().nth(node)
+    }
+
+    fn label(&self, node: usize) -> String {
+        self.node(node).map_or_else(|| node.to_string(), |n| tree::label(&n))
+    }
+
+    fn note(&mut self, node: usize, what: &str) {
+        let note = format!("node {}: {what}", self.label(node));
+        self.scene.notes.push(note);
+    }
+}
+
+/// Rounds what is nearly a whole number: a scale of 1 under a rotation must not become 0.9999999.
+fn tidy(m: DMat3) -> DMat3 {
+    let near = |v: f64| if (v - v.round()).abs() < 1e-7 { v.round() } else { v };
+    DMat3::from_cols_array(&m.to_cols_array().map(near))
+}
+
+fn material(m: &extension::Material, notes: &mut Vec<String>) -> Material {
+    let combine = |c: Option<extension::Combine>| match c {
+        None | Some(extension::Combine::Average) => Combine::Average,
+        Some(extension::Combine::Minimum) => Combine::Minimum,
+        Some(extension::Combine::Maximum) => Combine::Maximum,
+        Some(extension::Combine::Multiply) => Combine::Multiply,
+    };
+    if m.restitution > 1.0 {
+        notes.push(format!("a restitution of {} is taken as 1", m.restitution));
+    }
+    Material {
+        static_friction: m.static_friction,
+        dynamic_friction: m.dynamic_friction,
+        restitution: m.restitution.min(1.0),
+        friction_combine: combine(m.friction_combine),
+        restitution_combine: combine(m.restitution_combine),
+    }
+}
+
+/// One of our extensions' objects.
+fn parse<T: DeserializeOwned>(parts: &Parts, value: &serde_json::Value) -> Result<T, SceneError> {
+    T::deserialize(value).map_err(|e| SceneError::Malformed {
+        file: parts.path.clone(),
+        what: format!("physics extension: {e}"),
+    })
+}
+
+fn problem(parts: &Parts, node: usize, problem: Problem) -> SceneError {
+    let label = parts.document.nodes().nth(node).map_or_else(|| node.to_string(), |n| tree::label(&n));
+    match problem {
+        Problem::Text(what) => SceneError::Node { file: parts.path.clone(), node: label, what },
+        Problem::Engine(source) => SceneError::Body { file: parts.path.clone(), node: label, source },
+    }
+}

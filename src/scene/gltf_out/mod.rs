@@ -1,0 +1,38 @@
+//! glTF out: scenes with both physics extensions, and what was recorded as an animation.
+
+mod build;
+mod document;
+mod film;
+mod visual;
+
+#[cfg(test)]
+mod tests;
+
+use super::{Recorder, Scene, SceneError};
+use document::Document;
+use std::path::Path;
+
+/// Writes a scene with `KHR_physics_rigid_bodies` and `KHR_implicit_shapes`, and a visible mesh for every shape.
+/// `.gltf`: text with its data inside; anything else: `.glb`.
+///
+/// # Errors
+/// If the file can't be written.
+pub fn write_scene(scene: &Scene, path: impl AsRef<Path>) -> Result<(), SceneError> {
+    let (document, _) = build::scene(scene, true);
+    write(document, path.as_ref())
+}
+
+/// Writes a film of what was recorded: for a scene from glTF its own nodes, meshes and materials with an animation
+/// added in front, else a simple mesh for each shape. `.gltf`: text; anything else: `.glb`, which any viewer plays.
+///
+/// # Errors
+/// If the scene's file can't be read again, or the film can't be written.
+pub fn write_animation(scene: &Scene, recorder: &Recorder, path: impl AsRef<Path>) -> Result<(), SceneError> {
+    write(film::document(scene, recorder)?, path.as_ref())
+}
+
+fn write(document: Document, path: &Path) -> Result<(), SceneError> {
+    let text = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf"));
+    let bytes = if text { document.into_gltf() } else { document.into_glb() };
+    std::fs::write(path, bytes).map_err(|source| SceneError::Write { file: path.into(), source })
+}

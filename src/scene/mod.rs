@@ -1,0 +1,156 @@
+//! Scenes: bodies described without an engine, from code or from files, and files made from them.
+//!
+//! [`builtin`] has the scenes that tests, benches and the command share. With the feature `gltf`, `load` reads
+//! glTF 2.0 with `KHR_physics_rigid_bodies` and `KHR_implicit_shapes`, plain glTF and OBJ; `write_scene` writes a scene
+//! with both extensions, and `write_animation` writes what a [`Recorder`] saw as a `.glb` that any viewer plays.
+
+pub mod builtin;
+mod record;
+mod rng;
+mod terrain;
+
+#[cfg(feature = "gltf")]
+mod assets;
+#[cfg(feature = "gltf")]
+mod error;
+#[cfg(feature = "gltf")]
+mod generate;
+#[cfg(feature = "gltf")]
+mod gltf_in;
+#[cfg(feature = "gltf")]
+mod gltf_out;
+#[cfg(feature = "gltf")]
+mod obj;
+#[cfg(feature = "gltf")]
+mod weld;
+
+pub use record::Recorder;
+pub use terrain::Terrain;
+
+#[cfg(feature = "gltf")]
+pub use error::SceneError;
+#[cfg(feature = "gltf")]
+pub use generate::{SHIPPED, shipped, write_shipped};
+#[cfg(feature = "gltf")]
+pub use gltf_out::{write_animation, write_scene};
+
+use crate::body::{BodyDesc, BodyKind};
+use glam::Vec3;
+use std::path::PathBuf;
+
+/// Bodies and what else a world needs to start.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Of the builtin scene, or of the file without its ending.
+    pub name: String,
+    /// [m/s²]. Files have none, so it is (0, -9.81, 0) for them.
+    pub gravity: Vec3,
+    /// In the order in which a world should add them.
+    pub bodies: Vec<SceneBody>,
+    /// Steps of 1/60 s after which there is nothing new to see.
+    pub steps: u32,
+    /// The file that it is from.
+    pub source: Option<PathBuf>,
+    /// What of the file was left out or approximated, in sentences.
+    pub notes: Vec<String>,
+}
+
+/// A body of a scene.
+#[derive(Clone, Debug)]
+pub struct SceneBody {
+    /// Of the node, or of the kind of body.
+    pub name: String,
+    /// The glTF node whose pose is the body's pose.
+    pub node: Option<usize>,
+    /// What a world adds.
+    pub desc: BodyDesc,
+}
+
+impl Scene {
+    /// An empty scene with the earth's gravity.
+    pub fn new(name: impl Into<String>) -> Self {
+        Scene {
+            name: name.into(),
+            gravity: Vec3::new(0.0, -9.81, 0.0),
+            bodies: Vec::new(),
+            steps: 300,
+            source: None,
+            notes: Vec::new(),
+        }
+    }
+
+    /// Adds a body, returns its index.
+    pub fn add(&mut self, name: impl Into<String>, desc: BodyDesc) -> usize {
+        self.bodies.push(SceneBody { name: name.into(), node: None, desc });
+        self.bodies.len() - 1
+    }
+
+    /// How many bodies contacts can move.
+    pub fn dynamic_bodies(&self) -> usize {
+        self.bodies.iter().filter(|b| b.desc.kind == BodyKind::Dynamic).count()
+    }
+
+    /// The descriptions alone, as a world takes them.
+    pub fn descs(&self) -> Vec<BodyDesc> {
+        self.bodies.iter().map(|b| b.desc.clone()).collect()
+    }
+}
+
+/// What to do with parts of a file that the engine can't simulate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LoadOptions {
+    /// Load a scene with joints as if it had none, with a note for each. Default false: refuse it.
+    pub skip_joints: bool,
+}
+
+/// Reads a scene: `.gltf` and `.glb` with or without physics, `.obj` as one static mesh.
+///
+/// # Errors
+/// Names the file, the node if it is about one, and what is wrong with it.
+#[cfg(feature = "gltf")]
+pub fn load(path: impl AsRef<std::path::Path>, options: &LoadOptions) -> Result<Scene, SceneError> {
+    let path = path.as_ref();
+    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    match ending.as_str() {
+        "gltf" | "glb" => gltf_in::load(path, options),
+        "obj" => obj::load(path),
+        _ => Err(SceneError::UnknownFormat { file: path.into() }),
+    }
+}
+
+/// A builtin scene by its name, or else a file.
+///
+/// # Errors
+/// As [`load`].
+#[cfg(feature = "gltf")]
+pub fn open(name: &str, options: &LoadOptions) -> Result<Scene, SceneError> {
+    match builtin::build(name) {
+        Some(scene) => Ok(scene),
+        None => load(name, options),
+    }
+}
+
+#[cfg(all(test, feature = "gltf"))]
+mod testing {
+    //! Where tests find data and put files.
+
+    use std::path::PathBuf;
+
+    /// A folder of the data beside the project; says so if there is none.
+    pub(super) fn data(folder: &str) -> Option<PathBuf> {
+        match std::env::var_os("BACKSTOP_DATA") {
+            Some(root) => Some(PathBuf::from(root).join(folder)),
+            None => {
+                println!("skipped: BACKSTOP_DATA is not set");
+                None
+            }
+        }
+    }
+
+    /// A folder for one test's files.
+    pub(super) fn scratch(test: &str) -> PathBuf {
+        let dir = std::env::temp_dir().join(format!("backstop_{}_{test}", std::process::id()));
+        std::fs::create_dir_all(&dir).expect("a temporary folder");
+        dir
+    }
+}

@@ -1,0 +1,128 @@
+//! Batches in, velocities and displacements out: warm start, iterate, substep, relax, store.
+//!
+//! Collisions are found once a step; the substeps solve the same rows with separations that follow the bodies (Macklin
+//! et al., *Small Steps in Physics Simulation*, 2019; Catto's soft step with relaxation). One substep and several
+//! iterations make it plain sequential impulses: the kernels are the same.
+
+mod pass;
+
+use crate::body::Bodies;
+use crate::config::{FrictionCone, Settings};
+use crate::constraint::Rows;
+use crate::constraint::contact_row::Softness;
+use crate::lanes::{Record, f32x8};
+use crate::memory::bytes_of;
+use crate::threads::{Crew, Shared};
+pub(crate) use pass::store;
+use pass::{Kind, Passes};
+
+/// Solver state of the bodies that can move.
+#[derive(Debug, Default)]
+pub(crate) struct State {
+    /// Displacement [m] and rotation vector [rad] since the start of the step.
+    pub(crate) delta: Vec<Record>,
+    /// Velocities of the substep before any row acted.
+    base: Vec<Record>,
+}
+
+impl State {
+    pub(crate) fn bytes(&self) -> (usize, usize) {
+        let (a, b) = (bytes_of(&self.delta), bytes_of(&self.base));
+        (a.0 + b.0, a.1 + b.1)
+    }
+}
+
+/// Bodies a block.
+const BLOCK: usize = 256;
+
+/// Solves the rows over a step of `dt` seconds.
+pub(crate) fn solve(
+    crew: &Crew<'_>,
+    settings: &Settings,
+    dt: f32,
+    bodies: &mut Bodies,
+    acceleration: &[Record],
+    rows: &mut Rows,
+    state: &mut State,
+) {
+    let movers = bodies.movers();
+    let h = dt / settings.substeps as f32;
+    state.delta.clear();
+    state.delta.resize(movers, Record::default());
+    state.base.clear();
+    state.base.resize(movers, Record::default());
+
+    // Stiffer than a quarter of the substep rate a spring can't be resolved.
+    let hertz = settings.contact_hertz.min(0.25 / h);
+    let soft = |hertz: f32| Softness::new(hertz, settings.contact_damping, h);
+    let passes = Passes {
+        inverse_h: 1.0 / h,
+        dynamic: soft(hertz),
+        fixed: soft(2.0 * hertz),
+        push_speed: settings.push_speed * settings.length_unit,
+        slop: settings.slop * settings.length_unit,
+        friction_box: settings.friction_cone == FrictionCone::Box,
+    };
+    let dynamic = bodies.dynamic();
+    let locks = (bodies.locked > 0).then_some(bodies.traits.as_slice());
+    let velocity = Shared::new(&mut bodies.velocity[..movers]);
+    let delta = Shared::new(&mut state.delta);
+    let base = Shared::new(&mut state.base);
+    let all_bodies = |work: &(dyn Fn(usize) + Sync)| {
+        crew.run(movers.div_ceil(BLOCK), &|block| {
+            (block * BLOCK..((block + 1) * BLOCK).min(movers)).for_each(work);
+        });
+    };
+    for substep in 0..settings.substeps {
+        // Velocities take gravity and forces. From the second substep on, warm starting is one addition a body: rows
+        // keep their directions within a step, so the impulses of the substep before change the velocities by just
+        // what they did then.
+        all_bodies(&|i| {
+            // SAFETY: each body is in one block.
+            let (v, b) = unsafe { (velocity.get(i), base.get(i)) };
+            let now = lanes(*v);
+            let warm = if substep == 0 { f32x8::ZERO } else { now - lanes(*b) };
+            let pull = if i < dynamic { lanes(acceleration[i]) * f32x8::splat(h) } else { f32x8::ZERO };
+            let free = now + pull;
+            (*b, *v) = (record(free), record(if i < dynamic { free + warm } else { free }));
+        });
+        if substep == 0 {
+            passes.run(crew, Kind::WarmStart, rows, &velocity, &delta);
+        }
+        for _ in 0..settings.iterations {
+            passes.run(crew, Kind::Solve, rows, &velocity, &delta);
+        }
+        all_bodies(&|i| {
+            // SAFETY: each body is in one block.
+            let (v, d, b) = unsafe { (velocity.get(i), delta.get(i), base.get(i)) };
+            if let Some(traits) = locks {
+                traits[i].lock(v);
+            }
+            let mut moved = lanes(*v) * f32x8::splat(h);
+            if i < dynamic && v.linear == b.linear {
+                // Nothing touched the body: its path is the parabola, not the chord of semi-implicit Euler.
+                let fall = acceleration[i];
+                moved -= lanes(Record { angular: glam::Vec3::ZERO, ..fall }) * f32x8::splat(0.5 * h * h);
+            }
+            let touched = v.linear != b.linear || v.angular != b.angular;
+            *d = record(lanes(*d) + moved);
+            // The pad tells `finish` whether the body was free all along.
+            d.pad0 = if touched { 1.0 } else { d.pad0 };
+        });
+        passes.run(crew, Kind::Relax, rows, &velocity, &delta);
+    }
+    if let Some(traits) = locks {
+        // SAFETY: each body is in one block.
+        all_bodies(&|i| traits[i].lock(unsafe { velocity.get(i) }));
+    }
+}
+
+#[inline(always)]
+fn lanes(record: Record) -> f32x8 {
+    bytemuck::must_cast(record)
+}
+
+#[inline(always)]
+fn record(lanes: f32x8) -> Record {
+    bytemuck::must_cast(lanes)
+}

@@ -1,0 +1,173 @@
+//! One pass over all batches, in the order of their importance.
+
+use crate::constraint::contact_row::{Motion, Pass, Softness, solve, store as store_batch, warm_start};
+use crate::constraint::{Batch, Group, Rows, Stage};
+use crate::lanes::{GatherLanes, Record, f32x8};
+use crate::narrow_phase::Contact;
+use crate::threads::{Crew, Shared};
+
+/// What a pass does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    WarmStart,
+    Solve,
+    Relax,
+}
+
+/// What all passes of a step share.
+pub(crate) struct Passes {
+    pub(crate) inverse_h: f32,
+    pub(crate) dynamic: Softness,
+    pub(crate) fixed: Softness,
+    pub(crate) push_speed: f32,
+    pub(crate) slop: f32,
+    pub(crate) friction_box: bool,
+}
+
+/// Batches a block: the smallest piece of a colour that two threads share.
+const BLOCK: usize = 4;
+
+impl Passes {
+    pub(crate) fn run(
+        &self,
+        crew: &Crew<'_>,
+        kind: Kind,
+        rows: &mut Rows,
+        velocity: &Shared<'_, Record>,
+        delta: &Shared<'_, Record>,
+    ) {
+        let Rows { p1, p2, p3, p4, single, schedule, stages } = rows;
+        let (p1, p2, p3, p4) = (Shared::new(p1), Shared::new(p2), Shared::new(p3), Shared::new(p4));
+        let single = Shared::new(single);
+        let schedule = &*schedule;
+        let motion = Motion { velocity, delta };
+        for stage in stages.iter() {
+            let pass = self.of(stage.group);
+            let one = |index: usize| {
+                let batch = schedule[index];
+                let i = batch.index as usize;
+                // SAFETY: each batch stands in the schedule once; no dynamic body is twice in a stage, unless the stage
+                // is serial, and then one thread has it all.
+                unsafe {
+                    match batch.points {
+                        1 => step(kind, stage.group, p1.get(i), &motion, &pass),
+                        2 => step(kind, stage.group, p2.get(i), &motion, &pass),
+                        3 => step(kind, stage.group, p3.get(i), &motion, &pass),
+                        4 => step(kind, stage.group, p4.get(i), &motion, &pass),
+                        _ => step(kind, stage.group, single.get(i), &motion, &pass),
+                    }
+                }
+            };
+            let (start, end) = (stage.start as usize, stage.end as usize);
+            if stage.serial || end - start <= BLOCK {
+                (start..end).for_each(one);
+            } else {
+                crew.run((end - start).div_ceil(BLOCK), &|block| {
+                    let first = start + block * BLOCK;
+                    (first..(first + BLOCK).min(end)).for_each(one);
+                });
+            }
+        }
+    }
+
+    fn of(&self, group: Group) -> Pass {
+        Pass {
+            inverse_h: self.inverse_h,
+            softness: if group.is_static() { self.fixed } else { self.dynamic },
+            push_speed: self.push_speed,
+            slop: self.slop,
+            friction_box: self.friction_box,
+        }
+    }
+}
+
+/// One pass over one batch, by the kernel of its group.
+///
+/// # Safety
+/// The bodies of the batch that it may write are in no other batch that is worked on now.
+#[inline(always)]
+unsafe fn step<L: GatherLanes, const P: usize>(
+    kind: Kind,
+    group: Group,
+    batch: &mut Batch<L, P>,
+    motion: &Motion<'_, '_>,
+    pass: &Pass,
+) {
+    // SAFETY: by the contract.
+    unsafe {
+        match (kind, group) {
+            (Kind::WarmStart, Group::Dynamic) => warm_start::<L, P, true, true>(batch, motion.velocity),
+            (Kind::WarmStart, Group::PotentialDynamic) => {
+                warm_start::<L, P, true, false>(batch, motion.velocity)
+            }
+            (Kind::WarmStart, Group::Static) => warm_start::<L, P, false, true>(batch, motion.velocity),
+            (Kind::WarmStart, Group::PotentialStatic) => {
+                warm_start::<L, P, false, false>(batch, motion.velocity)
+            }
+            (Kind::Solve, Group::Dynamic) => solve::<L, P, true, true, true>(batch, motion, pass),
+            (Kind::Solve, Group::PotentialDynamic) => solve::<L, P, true, false, true>(batch, motion, pass),
+            (Kind::Solve, Group::Static) => solve::<L, P, false, true, true>(batch, motion, pass),
+            (Kind::Solve, Group::PotentialStatic) => solve::<L, P, false, false, true>(batch, motion, pass),
+            (Kind::Relax, Group::Dynamic) => solve::<L, P, true, true, false>(batch, motion, pass),
+            (Kind::Relax, Group::PotentialDynamic) => solve::<L, P, true, false, false>(batch, motion, pass),
+            (Kind::Relax, Group::Static) => solve::<L, P, false, true, false>(batch, motion, pass),
+            (Kind::Relax, Group::PotentialStatic) => solve::<L, P, false, false, false>(batch, motion, pass),
+        }
+    }
+}
+
+/// Writes impulses back to the contacts.
+pub(crate) fn store(
+    crew: &Crew<'_>,
+    rows: &Rows,
+    contacts: &Shared<'_, Contact>,
+    rotation_of: &(dyn Fn(u32) -> glam::Quat + Sync),
+) {
+    let block = |stage: &Stage, index: usize| {
+        let batch = rows.schedule[index];
+        let i = batch.index as usize;
+        let potential = stage.group.is_potential();
+        match batch.points {
+            1 => put(&rows.p1[i], potential, contacts, rotation_of),
+            2 => put(&rows.p2[i], potential, contacts, rotation_of),
+            3 => put(&rows.p3[i], potential, contacts, rotation_of),
+            4 => put(&rows.p4[i], potential, contacts, rotation_of),
+            _ => put(&rows.single[i], potential, contacts, rotation_of),
+        }
+    };
+    for stage in &rows.stages {
+        let (start, end) = (stage.start as usize, stage.end as usize);
+        crew.run((end - start).div_ceil(16), &|n| {
+            (start + 16 * n..(start + 16 * n + 16).min(end)).for_each(|index| block(stage, index));
+        });
+    }
+}
+
+fn put<L: GatherLanes, const P: usize>(
+    batch: &Batch<L, P>,
+    potential: bool,
+    contacts: &Shared<'_, Contact>,
+    rotation_of: &(dyn Fn(u32) -> glam::Quat + Sync),
+) {
+    store_batch(batch, |part, impulses, friction, twist| {
+        // SAFETY: a contact is in one lane of one batch; its points, if apart, are in different stages.
+        let contact = unsafe { contacts.get(part.slot()) };
+        let pushed = potential && impulses.iter().any(|&i| i > 0.0);
+        let (friction, twist) = if potential {
+            (glam::Vec3::ZERO, 0.0)
+        } else {
+            (rotation_of(contact.a).conjugate() * friction, twist)
+        };
+        if let Some(point) = part.only() {
+            contact.points[point].impulse = impulses[0];
+            contact.pushed |= pushed;
+            contact.friction += friction;
+            return;
+        }
+        for (point, &impulse) in contact.points.iter_mut().zip(impulses).take(contact.count as usize) {
+            point.impulse = impulse;
+        }
+        contact.pushed = pushed;
+        (contact.friction, contact.twist) = (friction, twist);
+    });
+}

@@ -1,0 +1,170 @@
+//! One step on one screen.
+
+use crate::config::{Continuous, FrictionModel};
+use crate::constraint::{BounceInput, BounceScratch, PrepareInput, PrepareScratch, Rows, bounce, prepare};
+use crate::error::{Error, positive};
+use crate::finish::{StageTimes, StepReport};
+use crate::forces::Forces;
+use crate::memory::{Category, MemoryReport, bytes_of};
+use crate::narrow_phase::{Input, Scratch, collide};
+use crate::threads::{Crew, Shared, with_crew};
+use crate::world::World;
+use crate::{finish, forces, movers, solver};
+use std::time::Instant;
+
+/// Buffers that stages hand on to each other, kept from step to step.
+#[derive(Debug, Default)]
+pub(crate) struct Buffers {
+    pub(crate) forces: Forces,
+    pub(crate) broad: movers::Buffers,
+    pub(crate) narrow: Scratch,
+    pub(crate) bounce: BounceScratch,
+    pub(crate) prepare: PrepareScratch,
+    pub(crate) rows: Rows,
+    pub(crate) solver: solver::State,
+    pub(crate) finish: finish::Buffers,
+    /// Length of the last substep [s]: impulses are warm-started in proportion.
+    pub(crate) last_h: f32,
+}
+
+impl Buffers {
+    pub(crate) fn report(&self, report: &mut MemoryReport) {
+        report.add(Category::Rows, self.rows.bytes());
+        report.add(Category::Continuous, bytes_of(&self.forces.motion));
+        report.add(Category::Scratch, self.forces.bytes());
+        report.add(Category::Scratch, self.broad.bytes());
+        report.add(Category::Scratch, self.narrow.bytes());
+        report.add(Category::Scratch, self.bounce.bytes());
+        report.add(Category::Scratch, self.prepare.bytes());
+        report.add(Category::Scratch, self.solver.bytes());
+        report.add(Category::Scratch, self.finish.bytes());
+    }
+}
+
+/// Below this many bodies that can move, handing work to threads costs more than it saves (benches/steps.rs).
+const WORTH_THREADS: usize = 128;
+
+/// A separation up to this counts as touching [length units].
+pub(crate) const REAL: f32 = 0.002;
+/// Points nearer than this are always kept [length units].
+const MARGIN: f32 = 0.01;
+/// Relative motion in a step above which a pair that is apart is cast [length units].
+const FAST: f32 = 0.01;
+/// How far a pair may move before its contact is looked for again [length units].
+const RECYCLE: f32 = 0.005;
+/// Slip speed below which friction is static [m/s per length unit].
+const STICK: f32 = 0.01;
+/// Gauss-Seidel sweeps over the impacts of a step.
+const IMPACT_SWEEPS: u32 = 4;
+
+impl World {
+    /// Moves the world on by `dt` seconds and says what that took.
+    ///
+    /// # Errors
+    /// If `dt` is not a number above zero.
+    pub fn step(&mut self, dt: f32) -> Result<&StepReport, Error> {
+        positive("dt", dt)?;
+        let threads = if self.bodies.movers() < WORTH_THREADS { 1 } else { self.settings.threads };
+        with_crew(threads, |crew| self.run(&crew, dt));
+        Ok(&self.report)
+    }
+
+    /// The stages by name, in order, timed.
+    fn run(&mut self, crew: &Crew<'_>, dt: f32) {
+        let start = Instant::now();
+        let mut times = StageTimes::default();
+        self.keep_previous();
+
+        forces::predict(crew, self, dt);
+        let broad = movers::pairs(crew, self);
+        let mut clock = lap(start, &mut times.broad);
+
+        let narrow = self.narrow(crew);
+        clock = lap(clock, &mut times.narrow);
+
+        let impacts = self.prepare(crew, dt);
+        clock = lap(clock, &mut times.prepare);
+
+        let buffers = &mut self.buffers;
+        let acceleration = &buffers.forces.acceleration;
+        let (rows, state) = (&mut buffers.rows, &mut buffers.solver);
+        solver::solve(crew, &self.settings, dt, &mut self.bodies, acceleration, rows, state);
+        {
+            let poses = &self.colliders.poses;
+            if self.settings.friction_model == FrictionModel::Point {
+                // Each point adds its share.
+                self.contacts.all.iter_mut().for_each(|c| c.friction = glam::Vec3::ZERO);
+            }
+            let contacts = Shared::new(&mut self.contacts.all);
+            solver::store(crew, &self.buffers.rows, &contacts, &|c| poses[c as usize].rotation);
+        }
+        clock = lap(clock, &mut times.solve);
+
+        let ended = finish::finish(crew, self, dt);
+        lap(clock, &mut times.finish);
+        times.step = start.elapsed().as_secs_f32() * 1e6;
+        self.buffers.last_h = dt / self.settings.substeps as f32;
+        self.report = StepReport::new(self, times, broad, narrow, impacts, ended);
+        self.note_peaks();
+    }
+
+    fn narrow(&mut self, crew: &Crew<'_>) -> crate::narrow_phase::NarrowStats {
+        let unit = self.settings.length_unit;
+        let input = Input {
+            colliders: &self.colliders.all,
+            poses: &self.colliders.poses,
+            motion: &self.buffers.forces.motion,
+            margin: MARGIN * unit,
+            real: REAL * unit,
+            fast: FAST * unit,
+            recycle: if self.settings.recycling { RECYCLE * unit } else { -1.0 },
+            continuous: self.settings.continuous != Continuous::Discrete,
+            volume: self.settings.continuous == Continuous::Volume,
+        };
+        collide(crew, &input, &mut self.broad.pairs, &mut self.contacts, &mut self.buffers.narrow)
+    }
+
+    fn prepare(&mut self, crew: &Crew<'_>, dt: f32) -> usize {
+        let unit = self.settings.length_unit;
+        let forces = &self.buffers.forces;
+        let mut impacts = 0;
+        if self.needs.restitution > 0 {
+            let input = BounceInput {
+                colliders: &self.colliders.all,
+                poses: &self.colliders.poses,
+                pairs: &self.broad.pairs,
+                inverse_inertia: &forces.inverse_inertia,
+                acceleration: &forces.acceleration,
+                real: REAL * unit,
+                threshold: self.settings.restitution_threshold * unit,
+                iterations: IMPACT_SWEEPS,
+            };
+            impacts = bounce(&input, &mut self.contacts.all, &mut self.bodies, &mut self.buffers.bounce);
+        }
+        let h = dt / self.settings.substeps as f32;
+        let last = self.buffers.last_h;
+        let warm = if self.settings.warm_starting && last > 0.0 { h / last } else { 0.0 };
+        let input = PrepareInput {
+            bodies: &self.bodies,
+            colliders: &self.colliders.all,
+            poses: &self.colliders.poses,
+            contacts: &self.contacts.all,
+            pairs: &self.broad.pairs,
+            motion: &forces.motion,
+            inverse_inertia: &forces.inverse_inertia,
+            real: REAL * unit,
+            warm,
+            stick: STICK * unit,
+            per_point: self.settings.friction_model == FrictionModel::Point,
+        };
+        prepare(crew, &input, &mut self.buffers.rows, &mut self.buffers.prepare);
+        impacts
+    }
+}
+
+/// Adds the time since `start` to a stage [us] and returns now.
+fn lap(start: Instant, stage: &mut f32) -> Instant {
+    let now = Instant::now();
+    *stage = (now - start).as_secs_f32() * 1e6;
+    now
+}
