@@ -329,7 +329,8 @@ fn apart(
         // The point of a rim or side that is nearest to a vertex is on the way from the axis to it.
         (spin_a, spin_b) = (on_b, pose.back(on_a - pose.position));
     }
-    (best.1 <= margin).then_some(best.0)
+    let n = both.climb(best.0);
+    (both.separation(n) <= margin).then_some(n)
 }
 
 /// The kind of an edge.
