@@ -1,5 +1,5 @@
 //! First signs of life.
-use backstop::glam::{DVec3, Vec3};
+use backstop::glam::DVec3;
 use backstop::*;
 
 fn ball(r: f32) -> ShapeDesc {
@@ -42,7 +42,7 @@ fn an_elastic_ball_keeps_its_energy() {
         while bounces < 20 {
             world.step(dt).unwrap();
             let now = world.linear_velocity(b).unwrap().y;
-            if v < 0.0 && now > 0.0 {
+            if v <= 0.0 && now > 0.0 {
                 bounces += 1;
                 top = 0.0;
             }

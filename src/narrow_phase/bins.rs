@@ -224,8 +224,8 @@ fn finish_mesh(
     let fast = input.continuous && approach > input.fast;
     if fast && !input.volume {
         // Manifolds without a real point are guesses; what is really hit comes from the cast.
-        let real = input.real;
-        out.raw.retain(|m| m.points().iter().any(|p| p.separation <= real));
+        let near = input.margin;
+        out.raw.retain(|m| m.points().iter().any(|p| p.separation <= near));
     }
     out.many.extend(out.raw.iter().map(|&m| (m, 0.0)));
     if fast {
