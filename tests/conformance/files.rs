@@ -52,18 +52,21 @@ fn restitution_combines_by_the_stronger_rule() {
     }
 }
 
-/// Highest point of each body between its first and its second bounce.
+/// Highest point of each body between its first and its second bounce. A step may end on the surface, at rest, and the
+/// next one bounce.
 pub(super) fn rebounds(run: &mut Run, bodies: &[usize], dt: f32) -> Vec<f64> {
     let mut top = vec![0.0f64; bodies.len()];
-    let mut bounced = vec![0; bodies.len()];
-    let mut before = vec![0.0; bodies.len()];
+    let mut bounces = vec![0; bodies.len()];
+    let mut falls = vec![false; bodies.len()];
     for _ in 0..(4.0 / dt) as u32 {
         run.world.step(dt).unwrap();
         for (k, &i) in bodies.iter().enumerate() {
             let is = run.body(i);
-            bounced[k] += i32::from(before[k] < -0.3 && is.linear.y > 0.0);
-            before[k] = is.linear.y;
-            if bounced[k] == 1 {
+            if falls[k] && is.linear.y > 0.1 {
+                (falls[k], bounces[k]) = (false, bounces[k] + 1);
+            }
+            falls[k] |= is.linear.y < -0.1;
+            if bounces[k] == 1 {
                 top[k] = top[k].max(is.position.y);
             }
         }
