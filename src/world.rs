@@ -5,6 +5,7 @@ use crate::broad_phase::{BroadPhase, Pair, aabb_of};
 use crate::config::{Continuous, Settings};
 use crate::error::{Error, finite, finite3};
 use crate::finish::StepReport;
+use crate::forces::world_inertia;
 use crate::handle::{BodyHandle, ShapeHandle, Slots};
 use crate::lanes::Record;
 use crate::memory::{Category, MemoryReport, bytes_of};
@@ -467,12 +468,17 @@ impl World {
         finite_position(point)?;
         if self.bodies.kind[index] == BodyKind::Dynamic {
             let (mass, pose) = (&self.bodies.mass[index], &self.bodies.pose[index]);
-            let arm = (point - pose.position).as_vec3();
-            let local = mass.inverse_inertia * (pose.rotation.conjugate() * arm.cross(impulse));
-            let turned = pose.rotation * local;
+            let t = (point - pose.position).as_vec3().cross(impulse);
+            let inverse = world_inertia(&self.bodies, index);
+            let change = Record {
+                linear: impulse * mass.inverse,
+                angular: inverse.mul(crate::lanes::Vec3::new(t.x, t.y, t.z)).lane(0),
+                ..Record::default()
+            };
             let velocity = &mut self.bodies.velocity[index];
-            velocity.linear += impulse * mass.inverse;
-            velocity.angular += turned;
+            velocity.linear += change.linear;
+            velocity.angular += change.angular;
+            self.bodies.traits[index].lock(velocity);
         }
         Ok(())
     }

@@ -11,7 +11,7 @@ use crate::body::Pose;
 use crate::broad_phase::Pair;
 use crate::lanes::{Lanes, Quat, Record, Vec3, f32x8};
 use crate::memory::bytes_of;
-use crate::shape::Collider;
+use crate::shape::{Collider, Kind};
 use crate::threads::{Crew, Shared};
 use std::sync::Mutex;
 
@@ -244,6 +244,11 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
     if first.count == 0 || first.fraction > 0.0 {
         return false;
     }
+    // A round surface rolls: its point of contact moves by its radius of curvature times the turn. One that stayed
+    // behind would be a pivot, on which a body at rest topples like a pendulum upside down.
+    if first.count < 3 && (rolls(input, pair.a) || rolls(input, pair.b)) {
+        return false;
+    }
     let reach = input.colliders[pair.a as usize].radius.min(input.colliders[pair.b as usize].radius);
     let limit = input.recycle.min(0.05 * reach);
     let moved = (now.position - first.found_at.position).length_squared();
@@ -261,6 +266,11 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
         slot = contact.next;
     }
     true
+}
+
+/// Whether a shape is round somewhere.
+fn rolls(input: &Input<'_>, collider: u32) -> bool {
+    matches!(input.colliders[collider as usize].kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder)
 }
 
 /// Gives slots to what a block found.
