@@ -85,7 +85,8 @@ fn a_plate_slides_and_a_plate_sticks() {
         run.for_seconds(1.0, dt);
         let (slides, sticks) = (run.body(0), run.body(1));
         let expected = 9.81 * std::f32::consts::FRAC_1_SQRT_2 * (1.0 - 0.3);
-        let along = Vec3::new(0.0, -1.0, -1.0).normalize() * if slides.linear.z > 0.0 { Vec3::new(1.0, 1.0, -1.0) } else { Vec3::ONE };
+        let along = Vec3::new(0.0, -1.0, -1.0).normalize()
+            * if slides.linear.z > 0.0 { Vec3::new(1.0, 1.0, -1.0) } else { Vec3::ONE };
         assert!((slides.linear.dot(along) - expected).abs() < 0.02 * expected, "{dt}: {slides:?}");
         assert!((slides.linear - along * slides.linear.dot(along)).length() < 0.02, "{dt}: {slides:?}");
         let moved = (slides.position - start[0]).length() as f32;

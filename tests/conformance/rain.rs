@@ -47,8 +47,11 @@ impl Ground {
     }
 
     fn over(&self, lo: DVec3, hi: DVec3) -> Vec<usize> {
-        let at = |v: f64, from: f64| ((v - from) / self.cell).floor().clamp(0.0, self.columns as f64 - 1.0) as usize;
-        let (x, z) = (at(lo.x, self.min.x)..=at(hi.x, self.min.x), at(lo.z, self.min.z)..=at(hi.z, self.min.z));
+        let at = |v: f64, from: f64| {
+            ((v - from) / self.cell).floor().clamp(0.0, self.columns as f64 - 1.0) as usize
+        };
+        let (x, z) =
+            (at(lo.x, self.min.x)..=at(hi.x, self.min.x), at(lo.z, self.min.z)..=at(hi.z, self.min.z));
         z.flat_map(|z| x.clone().map(move |x| (z, x))).map(|(z, x)| z * self.columns + x).collect()
     }
 
@@ -69,7 +72,9 @@ impl Ground {
             let (v, t) = (d.dot(q) / det, f.dot(q) / det);
             u >= 0.0 && v >= 0.0 && u + v <= 1.0 && (0.0..=1.0).contains(&t)
         };
-        self.over(from.min(to), from.max(to)).into_iter().find_map(|c| self.cells[c].iter().copied().find(hit))
+        self.over(from.min(to), from.max(to))
+            .into_iter()
+            .find_map(|c| self.cells[c].iter().copied().find(hit))
     }
 }
 
@@ -95,7 +100,10 @@ fn rain_on(file: &str, turn: Quat, count: usize) {
             let now = centre(&run, i);
             if let Some(triangle) = ground.crossed(*before, now) {
                 let name = &scene.bodies[i].name;
-                crossings.push(format!("{name} at step {step} from {before} to {now} through {triangle}: {:?}", ground.triangles[triangle as usize]));
+                crossings.push(format!(
+                    "{name} at step {step} from {before} to {now} through {triangle}: {:?}",
+                    ground.triangles[triangle as usize]
+                ));
             }
             *before = now;
         }

@@ -15,7 +15,13 @@ fn print(scene: &Scene, run: &Run) {
     }
     for i in run.dynamic() {
         let is = run.body(i);
-        println!("{:26} {:.4} v {:.4} w {:.4}", scene.bodies[i].name, is.position, is.linear.length(), is.angular.length());
+        println!(
+            "{:26} {:.4} v {:.4} w {:.4}",
+            scene.bodies[i].name,
+            is.position,
+            is.linear.length(),
+            is.angular.length()
+        );
     }
 }
 
