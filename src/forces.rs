@@ -60,6 +60,8 @@ pub(crate) fn predict(crew: &Crew<'_>, world: &mut World, dt: f32) {
                 let predicted = Record {
                     linear: v.linear * dt + pull.linear * (0.5 * dt * dt),
                     angular: v.angular * dt,
+                    // The angle, for all who ask how far a point gets.
+                    pad1: v.angular.length() * dt,
                     ..Record::default()
                 };
                 // SAFETY: each body is in one block.
