@@ -38,8 +38,10 @@ pub(crate) fn tumble(rotation: Quat, omega: Vec3, inertia: Vec3, h: f32) -> (Qua
     let (i, j) = ((k + 1) % 3, (k + 2) % 3);
     let across = 0.5 * (inverse[i] + inverse[j]);
     let rest = 0.5 * (inverse[i] - inverse[j]);
-    let mut turn = rotation;
-    let mut momentum = inertia * (rotation.conjugate() * omega);
+    // In and out with more digits: a quaternion that is too long by a rounding, step after step, would add up.
+    let exact = rotation.as_dquat().normalize();
+    let start = inertia.as_dvec3() * (exact.conjugate() * omega.as_dvec3());
+    let (mut turn, mut momentum) = (rotation, start.as_vec3());
     let spin = |turn: &mut Quat, momentum: &mut Vec3, axis: usize, rate: f32| {
         let mut v = Vec3::ZERO;
         v[axis] = rate * momentum[axis] * h;
@@ -55,8 +57,8 @@ pub(crate) fn tumble(rotation: Quat, omega: Vec3, inertia: Vec3, h: f32) -> (Qua
     spin(&mut turn, &mut momentum, i, 0.5 * rest);
     // Rounding turned the momentum by next to nothing, and must not change its length either.
     let turn = turn.normalize();
-    let length = (inertia * (rotation.conjugate() * omega)).length();
-    (turn, turn * (inverse * momentum.normalize_or_zero() * length))
+    let local = momentum.as_dvec3().normalize_or_zero() * start.length() / inertia.as_dvec3();
+    (turn, (turn.as_dquat().normalize() * local).as_vec3())
 }
 
 /// The angular velocity of a body that contacts turned from one orientation to another: its angular momentum is kept,
