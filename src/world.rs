@@ -699,6 +699,7 @@ impl World {
         if self.bodies.kind[body] == BodyKind::Static {
             let pose = &self.bodies.pose[body];
             self.broad.insert_static(collider, aabb_of(c, pose.position, pose.rotation));
+            self.buffers.finish.statics_changed();
         } else {
             self.broad.insert_mover(collider);
         }
