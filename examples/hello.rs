@@ -1,6 +1,6 @@
-//! Ten boxes fall onto the ground: `cargo run --example hello`.
+//! Ten boxes fall onto each other: `cargo run --example hello`.
 
-use backstop::glam::{DVec3, Quat, Vec3};
+use backstop::glam::DVec3;
 use backstop::{BodyDesc, BodyHandle, Error, Geometry, Settings, ShapeDesc, World};
 
 fn main() -> Result<(), Error> {
@@ -10,11 +10,9 @@ fn main() -> Result<(), Error> {
 
     let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
     let boxes = (0..10).map(|i| {
-        let i = f64::from(i);
-        BodyDesc::dynamic()
-            .at(DVec3::new(0.1 * i, 1.0 + 1.2 * i, 0.0))
-            .rotated(Quat::from_axis_angle(Vec3::Y, 0.3))
-            .with_shape(cube.clone())
+        // Not quite above each other.
+        let (x, y) = (0.1 * f64::from(i % 3), 1.0 + 1.2 * f64::from(i));
+        BodyDesc::dynamic().at(DVec3::new(x, y, 0.0)).with_shape(cube.clone())
     });
     let boxes: Vec<BodyHandle> = world.add_bodies(&boxes.collect::<Vec<_>>())?;
 
