@@ -1,6 +1,9 @@
 //! backstop: rigid-body physics for game runtimes.
 #![allow(dead_code, unused_imports, reason = "under construction")]
 
+#[cfg(feature = "internals")]
+#[doc(hidden)]
+pub mod bench;
 mod body;
 mod broad_phase;
 mod config;
