@@ -54,6 +54,9 @@
 //! - `cli`: the command `backstop`.
 #![allow(dead_code, unused_imports, reason = "under construction")]
 
+#[cfg(feature = "internals")]
+#[doc(hidden)]
+pub mod bench;
 mod body;
 mod broad_phase;
 mod config;
