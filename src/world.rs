@@ -5,11 +5,12 @@ use crate::broad_phase::{BroadPhase, Pair, aabb_of};
 use crate::config::{Continuous, Settings};
 use crate::error::{Error, finite, finite3};
 use crate::finish::StepReport;
+use crate::forces::world_inertia;
 use crate::handle::{BodyHandle, ShapeHandle, Slots};
 use crate::lanes::Record;
 use crate::memory::{Category, MemoryReport, bytes_of};
 use crate::narrow_phase::Contacts;
-use crate::shape::{Collider, Filter, Geometry, Kind, MassProperties, Material, ShapeDesc, unit_quat};
+use crate::shape::{Collider, Filter, Geometry, Hot, Kind, MassProperties, Material, ShapeDesc, unit_quat};
 use crate::step::Buffers;
 use glam::{DVec3, Mat3, Quat, Vec3};
 
@@ -44,6 +45,7 @@ pub(crate) struct Needs {
 #[derive(Debug, Default)]
 pub(crate) struct Colliders {
     pub(crate) all: Vec<Collider>,
+    pub(crate) hot: Vec<Hot>,
     pub(crate) poses: Vec<Pose>,
     slots: Slots,
 }
@@ -160,6 +162,7 @@ impl World {
         self.bodies.reserve(descs.len());
         let shapes = descs.iter().map(|d| d.shapes.len()).sum();
         self.colliders.all.reserve(shapes);
+        self.colliders.hot.reserve(shapes);
         self.colliders.poses.reserve(shapes);
         self.colliders.slots.reserve(shapes);
         Ok(descs.iter().zip(masses).map(|(desc, (cold, mass))| self.insert(desc, cold, mass)).collect())
@@ -175,9 +178,9 @@ impl World {
         for &collider in colliders.as_slice() {
             self.drop_collider(collider);
         }
-        let all = &mut self.colliders.all;
+        let shapes = &mut self.colliders;
         self.bodies.remove(index as u32, |colliders, index| {
-            colliders.as_slice().iter().for_each(|&c| all[c as usize].body = index);
+            colliders.as_slice().iter().for_each(|&c| shapes.follow(c, index));
         });
         Ok(())
     }
@@ -467,12 +470,17 @@ impl World {
         finite_position(point)?;
         if self.bodies.kind[index] == BodyKind::Dynamic {
             let (mass, pose) = (&self.bodies.mass[index], &self.bodies.pose[index]);
-            let arm = (point - pose.position).as_vec3();
-            let local = mass.inverse_inertia * (pose.rotation.conjugate() * arm.cross(impulse));
-            let turned = pose.rotation * local;
+            let t = (point - pose.position).as_vec3().cross(impulse);
+            let inverse = world_inertia(&self.bodies, index);
+            let change = Record {
+                linear: impulse * mass.inverse,
+                angular: inverse.mul(crate::lanes::Vec3::new(t.x, t.y, t.z)).lane(0),
+                ..Record::default()
+            };
             let velocity = &mut self.bodies.velocity[index];
-            velocity.linear += impulse * mass.inverse;
-            velocity.angular += turned;
+            velocity.linear += change.linear;
+            velocity.angular += change.angular;
+            self.bodies.traits[index].lock(velocity);
         }
         Ok(())
     }
@@ -519,6 +527,7 @@ impl World {
         let mut report = MemoryReport::default();
         report.add(Category::Bodies, self.bodies.bytes());
         report.add(Category::Shapes, bytes_of(&self.colliders.all));
+        report.add(Category::Shapes, bytes_of(&self.colliders.hot));
         report.add(Category::Shapes, bytes_of(&self.colliders.poses));
         report.add(Category::Shapes, self.colliders.slots.bytes());
         for &(_, _, category, bytes) in &self.assets.list {
@@ -626,9 +635,9 @@ impl World {
             traits: Traits { gravity_scale: desc.gravity_scale, continuous: desc.continuous, locks },
             cold,
         };
-        let all = &mut self.colliders.all;
+        let shapes = &mut self.colliders;
         let (slot, generation) = self.bodies.insert(new, |colliders, index| {
-            colliders.as_slice().iter().for_each(|&c| all[c as usize].body = index);
+            colliders.as_slice().iter().for_each(|&c| shapes.follow(c, index));
         });
         let index = self.bodies.slots.get(slot, generation).unwrap_or(0) as usize;
         for shape in &desc.shapes {
@@ -660,10 +669,12 @@ impl World {
         let next = self.colliders.all.len() as u32;
         let (slot, _) = self.colliders.slots.insert(next);
         if slot == next {
+            self.colliders.hot.push(collider.hot());
             self.colliders.all.push(collider);
             self.colliders.poses.push(self.bodies.pose[body]);
         } else {
             self.colliders.slots.moved(slot, slot);
+            self.colliders.hot[slot as usize] = collider.hot();
             self.colliders.all[slot as usize] = collider;
         }
         self.bodies.colliders[body].push(slot);
@@ -740,6 +751,9 @@ impl World {
             c.position = cold.axes.conjugate() * (old.centre + old.axes * c.position - cold.centre);
             c.rotation = (cold.axes.conjugate() * old.axes * c.rotation).normalize();
         }
+        for &c in self.bodies.colliders[index].as_slice() {
+            self.colliders.hot[c as usize] = self.colliders.all[c as usize].hot();
+        }
     }
 
     pub(crate) fn keep_previous(&mut self) {
@@ -755,6 +769,12 @@ impl World {
 }
 
 impl Colliders {
+    /// The collider's body has a new index.
+    fn follow(&mut self, collider: u32, body: u32) {
+        self.all[collider as usize].body = body;
+        self.hot[collider as usize].body = body;
+    }
+
     /// World pose of a collider from that of its body.
     pub(crate) fn place(&mut self, collider: u32, body: &Pose) {
         let c = &self.all[collider as usize];

@@ -61,6 +61,15 @@ pub(crate) fn tumble(rotation: Quat, omega: Vec3, inertia: Vec3, h: f32) -> (Qua
     (turn, (turn.as_dquat().normalize() * local).as_vec3())
 }
 
+/// How fast the two like moments of a body turn it out of the motion of a symmetric top, at most [rad/s]: what
+/// [`tumble`] solves in turn, and so what its step must resolve. Zero for a symmetric top, however fast it spins.
+pub(crate) fn wobble(omega: Vec3, inertia: Vec3) -> f32 {
+    let inverse = inertia.recip();
+    let apart = [(inverse.y - inverse.z).abs(), (inverse.z - inverse.x).abs(), (inverse.x - inverse.y).abs()];
+    let rest = 0.5 * apart.into_iter().fold(f32::INFINITY, f32::min);
+    rest * inertia.max_element() * omega.length()
+}
+
 /// The angular velocity of a body that contacts turned from one orientation to another: its angular momentum is kept,
 /// unless that would take more energy than there was. A needle that is turned by more than its moments allow would
 /// otherwise spin up without bound.

@@ -6,7 +6,7 @@ mod report;
 use guard::{Clear, Guard};
 pub use report::{StageTimes, StepReport};
 
-use crate::body::{carry_spin, exp_map, tumble};
+use crate::body::{carry_spin, exp_map, tumble, wobble};
 use crate::config::Continuous;
 use crate::forces::spins_freely;
 use crate::memory::bytes_of;
@@ -46,8 +46,8 @@ pub(crate) struct Ended {
 
 /// Bodies a block.
 const BLOCK: usize = 64;
-/// A free body that turns more than this within a step is turned in several [rad].
-const TURN: f32 = 0.1;
+/// A free body whose axis may wander by more than this within a step is turned in several [rad].
+const TURN: f32 = 0.05;
 
 /// Moves the bodies to the end of the step.
 pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, dt: f32) -> Ended {
@@ -84,7 +84,7 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, dt: f32) -> Ended {
             let touched = d.pad0 != 0.0;
             if i < dynamic && !touched && spins_freely(&mass[i], &traits[i], start[i].angular, dt) {
                 let spin = start[i].angular;
-                let parts = (spin.length() * dt / TURN).ceil().clamp(1.0, 256.0);
+                let parts = (wobble(spin, mass[i].inertia) * dt / TURN).ceil().clamp(1.0, 16.0);
                 let (mut q, mut w) = (pose.rotation, spin);
                 for _ in 0..parts as u32 {
                     (q, w) = tumble(q, w, mass[i].inertia, dt / parts);
