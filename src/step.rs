@@ -114,6 +114,7 @@ impl World {
             colliders: &self.colliders.all,
             poses: &self.colliders.poses,
             motion: &self.buffers.forces.motion,
+            dynamic: self.bodies.dynamic(),
             margin: MARGIN * unit,
             real: REAL * unit,
             fast: FAST * unit,

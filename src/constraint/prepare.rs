@@ -5,7 +5,7 @@ use super::colour::{COLOURS, Colouring, OVERFLOW};
 use super::order::{Group, Stage};
 use crate::body::{Bodies, Pose};
 use crate::broad_phase::Pair;
-use crate::lanes::{GatherLanes, Lanes, Mask, Record, Sym3, Vec3, gather};
+use crate::lanes::{GatherLanes, Lanes, Record, Sym3, Vec3, gather};
 use crate::memory::bytes_of;
 use crate::narrow_phase::{Contact, NONE};
 use crate::shape::Collider;
@@ -216,6 +216,131 @@ fn schedule(rows: &mut Rows, scratch: &mut PrepareScratch) {
     rows.single.resize(singles as usize, Batch::default());
 }
 
+/// What a batch needs of its contacts, transposed: a column of eight lanes for each number. Inert lanes are zero.
+struct Columns<const P: usize> {
+    rotation: [[f32; 8]; 4],
+    normal: [[f32; 8]; 3],
+    /// From the batch's body a to the origin of the contact's shape a, at the time of the contact.
+    origin: [[f32; 8]; 3],
+    /// From the batch's body b to its body a, at the time of the contact.
+    to_b: [[f32; 8]; 3],
+    sign: [f32; 8],
+    inverse_mass: [[f32; 8]; 2],
+    inverse_inertia: [[[f32; 8]; 6]; 2],
+    position: [[[f32; 8]; 3]; P],
+    separation: [[f32; 8]; P],
+    impulse: [[f32; 8]; P],
+    present: [[f32; 8]; P],
+    friction: [[f32; 8]; 3],
+    twist: [f32; 8],
+    /// Static and dynamic.
+    coefficient: [[f32; 8]; 2],
+}
+
+fn put3(columns: &mut [[f32; 8]; 3], lane: usize, v: glam::Vec3) {
+    for (column, x) in columns.iter_mut().zip(v.to_array()) {
+        column[lane] = x;
+    }
+}
+
+fn vec3<L: Lanes>(columns: &[[f32; 8]; 3]) -> Vec3<L> {
+    Vec3::new(L::load(&columns[0]), L::load(&columns[1]), L::load(&columns[2]))
+}
+
+fn sym3<L: Lanes>(c: &[[f32; 8]; 6]) -> Sym3<L> {
+    let [xx, yy, zz, xy, xz, yz] = [0, 1, 2, 3, 4, 5].map(|i| L::load(&c[i]));
+    Sym3 { xx, yy, zz, xy, xz, yz }
+}
+
+/// Looks up one lane after another: each contact is touched once, and the arithmetic is left to the lanes.
+fn gather_columns<L: GatherLanes, const P: usize>(
+    batch: &mut Batch<L, P>,
+    parts: &[Part],
+    friction: bool,
+    input: &PrepareInput<'_>,
+) -> Columns<P> {
+    let mut out = Columns {
+        rotation: [[0.0; 8]; 4],
+        normal: [[0.0; 8]; 3],
+        origin: [[0.0; 8]; 3],
+        to_b: [[0.0; 8]; 3],
+        sign: [0.0; 8],
+        inverse_mass: [[0.0; 8]; 2],
+        inverse_inertia: [[[0.0; 8]; 6]; 2],
+        position: [[[0.0; 8]; 3]; P],
+        separation: [[f32::INFINITY; 8]; P],
+        impulse: [[0.0; 8]; P],
+        present: [[0.0; 8]; P],
+        friction: [[0.0; 8]; 3],
+        twist: [0.0; 8],
+        coefficient: [[0.0; 8]; 2],
+    };
+    let (dynamic, movers) = (input.bodies.dynamic() as u32, input.bodies.movers() as u32);
+    (batch.write_a, batch.write_b, batch.swapped) = (0, 0, 0);
+    batch.contact = [Part::NONE; 8];
+    for (lane, &part) in parts.iter().enumerate() {
+        let contact = &input.contacts[part.slot()];
+        let (shape_a, shape_b) = (&input.colliders[contact.a as usize], &input.colliders[contact.b as usize]);
+        let pose = &input.poses[contact.a as usize];
+        // `a` of the batch is a body that can be pushed.
+        let swap = shape_a.body >= dynamic;
+        let (a, b) = if swap { (shape_b.body, shape_a.body) } else { (shape_a.body, shape_b.body) };
+        batch.contact[lane] = part;
+        batch.swapped |= u32::from(swap) << lane;
+        batch.write_a |= u32::from(a < dynamic) << lane;
+        batch.write_b |= u32::from(b < dynamic) << lane;
+        // A static body has no record: its velocity is never used.
+        (batch.a[lane], batch.b[lane]) = (a, if b < movers { b } else { a });
+
+        let at = |body: u32| &input.bodies.pose[body as usize].position;
+        let mut between = (*at(shape_a.body) - *at(shape_b.body)).as_vec3();
+        if contact.fraction > 0.0 {
+            let moved = |body: u32| input.motion.get(body as usize).map_or(glam::Vec3::ZERO, |m| m.linear);
+            between += (moved(shape_a.body) - moved(shape_b.body)) * contact.fraction;
+        }
+        let own = (pose.position - *at(shape_a.body)).as_vec3();
+        put3(&mut out.origin, lane, if swap { own + between } else { own });
+        put3(&mut out.to_b, lane, if swap { -between } else { between });
+        out.sign[lane] = if swap { -1.0 } else { 1.0 };
+        put3(&mut out.normal, lane, contact.normal);
+        for (column, x) in out.rotation.iter_mut().zip(pose.rotation.to_array()) {
+            column[lane] = x;
+        }
+        for (side, body) in [a, b].into_iter().enumerate() {
+            if let Some(i) = input.inverse_inertia.get(body as usize) {
+                out.inverse_mass[side][lane] = input.bodies.mass[body as usize].inverse;
+                for (column, x) in
+                    out.inverse_inertia[side].iter_mut().zip([i.xx, i.yy, i.zz, i.xy, i.xz, i.yz])
+                {
+                    column[lane] = x;
+                }
+            }
+        }
+        let (first, count) = part.range(contact);
+        for (i, point) in contact.points[first..first + count].iter().enumerate().take(P) {
+            put3(&mut out.position[i], lane, point.position);
+            out.separation[i][lane] = point.separation;
+            out.impulse[i][lane] = point.impulse * input.warm;
+            out.present[i][lane] = 1.0;
+        }
+        if friction {
+            // Friction was stored for the whole contact; its points share it by their load.
+            let total: f32 = contact.points().iter().map(|p| p.impulse).sum();
+            let share = part
+                .only()
+                .map_or(1.0, |p| if total > 0.0 { contact.points[p].impulse / total } else { 0.0 });
+            put3(&mut out.friction, lane, contact.friction * (share * input.warm));
+            out.twist[lane] = contact.twist * input.warm;
+            let (sticking, sliding) = shape_a.material.friction_with(&shape_b.material);
+            (out.coefficient[0][lane], out.coefficient[1][lane]) = (sticking, sliding);
+        }
+    }
+    for lane in parts.len()..8 {
+        (batch.a[lane], batch.b[lane]) = (batch.a[0], batch.b[0]);
+    }
+    out
+}
+
 /// Fills the lanes of a batch; lanes without a contact get rows without mass.
 fn fill<L: GatherLanes, const P: usize>(
     batch: &mut Batch<L, P>,
@@ -223,105 +348,46 @@ fn fill<L: GatherLanes, const P: usize>(
     group: Group,
     input: &PrepareInput<'_>,
 ) {
-    let used = parts.len();
-    let live = L::Mask::from_bits(((1u64 << used) - 1) as u32);
-    let part = |lane: usize| parts[lane.min(used - 1)];
-    let contact = |lane: usize| &input.contacts[part(lane).slot()];
-    let point_of = |lane: usize, i: usize| {
-        let (first, count) = part(lane).range(contact(lane));
-        (i < count, &contact(lane).points[first + i.min(count - 1)])
-    };
-    let dynamic = input.bodies.dynamic() as u32;
-    let movers = input.bodies.movers() as u32;
-    let body_of = |c: u32| input.colliders[c as usize].body;
-    (batch.write_a, batch.write_b, batch.swapped) = (0, 0, 0);
-    for lane in 0..8 {
-        let c = contact(lane.min(L::N - 1));
-        // `a` is the body that can be pushed.
-        let (mut a, mut b) = (body_of(c.a), body_of(c.b));
-        if a >= dynamic {
-            batch.swapped |= 1 << lane;
-            (a, b) = (b, a);
-        }
-        // A static body has no record: its velocity is never read in a static group.
-        (batch.a[lane], batch.b[lane]) = (a, if b < movers { b } else { a });
-        batch.contact[lane] = if lane < used { parts[lane] } else { Part::NONE };
-        if lane < used {
-            batch.write_a |= u32::from(a < dynamic) << lane;
-            batch.write_b |= u32::from(b < dynamic) << lane;
-        }
+    let columns = gather_columns(batch, parts, !group.is_potential(), input);
+    let turn = crate::lanes::Quat {
+        v: Vec3::new(
+            L::load(&columns.rotation[0]),
+            L::load(&columns.rotation[1]),
+            L::load(&columns.rotation[2]),
+        ),
+        w: L::load(&columns.rotation[3]),
     }
-    let swapped = batch.swapped;
-    let is_swapped = |lane: usize| swapped >> lane & 1 != 0;
-    // Index of the real bodies, static ones included.
-    let bodies_of = |lane: usize| {
-        let c = contact(lane);
-        let (a, b) = (body_of(c.a), body_of(c.b));
-        if is_swapped(lane) { (b, a) } else { (a, b) }
-    };
-    let mass = |body: u32| if body < dynamic { input.bodies.mass[body as usize].inverse } else { 0.0 };
-    let inertia = |body: u32| input.inverse_inertia.get(body as usize).copied().unwrap_or_default();
-    let motion = |body: u32| input.motion.get(body as usize).map_or(glam::Vec3::ZERO, |m| m.linear);
-    let sym = |of: &dyn Fn(usize) -> Sym3<f32>| Sym3 {
-        xx: L::from_fn(|i| of(i).xx),
-        yy: L::from_fn(|i| of(i).yy),
-        zz: L::from_fn(|i| of(i).zz),
-        xy: L::from_fn(|i| of(i).xy),
-        xz: L::from_fn(|i| of(i).xz),
-        yz: L::from_fn(|i| of(i).yz),
-    };
-    let (ma, mb) = (L::from_fn(|i| mass(bodies_of(i).0)), L::from_fn(|i| mass(bodies_of(i).1)));
-    let ia = sym(&|i| inertia(bodies_of(i).0));
-    let ib = sym(&|i| inertia(bodies_of(i).1));
-
-    let turn = crate::lanes::Quat::<L>::from_fn(|i| input.poses[contact(i).a as usize].rotation);
-    let sign = L::from_fn(|i| if is_swapped(i) { -1.0 } else { 1.0 });
-    let n = turn.rotate(Vec3::from_fn(|i| contact(i).normal)) * sign;
-    // From the batch's body a to the origin of the contact's shape a, and from body b to body a; at the fraction of
-    // the step at which the contact was found.
-    let origin = Vec3::<L>::from_fn(|i| {
-        let c = contact(i);
-        let shape = input.poses[c.a as usize].position;
-        let of_a = body_of(c.a) as usize;
-        let own = (shape - input.bodies.pose[of_a].position).as_vec3();
-        if is_swapped(i) { own + between(c, input, &motion, body_of) } else { own }
-    });
-    let to_b = Vec3::<L>::from_fn(|i| {
-        let c = contact(i);
-        let d = between(c, input, &motion, body_of);
-        if is_swapped(i) { -d } else { d }
-    });
-
+    .to_matrix();
+    let sign = L::load(&columns.sign);
+    let n = turn.mul(vec3(&columns.normal)) * sign;
+    let (ma, mb) = (L::load(&columns.inverse_mass[0]), L::load(&columns.inverse_mass[1]));
+    let (ia, ib) = (sym3(&columns.inverse_inertia[0]), sym3(&columns.inverse_inertia[1]));
+    let (origin, to_b) = (vec3::<L>(&columns.origin), vec3::<L>(&columns.to_b));
     batch.normal = n;
     (batch.inverse_mass_a, batch.inverse_mass_b) = (ma, mb);
     (batch.inverse_inertia_a, batch.inverse_inertia_b) = (ia, ib);
     let (mut ra, mut rb) = ([Vec3::<L>::zero(); P], [Vec3::<L>::zero(); P]);
     let (mut turned_a, mut turned_b) = ([Vec3::<L>::zero(); P], [Vec3::<L>::zero(); P]);
     let mut present = [L::zero(); P];
-    let warm = L::splat(input.warm);
     for i in 0..P {
-        let has = L::from_fn(|lane| if lane < used && point_of(lane, i).0 { 1.0 } else { 0.0 });
-        present[i] = has;
-        let is = has.gt(L::zero());
-        let p = turn.rotate(Vec3::from_fn(|lane| point_of(lane, i).1.position));
-        ra[i] = p + origin;
+        present[i] = L::load(&columns.present[i]);
+        ra[i] = turn.mul(vec3(&columns.position[i])) + origin;
         rb[i] = ra[i] + to_b;
         let (arm_a, arm_b) = (ra[i].cross(n), rb[i].cross(n));
         (turned_a[i], turned_b[i]) = (ia.mul(arm_a), ib.mul(arm_b));
         let k = ma + mb + arm_a.dot(turned_a[i]) + arm_b.dot(turned_b[i]);
-        let possible = k.gt(L::zero());
-        let s = L::from_fn(|lane| point_of(lane, i).1.separation);
+        let possible = present[i].gt(L::zero()) & k.gt(L::zero());
+        let s = L::load(&columns.separation[i]);
         let point = &mut batch.points[i];
         (point.arm_a, point.arm_b) = (arm_a, arm_b);
-        point.separation = L::select(is, s, L::splat(f32::INFINITY));
-        point.mass = L::select(is & possible, L::one() / k, L::zero());
-        let old = L::from_fn(|lane| point_of(lane, i).1.impulse);
-        point.impulse = L::select(is & possible, old * warm, L::zero());
-        point.stiffness = L::select(is, k, L::zero());
-        point.real = L::select(s.le(L::splat(input.real)), has, L::zero());
+        point.separation = s;
+        point.mass = L::select(possible, L::one() / k, L::zero());
+        point.stiffness = k;
+        point.impulse = L::select(possible, L::load(&columns.impulse[i]), L::zero());
+        point.real = L::select(s.le(L::splat(input.real)), present[i], L::zero());
         for k in 0..i {
             let both = batch.points[k].arm_a.dot(turned_a[i]) + batch.points[k].arm_b.dot(turned_b[i]);
-            batch.coupling[couple(k, i)] = L::select(is, ma + mb + both, L::zero());
+            batch.coupling[couple(k, i)] = ma + mb + both;
         }
     }
     if group.is_potential() {
@@ -329,12 +395,11 @@ fn fill<L: GatherLanes, const P: usize>(
     }
 
     let count = present.iter().fold(L::zero(), |s, &x| s + x).max(L::one());
-    let mean = |of: &[Vec3<L>; P]| {
-        let sum = of.iter().zip(&present).fold(Vec3::zero(), |s, (&r, &x)| s + r * x);
-        sum * (L::one() / count)
-    };
+    let share = L::one() / count;
+    let mean =
+        |of: &[Vec3<L>; P]| of.iter().zip(&present).fold(Vec3::zero(), |s, (&r, &x)| s + r * x) * share;
     let (fa, fb) = (mean(&ra), mean(&rb));
-    let radius = ra.iter().zip(&present).fold(L::zero(), |s, (&r, &x)| s + (r - fa).length() * x) / count;
+    let radius = ra.iter().zip(&present).fold(L::zero(), |s, (&r, &x)| s + (r - fa).length() * x) * share;
     let (t1, t2) = n.tangents();
     let (a1, a2, b1, b2) = (fa.cross(t1), fa.cross(t2), fb.cross(t1), fb.cross(t2));
     let (ia1, ib1, ia2, ib2) = (ia.mul(a1), ib.mul(b1), ia.mul(a2), ib.mul(b2));
@@ -342,48 +407,25 @@ fn fill<L: GatherLanes, const P: usize>(
     let k12 = a1.dot(ia2) + b1.dot(ib2);
     let k22 = ma + mb + a2.dot(ia2) + b2.dot(ib2);
     let det = k11 * k22 - k12 * k12;
-    let possible = live & det.gt(L::zero());
+    let possible = det.gt(L::zero());
     let over = L::select(possible, L::one() / det, L::zero());
     let kt = n.dot(ia.mul(n)) + n.dot(ib.mul(n));
     let f = &mut batch.friction;
     f.tangent = t1;
     (f.arm_a, f.arm_b) = (fa, fb);
     f.mass = [k22 * over, -(k12 * over), k11 * over];
-    f.twist_mass = L::select(live & kt.gt(L::zero()), L::one() / kt, L::zero());
+    f.twist_mass = L::select(kt.gt(L::zero()), L::one() / kt, L::zero());
     f.radius = radius;
-    // Friction was stored in the frame of the contact's shape a; its points share it by their load.
-    let share = L::from_fn(|i| {
-        let (c, total) = (contact(i), contact(i).points().iter().map(|p| p.impulse).sum::<f32>());
-        part(i).only().map_or(1.0, |p| if total > 0.0 { c.points[p].impulse / total } else { 0.0 })
-    });
-    let old = turn.rotate(Vec3::from_fn(|i| contact(i).friction)) * sign * warm * share;
+    let old = turn.mul(vec3(&columns.friction)) * sign;
     f.impulse = [old.dot(t1), old.dot(t2)].map(|x| L::select(possible, x, L::zero()));
-    f.twist = L::select(live, L::from_fn(|i| contact(i).twist) * warm, L::zero());
+    f.twist = L::load(&columns.twist);
 
-    let material = |lane: usize| {
-        let c = contact(lane);
-        input.colliders[c.a as usize].material.friction_with(&input.colliders[c.b as usize].material)
-    };
-    let pair: [(f32, f32); 8] = std::array::from_fn(|lane| material(lane.min(L::N - 1)));
-    let (sticking, sliding) = (L::from_fn(|i| pair[i].0), L::from_fn(|i| pair[i].1));
-    // SAFETY of indices: a static body's lane reads body a, and its velocity is then not used.
     let velocity = &input.bodies.velocity;
     let ((va, wa), (vb, wb)) = (gather::<L>(velocity, &batch.a), gather::<L>(velocity, &batch.b));
     let at_b = if group.is_static() { Vec3::zero() } else { vb + wb.cross(fb) };
     let slip = at_b - (va + wa.cross(fa));
     let slip = slip - n * slip.dot(n);
     let stick = slip.length_squared().lt(L::splat(input.stick * input.stick));
+    let (sticking, sliding) = (L::load(&columns.coefficient[0]), L::load(&columns.coefficient[1]));
     f.coefficient = L::select(stick, sticking, sliding);
-}
-
-/// From body `b` of a contact to its body `a`, at the fraction of the step at which the contact was found.
-fn between(
-    c: &Contact,
-    input: &PrepareInput<'_>,
-    motion: &dyn Fn(u32) -> glam::Vec3,
-    body_of: impl Fn(u32) -> u32,
-) -> glam::Vec3 {
-    let (a, b) = (body_of(c.a), body_of(c.b));
-    let apart = (input.bodies.pose[a as usize].position - input.bodies.pose[b as usize].position).as_vec3();
-    apart + (motion(a) - motion(b)) * c.fraction
 }

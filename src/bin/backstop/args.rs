@@ -1,0 +1,172 @@
+//! The command line.
+
+use backstop::Continuous;
+use backstop::glam::Vec3;
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Rigid-body physics with continuous collision in one pass.
+#[derive(Debug, Parser)]
+#[command(name = "cargo backstop", bin_name = "cargo backstop", version, about)]
+pub(crate) struct Options {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Run a scene and say what came of it.
+    Run(RunOptions),
+    /// Shoot bodies of every shape at thin targets and count those that get through.
+    Shots(ShotOptions),
+    /// Scenes that come with backstop.
+    Scenes {
+        #[command(subcommand)]
+        command: ScenesCommand,
+    },
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum ScenesCommand {
+    /// Name the builtin and the shipped scenes.
+    List,
+    /// Write the shipped scenes as glTF files.
+    Write {
+        /// Where to; made if it is not there.
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+    },
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct RunOptions {
+    /// A .gltf or .glb file, with physics or as static ground; an .obj file as static ground; or the name of a
+    /// builtin scene (`cargo backstop scenes list`).
+    #[arg(value_name = "FILE")]
+    pub(crate) scene: String,
+    /// Steps to run [default: as many as make 10 s, or what the builtin scene asks for].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) steps: Option<u32>,
+    /// Length of a step in seconds: a number or a fraction.
+    #[arg(long, value_name = "SECONDS", default_value = "1/60", value_parser = seconds)]
+    pub(crate) dt: f32,
+    /// Threads that work on a step.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = threads)]
+    pub(crate) threads: usize,
+    /// Substeps of the solver in a step [default: 4].
+    #[arg(long, value_name = "N")]
+    pub(crate) substeps: Option<u32>,
+    /// Solver iterations in each substep [default: 1].
+    #[arg(long, value_name = "N")]
+    pub(crate) iterations: Option<u32>,
+    /// How fast bodies are kept from passing through others: discrete (not at all), segment or volume.
+    #[arg(long, value_name = "MODE", default_value = "segment", value_parser = continuous)]
+    pub(crate) continuous: Continuous,
+    /// Gravity in m/s²: X,Y,Z, or one number for downwards [default: the scene's].
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = gravity)]
+    pub(crate) gravity: Option<Vec3>,
+    /// Rain this many bodies of mixed shapes onto the scene from above.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) drop: usize,
+    /// Seed of the rain.
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Run a file with joints as if it had none.
+    #[arg(long)]
+    pub(crate) skip_joints: bool,
+    /// Write the scene with its motion as a glTF animation.
+    #[arg(long, value_name = "FILE.glb")]
+    pub(crate) out: Option<PathBuf>,
+    /// Write a page with charts: index.html and its pictures.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) report: Option<PathBuf>,
+    /// Print one JSON document instead of the summary (docs/json.md).
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// No summary, no progress, no notes.
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct ShotOptions {
+    /// How many; each is run under all three modes.
+    #[arg(long, value_name = "N", default_value_t = 10_000)]
+    pub(crate) count: u64,
+    /// Which: the same seed gives the same shots.
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Threads, each with shots of its own [default: one per core].
+    #[arg(long, value_name = "N", value_parser = threads)]
+    pub(crate) threads: Option<usize>,
+    /// Run one shot alone and describe it.
+    #[arg(long, value_name = "NUMBER", conflicts_with_all = ["count", "json"])]
+    pub(crate) only: Option<u64>,
+    /// Print one JSON document instead of tables (docs/json.md).
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// No progress.
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}
+
+fn number(text: &str) -> Result<f32, String> {
+    let value: f32 = text.trim().parse().map_err(|_| format!("\"{text}\" is not a number"))?;
+    if value.is_finite() { Ok(value) } else { Err(format!("\"{text}\" is not finite")) }
+}
+
+fn seconds(text: &str) -> Result<f32, String> {
+    let value = match text.split_once('/') {
+        Some((over, under)) => number(over)? / number(under)?,
+        None => number(text)?,
+    };
+    // A step of more than a second is no simulation, one below a microsecond never gets anywhere.
+    if (1e-6..=1.0).contains(&value) { Ok(value) } else { Err("must be in 0.000001..=1".into()) }
+}
+
+fn threads(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(n @ 1..=1024) => Ok(n),
+        _ => Err("must be a whole number in 1..=1024".into()),
+    }
+}
+
+fn gravity(text: &str) -> Result<Vec3, String> {
+    let parts: Vec<f32> = text.split(',').map(number).collect::<Result<_, _>>()?;
+    match parts[..] {
+        // The strength of the pull, whichever sign one gives it.
+        [down] => Ok(Vec3::new(0.0, -down.abs(), 0.0)),
+        [x, y, z] => Ok(Vec3::new(x, y, z)),
+        _ => Err("wants one number or three, with commas between them".into()),
+    }
+}
+
+fn continuous(text: &str) -> Result<Continuous, String> {
+    match text {
+        "discrete" => Ok(Continuous::Discrete),
+        "segment" => Ok(Continuous::Segment),
+        "volume" => Ok(Continuous::Volume),
+        _ => Err("must be discrete, segment or volume".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        use clap::CommandFactory;
+        Options::command().debug_assert();
+    }
+
+    #[test]
+    fn numbers_are_read_as_people_write_them() {
+        assert_eq!(seconds("1/60").unwrap(), 1.0 / 60.0);
+        assert_eq!(seconds("0.02").unwrap(), 0.02);
+        assert!(seconds("0").is_err() && seconds("1/0").is_err() && seconds("x").is_err());
+        assert_eq!(gravity("1.62").unwrap(), Vec3::new(0.0, -1.62, 0.0));
+        assert_eq!(gravity("1,-2,0.5").unwrap(), Vec3::new(1.0, -2.0, 0.5));
+        assert!(gravity("1,2").is_err() && gravity("inf").is_err());
+    }
+}

@@ -1,0 +1,50 @@
+//! `cargo backstop`: runs scenes, measures tunnelling, writes the shipped scenes.
+
+mod args;
+mod charts;
+mod document;
+mod output;
+mod page;
+mod run;
+mod shots;
+mod summary;
+mod trace;
+
+use args::{Command, Options, ScenesCommand};
+use backstop::scene;
+use clap::Parser;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let done = match Options::parse().command {
+        Command::Run(options) => run::run(&options),
+        Command::Shots(options) => shots::shots(&options),
+        Command::Scenes { command: ScenesCommand::List } => list_scenes(),
+        Command::Scenes { command: ScenesCommand::Write { folder } } => write_scenes(&folder),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            // The whole chain of causes on one line.
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn list_scenes() -> anyhow::Result<()> {
+    let mut text = String::from("Builtin scenes, by their names:\n");
+    for (name, scene) in scene::builtin::NAMES.iter().filter_map(|n| Some((n, scene::builtin::build(n)?))) {
+        text += &format!("  {name:<20}{:>6} bodies that move\n", scene.dynamic_bodies());
+    }
+    text += "Scenes that `cargo backstop scenes write` writes as files:\n";
+    for (file, scene) in scene::SHIPPED.iter().filter_map(|f| Some((f, scene::shipped(f)?))) {
+        text += &format!("  {file:<20}{:>6} bodies that move\n", scene.dynamic_bodies());
+    }
+    output::print(&text)
+}
+
+fn write_scenes(folder: &std::path::Path) -> anyhow::Result<()> {
+    let written = scene::write_shipped(folder)?;
+    output::print(&written.iter().map(|p| format!("{}\n", p.display())).collect::<String>())
+}

@@ -1,0 +1,139 @@
+//! `run`: a scene from a file, step after step, and what is written of it.
+
+use crate::args::RunOptions;
+use crate::document::Document;
+use crate::trace::Trace;
+use crate::{output, page, summary};
+use anyhow::{Context, bail};
+use backstop::scene::{self, LoadOptions, Recorder, Scene};
+use backstop::{BodyHandle, Settings, World};
+
+/// Simulated time of scenes from files, unless steps are given [s].
+const SECONDS: f32 = 10.0;
+/// Builtin scenes count their steps in these [s].
+const SCENE_STEP: f32 = 1.0 / 60.0;
+/// Frames of a film, at most [1/s]: viewers interpolate.
+const FRAME_RATE: f32 = 60.0;
+
+pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
+    // Fails before the work is done, not after it.
+    if let Some(folder) = options.out.as_ref().and_then(|f| f.parent()).filter(|f| !f.as_os_str().is_empty())
+    {
+        std::fs::create_dir_all(folder).with_context(|| format!("can't make {}", folder.display()))?;
+    }
+    if let Some(folder) = &options.report {
+        std::fs::create_dir_all(folder).with_context(|| format!("can't make {}", folder.display()))?;
+    }
+    let mut scene = scene::open(&options.scene, &LoadOptions { skip_joints: options.skip_joints })?;
+    if options.drop > 0 {
+        scene.rain(options.drop, options.seed);
+    }
+    if !options.quiet {
+        scene.notes.iter().for_each(|note| eprintln!("note: {note}"));
+        if scene.bodies.iter().all(|b| b.desc.kind == backstop::BodyKind::Static) {
+            eprintln!("note: nothing moves in this scene; --drop 100 rains bodies onto it");
+        }
+    }
+    let ran = match options.threads {
+        1 => simulate(options, &scene),
+        threads => {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            pool.context("can't start threads")?.install(|| simulate(options, &scene))
+        }
+    }?;
+    write(options, &scene, &ran)
+}
+
+/// A scene after its last step.
+struct Ran {
+    world: World,
+    handles: Vec<BodyHandle>,
+    trace: Trace,
+    film: Option<Recorder>,
+}
+
+fn simulate(options: &RunOptions, scene: &Scene) -> anyhow::Result<Ran> {
+    let mut world = World::new(settings(options, scene)).context("these settings are refused")?;
+    let descs = scene.descs();
+    let handles = world.add_bodies(&descs).with_context(|| format!("scene {} is refused", scene.name))?;
+    drop(descs);
+
+    let steps = options.steps.unwrap_or_else(|| default_steps(scene, options.dt));
+    let every = ((1.0 / FRAME_RATE) / options.dt).round().max(1.0) as u32;
+    let mut film = options.out.as_ref().map(|_| Recorder::new(scene));
+    let mut trace = Trace { reports: Vec::with_capacity(steps as usize), energy: Vec::new() };
+    record(&mut film, &world, &handles, 0.0);
+    let bar = output::progress(!options.quiet, steps.into(), "steps");
+    for step in 1..=steps {
+        let report = *world.step(options.dt)?;
+        trace.reports.push(report);
+        if options.report.is_some() {
+            trace.energy.push(world.energy());
+        }
+        if step % every == 0 || step == steps {
+            record(&mut film, &world, &handles, step as f32 * options.dt);
+        }
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(Ran { world, handles, trace, film })
+}
+
+fn settings(options: &RunOptions, scene: &Scene) -> Settings {
+    let default = Settings::default();
+    Settings {
+        gravity: options.gravity.unwrap_or(scene.gravity),
+        substeps: options.substeps.unwrap_or(default.substeps),
+        iterations: options.iterations.unwrap_or(default.iterations),
+        threads: options.threads,
+        continuous: options.continuous,
+        ..default
+    }
+}
+
+fn default_steps(scene: &Scene, dt: f32) -> u32 {
+    let seconds = if scene.source.is_some() { SECONDS } else { scene.steps as f32 * SCENE_STEP };
+    (seconds / dt).round().max(1.0) as u32
+}
+
+fn record(film: &mut Option<Recorder>, world: &World, handles: &[BodyHandle], time: f32) {
+    if let Some(film) = film {
+        film.record(time, |i| {
+            // Handles are fresh: nothing was removed.
+            let pose = |h| Ok::<_, backstop::Error>((world.position(h)?, world.rotation(h)?));
+            pose(handles[i]).unwrap_or_default()
+        });
+    }
+}
+
+fn write(options: &RunOptions, scene: &Scene, ran: &Ran) -> anyhow::Result<()> {
+    let Ran { world, handles, trace, film } = ran;
+    let mut written = Vec::new();
+    if let (Some(path), Some(film)) = (&options.out, film) {
+        scene::write_animation(scene, film, path)?;
+        written.push(path.clone());
+    }
+    let document = Document::new(options, scene, world, handles, trace)?;
+    if let Some(folder) = &options.report {
+        written.push(page::write(folder, &document, trace)?);
+    }
+    if options.json {
+        output::print_json(&document)?;
+    } else if !options.quiet {
+        output::print(&summary::text(&document, trace, &written))?;
+    }
+    let lost: Vec<&str> = document
+        .bodies
+        .iter()
+        .filter(|b| !b.position.iter().all(|x| x.is_finite()))
+        .map(|b| b.name.as_str())
+        .collect();
+    if let Some(first) = lost.first() {
+        bail!(
+            "{} of {} bodies have no finite position, {first} among them",
+            lost.len(),
+            document.bodies.len()
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,79 @@
+//! What a run leaves behind: the report of each step, and numbers out of them.
+
+use backstop::StepReport;
+use serde::Serialize;
+
+/// One stage's time in a report [us].
+pub(crate) type Stage = fn(&StepReport) -> f32;
+
+/// The stages in their order.
+pub(crate) const STAGES: [(&str, Stage); 5] = [
+    ("broad", |r| r.times.broad),
+    ("narrow", |r| r.times.narrow),
+    ("prepare", |r| r.times.prepare),
+    ("solve", |r| r.times.solve),
+    ("finish", |r| r.times.finish),
+];
+
+/// Reports of all steps.
+#[derive(Debug, Default)]
+pub(crate) struct Trace {
+    pub(crate) reports: Vec<StepReport>,
+    /// Energy after each step [J]; only if it was asked for.
+    pub(crate) energy: Vec<f64>,
+}
+
+/// Times of a stage over a run [us].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub(crate) struct Times {
+    pub(crate) median: f64,
+    pub(crate) mean: f64,
+    pub(crate) p95: f64,
+    pub(crate) max: f64,
+}
+
+impl Times {
+    pub(crate) fn of(values: impl Iterator<Item = f32>) -> Times {
+        let mut sorted: Vec<f64> = values.map(f64::from).collect();
+        sorted.sort_unstable_by(f64::total_cmp);
+        let Some(&max) = sorted.last() else { return Times::default() };
+        let n = sorted.len();
+        // The smallest value that at least this share of all does not exceed.
+        let quantile = |share: f64| sorted[((share * n as f64).ceil() as usize).clamp(1, n) - 1];
+        let median =
+            if n.is_multiple_of(2) { 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]) } else { sorted[n / 2] };
+        Times { median, mean: sorted.iter().sum::<f64>() / n as f64, p95: quantile(0.95), max }
+    }
+}
+
+impl Trace {
+    pub(crate) fn step_times(&self) -> Times {
+        Times::of(self.reports.iter().map(|r| r.times.step))
+    }
+
+    pub(crate) fn stage_times(&self, stage: Stage) -> Times {
+        Times::of(self.reports.iter().map(stage))
+    }
+
+    /// Sum of a count over all steps.
+    pub(crate) fn total(&self, what: fn(&StepReport) -> u32) -> u64 {
+        self.reports.iter().map(|r| u64::from(what(r))).sum()
+    }
+
+    pub(crate) fn last(&self) -> StepReport {
+        self.reports.last().copied().unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_are_values_that_occurred() {
+        let times = Times::of((1..=100).rev().map(|i| i as f32));
+        assert_eq!(times, Times { median: 50.5, mean: 50.5, p95: 95.0, max: 100.0 });
+        assert_eq!(Times::of([3.0].into_iter()), Times { median: 3.0, mean: 3.0, p95: 3.0, max: 3.0 });
+        assert_eq!(Times::of([].into_iter()), Times::default());
+    }
+}
