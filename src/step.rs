@@ -96,7 +96,7 @@ impl World {
                 self.contacts.all.iter_mut().for_each(|c| c.friction = glam::Vec3::ZERO);
             }
             let contacts = Shared::new(&mut self.contacts.all);
-            solver::store(crew, &self.buffers.rows, &contacts, &|c| poses[c as usize].rotation);
+            solver::store(crew, &self.buffers.rows, dt, &contacts, &|c| poses[c as usize].rotation);
         }
         clock = lap(clock, &mut times.solve);
 

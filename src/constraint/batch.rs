@@ -18,6 +18,8 @@ pub(crate) struct PointRow<L> {
     pub(crate) mass: L,
     /// [N s]
     pub(crate) impulse: L,
+    /// The part of the impulse that does not yield [N s].
+    pub(crate) held: L,
     /// 1 / mass of the row [1/kg].
     pub(crate) stiffness: L,
     /// 1 for a real point, whose impulse bounds friction; 0 for a potential one.

@@ -230,6 +230,7 @@ struct Columns<const P: usize> {
     position: [[[f32; 8]; 3]; P],
     separation: [[f32; 8]; P],
     impulse: [[f32; 8]; P],
+    held: [[f32; 8]; P],
     present: [[f32; 8]; P],
     friction: [[f32; 8]; 3],
     twist: [f32; 8],
@@ -270,6 +271,7 @@ fn gather_columns<L: GatherLanes, const P: usize>(
         position: [[[0.0; 8]; 3]; P],
         separation: [[f32::INFINITY; 8]; P],
         impulse: [[0.0; 8]; P],
+        held: [[0.0; 8]; P],
         present: [[0.0; 8]; P],
         friction: [[0.0; 8]; 3],
         twist: [0.0; 8],
@@ -321,6 +323,7 @@ fn gather_columns<L: GatherLanes, const P: usize>(
             put3(&mut out.position[i], lane, point.position);
             out.separation[i][lane] = point.separation;
             out.impulse[i][lane] = point.impulse * input.warm;
+            out.held[i][lane] = point.held * input.warm;
             out.present[i][lane] = 1.0;
         }
         if friction {
@@ -382,6 +385,7 @@ fn fill<L: GatherLanes, const P: usize>(
         (point.arm_a, point.arm_b) = (arm_a, arm_b);
         point.separation = s;
         point.mass = L::select(possible, L::one() / k, L::zero());
+        point.held = L::select(possible, L::load(&columns.held[i]), L::zero());
         point.stiffness = k;
         point.impulse = L::select(possible, L::load(&columns.impulse[i]), L::zero());
         point.real = L::select(s.le(L::splat(input.real)), present[i], L::zero());
