@@ -75,12 +75,12 @@ fn the_axis_of_a_free_top_precesses_at_momentum_over_inertia() {
         let axis = world.rotation(body).unwrap().as_dquat() * DVec3::Y;
         axis.dot(e2).atan2(axis.dot(e1))
     };
-    let (mut gone, mut last, mut time) = (0.0, angle(&world), 0.0);
+    let (mut gone, mut last, mut time) = (0.0f64, angle(&world), 0.0);
     while gone.abs() < 100.0 * std::f64::consts::TAU {
         world.step(dt).unwrap();
         time += f64::from(dt);
         let now = angle(&world);
-        let mut turn = now - last;
+        let mut turn: f64 = now - last;
         turn -= (turn / std::f64::consts::TAU).round() * std::f64::consts::TAU;
         gone += turn;
         last = now;

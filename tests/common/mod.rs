@@ -7,11 +7,11 @@ use backstop::{BodyDesc, BodyHandle, Geometry, Material, Settings, ShapeDesc, Tr
 use std::sync::Arc;
 
 /// Standard gravity of every world here [m/s²].
-pub const G: f64 = 9.81;
+pub(crate) const G: f64 = 9.81;
 
 /// A static surface at y = 0.
 #[derive(Clone, Copy, Debug)]
-pub enum Floor {
+pub(crate) enum Floor {
     Box,
     Plane,
     /// Flat, of 800 triangles of 1 m.
@@ -19,9 +19,9 @@ pub enum Floor {
 }
 
 impl Floor {
-    pub const ALL: [Floor; 3] = [Floor::Box, Floor::Plane, Floor::Mesh];
+    pub(crate) const ALL: [Floor; 3] = [Floor::Box, Floor::Plane, Floor::Mesh];
 
-    pub fn desc(self, material: Material) -> BodyDesc {
+    pub(crate) fn desc(self, material: Material) -> BodyDesc {
         let (geometry, y) = match self {
             Floor::Box => (Geometry::cuboid(20.0, 1.0, 20.0), -1.0),
             Floor::Plane => (Geometry::Plane, 0.0),
@@ -34,7 +34,7 @@ impl Floor {
 }
 
 /// A flat mesh of squares of `cell` metres, `half` of them to each side of the origin.
-pub fn flat_mesh(half: i32, cell: f32) -> Geometry {
+pub(crate) fn flat_mesh(half: i32, cell: f32) -> Geometry {
     let n = (2 * half + 1) as u32;
     let vertices = (0..n * n)
         .map(|i| Vec3::new((i % n) as f32 - half as f32, 0.0, (i / n) as f32 - half as f32) * cell)
@@ -48,36 +48,36 @@ pub fn flat_mesh(half: i32, cell: f32) -> Geometry {
     Geometry::Mesh(Arc::new(TriangleMesh::new(vertices, triangles).unwrap()))
 }
 
-pub fn shape(geometry: Geometry, material: Material) -> ShapeDesc {
+pub(crate) fn shape(geometry: Geometry, material: Material) -> ShapeDesc {
     let mut shape = ShapeDesc::new(geometry);
     shape.material = material;
     shape
 }
 
-pub fn dynamic(geometry: Geometry, material: Material, at: Vec3) -> BodyDesc {
+pub(crate) fn dynamic(geometry: Geometry, material: Material, at: Vec3) -> BodyDesc {
     BodyDesc::dynamic().at(at).with_shape(shape(geometry, material))
 }
 
 /// A world with the scene's bodies in it.
-pub fn world_of(scene: &Scene, settings: Settings) -> (World, Vec<BodyHandle>) {
+pub(crate) fn world_of(scene: &Scene, settings: Settings) -> (World, Vec<BodyHandle>) {
     let mut world = World::new(Settings { gravity: scene.gravity, ..settings }).unwrap();
     let bodies = world.add_bodies(&scene.descs()).unwrap();
     (world, bodies)
 }
 
-pub fn steps(world: &mut World, count: u32, dt: f32) {
+pub(crate) fn steps(world: &mut World, count: u32, dt: f32) {
     for _ in 0..count {
         world.step(dt).unwrap();
     }
 }
 
 /// A rotation about an axis by degrees.
-pub fn turned(axis: Vec3, degrees: f32) -> Quat {
+pub(crate) fn turned(axis: Vec3, degrees: f32) -> Quat {
     Quat::from_axis_angle(axis, degrees.to_radians())
 }
 
 /// Everything that a body has is a number.
-pub fn all_finite(world: &World) -> bool {
+pub(crate) fn all_finite(world: &World) -> bool {
     world.bodies().all(|b| {
         world.position(b).unwrap().is_finite()
             && world.rotation(b).unwrap().is_finite()
@@ -87,6 +87,6 @@ pub fn all_finite(world: &World) -> bool {
 }
 
 /// Horizontal length.
-pub fn sideways(v: DVec3) -> f64 {
+pub(crate) fn sideways(v: DVec3) -> f64 {
     v.x.hypot(v.z)
 }
