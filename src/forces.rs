@@ -95,7 +95,7 @@ pub(crate) fn spins_freely(mass: &Mass, traits: &Traits, spin: Vec3, dt: f32) ->
 }
 
 /// Inverse inertia in world axes. About a locked axis nothing turns, and the others turn as if it were not there.
-fn world_inertia(bodies: &Bodies, i: usize) -> Sym3<f32> {
+pub(crate) fn world_inertia(bodies: &Bodies, i: usize) -> Sym3<f32> {
     let mass = &bodies.mass[i];
     let r = Mat3::from_quat(bodies.pose[i].rotation);
     let locks = bodies.traits[i].locks >> 3;

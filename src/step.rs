@@ -55,7 +55,7 @@ const RECYCLE: f32 = 0.005;
 /// Slip speed below which friction is static [m/s per length unit].
 const STICK: f32 = 0.01;
 /// Gauss-Seidel sweeps over the impacts of a step.
-const IMPACT_SWEEPS: u32 = 4;
+const IMPACT_SWEEPS: u32 = 8;
 
 impl World {
     /// Moves the world on by `dt` seconds and says what that took.
@@ -112,6 +112,7 @@ impl World {
         let unit = self.settings.length_unit;
         let input = Input {
             colliders: &self.colliders.all,
+            hot: &self.colliders.hot,
             poses: &self.colliders.poses,
             motion: &self.buffers.forces.motion,
             dynamic: self.bodies.dynamic(),
@@ -148,6 +149,7 @@ impl World {
         let input = PrepareInput {
             bodies: &self.bodies,
             colliders: &self.colliders.all,
+            hot: &self.colliders.hot,
             poses: &self.colliders.poses,
             contacts: &self.contacts.all,
             pairs: &self.broad.pairs,

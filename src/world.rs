@@ -5,11 +5,12 @@ use crate::broad_phase::{BroadPhase, Pair, aabb_of};
 use crate::config::{Continuous, Settings};
 use crate::error::{Error, finite, finite3};
 use crate::finish::StepReport;
+use crate::forces::world_inertia;
 use crate::handle::{BodyHandle, ShapeHandle, Slots};
 use crate::lanes::Record;
 use crate::memory::{Category, MemoryReport, bytes_of};
 use crate::narrow_phase::Contacts;
-use crate::shape::{Collider, Filter, Geometry, Kind, MassProperties, Material, ShapeDesc, unit_quat};
+use crate::shape::{Collider, Filter, Geometry, Hot, Kind, MassProperties, Material, ShapeDesc, unit_quat};
 use crate::step::Buffers;
 use glam::{DVec3, Mat3, Quat, Vec3};
 
@@ -44,6 +45,7 @@ pub(crate) struct Needs {
 #[derive(Debug, Default)]
 pub(crate) struct Colliders {
     pub(crate) all: Vec<Collider>,
+    pub(crate) hot: Vec<Hot>,
     pub(crate) poses: Vec<Pose>,
     slots: Slots,
 }
@@ -160,6 +162,7 @@ impl World {
         self.bodies.reserve(descs.len());
         let shapes = descs.iter().map(|d| d.shapes.len()).sum();
         self.colliders.all.reserve(shapes);
+        self.colliders.hot.reserve(shapes);
         self.colliders.poses.reserve(shapes);
         self.colliders.slots.reserve(shapes);
         Ok(descs.iter().zip(masses).map(|(desc, (cold, mass))| self.insert(desc, cold, mass)).collect())
@@ -175,9 +178,9 @@ impl World {
         for &collider in colliders.as_slice() {
             self.drop_collider(collider);
         }
-        let all = &mut self.colliders.all;
+        let shapes = &mut self.colliders;
         self.bodies.remove(index as u32, |colliders, index| {
-            colliders.as_slice().iter().for_each(|&c| all[c as usize].body = index);
+            colliders.as_slice().iter().for_each(|&c| shapes.follow(c, index));
         });
         Ok(())
     }
@@ -195,6 +198,9 @@ impl World {
         self.check_budget(&[BodyDesc::fixed().with_shape(shape.clone())])?;
         let mass =
             MassProperties::of(&shape.geometry, shape.density).transformed(shape.position, shape.rotation);
+        if self.bodies.kind[index] == BodyKind::Dynamic && mass.mass != 0.0 {
+            movable(&mass)?;
+        }
         let collider = self.new_collider(index, shape);
         if self.bodies.cold[index].mass_from_shapes && mass.mass > 0.0 {
             self.refresh_mass(index);
@@ -467,12 +473,17 @@ impl World {
         finite_position(point)?;
         if self.bodies.kind[index] == BodyKind::Dynamic {
             let (mass, pose) = (&self.bodies.mass[index], &self.bodies.pose[index]);
-            let arm = (point - pose.position).as_vec3();
-            let local = mass.inverse_inertia * (pose.rotation.conjugate() * arm.cross(impulse));
-            let turned = pose.rotation * local;
+            let t = (point - pose.position).as_vec3().cross(impulse);
+            let inverse = world_inertia(&self.bodies, index);
+            let change = Record {
+                linear: impulse * mass.inverse,
+                angular: inverse.mul(crate::lanes::Vec3::new(t.x, t.y, t.z)).lane(0),
+                ..Record::default()
+            };
             let velocity = &mut self.bodies.velocity[index];
-            velocity.linear += impulse * mass.inverse;
-            velocity.angular += turned;
+            velocity.linear += change.linear;
+            velocity.angular += change.angular;
+            self.bodies.traits[index].lock(velocity);
         }
         Ok(())
     }
@@ -519,6 +530,7 @@ impl World {
         let mut report = MemoryReport::default();
         report.add(Category::Bodies, self.bodies.bytes());
         report.add(Category::Shapes, bytes_of(&self.colliders.all));
+        report.add(Category::Shapes, bytes_of(&self.colliders.hot));
         report.add(Category::Shapes, bytes_of(&self.colliders.poses));
         report.add(Category::Shapes, self.colliders.slots.bytes());
         for &(_, _, category, bytes) in &self.assets.list {
@@ -590,6 +602,9 @@ impl World {
         if desc.kind == BodyKind::Dynamic && desc.mass.is_none() && total.mass <= 0.0 {
             return Err(Error::NoMass);
         }
+        if desc.kind == BodyKind::Dynamic {
+            movable(&total)?;
+        }
         Ok(columns_of(&total, desc.kind, desc.user_data, desc.mass.is_none()))
     }
 
@@ -626,9 +641,9 @@ impl World {
             traits: Traits { gravity_scale: desc.gravity_scale, continuous: desc.continuous, locks },
             cold,
         };
-        let all = &mut self.colliders.all;
+        let shapes = &mut self.colliders;
         let (slot, generation) = self.bodies.insert(new, |colliders, index| {
-            colliders.as_slice().iter().for_each(|&c| all[c as usize].body = index);
+            colliders.as_slice().iter().for_each(|&c| shapes.follow(c, index));
         });
         let index = self.bodies.slots.get(slot, generation).unwrap_or(0) as usize;
         for shape in &desc.shapes {
@@ -660,10 +675,12 @@ impl World {
         let next = self.colliders.all.len() as u32;
         let (slot, _) = self.colliders.slots.insert(next);
         if slot == next {
+            self.colliders.hot.push(collider.hot());
             self.colliders.all.push(collider);
             self.colliders.poses.push(self.bodies.pose[body]);
         } else {
             self.colliders.slots.moved(slot, slot);
+            self.colliders.hot[slot as usize] = collider.hot();
             self.colliders.all[slot as usize] = collider;
         }
         self.bodies.colliders[body].push(slot);
@@ -688,6 +705,7 @@ impl World {
         if self.bodies.kind[body] == BodyKind::Static {
             let pose = &self.bodies.pose[body];
             self.broad.insert_static(collider, aabb_of(c, pose.position, pose.rotation));
+            self.buffers.finish.statics_changed();
         } else {
             self.broad.insert_mover(collider);
         }
@@ -739,6 +757,9 @@ impl World {
             c.position = cold.axes.conjugate() * (old.centre + old.axes * c.position - cold.centre);
             c.rotation = (cold.axes.conjugate() * old.axes * c.rotation).normalize();
         }
+        for &c in self.bodies.colliders[index].as_slice() {
+            self.colliders.hot[c as usize] = self.colliders.all[c as usize].hot();
+        }
     }
 
     pub(crate) fn keep_previous(&mut self) {
@@ -754,6 +775,12 @@ impl World {
 }
 
 impl Colliders {
+    /// The collider's body has a new index.
+    fn follow(&mut self, collider: u32, body: u32) {
+        self.all[collider as usize].body = body;
+        self.hot[collider as usize].body = body;
+    }
+
     /// World pose of a collider from that of its body.
     pub(crate) fn place(&mut self, collider: u32, body: &Pose) {
         let c = &self.all[collider as usize];
@@ -774,6 +801,22 @@ fn finite_position(position: DVec3) -> Result<(), Error> {
         Some(value) => Err(Error::NotFinite { what: "position", value }),
         None => Ok(()),
     }
+}
+
+/// Whether mass and inertia, and one over them, are numbers: a body of 1e20 m is too heavy for them, one of 1e-20 m
+/// too light.
+fn movable(mass: &MassProperties) -> Result<(), Error> {
+    let m = &mass.inertia;
+    for (what, value) in [
+        ("mass", mass.mass),
+        ("moment of inertia", m.x_axis.x),
+        ("moment of inertia", m.y_axis.y),
+        ("moment of inertia", m.z_axis.z),
+    ] {
+        finite(what, value)?;
+        finite(what, 1.0 / value)?;
+    }
+    Ok(())
 }
 
 fn mass_of(shapes: &[ShapeDesc]) -> MassProperties {

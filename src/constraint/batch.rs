@@ -61,6 +61,9 @@ pub(crate) struct Batch<L, const P: usize> {
     /// Of points (0,1), (0,2), (1,2), (0,3), (1,3), (2,3) [1/kg].
     pub(crate) coupling: [L; 6],
     pub(crate) friction: FrictionRow<L>,
+    /// Of potential points: the largest impulse in any substep [N s]. One that hits something at rest in space pushes
+    /// in the substep of the impact, and has nothing to bear in those that follow.
+    pub(crate) peak: L,
     /// Dense indices of the bodies; an inert lane repeats lane 0.
     pub(crate) a: [u32; 8],
     pub(crate) b: [u32; 8],
@@ -84,6 +87,7 @@ impl<L: Lanes, const P: usize> Default for Batch<L, P> {
             points: [PointRow::default(); P],
             coupling: [L::default(); 6],
             friction: FrictionRow::default(),
+            peak: L::default(),
             a: [0; 8],
             b: [0; 8],
             contact: [Part::NONE; 8],

@@ -279,6 +279,9 @@ pub(crate) unsafe fn solve<
     for i in 0..P {
         let change = impulse[i] - batch.points[i].impulse;
         batch.points[i].impulse = impulse[i];
+        if !FRICTION {
+            batch.peak = batch.peak.max(impulse[i]);
+        }
         sum += change;
         ta += batch.points[i].arm_a * change;
         if TWO {
@@ -337,11 +340,11 @@ fn level<L: Lanes, const P: usize, const BIAS: bool>(
     (L::select(sum.gt(L::zero()), push, L::zero()), on)
 }
 
-/// Hands the impulses of each lane to `sink`: of the points, of friction (on the contact's own `b`) and of twist.
+/// Hands the impulses of each lane to `sink`: of the points, the largest of the step, of friction (on the contact's own `b`) and of twist.
 #[inline(always)]
 pub(crate) fn store<L: Lanes, const P: usize>(
     batch: &Batch<L, P>,
-    mut sink: impl FnMut(Part, &[f32; P], glam::Vec3, f32),
+    mut sink: impl FnMut(Part, &[f32; P], f32, glam::Vec3, f32),
 ) {
     let f = &batch.friction;
     let friction = f.tangent * f.impulse[0] + batch.normal.cross(f.tangent) * f.impulse[1];
@@ -350,7 +353,7 @@ pub(crate) fn store<L: Lanes, const P: usize>(
         if part != Part::NONE {
             let sign = if batch.swapped >> lane & 1 != 0 { -1.0 } else { 1.0 };
             let impulses = std::array::from_fn(|i| batch.points[i].impulse.lane(lane));
-            sink(part, &impulses, friction.lane(lane) * sign, f.twist.lane(lane));
+            sink(part, &impulses, batch.peak.lane(lane), friction.lane(lane) * sign, f.twist.lane(lane));
         }
     }
 }

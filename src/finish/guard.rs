@@ -5,8 +5,9 @@
 //! path that a body really takes: if the segment from its old centre to its new one enters static geometry, the motion
 //! is cut there. A body that was on the right side thus stays there, step after step, whatever pushes it; and since its
 //! centre is on the right side, contacts push the rest of it out. One segment query for each body that moved further
-//! than a share of the ball that fits into it, or that is pressed so deep that less would do; the report counts those
-//! that had to be held.
+//! than a share of the ball that fits into it, or further than it is known to be clear of everything static: a body
+//! that lies still or creeps is looked at seldom, but however slowly it is pressed, it does not get through. The report
+//! counts those that had to be held.
 //!
 //! A kinematic body moves, so there the path is looked at in that body's own frame, from its old pose to its new one,
 //! and who is overrun is carried along.
@@ -16,10 +17,10 @@ use crate::broad_phase::{BroadPhase, Pair};
 use crate::config::Continuous;
 use crate::lanes::Record;
 use crate::movers::mode_of;
-use crate::narrow_phase::Contact;
+use crate::narrow_phase::{Relative, Support, distance};
 use crate::query::segment_hits;
-use crate::shape::Collider;
-use glam::{DVec3, Vec3};
+use crate::shape::{Collider, Geometry};
+use glam::{DVec3, Quat, Vec3};
 
 /// What the guard reads.
 pub(crate) struct Guard<'a> {
@@ -29,12 +30,15 @@ pub(crate) struct Guard<'a> {
     pub(crate) mode: Continuous,
 }
 
+/// A ball without static geometry, from some time before.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Clear {
+    centre: DVec3,
+    radius: f32,
+}
+
 /// Share of the inner ball that a centre keeps from a surface when it is held.
 const KEEP: f32 = 0.25;
-/// Share of the inner ball that a body may move without being looked at.
-const FREE: f32 = 0.25;
-/// Share of the inner ball that may be sunk into static geometry before every motion is looked at.
-const DEEP: f32 = 0.5;
 /// A shape whose origin is outside of it has no inner ball there: this share of its size stands in.
 const HOLLOW: f32 = 1e-3;
 
@@ -49,29 +53,65 @@ impl Guard<'_> {
         if c.inner_radius > 0.0 { c.inner_radius } else { HOLLOW * c.radius }
     }
 
-    /// Marks the dynamic bodies that are pressed deep into what they can't push.
-    pub(crate) fn mark_deep(&self, contacts: &[Contact], dynamic: usize, deep: &mut Vec<bool>) {
-        deep.clear();
-        deep.resize(dynamic, false);
-        for contact in contacts {
-            let body = |c: u32| self.colliders[c as usize].body as usize;
-            let mover = match (body(contact.a) < dynamic, body(contact.b) < dynamic) {
-                (true, false) => contact.a,
-                (false, true) => contact.b,
-                _ => continue,
-            };
-            let limit = -DEEP * self.inner_of(mover);
-            if contact.points().iter().any(|p| p.separation < limit) {
-                deep[body(mover)] = true;
-            }
-        }
+    /// Whether a body is one to be looked at.
+    pub(crate) fn wants(&self, traits: &Traits, own: &[u32]) -> bool {
+        !own.is_empty() && mode_of(self.mode, traits.continuous) != Continuous::Discrete
     }
 
-    /// Whether a body that moves so far must be looked at.
-    pub(crate) fn wants(&self, traits: &Traits, own: &[u32], moved: f32, deep: bool) -> bool {
-        !own.is_empty()
-            && mode_of(self.mode, traits.continuous) != Continuous::Discrete
-            && (moved > FREE * self.inner(own) || (deep && moved > 0.0))
+    /// Whether a body may move so far unseen, because nothing static is that near to its centre.
+    pub(crate) fn is_clear(
+        &self,
+        stack: &mut Vec<u32>,
+        own: &[u32],
+        clear: &mut Clear,
+        from: DVec3,
+        moved: Vec3,
+    ) -> bool {
+        let to = from + moved.as_dvec3();
+        if moved == Vec3::ZERO || (to - clear.centre).length() < f64::from(clear.radius) {
+            return true;
+        }
+        // Half of the inner ball: of a body that lies on something, that much is free; and it holds few triangles.
+        let most = 0.5 * self.inner(own);
+        if moved.length() >= most {
+            return false;
+        }
+        *clear = Clear { centre: from, radius: self.clearance(stack, from, most) };
+        moved.length() < clear.radius
+    }
+
+    /// Distance of a point from static surfaces, or `most` if that is less; zero inside of a solid shape [m].
+    fn clearance(&self, stack: &mut Vec<u32>, centre: DVec3, most: f32) -> f32 {
+        let at = centre.as_vec3();
+        let mut least = most;
+        self.broad.statics_on_path(stack, at, at, Vec3::splat(most), |c| {
+            let (collider, pose) = (&self.colliders[c as usize], &self.poses[c as usize]);
+            let point = pose.rotation.conjugate() * (centre - pose.position).as_vec3();
+            let own = Support::triangle([point; 3]);
+            let here = Relative { position: Vec3::ZERO, rotation: Quat::IDENTITY };
+            let gap = |other: &Support| distance(&own, other, &here, Vec3::ZERO).distance.max(0.0);
+            let (low, high) = (point - least, point + least);
+            match &collider.geometry {
+                Geometry::Mesh(mesh) => {
+                    mesh.visit_box(low, high, &mut |t| {
+                        least = least.min(gap(&Support::triangle(mesh.triangle(t))));
+                    });
+                }
+                Geometry::HeightField(field) => {
+                    field.visit_box(low, high, &mut |t| {
+                        least = least.min(gap(&Support::triangle(field.triangle(t))));
+                    });
+                }
+                Geometry::Plane => least = least.min(point.y.max(0.0)),
+                _ => {
+                    if let Some(shape) = Support::of(collider) {
+                        least = least.min(gap(&shape));
+                    }
+                }
+            }
+        });
+        // Of what `f32` resolves nothing is left over.
+        (least - 1e-6 * (least + at.abs().max_element())).max(0.0)
     }
 
     /// Cuts the motion where the centre would enter static geometry; takes the velocity that leads there away. Says
@@ -125,7 +165,6 @@ impl Guard<'_> {
         &self,
         pairs: &[Pair],
         bodies: &mut Bodies,
-        deep: &[bool],
         stack: &mut Vec<u32>,
         dt: f32,
     ) -> u32 {
@@ -152,7 +191,7 @@ impl Guard<'_> {
             let moved = end - start;
             let length = moved.length();
             let own = bodies.colliders[i].as_slice();
-            if !self.wants(&bodies.traits[i], own, length, deep[i]) {
+            if length == 0.0 || !self.wants(&bodies.traits[i], own) {
                 continue;
             }
             let keep = KEEP * self.inner(own);

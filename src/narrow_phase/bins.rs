@@ -16,7 +16,7 @@ use super::{RawManifold, Relative};
 use crate::broad_phase::Pair;
 use crate::lanes::f32x8;
 use crate::memory::bytes_of;
-use crate::shape::{Collider, Kind};
+use crate::shape::{Collider, Hot, Kind};
 use crate::threads::Shared;
 
 /// A shape pair, as a small number.
@@ -33,8 +33,8 @@ const COUNT: usize = KINDS as usize * KINDS as usize + 2;
 const BLOCK: u32 = 64;
 
 impl Bin {
-    pub(crate) fn of(a: &Collider, b: &Collider) -> Bin {
-        let tapered = |c: &Collider| c.kind == Kind::Capsule && c.size[1] != c.size[2];
+    pub(crate) fn of(a: &Hot, b: &Hot) -> Bin {
+        let tapered = |c: &Hot| c.kind == Kind::Capsule && c.size[1] != c.size[2];
         match (a.kind, b.kind) {
             (Kind::Capsule, Kind::Capsule) if tapered(a) || tapered(b) => TAPERED_CAPSULES,
             (Kind::Capsule, Kind::Box) if tapered(a) => TAPERED_BOX,
@@ -57,10 +57,10 @@ pub(crate) struct Bins {
 }
 
 impl Bins {
-    /// Counting sort of the pairs by bin; those with `skip` are left out and counted.
-    pub(crate) fn sort(&mut self, bin_of: &[u8], skip: u8) -> u32 {
+    /// Counting sort of the pairs by bin; those with `skip` or a higher number are left out.
+    pub(crate) fn sort(&mut self, bin_of: &[u8], skip: u8) {
         let mut starts = [0u32; COUNT + 1];
-        for &bin in bin_of.iter().filter(|&&bin| bin != skip) {
+        for &bin in bin_of.iter().filter(|&&bin| bin < skip) {
             starts[bin as usize + 1] += 1;
         }
         for bin in 0..COUNT {
@@ -75,12 +75,11 @@ impl Bins {
                 self.blocks.push((Bin(bin as u8), start, starts[bin + 1].min(start + BLOCK)));
             }
         }
-        for (pair, &bin) in bin_of.iter().enumerate().filter(|&(_, &bin)| bin != skip) {
+        for (pair, &bin) in bin_of.iter().enumerate().filter(|&(_, &bin)| bin < skip) {
             let at = &mut starts[bin as usize];
             self.order[*at as usize] = pair as u32;
             *at += 1;
         }
-        bin_of.len() as u32 - total
     }
 
     pub(crate) fn bytes(&self) -> (usize, usize) {
@@ -131,7 +130,7 @@ pub(crate) fn run_bin(
     if let Some(kernel) = kernel_of(bin) {
         for eight in order.chunks(8) {
             let pair = |lane: usize| eight[lane.min(eight.len() - 1)] as usize;
-            let shape = |c: u32| input.colliders[c as usize].size;
+            let shape = |c: u32| input.hot[c as usize].size;
             let approach: [Approach; 8] = std::array::from_fn(|lane| input.approach(&pairs[pair(lane)]));
             let lanes = PairLanes::from_fn(|lane| {
                 let (p, i) = (&pairs[pair(lane)], pair(lane));

@@ -11,13 +11,14 @@ use crate::body::Pose;
 use crate::broad_phase::Pair;
 use crate::lanes::{Lanes, Quat, Record, Vec3, f32x8};
 use crate::memory::bytes_of;
-use crate::shape::Collider;
+use crate::shape::{Collider, Hot, Kind};
 use crate::threads::{Crew, Shared};
 use std::sync::Mutex;
 
 /// What the narrow phase reads.
 pub(crate) struct Input<'a> {
     pub(crate) colliders: &'a [Collider],
+    pub(crate) hot: &'a [Hot],
     /// World pose of each collider at the start of the step.
     pub(crate) poses: &'a [Pose],
     /// Predicted displacement [m] and rotation vector [rad] of each body that can move, within the step.
@@ -41,7 +42,7 @@ pub(crate) struct Input<'a> {
 impl Input<'_> {
     /// Displacement and rotation vector of a collider's body within the step.
     pub(crate) fn motion_of(&self, collider: u32) -> Record {
-        let body = self.colliders[collider as usize].body as usize;
+        let body = self.hot[collider as usize].body as usize;
         self.motion.get(body).copied().unwrap_or_default()
     }
 
@@ -49,10 +50,9 @@ impl Input<'_> {
     pub(crate) fn approach(&self, pair: &Pair) -> Approach {
         let (a, b) = (self.motion_of(pair.a), self.motion_of(pair.b));
         let reach = |collider: u32, turn: f32| {
-            let c = &self.colliders[collider as usize];
+            let c = &self.hot[collider as usize];
             // A point of the shape can't get further than across it.
-            let lever = c.position.length();
-            (turn * (lever + c.radius)).min(2.0 * c.radius + turn * lever)
+            (turn * (c.lever + c.radius)).min(2.0 * c.radius + turn * c.lever)
         };
         // The pad of a motion is the angle of its turn; an endless plane on a body that doesn't turn reaches nowhere.
         let swing = |collider: u32, turn: f32| if turn == 0.0 { 0.0 } else { reach(collider, turn) };
@@ -135,6 +135,8 @@ pub(crate) struct NarrowStats {
 
 /// In `bin_of`: the pair keeps its contact.
 const KEPT: u8 = u8::MAX;
+/// In `bin_of`: the pair is too far apart for a contact. No bin has this number or a higher one.
+const FAR: u8 = KEPT - 1;
 /// Pairs a block: a multiple of the lanes; fewer and the claim shows, more and two threads end apart.
 const BLOCK: usize = 128;
 
@@ -148,7 +150,11 @@ pub(crate) fn collide(
 ) -> NarrowStats {
     place(crew, input, pairs, contacts, scratch);
     let Scratch { relative, bin_of, bins, found, chain } = scratch;
-    let mut stats = NarrowStats { recycled: bins.sort(bin_of, KEPT), ..NarrowStats::default() };
+    bins.sort(bin_of, FAR);
+    let mut stats = NarrowStats {
+        recycled: bin_of.iter().filter(|&&bin| bin == KEPT).count() as u32,
+        ..NarrowStats::default()
+    };
     if found.len() < bins.blocks.len() {
         found.resize_with(bins.blocks.len(), Mutex::default);
     }
@@ -202,14 +208,26 @@ fn place(crew: &Crew<'_>, input: &Input<'_>, pairs: &[Pair], contacts: &mut Cont
                     *relative.get(first + i) = now;
                     *bin_of.get(first + i) = if recycle(input, pair, &now, &all) {
                         KEPT
+                    } else if far(input, pair, &now) {
+                        FAR
                     } else {
-                        let kind = |c: u32| &input.colliders[c as usize];
+                        let kind = |c: u32| &input.hot[c as usize];
                         Bin::of(kind(pair.a), kind(pair.b)).0
                     };
                 }
             }
         }
     });
+}
+
+/// Whether the balls around two shapes without a contact are too far apart for one.
+fn far(input: &Input<'_>, pair: &Pair, now: &Relative) -> bool {
+    if pair.contact != NONE {
+        return false;
+    }
+    let reach = input.hot[pair.a as usize].radius + input.hot[pair.b as usize].radius;
+    let most = reach + input.margin + input.approach(pair).most();
+    now.position.length_squared() > most * most
 }
 
 /// Pose of `b` in `a` for up to eight pairs.
@@ -244,7 +262,12 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
     if first.count == 0 || first.fraction > 0.0 {
         return false;
     }
-    let reach = input.colliders[pair.a as usize].radius.min(input.colliders[pair.b as usize].radius);
+    // A round surface rolls: its point of contact moves by its radius of curvature times the turn. One that stayed
+    // behind would be a pivot, on which a body at rest topples like a pendulum upside down.
+    if first.count < 3 && (rolls(input, pair.a) || rolls(input, pair.b)) {
+        return false;
+    }
+    let reach = input.hot[pair.a as usize].radius.min(input.hot[pair.b as usize].radius);
     let limit = input.recycle.min(0.05 * reach);
     let moved = (now.position - first.found_at.position).length_squared();
     // |sin(angle / 2)| of the turn since then, by the quaternion's vector part.
@@ -261,6 +284,11 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
         slot = contact.next;
     }
     true
+}
+
+/// Whether a shape is round somewhere.
+fn rolls(input: &Input<'_>, collider: u32) -> bool {
+    matches!(input.hot[collider as usize].kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder)
 }
 
 /// Gives slots to what a block found.
@@ -319,6 +347,6 @@ fn commit(
 
 /// How near two points must be to count as the same [m].
 pub(crate) fn near(input: &Input<'_>, pair: &Pair) -> f32 {
-    let radius = |c: u32| input.colliders[c as usize].radius;
+    let radius = |c: u32| input.hot[c as usize].radius;
     0.1 * radius(pair.a).min(radius(pair.b))
 }

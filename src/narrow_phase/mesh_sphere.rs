@@ -2,10 +2,13 @@
 
 use super::RawPoint;
 use super::mesh::{Ground, Triangles};
-use super::mesh_patch::{Patches, Touch};
+use super::mesh_patch::{Patch, Patches, Touch};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::shape::{FLAT_COSINE, Fold};
 use glam::Vec3;
+
+/// Key of a point with the face's normal on the border of the face, until [`finish`].
+const BORDER: u32 = u32::MAX;
 
 /// The point of each triangle that is nearest to the origin, and the feature it is on: 0 the face, 1 + i the edge i,
 /// 4 + i the corner i.
@@ -58,7 +61,11 @@ pub(super) fn touch(radius: f32, triangles: &Triangles, margin: f32, ground: &Gr
         let separation = distance - radius;
         let first = patches.points.len();
         // A sphere has one point; as it rolls from triangle to triangle it stays the same one.
-        let key = if face { 0 } else { 1 + touch.index.wrapping_mul(8) + feature };
+        let key = match (face, feature) {
+            (true, 0) => 0,
+            (true, _) => BORDER,
+            _ => 1 + touch.index.wrapping_mul(8) + feature,
+        };
         patches.points.push(RawPoint { position: point - normal * (0.5 * separation), separation, key });
         patches.add(touch, normal, face.then_some(separation), first);
     }
@@ -82,20 +89,25 @@ fn edge_normal(touch: &Touch, feature: u32, point: Vec3, distance: f32) -> Optio
 }
 
 /// Drops what is no nearest point of the surface: a point on an edge that belongs to another triangle too, which has
-/// a nearer one.
+/// a nearer one, or the same one over its face. Two points under a ball would be a lever.
 pub(super) fn finish(radius: f32, patches: &mut Patches) {
     let Patches { touches, patches, points } = patches;
     let tolerance = 1e-5 * radius;
     let mut keep = 0;
     for i in 0..patches.len() {
         let patch = patches[i];
-        let hidden = patch.reach.is_none() && {
-            let point = points[patch.first as usize];
-            let at = point.position + patch.normal * (0.5 * point.separation);
-            patches.iter().any(|other| {
-                other.least < patch.least - tolerance
-                    && is_on(at, &touches[other.touch as usize], 10.0 * tolerance)
-            })
+        let point = points[patch.first as usize];
+        let at = point.position + patch.normal * (0.5 * point.separation);
+        let shared = |other: &Patch| is_on(at, &touches[other.touch as usize], 10.0 * tolerance);
+        let hidden = if patch.reach.is_none() {
+            patches.iter().any(|other| other.least < patch.least - tolerance && shared(other))
+        } else {
+            point.key == BORDER
+                && patches.iter().enumerate().any(|(j, other)| {
+                    let key = points[other.first as usize].key;
+                    let before = key == 0 || (key == BORDER && j < i);
+                    before && other.normal.dot(patch.normal) >= FLAT_COSINE && shared(other)
+                })
         };
         if !hidden {
             patches[keep] = patch;
@@ -103,6 +115,9 @@ pub(super) fn finish(radius: f32, patches: &mut Patches) {
         }
     }
     patches.truncate(keep);
+    for point in points.iter_mut().filter(|p| p.key == BORDER) {
+        point.key = 0;
+    }
 }
 
 /// Whether a point is on the border of a triangle.

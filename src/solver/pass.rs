@@ -147,7 +147,9 @@ pub(crate) fn store(
 
 fn take(point: &mut Point, impulse: f32, hold: f32) {
     point.impulse = impulse;
-    point.held += (impulse - point.held) * hold;
+    // A load that is gone is gone at once: what bears rigidly never pushes.
+    let lasting = point.held.min(impulse);
+    point.held = lasting + (impulse - lasting) * hold;
 }
 
 fn put<L: GatherLanes, const P: usize>(
@@ -157,10 +159,10 @@ fn put<L: GatherLanes, const P: usize>(
     contacts: &Shared<'_, Contact>,
     rotation_of: &(dyn Fn(u32) -> glam::Quat + Sync),
 ) {
-    store_batch(batch, |part, impulses, friction, twist| {
+    store_batch(batch, |part, impulses, peak, friction, twist| {
         // SAFETY: a contact is in one lane of one batch; its points, if apart, are in different stages.
         let contact = unsafe { contacts.get(part.slot()) };
-        let pushed = potential && impulses.iter().any(|&i| i > 0.0);
+        let pushed = potential && peak > 0.0;
         let (friction, twist) = if potential {
             (glam::Vec3::ZERO, 0.0)
         } else {

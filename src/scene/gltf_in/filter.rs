@@ -2,7 +2,8 @@
 //!
 //! A filter that lists `collideWithSystems` collides with what is in any of them; one that lists
 //! `notCollideWithSystems` with what is in any other system. A collider in no system counts as in every one: it is
-//! kept apart only by lists that name all. Both filters of a pair have to agree.
+//! kept apart only by lists that name all. A filter with both lists collides with what is in a system that the first
+//! names and the second doesn't. Both filters of a pair have to agree.
 
 use super::extension;
 use crate::shape::Filter;
@@ -31,7 +32,8 @@ pub(super) fn filters(filters: &[extension::Filter]) -> Result<Vec<Filter>, usiz
             systems => systems,
         },
         mask: match (&filter.collide_with_systems, &filter.not_collide_with_systems) {
-            (Some(with), _) => bits(with),
+            (Some(with), None) => bits(with),
+            (Some(with), Some(without)) => bits(with) & !bits(without),
             (None, Some(without)) => !bits(without),
             (None, None) => u64::MAX,
         },

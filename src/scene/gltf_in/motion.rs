@@ -51,6 +51,10 @@ pub(super) fn apply(motion: &Motion, scale: DMat3, desc: &mut BodyDesc) -> Resul
     }
     if infinite_mass {
         desc.lock_translation = [true; 3];
+        if motion.inertia_diagonal.is_none() {
+            // The inertia of an infinite mass is infinite too.
+            desc.lock_rotation = [true; 3];
+        }
         if desc.lock_rotation == [true; 3] && desc.kind == BodyKind::Dynamic {
             // Nothing can change its velocity, which is what kinematic means.
             desc.kind = BodyKind::Kinematic;
