@@ -43,6 +43,24 @@ fn a_box_slides_as_far_as_coulomb_says_in_every_direction() {
     }
 }
 
+/// A long box has another inertia about each axis, but friction is against the motion all the same.
+#[test]
+fn a_long_box_slides_straight() {
+    for model in [FrictionModel::Patch, FrictionModel::Point] {
+        let mut world = World::new(Settings { friction_model: model, ..Settings::default() }).unwrap();
+        let material = Material::default().with_friction(0.5);
+        world.add_body(&Floor::Box.desc(material)).unwrap();
+        let push = Vec3::new(1.0, 0.0, 1.0).normalize() * 5.0;
+        let body = dynamic(Geometry::cuboid(0.9, 0.2, 0.3), material, Vec3::new(0.0, 0.2, 0.0));
+        let body = world.add_body(&body.moving(push, Vec3::ZERO)).unwrap();
+        common::steps(&mut world, 120, DT);
+        let way = world.position(body).unwrap();
+        let (far, want) = (common::sideways(way), 25.0 / (2.0 * 0.5 * G));
+        assert!((far - want).abs() < 0.01 * want, "{model:?}: {far} for {want}");
+        assert!((way.x - way.z).abs() < 0.01 * want, "{model:?}: {way}");
+    }
+}
+
 /// Each axis has its own Coulomb law: along an axis as the cone, along the diagonal sqrt 2 as strong.
 #[test]
 fn the_friction_box_is_too_strong_along_its_diagonal_by_root_two() {

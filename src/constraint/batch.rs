@@ -35,6 +35,8 @@ pub(crate) struct FrictionRow<L> {
     pub(crate) arm_b: Vec3<L>,
     /// Inverse of the 2x2 matrix of the tangential rows [kg]: (11, 12, 22).
     pub(crate) mass: [L; 3],
+    /// The smaller eigenvalue of that inverse [kg]: a step against the slip that never overshoots.
+    pub(crate) slide_mass: L,
     pub(crate) twist_mass: L,
     /// Mean distance of the points from the centre: the lever of twist [m].
     pub(crate) radius: L,

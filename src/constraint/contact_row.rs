@@ -207,9 +207,13 @@ pub(crate) unsafe fn solve<
         if pass.friction_box {
             new = new.map(|x| x.clamp(-limit, limit));
         } else {
-            let length = (new[0] * new[0] + new[1] * new[1]).sqrt();
+            // What sticks needs the impulse that stops it. What slides has friction against its motion, and that
+            // impulse, cut to the cone, would point elsewhere unless the mass is the same in all directions.
+            let sticks = (new[0] * new[0] + new[1] * new[1]).le(limit * limit);
+            let slid = [old[0] - f.slide_mass * u1, old[1] - f.slide_mass * u2];
+            let length = (slid[0] * slid[0] + slid[1] * slid[1]).sqrt();
             let scale = L::select(length.gt(limit), limit / length, L::one());
-            new = new.map(|x| x * scale);
+            new = std::array::from_fn(|i| L::select(sticks, new[i], slid[i] * scale));
         }
         let bound = limit * f.radius;
         let twist = (f.twist - f.twist_mass * spin.dot(n)).clamp(-bound, bound);

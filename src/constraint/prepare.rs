@@ -419,6 +419,8 @@ fn fill<L: GatherLanes, const P: usize>(
     f.tangent = t1;
     (f.arm_a, f.arm_b) = (fa, fb);
     f.mass = [k22 * over, -(k12 * over), k11 * over];
+    let (half, apart) = ((f.mass[0] + f.mass[2]) * L::splat(0.5), (f.mass[0] - f.mass[2]) * L::splat(0.5));
+    f.slide_mass = (half - (apart * apart + f.mass[1] * f.mass[1]).sqrt()).max(L::zero());
     f.twist_mass = L::select(kt.gt(L::zero()), L::one() / kt, L::zero());
     f.radius = radius;
     let old = turn.mul(vec3(&columns.friction)) * sign;
