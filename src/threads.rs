@@ -26,11 +26,6 @@ impl Crew<'_> {
             _ => (0..blocks).for_each(work),
         }
     }
-
-    /// Whether helpers may be there.
-    pub(crate) fn is_shared(&self) -> bool {
-        self.stage.is_some()
-    }
 }
 
 const BITS: u32 = 24;

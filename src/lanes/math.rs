@@ -147,6 +147,7 @@ impl<L: Lanes> Quat<L> {
         }
     }
     #[inline(always)]
+    #[cfg(test)]
     pub(crate) fn lane(self, i: usize) -> glam::Quat {
         let v = self.v.lane(i);
         glam::Quat::from_xyzw(v.x, v.y, v.z, self.w.lane(i))
@@ -167,6 +168,7 @@ impl<L: Lanes> Quat<L> {
         p + t * self.w + self.v.cross(t)
     }
     #[inline(always)]
+    #[cfg(test)]
     pub(crate) fn normalize(self) -> Self {
         let s = L::one() / (self.v.length_squared() + self.w * self.w).sqrt();
         Quat { v: self.v * s, w: self.w * s }

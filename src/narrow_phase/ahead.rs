@@ -16,7 +16,7 @@ use super::{RawManifold, Relative};
 use crate::body::exp_map;
 use crate::broad_phase::Pair;
 use crate::shape::{Collider, Geometry, Kind};
-use glam::{DVec3, Quat, Vec3};
+use glam::{Quat, Vec3};
 
 /// The manifold of two convex shapes, or of one and a plane, at their first touch within the step, and the fraction
 /// of the step at which that is.

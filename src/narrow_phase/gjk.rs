@@ -22,6 +22,7 @@ pub(crate) struct Closest {
     /// Unit, from a to b, in a's frame.
     pub(crate) normal: Vec3,
     /// On the surface of a and of b, in a's frame.
+    #[allow(dead_code, reason = "tests check the answer by it; closest-point queries will return it")]
     pub(crate) point_a: Vec3,
     pub(crate) point_b: Vec3,
     /// Whether the cores overlap (touch, within rounding).

@@ -22,6 +22,7 @@ pub(crate) struct PairLanes<L> {
 impl<L: Lanes> PairLanes<L> {
     /// From values that are in lanes already.
     #[inline(always)]
+    #[cfg(test)]
     pub(crate) fn new(
         position: Vec3<L>,
         rotation: Quat<L>,
@@ -76,6 +77,7 @@ impl<L: Lanes> ManifoldLanes<L> {
 
     /// How many points lane `i` has.
     #[inline(always)]
+    #[cfg(test)]
     pub(crate) fn count(&self, i: usize) -> u32 {
         self.separation.iter().map(|s| s.lt(self.margin).bits() >> i & 1).sum()
     }

@@ -15,7 +15,7 @@ use super::mesh_patch::{Patches, Touch};
 use super::polytope::Pose;
 use super::{RawManifold, Relative, mesh_box, mesh_convex, mesh_sphere};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
-use crate::shape::{Collider, Edges, Geometry, HeightField, Kind, TriangleMesh};
+use crate::shape::{Collider, Edges, Geometry, HeightField, TriangleMesh};
 use glam::Vec3;
 
 /// What is collided with.
@@ -264,6 +264,7 @@ fn bounds(a: &Collider) -> Option<(Vec3, Vec3, Vec3)> {
 mod tests {
     use super::*;
     use crate::narrow_phase::convex::{collide_triangle, testing};
+    use crate::shape::Kind;
     use crate::shape::mesh::testing::{Random, bumpy, cuboid, grid, terrain};
     use glam::{Quat, Vec2};
     use std::sync::Arc;

@@ -2,6 +2,7 @@
 //! (`BACKSTOP_DATA`), files of the same families written here, and samples and level meshes under a rain of bodies.
 #![cfg(feature = "gltf")]
 
+#![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 mod files;
 mod filters;
 mod materials;
