@@ -142,7 +142,7 @@ mod tests {
     use super::super::fixtures::{CONVEX, Random, collider, depth, gap_along};
     use super::*;
     use crate::shape::{Geometry, Kind};
-    use glam::{DQuat, Quat};
+    use glam::Quat;
 
     fn between(a: Geometry, b: Geometry, position: Vec3, rotation: Quat) -> Closest {
         let (a, b) = (collider(a), collider(b));
