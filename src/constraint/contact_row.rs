@@ -254,7 +254,10 @@ pub(crate) unsafe fn solve<
             yielding[i] = L::select(rigid, L::zero(), L::splat(pass.softness.impulse_scale));
         } else {
             bias[i] = speculative.max(L::zero());
-            mass[i] = point.mass;
+            // A point that is apart, and did not have to push, waits for the next substep: its gap at the end of this
+            // one says nothing of what would be crossed in it, and a step that ends here must not push for the next.
+            let idle = apart & point.impulse.le(L::zero());
+            mass[i] = L::select(idle, L::zero(), point.mass);
         }
     }
     if P > 1 {

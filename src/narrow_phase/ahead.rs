@@ -45,7 +45,7 @@ pub(crate) fn look_beside(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold
     let raw =
         collide_convex(a, b, &motion.relative(fraction), input.margin + (1.0 - fraction) * way.length());
     let raw = carry_back(&raw, &motion, fraction);
-    (raw.count > 0 && !pushes(&motion, &raw)).then_some((raw, fraction))
+    (raw.count > 0 && !pushes(&motion, &raw, fraction)).then_some((raw, fraction))
 }
 
 /// Adds the manifolds of a convex shape at its first touch with a mesh or height field, and at the second, to which
@@ -86,13 +86,13 @@ pub(crate) fn touches_mesh(input: &Input<'_>, pair: &Pair) -> bool {
 /// Whether the predicted motion takes any point of a manifold, found at the start of the step, through its plane.
 pub(crate) fn would_push(input: &Input<'_>, pair: &Pair, raw: &RawManifold) -> bool {
     let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
-    pushes(&Motion::new(a, &path(input, pair.a), b, &path(input, pair.b)), raw)
+    pushes(&Motion::new(a, &path(input, pair.a), b, &path(input, pair.b)), raw, 0.0)
 }
 
-fn pushes(motion: &Motion, raw: &RawManifold) -> bool {
-    let normal = motion.a.rotation * raw.normal;
+fn pushes(motion: &Motion, raw: &RawManifold, fraction: f32) -> bool {
+    let (normal, moved) = (motion.a.rotation * raw.normal, motion.displacement * fraction);
     raw.points().iter().any(|point| {
-        let closed = closing(motion, normal, motion.a.lever + motion.a.rotation * point.position, Vec3::ZERO);
+        let closed = closing(motion, normal, motion.a.lever + motion.a.rotation * point.position, moved);
         // A little early: the solver's path is not quite the predicted one.
         point.separation < 1.05 * closed + NEARLY
     })

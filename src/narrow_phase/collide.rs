@@ -276,6 +276,18 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
     if moved > limit * limit || turned * reach * reach > limit * limit {
         return false;
     }
+    // Planes between what is apart must not last until they are crossed: the shapes may have passed each other.
+    let mut nearest = f32::INFINITY;
+    let mut slot = pair.contact;
+    while slot != NONE {
+        // SAFETY: by the contract.
+        let contact = unsafe { all.read(slot as usize) };
+        nearest = nearest.min(contact.nearest(now));
+        slot = contact.next;
+    }
+    if input.continuous && nearest > 0.0 && input.approach(pair).most() > nearest {
+        return false;
+    }
     let mut slot = pair.contact;
     while slot != NONE {
         // SAFETY: by the contract.

@@ -135,12 +135,24 @@ impl Contact {
 
     /// Moves the points with the bodies, for a pair that hardly moved since its contact was found.
     pub(crate) fn follow(&mut self, now: &Relative) {
-        let turn = now.rotation * self.found_at.rotation.conjugate();
-        for point in &mut self.points[..self.count as usize] {
-            let on_b = now.position + turn * (point.position - self.found_at.position);
-            point.separation = point.found + self.normal.dot(on_b - point.position);
+        let separation = self.separations(now);
+        for (point, separation) in self.points[..self.count as usize].iter_mut().zip(separation) {
+            point.separation = separation;
         }
         self.struck = std::mem::take(&mut self.pushed);
+    }
+
+    /// The least separation once the bodies have moved [m].
+    pub(crate) fn nearest(&self, now: &Relative) -> f32 {
+        self.separations(now)[..self.count as usize].iter().fold(f32::INFINITY, |s, &x| s.min(x))
+    }
+
+    fn separations(&self, now: &Relative) -> [f32; MAX_POINTS] {
+        let turn = now.rotation * self.found_at.rotation.conjugate();
+        self.points.map(|point| {
+            let on_b = now.position + turn * (point.position - self.found_at.position);
+            point.found + self.normal.dot(on_b - point.position)
+        })
     }
 }
 
