@@ -9,6 +9,8 @@
 //! Same pairs in the same order whatever the number of threads: searches run in blocks, and blocks are merged in
 //! order.
 
+#[cfg(feature = "internals")]
+pub(crate) mod bench;
 mod bounds;
 mod build;
 mod bvh;

@@ -222,9 +222,14 @@ fn finish_mesh(
     out: &mut Found,
 ) {
     let most = approach.most();
-    let fast = input.continuous && most > input.fast;
+    // Within half the ball that fits into it a body can't get past a triangle, and planes at the start will do.
+    let fast = input.continuous && most > input.fast.max(0.5 * a.inner_radius);
     // Where the body is, and what it may turn into: what it may reach further away is found by the cast.
-    let reach = if fast { approach.spin.min(a.radius) } else { most.min(input.margin) };
+    let reach = match (fast, input.continuous) {
+        (true, _) => approach.spin.min(a.radius),
+        (false, true) => most,
+        (false, false) => most.min(input.margin),
+    };
     let margin = input.margin + reach;
     let start = out.many.len() as u32;
     out.raw.clear();

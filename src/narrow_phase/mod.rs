@@ -1,6 +1,8 @@
 //! Pairs in, manifolds out.
 
 mod ahead;
+#[cfg(feature = "internals")]
+pub(crate) mod bench;
 mod bins;
 mod box_apart;
 mod box_box;
@@ -13,7 +15,7 @@ mod clip;
 mod collide;
 mod contact;
 mod convex;
-#[cfg(test)]
+#[cfg(any(test, feature = "internals"))]
 pub(crate) mod fixtures;
 mod gjk;
 mod lanes_io;
