@@ -28,7 +28,15 @@ pub(crate) fn look_ahead(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold,
         cast_convex(a, b, &motion, tolerance)
     }?;
     let raw = collide_convex(a, b, &motion.relative(touch.fraction), input.margin);
-    Some((carry_back(&raw, &motion, touch.fraction), touch.fraction))
+    Some((carry_back(&raw, &motion, touch.fraction, 0.0), touch.fraction))
+}
+
+/// The manifold of two convex shapes, or of one and a plane, as it will be in the middle of the step.
+pub(crate) fn halfway(input: &Input<'_>, pair: &Pair, margin: f32) -> RawManifold {
+    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
+    let motion = Motion::new(a, &path(input, pair.a), b, &path(input, pair.b));
+    let raw = collide_convex(a, b, &motion.relative(0.5), margin);
+    carry_back(&raw, &motion, 0.5, f32::MIN)
 }
 
 /// Adds the manifolds of a convex shape at its first touch with a mesh or height field.
@@ -40,7 +48,7 @@ pub(crate) fn look_ahead_mesh(input: &Input<'_>, pair: &Pair, out: &mut Found) {
     };
     out.raw.clear();
     collide_mesh(a, b, &motion.relative(fraction), input.margin, &mut out.mesh, &mut out.raw);
-    out.many.extend(out.raw.iter().map(|raw| (carry_back(raw, &motion, fraction), fraction)));
+    out.many.extend(out.raw.iter().map(|raw| (carry_back(raw, &motion, fraction, 0.0), fraction)));
 }
 
 /// How the body of a collider moves within the step.
@@ -58,8 +66,8 @@ fn path(input: &Input<'_>, collider: u32) -> BodyPath {
 }
 
 /// A manifold found at a fraction of the step, in the frame of shape a as it is at the start: its arms are those of the
-/// touch, its separations what the predicted motion takes away until then.
-fn carry_back(raw: &RawManifold, motion: &Motion, fraction: f32) -> RawManifold {
+/// touch, its separations what the predicted motion takes away until then, which is at least `least`.
+fn carry_back(raw: &RawManifold, motion: &Motion, fraction: f32, least: f32) -> RawManifold {
     let turned = exp_map(motion.a.spin * fraction);
     let at_touch = turned * motion.a.rotation;
     let lever = turned * motion.a.lever;
@@ -72,8 +80,8 @@ fn carry_back(raw: &RawManifold, motion: &Motion, fraction: f32) -> RawManifold 
         let arm_a = lever + at_touch * point.position;
         let arm_b = arm_a + apart;
         let closed = motion.displacement + motion.a.spin.cross(arm_a) - motion.b.spin.cross(arm_b);
-        // A point that moves away until the touch must not count as overlap at the start.
-        point.separation += (fraction * normal.dot(closed)).max(0.0);
+        // With 0 as the least, a point that moves away until the touch does not count as overlap at the start.
+        point.separation += (fraction * normal.dot(closed)).max(least);
         point.position = back * (arm_a - motion.a.lever);
     }
     carried
