@@ -1,6 +1,6 @@
 //! Forces -> velocities: acceleration of the step, world inertia, and the motion it predicts.
 
-use crate::body::{Bodies, Mass, Traits, tumble};
+use crate::body::{Bodies, Mass, Traits};
 use crate::lanes::{Record, Sym3};
 use crate::memory::bytes_of;
 use crate::threads::{Crew, Shared};
@@ -53,13 +53,15 @@ pub(crate) fn predict(crew: &Crew<'_>, world: &mut World, dt: f32) {
                 let mut pull = Record::default();
                 if i < dynamic {
                     let inverse = world_inertia(bodies, i);
-                    pull = accelerate(bodies, i, gravity, &inverse, dt);
+                    pull = accelerate(bodies, i, gravity, &inverse);
                     // SAFETY: each body is in one block.
                     unsafe { *inverse_inertia.get(i) = inverse };
                 }
                 let predicted = Record {
                     linear: v.linear * dt + pull.linear * (0.5 * dt * dt),
                     angular: v.angular * dt,
+                    // The angle, for all who ask how far a point gets.
+                    pad1: v.angular.length() * dt,
                     ..Record::default()
                 };
                 // SAFETY: each body is in one block.
@@ -70,19 +72,13 @@ pub(crate) fn predict(crew: &Crew<'_>, world: &mut World, dt: f32) {
     world.bodies.force.iter_mut().for_each(|f| *f = Record::default());
 }
 
-fn accelerate(bodies: &Bodies, i: usize, gravity: Vec3, inverse: &Sym3<f32>, dt: f32) -> Record {
+fn accelerate(bodies: &Bodies, i: usize, gravity: Vec3, inverse: &Sym3<f32>) -> Record {
     let (mass, traits) = (&bodies.mass[i], &bodies.traits[i]);
     let mut pull = Record { linear: gravity * traits.gravity_scale, ..Record::default() };
     if let Some(force) = bodies.force.get(i) {
         pull.linear += force.linear * mass.inverse;
         let t = force.angular;
         pull.angular = inverse.mul(crate::lanes::Vec3::new(t.x, t.y, t.z)).lane(0);
-    }
-    let w = bodies.velocity[i].angular;
-    if spins_freely(mass, traits, w, dt) {
-        // The gyroscopic term: the change of velocity that keeps the angular momentum.
-        let (_, turned) = tumble(bodies.pose[i].rotation, w, mass.inertia, dt);
-        pull.angular += (turned - w) / dt;
     }
     if mass.inverse == 0.0 {
         pull.linear = Vec3::ZERO;
@@ -91,7 +87,7 @@ fn accelerate(bodies: &Bodies, i: usize, gravity: Vec3, inverse: &Sym3<f32>, dt:
     pull
 }
 
-/// Whether the gyroscopic term matters: unequal moments, and enough spin.
+/// Whether the gyroscopic term matters, which `finish` adds when it turns a body: unequal moments, and enough spin.
 pub(crate) fn spins_freely(mass: &Mass, traits: &Traits, spin: Vec3, dt: f32) -> bool {
     let (low, high) = (mass.inertia.min_element(), mass.inertia.max_element());
     let turn = spin.length_squared() * dt * dt;

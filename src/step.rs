@@ -112,8 +112,10 @@ impl World {
         let unit = self.settings.length_unit;
         let input = Input {
             colliders: &self.colliders.all,
+            hot: &self.colliders.hot,
             poses: &self.colliders.poses,
             motion: &self.buffers.forces.motion,
+            dynamic: self.bodies.dynamic(),
             margin: MARGIN * unit,
             real: REAL * unit,
             fast: FAST * unit,
@@ -147,6 +149,7 @@ impl World {
         let input = PrepareInput {
             bodies: &self.bodies,
             colliders: &self.colliders.all,
+            hot: &self.colliders.hot,
             poses: &self.colliders.poses,
             contacts: &self.contacts.all,
             pairs: &self.broad.pairs,

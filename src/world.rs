@@ -10,7 +10,7 @@ use crate::handle::{BodyHandle, ShapeHandle, Slots};
 use crate::lanes::Record;
 use crate::memory::{Category, MemoryReport, bytes_of};
 use crate::narrow_phase::Contacts;
-use crate::shape::{Collider, Filter, Geometry, Kind, MassProperties, Material, ShapeDesc, unit_quat};
+use crate::shape::{Collider, Filter, Geometry, Hot, Kind, MassProperties, Material, ShapeDesc, unit_quat};
 use crate::step::Buffers;
 use glam::{DVec3, Mat3, Quat, Vec3};
 
@@ -45,6 +45,7 @@ pub(crate) struct Needs {
 #[derive(Debug, Default)]
 pub(crate) struct Colliders {
     pub(crate) all: Vec<Collider>,
+    pub(crate) hot: Vec<Hot>,
     pub(crate) poses: Vec<Pose>,
     slots: Slots,
 }
@@ -161,6 +162,7 @@ impl World {
         self.bodies.reserve(descs.len());
         let shapes = descs.iter().map(|d| d.shapes.len()).sum();
         self.colliders.all.reserve(shapes);
+        self.colliders.hot.reserve(shapes);
         self.colliders.poses.reserve(shapes);
         self.colliders.slots.reserve(shapes);
         Ok(descs.iter().zip(masses).map(|(desc, (cold, mass))| self.insert(desc, cold, mass)).collect())
@@ -176,9 +178,9 @@ impl World {
         for &collider in colliders.as_slice() {
             self.drop_collider(collider);
         }
-        let all = &mut self.colliders.all;
+        let shapes = &mut self.colliders;
         self.bodies.remove(index as u32, |colliders, index| {
-            colliders.as_slice().iter().for_each(|&c| all[c as usize].body = index);
+            colliders.as_slice().iter().for_each(|&c| shapes.follow(c, index));
         });
         Ok(())
     }
@@ -525,6 +527,7 @@ impl World {
         let mut report = MemoryReport::default();
         report.add(Category::Bodies, self.bodies.bytes());
         report.add(Category::Shapes, bytes_of(&self.colliders.all));
+        report.add(Category::Shapes, bytes_of(&self.colliders.hot));
         report.add(Category::Shapes, bytes_of(&self.colliders.poses));
         report.add(Category::Shapes, self.colliders.slots.bytes());
         for &(_, _, category, bytes) in &self.assets.list {
@@ -632,9 +635,9 @@ impl World {
             traits: Traits { gravity_scale: desc.gravity_scale, continuous: desc.continuous, locks },
             cold,
         };
-        let all = &mut self.colliders.all;
+        let shapes = &mut self.colliders;
         let (slot, generation) = self.bodies.insert(new, |colliders, index| {
-            colliders.as_slice().iter().for_each(|&c| all[c as usize].body = index);
+            colliders.as_slice().iter().for_each(|&c| shapes.follow(c, index));
         });
         let index = self.bodies.slots.get(slot, generation).unwrap_or(0) as usize;
         for shape in &desc.shapes {
@@ -666,10 +669,12 @@ impl World {
         let next = self.colliders.all.len() as u32;
         let (slot, _) = self.colliders.slots.insert(next);
         if slot == next {
+            self.colliders.hot.push(collider.hot());
             self.colliders.all.push(collider);
             self.colliders.poses.push(self.bodies.pose[body]);
         } else {
             self.colliders.slots.moved(slot, slot);
+            self.colliders.hot[slot as usize] = collider.hot();
             self.colliders.all[slot as usize] = collider;
         }
         self.bodies.colliders[body].push(slot);
@@ -694,6 +699,7 @@ impl World {
         if self.bodies.kind[body] == BodyKind::Static {
             let pose = &self.bodies.pose[body];
             self.broad.insert_static(collider, aabb_of(c, pose.position, pose.rotation));
+            self.buffers.finish.statics_changed();
         } else {
             self.broad.insert_mover(collider);
         }
@@ -745,6 +751,9 @@ impl World {
             c.position = cold.axes.conjugate() * (old.centre + old.axes * c.position - cold.centre);
             c.rotation = (cold.axes.conjugate() * old.axes * c.rotation).normalize();
         }
+        for &c in self.bodies.colliders[index].as_slice() {
+            self.colliders.hot[c as usize] = self.colliders.all[c as usize].hot();
+        }
     }
 
     pub(crate) fn keep_previous(&mut self) {
@@ -760,6 +769,12 @@ impl World {
 }
 
 impl Colliders {
+    /// The collider's body has a new index.
+    fn follow(&mut self, collider: u32, body: u32) {
+        self.all[collider as usize].body = body;
+        self.hot[collider as usize].body = body;
+    }
+
     /// World pose of a collider from that of its body.
     pub(crate) fn place(&mut self, collider: u32, body: &Pose) {
         let c = &self.all[collider as usize];

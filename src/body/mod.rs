@@ -5,5 +5,5 @@ mod motion;
 mod store;
 
 pub use desc::{BodyDesc, BodyKind};
-pub(crate) use motion::{exp_map, tumble};
+pub(crate) use motion::{carry_spin, exp_map, tumble, wobble};
 pub(crate) use store::{Bodies, Cold, Mass, NewBody, Pose, Previous, Traits};

@@ -8,13 +8,14 @@ use crate::broad_phase::Pair;
 use crate::lanes::{GatherLanes, Lanes, Record, Sym3, Vec3, gather};
 use crate::memory::bytes_of;
 use crate::narrow_phase::{Contact, NONE};
-use crate::shape::Collider;
+use crate::shape::{Collider, Hot};
 use crate::threads::{Crew, Shared};
 
 /// What preparing reads.
 pub(crate) struct PrepareInput<'a> {
     pub(crate) bodies: &'a Bodies,
     pub(crate) colliders: &'a [Collider],
+    pub(crate) hot: &'a [Hot],
     pub(crate) poses: &'a [Pose],
     pub(crate) contacts: &'a [Contact],
     pub(crate) pairs: &'a [Pair],
@@ -134,7 +135,7 @@ fn sort(input: &PrepareInput<'_>, scratch: &mut PrepareScratch) {
         while slot != NONE {
             let contact = &input.contacts[slot as usize];
             if contact.count > 0 {
-                let body = |c: u32| input.colliders[c as usize].body as usize;
+                let body = |c: u32| input.hot[c as usize].body as usize;
                 let (a, b) = (body(contact.a), body(contact.b));
                 let movers = input.bodies.movers();
                 let potential = contact.points().iter().all(|p| p.separation > input.real);

@@ -5,16 +5,22 @@
 //! path that a body really takes: if the segment from its old centre to its new one enters static geometry, the motion
 //! is cut there. A body that was on the right side thus stays there, step after step, whatever pushes it; and since its
 //! centre is on the right side, contacts push the rest of it out. One segment query for each body that moved further
-//! than the ball that fits into it; the report counts those that had to be held.
+//! than a share of the ball that fits into it, or further than it is known to be clear of everything static: a body
+//! that lies still or creeps is looked at seldom, but however slowly it is pressed, it does not get through. The report
+//! counts those that had to be held.
+//!
+//! A kinematic body moves, so there the path is looked at in that body's own frame, from its old pose to its new one,
+//! and who is overrun is carried along.
 
-use crate::body::{Pose, Traits};
-use crate::broad_phase::BroadPhase;
+use crate::body::{Bodies, Pose, Traits};
+use crate::broad_phase::{BroadPhase, Pair};
 use crate::config::Continuous;
 use crate::lanes::Record;
 use crate::movers::mode_of;
+use crate::narrow_phase::{Relative, Support, distance};
 use crate::query::segment_hits;
-use crate::shape::Collider;
-use glam::{DVec3, Vec3};
+use crate::shape::{Collider, Geometry};
+use glam::{DVec3, Quat, Vec3};
 
 /// What the guard reads.
 pub(crate) struct Guard<'a> {
@@ -24,22 +30,88 @@ pub(crate) struct Guard<'a> {
     pub(crate) mode: Continuous,
 }
 
+/// A ball without static geometry, from some time before.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Clear {
+    centre: DVec3,
+    radius: f32,
+}
+
 /// Share of the inner ball that a centre keeps from a surface when it is held.
 const KEEP: f32 = 0.25;
-/// Share of the inner ball that a body may move without being looked at.
-const FREE: f32 = 0.25;
+/// A shape whose origin is outside of it has no inner ball there: this share of its size stands in.
+const HOLLOW: f32 = 1e-3;
 
 impl Guard<'_> {
     /// Radius of a ball that fits into the body [m].
     fn inner(&self, own: &[u32]) -> f32 {
-        own.iter().fold(0.0, |r, &c| r.max(self.colliders[c as usize].inner_radius))
+        own.iter().fold(0.0, |r, &c| r.max(self.inner_of(c)))
     }
 
-    /// Whether a body that moves so far must be looked at.
-    pub(crate) fn wants(&self, traits: &Traits, own: &[u32], moved: f32) -> bool {
-        !own.is_empty()
-            && mode_of(self.mode, traits.continuous) != Continuous::Discrete
-            && moved > FREE * self.inner(own)
+    fn inner_of(&self, collider: u32) -> f32 {
+        let c = &self.colliders[collider as usize];
+        if c.inner_radius > 0.0 { c.inner_radius } else { HOLLOW * c.radius }
+    }
+
+    /// Whether a body is one to be looked at.
+    pub(crate) fn wants(&self, traits: &Traits, own: &[u32]) -> bool {
+        !own.is_empty() && mode_of(self.mode, traits.continuous) != Continuous::Discrete
+    }
+
+    /// Whether a body may move so far unseen, because nothing static is that near to its centre.
+    pub(crate) fn is_clear(
+        &self,
+        stack: &mut Vec<u32>,
+        own: &[u32],
+        clear: &mut Clear,
+        from: DVec3,
+        moved: Vec3,
+    ) -> bool {
+        let to = from + moved.as_dvec3();
+        if moved == Vec3::ZERO || (to - clear.centre).length() < f64::from(clear.radius) {
+            return true;
+        }
+        // Half of the inner ball: of a body that lies on something, that much is free; and it holds few triangles.
+        let most = 0.5 * self.inner(own);
+        if moved.length() >= most {
+            return false;
+        }
+        *clear = Clear { centre: from, radius: self.clearance(stack, from, most) };
+        moved.length() < clear.radius
+    }
+
+    /// Distance of a point from static surfaces, or `most` if that is less; zero inside of a solid shape [m].
+    fn clearance(&self, stack: &mut Vec<u32>, centre: DVec3, most: f32) -> f32 {
+        let at = centre.as_vec3();
+        let mut least = most;
+        self.broad.statics_on_path(stack, at, at, Vec3::splat(most), |c| {
+            let (collider, pose) = (&self.colliders[c as usize], &self.poses[c as usize]);
+            let point = pose.rotation.conjugate() * (centre - pose.position).as_vec3();
+            let own = Support::triangle([point; 3]);
+            let here = Relative { position: Vec3::ZERO, rotation: Quat::IDENTITY };
+            let gap = |other: &Support| distance(&own, other, &here, Vec3::ZERO).distance.max(0.0);
+            let (low, high) = (point - least, point + least);
+            match &collider.geometry {
+                Geometry::Mesh(mesh) => {
+                    mesh.visit_box(low, high, &mut |t| {
+                        least = least.min(gap(&Support::triangle(mesh.triangle(t))));
+                    });
+                }
+                Geometry::HeightField(field) => {
+                    field.visit_box(low, high, &mut |t| {
+                        least = least.min(gap(&Support::triangle(field.triangle(t))));
+                    });
+                }
+                Geometry::Plane => least = least.min(point.y.max(0.0)),
+                _ => {
+                    if let Some(shape) = Support::of(collider) {
+                        least = least.min(gap(&shape));
+                    }
+                }
+            }
+        });
+        // Of what `f32` resolves nothing is left over.
+        (least - 1e-6 * (least + at.abs().max_element())).max(0.0)
     }
 
     /// Cuts the motion where the centre would enter static geometry; takes the velocity that leads there away. Says
@@ -79,13 +151,7 @@ impl Guard<'_> {
             },
         );
         let Some((fraction, normal)) = first else { return false };
-        // Back off so that the centre ends `keep` above the surface; never backwards.
-        let into = -reach.dot(normal);
-        let stop = if into > 0.0 { fraction - keep / into } else { fraction };
-        let stop = stop.clamp(0.0, length / (length + keep));
-        if stop * (length + keep) >= length {
-            return false;
-        }
+        let Some(stop) = stop(reach, length, keep, fraction, normal) else { return false };
         *moved = reach * stop;
         let speed = velocity.linear.dot(normal);
         if speed < 0.0 {
@@ -93,4 +159,72 @@ impl Guard<'_> {
         }
         true
     }
+    /// Keeps the centres of dynamic bodies on their side of the kinematic ones, all of which are at their new poses by
+    /// now. Says how many it had to hold.
+    pub(crate) fn hold_kinematic(
+        &self,
+        pairs: &[Pair],
+        bodies: &mut Bodies,
+        stack: &mut Vec<u32>,
+        dt: f32,
+    ) -> u32 {
+        let (dynamic, movers) = (bodies.dynamic(), bodies.movers());
+        let mut held = 0;
+        for pair in pairs {
+            let body = |c: u32| self.colliders[c as usize].body as usize;
+            let (mover, other) = if body(pair.a) < dynamic { (pair.a, pair.b) } else { (pair.b, pair.a) };
+            let (i, k) = (body(mover), body(other));
+            if i >= dynamic || k < dynamic || k >= movers {
+                continue;
+            }
+            let (own, wall) = (&self.colliders[mover as usize], &self.colliders[other as usize]);
+            let (before, old) = (&self.poses[mover as usize], &self.poses[other as usize]);
+            let from =
+                before.position - (before.rotation * own.rotation.conjugate() * own.position).as_dvec3();
+            let pose = &bodies.pose[k];
+            let new = Pose {
+                position: pose.position + (pose.rotation * wall.position).as_dvec3(),
+                rotation: pose.rotation * wall.rotation,
+            };
+            let start = old.rotation.conjugate() * (from - old.position).as_vec3();
+            let end = new.rotation.conjugate() * (bodies.pose[i].position - new.position).as_vec3();
+            let moved = end - start;
+            let length = moved.length();
+            let own = bodies.colliders[i].as_slice();
+            if length == 0.0 || !self.wants(&bodies.traits[i], own) {
+                continue;
+            }
+            let keep = KEEP * self.inner(own);
+            let reach = moved * (1.0 + keep / length);
+            let Some(hit) = segment_hits(wall, start, start + reach) else { continue };
+            let Some(stop) = stop(reach, length, keep, hit.fraction, hit.normal) else { continue };
+            held += 1;
+            let at = bodies.pose[i].position;
+            let to = new.position + (new.rotation * (start + reach * stop)).as_dvec3();
+            // At least as fast as what carries it.
+            let normal = new.rotation * hit.normal;
+            let carried = ((to - from) / f64::from(dt)).as_vec3();
+            let velocity = &mut bodies.velocity[i];
+            let missing = (carried - velocity.linear).dot(normal);
+            if missing > 0.0 {
+                velocity.linear += normal * missing;
+            }
+            // What doesn't move at all comes before what does.
+            let mut way = (to - at).as_vec3();
+            if way.length() > 0.0 {
+                self.hold(stack, own, at, &mut way, velocity);
+            }
+            bodies.pose[i].position = at + way.as_dvec3();
+        }
+        held
+    }
+}
+
+/// How much of `reach`, which is `length` and `keep` more, a centre may go that would enter a surface at `fraction`:
+/// it ends `keep` above it, and never goes backwards. None: as far as it wants.
+fn stop(reach: Vec3, length: f32, keep: f32, fraction: f32, normal: Vec3) -> Option<f32> {
+    let into = -reach.dot(normal);
+    let stop = if into > 0.0 { fraction - keep / into } else { fraction };
+    let stop = stop.clamp(0.0, length / (length + keep));
+    (stop * (length + keep) < length).then_some(stop)
 }

@@ -3,11 +3,13 @@
 mod guard;
 mod report;
 
-pub(crate) use guard::Guard;
+use guard::{Clear, Guard};
 pub use report::{StageTimes, StepReport};
 
-use crate::body::{exp_map, tumble};
+use crate::body::{carry_spin, exp_map, tumble, wobble};
+use crate::config::Continuous;
 use crate::forces::spins_freely;
+use crate::memory::bytes_of;
 use crate::threads::{Crew, Shared};
 use crate::world::World;
 use std::sync::Mutex;
@@ -16,6 +18,8 @@ use std::sync::Mutex;
 #[derive(Debug, Default)]
 pub(crate) struct Buffers {
     stacks: Vec<Mutex<Vec<u32>>>,
+    /// Of each dynamic body: it need not be looked at in there.
+    clear: Vec<Clear>,
 }
 
 impl Buffers {
@@ -23,7 +27,13 @@ impl Buffers {
         let stacks =
             self.stacks.iter().filter_map(|s| s.lock().ok().map(|s| s.capacity() * 4)).sum::<usize>();
         let own = self.stacks.capacity() * size_of::<Mutex<Vec<u32>>>();
-        (own, own + stacks)
+        let clear = bytes_of(&self.clear);
+        (own + clear.0, own + stacks + clear.1)
+    }
+
+    /// Something static is where it was not before.
+    pub(crate) fn statics_changed(&mut self) {
+        self.clear.clear();
     }
 }
 
@@ -36,15 +46,15 @@ pub(crate) struct Ended {
 
 /// Bodies a block.
 const BLOCK: usize = 64;
-/// A free body that turns more than this within a step is turned in several [rad].
-const TURN: f32 = 0.1;
+/// A free body whose axis may wander by more than this within a step is turned in several [rad].
+const TURN: f32 = 0.05;
 
 /// Moves the bodies to the end of the step.
 pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, dt: f32) -> Ended {
     let (movers, dynamic) = (world.bodies.movers(), world.bodies.dynamic());
     let blocks = movers.div_ceil(BLOCK);
     let held = std::sync::atomic::AtomicU32::new(0);
-    let stacks = &mut world.buffers.finish.stacks;
+    let Buffers { stacks, clear } = &mut world.buffers.finish;
     if stacks.len() < blocks {
         stacks.resize_with(blocks, Mutex::default);
     }
@@ -54,6 +64,7 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, dt: f32) -> Ended {
         poses: &world.colliders.poses,
         mode: world.settings.continuous,
     };
+    clear.resize(dynamic, Clear::default());
     let bodies = &mut world.bodies;
     let delta = &world.buffers.solver.delta;
     let start = &world.buffers.forces.start;
@@ -62,7 +73,8 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, dt: f32) -> Ended {
     let (mass, traits, colliders) = (&bodies.mass, &bodies.traits, &bodies.colliders);
     let velocity = Shared::new(&mut bodies.velocity);
     let pose = Shared::new(&mut bodies.pose);
-    let stacks = &world.buffers.finish.stacks;
+    let stacks = &*stacks;
+    let clear = Shared::new(clear);
     crew.run(blocks, &|block| {
         let Ok(mut stack) = stacks[block].lock() else { return };
         for i in block * BLOCK..((block + 1) * BLOCK).min(movers) {
@@ -72,19 +84,27 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, dt: f32) -> Ended {
             let touched = d.pad0 != 0.0;
             if i < dynamic && !touched && spins_freely(&mass[i], &traits[i], start[i].angular, dt) {
                 let spin = start[i].angular;
-                let parts = (spin.length() * dt / TURN).ceil().clamp(1.0, 256.0);
+                let parts = (wobble(spin, mass[i].inertia) * dt / TURN).ceil().clamp(1.0, 16.0);
                 let (mut q, mut w) = (pose.rotation, spin);
                 for _ in 0..parts as u32 {
                     (q, w) = tumble(q, w, mass[i].inertia, dt / parts);
                 }
                 (pose.rotation, velocity.angular) = (q, w);
             } else {
-                pose.rotation = (exp_map(d.angular) * pose.rotation).normalize();
+                let turned = (exp_map(d.angular) * pose.rotation).normalize();
+                if i < dynamic && spins_freely(&mass[i], &traits[i], velocity.angular, dt) {
+                    velocity.angular = carry_spin(pose.rotation, turned, velocity.angular, mass[i].inertia);
+                }
+                pose.rotation = turned;
             }
             let mut moved = d.linear;
-            if i < dynamic && guard.wants(&traits[i], colliders[i].as_slice(), moved.length()) {
-                let from = pose.position;
-                if guard.hold(&mut stack, colliders[i].as_slice(), from, &mut moved, velocity) {
+            if i < dynamic && guard.wants(&traits[i], colliders[i].as_slice()) {
+                let (own, from) = (colliders[i].as_slice(), pose.position);
+                // SAFETY: each body is in one block.
+                let clear = unsafe { clear.get(i) };
+                if !guard.is_clear(&mut stack, own, clear, from, moved)
+                    && guard.hold(&mut stack, own, from, &mut moved, velocity)
+                {
                     held.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
                 }
             }
@@ -97,5 +117,12 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, dt: f32) -> Ended {
             }
         }
     });
-    Ended { held: held.into_inner() }
+    let mut held = held.into_inner();
+    if movers > dynamic
+        && guard.mode != Continuous::Discrete
+        && let Some(Ok(mut stack)) = stacks.first().map(|s| s.lock())
+    {
+        held += guard.hold_kinematic(&world.broad.pairs, bodies, &mut stack, dt);
+    }
+    Ended { held }
 }

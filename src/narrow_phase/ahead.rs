@@ -8,12 +8,14 @@ use super::cast::{Touch, cast_convex, cast_plane, tolerance};
 use super::cast_mesh::cast_mesh;
 use super::collide::{Found, Input};
 use super::convex::collide_convex;
+use super::gjk::distance;
 use super::mesh::collide_mesh;
 use super::motion::{BodyPath, Motion};
+use super::support::Support;
 use super::{RawManifold, Relative};
 use crate::body::exp_map;
 use crate::broad_phase::Pair;
-use crate::shape::{Collider, Kind};
+use crate::shape::{Collider, Geometry, Kind};
 use glam::{DVec3, Quat, Vec3};
 
 /// The manifold of two convex shapes, or of one and a plane, at their first touch within the step, and the fraction
@@ -39,16 +41,125 @@ pub(crate) fn halfway(input: &Input<'_>, pair: &Pair, margin: f32) -> RawManifol
     carry_back(&raw, &motion, 0.5, f32::MIN)
 }
 
-/// Adds the manifolds of a convex shape at its first touch with a mesh or height field.
-pub(crate) fn look_ahead_mesh(input: &Input<'_>, pair: &Pair, out: &mut Found) {
+/// For the larger search volume: the manifold of two convex shapes that miss each other, where their centres pass. The
+/// path runs along such a plane, not through it, so it pushes only what another impact throws off its path.
+pub(crate) fn look_beside(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold, f32)> {
     let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
     let motion = Motion::new(a, &path(input, pair.a), b, &path(input, pair.b));
-    let Some(Touch { fraction, .. }) = cast_mesh(a, b, &motion, tolerance(a, b), input.margin) else {
+    let (from, way) = (motion.start.as_vec3() + motion.a.lever - motion.b.lever, motion.displacement);
+    let fraction = if b.kind == Kind::Plane { 0.0 } else { -from.dot(way) / way.length_squared() };
+    // A way of no length has no fraction: NaN clamps to itself, and compares as false.
+    let fraction = if fraction > 0.0 { fraction.min(1.0) } else { 0.0 };
+    let raw =
+        collide_convex(a, b, &motion.relative(fraction), input.margin + (1.0 - fraction) * way.length());
+    let raw = carry_back(&raw, &motion, fraction);
+    (raw.count > 0 && !pushes(&motion, &raw)).then_some((raw, fraction))
+}
+
+/// Adds the manifolds of a convex shape at its first touch with a mesh or height field, and at the second, to which
+/// it would slide along what it touched first: a body that hits the ground close to a wall meets both in one step.
+/// Triangles within `resting` [m] at the start are left to the kernel there.
+pub(crate) fn look_ahead_mesh(input: &Input<'_>, pair: &Pair, resting: f32, out: &mut Found) {
+    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
+    let motion = Motion::new(a, &path(input, pair.a), b, &path(input, pair.b));
+    let tolerance = tolerance(a, b);
+    let Some(Touch { fraction, normal }) = cast_mesh(a, b, &motion, tolerance, resting) else {
         return;
     };
     out.raw.clear();
     collide_mesh(a, b, &motion.relative(fraction), input.margin, &mut out.mesh, &mut out.raw);
+<<<<<<< HEAD
     out.many.extend(out.raw.iter().map(|raw| (carry_back(raw, &motion, fraction, 0.0), fraction)));
+=======
+    out.many.extend(out.raw.iter().map(|raw| (carry_back(raw, &motion, fraction), fraction)));
+
+    let then = motion.after(fraction, normal);
+    out.casts += 1;
+    let Some(Touch { fraction: further, .. }) = cast_mesh(a, b, &then, tolerance, input.real) else {
+        return;
+    };
+    out.raw.clear();
+    collide_mesh(a, b, &then.relative(further), input.margin, &mut out.mesh, &mut out.raw);
+    for raw in &out.raw {
+        let first = carry_back(raw, &then, further);
+        // What touches on the way there touches at the first place too.
+        out.many.push((carry_back(&first, &motion, fraction), fraction));
+    }
+}
+
+/// Whether a convex shape touches a mesh or height field at all within the step.
+pub(crate) fn touches_mesh(input: &Input<'_>, pair: &Pair) -> bool {
+    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
+    let motion = Motion::new(a, &path(input, pair.a), b, &path(input, pair.b));
+    cast_mesh(a, b, &motion, tolerance(a, b), 0.0).is_some()
+}
+
+/// Whether the predicted motion takes any point of a manifold, found at the start of the step, through its plane.
+pub(crate) fn would_push(input: &Input<'_>, pair: &Pair, raw: &RawManifold) -> bool {
+    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
+    pushes(&Motion::new(a, &path(input, pair.a), b, &path(input, pair.b)), raw)
+}
+
+fn pushes(motion: &Motion, raw: &RawManifold) -> bool {
+    let normal = motion.a.rotation * raw.normal;
+    raw.points().iter().any(|point| {
+        let closed = closing(motion, normal, motion.a.lever + motion.a.rotation * point.position, Vec3::ZERO);
+        // A little early: the solver's path is not quite the predicted one.
+        point.separation < 1.05 * closed + NEARLY
+    })
+}
+
+/// Rounding of a predicted path [m].
+const NEARLY: f32 = 1e-5;
+
+/// How much of the gap along `normal` the whole motion takes away at a point that is `arm` from a's centre, with the
+/// centres moved apart by `moved` since the start [m].
+fn closing(motion: &Motion, normal: Vec3, arm: Vec3, moved: Vec3) -> f32 {
+    let arm_b = arm + motion.start.as_vec3() + moved;
+    normal.dot(motion.displacement + motion.a.spin.cross(arm) - motion.b.spin.cross(arm_b))
+}
+
+/// If overlap is so deep that the way out leads through a still shape, because the longer part of the moving one is on
+/// the wrong side: the manifold that leads out on the side where the centre is.
+pub(crate) fn right_way_out(
+    input: &Input<'_>,
+    pair: &Pair,
+    rel: &Relative,
+    raw: &RawManifold,
+) -> Option<RawManifold> {
+    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
+    let deepest = raw.points().iter().fold(0.0_f32, |s, p| s.min(p.separation));
+    let moves = |c: &Collider| (c.body as usize) < input.dynamic;
+    if moves(a) == moves(b) {
+        return None;
+    }
+    // As seen from the one that moves.
+    let back = rel.rotation.conjugate();
+    let from_b = Relative { position: -(back * rel.position), rotation: back };
+    let (mover, other, pose, normal) =
+        if moves(a) { (a, b, *rel, raw.normal) } else { (b, a, from_b, -(back * raw.normal)) };
+    if deepest > -0.5 * mover.inner_radius {
+        return None;
+    }
+    let (own, still) = (Support::of(mover)?, Support::of(other)?);
+    let centre = -(mover.rotation.conjugate() * mover.position);
+    let point = Support::triangle([centre; 3]);
+    let here = Relative { position: Vec3::ZERO, rotation: Quat::IDENTITY };
+    // A body's centre may be outside of a part of it: nothing is known then.
+    if distance(&own, &point, &here, Vec3::ZERO).distance > 0.0 {
+        return None;
+    }
+    let out = distance(&point, &still, &pose, Vec3::ZERO);
+    // `normal` leads into the other shape, as `out.normal` does.
+    if out.overlap || out.distance <= 0.0 || normal.dot(out.normal) >= 0.0 {
+        return None;
+    }
+    // Against the half-space behind the nearest point of the other.
+    let plane = Collider { kind: Kind::Plane, geometry: Geometry::Plane, ..other.clone() };
+    let half = Relative { position: out.point_b, rotation: Quat::from_rotation_arc(Vec3::Y, -out.normal) };
+    let found = collide_convex(mover, &plane, &half, input.margin);
+    Some(if moves(a) { found } else { found.flipped(from_b.position, from_b.rotation) })
+>>>>>>> main
 }
 
 /// How the body of a collider moves within the step.
@@ -73,15 +184,20 @@ fn carry_back(raw: &RawManifold, motion: &Motion, fraction: f32, least: f32) -> 
     let lever = turned * motion.a.lever;
     let back: Quat = motion.a.rotation.conjugate();
     let normal = at_touch * raw.normal;
-    let apart = (motion.start + (motion.displacement * fraction).as_dvec3()).as_vec3();
+    let moved = motion.displacement * fraction;
     let mut carried = *raw;
     carried.normal = back * normal;
     for point in &mut carried.points[..raw.count as usize] {
         let arm_a = lever + at_touch * point.position;
+<<<<<<< HEAD
         let arm_b = arm_a + apart;
         let closed = motion.displacement + motion.a.spin.cross(arm_a) - motion.b.spin.cross(arm_b);
         // With 0 as the least, a point that moves away until the touch does not count as overlap at the start.
         point.separation += (fraction * normal.dot(closed)).max(least);
+=======
+        // A point that moves away until the touch must not count as overlap at the start.
+        point.separation += (fraction * closing(motion, normal, arm_a, moved)).max(0.0);
+>>>>>>> main
         point.position = back * (arm_a - motion.a.lever);
     }
     carried

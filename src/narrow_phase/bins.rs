@@ -1,10 +1,14 @@
 //! Pairs binned by shape pair, and worked through in lanes.
 
+<<<<<<< HEAD
 use super::ahead::{halfway, look_ahead};
+=======
+use super::ahead::{look_ahead, look_ahead_mesh, look_beside, right_way_out, touches_mesh, would_push};
+>>>>>>> main
 use super::box_box::box_box;
 use super::capsule_box::{capsule_box, tapered_capsule_box};
 use super::capsule_capsule::{capsule_capsule, tapered_capsule_capsule};
-use super::collide::{Found, Input, near};
+use super::collide::{Approach, Found, Input, near};
 use super::contact::{Contact, NONE};
 use super::convex::collide_convex;
 use super::lanes_io::{ManifoldLanes, PairLanes};
@@ -16,7 +20,7 @@ use super::{RawManifold, Relative};
 use crate::broad_phase::Pair;
 use crate::lanes::f32x8;
 use crate::memory::bytes_of;
-use crate::shape::{Collider, Kind};
+use crate::shape::{Collider, Hot, Kind};
 use crate::threads::Shared;
 
 /// A shape pair, as a small number.
@@ -33,8 +37,8 @@ const COUNT: usize = KINDS as usize * KINDS as usize + 2;
 const BLOCK: u32 = 64;
 
 impl Bin {
-    pub(crate) fn of(a: &Collider, b: &Collider) -> Bin {
-        let tapered = |c: &Collider| c.kind == Kind::Capsule && c.size[1] != c.size[2];
+    pub(crate) fn of(a: &Hot, b: &Hot) -> Bin {
+        let tapered = |c: &Hot| c.kind == Kind::Capsule && c.size[1] != c.size[2];
         match (a.kind, b.kind) {
             (Kind::Capsule, Kind::Capsule) if tapered(a) || tapered(b) => TAPERED_CAPSULES,
             (Kind::Capsule, Kind::Box) if tapered(a) => TAPERED_BOX,
@@ -57,10 +61,10 @@ pub(crate) struct Bins {
 }
 
 impl Bins {
-    /// Counting sort of the pairs by bin; those with `skip` are left out and counted.
-    pub(crate) fn sort(&mut self, bin_of: &[u8], skip: u8) -> u32 {
+    /// Counting sort of the pairs by bin; those with `skip` or a higher number are left out.
+    pub(crate) fn sort(&mut self, bin_of: &[u8], skip: u8) {
         let mut starts = [0u32; COUNT + 1];
-        for &bin in bin_of.iter().filter(|&&bin| bin != skip) {
+        for &bin in bin_of.iter().filter(|&&bin| bin < skip) {
             starts[bin as usize + 1] += 1;
         }
         for bin in 0..COUNT {
@@ -75,12 +79,11 @@ impl Bins {
                 self.blocks.push((Bin(bin as u8), start, starts[bin + 1].min(start + BLOCK)));
             }
         }
-        for (pair, &bin) in bin_of.iter().enumerate().filter(|&(_, &bin)| bin != skip) {
+        for (pair, &bin) in bin_of.iter().enumerate().filter(|&(_, &bin)| bin < skip) {
             let at = &mut starts[bin as usize];
             self.order[*at as usize] = pair as u32;
             *at += 1;
         }
-        bin_of.len() as u32 - total
     }
 
     pub(crate) fn bytes(&self) -> (usize, usize) {
@@ -124,19 +127,24 @@ pub(crate) fn run_bin(
     contacts: &Shared<'_, Contact>,
     out: &mut Found,
 ) {
-    let margin_of = |pair: &Pair| input.margin + input.approach(pair);
+    let margin_of = |approach: &Approach| {
+        let most = approach.most();
+        input.margin + if input.continuous { most } else { most.min(input.margin) }
+    };
     if let Some(kernel) = kernel_of(bin) {
         for eight in order.chunks(8) {
             let pair = |lane: usize| eight[lane.min(eight.len() - 1)] as usize;
-            let shape = |c: u32| input.colliders[c as usize].size;
+            let shape = |c: u32| input.hot[c as usize].size;
+            let approach: [Approach; 8] = std::array::from_fn(|lane| input.approach(&pairs[pair(lane)]));
             let lanes = PairLanes::from_fn(|lane| {
                 let (p, i) = (&pairs[pair(lane)], pair(lane));
-                (relative[i], shape(p.a), shape(p.b), margin_of(p))
+                (relative[i], shape(p.a), shape(p.b), margin_of(&approach[lane]))
             });
             let manifolds = kernel(&lanes);
             for (lane, &index) in eight.iter().enumerate() {
                 let raw = manifolds.lane(lane);
-                finish_convex(input, pairs, index, raw, &relative[index as usize], contacts, out);
+                let rel = &relative[index as usize];
+                finish_convex(input, pairs, index, raw, (rel, &approach[lane]), contacts, out);
             }
         }
         return;
@@ -145,11 +153,12 @@ pub(crate) fn run_bin(
         let pair = &pairs[index as usize];
         let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
         let rel = &relative[index as usize];
+        let approach = input.approach(pair);
         if b.kind == Kind::Mesh || b.kind == Kind::HeightField {
-            finish_mesh(input, pair, index, a, b, rel, contacts, out);
+            finish_mesh(input, pair, index, (a, b), (rel, &approach), contacts, out);
         } else {
-            let raw = collide_convex(a, b, rel, margin_of(pair));
-            finish_convex(input, pairs, index, raw, rel, contacts, out);
+            let raw = collide_convex(a, b, rel, margin_of(&approach));
+            finish_convex(input, pairs, index, raw, (rel, &approach), contacts, out);
         }
     }
 }
@@ -174,27 +183,39 @@ fn finish_convex(
     pairs: &[Pair],
     index: u32,
     raw: RawManifold,
-    rel: &Relative,
+    (rel, approach): (&Relative, &Approach),
     contacts: &Shared<'_, Contact>,
     out: &mut Found,
 ) {
     let pair = &pairs[index as usize];
     let nearest = raw.points().iter().fold(f32::INFINITY, |s, p| s.min(p.separation));
     let (mut raw, mut fraction) = (raw, 0.0);
-    if input.continuous && nearest > input.real && input.approach(pair) > input.fast {
-        // Apart and fast: a plane at the start of the step would be a guess, so look where they really touch.
-        out.casts += 1;
-        match look_ahead(input, pair) {
-            Some((ahead, at)) => (raw, fraction) = (ahead, at),
-            // Nothing in reach on this path. The larger volume keeps what another impact might lead to.
-            None if input.volume => {}
-            None => raw.count = 0,
+    if input.continuous && nearest > 0.0 && raw.count > 0 {
+        let fast = nearest > input.real && approach.most() > input.fast;
+        // A plane lies between the two. If the motion can't close the gap across it, they don't touch.
+        let closing = -(input.poses[pair.a as usize].rotation * raw.normal).dot(approach.way);
+        if fast && !input.volume && closing + approach.spin < nearest {
+            raw.count = 0;
+        } else if fast || would_push(input, pair, &raw) {
+            // Apart, and a plane at the start of the step would be a guess: look where they really touch.
+            out.casts += 1;
+            // On a miss there is nothing in reach on this path; the larger volume keeps what it passes.
+            let found = look_ahead(input, pair)
+                .or_else(|| if input.volume { look_beside(input, pair) } else { None });
+            (raw, fraction) = found.unwrap_or_default();
         }
+<<<<<<< HEAD
     } else if (1..3).contains(&raw.count) && wanders(input, pair) {
         let middle = halfway(input, pair, input.margin);
         if middle.count > 0 {
             (raw, fraction) = (middle, 0.5);
         }
+=======
+    } else if nearest < 0.0
+        && let Some(out) = right_way_out(input, pair, rel, &raw)
+    {
+        raw = out;
+>>>>>>> main
     }
     if pair.contact == NONE {
         if raw.count > 0 {
@@ -215,39 +236,40 @@ fn finish_convex(
     }
 }
 
-#[allow(clippy::too_many_arguments, reason = "one call, one place")]
 fn finish_mesh(
     input: &Input<'_>,
     pair: &Pair,
     index: u32,
-    a: &Collider,
-    b: &Collider,
-    rel: &Relative,
+    (a, b): (&Collider, &Collider),
+    (rel, approach): (&Relative, &Approach),
     contacts: &Shared<'_, Contact>,
     out: &mut Found,
 ) {
-    let approach = input.approach(pair);
-    // Where the body is: what it may reach further away is found by the cast.
-    let margin = input.margin
-        + approach.min(match (input.continuous, input.volume) {
-            (true, true) => approach,
-            (true, false) => a.radius,
-            (false, _) => input.margin,
-        });
+    let most = approach.most();
+    let fast = input.continuous && most > input.fast;
+    // Where the body is, and what it may turn into: what it may reach further away is found by the cast.
+    let reach = if fast { approach.spin.min(a.radius) } else { most.min(input.margin) };
+    let margin = input.margin + reach;
     let start = out.many.len() as u32;
     out.raw.clear();
     collide_mesh(a, b, rel, margin, &mut out.mesh, &mut out.raw);
     let nearest = out.raw.iter().flat_map(|m| m.points()).fold(f32::INFINITY, |s, p| s.min(p.separation));
-    let fast = input.continuous && approach > input.fast;
-    if fast && !input.volume {
+    if fast {
         // Manifolds without a real point are guesses; what is really hit comes from the cast.
-        let near = input.margin;
-        out.raw.retain(|m| m.points().iter().any(|p| p.separation <= near));
+        let real = input.real;
+        out.raw.retain(|m| m.points().iter().any(|p| p.separation <= real));
+    }
+    if input.continuous && nearest > 0.0 && out.raw.iter().any(|m| would_push(input, pair, m)) {
+        // Close, but apart: planes count only if anything is touched at all.
+        out.casts += 1;
+        if !touches_mesh(input, pair) {
+            out.raw.retain(|m| !would_push(input, pair, m));
+        }
     }
     out.many.extend(out.raw.iter().map(|&m| (m, 0.0)));
     if fast {
         out.casts += 1;
-        super::ahead::look_ahead_mesh(input, pair, out);
+        look_ahead_mesh(input, pair, input.real, out);
     }
     if pair.contact != NONE {
         // SAFETY: the contact is this pair's, and this block has the pair.

@@ -54,7 +54,7 @@ pub(crate) fn key(kind: u32, one: usize, other: usize) -> u32 {
 const VERTEX: u32 = 0;
 const CROSSING: u32 = 1;
 const CORNER: u32 = 2;
-const EDGES: u32 = 3;
+pub(crate) const EDGES: u32 = 3;
 
 /// The corners of a face and which vertices they are.
 pub(crate) struct Loop {

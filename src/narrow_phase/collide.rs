@@ -11,17 +11,20 @@ use crate::body::Pose;
 use crate::broad_phase::Pair;
 use crate::lanes::{Lanes, Quat, Record, Vec3, f32x8};
 use crate::memory::bytes_of;
-use crate::shape::{Collider, Kind};
+use crate::shape::{Collider, Hot, Kind};
 use crate::threads::{Crew, Shared};
 use std::sync::Mutex;
 
 /// What the narrow phase reads.
 pub(crate) struct Input<'a> {
     pub(crate) colliders: &'a [Collider],
+    pub(crate) hot: &'a [Hot],
     /// World pose of each collider at the start of the step.
     pub(crate) poses: &'a [Pose],
     /// Predicted displacement [m] and rotation vector [rad] of each body that can move, within the step.
     pub(crate) motion: &'a [Record],
+    /// Bodies before this one are dynamic.
+    pub(crate) dynamic: usize,
     /// Points nearer than this are always looked for [m].
     pub(crate) margin: f32,
     /// A separation up to this is a real contact [m].
@@ -39,24 +42,39 @@ pub(crate) struct Input<'a> {
 impl Input<'_> {
     /// Displacement and rotation vector of a collider's body within the step.
     pub(crate) fn motion_of(&self, collider: u32) -> Record {
-        let body = self.colliders[collider as usize].body as usize;
+        let body = self.hot[collider as usize].body as usize;
         self.motion.get(body).copied().unwrap_or_default()
     }
 
-    /// The furthest that two points of a pair may approach each other within the step [m].
-    pub(crate) fn approach(&self, pair: &Pair) -> f32 {
+    /// How a pair may close within the step.
+    pub(crate) fn approach(&self, pair: &Pair) -> Approach {
         let (a, b) = (self.motion_of(pair.a), self.motion_of(pair.b));
-        let reach = |collider: u32, motion: &Record| {
-            let c = &self.colliders[collider as usize];
-            let turn = motion.angular.length();
+        let reach = |collider: u32, turn: f32| {
+            let c = &self.hot[collider as usize];
             // A point of the shape can't get further than across it.
-            if turn == 0.0 {
-                0.0
-            } else {
-                (turn * (c.position.length() + c.radius)).min(2.0 * c.radius + turn * c.position.length())
-            }
+            (turn * (c.lever + c.radius)).min(2.0 * c.radius + turn * c.lever)
         };
-        (b.linear - a.linear).length() + reach(pair.a, &a) + reach(pair.b, &b)
+        // The pad of a motion is the angle of its turn; an endless plane on a body that doesn't turn reaches nowhere.
+        let swing = |collider: u32, turn: f32| if turn == 0.0 { 0.0 } else { reach(collider, turn) };
+        let way = b.linear - a.linear;
+        Approach { way, length: way.length(), spin: swing(pair.a, a.pad1) + swing(pair.b, b.pad1) }
+    }
+}
+
+/// How two shapes may close within the step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Approach {
+    /// Predicted displacement of `b`'s body relative to `a`'s, in the world [m].
+    pub(crate) way: glam::Vec3,
+    pub(crate) length: f32,
+    /// The furthest that turning takes points of the two towards each other [m].
+    pub(crate) spin: f32,
+}
+
+impl Approach {
+    /// The furthest that two points may approach each other [m].
+    pub(crate) fn most(&self) -> f32 {
+        self.length + self.spin
     }
 }
 
@@ -117,6 +135,8 @@ pub(crate) struct NarrowStats {
 
 /// In `bin_of`: the pair keeps its contact.
 const KEPT: u8 = u8::MAX;
+/// In `bin_of`: the pair is too far apart for a contact. No bin has this number or a higher one.
+const FAR: u8 = KEPT - 1;
 /// Pairs a block: a multiple of the lanes; fewer and the claim shows, more and two threads end apart.
 const BLOCK: usize = 128;
 
@@ -130,7 +150,11 @@ pub(crate) fn collide(
 ) -> NarrowStats {
     place(crew, input, pairs, contacts, scratch);
     let Scratch { relative, bin_of, bins, found, chain } = scratch;
-    let mut stats = NarrowStats { recycled: bins.sort(bin_of, KEPT), ..NarrowStats::default() };
+    bins.sort(bin_of, FAR);
+    let mut stats = NarrowStats {
+        recycled: bin_of.iter().filter(|&&bin| bin == KEPT).count() as u32,
+        ..NarrowStats::default()
+    };
     if found.len() < bins.blocks.len() {
         found.resize_with(bins.blocks.len(), Mutex::default);
     }
@@ -184,14 +208,26 @@ fn place(crew: &Crew<'_>, input: &Input<'_>, pairs: &[Pair], contacts: &mut Cont
                     *relative.get(first + i) = now;
                     *bin_of.get(first + i) = if recycle(input, pair, &now, &all) {
                         KEPT
+                    } else if far(input, pair, &now) {
+                        FAR
                     } else {
-                        let kind = |c: u32| &input.colliders[c as usize];
+                        let kind = |c: u32| &input.hot[c as usize];
                         Bin::of(kind(pair.a), kind(pair.b)).0
                     };
                 }
             }
         }
     });
+}
+
+/// Whether the balls around two shapes without a contact are too far apart for one.
+fn far(input: &Input<'_>, pair: &Pair, now: &Relative) -> bool {
+    if pair.contact != NONE {
+        return false;
+    }
+    let reach = input.hot[pair.a as usize].radius + input.hot[pair.b as usize].radius;
+    let most = reach + input.margin + input.approach(pair).most();
+    now.position.length_squared() > most * most
 }
 
 /// Pose of `b` in `a` for up to eight pairs.
@@ -231,7 +267,7 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
     if first.count < 3 && (rolls(input, pair.a) || rolls(input, pair.b)) {
         return false;
     }
-    let reach = input.colliders[pair.a as usize].radius.min(input.colliders[pair.b as usize].radius);
+    let reach = input.hot[pair.a as usize].radius.min(input.hot[pair.b as usize].radius);
     let limit = input.recycle.min(0.05 * reach);
     let moved = (now.position - first.found_at.position).length_squared();
     // |sin(angle / 2)| of the turn since then, by the quaternion's vector part.
@@ -252,7 +288,7 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
 
 /// Whether a shape is round somewhere.
 fn rolls(input: &Input<'_>, collider: u32) -> bool {
-    matches!(input.colliders[collider as usize].kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder)
+    matches!(input.hot[collider as usize].kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder)
 }
 
 /// Gives slots to what a block found.
@@ -311,6 +347,6 @@ fn commit(
 
 /// How near two points must be to count as the same [m].
 pub(crate) fn near(input: &Input<'_>, pair: &Pair) -> f32 {
-    let radius = |c: u32| input.colliders[c as usize].radius;
+    let radius = |c: u32| input.hot[c as usize].radius;
     0.1 * radius(pair.a).min(radius(pair.b))
 }

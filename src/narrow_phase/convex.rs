@@ -4,7 +4,7 @@
 //! the manifold. Where two shapes are apart and nearest at an edge or vertex of both, the normal is the direction
 //! between the nearest points: a reference plane there would stop what passes beside the face.
 
-use super::clip::{Cloud, Loop, Segment, clip_edges, clip_face, key};
+use super::clip::{Cloud, EDGES, Loop, Segment, clip_edges, clip_face, key};
 use super::manifold::{RawManifold, RawPoint};
 use super::polytope::{Polytope, Pose, SIDES, Solid, Triangle};
 use super::reduce::reduce;
@@ -129,9 +129,14 @@ pub(super) fn face_contact(
     );
     if face.separation < 0.0 && cloud.least() > face.separation + tolerance {
         let (vertex, _) = incident.support(down);
-        let position = incident_to_a.point(incident.vertices[vertex]) - normal * (0.5 * face.separation);
+        let at = incident_to_a.point(incident.vertices[vertex]);
+        let position = at - normal * (0.5 * face.separation);
         let known = corners.iter().any(|&c| usize::from(c) == vertex);
-        if !known || cloud.points().is_empty() {
+        // A round cap reaches beyond its polygon.
+        let at = to_a.back(at - to_a.position);
+        let rim = reference.vertices[usize::from(reference.face(face.face)[0])];
+        let on_cap = reference.sides > 0 && at.x * at.x + at.z * at.z <= rim.x * rim.x + rim.z * rim.z;
+        if !known || on_cap || cloud.points().is_empty() {
             cloud.push(RawPoint { position, separation: face.separation, key: key(0, vertex, 1) });
         }
     }
@@ -184,8 +189,10 @@ fn polytopes(a: &Polytope, b: &Polytope, pose: &Pose, margin: f32, size: f32, ag
     };
     let reach = margin.max(-face.separation);
     let near = edges_in_reach(a, b, pose, &back, reach, normal, (high, low));
+    let mut touching = None;
     if face.separation <= 0.0 {
         let edges = edge_axis(a, b, pose, &near, against);
+        touching = edges;
         if edges.is_some_and(|e| e.separation > margin) {
             return none;
         }
@@ -206,11 +213,25 @@ fn polytopes(a: &Polytope, b: &Polytope, pose: &Pose, margin: f32, size: f32, ag
     if nearest.distance > margin {
         return none;
     }
-    if nearest.distance <= face.separation.max(0.0) + tolerance {
-        return done.unwrap_or_else(|| by_face(&mut cloud));
+    if nearest.distance <= face.separation + tolerance {
+        let manifold = done.unwrap_or_else(|| by_face(&mut cloud));
+        // The nearest point can be a hair beside the face, and be missing.
+        let [p, q] = nearest.points;
+        let separation = manifold.normal.dot(q - p);
+        if cloud.least() <= separation + tolerance {
+            return manifold;
+        }
+        let [one, two] = nearest.edges;
+        cloud.push(RawPoint { position: (p + q) * 0.5, separation, key: key(EDGES, one, two) });
+        return manifold_of(&cloud, manifold.normal);
     }
     let [p, q] = nearest.points;
-    let normal = (q - p) / nearest.distance;
+    // Of two edges that just touch only their cross product has a direction.
+    let normal = match touching {
+        Some(e) if nearest.distance < 1e-5 * size => e.normal,
+        _ if nearest.distance > 0.0 => (q - p) / nearest.distance,
+        _ => normal,
+    };
     let mut cloud = Cloud::new();
     let on_a = Segment::of_edge(a, nearest.edges[0], &Pose::IDENTITY);
     let of_b = Segment::of_edge(b, nearest.edges[1], pose);
@@ -572,14 +593,14 @@ mod tests {
         let mut failed = vec![];
         for (i, a) in KINDS.into_iter().enumerate() {
             for b in KINDS.into_iter().skip(i) {
-                for seed in 0..300 {
+                for seed in 0..150 {
                     if std::panic::catch_unwind(|| sweep(a, b, 1000 + seed, 2)).is_err() {
                         failed.push((a, b, seed));
                     }
                 }
             }
         }
-        assert!(failed.is_empty(), "{} of 9000: {failed:?}", failed.len());
+        assert!(failed.is_empty(), "{} of 4500: {failed:?}", failed.len());
     }
 
     fn at(y: f32) -> Relative {

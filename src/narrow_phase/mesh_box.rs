@@ -87,7 +87,8 @@ fn edge_axes(half: Vec3, triangles: &Triangles) -> (f32x8, f32x8) {
     let mut name = zero;
     let half = LaneVec3::<f32x8>::splat(half);
     for e in 0..3 {
-        let [from, to, third] = [0, 1, 2].map(|k| triangles.corners[(e + k) % 3]);
+        let c = &triangles.corners;
+        let (from, to, third) = (c[e], c[(e + 1) % 3], c[(e + 2) % 3]);
         let along = to - from;
         let squared = along.length_squared();
         for axis in 0..3 {
@@ -99,14 +100,14 @@ fn edge_axes(half: Vec3, triangles: &Triangles) -> (f32x8, f32x8) {
             let (one, other) = (cross.dot(from) * scale, cross.dot(third) * scale);
             let reach = cross.abs().dot(half) * scale;
             let through = cross.dot(triangles.front) * scale;
-            for (k, apart, through) in
-                [(0, Lanes::min(one, other) - reach, through), (9, -Lanes::max(one, other) - reach, -through)]
-            {
+            let mut try_axis = |k: usize, apart: f32x8, through: f32x8| {
                 let wrong = through.gt(f32x8::splat(1e-3)) & apart.lt(zero);
                 let better = valid & apart.gt(best) & !wrong;
                 best = Lanes::select(better, apart, best);
                 name = Lanes::select(better, f32x8::splat((3 * axis + e + k) as f32), name);
-            }
+            };
+            try_axis(0, Lanes::min(one, other) - reach, through);
+            try_axis(9, -Lanes::max(one, other) - reach, -through);
         }
     }
     (best, name)
@@ -192,7 +193,8 @@ fn clip(half: Vec3, touch: &Touch, normal: Vec3, margin: f32, points: &mut Vec<R
             let this_over = over(&this);
             if (last_over > 0.0) != (this_over > 0.0) {
                 let t = last_over / (last_over - this_over);
-                let mut x = [0, 1].map(|k| last.x[k] + (this.x[k] - last.x[k]) * t);
+                let mut x =
+                    [last.x[0] + (this.x[0] - last.x[0]) * t, last.x[1] + (this.x[1] - last.x[1]) * t];
                 x[k] = s * bounds[k];
                 let apart = last.apart + (this.apart - last.apart) * t;
                 let feature = 8 + 8 * last.edge + side as u32;

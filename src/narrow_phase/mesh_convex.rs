@@ -9,7 +9,7 @@ use super::mesh_patch::{GAP, Patches, Touch, Verdict};
 use super::polytope::{Pose, SIDES, Solid};
 use super::round_polytope::Core;
 use crate::lanes::{Lanes, Mask, f32x8};
-use crate::shape::{Collider, Geometry};
+use crate::shape::{Collider, Geometry, Kind};
 use glam::Vec3;
 
 /// Points with keys that tell the triangle too.
@@ -61,8 +61,9 @@ pub(super) fn touch(
                 patches.add(touch, manifold.normal, None, first);
             }
             Verdict::Face(least) => {
-                // Not if it is the face's own normal already.
-                if -manifold.normal.dot(front) > 0.999_999 {
+                // Not if it is the face's own normal already. A cylinder's points, of a triangle alone, may lie past
+                // its ends.
+                if -manifold.normal.dot(front) > 0.999_999 && a.kind != Kind::Cylinder {
                     patches.points.extend(named(&touch, manifold.points()));
                 } else {
                     over_face(a, &touch, margin, &mut patches.points);
@@ -71,10 +72,15 @@ pub(super) fn touch(
                 // In the gap between the faces of a hardly convex edge, over neither of them.
                 if patches.points.len() == first && -manifold.normal.dot(front) > GAP {
                     let offset = front.dot(touch.corners[0]);
-                    patches.points.extend(named(&touch, manifold.points()).map(|p| {
+                    let bound = half + Vec3::splat(1e-3 * a.radius);
+                    patches.points.extend(named(&touch, manifold.points()).filter_map(|p| {
                         let on_a = p.position - manifold.normal * (0.5 * p.separation);
                         let separation = front.dot(on_a) - offset;
-                        RawPoint { position: on_a - front * (0.5 * separation), separation, ..p }
+                        let position = on_a - front * (0.5 * separation);
+                        // Of a cylinder's points, some may lie past its ends or its rim.
+                        let round = a.kind != Kind::Cylinder || on_a.with_y(0.0).length() <= bound.x;
+                        let inside = round && (on_a - middle).abs().cmple(bound).all();
+                        (inside && separation <= margin).then_some(RawPoint { position, separation, ..p })
                     }));
                 }
                 patches.add(touch, -front, Some(face), first);

@@ -39,7 +39,9 @@ mod support;
 pub(crate) use cast_mesh::Triangles;
 pub(crate) use collide::{Input, NarrowStats, Scratch, collide};
 pub(crate) use contact::{Contact, Contacts, NONE};
+pub(crate) use gjk::distance;
 pub(crate) use manifold::{MAX_POINTS, RawManifold, RawPoint};
+pub(crate) use support::Support;
 
 /// Pose of shape `b` in the frame of shape `a`.
 #[derive(Clone, Copy, Debug)]

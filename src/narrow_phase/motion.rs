@@ -50,6 +50,23 @@ impl Motion {
         }
     }
 
+    /// What is left of the motion after a fraction of it, at which the shapes touched: from there on nothing goes along
+    /// `normal` into b.
+    pub(crate) fn after(&self, fraction: f32, normal: Vec3) -> Motion {
+        let (t, left) = (f64::from(fraction), 1.0 - fraction);
+        let rest = |turn: &Turn| {
+            let (rotation, lever) = turn.at(t);
+            Turn { rotation: rotation.as_quat(), lever: lever.as_vec3(), spin: turn.spin * left }
+        };
+        let way = self.displacement * left;
+        Motion {
+            start: self.start + self.displacement.as_dvec3() * t,
+            displacement: way - normal * way.dot(normal).max(0.0),
+            a: rest(&self.a),
+            b: rest(&self.b),
+        }
+    }
+
     /// Pose of shape b in the frame of shape a after a fraction of the step, for the kernels.
     pub(crate) fn relative(&self, fraction: f32) -> Relative {
         let t = f64::from(fraction);

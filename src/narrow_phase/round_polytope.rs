@@ -13,8 +13,8 @@ use glam::Vec3;
 
 /// The most faces of a polytope, in words of 64.
 const FACE_WORDS: usize = 8;
-/// Squared sine under which two cores, or a core and an edge, lie along each other: 6 degrees.
-const ALONG: f32 = 0.01;
+/// Squared sine under which two cores, or a core and an edge, lie along each other: 3 degrees.
+const ALONG: f32 = 0.0025;
 
 /// A sphere or capsule: all balls with centres from `start` to `start + along`, with radii linear in between [m].
 #[derive(Clone, Copy, Debug)]
@@ -261,7 +261,7 @@ pub(crate) fn round_polytope(core: &Core, p: &Polytope, margin: f32, size: f32) 
     if manifold.count > 0 && least(&manifold) <= apart - r + tolerance {
         return manifold;
     }
-    add(&mut manifold, margin, c + n * (0.5 * (apart + r)), apart - r, name);
+    add(&mut manifold, margin, c + n * (0.5 * (apart + r)), apart - r, name + 3);
     // Over the edge of a face it nearly lies on: the other end over the face steadies it.
     let slope = -normal.dot(n);
     if manifold.count == 1 && slope > 0.99 && face >= p.sides && !core.is_ball() {

@@ -121,9 +121,9 @@ impl Both<'_> {
         let n = self.refine_parts(parts, n);
         let tapers = |f: &Option<Frustum>| f.is_some_and(|f| f.top != f.bottom);
         let both_round = self.round.iter().all(Option::is_some);
-        if both_round && self.round.iter().any(tapers) { self.climb(n) } else { n }
+        if both_round || self.round.iter().any(tapers) { self.climb(n) } else { n }
     }
-    /// Uphill in steps that halve: for two round shapes of which one tapers, whose parts shift with the axis and whose extents are cheap.
+    /// Uphill in steps that halve: for two round shapes or one that tapers, whose parts shift with the axis and whose extents are cheap.
     fn climb(&self, n: Vec3) -> Vec3 {
         let mut best = (n, self.separation(n));
         let mut step = 0.1;
@@ -273,11 +273,14 @@ pub(super) fn cylinder(a: &Collider, b: &Other, pose: &Pose, margin: f32) -> Raw
     let (Some(of_a), Some(of_b)) = (Solid::of(a, n), b.solid(pose.back(-n))) else { return none };
     let (p, q) = (of_a.view(), of_b.view());
     let mut cloud = Cloud::new();
-    if let Some(on_b) = axis.planar(&p, &q, pose, n) {
-        let face = if on_b { q.face_towards(pose.back(-n)) } else { p.face_towards(n) };
-        let face = FaceAxis { separation, face };
+    // Nearly along a flat face is along it, if that costs nothing.
+    let planar = planar(&p, &q, pose, n).map(|(on_b, face)| {
+        let n = if on_b { -pose.direction(q.planes[face].0) } else { p.planes[face].0 };
+        (on_b, FaceAxis { separation: both.separation(n), face })
+    });
+    if let Some((on_b, face)) = planar.filter(|(_, face)| face.separation >= separation - tolerance) {
         let normal = face_contact(&p, &q, pose, (face, on_b), margin, tolerance, &mut cloud);
-        if separation <= 0.0 || cloud.least() <= separation + tolerance {
+        if face.separation <= 0.0 || cloud.least() <= face.separation + tolerance {
             return manifold_of(&cloud, normal);
         }
     } else if separation <= 0.0 {
@@ -326,7 +329,8 @@ fn apart(
         // The point of a rim or side that is nearest to a vertex is on the way from the axis to it.
         (spin_a, spin_b) = (on_b, pose.back(on_a - pose.position));
     }
-    (best.1 <= margin).then_some(best.0)
+    let n = both.climb(best.0);
+    (both.separation(n) <= margin).then_some(n)
 }
 
 /// The kind of an edge.
@@ -366,21 +370,14 @@ struct Axis {
     parts: Option<[Part; 2]>,
 }
 
-impl Axis {
-    /// Whether a flat face makes the contact, and whose: `Some(true)` is b's.
-    fn planar(&self, p: &Polytope, q: &Polytope, pose: &Pose, n: Vec3) -> Option<bool> {
-        let flat = |p: &Polytope, d: Vec3| {
-            let face = p.face_towards(d);
-            face >= p.sides && p.planes[face].0.dot(d) > 0.9999
-        };
-        if flat(p, n) {
-            Some(false)
-        } else if flat(q, pose.back(-n)) {
-            Some(true)
-        } else {
-            None
-        }
-    }
+/// The flat face that faces along `n`, and whether it is b's.
+fn planar(p: &Polytope, q: &Polytope, pose: &Pose, n: Vec3) -> Option<(bool, usize)> {
+    let flat = |p: &Polytope, d: Vec3| {
+        let face = p.face_towards(d);
+        (face >= p.sides && p.planes[face].0.dot(d) > 0.999).then_some(face)
+    };
+    let of_q = || flat(q, pose.back(-n)).map(|face| (true, face));
+    flat(p, n).map(|face| (false, face)).or_else(of_q)
 }
 
 /// Face and edge axes; `None` if one separates by more than the margin. Flat faces are preferred by the tolerance.

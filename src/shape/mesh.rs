@@ -110,7 +110,10 @@ impl TriangleMesh {
 
     #[inline(always)]
     pub(crate) fn triangle(&self, i: u32) -> [Vec3; 3] {
-        self.triangles[i as usize].map(|v| self.vertices[(v & VERTEX_MASK) as usize])
+        // Not `map`: it is not inlined here.
+        let [a, b, c] = self.triangles[i as usize];
+        let at = |v: u32| self.vertices[(v & VERTEX_MASK) as usize];
+        [at(a), at(b), at(c)]
     }
 
     pub(crate) fn edges(&self, i: u32) -> Edges {

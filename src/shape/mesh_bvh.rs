@@ -43,7 +43,8 @@ impl Node {
     #[inline(always)]
     fn bounds(&self) -> (LaneVec3<f32x4>, LaneVec3<f32x4>) {
         let axis = |k: usize, q: &[[u8; 4]; 3]| {
-            let steps = f32x4::new(q[k].map(f32::from));
+            let [a, b, c, d] = q[k];
+            let steps = f32x4::new([f32::from(a), f32::from(b), f32::from(c), f32::from(d)]);
             f32x4::splat(self.origin[k]) + steps * f32x4::splat(self.step[k])
         };
         let all = |q| LaneVec3::new(axis(0, q), axis(1, q), axis(2, q));
@@ -229,7 +230,8 @@ impl Node {
     /// Bits of the children that exist: on a grid without extent the wrong way round is no obstacle.
     #[inline(always)]
     fn full(&self) -> u32 {
-        (0..4).fold(0, |bits, i| bits | u32::from(self.child[i] != IS_LEAF || self.low[0][i] == 0) << i)
+        let bit = |i: usize| u32::from(self.child[i] != IS_LEAF || self.low[0][i] == 0) << i;
+        bit(0) | bit(1) | bit(2) | bit(3)
     }
 }
 
@@ -278,15 +280,13 @@ impl Path {
             & c.z.le(extent.x * d.y + extent.y * d.x);
         let (low, high) =
             (low - inflate - LaneVec3::splat(self.from), high + inflate - LaneVec3::splat(self.from));
-        let mut entry = L::zero();
-        for (low, high, inverse) in [
-            (low.x, high.x, self.inverse.x),
-            (low.y, high.y, self.inverse.y),
-            (low.z, high.z, self.inverse.z),
-        ] {
+        let along = |low: L, high: L, inverse: f32| {
             let inverse = L::splat(inverse);
-            entry = entry.max((low * inverse).min(high * inverse));
-        }
+            (low * inverse).min(high * inverse)
+        };
+        let entry = along(low.x, high.x, self.inverse.x).max(L::zero());
+        let entry = along(low.y, high.y, self.inverse.y).max(entry);
+        let entry = along(low.z, high.z, self.inverse.z).max(entry);
         (meets, entry)
     }
 

@@ -15,7 +15,7 @@ mod mesh_bvh;
 mod mesh_edges;
 mod segment_triangle;
 
-pub(crate) use collider::{Collider, Kind};
+pub(crate) use collider::{Collider, Hot, Kind};
 pub use height_field::HeightField;
 pub use hull::ConvexHull;
 pub(crate) use hull::HullEdge;

@@ -31,8 +31,7 @@ impl SegmentTest {
         } else {
             2
         };
-        // Comparison fails on NaN too.
-        if !(size[z] > 0.0) {
+        if size[z] == 0.0 || !size[z].is_finite() {
             return None;
         }
         let (x, y) = ((z + 1) % 3, (z + 2) % 3);

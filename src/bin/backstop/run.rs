@@ -25,6 +25,8 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
         std::fs::create_dir_all(folder).with_context(|| format!("can't make {}", folder.display()))?;
     }
     let mut scene = scene::open(&options.scene, &LoadOptions { skip_joints: options.skip_joints })?;
+    // Rain comes from above, and gravity says where that is.
+    scene.gravity = options.gravity.unwrap_or(scene.gravity);
     if options.drop > 0 {
         scene.rain(options.drop, options.seed);
     }
@@ -82,7 +84,7 @@ fn simulate(options: &RunOptions, scene: &Scene) -> anyhow::Result<Ran> {
 fn settings(options: &RunOptions, scene: &Scene) -> Settings {
     let default = Settings::default();
     Settings {
-        gravity: options.gravity.unwrap_or(scene.gravity),
+        gravity: scene.gravity,
         substeps: options.substeps.unwrap_or(default.substeps),
         iterations: options.iterations.unwrap_or(default.iterations),
         threads: options.threads,

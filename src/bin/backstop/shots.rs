@@ -113,12 +113,30 @@ fn table(options: &ShotOptions, result: &Result) -> String {
     text
 }
 
-/// One shot in full, to look into it.
+/// One shot in full, step by step, to look into it.
 fn describe(targets: &Targets, seed: u64, number: u64) -> anyhow::Result<()> {
     let shot = Shot::new(targets, seed, number);
-    let mut text = format!("{} at {}\n{shot:#?}\n", SHAPES[shot.shape], TARGETS[shot.target]);
-    for (mode, outcome) in mode_names().into_iter().zip(shot.run_all(targets)?) {
-        let _ = writeln!(text, "{mode:<10}{outcome:?}");
+    let mut text = format!("{} at {}\n{:#?}\n", SHAPES[shot.shape], TARGETS[shot.target], shot.body);
+    let _ = writeln!(text, "substeps, iterations {:?}", shot.solver);
+    for (mode, name) in MODES.into_iter().zip(mode_names()) {
+        let mut steps = shot.steps.iter();
+        let outcome = shot.run_seen(targets, mode, |world, body| {
+            let (report, dt) = (world.report(), steps.next().copied().unwrap_or_default());
+            let (Ok(p), Ok(v), Ok(w)) =
+                (world.centre_of_mass(body), world.linear_velocity(body), world.angular_velocity(body))
+            else {
+                return;
+            };
+            let _ = writeln!(
+                text,
+                "  dt {dt:.5}  centre {p:10.5}  velocity {v:9.3}  spin {:8.2}  real {} potential {} held {}",
+                w.length(),
+                report.real,
+                report.potential,
+                report.held
+            );
+        })?;
+        let _ = writeln!(text, "{name}: {outcome:?}");
     }
     output::print(&text)
 }

@@ -14,6 +14,7 @@ use super::rng::Rng;
 use crate::body::BodyDesc;
 use crate::config::{Continuous, Settings};
 use crate::error::Error;
+use crate::handle::BodyHandle;
 use crate::world::World;
 use glam::{DVec3, Vec3};
 use target::Side;
@@ -107,6 +108,19 @@ impl Shot {
     /// # Errors
     /// None that a shot of [`Shot::new`] should give.
     pub fn run(&self, targets: &Targets, mode: Continuous) -> Result<Outcome, Error> {
+        self.run_seen(targets, mode, |_, _| {})
+    }
+
+    /// Runs it and shows the world and its body after each step.
+    ///
+    /// # Errors
+    /// As [`Shot::run`].
+    pub fn run_seen(
+        &self,
+        targets: &Targets,
+        mode: Continuous,
+        mut see: impl FnMut(&World, BodyHandle),
+    ) -> Result<Outcome, Error> {
         let (substeps, iterations) = self.solver;
         let mut world =
             World::new(Settings { substeps, iterations, continuous: mode, ..Settings::default() })?;
@@ -115,6 +129,7 @@ impl Shot {
         let mut before = world.centre_of_mass(body)?;
         for (done, &dt) in self.steps.iter().enumerate() {
             world.step(dt)?;
+            see(&world, body);
             let now = world.centre_of_mass(body)?;
             match targets.side(self.target, before, now) {
                 Side::Right => before = now,

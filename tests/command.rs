@@ -1,0 +1,202 @@
+//! The command keeps to the form that docs/json.md promises, and says what is wrong.
+#![cfg(feature = "cli")]
+
+use serde_json::Value;
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+fn backstop(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_backstop"))
+        .args(arguments)
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .expect("the command starts")
+}
+
+/// The one document on standard output.
+fn document(output: &Output) -> Value {
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("one JSON document")
+}
+
+fn keys(value: &Value) -> Vec<&str> {
+    value.as_object().map(|o| o.keys().map(String::as_str).collect()).unwrap_or_default()
+}
+
+/// Keys in any order.
+fn has_keys(value: &Value, expected: &[&str]) {
+    let (mut found, mut expected) = (keys(value), expected.to_vec());
+    found.sort_unstable();
+    expected.sort_unstable();
+    assert_eq!(found, expected);
+}
+
+fn numbers(value: &Value, count: usize) {
+    let list = value.as_array().expect("an array");
+    assert!(list.len() == count && list.iter().all(Value::is_f64), "{value}");
+}
+
+/// A file or folder of this test run.
+fn scratch(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("command");
+    std::fs::create_dir_all(&folder).expect("a folder for tests");
+    folder.join(name)
+}
+
+fn refused(arguments: &[&str], code: i32, reason: &str) {
+    let output = backstop(arguments);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{errors}");
+    assert!(errors.contains(reason), "{errors}");
+    assert!(output.stdout.is_empty());
+}
+
+#[test]
+fn a_run_prints_the_document_that_is_promised() {
+    let document = document(&backstop(&["run", "scenes/tower.gltf", "--steps", "10", "--json"]));
+    has_keys(&document, &["scene", "settings", "steps", "bodies", "time_us", "contacts", "memory", "hash"]);
+    assert_eq!(document["scene"], "tower");
+    assert_eq!(document["steps"], 10);
+    assert_eq!(document["settings"]["substeps"], 4);
+    assert_eq!(document["settings"]["continuous"], "segment");
+    numbers(&document["settings"]["gravity"], 3);
+    // A floor, 12 layers of three bricks, three balls.
+    let bodies = document["bodies"].as_array().expect("bodies");
+    assert_eq!(bodies.len(), 1 + 36 + 3);
+    for body in bodies {
+        has_keys(
+            body,
+            &["name", "kind", "position", "rotation", "linear_velocity", "angular_velocity", "asleep"],
+        );
+        numbers(&body["position"], 3);
+        numbers(&body["rotation"], 4);
+        numbers(&body["linear_velocity"], 3);
+        numbers(&body["angular_velocity"], 3);
+        assert!(body["name"].is_string() && body["asleep"].is_boolean());
+    }
+    assert_eq!(bodies[0]["kind"], "static");
+    assert_eq!(bodies[1]["kind"], "dynamic");
+    has_keys(&document["time_us"], &["step", "broad", "narrow", "prepare", "solve", "finish"]);
+    for stage in keys(&document["time_us"]) {
+        has_keys(&document["time_us"][stage], &["median", "mean", "p95", "max"]);
+    }
+    has_keys(&document["contacts"], &["real", "potential", "pushed", "ghosts"]);
+    has_keys(&document["memory"], &["categories", "total", "continuous", "meshes"]);
+    let categories = document["memory"]["categories"].as_array().expect("categories");
+    let sum: u64 = categories.iter().map(|c| c["reserved"].as_u64().expect("bytes")).sum();
+    assert_eq!(document["memory"]["total"], sum);
+    categories.iter().for_each(|c| has_keys(c, &["name", "live", "reserved", "peak"]));
+    let hash = document["hash"].as_str().expect("a hash");
+    assert!(hash.len() == 16 && hash.chars().all(|c| c.is_ascii_hexdigit()));
+}
+
+#[test]
+fn options_reach_the_world() {
+    let arguments = "run tall_stack --steps 3 --dt 1/120 --substeps 1 --iterations 8 --threads 2 --continuous volume \
+                     --gravity 1,-2.5,0 --json";
+    let document = document(&backstop(&arguments.split_whitespace().collect::<Vec<_>>()));
+    let settings = &document["settings"];
+    for (name, expected) in [("substeps", 1), ("iterations", 8), ("threads", 2)] {
+        assert_eq!(settings[name], expected);
+    }
+    assert_eq!(settings["continuous"], "volume");
+    assert_eq!(settings["gravity"], serde_json::json!([1.0, -2.5, 0.0]));
+    assert!((settings["dt"].as_f64().expect("dt") - 1.0 / 120.0).abs() < 1e-8);
+}
+
+#[test]
+fn the_same_run_has_the_same_hash_with_any_number_of_threads() {
+    let hash = |threads| {
+        let run = ["run", "scenes/tower.gltf", "--steps", "30", "--json", "--threads", threads];
+        document(&backstop(&run))["hash"].clone()
+    };
+    assert_eq!(hash("1"), hash("3"));
+}
+
+#[test]
+fn a_mesh_is_ground_for_rain_and_film_and_page_are_written() {
+    let (mesh, film, page) = (scratch("ground.obj"), scratch("rain.glb"), scratch("rain"));
+    std::fs::write(&mesh, "v -9 0 -9\nv 9 0 -9\nv 9 0 9\nv -9 0 9\nf 1 4 3 2\n").expect("a mesh");
+    let [mesh, out, report] = [&mesh, &film, &page].map(|p| p.to_str().expect("a path in UTF-8"));
+    let run = ["run", mesh, "--drop", "12", "--steps", "90", "--json", "--out", out, "--report", report];
+    let document = document(&backstop(&run));
+    let bodies = document["bodies"].as_array().expect("bodies");
+    assert_eq!(bodies.len(), 13);
+    for body in &bodies[1..] {
+        let height = body["position"][1].as_f64().expect("a number");
+        assert!((0.0..2.0).contains(&height), "{body}");
+    }
+    assert!(std::fs::read(film).expect("a film").starts_with(b"glTF"));
+    let html = std::fs::read_to_string(page.join("index.html")).expect("a page");
+    for picture in ["times.svg", "contacts.svg", "energy.svg", "memory.svg"] {
+        assert!(html.contains(picture) && page.join(picture).exists(), "{picture}");
+    }
+}
+
+#[test]
+fn the_summary_is_for_people_and_quiet_is_quiet() {
+    let text = backstop(&["run", "scenes/tower.gltf", "--steps", "5"]).stdout;
+    let text = String::from_utf8(text).expect("UTF-8");
+    assert!(text.contains("39 dynamic") && text.contains("step time") && text.contains("guard"), "{text}");
+    let output = backstop(&["run", "scenes/tower.gltf", "--steps", "5", "--quiet"]);
+    assert!(output.stdout.is_empty() && output.stderr.is_empty());
+}
+
+#[test]
+fn errors_name_the_file_and_the_cause() {
+    refused(&["run", "no/such/file.glb", "--json"], 1, "no/such/file.glb");
+    refused(&["run", "nonsense"], 1, "nor a builtin scene");
+    let broken = scratch("broken.glb");
+    std::fs::write(&broken, b"glTF\x02\0\0\0\xff\xff\0\0not JSON at all").expect("a broken file");
+    refused(&["run", broken.to_str().expect("a path in UTF-8")], 1, "broken.glb");
+    refused(&["run", "scenes/tower.gltf", "--dt", "0"], 2, "--dt");
+    refused(&["run", "scenes/tower.gltf", "--substeps", "0"], 1, "substeps");
+    refused(&["run", "scenes/tower.gltf", "--continuous", "maybe"], 2, "discrete, segment or volume");
+    refused(&[], 2, "Usage");
+}
+
+#[test]
+fn shots_are_counted_in_all_by_shape_and_by_target() {
+    let run = |threads| {
+        let arguments = ["shots", "--count", "200", "--seed", "5", "--json", "--threads", threads];
+        document(&backstop(&arguments))
+    };
+    let document = run("1");
+    has_keys(&document, &["shots", "seed", "through", "by_shape", "by_target"]);
+    assert_eq!(document["shots"], 200);
+    assert_eq!(document["seed"], 5);
+    for counts in [&document["by_shape"], &document["by_target"]] {
+        let mut shots = 0;
+        let mut discrete = 0;
+        for name in keys(counts) {
+            has_keys(&counts[name], &["shots", "through"]);
+            has_keys(&counts[name]["through"], &["discrete", "segment", "volume"]);
+            shots += counts[name]["shots"].as_u64().expect("a count");
+            discrete += counts[name]["through"]["discrete"].as_u64().expect("a count");
+        }
+        assert_eq!(shots, 200);
+        assert_eq!(document["through"]["discrete"], discrete);
+    }
+    assert_eq!(document, run("2"));
+}
+
+#[test]
+fn shipped_scenes_are_the_generator_s() {
+    let folder = scratch("scenes");
+    assert!(backstop(&["scenes", "write", folder.to_str().expect("a path in UTF-8")]).status.success());
+    let committed = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    // Not byte by byte: in which order the triangles of a mesh are written is the engine's business.
+    let bodies = |path: PathBuf| -> Vec<String> {
+        let scene = backstop::scene::load(path, &Default::default()).expect("a scene");
+        let text = |b: &backstop::scene::SceneBody| {
+            let d = &b.desc;
+            format!("{} {:?} {} {} {}", b.name, d.kind, d.position, d.rotation, d.linear_velocity)
+        };
+        scene.bodies.iter().map(text).collect()
+    };
+    for file in backstop::scene::SHIPPED {
+        assert_eq!(bodies(folder.join(file)), bodies(committed.join(file)), "{file}");
+    }
+    let list = String::from_utf8(backstop(&["scenes", "list"]).stdout).expect("UTF-8");
+    assert!(list.contains("large_pyramid") && list.contains("talk.glb"));
+}
