@@ -9,27 +9,11 @@ fn sample(name: &str) -> Option<(Scene, Run)> {
     Some((scene, run))
 }
 
-<<<<<<< HEAD
 /// 20 s, with a look for NaN every second.
 fn run_20_s(run: &mut Run, dt: f32) {
     for _ in 0..20 {
         run.for_seconds(1.0, dt);
         run.dynamic().into_iter().for_each(|i| assert!(run.body(i).position.is_finite()));
-=======
-fn print(scene: &Scene, run: &Run) {
-    for note in &scene.notes {
-        println!("{note}");
-    }
-    for i in run.dynamic() {
-        let is = run.body(i);
-        println!(
-            "{:26} {:.4} v {:.4} w {:.4}",
-            scene.bodies[i].name,
-            is.position,
-            is.linear.length(),
-            is.angular.length()
-        );
->>>>>>> main
     }
 }
 
