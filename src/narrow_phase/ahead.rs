@@ -52,7 +52,7 @@ pub(crate) fn look_beside(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold
     let fraction = if fraction > 0.0 { fraction.min(1.0) } else { 0.0 };
     let raw =
         collide_convex(a, b, &motion.relative(fraction), input.margin + (1.0 - fraction) * way.length());
-    let raw = carry_back(&raw, &motion, fraction);
+    let raw = carry_back(&raw, &motion, fraction, 0.0);
     (raw.count > 0 && !pushes(&motion, &raw)).then_some((raw, fraction))
 }
 
@@ -68,10 +68,7 @@ pub(crate) fn look_ahead_mesh(input: &Input<'_>, pair: &Pair, resting: f32, out:
     };
     out.raw.clear();
     collide_mesh(a, b, &motion.relative(fraction), input.margin, &mut out.mesh, &mut out.raw);
-<<<<<<< HEAD
     out.many.extend(out.raw.iter().map(|raw| (carry_back(raw, &motion, fraction, 0.0), fraction)));
-=======
-    out.many.extend(out.raw.iter().map(|raw| (carry_back(raw, &motion, fraction), fraction)));
 
     let then = motion.after(fraction, normal);
     out.casts += 1;
@@ -81,9 +78,9 @@ pub(crate) fn look_ahead_mesh(input: &Input<'_>, pair: &Pair, resting: f32, out:
     out.raw.clear();
     collide_mesh(a, b, &then.relative(further), input.margin, &mut out.mesh, &mut out.raw);
     for raw in &out.raw {
-        let first = carry_back(raw, &then, further);
+        let first = carry_back(raw, &then, further, 0.0);
         // What touches on the way there touches at the first place too.
-        out.many.push((carry_back(&first, &motion, fraction), fraction));
+        out.many.push((carry_back(&first, &motion, fraction, 0.0), fraction));
     }
 }
 
@@ -159,7 +156,6 @@ pub(crate) fn right_way_out(
     let half = Relative { position: out.point_b, rotation: Quat::from_rotation_arc(Vec3::Y, -out.normal) };
     let found = collide_convex(mover, &plane, &half, input.margin);
     Some(if moves(a) { found } else { found.flipped(from_b.position, from_b.rotation) })
->>>>>>> main
 }
 
 /// How the body of a collider moves within the step.
@@ -189,15 +185,8 @@ fn carry_back(raw: &RawManifold, motion: &Motion, fraction: f32, least: f32) -> 
     carried.normal = back * normal;
     for point in &mut carried.points[..raw.count as usize] {
         let arm_a = lever + at_touch * point.position;
-<<<<<<< HEAD
-        let arm_b = arm_a + apart;
-        let closed = motion.displacement + motion.a.spin.cross(arm_a) - motion.b.spin.cross(arm_b);
         // With 0 as the least, a point that moves away until the touch does not count as overlap at the start.
-        point.separation += (fraction * normal.dot(closed)).max(least);
-=======
-        // A point that moves away until the touch must not count as overlap at the start.
-        point.separation += (fraction * closing(motion, normal, arm_a, moved)).max(0.0);
->>>>>>> main
+        point.separation += (fraction * closing(motion, normal, arm_a, moved)).max(least);
         point.position = back * (arm_a - motion.a.lever);
     }
     carried

@@ -1,10 +1,8 @@
 //! Pairs binned by shape pair, and worked through in lanes.
 
-<<<<<<< HEAD
-use super::ahead::{halfway, look_ahead};
-=======
-use super::ahead::{look_ahead, look_ahead_mesh, look_beside, right_way_out, touches_mesh, would_push};
->>>>>>> main
+use super::ahead::{
+    halfway, look_ahead, look_ahead_mesh, look_beside, right_way_out, touches_mesh, would_push,
+};
 use super::box_box::box_box;
 use super::capsule_box::{capsule_box, tapered_capsule_box};
 use super::capsule_capsule::{capsule_capsule, tapered_capsule_capsule};
@@ -204,18 +202,16 @@ fn finish_convex(
                 .or_else(|| if input.volume { look_beside(input, pair) } else { None });
             (raw, fraction) = found.unwrap_or_default();
         }
-<<<<<<< HEAD
-    } else if (1..3).contains(&raw.count) && wanders(input, pair) {
-        let middle = halfway(input, pair, input.margin);
-        if middle.count > 0 {
-            (raw, fraction) = (middle, 0.5);
-        }
-=======
     } else if nearest < 0.0
         && let Some(out) = right_way_out(input, pair, rel, &raw)
     {
         raw = out;
->>>>>>> main
+    }
+    if fraction == 0.0 && (1..3).contains(&raw.count) && wanders(input, pair) {
+        let middle = halfway(input, pair, input.margin);
+        if middle.count > 0 {
+            (raw, fraction) = (middle, 0.5);
+        }
     }
     if pair.contact == NONE {
         if raw.count > 0 {
