@@ -114,7 +114,10 @@ fn mass_must_be_that_of_a_body() {
 #[test]
 fn mass_must_stay_in_the_range_of_numbers() {
     for radius in [1e20, 1e-20] {
-        refused_body("a radius", &BodyDesc::dynamic().with_shape(ShapeDesc::new(Geometry::Sphere { radius })));
+        refused_body(
+            "a radius",
+            &BodyDesc::dynamic().with_shape(ShapeDesc::new(Geometry::Sphere { radius })),
+        );
     }
     let mut desc = BodyDesc::dynamic().with_shape(ShapeDesc::new(Geometry::Sphere { radius: 1.0 }));
     desc.shapes[0].density = f32::MAX;

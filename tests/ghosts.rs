@@ -94,8 +94,7 @@ fn form(kind: usize, (thin, long): (f64, f64), rng: &mut Random) -> Form {
         2 => solid(Geometry::cuboid(t, l, t), corners(thin, long, thin)),
         3 => solid(Geometry::cylinder(l, t), rim(long, thin)),
         4 => {
-            let points: Vec<Vec3> =
-                (0..16).map(|_| rng.direction().as_vec3() * Vec3::new(t, l, t)).collect();
+            let points: Vec<Vec3> = (0..16).map(|_| rng.direction().as_vec3() * Vec3::new(t, l, t)).collect();
             let hull = ConvexHull::new(&points).unwrap();
             let seen = hull.vertices().iter().chain(&points).map(|p| p.as_dvec3()).collect();
             solid(Geometry::Hull(Arc::new(hull)), seen)
@@ -175,9 +174,8 @@ fn flight(seed: u64, speeds: &[f64]) -> Flight {
         let at = rng.range(0.0, length);
         let near = flyer.reach() + post.reach() * 2.0 + 0.01;
         let passing = seen.iter().filter(|(p, _)| (p.dot(way) - at).abs() < near);
-        let lowest = passing
-            .map(|(p, q)| *p + flyer.support(*q, -up))
-            .min_by(|a, b| a.dot(up).total_cmp(&b.dot(up)));
+        let lowest =
+            passing.map(|(p, q)| *p + flyer.support(*q, -up)).min_by(|a, b| a.dot(up).total_cmp(&b.dot(up)));
         let Some(lowest) = lowest else { continue };
         let gap = rng.pick(&[0.001, 0.001, 0.002, 0.005, 0.01, 0.05, 0.2]) + 2e-5;
         let top = post.support(turned.as_dquat().normalize(), up);
@@ -281,8 +279,13 @@ fn one() {
                 println!(
                     "step {step} off {off} turned {turned} {:?} now {:?} {:?} manifolds {} real {} potential {} pushed {} held {}",
                     world.linear_velocity(body).unwrap() - flight.flyer.linear_velocity,
-                    world.position(body), world.rotation(body),
-                    report.manifolds, report.real, report.potential, report.pushed, report.held
+                    world.position(body),
+                    world.rotation(body),
+                    report.manifolds,
+                    report.real,
+                    report.potential,
+                    report.pushed,
+                    report.held
                 );
                 break;
             }

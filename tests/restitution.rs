@@ -44,7 +44,10 @@ fn a_ball_rebounds_to_e_squared_of_its_height() {
                 let (mut world, ball) = drop_onto(floor, Geometry::Sphere { radius: 0.5 }, e);
                 let height = rebound(&mut world, ball, dt);
                 let want = f64::from(e * e) * DROP;
-                println!("{floor:?} e {e} dt {dt:.4}: {height:.4} m, {:+.2} %", 100.0 * (height / want - 1.0));
+                println!(
+                    "{floor:?} e {e} dt {dt:.4}: {height:.4} m, {:+.2} %",
+                    100.0 * (height / want - 1.0)
+                );
                 assert!((height - want).abs() < 0.02 * want, "{floor:?} e {e} dt {dt}: {height} for {want}");
             }
         }

@@ -8,8 +8,7 @@ use backstop::{BodyDesc, BodyHandle, Geometry, MassProperties, Settings, ShapeDe
 fn alone(inertia: Vec3, spin: Vec3) -> (World, BodyHandle) {
     let mut world = World::new(Settings { gravity: Vec3::ZERO, ..Settings::default() }).unwrap();
     let mut desc = BodyDesc::dynamic().moving(Vec3::ZERO, spin);
-    desc.mass =
-        Some(MassProperties { mass: 1.0, center: Vec3::ZERO, inertia: Mat3::from_diagonal(inertia) });
+    desc.mass = Some(MassProperties { mass: 1.0, center: Vec3::ZERO, inertia: Mat3::from_diagonal(inertia) });
     let body = world.add_body(&desc).unwrap();
     (world, body)
 }
@@ -109,7 +108,11 @@ fn a_needle_at_a_thousand_radians_a_second_stays_bounded() {
             assert!(l.length() < 1.001 * l0.length(), "{direction}: momentum grew from {l0} to {l}");
         }
         let (l, e) = kept(&world, body, inertia);
-        println!("{direction}: momentum {:.1e}, energy {:+.1e}", (l - l0).length() / l0.length(), e / e0 - 1.0);
+        println!(
+            "{direction}: momentum {:.1e}, energy {:+.1e}",
+            (l - l0).length() / l0.length(),
+            e / e0 - 1.0
+        );
         assert!((l.length() / l0.length() - 1.0).abs() < 1e-3, "{direction}: {l0} to {l}");
     }
 }
@@ -121,7 +124,8 @@ fn a_spinning_needle_dropped_on_the_floor_gains_nothing() {
     world.add_body(&common::Floor::Plane.desc(Default::default())).unwrap();
     let needle = ShapeDesc::new(Geometry::cuboid(1.0, 0.01, 0.01));
     let desc = BodyDesc::dynamic().at(DVec3::new(0.0, 3.0, 0.0)).rotated(Quat::from_rotation_z(0.4));
-    let body = world.add_body(&desc.with_shape(needle).moving(Vec3::ZERO, Vec3::new(300.0, 3.0, 100.0))).unwrap();
+    let body =
+        world.add_body(&desc.with_shape(needle).moving(Vec3::ZERO, Vec3::new(300.0, 3.0, 100.0))).unwrap();
     let start = world.energy();
     for _ in 0..1200 {
         world.step(1.0 / 60.0).unwrap();

@@ -42,7 +42,10 @@ fn a_tower_of_thirty_boxes_stands_for_twenty_seconds() {
         print(&format!("{substeps} substeps"), &way);
         for second in [10, 20] {
             let [side, down] = way[second - 1];
-            assert!(side < 0.005 && down < 0.030, "{substeps} substeps, {second} s: {side} m aside, {down} m down");
+            assert!(
+                side < 0.005 && down < 0.030,
+                "{substeps} substeps, {second} s: {side} m aside, {down} m down"
+            );
         }
         // And it is not on its way down: what it sinks under its new weight it rises again.
         assert!(way[19][1] < way[9][1] + 1e-4, "{way:?}");

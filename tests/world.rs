@@ -44,7 +44,8 @@ impl Dice {
     }
     fn body(&mut self) -> BodyDesc {
         let at = self.vec3(6.0) + Vec3::Y * 7.0;
-        let kind = [BodyKind::Dynamic, BodyKind::Dynamic, BodyKind::Kinematic, BodyKind::Static][self.below(4)];
+        let kind =
+            [BodyKind::Dynamic, BodyKind::Dynamic, BodyKind::Kinematic, BodyKind::Static][self.below(4)];
         let mut desc = BodyDesc::new(kind).at(at).rotated(self.rotation());
         for _ in 0..1 + self.below(3) {
             let material = Material::default().with_restitution(if self.below(3) == 0 { 0.5 } else { 0.0 });
