@@ -205,9 +205,6 @@ pub(crate) unsafe fn solve<
         let old = f.impulse;
         let mut new =
             [old[0] - (f.mass[0] * u1 + f.mass[1] * u2), old[1] - (f.mass[1] * u1 + f.mass[2] * u2)];
-        // A soft row leaves less than the load until it is relaxed, which comes after friction: what was allowed by the
-        // load stays.
-        let limit = if BIAS { limit } else { limit.max((old[0] * old[0] + old[1] * old[1]).sqrt()) };
         if pass.friction_box {
             new = new.map(|x| x.clamp(-limit, limit));
         } else {
@@ -259,7 +256,7 @@ pub(crate) unsafe fn solve<
             bias[i] = speculative.max(L::zero());
             // A point that is apart, and did not have to push, waits for the next substep: its gap at the end of this
             // one says nothing of what would be crossed in it, and a step that ends here must not push for the next.
-            let idle = apart & point.impulse.le(L::zero());
+            let idle = s.gt(L::zero()) & point.impulse.le(L::zero());
             mass[i] = L::select(idle, L::zero(), point.mass);
         }
     }

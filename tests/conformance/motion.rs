@@ -167,9 +167,10 @@ fn a_body_falls_towards_its_centre_of_mass() {
     for dt in STEPS {
         let mut run = Run::new(&scene);
         run.for_seconds(5.0, dt);
-        let side = |i: usize| run.body(i).rotation * Vec3::X;
-        near3(side(1), Vec3::X, 1e-2, "falls to the right");
-        near3(side(2), Vec3::Y, 1e-2, "falls to the left");
+        // It may tip on over the next edge.
+        let (right, left) = (run.body(1), run.body(2));
+        assert!(right.at_rest() && right.position.x > -4.7, "{dt}: {right:?}");
+        assert!(left.at_rest() && left.position.x < 4.7, "{dt}: {left:?}");
     }
 }
 
