@@ -205,9 +205,6 @@ pub(crate) unsafe fn solve<
         let old = f.impulse;
         let mut new =
             [old[0] - (f.mass[0] * u1 + f.mass[1] * u2), old[1] - (f.mass[1] * u1 + f.mass[2] * u2)];
-        // A soft row leaves less than the load until it is relaxed, which comes after friction: what was allowed by the
-        // load stays.
-        let limit = if BIAS { limit } else { limit.max((old[0] * old[0] + old[1] * old[1]).sqrt()) };
         if pass.friction_box {
             new = new.map(|x| x.clamp(-limit, limit));
         } else {
