@@ -67,7 +67,8 @@ pub struct Settings {
     pub restitution_threshold: f32,
     /// Overlap that is left alone [length units]. Default 0.0005.
     pub slop: f32,
-    /// Contact stiffness [Hz], capped at a quarter of the substep rate. Default 120.
+    /// Contact stiffness [Hz], capped at what the substeps can keep calm: 0.15 of their rate with one iteration,
+    /// growing with the root of the iterations. Default 120.
     pub contact_hertz: f32,
     /// Contact damping ratio. Default 10 (Catto, Box2D v3).
     pub contact_damping: f32,

@@ -55,7 +55,7 @@ const RECYCLE: f32 = 0.005;
 /// Slip speed below which friction is static [m/s per length unit].
 const STICK: f32 = 0.01;
 /// Gauss-Seidel sweeps over the impacts of a step.
-const IMPACT_SWEEPS: u32 = 4;
+const IMPACT_SWEEPS: u32 = 8;
 
 impl World {
     /// Moves the world on by `dt` seconds and says what that took.
@@ -96,7 +96,7 @@ impl World {
                 self.contacts.all.iter_mut().for_each(|c| c.friction = glam::Vec3::ZERO);
             }
             let contacts = Shared::new(&mut self.contacts.all);
-            solver::store(crew, &self.buffers.rows, &contacts, &|c| poses[c as usize].rotation);
+            solver::store(crew, &self.buffers.rows, dt, &contacts, &|c| poses[c as usize].rotation);
         }
         clock = lap(clock, &mut times.solve);
 

@@ -12,7 +12,7 @@ use crate::memory::{Category, MemoryReport, bytes_of};
 use crate::narrow_phase::Contacts;
 use crate::shape::{Collider, Filter, Geometry, Hot, Kind, MassProperties, Material, ShapeDesc, unit_quat};
 use crate::step::Buffers;
-use glam::{DVec3, Mat3, Quat, Vec3};
+use glam::{DVec3, Quat, Vec3};
 
 /// Bodies that move, collide and rest.
 ///
@@ -198,6 +198,9 @@ impl World {
         self.check_budget(&[BodyDesc::fixed().with_shape(shape.clone())])?;
         let mass =
             MassProperties::of(&shape.geometry, shape.density).transformed(shape.position, shape.rotation);
+        if self.bodies.kind[index] == BodyKind::Dynamic && mass.mass != 0.0 {
+            movable(&mass)?;
+        }
         let collider = self.new_collider(index, shape);
         if self.bodies.cold[index].mass_from_shapes && mass.mass > 0.0 {
             self.refresh_mass(index);
@@ -537,6 +540,7 @@ impl World {
         report.add(Category::BroadPhase, broad);
         report.add(Category::BroadPhase, bytes_of(&self.removed));
         report.add(Category::Manifolds, self.contacts.bytes());
+        report.add(Category::Continuous, self.broad.continuous_bytes());
         report.add(Category::Continuous, bytes_of(&self.bodies.previous));
         self.buffers.report(&mut report);
         report.keep_peaks(&self.peaks);
@@ -598,6 +602,9 @@ impl World {
         let total = desc.mass.unwrap_or_else(|| mass_of(&desc.shapes));
         if desc.kind == BodyKind::Dynamic && desc.mass.is_none() && total.mass <= 0.0 {
             return Err(Error::NoMass);
+        }
+        if desc.kind == BodyKind::Dynamic {
+            movable(&total)?;
         }
         Ok(columns_of(&total, desc.kind, desc.user_data, desc.mass.is_none()))
     }
@@ -795,6 +802,22 @@ fn finite_position(position: DVec3) -> Result<(), Error> {
         Some(value) => Err(Error::NotFinite { what: "position", value }),
         None => Ok(()),
     }
+}
+
+/// Whether mass and inertia, and one over them, are numbers: a body of 1e20 m is too heavy for them, one of 1e-20 m
+/// too light.
+fn movable(mass: &MassProperties) -> Result<(), Error> {
+    let m = &mass.inertia;
+    for (what, value) in [
+        ("mass", mass.mass),
+        ("moment of inertia", m.x_axis.x),
+        ("moment of inertia", m.y_axis.y),
+        ("moment of inertia", m.z_axis.z),
+    ] {
+        finite(what, value)?;
+        finite(what, 1.0 / value)?;
+    }
+    Ok(())
 }
 
 fn mass_of(shapes: &[ShapeDesc]) -> MassProperties {

@@ -18,6 +18,8 @@ pub(crate) struct PointRow<L> {
     pub(crate) mass: L,
     /// [N s]
     pub(crate) impulse: L,
+    /// The part of the impulse that does not yield [N s].
+    pub(crate) held: L,
     /// 1 / mass of the row [1/kg].
     pub(crate) stiffness: L,
     /// 1 for a real point, whose impulse bounds friction; 0 for a potential one.
@@ -33,6 +35,8 @@ pub(crate) struct FrictionRow<L> {
     pub(crate) arm_b: Vec3<L>,
     /// Inverse of the 2x2 matrix of the tangential rows [kg]: (11, 12, 22).
     pub(crate) mass: [L; 3],
+    /// The smaller eigenvalue of that inverse [kg]: a step against the slip that never overshoots.
+    pub(crate) slide_mass: L,
     pub(crate) twist_mass: L,
     /// Mean distance of the points from the centre: the lever of twist [m].
     pub(crate) radius: L,
@@ -59,6 +63,9 @@ pub(crate) struct Batch<L, const P: usize> {
     /// Of points (0,1), (0,2), (1,2), (0,3), (1,3), (2,3) [1/kg].
     pub(crate) coupling: [L; 6],
     pub(crate) friction: FrictionRow<L>,
+    /// Of potential points: the largest impulse in any substep [N s]. One that hits something at rest in space pushes
+    /// in the substep of the impact, and has nothing to bear in those that follow.
+    pub(crate) peak: L,
     /// Dense indices of the bodies; an inert lane repeats lane 0.
     pub(crate) a: [u32; 8],
     pub(crate) b: [u32; 8],
@@ -82,6 +89,7 @@ impl<L: Lanes, const P: usize> Default for Batch<L, P> {
             points: [PointRow::default(); P],
             coupling: [L::default(); 6],
             friction: FrictionRow::default(),
+            peak: L::default(),
             a: [0; 8],
             b: [0; 8],
             contact: [Part::NONE; 8],

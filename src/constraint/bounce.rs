@@ -139,7 +139,7 @@ fn find(
                 target: restitution * approach,
                 impulse: 0.0,
             });
-            point.impulse = 0.0;
+            (point.impulse, point.held) = (0.0, 0.0);
             bounced = true;
         }
     }

@@ -86,6 +86,7 @@ const KEYS: usize = Group::ALL.len() * (COLOURS + 1) * 4;
 const BLOCK: usize = 8;
 
 /// Builds all batches of the step.
+#[allow(clippy::needless_range_loop, reason = "the index is also that of the ranges")]
 pub(crate) fn prepare(
     crew: &Crew<'_>,
     input: &PrepareInput<'_>,
@@ -231,6 +232,7 @@ struct Columns<const P: usize> {
     position: [[[f32; 8]; 3]; P],
     separation: [[f32; 8]; P],
     impulse: [[f32; 8]; P],
+    held: [[f32; 8]; P],
     present: [[f32; 8]; P],
     friction: [[f32; 8]; 3],
     twist: [f32; 8],
@@ -271,6 +273,7 @@ fn gather_columns<L: GatherLanes, const P: usize>(
         position: [[[0.0; 8]; 3]; P],
         separation: [[f32::INFINITY; 8]; P],
         impulse: [[0.0; 8]; P],
+        held: [[0.0; 8]; P],
         present: [[0.0; 8]; P],
         friction: [[0.0; 8]; 3],
         twist: [0.0; 8],
@@ -322,6 +325,7 @@ fn gather_columns<L: GatherLanes, const P: usize>(
             put3(&mut out.position[i], lane, point.position);
             out.separation[i][lane] = point.separation;
             out.impulse[i][lane] = point.impulse * input.warm;
+            out.held[i][lane] = point.held * input.warm;
             out.present[i][lane] = 1.0;
         }
         if friction {
@@ -364,7 +368,7 @@ fn fill<L: GatherLanes, const P: usize>(
     let (ma, mb) = (L::load(&columns.inverse_mass[0]), L::load(&columns.inverse_mass[1]));
     let (ia, ib) = (sym3(&columns.inverse_inertia[0]), sym3(&columns.inverse_inertia[1]));
     let (origin, to_b) = (vec3::<L>(&columns.origin), vec3::<L>(&columns.to_b));
-    batch.normal = n;
+    (batch.normal, batch.peak) = (n, L::zero());
     (batch.inverse_mass_a, batch.inverse_mass_b) = (ma, mb);
     (batch.inverse_inertia_a, batch.inverse_inertia_b) = (ia, ib);
     let (mut ra, mut rb) = ([Vec3::<L>::zero(); P], [Vec3::<L>::zero(); P]);
@@ -383,6 +387,7 @@ fn fill<L: GatherLanes, const P: usize>(
         (point.arm_a, point.arm_b) = (arm_a, arm_b);
         point.separation = s;
         point.mass = L::select(possible, L::one() / k, L::zero());
+        point.held = L::select(possible, L::load(&columns.held[i]), L::zero());
         point.stiffness = k;
         point.impulse = L::select(possible, L::load(&columns.impulse[i]), L::zero());
         point.real = L::select(s.le(L::splat(input.real)), present[i], L::zero());
@@ -415,6 +420,8 @@ fn fill<L: GatherLanes, const P: usize>(
     f.tangent = t1;
     (f.arm_a, f.arm_b) = (fa, fb);
     f.mass = [k22 * over, -(k12 * over), k11 * over];
+    let (half, apart) = ((f.mass[0] + f.mass[2]) * L::splat(0.5), (f.mass[0] - f.mass[2]) * L::splat(0.5));
+    f.slide_mass = (half - (apart * apart + f.mass[1] * f.mass[1]).sqrt()).max(L::zero());
     f.twist_mass = L::select(kt.gt(L::zero()), L::one() / kt, L::zero());
     f.radius = radius;
     let old = turn.mul(vec3(&columns.friction)) * sign;

@@ -1,6 +1,8 @@
 //! Pairs binned by shape pair, and worked through in lanes.
 
-use super::ahead::{look_ahead, look_ahead_mesh, look_beside, right_way_out, touches_mesh, would_push};
+use super::ahead::{
+    halfway, look_ahead, look_ahead_mesh, look_beside, right_way_out, touches_mesh, would_push,
+};
 use super::box_box::box_box;
 use super::capsule_box::{capsule_box, tapered_capsule_box};
 use super::capsule_capsule::{capsule_capsule, tapered_capsule_capsule};
@@ -162,6 +164,18 @@ pub(crate) fn run_bin(
 /// A gap that a push should have closed counts as a ghost above this many margins.
 const GHOST_GAP: f32 = 0.5;
 
+/// Whether the contact moves much faster than the bodies: on a round shape that is large against the other, which rocks
+/// on it. The rows of a step act at one place. At the place of its start they would add energy to the rocking in every
+/// step; at that of its middle they take a little away.
+fn wanders(input: &Input<'_>, pair: &Pair) -> bool {
+    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
+    let large = |round: &Collider, other: &Collider| {
+        let round_kind = matches!(round.kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder);
+        round_kind && round.radius > 2.0 * other.radius
+    };
+    large(a, b) || large(b, a)
+}
+
 fn finish_convex(
     input: &Input<'_>,
     pairs: &[Pair],
@@ -193,6 +207,12 @@ fn finish_convex(
     {
         raw = out;
     }
+    if fraction == 0.0 && (1..3).contains(&raw.count) && wanders(input, pair) {
+        let middle = halfway(input, pair, input.margin);
+        if middle.count > 0 {
+            (raw, fraction) = (middle, 0.5);
+        }
+    }
     if pair.contact == NONE {
         if raw.count > 0 {
             out.fresh.push((index, raw, *rel, fraction));
@@ -222,9 +242,14 @@ fn finish_mesh(
     out: &mut Found,
 ) {
     let most = approach.most();
-    let fast = input.continuous && most > input.fast;
+    // Within half the ball that fits into it a body can't get past a triangle, and planes at the start will do.
+    let fast = input.continuous && most > input.fast.max(0.5 * a.inner_radius);
     // Where the body is, and what it may turn into: what it may reach further away is found by the cast.
-    let reach = if fast { approach.spin.min(a.radius) } else { most.min(input.margin) };
+    let reach = match (fast, input.continuous) {
+        (true, _) => approach.spin.min(a.radius),
+        (false, true) => most,
+        (false, false) => most.min(input.margin),
+    };
     let margin = input.margin + reach;
     let start = out.many.len() as u32;
     out.raw.clear();

@@ -9,7 +9,7 @@ use super::contact::{Contact, Contacts, NONE};
 use super::{RawManifold, Relative};
 use crate::body::Pose;
 use crate::broad_phase::Pair;
-use crate::lanes::{Lanes, Quat, Record, Vec3, f32x8};
+use crate::lanes::{Quat, Record, Vec3, f32x8};
 use crate::memory::bytes_of;
 use crate::shape::{Collider, Hot, Kind};
 use crate::threads::{Crew, Shared};
@@ -177,8 +177,8 @@ pub(crate) fn collide(
             }
         });
     }
-    for block in 0..bins.blocks.len() {
-        if let Ok(out) = found[block].get_mut() {
+    for out in found.iter_mut().take(bins.blocks.len()) {
+        if let Ok(out) = out.get_mut() {
             commit(pairs, contacts, out, chain, input);
             stats.casts += std::mem::take(&mut out.casts);
             stats.ghosts += std::mem::take(&mut out.ghosts);
@@ -274,6 +274,18 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
     let d = now.rotation * first.found_at.rotation.conjugate();
     let turned = 4.0 * (d.x * d.x + d.y * d.y + d.z * d.z);
     if moved > limit * limit || turned * reach * reach > limit * limit {
+        return false;
+    }
+    // Planes between what is apart must not last until they are crossed: the shapes may have passed each other.
+    let mut nearest = f32::INFINITY;
+    let mut slot = pair.contact;
+    while slot != NONE {
+        // SAFETY: by the contract.
+        let contact = unsafe { all.read(slot as usize) };
+        nearest = nearest.min(contact.nearest(now));
+        slot = contact.next;
+    }
+    if input.continuous && nearest > 0.0 && input.approach(pair).most() > nearest {
         return false;
     }
     let mut slot = pair.contact;

@@ -19,6 +19,8 @@ pub(crate) struct Point {
     pub(crate) found: f32,
     /// Normal impulse of the last substep [N s].
     pub(crate) impulse: f32,
+    /// The part of it that has lasted: what the point bears without yielding (see `Softness`) [N s].
+    pub(crate) held: f32,
     pub(crate) key: u32,
 }
 
@@ -95,6 +97,7 @@ impl Contact {
                 separation: new.separation,
                 found: new.separation,
                 impulse: 0.0,
+                held: 0.0,
                 key: new.key,
             };
         }
@@ -109,7 +112,7 @@ impl Contact {
             let same = same.filter(|i| used >> i & 1 == 0);
             if let Some(i) = same {
                 used |= 1 << i;
-                point.impulse = old.points[i].impulse;
+                (point.impulse, point.held) = (old.points[i].impulse, old.points[i].held);
             } else {
                 point.impulse = f32::NAN;
             }
@@ -124,7 +127,7 @@ impl Contact {
                     .min_by(|x, y| x.1.total_cmp(&y.1));
                 if let Some((i, _)) = close {
                     used |= 1 << i;
-                    point.impulse = old.points[i].impulse;
+                    (point.impulse, point.held) = (old.points[i].impulse, old.points[i].held);
                 }
             }
         }
@@ -132,12 +135,24 @@ impl Contact {
 
     /// Moves the points with the bodies, for a pair that hardly moved since its contact was found.
     pub(crate) fn follow(&mut self, now: &Relative) {
-        let turn = now.rotation * self.found_at.rotation.conjugate();
-        for point in &mut self.points[..self.count as usize] {
-            let on_b = now.position + turn * (point.position - self.found_at.position);
-            point.separation = point.found + self.normal.dot(on_b - point.position);
+        let separation = self.separations(now);
+        for (point, separation) in self.points[..self.count as usize].iter_mut().zip(separation) {
+            point.separation = separation;
         }
         self.struck = std::mem::take(&mut self.pushed);
+    }
+
+    /// The least separation once the bodies have moved [m].
+    pub(crate) fn nearest(&self, now: &Relative) -> f32 {
+        self.separations(now)[..self.count as usize].iter().fold(f32::INFINITY, |s, &x| s.min(x))
+    }
+
+    fn separations(&self, now: &Relative) -> [f32; MAX_POINTS] {
+        let turn = now.rotation * self.found_at.rotation.conjugate();
+        self.points.map(|point| {
+            let on_b = now.position + turn * (point.position - self.found_at.position);
+            point.found + self.normal.dot(on_b - point.position)
+        })
     }
 }
 

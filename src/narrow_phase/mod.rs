@@ -1,6 +1,8 @@
 //! Pairs in, manifolds out.
 
 mod ahead;
+#[cfg(feature = "internals")]
+pub(crate) mod bench;
 mod bins;
 mod box_apart;
 mod box_box;
@@ -13,7 +15,8 @@ mod clip;
 mod collide;
 mod contact;
 mod convex;
-#[cfg(test)]
+#[cfg(any(test, feature = "internals"))]
+#[cfg_attr(not(test), allow(dead_code, reason = "benches use a part of what tests use"))]
 pub(crate) mod fixtures;
 mod gjk;
 mod lanes_io;
@@ -38,7 +41,7 @@ mod support;
 
 pub(crate) use cast_mesh::Triangles;
 pub(crate) use collide::{Input, NarrowStats, Scratch, collide};
-pub(crate) use contact::{Contact, Contacts, NONE};
+pub(crate) use contact::{Contact, Contacts, NONE, Point};
 pub(crate) use gjk::distance;
 pub(crate) use manifold::{MAX_POINTS, RawManifold, RawPoint};
 pub(crate) use support::Support;

@@ -52,8 +52,7 @@ pub(crate) fn solve(
     state.base.clear();
     state.base.resize(movers, Record::default());
 
-    // Stiffer than a quarter of the substep rate a spring can't be resolved.
-    let hertz = settings.contact_hertz.min(0.25 / h);
+    let hertz = settings.contact_hertz.min(Softness::stiffest(settings.iterations + 1, h));
     let soft = |hertz: f32| Softness::new(hertz, settings.contact_damping, h);
     let passes = Passes {
         inverse_h: 1.0 / h,

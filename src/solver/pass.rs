@@ -1,9 +1,9 @@
 //! One pass over all batches, in the order of their importance.
 
-use crate::constraint::contact_row::{Motion, Pass, Softness, solve, store as store_batch, warm_start};
+use crate::constraint::contact_row::{HOLD, Motion, Pass, Softness, solve, store as store_batch, warm_start};
 use crate::constraint::{Batch, Group, Rows, Stage};
-use crate::lanes::{GatherLanes, Record, f32x8};
-use crate::narrow_phase::Contact;
+use crate::lanes::{GatherLanes, Record};
+use crate::narrow_phase::{Contact, Point};
 use crate::threads::{Crew, Shared};
 
 /// What a pass does.
@@ -120,19 +120,21 @@ unsafe fn step<L: GatherLanes, const P: usize>(
 pub(crate) fn store(
     crew: &Crew<'_>,
     rows: &Rows,
+    dt: f32,
     contacts: &Shared<'_, Contact>,
     rotation_of: &(dyn Fn(u32) -> glam::Quat + Sync),
 ) {
+    let hold = (dt / HOLD).min(1.0);
     let block = |stage: &Stage, index: usize| {
         let batch = rows.schedule[index];
         let i = batch.index as usize;
         let potential = stage.group.is_potential();
         match batch.points {
-            1 => put(&rows.p1[i], potential, contacts, rotation_of),
-            2 => put(&rows.p2[i], potential, contacts, rotation_of),
-            3 => put(&rows.p3[i], potential, contacts, rotation_of),
-            4 => put(&rows.p4[i], potential, contacts, rotation_of),
-            _ => put(&rows.single[i], potential, contacts, rotation_of),
+            1 => put(&rows.p1[i], potential, hold, contacts, rotation_of),
+            2 => put(&rows.p2[i], potential, hold, contacts, rotation_of),
+            3 => put(&rows.p3[i], potential, hold, contacts, rotation_of),
+            4 => put(&rows.p4[i], potential, hold, contacts, rotation_of),
+            _ => put(&rows.single[i], potential, hold, contacts, rotation_of),
         }
     };
     for stage in &rows.stages {
@@ -143,29 +145,37 @@ pub(crate) fn store(
     }
 }
 
+fn take(point: &mut Point, impulse: f32, hold: f32) {
+    point.impulse = impulse;
+    // A load that is gone is gone at once: what bears rigidly never pushes.
+    let lasting = point.held.min(impulse);
+    point.held = lasting + (impulse - lasting) * hold;
+}
+
 fn put<L: GatherLanes, const P: usize>(
     batch: &Batch<L, P>,
     potential: bool,
+    hold: f32,
     contacts: &Shared<'_, Contact>,
     rotation_of: &(dyn Fn(u32) -> glam::Quat + Sync),
 ) {
-    store_batch(batch, |part, impulses, friction, twist| {
+    store_batch(batch, |part, impulses, peak, friction, twist| {
         // SAFETY: a contact is in one lane of one batch; its points, if apart, are in different stages.
         let contact = unsafe { contacts.get(part.slot()) };
-        let pushed = potential && impulses.iter().any(|&i| i > 0.0);
+        let pushed = potential && peak > 0.0;
         let (friction, twist) = if potential {
             (glam::Vec3::ZERO, 0.0)
         } else {
             (rotation_of(contact.a).conjugate() * friction, twist)
         };
         if let Some(point) = part.only() {
-            contact.points[point].impulse = impulses[0];
+            take(&mut contact.points[point], impulses[0], hold);
             contact.pushed |= pushed;
             contact.friction += friction;
             return;
         }
         for (point, &impulse) in contact.points.iter_mut().zip(impulses).take(contact.count as usize) {
-            point.impulse = impulse;
+            take(point, impulse, hold);
         }
         contact.pushed = pushed;
         (contact.friction, contact.twist) = (friction, twist);

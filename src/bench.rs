@@ -1,0 +1,135 @@
+//! Pieces of the engine, ready to be timed one at a time by `benches/kernels.rs`. Not part of the interface: behind
+//! the feature `internals`, and free to change in any version.
+//!
+//! A stage that keeps its parts to itself has its own `bench.rs`; here is what only takes several stages together.
+
+pub use crate::broad_phase::bench::kernels as broad_phase;
+pub use crate::narrow_phase::bench::{cast, convex, distance, lanes, mesh};
+
+use crate::constraint::contact_row::{Motion, Pass, Softness, solve};
+use crate::constraint::{Batch, Group, PrepareInput, PrepareScratch, Rows, prepare};
+use crate::lanes::{Record, Vec3, f32x8, gather, scatter};
+use crate::scene::builtin;
+use crate::threads::{Crew, Shared};
+use crate::{Settings, World};
+use std::hint::black_box;
+
+/// One thing to time.
+pub struct Kernel {
+    /// What is timed, within its group.
+    pub name: String,
+    /// How many boxes, pairs or contacts one run goes through.
+    pub elements: u64,
+    /// One run.
+    pub run: Box<dyn FnMut()>,
+}
+
+impl Kernel {
+    /// A run of `elements` pieces.
+    pub fn new(name: impl Into<String>, elements: usize, run: impl FnMut() + 'static) -> Self {
+        Kernel { name: name.into(), elements: elements as u64, run: Box::new(run) }
+    }
+}
+
+/// Eight records to lanes and back. There are 512 of them, so they stay in L1, and no two of a batch are neighbours.
+pub fn records() -> Kernel {
+    const COUNT: u32 = 512;
+    let mut records = vec![Record { linear: glam::Vec3::ONE, ..Record::default() }; COUNT as usize];
+    // 67 is odd, so each record comes up once in 512.
+    let batches: Vec<[u32; 8]> = (0..COUNT / 8)
+        .map(|batch| std::array::from_fn(|lane| (batch * 8 + lane as u32) * 67 % COUNT))
+        .collect();
+    let step = Vec3::<f32x8>::splat(glam::Vec3::splat(0.001));
+    Kernel::new("gather and scatter of eight", batches.len(), move || {
+        for index in &batches {
+            let (v, w) = gather::<f32x8>(&records, index);
+            for (&i, record) in index.iter().zip(scatter(v + step, w - step)) {
+                records[i as usize] = record;
+            }
+        }
+        black_box(&mut records);
+    })
+}
+
+/// A wall of boxes after a few steps: its contacts are faces on faces, four points each.
+fn wall() -> World {
+    let scene = builtin::large_pyramid(24);
+    let mut world = World::new(Settings { gravity: scene.gravity, ..Settings::default() })
+        .expect("the default settings are in range");
+    world.add_bodies(&scene.descs()).expect("a builtin scene is valid");
+    for _ in 0..8 {
+        world.step(1.0 / 60.0).expect("dt is above zero");
+    }
+    world
+}
+
+/// One pass over the contacts of four points between two bodies that can move: with friction, without, and relaxing.
+/// An element is a contact, so a batch is eight of them.
+pub fn rows() -> Vec<Kernel> {
+    vec![
+        pass::<true, true>("solve, friction and four normals"),
+        pass::<false, true>("solve, four normals"),
+        pass::<true, false>("relax, friction and four normals"),
+    ]
+}
+
+fn pass<const FRICTION: bool, const BIAS: bool>(name: &str) -> Kernel {
+    let mut world = wall();
+    let rows = std::mem::take(&mut world.buffers.rows);
+    let mut batches: Vec<Batch<f32x8, 4>> = Vec::new();
+    for stage in rows.stages.iter().filter(|s| s.group == Group::Dynamic && !s.serial) {
+        let of_stage = &rows.schedule[stage.start as usize..stage.end as usize];
+        batches.extend(of_stage.iter().filter(|b| b.points == 4).map(|b| rows.p4[b.index as usize]));
+    }
+    let movers = world.bodies.movers();
+    let mut velocity = world.bodies.velocity[..movers].to_vec();
+    let mut delta = vec![Record::default(); movers];
+    let h = 1.0 / 240.0;
+    let pass = Pass {
+        inverse_h: 1.0 / h,
+        softness: Softness::new(60.0, 10.0, h),
+        push_speed: 3.0,
+        slop: 0.0005,
+        friction_box: false,
+    };
+    let contacts: u32 = batches.iter().map(|b| (b.write_a | b.write_b).count_ones()).sum();
+    Kernel::new(name, contacts as usize, move || {
+        // As at the start of a substep; without it all would come to rest, and zeros are not what is to be timed.
+        for v in &mut velocity {
+            v.linear.y -= 9.81 * h;
+        }
+        let (velocity, delta) = (Shared::new(&mut velocity), Shared::new(&mut delta));
+        let motion = Motion { velocity: &velocity, delta: &delta };
+        for batch in &mut batches {
+            // SAFETY: one thread, one batch at a time; the indices are those of the world that the records are from.
+            unsafe { solve::<f32x8, 4, true, FRICTION, BIAS>(batch, &motion, &pass) };
+        }
+    })
+}
+
+/// All contacts of a wall sorted, coloured and packed into batches.
+pub fn preparing() -> Kernel {
+    let mut world = wall();
+    let (mut rows, mut scratch) = (Rows::default(), PrepareScratch::default());
+    std::mem::swap(&mut rows, &mut world.buffers.rows);
+    let count = world.broad.pairs.iter().filter(|p| p.contact != crate::narrow_phase::NONE).count();
+    Kernel::new("prepare", count, move || {
+        let forces = &world.buffers.forces;
+        let input = PrepareInput {
+            bodies: &world.bodies,
+            colliders: &world.colliders.all,
+            hot: &world.colliders.hot,
+            poses: &world.colliders.poses,
+            contacts: &world.contacts.all,
+            pairs: &world.broad.pairs,
+            motion: &forces.motion,
+            inverse_inertia: &forces.inverse_inertia,
+            real: crate::step::REAL,
+            warm: 1.0,
+            stick: 0.01,
+            per_point: false,
+        };
+        prepare(&Crew::alone(), &input, &mut rows, &mut scratch);
+        black_box(&mut rows);
+    })
+}

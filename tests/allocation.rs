@@ -1,0 +1,120 @@
+//! A step that has reached its capacities allocates nothing.
+
+#![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
+mod common;
+
+use backstop::glam::{DVec3, Quat, Vec3};
+use backstop::scene::{Scene, builtin};
+use backstop::{BodyDesc, BodyHandle, Geometry, Material, Settings, World};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Counts every allocation of the process.
+struct Counting;
+
+static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
+/// Tests of one process share the count, so they run one at a time.
+static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
+
+// SAFETY: every call goes to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: by the caller's contract.
+        unsafe { System.alloc(layout) }
+    }
+    unsafe fn dealloc(&self, ptr: *mut u8, layout: Layout) {
+        // SAFETY: by the caller's contract.
+        unsafe { System.dealloc(ptr, layout) }
+    }
+    unsafe fn realloc(&self, ptr: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: by the caller's contract.
+        unsafe { System.realloc(ptr, layout, size) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+/// Allocations in 100 steps after `warm_up` steps; `act` is what the game does before each.
+fn count(world: &mut World, warm_up: u32, mut act: impl FnMut(&mut World, u32)) -> usize {
+    let mut step = 0;
+    let mut run = |world: &mut World, steps: u32| {
+        for _ in 0..steps {
+            act(world, step);
+            world.step(1.0 / 60.0).unwrap();
+            step += 1;
+        }
+    };
+    run(world, warm_up);
+    let before = ALLOCATIONS.load(Ordering::Relaxed);
+    run(world, 100);
+    ALLOCATIONS.load(Ordering::Relaxed) - before
+}
+
+fn settings(threads: usize) -> Settings {
+    Settings { threads, ..Settings::default() }
+}
+
+fn resting_pile() -> Scene {
+    let mut scene = builtin::pile();
+    scene.bodies.truncate(305);
+    scene
+}
+
+fn resting(threads: usize) -> usize {
+    let (mut world, _) = common::world_of(&resting_pile(), settings(threads));
+    count(&mut world, 400, |_, _| {})
+}
+
+/// Bodies on a table that tilts to and fro without end, beside elastic balls that never rest.
+fn moving(threads: usize) -> usize {
+    let mut world = World::new(settings(threads)).unwrap();
+    world.add_body(&common::Floor::Mesh.desc(Material::default())).unwrap();
+    let material = Material::default();
+    let table = common::shape(Geometry::cuboid(4.0, 0.2, 4.0), material);
+    let table = world.add_body(&BodyDesc::kinematic().at(DVec3::Y).with_shape(table)).unwrap();
+    let mut add = |geometry: Geometry, at: Vec3, material: Material| -> BodyHandle {
+        world.add_body(&common::dynamic(geometry, material, at)).unwrap()
+    };
+    for i in 0..100 {
+        let at = Vec3::new((i % 10) as f32 * 0.6 - 2.7, 1.4, (i / 10) as f32 * 0.6 - 2.7);
+        match i % 3 {
+            0 => add(Geometry::cuboid(0.2, 0.1, 0.2), at, material),
+            1 => add(Geometry::Sphere { radius: 0.2 }, at, material),
+            _ => add(Geometry::capsule(0.1, 0.15), at, material),
+        };
+        add(
+            Geometry::Sphere { radius: 0.2 },
+            Vec3::new(at.x, 4.0 + 0.01 * i as f32, at.z + 6.5),
+            material.with_restitution(1.0),
+        );
+    }
+    count(&mut world, 1000, |world, step| {
+        let angle = 0.05 * (step as f32 * 0.05).sin();
+        world.move_kinematic(table, DVec3::Y, Quat::from_rotation_z(angle), 1.0 / 60.0).unwrap();
+    })
+}
+
+#[test]
+fn a_resting_pile_allocates_nothing() {
+    let _alone = ONE_AT_A_TIME.lock().unwrap();
+    assert_eq!(resting(1), 0);
+}
+
+#[test]
+fn a_moving_scene_allocates_nothing() {
+    let _alone = ONE_AT_A_TIME.lock().unwrap();
+    assert_eq!(moving(1), 0);
+}
+
+#[cfg(feature = "parallel")]
+#[test]
+fn two_threads_allocate_nothing() {
+    let _alone = ONE_AT_A_TIME.lock().unwrap();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+    assert_eq!(pool.install(|| resting(2)), 0);
+    assert_eq!(pool.install(|| moving(2)), 0);
+}

@@ -1,0 +1,109 @@
+//! The same input gives the same bits: at any number of threads, in debug and release, with SSE2 and with AVX2.
+//!
+//! The pinned hashes are of poses and velocities. A change of the engine that changes results changes them, and says
+//! so in its commit; a build that differs from another is a bug.
+
+#![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
+mod common;
+
+use backstop::glam::{DVec3, Vec3};
+use backstop::scene::{Scene, builtin};
+use backstop::{BodyDesc, Geometry, Settings};
+
+/// A third of a thousand bodies of every shape fall into a heap.
+fn small_pile() -> Scene {
+    let mut scene = builtin::pile();
+    // The floor, its four walls, and three hundred of the bodies, in the middle of the box.
+    scene.bodies.truncate(305);
+    scene
+}
+
+fn pyramid() -> Scene {
+    builtin::large_pyramid(20)
+}
+
+/// Fast bodies that meet each other and the ground, and bounce.
+fn crossfire() -> Scene {
+    let mut scene = builtin::bullets(true);
+    for body in &mut scene.bodies {
+        body.desc.shapes.iter_mut().for_each(|s| s.material.restitution = 0.5);
+    }
+    scene
+}
+
+fn hash_after(scene: &Scene, steps: u32, threads: usize) -> u64 {
+    let (mut world, _) = common::world_of(scene, Settings { threads, ..Settings::default() });
+    common::steps(&mut world, steps, 1.0 / 60.0);
+    assert!(common::all_finite(&world));
+    world.hash()
+}
+
+/// Scene, steps, hash after them.
+fn cases() -> [(Scene, u32, u64); 5] {
+    [
+        (builtin::talk(), 120, PINNED[0]),
+        (small_pile(), 120, PINNED[1]),
+        (pyramid(), 90, PINNED[2]),
+        (builtin::bullets(false), 60, PINNED[3]),
+        (crossfire(), 60, PINNED[4]),
+    ]
+}
+
+/// talk, pile, pyramid, bullets, crossfire.
+const PINNED: [u64; 5] = [
+    0x76BF_CFE6_6A3B_7CBB,
+    0x732C_F475_E322_1D80,
+    0xB82B_496C_DFEA_9E15,
+    0x838F_BC64_2478_0614,
+    0xB1CD_3CF4_EE12_64D4,
+];
+
+#[test]
+fn every_build_gives_the_pinned_hashes() {
+    let mut wrong = Vec::new();
+    for (scene, steps, want) in cases() {
+        let hash = hash_after(&scene, steps, 1);
+        println!("{}: 0x{hash:016X}", scene.name);
+        if hash != want {
+            wrong.push(format!("{}: 0x{hash:016X} for 0x{want:016X}", scene.name));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[cfg(feature = "parallel")]
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    for (scene, steps, _) in cases() {
+        let alone = hash_after(&scene, steps, 1);
+        for threads in [2, 3, 8] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let hash = pool.install(|| hash_after(&scene, steps, threads));
+            assert_eq!(hash, alone, "{} with {threads} threads", scene.name);
+        }
+    }
+}
+
+/// What was added first or last, removed and added again must not show: the same calls give the same bits.
+#[test]
+fn the_same_calls_give_the_same_bits() {
+    let run = || {
+        let (mut world, bodies) = common::world_of(&small_pile(), Settings::default());
+        for (i, &body) in bodies.iter().enumerate().skip(5) {
+            if i % 7 == 0 {
+                world.remove_body(body).unwrap();
+            }
+            if i % 11 == 0 {
+                let ball = Geometry::Sphere { radius: 0.3 };
+                let at = DVec3::new(0.0, 20.0 + i as f64, 0.0);
+                let desc = BodyDesc::dynamic().at(at).with_shape(backstop::ShapeDesc::new(ball));
+                world.add_body(&desc.moving(Vec3::NEG_Y * 30.0, Vec3::ZERO)).unwrap();
+            }
+            if i % 5 == 0 {
+                world.step(1.0 / 60.0).unwrap();
+            }
+        }
+        world.hash()
+    };
+    assert_eq!(run(), run());
+}
