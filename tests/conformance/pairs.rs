@@ -127,6 +127,7 @@ fn dropped_anyhow_it_stays_on_top() {
             continue;
         }
         for (k, (name, faller, _)) in shapes(0.5).into_iter().enumerate() {
+            #[allow(clippy::needless_range_loop, reason = "the index is told")]
             for turn in 0..3 {
                 let dt = STEPS[turn];
                 let axis = Vec3::new(1.0, 0.3 * k as f32 - 1.0, 0.7 - 0.5 * turn as f32).normalize();
