@@ -261,7 +261,7 @@ pub(crate) unsafe fn solve<
         }
     }
     if P > 1 {
-        let (push, on) = level::<L, P, BIAS>(batch, &u, &bias, &impulse, &yielding);
+        let (push, on) = level::<L, P, BIAS>(batch, &u, &bias, &impulse, (&mass, &yielding));
         for i in 0..P {
             let change = push * on[i];
             impulse[i] += change;
@@ -319,14 +319,14 @@ fn level<L: Lanes, const P: usize, const BIAS: bool>(
     u: &[L; P],
     bias: &[L; P],
     impulse: &[L; P],
-    yielding: &[L; P],
+    (mass, yielding): (&[L; P], &[L; P]),
 ) -> (L, [L; P]) {
     let mut on = [L::zero(); P];
     let (mut error, mut sum, mut least) = (L::zero(), L::zero(), L::splat(f32::INFINITY));
     for i in 0..P {
         let point = &batch.points[i];
         let rest = u[i] + bias[i];
-        let acts = point.mass.gt(L::zero()) & (impulse[i].gt(L::zero()) | rest.lt(L::zero()));
+        let acts = mass[i].gt(L::zero()) & (impulse[i].gt(L::zero()) | rest.lt(L::zero()));
         on[i] = L::select(acts, L::one(), L::zero());
         // A row that yields is one that is less stiff: (k + soft) impulse = -error.
         let (mut own, mut missing) = (point.stiffness, rest);
