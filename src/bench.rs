@@ -118,6 +118,7 @@ pub fn preparing() -> Kernel {
         let input = PrepareInput {
             bodies: &world.bodies,
             colliders: &world.colliders.all,
+            hot: &world.colliders.hot,
             poses: &world.colliders.poses,
             contacts: &world.contacts.all,
             pairs: &world.broad.pairs,

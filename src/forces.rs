@@ -35,6 +35,11 @@ const BLOCK: usize = 256;
 /// Computes [`Forces`] for a step of `dt` seconds.
 pub(crate) fn predict(crew: &Crew<'_>, world: &mut World, dt: f32) {
     let (movers, dynamic) = (world.bodies.movers(), world.bodies.dynamic());
+    if world.bodies.locked > 0 {
+        // What the caller set about a locked axis must not look like an impact to the rows.
+        let bodies = &mut world.bodies;
+        bodies.velocity[..dynamic].iter_mut().zip(&bodies.traits).for_each(|(v, traits)| traits.lock(v));
+    }
     let Forces { acceleration, inverse_inertia, start, motion } = &mut world.buffers.forces;
     start.clear();
     start.extend_from_slice(&world.bodies.velocity[..movers]);

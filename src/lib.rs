@@ -52,7 +52,6 @@
 //! - `serde`: settings, materials, filters and reports can be serialised.
 //! - `gltf`: scenes from files, animations to files.
 //! - `cli`: the command `backstop`.
-#![allow(dead_code, unused_imports, reason = "under construction")]
 
 #[cfg(feature = "internals")]
 #[doc(hidden)]

@@ -12,7 +12,7 @@ use crate::memory::{Category, MemoryReport, bytes_of};
 use crate::narrow_phase::Contacts;
 use crate::shape::{Collider, Filter, Geometry, Hot, Kind, MassProperties, Material, ShapeDesc, unit_quat};
 use crate::step::Buffers;
-use glam::{DVec3, Mat3, Quat, Vec3};
+use glam::{DVec3, Quat, Vec3};
 
 /// Bodies that move, collide and rest.
 ///
@@ -540,6 +540,7 @@ impl World {
         report.add(Category::BroadPhase, broad);
         report.add(Category::BroadPhase, bytes_of(&self.removed));
         report.add(Category::Manifolds, self.contacts.bytes());
+        report.add(Category::Continuous, self.broad.continuous_bytes());
         report.add(Category::Continuous, bytes_of(&self.bodies.previous));
         self.buffers.report(&mut report);
         report.keep_peaks(&self.peaks);

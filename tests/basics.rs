@@ -1,4 +1,5 @@
 //! First signs of life.
+#![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 use backstop::glam::DVec3;
 use backstop::*;
 

@@ -1,5 +1,6 @@
 //! Coulomb's law: sliding distances, the angle of friction, rolling, and what the friction settings say of themselves.
 
+#![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 mod common;
 
 use backstop::glam::{DVec3, Quat, Vec3};

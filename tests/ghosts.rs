@@ -4,6 +4,7 @@
 //! That a path is free is shown apart from the engine: each post lies wholly behind a plane along the flight, and the
 //! flyer, in every orientation that it takes while it passes, wholly before it. Both follow from support points.
 
+#![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 use backstop::glam::{DQuat, DVec3, Quat, Vec3};
 use backstop::{BodyDesc, Continuous, ConvexHull, Geometry, Settings, ShapeDesc, TriangleMesh, World};
 use std::sync::Arc;

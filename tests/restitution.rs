@@ -1,5 +1,6 @@
 //! A body that bounces gives back the share of its approach speed that its material says, whatever the step.
 
+#![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 mod common;
 
 use backstop::glam::{DVec3, Vec3};

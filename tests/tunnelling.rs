@@ -1,5 +1,6 @@
 //! Nothing gets through static geometry with continuous collision, however fast, thin and spinning it is.
 
+#![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 use backstop::scene::shots::{MODES, Outcome, Shot, Tally, Targets};
 
 /// Shots of this test; `cargo backstop shots` runs as many as one likes.

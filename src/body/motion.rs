@@ -1,6 +1,6 @@
 //! How a body turns.
 
-use glam::{Mat3, Quat, Vec3};
+use glam::{Quat, Vec3};
 
 /// The rotation by the angle |v| [rad] about v. Polynomials below 1 rad, so that the bits don't depend on the
 /// platform's sine.

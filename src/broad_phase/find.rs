@@ -2,7 +2,7 @@
 
 use super::bvh::Tree;
 use super::{BroadPhase, FILTER, MayCollide, NONE, Order, Pair, Path, Role};
-use crate::lanes::{Mask, Vec3, f32x4};
+use crate::lanes::{Mask, f32x4};
 use crate::memory::bytes_of;
 use crate::threads::Crew;
 use std::sync::{Mutex, MutexGuard, PoisonError};

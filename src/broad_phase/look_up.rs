@@ -4,8 +4,7 @@
 //! may be outside their boxes, because the solver changed what was predicted: refresh first, unless only statics
 //! matter.
 
-use super::bvh::Tree;
-use super::{Aabb, BroadPhase, Path, Role};
+use super::{Aabb, BroadPhase, Path};
 use crate::lanes::{Mask, f32x4};
 use glam::Vec3;
 use std::cell::Cell;
@@ -20,6 +19,7 @@ pub(crate) enum Whom {
 
 impl BroadPhase {
     /// Calls `f` with every collider whose box touches this one.
+    #[allow(dead_code, reason = "overlap queries will ask it")]
     pub(crate) fn in_box(&self, stack: &mut Vec<u32>, whom: Whom, bounds: &Aabb, mut f: impl FnMut(u32)) {
         for &c in self.unbounded_of(whom) {
             if self.proxies[c as usize].bounds.overlaps(bounds) {

@@ -25,7 +25,6 @@ mod tests;
 mod timing;
 
 pub(crate) use bounds::aabb_of;
-pub(crate) use look_up::Whom;
 
 use crate::config::Continuous;
 use crate::memory::bytes_of;
@@ -61,6 +60,7 @@ impl Aabb {
 
     /// Whether the other box is inside.
     #[inline]
+    #[cfg(test)]
     pub(crate) fn contains(&self, other: &Aabb) -> bool {
         (self.min.cmple(other.min) & self.max.cmpge(other.max)).all()
     }

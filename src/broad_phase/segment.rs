@@ -6,7 +6,7 @@
 //! to the distance from the world's origin.
 
 use super::{Aabb, LARGEST, Mover};
-use crate::lanes::{Lanes, Mask, Vec3};
+use crate::lanes::{Lanes, Vec3};
 
 /// Which of `L::N` boxes a straight path touches; lane `i` answers for box `i`.
 ///
@@ -160,6 +160,7 @@ impl<L: Lanes> PathLanes<L> {
 mod tests {
     use super::*;
     use crate::config::Continuous;
+    use crate::lanes::Mask;
     use crate::lanes::{f32x4, f32x8};
     use glam::{DVec3, vec3};
 

@@ -1,7 +1,7 @@
 //! What the broad phase costs. Not checks: `cargo test --release broad_phase::timing -- --ignored --nocapture`.
 
 use super::*;
-use crate::lanes::{Lanes, Mask, f32x4};
+use crate::lanes::{Mask, f32x4};
 use glam::vec3;
 use std::hint::black_box;
 use std::time::Instant;

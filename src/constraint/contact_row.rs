@@ -172,6 +172,7 @@ pub(crate) unsafe fn warm_start<L: GatherLanes, const P: usize, const TWO: bool,
 /// # Safety
 /// The bodies of the batch that it may write are in no other batch of the stage.
 #[inline(always)]
+#[allow(clippy::needless_range_loop, reason = "several arrays by point")]
 pub(crate) unsafe fn solve<
     L: GatherLanes,
     const P: usize,

@@ -86,6 +86,7 @@ const KEYS: usize = Group::ALL.len() * (COLOURS + 1) * 4;
 const BLOCK: usize = 8;
 
 /// Builds all batches of the step.
+#[allow(clippy::needless_range_loop, reason = "the index is also that of the ranges")]
 pub(crate) fn prepare(
     crew: &Crew<'_>,
     input: &PrepareInput<'_>,

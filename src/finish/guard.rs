@@ -140,7 +140,7 @@ impl Guard<'_> {
             Vec3::splat(keep),
             |c| {
                 let (collider, pose) = (&self.colliders[c as usize], &self.poses[c as usize]);
-                if !own.iter().any(|&o| self.colliders[o as usize].filter.allows(&collider.filter)) {
+                if !own.iter().all(|&o| self.colliders[o as usize].filter.allows(&collider.filter)) {
                     return;
                 }
                 let back = pose.rotation.conjugate();

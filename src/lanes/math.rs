@@ -147,11 +147,6 @@ impl<L: Lanes> Quat<L> {
         }
     }
     #[inline(always)]
-    pub(crate) fn lane(self, i: usize) -> glam::Quat {
-        let v = self.v.lane(i);
-        glam::Quat::from_xyzw(v.x, v.y, v.z, self.w.lane(i))
-    }
-    #[inline(always)]
     pub(crate) fn conjugate(self) -> Self {
         Quat { v: -self.v, w: self.w }
     }
@@ -165,11 +160,6 @@ impl<L: Lanes> Quat<L> {
         let t = self.v.cross(p);
         let t = t + t;
         p + t * self.w + self.v.cross(t)
-    }
-    #[inline(always)]
-    pub(crate) fn normalize(self) -> Self {
-        let s = L::one() / (self.v.length_squared() + self.w * self.w).sqrt();
-        Quat { v: self.v * s, w: self.w * s }
     }
     #[inline(always)]
     pub(crate) fn to_matrix(self) -> Mat3<L> {

@@ -9,7 +9,7 @@ mod gather;
 mod math;
 
 pub(crate) use gather::{GatherLanes, Record, gather, scatter};
-pub(crate) use math::{Mat3, Quat, Sym3, Vec3};
+pub(crate) use math::{Quat, Sym3, Vec3};
 pub(crate) use wide::{f32x4, f32x8};
 
 use std::fmt::Debug;
@@ -20,6 +20,7 @@ pub(crate) trait Mask:
     Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self>
 {
     /// The value per lane: lane `i` holds if bit `i` is set.
+    #[allow(dead_code, reason = "part of the vocabulary; tests use it")]
     fn from_bits(bits: u32) -> Self;
     /// Bit `i` is set where lane `i` holds.
     fn bits(self) -> u32;
@@ -56,6 +57,7 @@ pub(crate) trait Lanes:
     fn from_fn(f: impl FnMut(usize) -> f32) -> Self;
     /// The first `N` floats of a slice that has at least as many.
     fn load(from: &[f32]) -> Self;
+    #[allow(dead_code, reason = "part of the vocabulary; tests use it")]
     fn store(self, to: &mut [f32]);
     fn lane(self, i: usize) -> f32;
     fn set_lane(&mut self, i: usize, value: f32);

@@ -16,7 +16,7 @@ use super::{RawManifold, Relative};
 use crate::body::exp_map;
 use crate::broad_phase::Pair;
 use crate::shape::{Collider, Geometry, Kind};
-use glam::{DVec3, Quat, Vec3};
+use glam::{Quat, Vec3};
 
 /// The manifold of two convex shapes, or of one and a plane, at their first touch within the step, and the fraction
 /// of the step at which that is.
@@ -30,7 +30,15 @@ pub(crate) fn look_ahead(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold,
         cast_convex(a, b, &motion, tolerance)
     }?;
     let raw = collide_convex(a, b, &motion.relative(touch.fraction), input.margin);
-    Some((carry_back(&raw, &motion, touch.fraction), touch.fraction))
+    Some((carry_back(&raw, &motion, touch.fraction, 0.0), touch.fraction))
+}
+
+/// The manifold of two convex shapes, or of one and a plane, as it will be in the middle of the step.
+pub(crate) fn halfway(input: &Input<'_>, pair: &Pair, margin: f32) -> RawManifold {
+    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
+    let motion = Motion::new(a, &path(input, pair.a), b, &path(input, pair.b));
+    let raw = collide_convex(a, b, &motion.relative(0.5), margin);
+    carry_back(&raw, &motion, 0.5, f32::MIN)
 }
 
 /// For the larger search volume: the manifold of two convex shapes that miss each other, where their centres pass. The
@@ -44,7 +52,7 @@ pub(crate) fn look_beside(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold
     let fraction = if fraction > 0.0 { fraction.min(1.0) } else { 0.0 };
     let raw =
         collide_convex(a, b, &motion.relative(fraction), input.margin + (1.0 - fraction) * way.length());
-    let raw = carry_back(&raw, &motion, fraction);
+    let raw = carry_back(&raw, &motion, fraction, 0.0);
     (raw.count > 0 && !pushes(&motion, &raw, fraction)).then_some((raw, fraction))
 }
 
@@ -60,7 +68,7 @@ pub(crate) fn look_ahead_mesh(input: &Input<'_>, pair: &Pair, resting: f32, out:
     };
     out.raw.clear();
     collide_mesh(a, b, &motion.relative(fraction), input.margin, &mut out.mesh, &mut out.raw);
-    out.many.extend(out.raw.iter().map(|raw| (carry_back(raw, &motion, fraction), fraction)));
+    out.many.extend(out.raw.iter().map(|raw| (carry_back(raw, &motion, fraction, 0.0), fraction)));
 
     let then = motion.after(fraction, normal);
     out.casts += 1;
@@ -70,9 +78,9 @@ pub(crate) fn look_ahead_mesh(input: &Input<'_>, pair: &Pair, resting: f32, out:
     out.raw.clear();
     collide_mesh(a, b, &then.relative(further), input.margin, &mut out.mesh, &mut out.raw);
     for raw in &out.raw {
-        let first = carry_back(raw, &then, further);
+        let first = carry_back(raw, &then, further, 0.0);
         // What touches on the way there touches at the first place too.
-        out.many.push((carry_back(&first, &motion, fraction), fraction));
+        out.many.push((carry_back(&first, &motion, fraction, 0.0), fraction));
     }
 }
 
@@ -165,8 +173,8 @@ fn path(input: &Input<'_>, collider: u32) -> BodyPath {
 }
 
 /// A manifold found at a fraction of the step, in the frame of shape a as it is at the start: its arms are those of the
-/// touch, its separations what the predicted motion takes away until then.
-fn carry_back(raw: &RawManifold, motion: &Motion, fraction: f32) -> RawManifold {
+/// touch, its separations what the predicted motion takes away until then, which is at least `least`.
+fn carry_back(raw: &RawManifold, motion: &Motion, fraction: f32, least: f32) -> RawManifold {
     let turned = exp_map(motion.a.spin * fraction);
     let at_touch = turned * motion.a.rotation;
     let lever = turned * motion.a.lever;
@@ -177,8 +185,8 @@ fn carry_back(raw: &RawManifold, motion: &Motion, fraction: f32) -> RawManifold 
     carried.normal = back * normal;
     for point in &mut carried.points[..raw.count as usize] {
         let arm_a = lever + at_touch * point.position;
-        // A point that moves away until the touch must not count as overlap at the start.
-        point.separation += (fraction * closing(motion, normal, arm_a, moved)).max(0.0);
+        // With 0 as the least, a point that moves away until the touch does not count as overlap at the start.
+        point.separation += (fraction * closing(motion, normal, arm_a, moved)).max(least);
         point.position = back * (arm_a - motion.a.lever);
     }
     carried

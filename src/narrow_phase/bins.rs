@@ -1,6 +1,8 @@
 //! Pairs binned by shape pair, and worked through in lanes.
 
-use super::ahead::{look_ahead, look_ahead_mesh, look_beside, right_way_out, touches_mesh, would_push};
+use super::ahead::{
+    halfway, look_ahead, look_ahead_mesh, look_beside, right_way_out, touches_mesh, would_push,
+};
 use super::box_box::box_box;
 use super::capsule_box::{capsule_box, tapered_capsule_box};
 use super::capsule_capsule::{capsule_capsule, tapered_capsule_capsule};
@@ -162,6 +164,18 @@ pub(crate) fn run_bin(
 /// A gap that a push should have closed counts as a ghost above this many margins.
 const GHOST_GAP: f32 = 0.5;
 
+/// Whether the contact moves much faster than the bodies: on a round shape that is large against the other, which rocks
+/// on it. The rows of a step act at one place. At the place of its start they would add energy to the rocking in every
+/// step; at that of its middle they take a little away.
+fn wanders(input: &Input<'_>, pair: &Pair) -> bool {
+    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
+    let large = |round: &Collider, other: &Collider| {
+        let round_kind = matches!(round.kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder);
+        round_kind && round.radius > 2.0 * other.radius
+    };
+    large(a, b) || large(b, a)
+}
+
 fn finish_convex(
     input: &Input<'_>,
     pairs: &[Pair],
@@ -192,6 +206,12 @@ fn finish_convex(
         && let Some(out) = right_way_out(input, pair, rel, &raw)
     {
         raw = out;
+    }
+    if fraction == 0.0 && (1..3).contains(&raw.count) && wanders(input, pair) {
+        let middle = halfway(input, pair, input.margin);
+        if middle.count > 0 {
+            (raw, fraction) = (middle, 0.5);
+        }
     }
     if pair.contact == NONE {
         if raw.count > 0 {

@@ -398,12 +398,6 @@ mod tests {
         one(Relative { position: vec3(x, a.y + b.y + lift, 0.0), rotation }, a, b, 0.05)
     }
 
-    fn sorted(m: &RawManifold) -> Vec<[f32; 2]> {
-        let mut all: Vec<_> = m.points().iter().map(|p| [p.position.x, p.position.z]).collect();
-        all.sort_by(|a, b| a[0].round().total_cmp(&b[0].round()).then(a[1].total_cmp(&b[1])));
-        all
-    }
-
     #[test]
     fn a_resting_box_has_four_equal_points_at_the_corners_of_the_overlap() {
         let (big, small, tall) = (vec3(3.0, 1.0, 3.0), vec3(1.0, 1.0, 1.0), vec3(1.0, 4.0, 1.0));

@@ -8,7 +8,7 @@
 
 use super::box_box::{Boxes, Face};
 use super::lanes_io::{ManifoldLanes, pick};
-use crate::lanes::{Lanes, Mask, Vec3};
+use crate::lanes::{Lanes, Vec3};
 
 /// Side planes lie this share of the least half extent further out. Boxes that are flush (walls, pyramids) then
 /// keep their vertices as features, whichever way rounding pushes them.

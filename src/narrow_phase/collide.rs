@@ -9,7 +9,7 @@ use super::contact::{Contact, Contacts, NONE};
 use super::{RawManifold, Relative};
 use crate::body::Pose;
 use crate::broad_phase::Pair;
-use crate::lanes::{Lanes, Quat, Record, Vec3, f32x8};
+use crate::lanes::{Quat, Record, Vec3, f32x8};
 use crate::memory::bytes_of;
 use crate::shape::{Collider, Hot, Kind};
 use crate::threads::{Crew, Shared};
@@ -177,8 +177,8 @@ pub(crate) fn collide(
             }
         });
     }
-    for block in 0..bins.blocks.len() {
-        if let Ok(out) = found[block].get_mut() {
+    for out in found.iter_mut().take(bins.blocks.len()) {
+        if let Ok(out) = out.get_mut() {
             commit(pairs, contacts, out, chain, input);
             stats.casts += std::mem::take(&mut out.casts);
             stats.ghosts += std::mem::take(&mut out.ghosts);

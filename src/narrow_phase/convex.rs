@@ -508,7 +508,7 @@ mod tests {
     use super::testing::*;
     use super::*;
     use crate::shape::Geometry;
-    use glam::{DVec3, Quat};
+    use glam::Quat;
 
     const KINDS: [Kind; 5] = [Kind::Sphere, Kind::Capsule, Kind::Box, Kind::Cylinder, Kind::Hull];
     const MARGIN: f32 = 0.05;

@@ -22,6 +22,7 @@ pub(crate) struct Closest {
     /// Unit, from a to b, in a's frame.
     pub(crate) normal: Vec3,
     /// On the surface of a and of b, in a's frame.
+    #[allow(dead_code, reason = "tests check the answer by it; closest-point queries will return it")]
     pub(crate) point_a: Vec3,
     pub(crate) point_b: Vec3,
     /// Whether the cores overlap (touch, within rounding).
@@ -141,7 +142,7 @@ mod tests {
     use super::super::fixtures::{CONVEX, Random, collider, depth, gap_along};
     use super::*;
     use crate::shape::{Geometry, Kind};
-    use glam::{DQuat, Quat};
+    use glam::Quat;
 
     fn between(a: Geometry, b: Geometry, position: Vec3, rotation: Quat) -> Closest {
         let (a, b) = (collider(a), collider(b));

@@ -1,7 +1,9 @@
 //! What goes into a lane kernel and what comes out: `L::N` pairs of one shape pair at a time.
 
 use super::{MAX_POINTS, RawManifold, RawPoint, Relative};
-use crate::lanes::{Lanes, Mask, Quat, Vec3};
+#[cfg(test)]
+use crate::lanes::Mask;
+use crate::lanes::{Lanes, Quat, Vec3};
 
 /// `L::N` pairs of the same two kinds, each in the frame of its shape `a`.
 ///
@@ -20,18 +22,6 @@ pub(crate) struct PairLanes<L> {
 }
 
 impl<L: Lanes> PairLanes<L> {
-    /// From values that are in lanes already.
-    #[inline(always)]
-    pub(crate) fn new(
-        position: Vec3<L>,
-        rotation: Quat<L>,
-        size_a: [L; 4],
-        size_b: [L; 4],
-        margin: L,
-    ) -> Self {
-        PairLanes { position, rotation, size_a, size_b, margin }
-    }
-
     /// Lane `i` from `f(i)`: relative pose, size of `a`, size of `b`, margin.
     #[inline(always)]
     pub(crate) fn from_fn(f: impl Fn(usize) -> (Relative, [f32; 4], [f32; 4], f32)) -> Self {
@@ -76,6 +66,7 @@ impl<L: Lanes> ManifoldLanes<L> {
 
     /// How many points lane `i` has.
     #[inline(always)]
+    #[cfg(test)]
     pub(crate) fn count(&self, i: usize) -> u32 {
         self.separation.iter().map(|s| s.lt(self.margin).bits() >> i & 1).sum()
     }

@@ -15,7 +15,7 @@ use super::mesh_patch::{Patches, Touch};
 use super::polytope::Pose;
 use super::{RawManifold, Relative, mesh_box, mesh_convex, mesh_sphere};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
-use crate::shape::{Collider, Edges, Geometry, HeightField, Kind, TriangleMesh};
+use crate::shape::{Collider, Edges, Geometry, HeightField, TriangleMesh};
 use glam::Vec3;
 
 /// What is collided with.
@@ -264,6 +264,7 @@ fn bounds(a: &Collider) -> Option<(Vec3, Vec3, Vec3)> {
 mod tests {
     use super::*;
     use crate::narrow_phase::convex::{collide_triangle, testing};
+    use crate::shape::Kind;
     use crate::shape::mesh::testing::{Random, bumpy, cuboid, grid, terrain};
     use glam::{Quat, Vec2};
     use std::sync::Arc;
@@ -383,8 +384,11 @@ mod tests {
         let mut random = Random(8);
         // Not the hull: its slanted faces do touch the edge.
         for shape in shapes().into_iter().take(4) {
-            let lying =
-                if shape.kind == Kind::Capsule { Quat::from_rotation_z(1.570_796_3) } else { Quat::IDENTITY };
+            let lying = if shape.kind == Kind::Capsule {
+                Quat::from_rotation_z(std::f32::consts::FRAC_PI_2)
+            } else {
+                Quat::IDENTITY
+            };
             for i in 0..600 {
                 let rotation = Quat::from_rotation_y(random.range(-3.0, 3.0)) * lying;
                 let reach = testing::extent(&shape, (rotation.conjugate() * Vec3::NEG_Y).as_dvec3()) as f32;
@@ -403,7 +407,7 @@ mod tests {
     #[test]
     fn a_box_on_a_ridge_touches_the_ridge() {
         // A roof along z, 30 degrees on either side.
-        let slope = libm::tanf(0.523_598_8);
+        let slope = libm::tanf(std::f32::consts::FRAC_PI_6);
         let roof = mesh(grid(8, 0.5, |x, _| -slope * x.abs()));
         let shape = testing::collider(Geometry::cuboid(0.3, 0.2, 0.4));
         for offset in [0.0, 0.1, -0.2] {
@@ -420,7 +424,7 @@ mod tests {
             assert!((low + 0.3).abs() < 1e-4 && (high - 0.5).abs() < 1e-4);
         }
         // Flat on one side: nothing of the other.
-        let rotation = Quat::from_rotation_z(-0.523_598_8);
+        let rotation = Quat::from_rotation_z(-std::f32::consts::FRAC_PI_6);
         let up = rotation * Vec3::Y;
         let at = Vec3::new(0.4, -0.4 * slope, 0.0) + up * 0.1995;
         let found = collide(&shape, &roof, at, rotation, 0.005);
@@ -488,7 +492,7 @@ mod tests {
                         least = m.points().iter().map(|p| p.separation).fold(least, f32::min);
                     }
                 }
-                if least < -0.005 || least > 0.04 {
+                if !(-0.005..=0.04).contains(&least) {
                     continue;
                 }
                 seen += 1;

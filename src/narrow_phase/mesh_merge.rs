@@ -9,7 +9,7 @@ use super::mesh_patch::Patches;
 use super::polytope::Pose;
 use super::reduce::reduce;
 use super::{MAX_POINTS, RawManifold, RawPoint};
-use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
+use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
 use crate::memory::bytes_of;
 use glam::Vec3;
 

@@ -16,6 +16,7 @@ mod collide;
 mod contact;
 mod convex;
 #[cfg(any(test, feature = "internals"))]
+#[cfg_attr(not(test), allow(dead_code, reason = "benches use a part of what tests use"))]
 pub(crate) mod fixtures;
 mod gjk;
 mod lanes_io;

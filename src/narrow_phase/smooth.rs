@@ -558,7 +558,9 @@ impl Frustum {
     fn shared(&self, core: &Core, s: f32, out: Vec3) -> Option<(f32, f32, impl Fn(f32) -> f32 + use<>)> {
         let (p, d) = (core.start, core.along);
         let length = d.length();
-        if !(length > 0.0) || out.dot(d).abs() > 0.1 * length {
+        // The line along which the balls touch: a tapered core lies on it with its axis raised.
+        let touch = d - out * core.growth;
+        if !(length > 0.0) || out.dot(touch).abs() > 0.1 * length {
             return None;
         }
         let (low, high, origin) = if out.y.abs() > 0.999 {
@@ -574,7 +576,7 @@ impl Frustum {
         } else {
             let u = Frustum::outward(core.at(s));
             let line = self.line(u, false);
-            if d.cross(line).length_squared() > 0.01 * length * length * line.length_squared() {
+            if touch.cross(line).length_squared() > 0.01 * length * length * line.length_squared() {
                 return None;
             }
             let bottom = u * self.bottom - Vec3::Y * self.half_height;

@@ -1,6 +1,6 @@
 //! Convex shapes as support functions: a core with a radius around it.
 
-use crate::lanes::{Lanes, Mask, f32x8};
+use crate::lanes::{Lanes, f32x8};
 use crate::shape::{Collider, ConvexHull, Kind};
 use glam::{DMat3, DQuat, DVec3, Vec3};
 

@@ -1,7 +1,7 @@
 //! What scenes need of the engine's shapes, in one place.
 
 use crate::error::Error;
-use crate::shape::{ConvexHull, Geometry, MassProperties, ShapeDesc, TriangleMesh};
+use crate::shape::{ConvexHull, TriangleMesh};
 use glam::Vec3;
 use std::sync::Arc;
 

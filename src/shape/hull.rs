@@ -4,7 +4,7 @@ use super::hull_build::{self, Polyhedron};
 use super::mass::Moments;
 use crate::error::{Error, finite3};
 use crate::memory::bytes_of;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 /// A convex hull, shared by the shapes that use it.
 ///

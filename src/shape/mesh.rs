@@ -365,10 +365,10 @@ mod tests {
                     assert!(found[t as usize].replace(entry).is_none());
                     1.0
                 });
-                for t in 0..mesh.triangle_count() {
+                for (t, found) in found.iter().enumerate() {
                     let [a, b, c] = mesh.triangle(t as u32);
                     let (min, max) = (a.min(b).min(c) - inflate, a.max(b).max(c) + inflate);
-                    match (slabs(from, to, min, max), found[t]) {
+                    match (slabs(from, to, min, max), *found) {
                         (Some(enter), Some(entry)) => assert!(f64::from(entry) <= enter + 1e-6),
                         (Some(_), None) => panic!("missed {t}"),
                         (None, Some(_)) => {
@@ -389,7 +389,7 @@ mod tests {
         let volumes = [d.dot(b.cross(c)), d.dot(c.cross(a)), d.dot(a.cross(b))];
         let sum: f64 = volumes.iter().sum();
         let normal = (b - a).cross(c - a);
-        if volumes.iter().any(|v| (v / sum).abs() < border) || !(sum.abs() > 1e-9) {
+        if volumes.iter().any(|v| (v / sum).abs() < border) || sum.abs() <= 1e-9 {
             return None;
         }
         let fraction = a.dot(normal) / d.dot(normal);

@@ -91,6 +91,7 @@ impl Edges {
         Edges::new([self.fold(0).flipped(), self.fold(1).flipped(), self.fold(2).flipped()])
     }
     /// Whether an edge may yield a normal of its own, seen from the front.
+    #[cfg(test)]
     pub(crate) fn is_active(self, edge: usize) -> bool {
         matches!(self.fold(edge), Fold::Ridge | Fold::Open)
     }

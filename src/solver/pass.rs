@@ -2,7 +2,7 @@
 
 use crate::constraint::contact_row::{HOLD, Motion, Pass, Softness, solve, store as store_batch, warm_start};
 use crate::constraint::{Batch, Group, Rows, Stage};
-use crate::lanes::{GatherLanes, Record, f32x8};
+use crate::lanes::{GatherLanes, Record};
 use crate::narrow_phase::{Contact, Point};
 use crate::threads::{Crew, Shared};
 

@@ -7,7 +7,7 @@ use super::super::{Recorder, Scene, SceneError};
 use super::build::{self, Builder};
 use super::document::Document;
 use crate::body::BodyKind;
-use glam::{DAffine3, DQuat, DVec3, Quat, Vec3};
+use glam::{DAffine3, Quat, Vec3};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 

@@ -16,7 +16,6 @@ use crate::config::{Continuous, Settings};
 use crate::error::Error;
 use crate::handle::BodyHandle;
 use crate::world::World;
-use glam::{DVec3, Vec3};
 use target::Side;
 
 /// The modes that shots are run with, in the order of every count.
