@@ -26,3 +26,210 @@ fn no_shot_gets_through_a_target_with_continuous_collision() {
     );
     assert_eq!((segment, volume), (0, 0), "{MODES:?}: {through:?}");
 }
+
+mod moving {
+    //! Where both sides move, or what presses is slow.
+
+    use backstop::glam::{DVec3, Quat, Vec3};
+    use backstop::{BodyDesc, BodyHandle, BodyKind, Geometry, Settings, ShapeDesc, TriangleMesh, World};
+    use std::sync::Arc;
+
+    const STEPS: [f32; 5] = [1.0 / 240.0, 1.0 / 120.0, 1.0 / 60.0, 1.0 / 30.0, 1.0 / 20.0];
+    /// Substeps and iterations.
+    const SOLVERS: [(u32, u32); 3] = [(1, 1), (1, 8), (4, 1)];
+
+    fn world((substeps, iterations): (u32, u32), gravity: f32) -> World {
+        let gravity = Vec3::Y * gravity;
+        World::new(Settings { gravity, substeps, iterations, ..Settings::default() }).unwrap()
+    }
+
+    fn body(kind: BodyKind, geometry: Geometry, at: DVec3, velocity: Vec3) -> BodyDesc {
+        BodyDesc::new(kind).at(at).moving(velocity, Vec3::ZERO).with_shape(ShapeDesc::new(geometry))
+    }
+
+    fn small() -> [Geometry; 5] {
+        [
+            Geometry::Sphere { radius: 0.02 },
+            Geometry::capsule(0.05, 0.01),
+            Geometry::cuboid(0.02, 0.03, 0.04),
+            Geometry::cuboid(0.005, 0.1, 0.005),
+            Geometry::cylinder(0.03, 0.02),
+        ]
+    }
+
+    fn x(world: &World, body: BodyHandle) -> f64 {
+        world.centre_of_mass(body).unwrap().x
+    }
+
+    #[test]
+    fn two_bullets_head_on_do_not_pass_each_other() {
+        for geometry in small() {
+            for dt in STEPS {
+                for solver in SOLVERS {
+                    for (away, speed, turn) in [(4.0, 500.0, 0.0), (7.3, 500.0, 0.4), (12.9, 50.0, 1.1)] {
+                        let mut world = world(solver, 0.0);
+                        let shot = |side: f32| {
+                            let at = DVec3::X * f64::from(side) * away;
+                            body(BodyKind::Dynamic, geometry.clone(), at, Vec3::X * -side * speed)
+                                .rotated(Quat::from_rotation_x(turn))
+                        };
+                        let left = world.add_body(&shot(-1.0)).unwrap();
+                        let right = world.add_body(&shot(1.0)).unwrap();
+                        let steps = (2.0 * away / f64::from(speed * dt)).ceil() as usize + 5;
+                        for step in 0..steps {
+                            world.step(dt).unwrap();
+                            let (l, r) = (x(&world, left), x(&world, right));
+                            assert!(l < r, "{geometry:?} {dt} {solver:?} {speed} step {step}: {l} {r}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn bullets_that_meet_in_one_point_do_not_pass_through_it() {
+        for dt in STEPS {
+            for solver in SOLVERS {
+                let mut world = world(solver, 0.0);
+                let axes = [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
+                let sphere = Geometry::Sphere { radius: 0.05 };
+                let bullets = axes.map(|way| {
+                    let desc = body(BodyKind::Dynamic, sphere.clone(), (way * 5.0).as_dvec3(), way * -300.0);
+                    world.add_body(&desc).unwrap()
+                });
+                let places = |world: &World| bullets.map(|b| world.centre_of_mass(b).unwrap());
+                let mut before = places(&world);
+                for step in 0..20 {
+                    world.step(dt).unwrap();
+                    let now = places(&world);
+                    // On the straight way of each seen from each other, no centre gets into a ball.
+                    for i in 0..6 {
+                        for k in 0..i {
+                            let (from, to) = (before[i] - before[k], now[i] - now[k]);
+                            let way = to - from;
+                            let t = (-from.dot(way) / way.length_squared()).clamp(0.0, 1.0);
+                            let near = (from + way * t).length();
+                            assert!(near > 0.049, "{dt} {solver:?} step {step}: {i} passes {k} at {near}");
+                        }
+                    }
+                    before = now;
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_gets_through_a_kinematic_wall_that_comes_fast() {
+        for geometry in small() {
+            for dt in STEPS {
+                for solver in SOLVERS {
+                    for flying in [0.0, 300.0] {
+                        let mut world = world(solver, 0.0);
+                        let wall = Geometry::cuboid(0.01, 5.0, 5.0);
+                        let wall = body(BodyKind::Kinematic, wall, DVec3::X * 9.7, Vec3::X * -100.0);
+                        let wall = world.add_body(&wall).unwrap();
+                        let at = DVec3::X * if flying > 0.0 { -30.0 } else { 0.3 };
+                        let shot = body(BodyKind::Dynamic, geometry.clone(), at, Vec3::X * flying);
+                        let shot = world.add_body(&shot).unwrap();
+                        let steps = (0.3 / dt) as usize + 3;
+                        for step in 0..steps {
+                            world.step(dt).unwrap();
+                            let (s, w) = (x(&world, shot), x(&world, wall));
+                            assert!(s < w, "{geometry:?} {dt} {solver:?} {flying} step {step}: {s} {w}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// A square of two triangles or a thin box, facing up.
+    fn floors() -> [Geometry; 3] {
+        let corner = |x: f32, z: f32| Vec3::new(x * 5.0, 0.0, z * 5.0);
+        let vertices = vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
+        let mesh = TriangleMesh::new(vertices, vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+        [Geometry::Mesh(Arc::new(mesh)), Geometry::cuboid(5.0, 0.01, 5.0), Geometry::cuboid(5.0, 0.001, 5.0)]
+    }
+
+    #[test]
+    fn a_heavy_load_presses_nothing_through_a_thin_floor() {
+        for floor in floors() {
+            for geometry in small() {
+                for solver in SOLVERS {
+                    let mut world = world(solver, -9.81);
+                    world.add_body(&body(BodyKind::Static, floor.clone(), DVec3::ZERO, Vec3::ZERO)).unwrap();
+                    let at = DVec3::Y * 0.12;
+                    let victim =
+                        world.add_body(&body(BodyKind::Dynamic, geometry.clone(), at, Vec3::ZERO)).unwrap();
+                    // 10 000 times as heavy and more, let down on it.
+                    let mut load = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+                    load.density = 20_000.0;
+                    let load = BodyDesc::dynamic().at(DVec3::Y * 1.0).with_shape(load);
+                    let load = world.add_body(&load).unwrap();
+                    for step in 0..400 {
+                        world.step(1.0 / 60.0).unwrap();
+                        for body in [victim, load] {
+                            let y = world.centre_of_mass(body).unwrap().y;
+                            assert!(y > 0.0, "{floor:?} {geometry:?} {solver:?} step {step}: {y}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_kinematic_press_pushes_nothing_through_a_thin_floor() {
+        for floor in floors() {
+            for geometry in small() {
+                let mut world = world((4, 1), -9.81);
+                world.add_body(&body(BodyKind::Static, floor.clone(), DVec3::ZERO, Vec3::ZERO)).unwrap();
+                let at = DVec3::Y * 0.12;
+                let victim =
+                    world.add_body(&body(BodyKind::Dynamic, geometry.clone(), at, Vec3::ZERO)).unwrap();
+                let press = Geometry::cuboid(1.0, 0.1, 1.0);
+                let press = body(BodyKind::Kinematic, press, DVec3::Y * 0.5, Vec3::Y * -0.1);
+                world.add_body(&press).unwrap();
+                for step in 0..360 {
+                    world.step(1.0 / 60.0).unwrap();
+                    let at = world.centre_of_mass(victim).unwrap();
+                    // Squeezed out over the edge.
+                    if at.x.abs().max(at.z.abs()) > 4.9 {
+                        break;
+                    }
+                    let y = at.y;
+                    assert!(y > 0.0, "{floor:?} {geometry:?} step {step}: {y}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_body_that_spins_beside_a_wall_stays_on_its_side() {
+        for floor in floors() {
+            for geometry in small() {
+                for dt in STEPS {
+                    for axis in [Vec3::X, Vec3::Z, Vec3::new(0.5, 0.5, 0.7)] {
+                        let mut world = world((4, 1), -9.81);
+                        world
+                            .add_body(&body(BodyKind::Static, floor.clone(), DVec3::ZERO, Vec3::ZERO))
+                            .unwrap();
+                        let desc = body(BodyKind::Dynamic, geometry.clone(), DVec3::Y * 0.13, Vec3::ZERO)
+                            .moving(Vec3::ZERO, axis.normalize() * 200.0);
+                        let top = world.add_body(&desc).unwrap();
+                        for step in 0..200 {
+                            world.step(dt).unwrap();
+                            let p = world.centre_of_mass(top).unwrap();
+                            if p.x.abs().max(p.z.abs()) > 4.9 {
+                                break;
+                            }
+                            assert!(p.y > 0.0, "{floor:?} {geometry:?} {dt} {axis} step {step}: {p}");
+                            assert!(p.y < 30.0, "thrown up: {geometry:?} {dt} {axis} step {step}: {p}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -118,6 +118,9 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, dt: f32) -> Ended {
         }
     });
     let mut held = held.into_inner();
+    if guard.mode != Continuous::Discrete {
+        held += guard.hold_movers(&world.broad.pairs, bodies);
+    }
     if movers > dynamic
         && guard.mode != Continuous::Discrete
         && let Some(Ok(mut stack)) = stacks.first().map(|s| s.lock())

@@ -6,6 +6,7 @@ use super::ahead::{
 use super::box_box::box_box;
 use super::capsule_box::{capsule_box, tapered_capsule_box};
 use super::capsule_capsule::{capsule_capsule, tapered_capsule_capsule};
+use super::cast::tolerance;
 use super::collide::{Approach, Found, Input, near};
 use super::contact::{Contact, NONE};
 use super::convex::collide_convex;
@@ -260,8 +261,9 @@ fn finish_mesh(
         let real = input.real;
         out.raw.retain(|m| m.points().iter().any(|p| p.separation <= real));
     }
-    if input.continuous && nearest > 0.0 && out.raw.iter().any(|m| would_push(input, pair, m)) {
-        // Close, but apart: planes count only if anything is touched at all.
+    // Close, but apart by more than a cast leaves open: planes count only if anything is touched at all.
+    let apart = nearest > tolerance(a, b);
+    if input.continuous && apart && out.raw.iter().any(|m| would_push(input, pair, m)) {
         out.casts += 1;
         if !touches_mesh(input, pair) {
             out.raw.retain(|m| !would_push(input, pair, m));

@@ -188,7 +188,7 @@ fn polytopes(a: &Polytope, b: &Polytope, pose: &Pose, margin: f32, size: f32, ag
         (n, offset, offset + face.separation)
     };
     let reach = margin.max(-face.separation);
-    let near = edges_in_reach(a, b, pose, &back, reach, normal, (high, low));
+    let mut near = edges_in_reach(a, b, pose, &back, reach, normal, (high, low));
     let mut touching = None;
     if face.separation <= 0.0 {
         let edges = edge_axis(a, b, pose, &near, against);
@@ -204,7 +204,20 @@ fn polytopes(a: &Polytope, b: &Polytope, pose: &Pose, margin: f32, size: f32, ag
                 clip_edges(&on_a, &of_b, e.normal, margin, &mut cloud);
                 return manifold_of(&cloud, e.normal);
             }
-            _ => return by_face(&mut cloud),
+            _ => {
+                let manifold = by_face(&mut cloud);
+                if manifold.count > 1 {
+                    return manifold;
+                }
+                // One vertex, maybe beside the face: are they apart, by edges that are further away than any face sees?
+                near = edges_in_reach(a, b, pose, &back, f32::MAX, normal, (high, low));
+                touching = edge_axis(a, b, pose, &near, against);
+                match touching {
+                    Some(e) if e.separation > margin => return none,
+                    Some(e) if e.separation > 0.0 => cloud = Cloud::new(),
+                    _ => return manifold,
+                }
+            }
         }
     }
 

@@ -290,6 +290,9 @@ impl Triangle {
     pub(crate) fn normal(&self) -> Vec3 {
         self.planes[0].0
     }
+    pub(crate) fn corners(&self) -> [Vec3; 3] {
+        self.vertices
+    }
 }
 
 /// A cylinder, frustum or cone as a prism. Vertices 0..[`SIDES`] are the wider rim, the others the narrower one; vertex

@@ -7,14 +7,17 @@
 
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "a NaN must go the way of a zero")]
 
+use super::Relative;
 use super::clip::{Cloud, Segment, clip_edges};
 use super::convex::{face_contact, manifold_of};
+use super::gjk::distance;
 use super::manifold::{RawManifold, RawPoint};
 use super::polytope::{Polytope, Pose, SIDES, Solid, Triangle};
 use super::round_polytope::Core;
 use super::sat::{FaceAxis, edge_axis, edges_in_reach, face_axis, nearest_edges};
+use super::support::Support;
 use crate::shape::{Collider, Geometry};
-use glam::{Vec2, Vec3};
+use glam::{Quat, Vec2, Vec3};
 
 /// Half height, radius at the bottom, radius at the top [m].
 #[derive(Clone, Copy, Debug)]
@@ -243,6 +246,30 @@ impl Both<'_> {
 
 /// A cylinder or a polytope and another shape of which at least one is a cylinder; see `collide_convex`.
 pub(super) fn cylinder(a: &Collider, b: &Other, pose: &Pose, margin: f32) -> RawManifold {
+    let found = by_axes(a, b, pose, margin);
+    if found.count != 1 || found.points[0].separation >= 0.0 {
+        return found;
+    }
+    // One vertex, maybe beside the face: the axes tried are those of what is near, and no face sees that the two are
+    // apart by edges that are not.
+    let other = match b {
+        Other::Shape(b) => Support::of(b),
+        Other::Triangle(t) => Some(Support::triangle(t.corners())),
+    };
+    let (Some(own), Some(other)) = (Support::of(a), other) else { return found };
+    let at = Relative { position: pose.position, rotation: Quat::from_mat3(&pose.axes) };
+    let nearest = distance(&own, &other, &at, found.normal);
+    if nearest.overlap || nearest.distance <= 0.0 {
+        return found;
+    }
+    let mut apart = RawManifold { normal: nearest.normal, ..found };
+    apart.count = u32::from(nearest.distance <= margin);
+    apart.points[0].position = (nearest.point_a + nearest.point_b) * 0.5;
+    apart.points[0].separation = nearest.distance;
+    apart
+}
+
+fn by_axes(a: &Collider, b: &Other, pose: &Pose, margin: f32) -> RawManifold {
     let none = RawManifold::default();
     let back = pose.inverse();
     let (size, against) = match b {
