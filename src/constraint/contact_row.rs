@@ -238,6 +238,7 @@ pub(crate) unsafe fn solve<
     let mut mass = [L::zero(); P];
     let mut yielding = [L::zero(); P];
     let mut impulse = [L::zero(); P];
+    let mut touches = L::zero().gt(L::zero());
     for i in 0..P {
         let point = batch.points[i];
         let s = point.separation + gap + row(&d, &point);
@@ -254,11 +255,15 @@ pub(crate) unsafe fn solve<
             yielding[i] = L::select(rigid, L::zero(), L::splat(pass.softness.impulse_scale));
         } else {
             bias[i] = speculative.max(L::zero());
-            // A point that is apart, and did not have to push, waits for the next substep: its gap at the end of this
-            // one says nothing of what would be crossed in it, and a step that ends here must not push for the next.
-            let idle = s.gt(L::zero()) & point.impulse.le(L::zero());
-            mass[i] = L::select(idle, L::zero(), point.mass);
+            mass[i] = point.mass;
+            touches = touches | (point.mass.gt(L::zero()) & (s.le(L::zero()) | point.impulse.gt(L::zero())));
         }
+    }
+    if !BIAS {
+        // A manifold that is apart, and did not have to push, waits for the next substep: its gaps at the end of this
+        // one say nothing of what would be crossed in it, and a step that ends here must not push for the next. One
+        // that touches with any point is no guess, and comes to rest as a whole.
+        mass = mass.map(|m| L::select(touches, m, L::zero()));
     }
     if P > 1 {
         let (push, on) = level::<L, P, BIAS>(batch, &u, &bias, &impulse, (&mass, &yielding));

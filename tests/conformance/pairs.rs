@@ -127,8 +127,7 @@ fn dropped_anyhow_it_stays_on_top() {
             continue;
         }
         for (k, (name, faller, _)) in shapes(0.5).into_iter().enumerate() {
-            for turn in 0..3 {
-                let dt = STEPS[turn];
+            for (turn, dt) in STEPS.into_iter().enumerate() {
                 let axis = Vec3::new(1.0, 0.3 * k as f32 - 1.0, 0.7 - 0.5 * turn as f32).normalize();
                 let rotation = Quat::from_axis_angle(axis, 0.7 + 1.1 * turn as f32);
                 let mut run = Run::new(&scene(&ground, top, &faller, 1.5, rotation));

@@ -136,7 +136,8 @@ fn zero_mass_and_inertia_mean_infinite() {
             load_json("zero", &file(json!([{ "extensions": e }]), json!([{ "type": "box" }]), json!({})));
         scene.unwrap().bodies.remove(0).desc
     };
-    assert_eq!(body(json!({ "mass": 0 })).lock_translation, [true; 3]);
+    assert_eq!(body(json!({ "mass": 0 })).kind, BodyKind::Kinematic);
+    assert_eq!(body(json!({ "mass": 0, "inertiaDiagonal": [1, 1, 1] })).lock_translation, [true; 3]);
     assert_eq!(body(json!({ "inertiaDiagonal": [0, 0, 0] })).lock_rotation, [true; 3]);
     assert_eq!(body(json!({ "inertiaDiagonal": [1, 0, 1] })).lock_rotation, [false, true, false]);
     assert_eq!(body(json!({ "mass": 0, "inertiaDiagonal": [0, 0, 0] })).kind, BodyKind::Kinematic);
