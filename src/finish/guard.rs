@@ -131,37 +131,46 @@ impl Guard<'_> {
         // A little further than the motion, so that the centre keeps its distance at the end too.
         let length = moved.length();
         let reach = *moved * (1.0 + keep / length);
-        let start = from.as_vec3();
-        let mut first: Option<(f32, Vec3)> = None;
-        self.broad.statics_on_path(
-            stack,
-            start,
-            (from + reach.as_dvec3()).as_vec3(),
-            Vec3::splat(keep),
-            |c| {
-                let (collider, pose) = (&self.colliders[c as usize], &self.poses[c as usize]);
-                if !own.iter().all(|&o| self.colliders[o as usize].filter.allows(&collider.filter)) {
-                    return;
-                }
-                let back = pose.rotation.conjugate();
-                let a = back * (from - pose.position).as_vec3();
-                let b = a + back * reach;
-                if let Some(hit) = segment_hits(collider, a, b)
-                    && first.is_none_or(|(fraction, _)| hit.fraction < fraction)
-                {
-                    first = Some((hit.fraction, pose.rotation * hit.normal));
-                }
-            },
-        );
-        let Some((fraction, normal)) = first else { return false };
+        let Some((fraction, normal)) = self.first_static(stack, own, from, reach) else { return false };
         let Some(stop) = stop(reach, length, keep, fraction, normal) else { return false };
         *moved = reach * stop;
+        // A path that grazes a surface ends closer to it, and could slip through by a rounding later on: away with it.
+        let above = (fraction - stop) * -reach.dot(normal);
+        if above < 0.5 * keep {
+            let lifted = *moved + normal * (keep - above);
+            if self.first_static(stack, own, from, lifted).is_none() {
+                *moved = lifted;
+            }
+        }
         let speed = velocity.linear.dot(normal);
         if speed < 0.0 {
             velocity.linear -= normal * speed;
         }
         true
     }
+
+    /// Where a way first enters static geometry: how far along it, and the normal there.
+    fn first_static(&self, stack: &mut Vec<u32>, own: &[u32], from: DVec3, way: Vec3) -> Option<(f32, Vec3)> {
+        let mut first: Option<(f32, Vec3)> = None;
+        let (start, end) = (from.as_vec3(), (from + way.as_dvec3()).as_vec3());
+        let slack = Vec3::splat(1e-6 * start.abs().max(end.abs()).max_element());
+        self.broad.statics_on_path(stack, start, end, slack, |c| {
+            let (collider, pose) = (&self.colliders[c as usize], &self.poses[c as usize]);
+            if !own.iter().all(|&o| self.colliders[o as usize].filter.allows(&collider.filter)) {
+                return;
+            }
+            let back = pose.rotation.conjugate();
+            let a = back * (from - pose.position).as_vec3();
+            let b = a + back * way;
+            if let Some(hit) = segment_hits(collider, a, b)
+                && first.is_none_or(|(fraction, _)| hit.fraction < fraction)
+            {
+                first = Some((hit.fraction, pose.rotation * hit.normal));
+            }
+        });
+        first
+    }
+
     /// Keeps the centres of dynamic bodies on their side of the kinematic ones, all of which are at their new poses by
     /// now. Says how many it had to hold.
     pub(crate) fn hold_kinematic(

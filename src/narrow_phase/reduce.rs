@@ -57,6 +57,15 @@ pub(crate) fn reduce(points: &[RawPoint], normal: Vec3) -> ([RawPoint; MAX_POINT
             Some(_) => {}
         }
     }
+    if let Some(ends) = ends_of_line(&seeds[..count]) {
+        out[0] = points[deepest];
+        let mut kept = 1;
+        for end in ends.into_iter().filter(|&end| end != deepest) {
+            out[kept] = points[end];
+            kept += 1;
+        }
+        return (out, kept as u32);
+    }
     let mut hull = [(Vec2::ZERO, 0usize); MOST];
     let all = convex_hull(&mut seeds[..count], &mut hull);
     let keep = hull[..all].iter().any(|h| h.1 == deepest);
@@ -107,6 +116,22 @@ pub(crate) fn reduce(points: &[RawPoint], normal: Vec3) -> ([RawPoint; MAX_POINT
         *to = points[from.1];
     }
     (out, kept as u32)
+}
+
+/// The ends of points that lie on a line, as the contact of a capsule with many triangles does: its area is all
+/// rounding, and would choose any of them.
+fn ends_of_line(points: &[(Vec2, usize)]) -> Option<[usize; 2]> {
+    let furthest = |from: Vec2| {
+        let away = |p: &(Vec2, usize)| (p.0 - from).length_squared();
+        points
+            .iter()
+            .fold((from, 0, -1.0), |best, p| if away(p) > best.2 { (p.0, p.1, away(p)) } else { best })
+    };
+    let one = furthest(Vec2::ZERO);
+    let other = furthest(one.0);
+    let along = other.0 - one.0;
+    let limit = CLUSTER * along.length_squared();
+    points.iter().all(|p| along.perp_dot(p.0 - one.0).abs() <= limit).then_some([one.1, other.1])
 }
 
 /// Twice the area of the convex hull of four points in any order: as a quadrilateral with two of them as ends of one
