@@ -27,6 +27,27 @@ fn no_shot_gets_through_a_target_with_continuous_collision() {
     assert_eq!((segment, volume), (0, 0), "{MODES:?}: {through:?}");
 }
 
+#[test]
+#[ignore = "counts how often the guard has to help, for docs/decisions/ghosts.md"]
+fn how_often_the_guard_holds() {
+    use backstop::Continuous;
+    use backstop::scene::shots::{SHAPES, TARGETS};
+    let targets = Targets::new().unwrap();
+    let (mut by_target, mut by_shape) = ([(0, 0); TARGETS.len()], [(0, 0); SHAPES.len()]);
+    for number in 0..6000 {
+        let shot = Shot::new(&targets, 5, number);
+        let mut held = 0;
+        shot.run_seen(&targets, Continuous::Segment, |world, _| held += world.report().held).unwrap();
+        for count in [&mut by_target[shot.target], &mut by_shape[shot.shape]] {
+            count.0 += 1;
+            count.1 += u32::from(held > 0);
+        }
+    }
+    for (name, (shots, held)) in TARGETS.iter().zip(by_target).chain(SHAPES.iter().zip(by_shape)) {
+        println!("{name}: {held} of {shots} shots held");
+    }
+}
+
 mod moving {
     //! Where both sides move, or what presses is slow.
 

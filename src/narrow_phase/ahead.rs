@@ -29,7 +29,7 @@ pub(crate) fn look_ahead(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold,
     } else {
         cast_convex(a, b, &motion, tolerance)
     }?;
-    let raw = collide_convex(a, b, &motion.relative(touch.fraction), input.margin);
+    let raw = collide_convex(a, b, &motion.relative(touch.fraction), further(input, pair, touch.fraction));
     Some((carry_back(&raw, &motion, touch.fraction, 0.0), touch.fraction))
 }
 
@@ -67,7 +67,8 @@ pub(crate) fn look_ahead_mesh(input: &Input<'_>, pair: &Pair, resting: f32, out:
         return;
     };
     out.raw.clear();
-    collide_mesh(a, b, &motion.relative(fraction), input.margin, &mut out.mesh, &mut out.raw);
+    let margin = further(input, pair, fraction);
+    collide_mesh(a, b, &motion.relative(fraction), margin, &mut out.mesh, &mut out.raw);
     out.many.extend(out.raw.iter().map(|raw| (carry_back(raw, &motion, fraction, 0.0), fraction)));
 
     let then = motion.after(fraction, normal);
@@ -82,6 +83,14 @@ pub(crate) fn look_ahead_mesh(input: &Input<'_>, pair: &Pair, resting: f32, out:
         // What touches on the way there touches at the first place too.
         out.many.push((carry_back(&first, &motion, fraction, 0.0), fraction));
     }
+}
+
+/// The margin at a first touch [m]: what is left of the motion may bring down the rest of a body that touched with a tip.
+/// The plane is one that it did touch, so points far from it are no guess.
+fn further(input: &Input<'_>, pair: &Pair, fraction: f32) -> f32 {
+    let radius = |c: u32| input.colliders[c as usize].radius;
+    let size = 2.0 * radius(pair.a).min(radius(pair.b));
+    input.margin + ((1.0 - fraction) * input.approach(pair).most()).min(size)
 }
 
 /// Whether a convex shape touches a mesh or height field at all within the step.

@@ -210,7 +210,8 @@ fn finish_convex(
     }
     if fraction == 0.0 && (1..3).contains(&raw.count) && wanders(input, pair) {
         let middle = halfway(input, pair, input.margin);
-        if middle.count > 0 {
+        // Unless it would push where nothing is touched.
+        if middle.count > 0 && (nearest <= 0.0 || !would_push(input, pair, &middle)) {
             (raw, fraction) = (middle, 0.5);
         }
     }
