@@ -1,6 +1,8 @@
 //! One pass over all batches, in the order of their importance.
 
-use crate::constraint::contact_row::{HOLD, Motion, Pass, Softness, solve, store as store_batch, warm_start};
+use crate::constraint::contact_row::{
+    HOLD, Motion, Pass, SHARE, Softness, solve, store as store_batch, warm_start,
+};
 use crate::constraint::{Batch, Group, Rows, Stage};
 use crate::lanes::{GatherLanes, Record};
 use crate::narrow_phase::{Contact, Point};
@@ -148,8 +150,8 @@ pub(crate) fn store(
 fn take(point: &mut Point, impulse: f32, hold: f32) {
     point.impulse = impulse;
     // A load that is gone is gone at once: what bears rigidly never pushes.
-    let lasting = point.held.min(impulse);
-    point.held = lasting + (impulse - lasting) * hold;
+    let (bears, lasting) = (impulse * SHARE, point.held.min(impulse * SHARE));
+    point.held = lasting + (bears - lasting) * hold;
 }
 
 fn put<L: GatherLanes, const P: usize>(
