@@ -257,10 +257,11 @@ fn finish_mesh(
     out.raw.clear();
     collide_mesh(a, b, rel, margin, &mut out.mesh, &mut out.raw);
     let nearest = out.raw.iter().flat_map(|m| m.points()).fold(f32::INFINITY, |s, p| s.min(p.separation));
+    // What rests on the mesh sinks by what gravity adds in the step, and must not strike the ground that it is on.
+    let resting = if nearest <= input.real { input.margin } else { input.real };
     if fast {
-        // Manifolds without a real point are guesses; what is really hit comes from the cast.
-        let real = input.real;
-        out.raw.retain(|m| m.points().iter().any(|p| p.separation <= real));
+        // Manifolds without a near point are guesses; what is really hit comes from the cast.
+        out.raw.retain(|m| m.points().iter().any(|p| p.separation <= resting));
     }
     // Close, but apart by more than a cast leaves open: planes count only if anything is touched at all.
     let apart = nearest > tolerance(a, b);
@@ -273,7 +274,7 @@ fn finish_mesh(
     out.many.extend(out.raw.iter().map(|&m| (m, 0.0)));
     if fast {
         out.casts += 1;
-        look_ahead_mesh(input, pair, input.real, out);
+        look_ahead_mesh(input, pair, resting, out);
     }
     if pair.contact != NONE {
         // SAFETY: the contact is this pair's, and this block has the pair.
