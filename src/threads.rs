@@ -37,6 +37,7 @@ type Work<'a> = &'a (dyn Fn(usize) + Sync + 'a);
 type Erased = (*const (), fn(*const (), usize));
 
 /// The stage that is being worked on.
+#[cfg_attr(not(feature = "parallel"), allow(dead_code, reason = "only helpers read it"))]
 struct Stage {
     /// Epoch (16 bits), number of blocks (24) and next block to claim (24) in one word, so that a claim is one
     /// exchange and can't mistake one stage for another.
@@ -60,6 +61,7 @@ impl Drop for Done<'_> {
     }
 }
 
+#[cfg_attr(not(feature = "parallel"), allow(dead_code, reason = "only helpers need it"))]
 impl Stage {
     fn new() -> Self {
         Stage {
