@@ -443,7 +443,11 @@ impl World {
         if turn.w < 0.0 {
             turn = -turn;
         }
-        self.set_velocity(body, linear, turn.to_scaled_axis() / dt)
+        // Not glam's `to_scaled_axis`: it asks the platform's arc tangent.
+        let part = turn.xyz();
+        let sine = part.length();
+        let angle = if sine > 0.0 { 2.0 * libm::atan2f(sine, turn.w) / sine } else { 2.0 };
+        self.set_velocity(body, linear, part * (angle / dt))
     }
 
     /// Adds a force [N] at the centre of mass and a torque [N m] to a dynamic body, for the next step.
