@@ -90,6 +90,15 @@ struct Arc {
     reach: f64,
 }
 
+/// A shape's turn around its body's centre.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spin {
+    /// Rotation vector over the step [rad].
+    pub(super) vector: Vec3,
+    /// Extent of the core across its axis [m].
+    pub(super) reach: f32,
+}
+
 /// Both shapes at a moment.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Placed {
@@ -130,15 +139,28 @@ impl<'a> Sweep<'a> {
 
     /// The moment of the first touch, if it is before `limit`; the limit has no other influence on it.
     pub(super) fn first_touch(&self, limit: f64) -> Option<Touch> {
+        let placed = self.placed(0.0);
+        let mut simplex = Simplex::empty();
+        let start = self.gap(&placed, &mut simplex);
+        self.touch_after(placed, start, simplex, limit)
+    }
+
+    /// The same, with what is known of the start: where the shapes are, the gap and its direction, and the simplex.
+    pub(super) fn touch_after(
+        &self,
+        mut placed: Placed,
+        (mut gap, mut normal): (f64, DVec3),
+        mut simplex: Simplex,
+        limit: f64,
+    ) -> Option<Touch> {
         // Steps end short of the tolerance, so that the last one is not the limit of infinitely many.
         let target = 0.5 * self.tolerance;
         let still = self.turn_a.rate == 0.0 && self.turn_b.rate == 0.0;
-        let (mut t, mut normal) = (0.0, DVec3::ZERO);
-        let mut simplex = Simplex::empty();
-        let mut placed = self.placed(0.0);
-        for _ in 0..MAX_STEPS {
-            let gap;
-            (gap, normal) = self.gap(&placed, &mut simplex);
+        let mut t = 0.0;
+        for step in 0..MAX_STEPS {
+            if step > 0 {
+                (gap, normal) = self.gap(&placed, &mut simplex);
+            }
             if gap <= self.tolerance {
                 return Some(touch(t, normal));
             }
@@ -195,6 +217,11 @@ impl<'a> Sweep<'a> {
         if motion.b.spin != Vec3::ZERO {
             self.turn_b = Arc::of(&motion.b, self.tolerance, &triangle);
         }
+    }
+
+    /// How a turns; nothing where that is too little to be seen.
+    pub(super) fn spin(&self) -> Spin {
+        Spin { vector: self.turn_a.spin.as_vec3(), reach: self.turn_a.reach as f32 }
     }
 
     pub(super) fn b_spins(&self) -> bool {

@@ -1,6 +1,8 @@
 //! When a moving convex shape first touches a mesh or a height field.
 
 use super::cast::{Other, Sweep, Touch};
+use super::mesh::Eight;
+use super::mesh_sweep::MeshSweep;
 use super::motion::Motion;
 use super::simplex::Simplex;
 use super::support::Support;
@@ -75,12 +77,13 @@ pub(crate) fn cast_triangles<T: Triangles + ?Sized>(
     let slack = f64::from(tolerance) + 1e-6 * (path.from.length() + path.to.length());
     let inflate = path.inflate + DVec3::splat(slack);
     let (start, middle, end) = (sweep.placed(0.0), sweep.placed(0.5), sweep.placed(1.0));
-    let resting = f64::from(resting);
+    let filter = (!sweep.b_spins()).then(|| MeshSweep::new(a, motion, &sweep.spin()));
     let mut first: Option<Touch> = None;
     let mut limit = 1.0_f64;
-    let mut visit = |index: u32, _entry: f32| -> f32 {
+    let mut exact = |index: u32| {
         let corners = mesh.triangle(index);
         sweep.set_triangle(Support::triangle(corners), motion);
+        let resting = f64::from(resting);
         if !sweep.b_spins() {
             let [p, q, r] = corners.map(Vec3::as_dvec3);
             let up = start.rotation_b * (q - p).cross(r - p).normalize_or_zero();
@@ -90,25 +93,55 @@ pub(crate) fn cast_triangles<T: Triangles + ?Sized>(
             let heights = [&start, &middle, &end].map(|placed| sweep.gap_along(placed, down));
             let least = heights[0].min(heights[2]);
             if least - sweep.bend(down) / 8.0 > f64::from(tolerance) {
-                return limit as f32;
+                return limit;
             }
             if heights[0].abs() <= resting && least.min(heights[1]) >= -resting {
-                return limit as f32;
+                return limit;
             }
-            // Nearer to the triangle than to its plane is impossible.
-            if heights[0] <= resting && sweep.gap(&start, &mut Simplex::empty()).0 <= resting {
-                return limit as f32;
-            }
-        } else if sweep.gap(&start, &mut Simplex::empty()).0 <= resting {
-            return limit as f32;
         }
-        if let Some(touch) = sweep.first_touch(limit) {
+        let mut simplex = Simplex::empty();
+        let gap = sweep.gap(&start, &mut simplex);
+        if gap.0 <= resting {
+            return limit;
+        }
+        if let Some(touch) = sweep.touch_after(start, gap, simplex, limit) {
             limit = f64::from(touch.fraction);
             first = Some(touch);
+        }
+        limit
+    };
+    // Eight at a time: most can't be touched.
+    let mut eight = Eight::default();
+    let mut limit = 1.0_f64;
+    let mut look = |eight: &mut Eight, limit: &mut f64| {
+        let (mut lanes, earliest) = match &filter {
+            Some(filter) => filter.in_reach(eight, tolerance, resting),
+            None => (eight.lanes(), [0.0; 8]),
+        };
+        while lanes != 0 {
+            // The earliest one first: it may spare the others.
+            let mut next = lanes.trailing_zeros() as usize;
+            for lane in next + 1..8 {
+                if lanes >> lane & 1 != 0 && earliest[lane] < earliest[next] {
+                    next = lane;
+                }
+            }
+            lanes &= !(1 << next);
+            if f64::from(earliest[next]) < *limit {
+                *limit = exact(eight.index[next]);
+            }
+        }
+        eight.clear();
+    };
+    let mut visit = |index: u32, _entry: f32| -> f32 {
+        eight.push(index, mesh.triangle(index));
+        if eight.is_full() {
+            look(&mut eight, &mut limit);
         }
         limit as f32
     };
     mesh.visit_segment(path.from.as_vec3(), path.to.as_vec3(), inflate.as_vec3(), &mut visit);
+    look(&mut eight, &mut limit);
     first
 }
 

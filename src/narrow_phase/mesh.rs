@@ -12,6 +12,7 @@
 
 use super::mesh_merge::Merge;
 use super::mesh_patch::{Patches, Touch};
+use super::mesh_sweep::reach;
 use super::polytope::Pose;
 use super::{RawManifold, Relative, mesh_box, mesh_convex, mesh_sphere};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
@@ -25,7 +26,14 @@ pub(super) enum Ground<'a> {
     Field(&'a HeightField),
 }
 
-impl Ground<'_> {
+impl<'a> Ground<'a> {
+    fn of(b: &'a Collider) -> Option<Ground<'a>> {
+        match &b.geometry {
+            Geometry::Mesh(mesh) => Some(Ground::Mesh(mesh)),
+            Geometry::HeightField(field) => Some(Ground::Field(field)),
+            _ => None,
+        }
+    }
     fn visit_box(&self, min: Vec3, max: Vec3, f: &mut impl FnMut(u32, [Vec3; 3])) {
         match self {
             Ground::Mesh(mesh) => mesh.visit_box(min, max, &mut |i| f(i, mesh.triangle(i))),
@@ -42,11 +50,34 @@ impl Ground<'_> {
 
 /// Up to eight triangles as they lie in memory, in the mesh's frame.
 #[derive(Clone, Debug, Default)]
-struct Eight {
+pub(super) struct Eight {
     /// Per corner and axis, by lane.
     corners: [[[f32; 8]; 3]; 3],
-    index: [u32; 8],
+    pub(super) index: [u32; 8],
     count: usize,
+}
+
+impl Eight {
+    /// Adds a triangle; the caller sees to it that there is room.
+    #[inline(always)]
+    pub(super) fn push(&mut self, index: u32, corners: [Vec3; 3]) {
+        let lane = self.count % 8;
+        for (to, corner) in self.corners.iter_mut().zip(corners) {
+            (to[0][lane], to[1][lane], to[2][lane]) = (corner.x, corner.y, corner.z);
+        }
+        self.index[lane] = index;
+        self.count = lane + 1;
+    }
+    pub(super) fn clear(&mut self) {
+        self.count = 0;
+    }
+    pub(super) fn is_full(&self) -> bool {
+        self.count == 8
+    }
+    /// A bit for each triangle.
+    pub(super) fn lanes(&self) -> u32 {
+        (1u32 << self.count) - 1
+    }
 }
 
 /// Eight triangles in the shape's frame.
@@ -65,7 +96,7 @@ pub(super) struct Triangles {
 
 impl Triangles {
     #[inline(always)]
-    fn new(eight: &Eight, pose: &Pose, centre: Vec3) -> Triangles {
+    pub(super) fn new(eight: &Eight, pose: &Pose, centre: Vec3) -> Triangles {
         let m = &pose.axes;
         // Written out: arrays that are mapped or iterated over by value are not kept in registers.
         let (x_axis, y_axis, z_axis) =
@@ -88,7 +119,7 @@ impl Triangles {
             front,
             height: height.abs(),
             behind: behind.bits(),
-            valid: valid.bits() & ((1u32 << eight.count) - 1),
+            valid: valid.bits() & eight.lanes(),
             index: eight.index,
         }
     }
@@ -170,11 +201,7 @@ pub(crate) fn collide_mesh(
     scratch: &mut MeshScratch,
     out: &mut Vec<RawManifold>,
 ) {
-    let ground = match &b.geometry {
-        Geometry::Mesh(mesh) => Ground::Mesh(mesh),
-        Geometry::HeightField(field) => Ground::Field(field),
-        _ => return,
-    };
+    let Some(ground) = Ground::of(b) else { return };
     let Some((middle, half, centre)) = bounds(a) else { return };
     let pose = Pose::new(rel.position, rel.rotation);
     scratch.gather(ground, &pose, middle, half + Vec3::splat(margin));
@@ -210,6 +237,23 @@ pub(crate) fn collide_mesh(
     merge.manifolds(patches, &pose, a.radius, out);
 }
 
+/// Whether a convex shape may be nearer than `margin` [m] to a mesh or height field: no if a plane of a triangle or of
+/// the box around the shape is between it and each triangle.
+pub(super) fn near_mesh(a: &Collider, b: &Collider, rel: &Relative, margin: f32, scratch: &mut MeshScratch) -> bool {
+    let Some(ground) = Ground::of(b) else { return false };
+    let Some((middle, half, centre)) = bounds(a) else { return false };
+    let pose = Pose::new(rel.position, rel.rotation);
+    scratch.gather(ground, &pose, middle, half + Vec3::splat(margin));
+    let limit = f32x8::splat(margin);
+    scratch.eights[..scratch.used].iter().any(|eight| {
+        let triangles = Triangles::new(eight, &pose, centre);
+        let (_, axis, _) = triangles.separate(middle, half);
+        let down = -triangles.front;
+        let face = triangles.height + LaneVec3::splat(centre).dot(down) - reach(a, down);
+        (axis.le(limit) & face.le(limit)).bits() & triangles.valid != 0
+    })
+}
+
 impl MeshScratch {
     /// The triangles that meet a box of the shape's frame.
     fn gather(&mut self, ground: Ground, pose: &Pose, middle: Vec3, half: Vec3) {
@@ -220,22 +264,16 @@ impl MeshScratch {
         let half = half + Vec3::splat(1e-6 * middle.abs().max_element());
         let (eights, used) = (&mut self.eights, &mut self.used);
         *used = 0;
-        let mut lane = 8;
         ground.visit_box(middle - half, middle + half, &mut |index, corners| {
-            if lane == 8 {
+            if *used == 0 || eights[*used - 1].is_full() {
                 if *used == eights.len() {
                     eights.push(Eight::default());
                 }
-                eights[*used].count = 0;
-                (*used, lane) = (*used + 1, 0);
+                eights[*used].clear();
+                *used += 1;
             }
             if let Some(eight) = eights.get_mut(*used - 1) {
-                for (to, corner) in eight.corners.iter_mut().zip(corners) {
-                    (to[0][lane], to[1][lane], to[2][lane]) = (corner.x, corner.y, corner.z);
-                }
-                eight.index[lane] = index;
-                lane += 1;
-                eight.count = lane;
+                eight.push(index, corners);
             }
         });
     }

@@ -10,10 +10,10 @@ use glam::Vec3;
 /// Key of a point with the face's normal on the border of the face, until [`finish`].
 const BORDER: u32 = u32::MAX;
 
-/// The point of each triangle that is nearest to the origin, and the feature it is on: 0 the face, 1 + i the edge i,
-/// 4 + i the corner i.
+/// The point of each triangle that is nearest to `to`, and the feature it is on: 0 the face, 1 + i the edge i, 4 + i
+/// the corner i.
 #[inline(always)]
-fn nearest(triangles: &Triangles) -> (LaneVec3<f32x8>, f32x8) {
+pub(super) fn nearest(triangles: &Triangles, to: LaneVec3<f32x8>) -> (LaneVec3<f32x8>, f32x8) {
     let (zero, one) = (f32x8::zero(), f32x8::one());
     let mut least = f32x8::splat(f32::MAX);
     let mut point = LaneVec3::zero();
@@ -23,28 +23,29 @@ fn nearest(triangles: &Triangles) -> (LaneVec3<f32x8>, f32x8) {
     for i in 0..3 {
         let (from, to) = (triangles.corners[i], triangles.corners[(i + 1) % 3]);
         let along = to - from;
-        let t = -(from.dot(along)) / along.length_squared();
+        let away = to - from;
+        let t = away.dot(along) / along.length_squared();
         let clamped = t.clamp(zero, one);
         let at = from + along * clamped;
-        let squared = at.length_squared();
+        let squared = (at - to).length_squared();
         let nearer = squared.lt(least);
         let name = Lanes::select(t.le(zero), f32x8::splat(4.0 + i as f32), f32x8::splat(1.0 + i as f32));
         let name = Lanes::select(t.ge(one), f32x8::splat(4.0 + ((i + 1) % 3) as f32), name);
         least = Lanes::select(nearer, squared, least);
         point = LaneVec3::select(nearer, at, point);
         feature = Lanes::select(nearer, name, feature);
-        let side = from.cross(along).dot(triangles.front);
+        let side = along.cross(away).dot(triangles.front);
         left = left & side.ge(zero);
         right = right & side.le(zero);
     }
-    let foot = triangles.front * -triangles.height;
+    let foot = to - triangles.front * (to - triangles.corners[0]).dot(triangles.front);
     let over = left | right;
     (LaneVec3::select(over, foot, point), Lanes::select(over, zero, feature))
 }
 
 /// Adds a patch of one point for every triangle that is nearer than the margin.
 pub(super) fn touch(radius: f32, triangles: &Triangles, margin: f32, ground: &Ground, patches: &mut Patches) {
-    let (point, feature) = nearest(triangles);
+    let (point, feature) = nearest(triangles, LaneVec3::zero());
     let distance = point.length();
     let mut bits = distance.le(f32x8::splat(radius + margin)).bits() & triangles.valid;
     while bits != 0 {

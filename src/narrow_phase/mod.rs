@@ -27,6 +27,7 @@ mod mesh_convex;
 mod mesh_merge;
 mod mesh_patch;
 mod mesh_sphere;
+mod mesh_sweep;
 mod motion;
 mod polytope;
 mod reduce;
