@@ -29,7 +29,7 @@ pub(crate) fn look_ahead(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold,
     } else {
         cast_convex(a, b, &motion, tolerance)
     }?;
-    let raw = collide_convex(a, b, &motion.relative(touch.fraction), further(input, pair, touch.fraction));
+    let raw = collide_convex(a, b, &motion.relative(touch.fraction), further(input, pair, &touch));
     Some((carry_back(&raw, &motion, touch.fraction, 0.0), touch.fraction))
 }
 
@@ -63,11 +63,10 @@ pub(crate) fn look_ahead_mesh(input: &Input<'_>, pair: &Pair, resting: f32, out:
     let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
     let motion = Motion::new(a, &path(input, pair.a), b, &path(input, pair.b));
     let tolerance = tolerance(a, b);
-    let Some(Touch { fraction, normal }) = cast_mesh(a, b, &motion, tolerance, resting) else {
-        return;
-    };
+    let Some(touch) = cast_mesh(a, b, &motion, tolerance, resting) else { return };
+    let Touch { fraction, normal } = touch;
     out.raw.clear();
-    let margin = further(input, pair, fraction);
+    let margin = further(input, pair, &touch);
     collide_mesh(a, b, &motion.relative(fraction), margin, &mut out.mesh, &mut out.raw);
     out.many.extend(out.raw.iter().map(|raw| (carry_back(raw, &motion, fraction, 0.0), fraction)));
 
@@ -86,11 +85,13 @@ pub(crate) fn look_ahead_mesh(input: &Input<'_>, pair: &Pair, resting: f32, out:
 }
 
 /// The margin at a first touch [m]: what is left of the motion may bring down the rest of a body that touched with a tip.
-/// The plane is one that it did touch, so points far from it are no guess.
-fn further(input: &Input<'_>, pair: &Pair, fraction: f32) -> f32 {
+/// The plane is one that it did touch, so points far from it are no guess. Motion along it brings nothing down.
+fn further(input: &Input<'_>, pair: &Pair, touch: &Touch) -> f32 {
     let radius = |c: u32| input.colliders[c as usize].radius;
     let size = 2.0 * radius(pair.a).min(radius(pair.b));
-    input.margin + ((1.0 - fraction) * input.approach(pair).most()).min(size)
+    let approach = input.approach(pair);
+    let closing = (-approach.way.dot(touch.normal)).max(0.0) + approach.spin;
+    input.margin + ((1.0 - touch.fraction) * closing).min(size)
 }
 
 /// Whether a convex shape touches a mesh or height field at all within the step.
