@@ -100,7 +100,7 @@ impl World {
         }
         clock = lap(clock, &mut times.solve);
 
-        let ended = finish::finish(crew, self, dt);
+        let ended = finish::finish(crew, self, broad.0.fast, dt);
         lap(clock, &mut times.finish);
         times.step = start.elapsed().as_secs_f32() * 1e6;
         self.buffers.last_h = dt / self.settings.substeps as f32;

@@ -5,8 +5,14 @@ use glam::{Quat, Vec3};
 /// The rotation by the angle |v| [rad] about v. Polynomials below 1 rad, so that the bits don't depend on the
 /// platform's sine.
 pub(crate) fn exp_map(v: Vec3) -> Quat {
-    let t = v.length_squared();
-    let (s, c) = if t < 1.0 {
+    let (s, c) = half_turn(v.length_squared());
+    Quat::from_xyzw(v.x * s, v.y * s, v.z * s, c).normalize()
+}
+
+/// Sine of half an angle divided by the angle, and cosine of half of it, by the angle's square.
+#[inline(always)]
+fn half_turn(t: f32) -> (f32, f32) {
+    if t < 1.0 {
         (
             0.5 + t * (-1.0 / 48.0 + t * (1.0 / 3840.0 + t * (-1.0 / 645_120.0))),
             1.0 + t * (-1.0 / 8.0 + t * (1.0 / 384.0 + t * (-1.0 / 46_080.0 + t * (1.0 / 10_321_920.0)))),
@@ -14,8 +20,7 @@ pub(crate) fn exp_map(v: Vec3) -> Quat {
     } else {
         let angle = t.sqrt();
         (libm::sinf(0.5 * angle) / angle, libm::cosf(0.5 * angle))
-    };
-    Quat::from_xyzw(v.x * s, v.y * s, v.z * s, c).normalize()
+    }
 }
 
 /// Free rotation over `h` seconds: turns `rotation` and returns it with the new angular velocity.
@@ -42,23 +47,42 @@ pub(crate) fn tumble(rotation: Quat, omega: Vec3, inertia: Vec3, h: f32) -> (Qua
     let exact = rotation.as_dquat().normalize();
     let start = inertia.as_dvec3() * (exact.conjugate() * omega.as_dvec3());
     let (mut turn, mut momentum) = (rotation, start.as_vec3());
-    let spin = |turn: &mut Quat, momentum: &mut Vec3, axis: usize, rate: f32| {
-        let mut v = Vec3::ZERO;
-        v[axis] = rate * momentum[axis] * h;
-        let q = exp_map(v);
-        *turn *= q;
-        *momentum = q.conjugate() * *momentum;
-    };
-    spin(&mut turn, &mut momentum, i, 0.5 * rest);
-    spin(&mut turn, &mut momentum, j, -0.5 * rest);
+    if rest != 0.0 {
+        spin_axis(&mut turn, &mut momentum, i, 0.5 * rest * h);
+        spin_axis(&mut turn, &mut momentum, j, -0.5 * rest * h);
+    }
     turn *= exp_map(momentum * (across * h));
-    spin(&mut turn, &mut momentum, k, inverse[k] - across);
-    spin(&mut turn, &mut momentum, j, -0.5 * rest);
-    spin(&mut turn, &mut momentum, i, 0.5 * rest);
+    spin_axis(&mut turn, &mut momentum, k, (inverse[k] - across) * h);
+    if rest != 0.0 {
+        spin_axis(&mut turn, &mut momentum, j, -0.5 * rest * h);
+        spin_axis(&mut turn, &mut momentum, i, 0.5 * rest * h);
+    }
     // Rounding turned the momentum by next to nothing, and must not change its length either.
     let turn = turn.normalize();
     let local = momentum.as_dvec3().normalize_or_zero() * start.length() / inertia.as_dvec3();
     (turn, (turn.as_dquat().normalize() * local).as_vec3())
+}
+
+/// Turns a body about one of its own axes, by `rate` times its momentum about that axis [rad]; the momentum as seen from
+/// the body turns back.
+#[inline(always)]
+fn spin_axis(turn: &mut Quat, momentum: &mut Vec3, axis: usize, rate: f32) {
+    let angle = rate * momentum[axis];
+    let (s, c) = half_turn(angle * angle);
+    let s = s * angle;
+    let length = (s * s + c * c).sqrt();
+    let (s, c) = (s / length, c / length);
+    let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+    let q = turn.to_array();
+    let mut out = [0.0; 4];
+    out[axis] = q[axis] * c + q[3] * s;
+    out[i] = q[i] * c + q[j] * s;
+    out[j] = q[j] * c - q[i] * s;
+    out[3] = q[3] * c - q[axis] * s;
+    *turn = Quat::from_array(out);
+    let (sin, cos) = (2.0 * s * c, c * c - s * s);
+    let (x, y) = (momentum[i], momentum[j]);
+    (momentum[i], momentum[j]) = (x * cos + y * sin, y * cos - x * sin);
 }
 
 /// How fast the two like moments of a body turn it out of the motion of a symmetric top, at most [rad/s]: what

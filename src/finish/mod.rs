@@ -7,9 +7,11 @@ use guard::{Clear, Guard};
 pub use report::{StageTimes, StepReport};
 
 use crate::body::{carry_spin, exp_map, tumble, wobble};
+use crate::broad_phase::Pair;
 use crate::config::Continuous;
 use crate::forces::spins_freely;
 use crate::memory::bytes_of;
+use crate::shape::Collider;
 use crate::threads::{Crew, Shared};
 use crate::world::World;
 use std::sync::Mutex;
@@ -20,6 +22,8 @@ pub(crate) struct Buffers {
     stacks: Vec<Mutex<Vec<u32>>>,
     /// Of each dynamic body: it need not be looked at in there.
     clear: Vec<Clear>,
+    /// Of each dynamic body, if there are fast ones: something static is near its predicted path.
+    beside: Vec<bool>,
 }
 
 impl Buffers {
@@ -27,8 +31,8 @@ impl Buffers {
         let stacks =
             self.stacks.iter().filter_map(|s| s.lock().ok().map(|s| s.capacity() * 4)).sum::<usize>();
         let own = self.stacks.capacity() * size_of::<Mutex<Vec<u32>>>();
-        let clear = bytes_of(&self.clear);
-        (own + clear.0, own + stacks + clear.1)
+        let (clear, beside) = (bytes_of(&self.clear), bytes_of(&self.beside));
+        (own + clear.0 + beside.0, own + stacks + clear.1 + beside.1)
     }
 
     /// Something static is where it was not before.
@@ -44,17 +48,40 @@ pub(crate) struct Ended {
     pub(crate) held: u32,
 }
 
+/// Marks the dynamic bodies that have a pair with something static; none if nothing is fast: what is slow is
+/// known to be clear of most already.
+fn mark_beside(
+    beside: &mut Vec<bool>,
+    fast: u32,
+    movers: usize,
+    dynamic: usize,
+    pairs: &[Pair],
+    colliders: &[Collider],
+) {
+    beside.clear();
+    if fast == 0 {
+        return;
+    }
+    beside.resize(dynamic, false);
+    for pair in pairs {
+        let [a, b] = [pair.a, pair.b].map(|c| colliders[c as usize].body as usize);
+        if a >= movers || b >= movers {
+            beside.get_mut(a.min(b)).into_iter().for_each(|mark| *mark = true);
+        }
+    }
+}
+
 /// Bodies a block.
 const BLOCK: usize = 64;
 /// A free body whose axis may wander by more than this within a step is turned in several [rad].
 const TURN: f32 = 0.05;
 
-/// Moves the bodies to the end of the step.
-pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, dt: f32) -> Ended {
+/// Moves the bodies to the end of the step. `fast`: how many outran their boxes.
+pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> Ended {
     let (movers, dynamic) = (world.bodies.movers(), world.bodies.dynamic());
     let blocks = movers.div_ceil(BLOCK);
     let held = std::sync::atomic::AtomicU32::new(0);
-    let Buffers { stacks, clear } = &mut world.buffers.finish;
+    let Buffers { stacks, clear, beside } = &mut world.buffers.finish;
     if stacks.len() < blocks {
         stacks.resize_with(blocks, Mutex::default);
     }
@@ -65,6 +92,8 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, dt: f32) -> Ended {
         mode: world.settings.continuous,
     };
     clear.resize(dynamic, Clear::default());
+    mark_beside(beside, fast, movers, dynamic, &world.broad.pairs, &world.colliders.all);
+    let beside = &*beside;
     let bodies = &mut world.bodies;
     let delta = &world.buffers.solver.delta;
     let start = &world.buffers.forces.start;
@@ -98,7 +127,9 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, dt: f32) -> Ended {
                 pose.rotation = turned;
             }
             let mut moved = d.linear;
-            if i < dynamic && guard.wants(&traits[i], colliders[i].as_slice()) {
+            // What met nothing went along the path that the broad phase looked along.
+            let alone = !touched && beside.get(i).is_some_and(|beside| !beside);
+            if i < dynamic && !alone && guard.wants(&traits[i], colliders[i].as_slice()) {
                 let (own, from) = (colliders[i].as_slice(), pose.position);
                 // SAFETY: each body is in one block.
                 let clear = unsafe { clear.get(i) };

@@ -67,7 +67,7 @@ pub(crate) fn look_ahead_mesh(input: &Input<'_>, pair: &Pair, resting: f32, out:
     let Touch { fraction, normal } = touch;
     out.raw.clear();
     let margin = further(input, pair, &touch);
-    collide_mesh(a, b, &motion.relative(fraction), margin, &mut out.mesh, &mut out.raw);
+    collide_mesh(a, b, &motion.relative(fraction), (margin, margin), &mut out.mesh, &mut out.raw);
     out.many.extend(out.raw.iter().map(|raw| (carry_back(raw, &motion, fraction, 0.0), fraction)));
 
     let then = motion.after(fraction, normal);
@@ -76,7 +76,7 @@ pub(crate) fn look_ahead_mesh(input: &Input<'_>, pair: &Pair, resting: f32, out:
         return;
     };
     out.raw.clear();
-    collide_mesh(a, b, &then.relative(further), input.margin, &mut out.mesh, &mut out.raw);
+    collide_mesh(a, b, &then.relative(further), (input.margin, input.margin), &mut out.mesh, &mut out.raw);
     for raw in &out.raw {
         let first = carry_back(raw, &then, further, 0.0);
         // What touches on the way there touches at the first place too.

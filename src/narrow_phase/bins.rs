@@ -11,7 +11,7 @@ use super::collide::{Approach, Found, Input, near};
 use super::contact::{Contact, NONE};
 use super::convex::collide_convex;
 use super::lanes_io::{ManifoldLanes, PairLanes};
-use super::mesh::{collide_mesh, near_mesh};
+use super::mesh::collide_mesh;
 use super::sphere_box::sphere_box;
 use super::sphere_capsule::sphere_capsule;
 use super::sphere_sphere::sphere_sphere;
@@ -255,10 +255,9 @@ fn finish_mesh(
     let margin = input.margin + reach;
     let start = out.many.len() as u32;
     out.raw.clear();
-    // In flight what is found here would be dropped.
-    if !fast || near_mesh(a, b, rel, input.margin, &mut out.mesh) {
-        collide_mesh(a, b, rel, margin, &mut out.mesh, &mut out.raw);
-    }
+    // In flight what is found further away than the margin would be dropped.
+    let within = if fast { input.margin } else { margin };
+    collide_mesh(a, b, rel, (margin, within), &mut out.mesh, &mut out.raw);
     let nearest = out.raw.iter().flat_map(|m| m.points()).fold(f32::INFINITY, |s, p| s.min(p.separation));
     // What rests on the mesh sinks by what gravity adds in the step, and must not strike the ground that it is on.
     let resting = if nearest <= input.real { input.margin } else { input.real };

@@ -76,7 +76,8 @@ pub(crate) fn cast_triangles<T: Triangles + ?Sized>(
     // `f32` rounds the path; the tolerance alone may be less than that in a large mesh.
     let slack = f64::from(tolerance) + 1e-6 * (path.from.length() + path.to.length());
     let inflate = path.inflate + DVec3::splat(slack);
-    let (start, middle, end) = (sweep.placed(0.0), sweep.placed(0.5), sweep.placed(1.0));
+    let start = sweep.placed(0.0);
+    let mut later = None;
     let filter = (!sweep.b_spins()).then(|| MeshSweep::new(a, motion, &sweep.spin()));
     let mut first: Option<Touch> = None;
     let mut limit = 1.0_f64;
@@ -90,7 +91,8 @@ pub(crate) fn cast_triangles<T: Triangles + ?Sized>(
             let corner = start.rotation_b * p + start.offset;
             // From the shape's origin to the plane.
             let down = if up.dot(corner) > 0.0 { up } else { -up };
-            let heights = [&start, &middle, &end].map(|placed| sweep.gap_along(placed, down));
+            let (middle, end) = later.get_or_insert_with(|| (sweep.placed(0.5), sweep.placed(1.0)));
+            let heights = [&start, middle, end].map(|placed| sweep.gap_along(placed, down));
             let least = heights[0].min(heights[2]);
             if least - sweep.bend(down) / 8.0 > f64::from(tolerance) {
                 return limit;

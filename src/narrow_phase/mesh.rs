@@ -192,12 +192,13 @@ impl MeshScratch {
 }
 
 /// All points of a convex shape and a mesh or height field that are nearer than the margin, as up to
-/// [`MOST`](super::mesh_merge::MOST) manifolds in the shape's frame, added to `out`; the deepest first.
+/// [`MOST`](super::mesh_merge::MOST) manifolds in the shape's frame, added to `out`; the deepest first. None, if a plane
+/// shows that nothing is nearer than `within`.
 pub(crate) fn collide_mesh(
     a: &Collider,
     b: &Collider,
     rel: &Relative,
-    margin: f32,
+    (margin, within): (f32, f32),
     scratch: &mut MeshScratch,
     out: &mut Vec<RawManifold>,
 ) {
@@ -207,6 +208,19 @@ pub(crate) fn collide_mesh(
     scratch.gather(ground, &pose, middle, half + Vec3::splat(margin));
     let MeshScratch { eights, used, patches, merge } = scratch;
     let eights = &eights[..*used];
+    if within < margin {
+        let limit = f32x8::splat(within);
+        let near = |eight: &Eight| {
+            let triangles = Triangles::new(eight, &pose, centre);
+            let (_, axis, _) = triangles.separate(middle, half);
+            let down = -triangles.front;
+            let face = triangles.height + LaneVec3::splat(centre).dot(down) - reach(a, down);
+            (axis.le(limit) & face.le(limit)).bits() & triangles.valid != 0
+        };
+        if !eights.iter().any(near) {
+            return;
+        }
+    }
     patches.clear();
     match a.geometry {
         Geometry::Sphere { radius } => {
@@ -235,23 +249,6 @@ pub(crate) fn collide_mesh(
     }
     patches.drop_hidden(a.radius);
     merge.manifolds(patches, &pose, a.radius, out);
-}
-
-/// Whether a convex shape may be nearer than `margin` [m] to a mesh or height field: no if a plane of a triangle or of
-/// the box around the shape is between it and each triangle.
-pub(super) fn near_mesh(a: &Collider, b: &Collider, rel: &Relative, margin: f32, scratch: &mut MeshScratch) -> bool {
-    let Some(ground) = Ground::of(b) else { return false };
-    let Some((middle, half, centre)) = bounds(a) else { return false };
-    let pose = Pose::new(rel.position, rel.rotation);
-    scratch.gather(ground, &pose, middle, half + Vec3::splat(margin));
-    let limit = f32x8::splat(margin);
-    scratch.eights[..scratch.used].iter().any(|eight| {
-        let triangles = Triangles::new(eight, &pose, centre);
-        let (_, axis, _) = triangles.separate(middle, half);
-        let down = -triangles.front;
-        let face = triangles.height + LaneVec3::splat(centre).dot(down) - reach(a, down);
-        (axis.le(limit) & face.le(limit)).bits() & triangles.valid != 0
-    })
 }
 
 impl MeshScratch {
@@ -323,7 +320,7 @@ mod tests {
         let back = rotation.conjugate();
         let rel = Relative { position: -(back * position), rotation: back };
         let (mut scratch, mut out) = (MeshScratch::default(), Vec::new());
-        collide_mesh(a, b, &rel, margin, &mut scratch, &mut out);
+        collide_mesh(a, b, &rel, (margin, margin), &mut scratch, &mut out);
         for m in &mut out {
             m.normal = rotation * m.normal;
             for p in &mut m.points[..m.count as usize] {
@@ -595,7 +592,7 @@ mod tests {
                 (near, patches, manifolds) = (0, 0, 0);
                 for rel in &pairs {
                     out.clear();
-                    collide_mesh(&shape, &b, rel, MARGIN, &mut scratch, &mut out);
+                    collide_mesh(&shape, &b, rel, (MARGIN, MARGIN), &mut scratch, &mut out);
                     near += scratch.eights[..scratch.used].iter().map(|e| e.count).sum::<usize>();
                     patches += scratch.patches.patches.len();
                     manifolds += out.len();

@@ -149,7 +149,8 @@ impl<'a> MeshSweep<'a> {
         let (point, _) = nearest(triangles, moved);
         let (mut u, mut known) = unit(point - moved);
         for _ in 0..ROUNDS {
-            let (one, other) = (support(self.shape, u), self.end.point(support(self.shape, self.end.seen(u))));
+            let (one, other) =
+                (support(self.shape, u), self.end.point(support(self.shape, self.end.seen(u))));
             let (along_one, along_other) = (one.dot(u), other.dot(u));
             let (near, far) = nearest_corner(triangles, u);
             let (start, end) = (far - along_one, far - along_other);
