@@ -78,7 +78,7 @@ pub(crate) fn cast_triangles<T: Triangles + ?Sized>(
     let inflate = path.inflate + DVec3::splat(slack);
     let start = sweep.placed(0.0);
     let mut later = None;
-    let filter = (!sweep.b_spins()).then(|| MeshSweep::new(a, motion, &sweep.spin()));
+    let filter = (motion.b.spin == Vec3::ZERO).then(|| MeshSweep::new(a, motion, &sweep.spin()));
     let mut first: Option<Touch> = None;
     let mut limit = 1.0_f64;
     let mut exact = |index: u32| {

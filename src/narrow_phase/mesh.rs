@@ -14,10 +14,14 @@ use super::mesh_merge::Merge;
 use super::mesh_patch::{Patches, Touch};
 use super::mesh_sweep::reach;
 use super::polytope::Pose;
-use super::{RawManifold, Relative, mesh_box, mesh_convex, mesh_sphere};
+use super::support::Support;
+use super::{RawManifold, RawPoint, Relative, mesh_box, mesh_convex, mesh_sphere};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::shape::{Collider, Edges, Geometry, HeightField, TriangleMesh};
 use glam::Vec3;
+
+/// Feature of a triangle's key: the deepest point of the shape, wherever that is.
+const DEEPEST: u32 = 0x7f;
 
 /// What is collided with.
 #[derive(Clone, Copy)]
@@ -247,6 +251,14 @@ pub(crate) fn collide_mesh(
             }
         }
     }
+    if let (Some(touch), Some(shape)) = (patches.spare(), Support::of(a)) {
+        let front = touch.front.as_dvec3();
+        let deepest = (shape.support(-front) - front * shape.radius).as_vec3();
+        let separation = touch.front.dot(deepest - touch.corners[0]);
+        let position = deepest - touch.front * (0.5 * separation);
+        patches.points.push(RawPoint { position, separation, key: mesh_box::key(touch.index, DEEPEST) });
+        patches.add(touch, -touch.front, Some(separation), patches.points.len() - 1);
+    }
     patches.drop_hidden(a.radius);
     merge.manifolds(patches, &pose, a.radius, out);
 }
@@ -409,6 +421,30 @@ mod tests {
             now.dedup();
             assert_eq!(now.len(), 4);
             assert_eq!(*keys.get_or_insert(now.clone()), now);
+        }
+    }
+
+    /// A rod of 1 m by 2 cm, halfway through a floor of two triangles a cell, wherever it crosses: one of them pushes it to
+    /// where its centre is. What of the rod is over the other triangle may be left out.
+    #[test]
+    fn a_rod_that_is_stuck_halfway_close_to_an_edge_is_pushed_back() {
+        let floor = mesh(grid(4, 10.0, |_, _| 0.0));
+        let rods = [Geometry::cuboid(0.01, 0.5, 0.01), Geometry::capsule(0.49, 0.01)];
+        let mut random = Random(12);
+        for i in 0..2000 {
+            let rod = testing::collider(rods[i % 2].clone());
+            let rotation = Quat::from_rotation_z(random.range(0.0, 1.2))
+                * Quat::from_rotation_y(random.range(-3.0, 3.0));
+            // On the diagonal of a cell, give or take 5 mm.
+            let along = random.range(1.0, 9.0);
+            let position = Vec3::new(along, random.range(1e-4, 2e-3), along + random.range(-0.005, 0.005));
+            let found = collide(&rod, &floor, position, rotation, 0.5);
+            let deepest = found.iter().flat_map(|m| m.points().iter().map(move |p| (m.normal, p.separation)));
+            let (normal, least) = deepest.fold((Vec3::ZERO, 0.0), |s, p| if p.1 < s.1 { p } else { s });
+            let reach = testing::extent(&rod, (rotation.conjugate() * Vec3::NEG_Y).as_dvec3()) as f32;
+            assert!(normal.dot(Vec3::NEG_Y) > 0.999, "{i} {found:?}");
+            let depth = position.y - reach;
+            assert!(least < 0.25 * depth && least > depth - 1e-3, "{i} {least} {depth} {found:?}");
         }
     }
 

@@ -65,6 +65,9 @@ pub(super) fn touch(half: Vec3, triangles: &Triangles, margin: f32, ground: &Gro
                 patches.add(touch, normal, None, first);
             }
         }
+        if apart < 0.0 && patches.points.len() == first {
+            patches.pass_over(touch, face);
+        }
     }
 }
 

@@ -86,6 +86,9 @@ pub(super) fn touch(
                 patches.add(touch, -front, Some(face), first);
             }
         }
+        if apart < 0.0 && patches.points.len() == first {
+            patches.pass_over(touch, face);
+        }
     }
 }
 

@@ -127,6 +127,9 @@ pub(super) struct Patches {
     pub(super) touches: Vec<Touch>,
     pub(super) patches: Vec<Patch>,
     pub(super) points: Vec<RawPoint>,
+    /// Of the triangles that are overlapped and yet yielded no patch, the one whose plane is overlapped least, and by how
+    /// much [m].
+    spare: Option<(Touch, f32)>,
 }
 
 impl Patches {
@@ -138,6 +141,20 @@ impl Patches {
         self.touches.clear();
         self.patches.clear();
         self.points.clear();
+        self.spare = None;
+    }
+
+    /// Notes a triangle that is overlapped while its patch goes.
+    pub(super) fn pass_over(&mut self, touch: Touch, face_apart: f32) {
+        if self.spare.is_none_or(|(_, other)| face_apart > other) {
+            self.spare = Some((touch, face_apart));
+        }
+    }
+
+    /// A rod that is stuck halfway close to a flat edge is shallowest past that edge as either triangle sees it: both
+    /// patches go, and nothing is left that would push it out. Then one face does.
+    pub(super) fn spare(&self) -> Option<Touch> {
+        self.spare.filter(|_| self.patches.is_empty()).map(|(touch, _)| touch)
     }
 
     /// Drops the points from `first` on if one of them is deeper than `least`.

@@ -10,10 +10,10 @@ use glam::Vec3;
 /// Key of a point with the face's normal on the border of the face, until [`finish`].
 const BORDER: u32 = u32::MAX;
 
-/// The point of each triangle that is nearest to `to`, and the feature it is on: 0 the face, 1 + i the edge i, 4 + i
+/// The point of each triangle that is nearest to `place`, and the feature it is on: 0 the face, 1 + i the edge i, 4 + i
 /// the corner i.
 #[inline(always)]
-pub(super) fn nearest(triangles: &Triangles, to: LaneVec3<f32x8>) -> (LaneVec3<f32x8>, f32x8) {
+pub(super) fn nearest(triangles: &Triangles, place: LaneVec3<f32x8>) -> (LaneVec3<f32x8>, f32x8) {
     let (zero, one) = (f32x8::zero(), f32x8::one());
     let mut least = f32x8::splat(f32::MAX);
     let mut point = LaneVec3::zero();
@@ -23,11 +23,11 @@ pub(super) fn nearest(triangles: &Triangles, to: LaneVec3<f32x8>) -> (LaneVec3<f
     for i in 0..3 {
         let (from, to) = (triangles.corners[i], triangles.corners[(i + 1) % 3]);
         let along = to - from;
-        let away = to - from;
+        let away = place - from;
         let t = away.dot(along) / along.length_squared();
         let clamped = t.clamp(zero, one);
         let at = from + along * clamped;
-        let squared = (at - to).length_squared();
+        let squared = (at - place).length_squared();
         let nearer = squared.lt(least);
         let name = Lanes::select(t.le(zero), f32x8::splat(4.0 + i as f32), f32x8::splat(1.0 + i as f32));
         let name = Lanes::select(t.ge(one), f32x8::splat(4.0 + ((i + 1) % 3) as f32), name);
@@ -38,7 +38,7 @@ pub(super) fn nearest(triangles: &Triangles, to: LaneVec3<f32x8>) -> (LaneVec3<f
         left = left & side.ge(zero);
         right = right & side.le(zero);
     }
-    let foot = to - triangles.front * (to - triangles.corners[0]).dot(triangles.front);
+    let foot = place - triangles.front * (place - triangles.corners[0]).dot(triangles.front);
     let over = left | right;
     (LaneVec3::select(over, foot, point), Lanes::select(over, zero, feature))
 }
@@ -92,7 +92,7 @@ fn edge_normal(touch: &Touch, feature: u32, point: Vec3, distance: f32) -> Optio
 /// Drops what is no nearest point of the surface: a point on an edge that belongs to another triangle too, which has
 /// a nearer one, or the same one over its face. Two points under a ball would be a lever.
 pub(super) fn finish(radius: f32, patches: &mut Patches) {
-    let Patches { touches, patches, points } = patches;
+    let Patches { touches, patches, points, .. } = patches;
     let tolerance = 1e-5 * radius;
     let mut keep = 0;
     for i in 0..patches.len() {

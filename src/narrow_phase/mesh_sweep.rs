@@ -225,3 +225,62 @@ impl Moment {
             + LaneVec3::splat(self.moved)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::cast::{Other, Sweep, tolerance};
+    use super::super::fixtures::{CONVEX, Random, collider};
+    use super::super::motion::BodyPath;
+    use super::super::support::Support;
+    use super::*;
+
+    /// Whatever the exact search finds to be touched is not left out, and not before the fraction that is given.
+    #[test]
+    fn nothing_that_is_touched_is_left_out() {
+        let mut random = Random(77);
+        let (mut touched, mut left_out, mut all) = (0, 0, 0);
+        for i in 0..if cfg!(miri) { 5 } else { 1000 } {
+            let mut a = random.shape(CONVEX[i % 5], 1.0);
+            if i % 2 == 0 {
+                a.position = random.cube();
+            }
+            let b = collider(Geometry::Plane);
+            let mut body = |far: f32, turns: f32| BodyPath {
+                centre: (random.direction() * far).as_dvec3(),
+                rotation: random.rotation(),
+                displacement: random.direction() * far,
+                spin: random.cube() * turns,
+            };
+            let (mut pa, pb) = (body(4.0, [0.0, 0.5, 3.0][i % 3]), body(1.0, 0.0));
+            pa.displacement = pa.centre.as_vec3() * -2.0 + pb.displacement * 3.0;
+            let motion = Motion::new(&a, &pa, &b, &pb);
+            let eps = tolerance(&a, &b);
+            let mut eight = Eight::default();
+            let mut exact = Vec::new();
+            for k in 0..8 {
+                let at = random.cube() * 2.0;
+                let triangle = [at + random.cube(), at + random.cube(), at + random.cube()];
+                eight.push(k, triangle);
+                let sweep = Sweep::new(
+                    Support::of(&a).unwrap(),
+                    Other::Convex(Support::triangle(triangle)),
+                    &motion,
+                    eps,
+                );
+                exact.push((sweep.first_touch(1.0), sweep.spin()));
+            }
+            let sweep = MeshSweep::new(&a, &motion, &exact[0].1);
+            let (lanes, earliest) = sweep.in_reach(&eight, eps, 0.0);
+            for (k, (touch, _)) in exact.iter().enumerate() {
+                all += 1;
+                left_out += 1 - (lanes >> k & 1);
+                let Some(touch) = touch.filter(|t| t.fraction > 0.0) else { continue };
+                touched += 1;
+                assert!(lanes >> k & 1 != 0, "{i} {k} {touch:?} {a:?} {motion:?}");
+                assert!(earliest[k] <= touch.fraction + 1e-5, "{i} {k} {touch:?} {}", earliest[k]);
+            }
+        }
+        // It is worth the while: most of those that are not touched are left out.
+        assert!(cfg!(miri) || touched > 500 && left_out > (all - touched) / 2, "{touched} {left_out} {all}");
+    }
+}
