@@ -128,7 +128,6 @@ pub fn preparing() -> Kernel {
             warm: 1.0,
             stick: 0.01,
             per_point: false,
-            turn: 0,
         };
         prepare(&Crew::alone(), &input, &mut rows, &mut scratch);
         black_box(&mut rows);

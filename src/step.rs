@@ -25,8 +25,6 @@ pub(crate) struct Buffers {
     pub(crate) finish: finish::Buffers,
     /// Length of the last substep [s]: impulses are warm-started in proportion.
     pub(crate) last_h: f32,
-    /// Step, modulo 4: the order in which points are solved changes with it.
-    pub(crate) turn: usize,
 }
 
 impl Buffers {
@@ -105,7 +103,6 @@ impl World {
         let ended = finish::finish(crew, self, dt);
         lap(clock, &mut times.finish);
         times.step = start.elapsed().as_secs_f32() * 1e6;
-        self.buffers.turn = (self.buffers.turn + 1) % 4;
         self.buffers.last_h = dt / self.settings.substeps as f32;
         self.report = StepReport::new(self, times, broad, narrow, impacts, ended);
         self.note_peaks();
@@ -162,7 +159,6 @@ impl World {
             warm,
             stick: STICK * unit,
             per_point: self.settings.friction_model == FrictionModel::Point,
-            turn: [0, 3, 1, 2][self.buffers.turn],
         };
         prepare(crew, &input, &mut self.buffers.rows, &mut self.buffers.prepare);
         impacts

@@ -125,8 +125,6 @@ pub(crate) struct Rows {
     pub(crate) single: Vec<Batch<f32, 4>>,
     pub(crate) schedule: Vec<BatchRef>,
     pub(crate) stages: Vec<Stage>,
-    /// The order of points: see [`place`](super::prepare::place).
-    pub(crate) turn: usize,
 }
 
 impl Rows {

@@ -10,4 +10,4 @@ mod prepare;
 pub(crate) use batch::{Batch, Rows};
 pub(crate) use bounce::{BounceInput, BounceScratch, bounce};
 pub(crate) use order::{Group, Stage};
-pub(crate) use prepare::{PrepareInput, PrepareScratch, place, prepare};
+pub(crate) use prepare::{PrepareInput, PrepareScratch, prepare};

@@ -31,8 +31,6 @@ pub(crate) struct PrepareInput<'a> {
     pub(crate) stick: f32,
     /// Friction at every point: each point then is a manifold of its own.
     pub(crate) per_point: bool,
-    /// Which of the four orders the points of a contact are solved in: see [`place`].
-    pub(crate) turn: usize,
 }
 
 /// A contact, or one point of it, in a lane of a batch.
@@ -60,20 +58,6 @@ impl Part {
     /// First point and number of points.
     fn range(self, contact: &Contact) -> (usize, usize) {
         self.only().map_or((0, contact.count as usize), |p| (p, 1))
-    }
-}
-
-/// Which point of a contact of so many is the `i`-th to be solved.
-///
-/// Of points that are swept one after the other the first takes what is everybody's, and the body leans to where it is.
-/// Four points go around a face, so these are the images of one order in the mirrors of that face: over four steps, no
-/// side comes first.
-#[inline(always)]
-pub(crate) fn place(i: usize, count: usize, turn: usize) -> usize {
-    match count {
-        4 => i ^ turn & 3,
-        2 => i ^ turn & 1,
-        _ => i,
     }
 }
 
@@ -111,8 +95,7 @@ pub(crate) fn prepare(
 ) {
     sort(input, scratch);
     schedule(rows, scratch);
-    rows.turn = input.turn;
-    let Rows { p1, p2, p3, p4, single, schedule, stages, .. } = rows;
+    let Rows { p1, p2, p3, p4, single, schedule, stages } = rows;
     let (p1, p2, p3, p4) = (Shared::new(p1), Shared::new(p2), Shared::new(p3), Shared::new(p4));
     let single = Shared::new(single);
     let (schedule, stages, scratch) = (&*schedule, &*stages, &*scratch);
@@ -338,8 +321,7 @@ fn gather_columns<L: GatherLanes, const P: usize>(
             }
         }
         let (first, count) = part.range(contact);
-        for i in 0..count.min(P) {
-            let point = &contact.points[first + place(i, count, input.turn)];
+        for (i, point) in contact.points[first..first + count].iter().enumerate().take(P) {
             put3(&mut out.position[i], lane, point.position);
             out.separation[i][lane] = point.separation;
             out.impulse[i][lane] = point.impulse * input.warm;

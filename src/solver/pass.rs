@@ -3,7 +3,7 @@
 use crate::constraint::contact_row::{
     HOLD, Motion, Pass, SHARE, Softness, solve, store as store_batch, warm_start,
 };
-use crate::constraint::{Batch, Group, Rows, Stage, place};
+use crate::constraint::{Batch, Group, Rows, Stage};
 use crate::lanes::{GatherLanes, Record};
 use crate::narrow_phase::{Contact, Point};
 use crate::threads::{Crew, Shared};
@@ -38,7 +38,7 @@ impl Passes {
         velocity: &Shared<'_, Record>,
         delta: &Shared<'_, Record>,
     ) {
-        let Rows { p1, p2, p3, p4, single, schedule, stages, .. } = rows;
+        let Rows { p1, p2, p3, p4, single, schedule, stages } = rows;
         let (p1, p2, p3, p4) = (Shared::new(p1), Shared::new(p2), Shared::new(p3), Shared::new(p4));
         let single = Shared::new(single);
         let schedule = &*schedule;
@@ -132,11 +132,11 @@ pub(crate) fn store(
         let i = batch.index as usize;
         let potential = stage.group.is_potential();
         match batch.points {
-            1 => put(&rows.p1[i], potential, (hold, rows.turn), contacts, rotation_of),
-            2 => put(&rows.p2[i], potential, (hold, rows.turn), contacts, rotation_of),
-            3 => put(&rows.p3[i], potential, (hold, rows.turn), contacts, rotation_of),
-            4 => put(&rows.p4[i], potential, (hold, rows.turn), contacts, rotation_of),
-            _ => put(&rows.single[i], potential, (hold, rows.turn), contacts, rotation_of),
+            1 => put(&rows.p1[i], potential, hold, contacts, rotation_of),
+            2 => put(&rows.p2[i], potential, hold, contacts, rotation_of),
+            3 => put(&rows.p3[i], potential, hold, contacts, rotation_of),
+            4 => put(&rows.p4[i], potential, hold, contacts, rotation_of),
+            _ => put(&rows.single[i], potential, hold, contacts, rotation_of),
         }
     };
     for stage in &rows.stages {
@@ -157,7 +157,7 @@ fn take(point: &mut Point, impulse: f32, hold: f32) {
 fn put<L: GatherLanes, const P: usize>(
     batch: &Batch<L, P>,
     potential: bool,
-    (hold, turn): (f32, usize),
+    hold: f32,
     contacts: &Shared<'_, Contact>,
     rotation_of: &(dyn Fn(u32) -> glam::Quat + Sync),
 ) {
@@ -176,9 +176,8 @@ fn put<L: GatherLanes, const P: usize>(
             contact.friction += friction;
             return;
         }
-        let count = contact.count as usize;
-        for (i, &impulse) in impulses.iter().enumerate().take(count) {
-            take(&mut contact.points[place(i, count, turn)], impulse, hold);
+        for (point, &impulse) in contact.points.iter_mut().zip(impulses).take(contact.count as usize) {
+            take(point, impulse, hold);
         }
         contact.pushed = pushed;
         (contact.friction, contact.twist) = (friction, twist);
