@@ -103,33 +103,46 @@ impl Contact {
         }
     }
 
-    /// Gives each point without an impulse that of the same point of `old`.
+    /// Gives each point without an impulse that of the same point of `old`: by key, else by place.
+    ///
+    /// What of the load was on points that are gone goes to those that are new, each the same share: a shape that
+    /// slides over triangles rests on other points from step to step, and would sink each time into what bore it.
     pub(crate) fn inherit(&mut self, old: &Contact, near: f32) {
-        let mut used = 0u32;
+        let (mut used, mut fresh) = (0u32, 0u32);
         let count = self.count as usize;
-        for point in &mut self.points[..count] {
+        for (k, point) in self.points[..count].iter_mut().enumerate() {
             let same = old.points().iter().position(|o| o.key == point.key);
             let same = same.filter(|i| used >> i & 1 == 0);
             if let Some(i) = same {
                 used |= 1 << i;
                 (point.impulse, point.held) = (old.points[i].impulse, old.points[i].held);
             } else {
-                point.impulse = f32::NAN;
+                fresh |= 1 << k;
             }
         }
-        for point in &mut self.points[..count] {
-            if point.impulse.is_nan() {
-                point.impulse = 0.0;
-                let close = (0..old.count as usize)
-                    .filter(|i| used >> i & 1 == 0)
-                    .map(|i| (i, old.points[i].position.distance_squared(point.position)))
-                    .filter(|&(_, d)| d < near * near)
-                    .min_by(|x, y| x.1.total_cmp(&y.1));
-                if let Some((i, _)) = close {
-                    used |= 1 << i;
-                    (point.impulse, point.held) = (old.points[i].impulse, old.points[i].held);
-                }
+        for (k, point) in self.points[..count].iter_mut().enumerate() {
+            if fresh >> k & 1 == 0 {
+                continue;
             }
+            let close = (0..old.count as usize)
+                .filter(|i| used >> i & 1 == 0)
+                .map(|i| (i, old.points[i].position.distance_squared(point.position)))
+                .filter(|&(_, d)| d < near * near)
+                .min_by(|x, y| x.1.total_cmp(&y.1));
+            if let Some((i, _)) = close {
+                used |= 1 << i;
+                (point.impulse, point.held) = (old.points[i].impulse, old.points[i].held);
+                fresh &= !(1 << k);
+            }
+        }
+        let (mut impulse, mut held) = (0.0, 0.0);
+        for (_, point) in old.points().iter().enumerate().filter(|(i, _)| used >> i & 1 == 0) {
+            impulse += point.impulse;
+            held += point.held;
+        }
+        let share = 1.0 / fresh.count_ones().max(1) as f32;
+        for (_, point) in self.points[..count].iter_mut().enumerate().filter(|(k, _)| fresh >> k & 1 != 0) {
+            (point.impulse, point.held) = (impulse * share, held * share);
         }
     }
 

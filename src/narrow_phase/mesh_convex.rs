@@ -70,7 +70,8 @@ pub(super) fn touch(
                     patches.limit(first, least);
                 }
                 // In the gap between the faces of a hardly convex edge, over neither of them.
-                if patches.points.len() == first && -manifold.normal.dot(front) > GAP {
+                let in_gap = patches.points.len() == first && -manifold.normal.dot(front) > GAP;
+                if in_gap {
                     let offset = front.dot(touch.corners[0]);
                     let bound = half + Vec3::splat(1e-3 * a.radius);
                     patches.points.extend(named(&touch, manifold.points()).filter_map(|p| {
@@ -83,7 +84,11 @@ pub(super) fn touch(
                         (inside && separation <= margin).then_some(RawPoint { position, separation, ..p })
                     }));
                 }
-                patches.add(touch, -front, Some(face), first);
+                if in_gap {
+                    patches.add_in_gap(touch, face, first, -manifold.normal);
+                } else {
+                    patches.add(touch, -front, Some(face), first);
+                }
             }
         }
         if apart < 0.0 && patches.points.len() == first {

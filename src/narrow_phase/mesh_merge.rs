@@ -155,3 +155,62 @@ fn furthest(points: &[RawPoint], normal: Vec3, tolerance: f32) -> [usize; 9] {
     }
     found
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::narrow_phase::convex::testing;
+    use crate::narrow_phase::mesh::{MeshScratch, collide_mesh};
+    use crate::narrow_phase::{RawPoint, Relative};
+    use crate::shape::mesh::testing::{Random, grid};
+    use crate::shape::{Collider, Geometry, TriangleMesh};
+    use glam::{Quat, Vec3};
+    use std::sync::Arc;
+
+    /// Flat, of uneven triangles of about `cell` metres, none of which folds over its neighbour.
+    fn uneven(cells: u32, cell: f32, random: &mut Random) -> Collider {
+        let (mut vertices, triangles) = grid(cells, cell, |_, _| 0.0);
+        for v in &mut vertices {
+            *v += random.cube().with_y(0.0) * (0.2 * cell);
+        }
+        testing::collider(Geometry::Mesh(Arc::new(TriangleMesh::new(vertices, triangles).unwrap())))
+    }
+
+    /// A flat mesh is a plane, so what bears a capsule that lies on it is both ends of its side and nothing else,
+    /// whatever the triangles and however far around it contacts are looked for.
+    #[test]
+    fn a_capsule_that_lies_on_uneven_triangles_bears_on_the_ends_of_its_side() {
+        let mut random = Random(5);
+        let (half, radius) = (0.5, 0.25);
+        let shape = testing::collider(Geometry::capsule(half, radius));
+        let (mut scratch, mut out) = (MeshScratch::default(), Vec::new());
+        for (cells, cell) in [(16, 0.25), (40, 0.1), (80, 0.05), (4, 1.0)] {
+            for _ in 0..4 {
+                let ground = uneven(cells, cell, &mut random);
+                for i in 0..2000 {
+                    let yaw = if i % 4 == 0 { 0.0 } else { random.range(-3.0, 3.0) };
+                    let rotation =
+                        Quat::from_rotation_y(yaw) * Quat::from_rotation_x(std::f32::consts::FRAC_PI_2);
+                    let gap = random.range(-1e-3, 1e-3);
+                    let position = Vec3::new(random.range(-0.9, 0.9), radius + gap, random.range(-0.9, 0.9));
+                    let back = rotation.conjugate();
+                    let rel = Relative { position: -(back * position), rotation: back };
+                    let margin = if i % 2 == 0 { 0.01 } else { 0.15 };
+                    out.clear();
+                    collide_mesh(&shape, &ground, &rel, margin, &mut scratch, &mut out);
+                    assert_eq!(out.len(), 1, "{cell} {i} {out:?}");
+                    for end in [-half, half] {
+                        let near = |p: &RawPoint| (p.position.y - end).abs() < 1e-3;
+                        assert!(out[0].points().iter().any(near), "{cell} {i} {position} {rotation} {out:?}");
+                    }
+                    // Round as the ends are, 3 mm beyond them it is 20 um higher.
+                    for p in out[0].points() {
+                        assert!(
+                            (p.separation - gap).abs() < 2e-5,
+                            "{cell} {i} {position} {rotation} {out:?}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,14 +1,17 @@
 //! Contact patches of single triangles, and which of them the surface as a whole does not have.
 //!
 //! A triangle alone has sharp edges all around. In a mesh most of them are flat or lie in a valley, and a normal that
-//! comes from such an edge is a ghost that bodies trip over. Three rules take ghosts out:
+//! comes from such an edge is a ghost that bodies trip over. Four rules take ghosts out:
 //!
 //! 1. A normal at an edge that is concave, as seen from the shape's side: the face beyond that edge is in front of it
 //!    and is what is really touched. The patch goes.
 //! 2. A normal at an edge that is flat: the patch takes the face's normal, and of its points those that lie over the
 //!    triangle. If they are far deeper below the face than the shape is past the edge, it does not come from above
 //!    the face at all, and the patch goes.
-//! 3. A triangle wholly behind the plane of another face that is touched, which the shape would not reach any more
+//! 3. A normal at an edge that is flat, while the shape is over neither face there: it counts, with the face's normal,
+//!    for a shape that lies in the gap between the normals of two faces. Where it leans over a neighbour there is no
+//!    gap, the neighbour is what is touched, and the patch goes.
+//! 4. A triangle wholly behind the plane of another face that is touched, which the shape would not reach any more
 //!    once it were lifted out of that face: the sides of a step under a box that stands on it.
 
 use super::RawPoint;
@@ -19,6 +22,9 @@ use glam::Vec3;
 /// Cosine of twice the angle of a flat edge: a normal nearer than this to a face may be one in the gap between it and
 /// its neighbour. There the shape may well reach far below the face elsewhere, on the far side of a hill.
 pub(super) const GAP: f32 = 0.984_807_8;
+
+/// Sine of a lean that is none: what rounding makes of a shape that is right over an edge.
+const LEAN: f32 = 1e-3;
 
 /// A triangle that may be touched, in the shape's frame.
 #[derive(Clone, Copy, Debug)]
@@ -64,6 +70,53 @@ impl Touch {
         }
     }
 
+    /// A point of the edge or the corner from which a unit way leads that leans out over it: the middle of the edge, for
+    /// its ends have other neighbours. `None` if it does not lean.
+    fn edge_under(&self, way: Vec3) -> Option<Vec3> {
+        let lean = [0, 1, 2].map(|i| {
+            let out = self.outward(i);
+            out.dot(way) / out.length()
+        });
+        let aside = (way - self.front * self.front.dot(way)).length();
+        if aside < LEAN {
+            return None;
+        }
+        let most = (0..3).fold(0, |best, i| if lean[i] > lean[best] { i } else { best });
+        let corner = |i: usize| self.corners[i % 3];
+        let (from, to) = (corner(most), corner(most + 1));
+        // Straight over an edge, or over one of its ends.
+        Some(if lean[most] > 0.999 * aside {
+            (from + to) * 0.5
+        } else if way.dot(to - from) > 0.0 {
+            to
+        } else {
+            from
+        })
+    }
+
+    /// Whether the surface goes on over this triangle: the point `at` of another one's edge lies on it, and the
+    /// unit way from there to the shape leans over it.
+    pub(super) fn continues(&self, at: Vec3, way: Vec3, tolerance: f32) -> bool {
+        if self.front.dot(way) <= 0.0 || self.front.dot(at - self.corners[0]).abs() > tolerance {
+            return false;
+        }
+        let mut leans = false;
+        for i in 0..3 {
+            let out = self.outward(i);
+            let (beyond, lean, length) = (out.dot(at - self.corners[i]), out.dot(way), out.length());
+            if beyond > tolerance * length {
+                return false;
+            }
+            if beyond > -tolerance * length {
+                if lean > 0.1 * LEAN * length {
+                    return false;
+                }
+                leans |= lean < -LEAN * length;
+            }
+        }
+        leans
+    }
+
     /// What becomes of a patch with this normal: see the module.
     ///
     /// `apart` and `face_apart`: separation of all of the shape along this normal and the face's [m]. `size`: of the
@@ -105,6 +158,8 @@ pub(super) struct Patch {
     pub(super) count: u32,
     /// Least separation of its points [m].
     pub(super) least: f32,
+    /// For a patch by the third rule: the unit way from the triangle to the shape where they are nearest.
+    pub(super) gap: Option<Vec3>,
     /// For a face: how far the shape reaches beyond its plane, negative [m].
     pub(super) reach: Option<f32>,
     /// Which of the triangles.
@@ -176,14 +231,48 @@ impl Patches {
             first: first as u32,
             count: points.len() as u32,
             least,
+            gap: None,
             reach,
             touch: self.touches.len() as u32,
         });
         self.touches.push(touch);
     }
 
-    /// The third rule. Also sorts the patches: the deepest first.
+    /// The same for a patch to which the third rule applies: `way` is unit, from the triangle to the shape where they
+    /// are nearest.
+    pub(super) fn add_in_gap(&mut self, touch: Touch, reach: f32, first: usize, way: Vec3) {
+        let before = self.patches.len();
+        self.add(touch, -touch.front, Some(reach), first);
+        self.patches[before..].iter_mut().for_each(|p| p.gap = Some(way));
+    }
+
+    /// Whether the third rule takes a patch.
+    fn is_no_gap(&self, patch: &Patch, size: f32) -> bool {
+        let Some(way) = patch.gap else { return false };
+        let own = &self.touches[patch.touch as usize];
+        let Some(at) = own.edge_under(way) else { return false };
+        // The second term is the rounding of coordinates.
+        let tolerance = 1e-4 * size + 1e-6 * at.abs().max_element();
+        self.touches.iter().enumerate().any(|(i, touch)| {
+            i != patch.touch as usize
+                && touch.front.dot(own.front) >= FLAT_COSINE
+                && touch.continues(at, way, tolerance)
+        })
+    }
+
+    /// The third and the fourth rule. Also sorts the patches: the deepest first.
     pub(super) fn drop_hidden(&mut self, size: f32) {
+        if self.patches.iter().any(|p| p.gap.is_some()) {
+            let mut keep = 0;
+            for i in 0..self.patches.len() {
+                let patch = self.patches[i];
+                if !self.is_no_gap(&patch, size) {
+                    self.patches[keep] = patch;
+                    keep += 1;
+                }
+            }
+            self.patches.truncate(keep);
+        }
         self.patches.sort_unstable_by(|a, b| a.least.total_cmp(&b.least).then(a.touch.cmp(&b.touch)));
         // A body that lies in a thousand triangles must not cost a million tests.
         const FACES: usize = 32;

@@ -68,7 +68,11 @@ pub(super) fn touch(radius: f32, triangles: &Triangles, margin: f32, ground: &Gr
             _ => 1 + touch.index.wrapping_mul(8) + feature,
         };
         patches.points.push(RawPoint { position: point - normal * (0.5 * separation), separation, key });
-        patches.add(touch, normal, face.then_some(separation), first);
+        if face && feature != 0 {
+            patches.add_in_gap(touch, separation, first, -point / distance.max(f32::MIN_POSITIVE));
+        } else {
+            patches.add(touch, normal, face.then_some(separation), first);
+        }
     }
 }
 
@@ -94,7 +98,6 @@ fn edge_normal(touch: &Touch, feature: u32, point: Vec3, distance: f32) -> Optio
 pub(super) fn finish(radius: f32, patches: &mut Patches) {
     let Patches { touches, patches, points, .. } = patches;
     let tolerance = 1e-5 * radius;
-    let mut keep = 0;
     for i in 0..patches.len() {
         let patch = patches[i];
         let point = points[patch.first as usize];
@@ -110,12 +113,10 @@ pub(super) fn finish(radius: f32, patches: &mut Patches) {
                     before && other.normal.dot(patch.normal) >= FLAT_COSINE && shared(other)
                 })
         };
-        if !hidden {
-            patches[keep] = patch;
-            keep += 1;
-        }
+        // It stays until all have been looked at: what is hidden hides others too.
+        patches[i].count = if hidden { 0 } else { patch.count };
     }
-    patches.truncate(keep);
+    patches.retain(|patch| patch.count > 0);
     for point in points.iter_mut().filter(|p| p.key == BORDER) {
         point.key = 0;
     }

@@ -14,6 +14,8 @@ use glam::{Vec2, Vec3};
 const MOST: usize = 64;
 /// Points nearer than this share of the whole extent are one.
 const CLUSTER: f32 = 0.02;
+/// A point that is deeper by less than this share of the whole extent is as deep.
+const DEEPER: f32 = 1e-4;
 
 /// At most four of the points of one plane of contact, whose unit normal is given; the deepest first if any had to go.
 ///
@@ -26,9 +28,11 @@ pub(crate) fn reduce(points: &[RawPoint], normal: Vec3) -> ([RawPoint; MAX_POINT
     }
     let points = &points[..points.len().min(MOST)];
     let mut deepest = 0;
+    // A later point has to be clearly deeper: of corners that press alike the choice must not flicker.
+    let away = |p: &RawPoint| p.position.distance_squared(points[0].position);
+    let clearly = DEEPER * points.iter().map(away).fold(0.0, f32::max).sqrt();
     for (i, point) in points.iter().enumerate() {
-        // A later point has to be clearly deeper: of four corners that press alike the choice must not flicker.
-        if point.separation < points[deepest].separation - 1e-6 {
+        if point.separation < points[deepest].separation - clearly {
             deepest = i;
         }
     }
