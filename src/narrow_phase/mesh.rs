@@ -10,11 +10,13 @@
 //! A triangle has two sides; the one on which the shape's centre is counts as outside, so that a shape that is stuck
 //! halfway is pushed back to where its centre is.
 
-use super::mesh_merge::Merge;
+use super::clip::CLOUD;
+use super::mesh_merge::{MOST, Merge};
 use super::mesh_patch::{Patches, Touch};
 use super::polytope::Pose;
 use super::{RawManifold, Relative, mesh_box, mesh_convex, mesh_sphere};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
+use crate::memory::{Buffer, Buffers, Room};
 use crate::shape::{Collider, Edges, Geometry, HeightField, TriangleMesh};
 use glam::Vec3;
 
@@ -144,6 +146,21 @@ pub(crate) struct MeshScratch {
     used: usize,
     patches: Patches,
     merge: Merge,
+    /// What its buffers may still grow by.
+    pub(crate) room: Room,
+    /// How often they could not: triangles, or manifolds' points, that were left out.
+    pub(crate) shed: u32,
+}
+
+impl Buffers for MeshScratch {
+    fn each(&mut self, f: &mut dyn FnMut(&mut dyn Buffer)) {
+        f(&mut self.eights);
+        f(&mut self.patches.touches);
+        f(&mut self.patches.patches);
+        f(&mut self.patches.points);
+        f(&mut self.merge.points);
+        f(&mut self.merge.place);
+    }
 }
 
 impl std::fmt::Debug for MeshScratch {
@@ -178,18 +195,31 @@ pub(crate) fn collide_mesh(
     let Some((middle, half, centre)) = bounds(a) else { return };
     let pose = Pose::new(rel.position, rel.rotation);
     scratch.gather(ground, &pose, middle, half + Vec3::splat(margin));
-    let MeshScratch { eights, used, patches, merge } = scratch;
-    let eights = &eights[..*used];
+    let MeshScratch { eights, used, patches, merge, room, shed } = scratch;
     patches.clear();
+    let eights = &eights[..*used];
+    let each = points_each(a);
+    // Whatever the next triangles yield must find place: the functions below don't ask.
+    let mut ready = |patches: &mut Patches| {
+        let ready = room.is_endless() || patches.has_place(8, each, room);
+        *shed += u32::from(!ready);
+        ready
+    };
     match a.geometry {
         Geometry::Sphere { radius } => {
             for eight in eights {
+                if !ready(patches) {
+                    break;
+                }
                 mesh_sphere::touch(radius, &Triangles::new(eight, &pose, centre), margin, &ground, patches);
             }
             mesh_sphere::finish(radius, patches);
         }
         Geometry::Box { half_extents } => {
             for eight in eights {
+                if !ready(patches) {
+                    break;
+                }
                 mesh_box::touch(
                     half_extents,
                     &Triangles::new(eight, &pose, centre),
@@ -201,12 +231,21 @@ pub(crate) fn collide_mesh(
         }
         _ => {
             for eight in eights {
+                if !ready(patches) {
+                    break;
+                }
                 let triangles = Triangles::new(eight, &pose, centre);
                 mesh_convex::touch(a, (middle, half, centre), &triangles, margin, &ground, patches);
             }
         }
     }
     patches.drop_hidden(a.radius);
+    if !room.is_endless()
+        && !(merge.has_place(patches, room) && room.fit(out, out.len() + MOST) >= out.len() + MOST)
+    {
+        *shed += 1;
+        return;
+    }
     merge.manifolds(patches, &pose, a.radius, out);
 }
 
@@ -218,13 +257,14 @@ impl MeshScratch {
         let half = Vec3::new(m.x_axis.abs().dot(half), m.y_axis.abs().dot(half), m.z_axis.abs().dot(half));
         // A millionth of the coordinates is their rounding.
         let half = half + Vec3::splat(1e-6 * middle.abs().max_element());
-        let (eights, used) = (&mut self.eights, &mut self.used);
+        let MeshScratch { eights, used, room, shed, .. } = self;
         *used = 0;
         let mut lane = 8;
         ground.visit_box(middle - half, middle + half, &mut |index, corners| {
             if lane == 8 {
-                if *used == eights.len() {
-                    eights.push(Eight::default());
+                if *used == eights.len() && !room.push(eights, Eight::default()) {
+                    *shed += 1;
+                    return;
                 }
                 eights[*used].count = 0;
                 (*used, lane) = (*used + 1, 0);
@@ -238,6 +278,16 @@ impl MeshScratch {
                 eight.count = lane;
             }
         });
+    }
+}
+
+/// The most points that a triangle yields.
+fn points_each(a: &Collider) -> usize {
+    match a.geometry {
+        Geometry::Sphere { .. } => 1,
+        Geometry::Capsule { .. } => 4,
+        Geometry::Box { .. } => 8,
+        _ => CLOUD,
     }
 }
 
