@@ -95,11 +95,15 @@ impl Assets {
         }
     }
 
-    /// Bytes that a geometry would add.
-    fn cost(&self, geometry: &Geometry) -> usize {
-        Self::key(geometry)
-            .filter(|(key, ..)| self.list.binary_search_by_key(key, |e| e.0).is_err())
-            .map_or(0, |(_, _, (_, reserved))| reserved)
+    /// Bytes that geometries would add, each counted once.
+    fn cost<'a>(&self, geometries: impl Iterator<Item = &'a Geometry>) -> usize {
+        let is_new = |key: usize| self.list.binary_search_by_key(&key, |e| e.0).is_err();
+        let known = geometries.filter_map(Self::key);
+        let mut new: Vec<(usize, usize)> =
+            known.filter(|(key, ..)| is_new(*key)).map(|(key, _, (_, reserved))| (key, reserved)).collect();
+        new.sort_unstable();
+        new.dedup();
+        new.iter().map(|(_, reserved)| reserved).sum()
     }
 }
 

@@ -63,13 +63,18 @@ impl World {
         if self.settings.budget.is_none() {
             return Ok(());
         }
-        let mut more = Counts { bodies: descs.len(), ..Counts::default() };
+        let shapes = descs.iter().flat_map(|desc| &desc.shapes);
+        let mut more = Counts {
+            bodies: descs.len(),
+            assets: self.assets.cost(shapes.map(|shape| &shape.geometry)),
+            ..Counts::default()
+        };
         for desc in descs {
             let (moves, pushed) = (desc.kind != BodyKind::Static, desc.kind == BodyKind::Dynamic);
             more.movers += usize::from(moves);
             more.dynamic += usize::from(pushed);
             more.lists += list_bytes(0, desc.shapes.len());
-            desc.shapes.iter().for_each(|shape| self.add_shape_to(&mut more, desc.kind, shape));
+            desc.shapes.iter().for_each(|shape| more.add_shape(desc.kind, shape));
         }
         self.make_place_for(more)
     }
@@ -84,8 +89,12 @@ impl World {
         if self.settings.budget.is_none() {
             return Ok(());
         }
-        let mut more = Counts { lists: list_bytes(has, has + 1), ..Counts::default() };
-        self.add_shape_to(&mut more, kind, shape);
+        let mut more = Counts {
+            lists: list_bytes(has, has + 1),
+            assets: self.assets.cost(std::iter::once(&shape.geometry)),
+            ..Counts::default()
+        };
+        more.add_shape(kind, shape);
         self.make_place_for(more)
     }
 
@@ -126,17 +135,6 @@ impl World {
         Ok(())
     }
 
-    fn add_shape_to(&self, more: &mut Counts, kind: BodyKind, shape: &ShapeDesc) {
-        more.colliders.slots += 1;
-        *match kind {
-            BodyKind::Static => &mut more.colliders.still,
-            _ => &mut more.colliders.moving,
-        } += 1;
-        more.colliders.endless += usize::from(matches!(shape.geometry, Geometry::Plane));
-        more.previous |= shape.material.restitution > 0.0;
-        more.assets += self.assets.cost(&shape.geometry);
-    }
-
     fn counts(&self, more: Counts) -> Counts {
         let now = self.broad.population();
         let spare = self.colliders.slots.spare();
@@ -174,6 +172,16 @@ impl World {
 }
 
 impl Counts {
+    fn add_shape(&mut self, kind: BodyKind, shape: &ShapeDesc) {
+        self.colliders.slots += 1;
+        *match kind {
+            BodyKind::Static => &mut self.colliders.still,
+            _ => &mut self.colliders.moving,
+        } += 1;
+        self.colliders.endless += usize::from(matches!(shape.geometry, Geometry::Plane));
+        self.previous |= shape.material.restitution > 0.0;
+    }
+
     /// One in `part` more of each.
     fn with_more(mut self, part: usize) -> Counts {
         let Population { slots, moving, still, endless } = &mut self.colliders;
