@@ -121,17 +121,18 @@ fn steps_that_allocate(scene: &Scene, steps: u32) -> Vec<u32> {
 fn a_scene_past_its_densest_moment_allocates_nothing() {
     let _alone = ONE_AT_A_TIME.lock().unwrap();
     for (scene, densest) in [
-        // The bodies hit the ground up to frame 33, and have settled a second later.
-        (builtin::talk(), 100),
+        // The bodies hit the ground up to frame 33, and jump from it for another half second.
+        (builtin::talk(), 60),
         (builtin::bullets(false), 60),
         (builtin::bullets(true), 60),
-        (resting_pile(), 200),
+        // It settles layer by layer: the last contacts come late.
+        (resting_pile(), 250),
     ] {
         let steps = steps_that_allocate(&scene, densest + 100);
         println!("{}: {steps:?}", scene.name);
         assert!(steps.iter().all(|&step| step < densest), "{}: {steps:?}", scene.name);
-        // Each of them set a mark that had not been reached before.
-        assert!(steps.len() < 60, "{}: {steps:?}", scene.name);
+        // On the way there, too, few steps reach what was never reached before.
+        assert!(steps.len() < 40, "{}: {steps:?}", scene.name);
     }
 }
 

@@ -32,8 +32,11 @@ const KINDS: u8 = 8;
 /// Tapered capsules have kernels, and so bins, of their own.
 const TAPERED_CAPSULES: Bin = Bin(KINDS * KINDS);
 const TAPERED_BOX: Bin = Bin(KINDS * KINDS + 1);
-/// One bin a pair of kinds, and the tapered ones.
-const COUNT: usize = KINDS as usize * KINDS as usize + 2;
+/// From here on the bins of meshes, then those of height fields, by the kind of the other shape. They have no kernel in
+/// lanes, so a block may have several of them: in a scene of few bodies there are not as many blocks as kinds.
+const MESHES: Bin = Bin(KINDS * KINDS + 2);
+/// One bin a pair of kinds, the tapered ones, and those of meshes.
+const COUNT: usize = MESHES.0 as usize + 2 * KINDS as usize;
 /// Pairs a block of one bin: a multiple of eight.
 const BLOCK: u32 = 64;
 
@@ -43,13 +46,15 @@ impl Bin {
         match (a.kind, b.kind) {
             (Kind::Capsule, Kind::Capsule) if tapered(a) || tapered(b) => TAPERED_CAPSULES,
             (Kind::Capsule, Kind::Box) if tapered(a) => TAPERED_BOX,
+            (a, Kind::Mesh) => Bin(MESHES.0 + a as u8),
+            (a, Kind::HeightField) => Bin(MESHES.0 + KINDS + a as u8),
             (a, b) => Bin(Bin::pair(a, b)),
         }
     }
 
     /// Whether its pairs are of a mesh or height field.
     pub(crate) fn is_mesh(self) -> bool {
-        self.0 < KINDS * KINDS && self.0 % KINDS >= Kind::Mesh as u8
+        self.0 >= MESHES.0
     }
 
     const fn pair(a: Kind, b: Kind) -> u8 {
@@ -102,9 +107,10 @@ impl Bins {
         self.order.clear();
         self.order.resize(total as usize, 0);
         self.blocks.clear();
-        for bin in 0..COUNT {
-            for start in (starts[bin]..starts[bin + 1]).step_by(BLOCK as usize) {
-                let end = starts[bin + 1].min(start + BLOCK);
+        for bin in 0..=MESHES.0 as usize {
+            let last = if bin == MESHES.0 as usize { total } else { starts[bin + 1] };
+            for start in (starts[bin]..last).step_by(BLOCK as usize) {
+                let end = last.min(start + BLOCK);
                 self.blocks.push(Block { bin: Bin(bin as u8), start, end, ..Block::default() });
             }
         }
