@@ -1,6 +1,6 @@
 //! A convex shape against a triangle mesh or a height field.
 //!
-//! Triangles near the shape are gathered eight at a time and brought into its frame. In lanes, most are found to be
+//! Triangles near the shape are gathered in eights and brought into its frame. In lanes, most are found to be
 //! apart by more than the margin. Each of the others yields a *patch*: a normal and the points nearer than the margin,
 //! real and potential ones in one go ([`mesh_box`](super::mesh_box), [`mesh_sphere`](super::mesh_sphere),
 //! [`mesh_convex`](super::mesh_convex)). A patch whose normal the surface doesn't have there, because its edge is flat
@@ -142,8 +142,6 @@ impl Triangles {
 #[derive(Default)]
 pub(crate) struct MeshScratch {
     eights: Vec<Eight>,
-    /// How many of them hold triangles of this pair.
-    used: usize,
     patches: Patches,
     merge: Merge,
     /// What its buffers may still grow by.
@@ -194,91 +192,83 @@ pub(crate) fn collide_mesh(
     };
     let Some((middle, half, centre)) = bounds(a) else { return };
     let pose = Pose::new(rel.position, rel.rotation);
-    scratch.gather(ground, &pose, middle, half + Vec3::splat(margin));
-    let MeshScratch { eights, used, patches, merge, room, shed } = scratch;
-    patches.clear();
-    let eights = &eights[..*used];
-    let each = points_each(a);
-    // Whatever the next triangles yield must find place: the functions below don't ask.
-    let mut ready = |patches: &mut Patches| {
-        let ready = room.is_endless() || patches.has_place(8, each, room);
-        *shed += u32::from(!ready);
-        ready
-    };
-    match a.geometry {
-        Geometry::Sphere { radius } => {
-            for eight in eights {
-                if !ready(patches) {
-                    break;
-                }
-                mesh_sphere::touch(radius, &Triangles::new(eight, &pose, centre), margin, &ground, patches);
-            }
-            mesh_sphere::finish(radius, patches);
-        }
-        Geometry::Box { half_extents } => {
-            for eight in eights {
-                if !ready(patches) {
-                    break;
-                }
-                mesh_box::touch(
-                    half_extents,
-                    &Triangles::new(eight, &pose, centre),
-                    margin,
-                    &ground,
-                    patches,
-                );
-            }
-        }
-        _ => {
-            for eight in eights {
-                if !ready(patches) {
-                    break;
-                }
-                let triangles = Triangles::new(eight, &pose, centre);
-                mesh_convex::touch(a, (middle, half, centre), &triangles, margin, &ground, patches);
-            }
-        }
-    }
-    patches.drop_hidden(a.radius);
-    if !room.is_endless()
-        && !(merge.has_place(patches, room) && room.fit(out, out.len() + MOST) >= out.len() + MOST)
-    {
+    let MeshScratch { eights, patches, merge, room, shed } = scratch;
+    if room.fit(eights, CHUNK) < CHUNK {
         *shed += 1;
         return;
+    }
+    eights.resize(CHUNK, Eight::default());
+    patches.clear();
+    let each = points_each(a);
+    gather(ground, &pose, (middle, half + Vec3::splat(margin)), eights, &mut |eights| {
+        for eight in eights {
+            // Whatever these triangles yield must find place: the functions below don't ask.
+            if !room.is_endless() && !patches.has_place(8, each, room) {
+                *shed += 1;
+                return;
+            }
+            let triangles = Triangles::new(eight, &pose, centre);
+            match a.geometry {
+                Geometry::Sphere { radius } => {
+                    mesh_sphere::touch(radius, &triangles, margin, &ground, patches);
+                }
+                Geometry::Box { half_extents } => {
+                    mesh_box::touch(half_extents, &triangles, margin, &ground, patches);
+                }
+                _ => mesh_convex::touch(a, (middle, half, centre), &triangles, margin, &ground, patches),
+            }
+        }
+    });
+    if let Geometry::Sphere { radius } = a.geometry {
+        mesh_sphere::finish(radius, patches);
+    }
+    patches.drop_hidden(a.radius);
+    if !room.is_endless() {
+        let place = out.len() + MOST;
+        if !merge.has_place(patches, room) || room.fit(out, place) < place {
+            *shed += 1;
+            return;
+        }
     }
     merge.manifolds(patches, &pose, a.radius, out);
 }
 
-impl MeshScratch {
-    /// The triangles that meet a box of the shape's frame.
-    fn gather(&mut self, ground: Ground, pose: &Pose, middle: Vec3, half: Vec3) {
-        let middle = pose.inverse().point(middle);
-        let m = pose.axes;
-        let half = Vec3::new(m.x_axis.abs().dot(half), m.y_axis.abs().dot(half), m.z_axis.abs().dot(half));
-        // A millionth of the coordinates is their rounding.
-        let half = half + Vec3::splat(1e-6 * middle.abs().max_element());
-        let MeshScratch { eights, used, room, shed, .. } = self;
-        *used = 0;
-        let mut lane = 8;
-        ground.visit_box(middle - half, middle + half, &mut |index, corners| {
-            if lane == 8 {
-                if *used == eights.len() && !room.push(eights, Eight::default()) {
-                    *shed += 1;
-                    return;
-                }
-                eights[*used].count = 0;
-                (*used, lane) = (*used + 1, 0);
+/// So many times eight triangles are gathered before they are looked at.
+const CHUNK: usize = 16;
+
+/// The triangles that meet a box of the shape's frame, in chunks.
+fn gather(
+    ground: Ground,
+    pose: &Pose,
+    (middle, half): (Vec3, Vec3),
+    eights: &mut [Eight],
+    look: &mut dyn FnMut(&[Eight]),
+) {
+    let middle = pose.inverse().point(middle);
+    let m = pose.axes;
+    let half = Vec3::new(m.x_axis.abs().dot(half), m.y_axis.abs().dot(half), m.z_axis.abs().dot(half));
+    // A millionth of the coordinates is their rounding.
+    let half = half + Vec3::splat(1e-6 * middle.abs().max_element());
+    let (mut used, mut lane) = (0, 8);
+    ground.visit_box(middle - half, middle + half, &mut |index, corners| {
+        if lane == 8 {
+            if used == eights.len() {
+                look(eights);
+                used = 0;
             }
-            if let Some(eight) = eights.get_mut(*used - 1) {
-                for (to, corner) in eight.corners.iter_mut().zip(corners) {
-                    (to[0][lane], to[1][lane], to[2][lane]) = (corner.x, corner.y, corner.z);
-                }
-                eight.index[lane] = index;
-                lane += 1;
-                eight.count = lane;
+            eights[used].count = 0;
+            (used, lane) = (used + 1, 0);
+        }
+        if let Some(eight) = eights.get_mut(used - 1) {
+            for (to, corner) in eight.corners.iter_mut().zip(corners) {
+                (to[0][lane], to[1][lane], to[2][lane]) = (corner.x, corner.y, corner.z);
             }
-        });
-    }
+            eight.index[lane] = index;
+            lane += 1;
+            eight.count = lane;
+        }
+    });
+    look(&eights[..used]);
 }
 
 /// The most points that a triangle yields.
@@ -601,14 +591,13 @@ mod tests {
                 .collect();
             let (mut scratch, mut out) = (MeshScratch::default(), Vec::new());
             let mut best = f64::MAX;
-            let (mut near, mut patches, mut manifolds) = (0, 0, 0);
+            let (mut patches, mut manifolds) = (0, 0);
             for _ in 0..300 {
                 let start = std::time::Instant::now();
-                (near, patches, manifolds) = (0, 0, 0);
+                (patches, manifolds) = (0, 0);
                 for rel in &pairs {
                     out.clear();
                     collide_mesh(&shape, &b, rel, MARGIN, &mut scratch, &mut out);
-                    near += scratch.eights[..scratch.used].iter().map(|e| e.count).sum::<usize>();
                     patches += scratch.patches.patches.len();
                     manifolds += out.len();
                 }
@@ -616,10 +605,9 @@ mod tests {
             }
             let each = |n: usize| n as f64 / pairs.len() as f64;
             println!(
-                "{:?}: {:.0} ns a pair, {:.1} triangles near, {:.1} patches, {:.1} manifolds",
+                "{:?}: {:.0} ns a pair, {:.1} patches, {:.1} manifolds",
                 shape.kind,
                 best * 1e9,
-                each(near),
                 each(patches),
                 each(manifolds)
             );
