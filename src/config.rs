@@ -89,7 +89,8 @@ pub struct Settings {
     pub warm_starting: bool,
     /// Whether contacts of pairs that hardly moved are kept without a new narrow phase. Default true.
     pub recycling: bool,
-    /// Bytes that the world may reserve; `None` for no limit. Default `None`.
+    /// Bytes that the world may reserve; `None` for no limit. What is added beyond is refused, and a step leaves out the
+    /// contacts that don't fit ([`StepReport::shed`](crate::StepReport::shed)). Default `None`.
     pub budget: Option<usize>,
 }
 

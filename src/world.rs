@@ -463,14 +463,12 @@ impl World {
     /// Adds a force [N] at the centre of mass and a torque [N m] to a dynamic body, for the next step.
     ///
     /// # Errors
-    /// If the handle is stale or a number is not finite.
+    /// If the handle is stale, a number is not finite, or, for the first force of a world, the budget does not allow it.
     pub fn add_force(&mut self, body: BodyHandle, force: Vec3, torque: Vec3) -> Result<(), Error> {
         let index = self.index(body)?;
         finite3("force", force)?;
         finite3("torque", torque)?;
-        if self.bodies.force.is_empty() {
-            self.bodies.force.resize(self.bodies.len(), Record::default());
-        }
+        self.make_place_for_forces()?;
         let sum = &mut self.bodies.force[index];
         sum.linear += force;
         sum.angular += torque;

@@ -15,6 +15,15 @@ fn pile() -> Scene {
     scene
 }
 
+/// A thousand fast bodies that bounce off a mesh and off each other.
+fn crossfire() -> Scene {
+    let mut scene = builtin::bullets(false);
+    for body in &mut scene.bodies {
+        body.desc.shapes.iter_mut().for_each(|s| s.material.restitution = 0.5);
+    }
+    scene
+}
+
 fn settings(budget: Option<usize>, threads: usize) -> Settings {
     Settings { budget, threads, ..Settings::default() }
 }
@@ -73,12 +82,32 @@ fn a_falling_pile_keeps_to_any_budget_that_its_bodies_fit_in() {
     }
 }
 
+#[test]
+fn bullets_on_a_mesh_keep_to_the_budget_and_to_their_side() {
+    let scene = crossfire();
+    let wide = run(&scene, Some(1 << 30), 1, |_| {});
+    assert_eq!(total(&wide), 0);
+    for share in [0.0, 0.05, 0.2] {
+        let budget = wide.first + ((wide.most - wide.first) as f64 * share) as usize;
+        let tight = run(&scene, Some(budget), 1, |world| {
+            let used = world.memory().total();
+            assert!(used <= budget, "{used} of {budget} at {share}");
+            for body in world.bodies() {
+                let at = world.centre_of_mass(body).unwrap();
+                // The floor ends 200 m from the middle; who flew off it may fall.
+                assert!(at.y > -0.001 || at.x.abs().max(at.z.abs()) > 199.0, "{at} at {share}");
+            }
+        });
+        println!("{share}: {budget} of {} bytes, {} shed", wide.most, total(&tight));
+        assert!(total(&tight) > 0, "{share}");
+    }
+}
+
 #[cfg(feature = "parallel")]
 #[test]
 fn what_is_shed_does_not_depend_on_threads() {
-    let scene = pile();
-    let wide = run(&scene, Some(1 << 30), 1, |_| {});
-    for share in [0.1, 0.4] {
+    for (scene, share) in [(pile(), 0.1), (pile(), 0.4), (crossfire(), 0.1)] {
+        let wide = run(&scene, Some(1 << 30), 1, |_| {});
         let budget = Some(wide.first + ((wide.most - wide.first) as f64 * share) as usize);
         let alone = run(&scene, budget, 1, |_| {});
         assert!(total(&alone) > 0);

@@ -212,16 +212,14 @@ fn sort(input: &PrepareInput<'_>, scratch: &mut PrepareScratch, mut quota: Quota
     each_contact(input, |slot, contact| {
         let body = |c: u32| input.hot[c as usize].body as usize;
         let (a, b) = (body(contact.a), body(contact.b));
-        let (mut touching, mut nearest) = (0, f32::INFINITY);
-        for point in contact.points() {
-            touching += u32::from(point.separation <= input.real);
-            nearest = nearest.min(point.separation);
-        }
+        let touching = contact.points().iter().map(|p| u32::from(p.separation <= input.real)).sum::<u32>();
         let group = Group::of(a >= movers || b >= movers, touching == 0);
         prepared.manifolds += 1;
         prepared.real += touching;
         prepared.potential += u32::from(contact.count) - touching;
-        ahead[contact.count as usize - 1] += usize::from(nearest > input.near);
+        if touching == 0 && contact.points().iter().all(|p| p.separation > input.near) {
+            ahead[contact.count as usize - 1] += 1;
+        }
         let mut enter = |part: Part, count: usize| {
             let left = &mut quota[group as usize];
             if *left == 0 {

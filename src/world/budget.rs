@@ -4,6 +4,7 @@ use super::World;
 use crate::body::{BodyDesc, BodyKind};
 use crate::broad_phase::Population;
 use crate::error::Error;
+use crate::lanes::Record;
 use crate::memory::{Buffer, Category, MemoryReport, Room, bytes_of};
 use crate::shape::{Geometry, ShapeDesc};
 
@@ -96,6 +97,20 @@ impl World {
         };
         more.add_shape(kind, shape);
         self.make_place_for(more)
+    }
+
+    /// Makes the column of forces, which exists only once one was applied.
+    pub(super) fn make_place_for_forces(&mut self) -> Result<(), Error> {
+        let (column, bodies) = (&self.bodies.force, self.bodies.len());
+        if column.is_empty() {
+            let (asked, left) = (column.missing(bodies), self.room().left());
+            if asked > left {
+                return Err(Error::Budget { category: Category::Bodies, asked, left });
+            }
+            self.bodies.force.widen(bodies);
+            self.bodies.force.resize(bodies, Record::default());
+        }
+        Ok(())
     }
 
     /// Makes place for what is there, whether or not the budget allows it: without it there is no step.
