@@ -158,7 +158,7 @@ pub(crate) fn collide(
         let all = Shared::new(&mut contacts.all);
         let state = Shared::new(bin_of);
         let Bins { order, blocks } = bins;
-        let (count, blocks, places) = (blocks.len(), Shared::new(blocks), found.share());
+        let (count, blocks, places) = (blocks.len(), Shared::new(blocks), found.places());
         let (pairs, relative, order) = (&*pairs, &*relative, &*order);
         crew.run(count, &|block| {
             // SAFETY: this is the only one that runs the block.

@@ -156,6 +156,8 @@ pub(crate) const EMPTIED: u8 = u8::MAX - 2;
 pub(crate) struct Found {
     fresh: Vec<Fresh>,
     meshes: Vec<MeshBlock>,
+    /// What each of them was granted.
+    share: Room,
     marks: Marks,
     chain: Vec<Contact>,
 }
@@ -201,8 +203,8 @@ impl Found {
             total[0] += block.place;
         }
         // Half for the blocks of meshes, in equal shares.
-        let share = room.share(2 * self.meshes.len());
-        self.meshes.iter_mut().for_each(|block| block.mesh.room = share);
+        self.share = room.share(2 * self.meshes.len());
+        self.meshes.iter_mut().for_each(|block| block.mesh.room = self.share);
         let wanted = total[0] as usize;
         let granted = room.within(4, |room| room.fit(&mut self.fresh, wanted));
         if granted < wanted {
@@ -214,7 +216,7 @@ impl Found {
     }
 
     /// What blocks write to while they run.
-    pub(crate) fn share(&mut self) -> Places<'_> {
+    pub(crate) fn places(&mut self) -> Places<'_> {
         let meshes = self.meshes.len();
         Places { fresh: Shared::new(&mut self.fresh), meshes, mesh: Shared::new(&mut self.meshes) }
     }
@@ -243,13 +245,12 @@ impl Found {
             wanted[0] += block.used[0] as usize;
             wanted[1] += block.used[1] as usize;
         }
-        let share = room.share(2 * self.meshes.len());
         for block in &mut self.meshes {
             for &(index, start, end) in &block.looked {
                 let old = contacts.count(pairs[index as usize].contact);
                 wanted[1] += ((end - start) as usize).saturating_sub(old);
             }
-            room.take(share.left() - block.mesh.room.left());
+            room.take(self.share.left() - block.mesh.room.left());
             shed += std::mem::take(&mut block.mesh.shed);
         }
         shed += bins.blocks.iter().map(|block| block.shed).sum::<u32>();
