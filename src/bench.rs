@@ -9,6 +9,7 @@ pub use crate::narrow_phase::bench::{cast, convex, distance, lanes, mesh};
 use crate::constraint::contact_row::{Motion, Pass, Softness, solve};
 use crate::constraint::{Batch, Group, PrepareInput, PrepareScratch, Rows, prepare};
 use crate::lanes::{Record, Vec3, f32x8, gather, scatter};
+use crate::memory::Room;
 use crate::scene::builtin;
 use crate::threads::{Crew, Shared};
 use crate::{Settings, World};
@@ -125,11 +126,12 @@ pub fn preparing() -> Kernel {
             motion: &forces.motion,
             inverse_inertia: &forces.inverse_inertia,
             real: crate::step::REAL,
+            near: 0.02,
             warm: 1.0,
             stick: 0.01,
             per_point: false,
         };
-        prepare(&Crew::alone(), &input, &mut rows, &mut scratch);
+        prepare(&Crew::alone(), &input, &mut rows, &mut scratch, &mut Room::default());
         black_box(&mut rows);
     })
 }

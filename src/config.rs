@@ -3,8 +3,8 @@
 use crate::error::{Error, finite3, positive, within};
 use glam::Vec3;
 
-/// How a body is kept from passing through others.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+/// How a body is kept from passing through others; of two, the greater is the dearer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Continuous {
     /// Only where it stands: a fast body may pass through a thin one.
@@ -15,6 +15,17 @@ pub enum Continuous {
     /// The whole volume it could reach within the step: dearer; finds second impacts behind a first obstacle and
     /// crowds of fast bodies.
     Volume,
+}
+
+impl Continuous {
+    /// The mode a body, or a pair by the greater of its two, really has in a world with this setting.
+    pub(crate) fn of(self, own: Continuous) -> Continuous {
+        match (self, own) {
+            (Continuous::Discrete, _) | (_, Continuous::Discrete) => Continuous::Discrete,
+            (Continuous::Volume, _) => Continuous::Volume,
+            (Continuous::Segment, own) => own,
+        }
+    }
 }
 
 /// How friction of two directions is bounded.
@@ -54,7 +65,7 @@ pub struct Settings {
     /// Threads of the caller's rayon pool that a step may use, at least 1. Default 1.
     pub threads: usize,
     /// The mode that [`Continuous::Segment`] bodies really use; `Discrete` switches continuous collision off for
-    /// the whole world, `Volume` raises all. Default `Segment`: each body's own mode.
+    /// the whole world, `Volume` raises all that are not `Discrete`. Default `Segment`: each body's own mode.
     pub continuous: Continuous,
     /// Cone or box. Default cone.
     pub friction_cone: FrictionCone,
@@ -78,7 +89,8 @@ pub struct Settings {
     pub warm_starting: bool,
     /// Whether contacts of pairs that hardly moved are kept without a new narrow phase. Default true.
     pub recycling: bool,
-    /// Bytes that the world may reserve; `None` for no limit. Default `None`.
+    /// Bytes that the world may reserve; `None` for no limit. What is added beyond is refused, and a step leaves out the
+    /// contacts that don't fit ([`StepReport::shed`](crate::StepReport::shed)). Default `None`.
     pub budget: Option<usize>,
 }
 

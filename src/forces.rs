@@ -2,7 +2,7 @@
 
 use crate::body::{Bodies, Mass, Traits};
 use crate::lanes::{Record, Sym3};
-use crate::memory::bytes_of;
+use crate::memory::{Buffer, bytes_of};
 use crate::threads::{Crew, Shared};
 use crate::world::World;
 use glam::{Mat3, Vec3};
@@ -21,6 +21,18 @@ pub(crate) struct Forces {
 }
 
 impl Forces {
+    /// Calls `f` with each buffer and the place that it needs for so many bodies that can move, and that can be pushed.
+    pub(crate) fn each(
+        &mut self,
+        (movers, dynamic): (usize, usize),
+        f: &mut dyn FnMut(&mut dyn Buffer, usize),
+    ) {
+        f(&mut self.acceleration, movers);
+        f(&mut self.inverse_inertia, dynamic);
+        f(&mut self.start, movers);
+        f(&mut self.motion, movers);
+    }
+
     /// Live and reserved bytes, without the predicted motion.
     pub(crate) fn bytes(&self) -> (usize, usize) {
         [bytes_of(&self.acceleration), bytes_of(&self.inverse_inertia), bytes_of(&self.start)]

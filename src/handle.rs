@@ -1,5 +1,7 @@
 //! What a caller holds: an index and a generation, so that a stale handle is noticed.
 
+use crate::memory::Buffer;
+
 macro_rules! handle {
     ($(#[$doc:meta])* $name:ident) => {
         $(#[$doc])*
@@ -65,6 +67,17 @@ impl Slots {
         entry.0 = entry.0.wrapping_add(1);
         entry.1 = u32::MAX;
         self.free.push(slot);
+    }
+
+    /// Calls `f` with each buffer and the place that it needs for so many.
+    pub(crate) fn each(&mut self, n: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        f(&mut self.slots, n);
+        f(&mut self.free, n);
+    }
+
+    /// How many may be named without a further slot.
+    pub(crate) fn spare(&self) -> usize {
+        self.free.len()
     }
 
     pub(crate) fn bytes(&self) -> (usize, usize) {

@@ -1,10 +1,10 @@
 //! The broad stage: places the colliders of what moves and finds the pairs of the step.
 
 use crate::body::BodyKind;
-use crate::broad_phase::{BroadStats, Mover, aabb_of};
+use crate::broad_phase::{BroadStats, Mover, Rules, aabb_of};
 use crate::config::Continuous;
 use crate::lanes::Record;
-use crate::memory::bytes_of;
+use crate::memory::{Buffer, bytes_of};
 use crate::shape::Collider;
 use crate::threads::{Crew, Shared};
 use crate::world::World;
@@ -19,6 +19,16 @@ pub(crate) struct Buffers {
 }
 
 impl Buffers {
+    /// Calls `f` with each buffer and the place that it needs for so many bodies that can move, and their colliders.
+    pub(crate) fn each(
+        &mut self,
+        (bodies, colliders): (usize, usize),
+        f: &mut dyn FnMut(&mut dyn Buffer, usize),
+    ) {
+        f(&mut self.movers, colliders);
+        f(&mut self.starts, bodies);
+    }
+
     pub(crate) fn bytes(&self) -> (usize, usize) {
         [bytes_of(&self.movers), bytes_of(&self.starts), bytes_of(&self.removed)]
             .into_iter()
@@ -35,6 +45,7 @@ const BLOCK: usize = 128;
 /// Finds the pairs of this step; also says how many ghosts left with the pairs that ended.
 pub(crate) fn pairs(crew: &Crew<'_>, world: &mut World) -> (BroadStats, u32) {
     let count = world.bodies.movers();
+    let mut room = world.room();
     let Buffers { movers, starts, removed } = &mut world.buffers.broad;
     starts.clear();
     let mut total = 0;
@@ -59,7 +70,7 @@ pub(crate) fn pairs(crew: &Crew<'_>, world: &mut World) -> (BroadStats, u32) {
         let starts = &*starts;
         crew.run(count.div_ceil(BLOCK), &|block| {
             for i in block * BLOCK..((block + 1) * BLOCK).min(count) {
-                let mode = mode_of(whole, bodies.traits[i].continuous);
+                let mode = whole.of(bodies.traits[i].continuous);
                 let pose = &bodies.pose[i];
                 for (k, &c) in bodies.colliders[i].as_slice().iter().enumerate() {
                     let collider = &all[c as usize];
@@ -92,22 +103,15 @@ pub(crate) fn pairs(crew: &Crew<'_>, world: &mut World) -> (BroadStats, u32) {
         if (kind(a), a) <= (kind(b), b) { (a, b) } else { (b, a) }
     };
     let margin = MARGIN * world.settings.length_unit;
-    let stats = world.broad.update(crew, movers, margin, &may_collide, &order, removed);
+    let narrow = &world.buffers.narrow;
+    let rules = Rules { may_collide: &may_collide, order: &order, missing: &|pairs| narrow.missing(pairs) };
+    let stats = world.broad.update_within(crew, movers, margin, &rules, removed, &mut room);
     let mut ghosts = 0;
     for pair in removed.iter() {
         ghosts += world.contacts.count_pushed(pair.contact);
         world.contacts.remove_chain(pair.contact);
     }
     (stats, ghosts)
-}
-
-/// The mode a body really has.
-pub(crate) fn mode_of(world: Continuous, body: Continuous) -> Continuous {
-    match (world, body) {
-        (Continuous::Discrete, _) | (_, Continuous::Discrete) => Continuous::Discrete,
-        (Continuous::Volume, _) => Continuous::Volume,
-        (Continuous::Segment, own) => own,
-    }
 }
 
 fn mover(

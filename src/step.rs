@@ -1,7 +1,9 @@
 //! One step on one screen.
 
-use crate::config::{Continuous, FrictionModel};
-use crate::constraint::{BounceInput, BounceScratch, PrepareInput, PrepareScratch, Rows, bounce, prepare};
+use crate::config::FrictionModel;
+use crate::constraint::{
+    BounceInput, BounceScratch, PrepareInput, PrepareScratch, Prepared, Rows, bounce, prepare,
+};
 use crate::error::{Error, positive};
 use crate::finish::{StageTimes, StepReport};
 use crate::forces::Forces;
@@ -29,7 +31,6 @@ pub(crate) struct Buffers {
 
 impl Buffers {
     pub(crate) fn report(&self, report: &mut MemoryReport) {
-        report.add(Category::Rows, self.rows.bytes());
         report.add(Category::Continuous, bytes_of(&self.forces.motion));
         report.add(Category::Scratch, self.forces.bytes());
         report.add(Category::Scratch, self.broad.bytes());
@@ -73,6 +74,7 @@ impl World {
     fn run(&mut self, crew: &Crew<'_>, dt: f32) {
         let start = Instant::now();
         let mut times = StageTimes::default();
+        self.make_place_for_step();
         self.keep_previous();
 
         forces::predict(crew, self, dt);
@@ -82,34 +84,35 @@ impl World {
         let narrow = self.narrow(crew);
         clock = lap(clock, &mut times.narrow);
 
-        let impacts = self.prepare(crew, dt);
+        let prepared = self.prepare(crew, dt);
         clock = lap(clock, &mut times.prepare);
 
         let buffers = &mut self.buffers;
         let acceleration = &buffers.forces.acceleration;
         let (rows, state) = (&mut buffers.rows, &mut buffers.solver);
         solver::solve(crew, &self.settings, dt, &mut self.bodies, acceleration, rows, state);
-        {
+        let pushed = {
             let poses = &self.colliders.poses;
             if self.settings.friction_model == FrictionModel::Point {
                 // Each point adds its share.
                 self.contacts.all.iter_mut().for_each(|c| c.friction = glam::Vec3::ZERO);
             }
             let contacts = Shared::new(&mut self.contacts.all);
-            solver::store(crew, &self.buffers.rows, dt, &contacts, &|c| poses[c as usize].rotation);
-        }
+            solver::store(crew, &self.buffers.rows, dt, &contacts, &|c| poses[c as usize].rotation)
+        };
         clock = lap(clock, &mut times.solve);
 
         let ended = finish::finish(crew, self, broad.0.fast, dt);
         lap(clock, &mut times.finish);
         times.step = start.elapsed().as_secs_f32() * 1e6;
         self.buffers.last_h = dt / self.settings.substeps as f32;
-        self.report = StepReport::new(self, times, broad, narrow, impacts, ended);
+        self.report = StepReport::new(self, times, broad, narrow, prepared, pushed, ended);
         self.note_peaks();
     }
 
     fn narrow(&mut self, crew: &Crew<'_>) -> crate::narrow_phase::NarrowStats {
         let unit = self.settings.length_unit;
+        let mut room = self.room();
         let input = Input {
             colliders: &self.colliders.all,
             hot: &self.colliders.hot,
@@ -120,16 +123,17 @@ impl World {
             real: REAL * unit,
             fast: FAST * unit,
             recycle: if self.settings.recycling { RECYCLE * unit } else { -1.0 },
-            continuous: self.settings.continuous != Continuous::Discrete,
-            volume: self.settings.continuous == Continuous::Volume,
+            mode: self.settings.continuous,
         };
-        collide(crew, &input, &mut self.broad.pairs, &mut self.contacts, &mut self.buffers.narrow)
+        let scratch = &mut self.buffers.narrow;
+        collide(crew, &input, &mut self.broad.pairs, &mut self.contacts, scratch, &mut room)
     }
 
-    fn prepare(&mut self, crew: &Crew<'_>, dt: f32) -> usize {
+    fn prepare(&mut self, crew: &Crew<'_>, dt: f32) -> Prepared {
         let unit = self.settings.length_unit;
         let forces = &self.buffers.forces;
-        let mut impacts = 0;
+        let (mut impacts, mut lost) = (0, 0);
+        let mut room = self.room();
         if self.needs.restitution > 0 {
             let input = BounceInput {
                 colliders: &self.colliders.all,
@@ -141,7 +145,8 @@ impl World {
                 threshold: self.settings.restitution_threshold * unit,
                 iterations: IMPACT_SWEEPS,
             };
-            impacts = bounce(&input, &mut self.contacts.all, &mut self.bodies, &mut self.buffers.bounce);
+            let scratch = &mut self.buffers.bounce;
+            (impacts, lost) = bounce(&input, &mut self.contacts.all, &mut self.bodies, scratch, &mut room);
         }
         let h = dt / self.settings.substeps as f32;
         let last = self.buffers.last_h;
@@ -156,12 +161,13 @@ impl World {
             motion: &forces.motion,
             inverse_inertia: &forces.inverse_inertia,
             real: REAL * unit,
+            near: 2.0 * MARGIN * unit,
             warm,
             stick: STICK * unit,
             per_point: self.settings.friction_model == FrictionModel::Point,
         };
-        prepare(crew, &input, &mut self.buffers.rows, &mut self.buffers.prepare);
-        impacts
+        let prepared = prepare(crew, &input, &mut self.buffers.rows, &mut self.buffers.prepare, &mut room);
+        Prepared { impacts: impacts as u32, shed: prepared.shed + lost, ..prepared }
     }
 }
 

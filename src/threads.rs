@@ -211,6 +211,17 @@ impl<'a, T> Shared<'a, T> {
         unsafe { &mut *self.start.add(i) }
     }
 
+    /// Some elements in a row, to be written. Panics if any is outside.
+    ///
+    /// # Safety
+    /// As for [`Shared::get`], for each of them.
+    #[allow(clippy::mut_from_ref, reason = "the contract is the caller's, see above")]
+    pub(crate) unsafe fn part(&self, range: std::ops::Range<usize>) -> &mut [T] {
+        assert!(range.start <= range.end && range.end <= self.len);
+        // SAFETY: inside the slice by the assertion; exclusive by the contract.
+        unsafe { std::slice::from_raw_parts_mut(self.start.add(range.start), range.len()) }
+    }
+
     /// A copy of the element at `i`.
     ///
     /// # Safety

@@ -1,5 +1,7 @@
 //! The world: it owns every store; add, remove, change, look up.
 
+mod budget;
+
 use crate::body::{Bodies, BodyDesc, BodyKind, Cold, Mass, NewBody, Pose, Previous, Traits};
 use crate::broad_phase::{BroadPhase, Pair, aabb_of};
 use crate::config::{Continuous, Settings};
@@ -8,7 +10,7 @@ use crate::finish::StepReport;
 use crate::forces::world_inertia;
 use crate::handle::{BodyHandle, ShapeHandle, Slots};
 use crate::lanes::Record;
-use crate::memory::{Category, MemoryReport, bytes_of};
+use crate::memory::{Category, MemoryReport};
 use crate::narrow_phase::Contacts;
 use crate::shape::{Collider, Filter, Geometry, Hot, Kind, MassProperties, Material, ShapeDesc, unit_quat};
 use crate::step::Buffers;
@@ -93,11 +95,15 @@ impl Assets {
         }
     }
 
-    /// Bytes that a geometry would add.
-    fn cost(&self, geometry: &Geometry) -> usize {
-        Self::key(geometry)
-            .filter(|(key, ..)| self.list.binary_search_by_key(key, |e| e.0).is_err())
-            .map_or(0, |(_, _, (_, reserved))| reserved)
+    /// Bytes that geometries would add, each counted once.
+    fn cost<'a>(&self, geometries: impl Iterator<Item = &'a Geometry>) -> usize {
+        let is_new = |key: usize| self.list.binary_search_by_key(&key, |e| e.0).is_err();
+        let known = geometries.filter_map(Self::key);
+        let mut new: Vec<(usize, usize)> =
+            known.filter(|(key, ..)| is_new(*key)).map(|(key, _, (_, reserved))| (key, reserved)).collect();
+        new.sort_unstable();
+        new.dedup();
+        new.iter().map(|(_, reserved)| reserved).sum()
     }
 }
 
@@ -148,7 +154,7 @@ impl World {
     /// the budget does not allow it.
     pub fn add_body(&mut self, desc: &BodyDesc) -> Result<BodyHandle, Error> {
         let (centre, mass) = self.check(desc)?;
-        self.check_budget(std::slice::from_ref(desc))?;
+        self.make_place(std::slice::from_ref(desc))?;
         Ok(self.insert(desc, centre, mass))
     }
 
@@ -158,7 +164,7 @@ impl World {
     /// As for [`World::add_body`].
     pub fn add_bodies(&mut self, descs: &[BodyDesc]) -> Result<Vec<BodyHandle>, Error> {
         let masses = descs.iter().map(|d| self.check(d)).collect::<Result<Vec<_>, _>>()?;
-        self.check_budget(descs)?;
+        self.make_place(descs)?;
         self.bodies.reserve(descs.len());
         let shapes = descs.iter().map(|d| d.shapes.len()).sum();
         self.colliders.all.reserve(shapes);
@@ -174,7 +180,7 @@ impl World {
     /// If the handle is stale.
     pub fn remove_body(&mut self, body: BodyHandle) -> Result<(), Error> {
         let index = self.index(body)?;
-        let colliders = std::mem::take(&mut self.bodies.colliders[index]);
+        let colliders = self.bodies.take_colliders(index);
         for &collider in colliders.as_slice() {
             self.drop_collider(collider);
         }
@@ -195,12 +201,16 @@ impl World {
         if self.bodies.kind[index] == BodyKind::Dynamic {
             shape.geometry.require_convex()?;
         }
-        self.check_budget(&[BodyDesc::fixed().with_shape(shape.clone())])?;
         let mass =
             MassProperties::of(&shape.geometry, shape.density).transformed(shape.position, shape.rotation);
         if self.bodies.kind[index] == BodyKind::Dynamic && mass.mass != 0.0 {
             movable(&mass)?;
         }
+        self.make_place_for_shape(
+            self.bodies.kind[index],
+            shape,
+            self.bodies.colliders[index].as_slice().len(),
+        )?;
         let collider = self.new_collider(index, shape);
         if self.bodies.cold[index].mass_from_shapes && mass.mass > 0.0 {
             self.refresh_mass(index);
@@ -223,7 +233,7 @@ impl World {
                 return Err(Error::NoMass);
             }
         }
-        self.bodies.colliders[index].remove(collider);
+        self.bodies.detach(index, collider);
         self.drop_collider(collider);
         if from_shapes {
             self.refresh_mass(index);
@@ -453,14 +463,12 @@ impl World {
     /// Adds a force [N] at the centre of mass and a torque [N m] to a dynamic body, for the next step.
     ///
     /// # Errors
-    /// If the handle is stale or a number is not finite.
+    /// If the handle is stale, a number is not finite, or, for the first force of a world, the budget does not allow it.
     pub fn add_force(&mut self, body: BodyHandle, force: Vec3, torque: Vec3) -> Result<(), Error> {
         let index = self.index(body)?;
         finite3("force", force)?;
         finite3("torque", torque)?;
-        if self.bodies.force.is_empty() {
-            self.bodies.force.resize(self.bodies.len(), Record::default());
-        }
+        self.make_place_for_forces()?;
         let sum = &mut self.bodies.force[index];
         sum.linear += force;
         sum.angular += torque;
@@ -502,13 +510,18 @@ impl World {
         Ok(())
     }
 
-    /// Sets how a body is kept from passing through others.
+    /// Sets how a body is kept from passing through others. Two bodies collide by the greater of their modes, save
+    /// that what is static has none.
     ///
     /// # Errors
     /// If the handle is stale.
     pub fn set_continuous(&mut self, body: BodyHandle, mode: Continuous) -> Result<(), Error> {
         let index = self.index(body)?;
         self.bodies.traits[index].continuous = mode;
+        let mode = self.bodies.mode(index);
+        for &c in self.bodies.colliders[index].as_slice() {
+            self.colliders.hot[c as usize].mode = mode;
+        }
         Ok(())
     }
 
@@ -527,32 +540,6 @@ impl World {
     /// What the last step did.
     pub fn report(&self) -> &StepReport {
         &self.report
-    }
-
-    /// Bytes by category.
-    pub fn memory(&self) -> MemoryReport {
-        let mut report = MemoryReport::default();
-        report.add(Category::Bodies, self.bodies.bytes());
-        report.add(Category::Shapes, bytes_of(&self.colliders.all));
-        report.add(Category::Shapes, bytes_of(&self.colliders.hot));
-        report.add(Category::Shapes, bytes_of(&self.colliders.poses));
-        report.add(Category::Shapes, self.colliders.slots.bytes());
-        for &(_, _, category, bytes) in &self.assets.list {
-            report.add(category, bytes);
-        }
-        let broad = self.broad.bytes();
-        report.add(Category::BroadPhase, broad);
-        report.add(Category::BroadPhase, bytes_of(&self.removed));
-        report.add(Category::Manifolds, self.contacts.bytes());
-        report.add(Category::Continuous, self.broad.continuous_bytes());
-        report.add(Category::Continuous, bytes_of(&self.bodies.previous));
-        self.buffers.report(&mut report);
-        report.keep_peaks(&self.peaks);
-        report
-    }
-
-    pub(crate) fn note_peaks(&mut self) {
-        self.peaks = self.memory();
     }
 
     /// A number that differs if any pose or velocity differs in a bit. Bodies count in the order of their handles.
@@ -613,20 +600,6 @@ impl World {
         Ok(columns_of(&total, desc.kind, desc.user_data, desc.mass.is_none()))
     }
 
-    fn check_budget(&self, descs: &[BodyDesc]) -> Result<(), Error> {
-        let Some(budget) = self.settings.budget else { return Ok(()) };
-        let left = budget.saturating_sub(self.memory().total());
-        let shapes: usize = descs.iter().map(|d| d.shapes.len()).sum();
-        let body_bytes = descs.len() * (BODY_BYTES + BROAD_BYTES) + shapes * size_of::<Collider>();
-        let assets: usize = descs.iter().flat_map(|d| &d.shapes).map(|s| self.assets.cost(&s.geometry)).sum();
-        let asked = body_bytes + assets;
-        if asked > left {
-            let category = if assets > body_bytes { Category::Meshes } else { Category::Bodies };
-            return Err(Error::Budget { category, asked, left });
-        }
-        Ok(())
-    }
-
     fn insert(&mut self, desc: &BodyDesc, cold: Cold, mass: Mass) -> BodyHandle {
         let rotation = desc.rotation.normalize();
         let locks = Traits::lock_bits(desc.lock_translation, desc.lock_rotation);
@@ -675,20 +648,21 @@ impl World {
             density: shape.density,
             user_data: shape.user_data,
         };
+        let mode = self.bodies.mode(body);
         self.assets.add(geometry);
         self.needs.restitution += u32::from(shape.material.restitution > 0.0);
         let next = self.colliders.all.len() as u32;
         let (slot, _) = self.colliders.slots.insert(next);
         if slot == next {
-            self.colliders.hot.push(collider.hot());
+            self.colliders.hot.push(collider.hot(mode));
             self.colliders.all.push(collider);
             self.colliders.poses.push(self.bodies.pose[body]);
         } else {
             self.colliders.slots.moved(slot, slot);
-            self.colliders.hot[slot as usize] = collider.hot();
+            self.colliders.hot[slot as usize] = collider.hot(mode);
             self.colliders.all[slot as usize] = collider;
         }
-        self.bodies.colliders[body].push(slot);
+        self.bodies.attach(body, slot);
         self.colliders.place(slot, &self.bodies.pose[body]);
         self.enter_broad(slot);
         slot
@@ -763,7 +737,8 @@ impl World {
             c.rotation = (cold.axes.conjugate() * old.axes * c.rotation).normalize();
         }
         for &c in self.bodies.colliders[index].as_slice() {
-            self.colliders.hot[c as usize] = self.colliders.all[c as usize].hot();
+            let hot = &mut self.colliders.hot[c as usize];
+            *hot = self.colliders.all[c as usize].hot(hot.mode);
         }
     }
 
@@ -795,11 +770,6 @@ impl Colliders {
         };
     }
 }
-
-/// Bytes of a body's row in all columns.
-const BODY_BYTES: usize = 320;
-/// Bytes of a collider in the broad phase, about.
-const BROAD_BYTES: usize = 128;
 
 fn finite_position(position: DVec3) -> Result<(), Error> {
     match position.to_array().into_iter().find(|v| !v.is_finite()) {

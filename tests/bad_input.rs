@@ -341,5 +341,7 @@ fn a_budget_refuses_what_does_not_fit() {
     let shape = ShapeDesc::new(Geometry::Sphere { radius: 0.1 });
     let error = refused("a shape", &mut world, |w| w.add_shape(body, &shape));
     assert!(matches!(error, Error::Budget { .. }), "{error}");
+    let error = refused("a first force", &mut world, |w| w.add_force(body, Vec3::Y, Vec3::ZERO));
+    assert!(matches!(error, Error::Budget { category: Category::Bodies, .. }), "{error}");
     world.step(1.0 / 60.0).unwrap();
 }

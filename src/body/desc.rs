@@ -41,7 +41,8 @@ pub struct BodyDesc {
     pub lock_translation: [bool; 3],
     /// World axes about which it can't turn.
     pub lock_rotation: [bool; 3],
-    /// How it is kept from passing through others. Default [`Continuous::Segment`].
+    /// How it is kept from passing through others: two collide by the greater of their modes, save that what is static
+    /// has none. Default [`Continuous::Segment`].
     pub continuous: Continuous,
     /// Free for the caller.
     pub user_data: u64,

@@ -5,7 +5,7 @@ use super::BodyKind;
 use crate::config::Continuous;
 use crate::handle::Slots;
 use crate::lanes::Record;
-use crate::memory::bytes_of;
+use crate::memory::{Buffer, bytes_of};
 use glam::{DVec3, Quat, Vec3};
 
 /// Pose of the centre of mass, in the principal axes of inertia.
@@ -87,6 +87,8 @@ pub(crate) struct Bodies {
     pub(crate) locked: u32,
     dynamic: u32,
     kinematic: u32,
+    /// Bytes of the lists in `colliders`, live and reserved.
+    lists: (usize, usize),
 }
 
 /// Where a body came from: restitution gives back the velocity from before a potential point took it away.
@@ -116,14 +118,17 @@ impl Colliders {
             Colliders::Many(many) => many,
         }
     }
-    pub(crate) fn push(&mut self, collider: u32) {
+    fn bytes(&self) -> (usize, usize) {
+        if let Colliders::Many(many) = self { bytes_of(many) } else { (0, 0) }
+    }
+    fn push(&mut self, collider: u32) {
         match self {
             Colliders::None => *self = Colliders::One(collider),
             Colliders::One(one) => *self = Colliders::Many(vec![*one, collider]),
             Colliders::Many(many) => many.push(collider),
         }
     }
-    pub(crate) fn remove(&mut self, collider: u32) {
+    fn remove(&mut self, collider: u32) {
         match self {
             Colliders::One(one) if *one == collider => *self = Colliders::None,
             Colliders::Many(many) => many.retain(|&c| c != collider),
@@ -153,6 +158,57 @@ impl Bodies {
     /// How many bodies can move: those with an index below.
     pub(crate) fn movers(&self) -> usize {
         (self.dynamic + self.kinematic) as usize
+    }
+
+    /// How a body takes part in continuous collision: a static one not of itself.
+    pub(crate) fn mode(&self, index: usize) -> Continuous {
+        match self.kind[index] {
+            BodyKind::Static => Continuous::Discrete,
+            _ => self.traits[index].continuous,
+        }
+    }
+
+    /// Puts a collider on a body.
+    pub(crate) fn attach(&mut self, index: usize, collider: u32) {
+        self.change(index, |own| own.push(collider));
+    }
+
+    /// Takes a collider off a body.
+    pub(crate) fn detach(&mut self, index: usize, collider: u32) {
+        self.change(index, |own| own.remove(collider));
+    }
+
+    /// Takes all colliders off a body.
+    pub(crate) fn take_colliders(&mut self, index: usize) -> Colliders {
+        self.change(index, std::mem::take)
+    }
+
+    fn change<R>(&mut self, index: usize, f: impl FnOnce(&mut Colliders) -> R) -> R {
+        let own = &mut self.colliders[index];
+        let before = own.bytes();
+        let result = f(own);
+        let (live, reserved) = own.bytes();
+        self.lists = (self.lists.0 + live - before.0, self.lists.1 + reserved - before.1);
+        result
+    }
+
+    /// Calls `f` with each buffer and the place that it needs for so many bodies.
+    pub(crate) fn each(&mut self, n: usize, previous: bool, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        self.slots.each(n, f);
+        f(&mut self.slot, n);
+        f(&mut self.kind, n);
+        f(&mut self.pose, n);
+        f(&mut self.velocity, n);
+        f(&mut self.mass, n);
+        f(&mut self.traits, n);
+        f(&mut self.cold, n);
+        f(&mut self.colliders, n);
+        if !self.force.is_empty() {
+            f(&mut self.force, n);
+        }
+        if previous {
+            f(&mut self.previous, n);
+        }
     }
 
     pub(crate) fn reserve(&mut self, more: usize) {
@@ -262,10 +318,6 @@ impl Bodies {
 
     /// Live and reserved bytes.
     pub(crate) fn bytes(&self) -> (usize, usize) {
-        let lists = self.colliders.iter().filter_map(|c| match c {
-            Colliders::Many(many) => Some(bytes_of(many)),
-            _ => None,
-        });
         [
             self.slots.bytes(),
             bytes_of(&self.slot),
@@ -277,9 +329,9 @@ impl Bodies {
             bytes_of(&self.cold),
             bytes_of(&self.colliders),
             bytes_of(&self.force),
+            self.lists,
         ]
         .into_iter()
-        .chain(lists)
         .fold((0, 0), |sum, bytes| (sum.0 + bytes.0, sum.1 + bytes.1))
     }
 }

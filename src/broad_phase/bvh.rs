@@ -8,7 +8,7 @@
 
 use super::Aabb;
 use crate::lanes::{Lanes, Mask, Vec3, f32x4};
-use crate::memory::bytes_of;
+use crate::memory::{Buffer, bytes_of};
 use bytemuck::{Pod, Zeroable};
 
 /// No place, no child.
@@ -326,6 +326,17 @@ impl Tree {
     pub(super) fn visit_box(&self, stack: &mut Vec<u32>, bounds: &Aabb, f: impl FnMut(u32)) {
         let (min, max) = (Vec3::splat(bounds.min), Vec3::splat(bounds.max));
         self.visit(stack, |node| node.overlaps(&min, &max), f);
+    }
+
+    /// Calls `f` with each buffer and the place that it may need for so many leaves.
+    pub(super) fn each(&mut self, leaves: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        // A node has two children or more after a build, and each leaf that is added later may bring one; beyond that
+        // the tree is sparse and built anew.
+        let nodes = if leaves == 0 { 0 } else { leaves + leaves / 4 + 16 };
+        f(&mut self.nodes, nodes);
+        f(&mut self.items, leaves);
+        // Three a level, and one.
+        f(&mut self.tasks, leaves.min(super::STACK));
     }
 
     /// Live and reserved bytes.

@@ -3,12 +3,12 @@
 use super::bvh::Tree;
 use super::{BroadPhase, FILTER, MayCollide, NONE, Order, Pair, Path, Role};
 use crate::lanes::{Mask, f32x4};
-use crate::memory::bytes_of;
+use crate::memory::{Buffer, Buffers, Room, bytes_of, even_out};
 use crate::threads::Crew;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Movers in a block: about 10 µs of work, ten times what claiming a block costs.
-const BLOCK: usize = 64;
+pub(super) const BLOCK: usize = 64;
 
 /// Pairs in a block that looks whether they last.
 const KEEP_BLOCK: usize = 1024;
@@ -22,6 +22,48 @@ pub(super) struct Block {
     turned: Vec<u32>,
     stack: Vec<u32>,
     pub(super) partners: Vec<u32>,
+    /// What its buffers may still grow by, and how often they could not.
+    room: Room,
+    shed: u32,
+}
+
+/// Place in a stack for a walk: three a level and one, in trees whose depth is logarithmic.
+pub(crate) const STACK: usize = 256;
+
+impl Buffers for Mutex<Block> {
+    fn each(&mut self, f: &mut dyn FnMut(&mut dyn Buffer)) {
+        let block = self.get_mut().unwrap_or_else(PoisonError::into_inner);
+        f(&mut block.found);
+        f(&mut block.ended);
+        f(&mut block.turned);
+        f(&mut block.stack);
+        f(&mut block.partners);
+    }
+}
+
+/// Blocks with the stacks that they surely need.
+pub(super) struct Blocks<'a>(pub(super) &'a mut Vec<Mutex<Block>>);
+
+impl Buffer for Blocks<'_> {
+    fn capacity(&self) -> usize {
+        self.0.len()
+    }
+    fn missing(&self, len: usize) -> usize {
+        self.0.missing(len) + len.saturating_sub(self.0.len()) * STACK * size_of::<u32>()
+    }
+    fn widen(&mut self, len: usize) {
+        self.0.widen(len);
+        let with_stack = || Mutex::new(Block { stack: Vec::with_capacity(STACK), ..Block::default() });
+        self.0.resize_with(len.max(self.0.len()), with_stack);
+    }
+}
+
+/// Who may be a pair, and what one costs.
+pub(crate) struct Rules<'a> {
+    pub(crate) may_collide: MayCollide<'a>,
+    pub(crate) order: Order<'a>,
+    /// Bytes that the later stages of the step lack for so many pairs.
+    pub(crate) missing: &'a dyn Fn(usize) -> usize,
 }
 
 impl Block {
@@ -44,9 +86,16 @@ pub(super) fn lock(block: &Mutex<Block>) -> MutexGuard<'_, Block> {
 
 impl BroadPhase {
     /// Drops the pairs that may no longer touch.
-    pub(super) fn keep_pairs(&mut self, crew: &Crew, may_collide: MayCollide, removed: &mut Vec<Pair>) {
-        let count = self.pairs.len().div_ceil(KEEP_BLOCK);
-        self.grow_blocks(count);
+    pub(super) fn keep_pairs(
+        &mut self,
+        crew: &Crew,
+        may_collide: MayCollide,
+        removed: &mut Vec<Pair>,
+        room: &mut Room,
+    ) {
+        // One that is not looked at lasts longer than it need.
+        let count = self.grow_blocks(self.pairs.len().div_ceil(KEEP_BLOCK), room);
+        let share = self.share(count, room);
         let this = &*self;
         this.run(crew, count, &|b| {
             let block = &mut *lock(&this.blocks[b]);
@@ -60,9 +109,9 @@ impl BroadPhase {
                     continue;
                 }
                 if !this.may_touch(a, b) || (marks & FILTER != 0 && !may_collide(a, b)) {
-                    block.ended.push(place as u32);
+                    block.room.push(&mut block.ended, place as u32);
                 } else if fast != this.is_fast(a, b) {
-                    block.turned.push(place as u32);
+                    block.room.push(&mut block.turned, place as u32);
                 }
             }
         });
@@ -74,15 +123,21 @@ impl BroadPhase {
         // From the end: what moves to a freed place is one that stays.
         for block in self.blocks[..count].iter().rev() {
             for &place in lock(block).ended.iter().rev() {
-                removed.push(self.table.swap_remove(&mut self.pairs, place as usize));
+                if room.fit(removed, removed.len() + 1) > removed.len() {
+                    removed.push(self.table.swap_remove(&mut self.pairs, place as usize));
+                }
             }
         }
+        self.settle(count, share, room);
     }
 
-    /// Searches for the pairs of all that changed; returns how many are new.
-    pub(super) fn find_pairs(&mut self, crew: &Crew, may_collide: MayCollide, order: Order) -> u32 {
-        let count = self.changed.len().div_ceil(BLOCK);
-        self.grow_blocks(count);
+    /// Searches for the pairs of all that changed; returns how many are new, and how many there was no room for.
+    pub(super) fn find_pairs(&mut self, crew: &Crew, rules: &Rules, room: &mut Room) -> (u32, u32) {
+        let (may_collide, order) = (rules.may_collide, rules.order);
+        let wanted = self.changed.len().div_ceil(BLOCK);
+        let count = self.grow_blocks(wanted, room);
+        let mut shed = self.changed.len().saturating_sub(count * BLOCK) as u32;
+        let share = self.share(count, room);
         let this = &*self;
         this.run(crew, count, &|b| {
             let block = &mut *lock(&this.blocks[b]);
@@ -99,24 +154,107 @@ impl BroadPhase {
                         && may_collide(c, other)
                     {
                         let (a, b) = order(c, other);
-                        block.found.push(Pair { a, b, contact: NONE, fast: this.is_fast(c, other) });
+                        let pair = Pair { a, b, contact: NONE, fast: this.is_fast(c, other) };
+                        block.shed += u32::from(!block.room.push(&mut block.found, pair));
                     }
                 }
             }
         });
+        shed += self.settle(count, share, room);
         let before = self.pairs.len();
-        for block in &self.blocks[..count] {
-            for &pair in &lock(block).found {
-                self.table.push(&mut self.pairs, pair);
-            }
-        }
-        (self.pairs.len() - before) as u32
+        let left_out = self.take_in(count, rules, room);
+        ((self.pairs.len() - before) as u32, shed + left_out)
     }
 
-    fn grow_blocks(&mut self, count: usize) {
-        if self.blocks.len() < count {
-            self.blocks.resize_with(count, Mutex::default);
+    /// Appends what the blocks found, as far as there is room for it: first the pairs with what doesn't move.
+    fn take_in(&mut self, count: usize, rules: &Rules, room: &mut Room) -> u32 {
+        let found: usize = self.blocks[..count].iter().map(|block| lock(block).found.len()).sum();
+        let before = self.pairs.len();
+        let mut quota = [usize::MAX; 2];
+        if !room.is_endless() {
+            let most = self.most_pairs(before + found, rules, room);
+            let granted = most - before;
+            let of_static = self.blocks[..count].iter().map(|block| {
+                let block = lock(block);
+                block.found.iter().filter(|pair| self.has_static(pair)).count()
+            });
+            let of_static = of_static.sum::<usize>().min(granted);
+            quota = [granted - of_static, of_static];
+            room.take(self.pairs.missing(most) + self.table.missing(most));
+            self.pairs.widen(most);
+            self.table.widen(most);
         }
+        let mut shed = 0;
+        for b in 0..count {
+            let found = std::mem::take(&mut lock(&self.blocks[b]).found);
+            for &pair in &found {
+                let left = &mut quota[usize::from(self.has_static(&pair))];
+                if *left > 0 {
+                    *left -= 1;
+                    self.table.push(&mut self.pairs, pair);
+                } else {
+                    shed += 1;
+                }
+            }
+            lock(&self.blocks[b]).found = found;
+        }
+        shed
+    }
+
+    /// How many pairs, of so many wanted, there is room for in all that has an entry for each.
+    fn most_pairs(&self, wanted: usize, rules: &Rules, room: &Room) -> usize {
+        let fits = |pairs: usize| {
+            let missing = self.pairs.missing(pairs) + self.table.missing(pairs);
+            missing + (rules.missing)(pairs) <= room.left()
+        };
+        let (mut most, mut too_many) = (self.pairs.len(), wanted + 1);
+        while too_many - most > 1 {
+            let middle = usize::midpoint(most, too_many);
+            *if fits(middle) { &mut most } else { &mut too_many } = middle;
+        }
+        most
+    }
+
+    fn has_static(&self, pair: &Pair) -> bool {
+        let still = |c: u32| matches!(self.roles[c as usize], Role::Static | Role::Endless);
+        still(pair.a) || still(pair.b)
+    }
+
+    /// Makes sure that there are so many blocks, if there is room for them; says how many may be used.
+    fn grow_blocks(&mut self, count: usize, room: &mut Room) -> usize {
+        if count > self.blocks.len() {
+            // A few more, or every other step would add one.
+            let more = count + count / 4;
+            let mut blocks = Blocks(&mut self.blocks);
+            let most = [more, count].into_iter().find(|&n| blocks.missing(n) <= room.left());
+            let Some(most) = most else { return self.blocks.len() };
+            room.take(blocks.missing(most));
+            blocks.widen(most);
+            room.within(2, |room| even_out(&mut self.blocks, &mut self.marks_of_blocks, room));
+        }
+        count
+    }
+
+    /// Gives each block an equal share of half of what is left.
+    fn share(&mut self, count: usize, room: &Room) -> Room {
+        let share = room.share(2 * count);
+        for block in &mut self.blocks[..count] {
+            let block = block.get_mut().unwrap_or_else(PoisonError::into_inner);
+            (block.room, block.shed) = (share, 0);
+        }
+        share
+    }
+
+    /// Takes off what the blocks used of their shares, and lets all have what one needed. Says what was shed.
+    fn settle(&mut self, count: usize, share: Room, room: &mut Room) -> u32 {
+        let mut shed = 0;
+        for block in &mut self.blocks[..count] {
+            let block = block.get_mut().unwrap_or_else(PoisonError::into_inner);
+            room.take(share.left() - block.room.left());
+            shed += block.shed;
+        }
+        room.within(8, |room| even_out(&mut self.blocks, &mut self.marks_of_blocks, room));
+        shed
     }
 
     #[cfg(not(test))]
@@ -135,8 +273,9 @@ impl BroadPhase {
     /// All whose boxes touch this one's (or are touched by the path, if there is one, within rounding), save what
     /// can't collide with it. An endless one finds nothing: the others find it.
     pub(super) fn partners(&self, collider: u32, path: Option<&Path>, block: &mut Block) {
-        let Block { stack, partners, .. } = block;
+        let Block { stack, partners, room, shed, .. } = block;
         partners.clear();
+        let mut add = |c: u32| *shed += u32::from(!room.push(partners, c));
         let bounds = &self.proxies[collider as usize].bounds;
         let role = self.roles[collider as usize];
         if matches!(role, Role::Absent | Role::New | Role::Endless) {
@@ -144,10 +283,10 @@ impl BroadPhase {
         }
 
         let mut search = |tree: &Tree| match path {
-            None => tree.visit_box(stack, bounds, |c| partners.push(c)),
+            None => tree.visit_box(stack, bounds, &mut add),
             Some(path) => {
                 let lanes = path.lanes::<f32x4>();
-                tree.visit(stack, |node| lanes.hits(node.min, node.max).bits(), |c| partners.push(c));
+                tree.visit(stack, |node| lanes.hits(node.min, node.max).bits(), &mut add);
             }
         };
         if role != Role::Static {
@@ -155,7 +294,7 @@ impl BroadPhase {
         }
         search(&self.movers);
         if role != Role::Static {
-            partners.extend(&self.unbounded);
+            self.unbounded.iter().for_each(|&c| add(c));
         }
     }
 

@@ -27,10 +27,11 @@ mod timing;
 pub(crate) use bounds::aabb_of;
 
 use crate::config::Continuous;
-use crate::memory::bytes_of;
+use crate::memory::{Buffer, Marks, Room, bytes_of};
 use crate::threads::Crew;
 use bvh::{NONE, Tree};
-use find::Block;
+use find::{Block, Blocks};
+pub(crate) use find::{Rules, STACK};
 use glam::Vec3;
 use pairs::PairTable;
 use proxy::{Proxy, Role};
@@ -122,6 +123,18 @@ pub(crate) struct BroadStats {
     pub(crate) removed: u32,
     /// Trees that were built anew.
     pub(crate) built: u32,
+    /// Pairs that there was no room for; they are looked for again in the next step.
+    pub(crate) shed: u32,
+}
+
+/// How many colliders there are of each sort.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Population {
+    /// The highest index of any, and one.
+    pub(crate) slots: usize,
+    pub(crate) moving: usize,
+    pub(crate) still: usize,
+    pub(crate) endless: usize,
 }
 
 /// Whether two colliders may collide at all: their filters, not of one body, not both static.
@@ -156,6 +169,9 @@ pub(crate) struct BroadPhase {
     paths: Vec<Path>,
     blocks: Vec<Mutex<Block>>,
     block: Block,
+    marks_of_blocks: Marks,
+    /// Colliders that move and that don't, endless ones included.
+    counts: Population,
     /// Set while boxes are newer than pairs.
     refreshed: bool,
     /// In which order blocks run, where a test wants to choose.
@@ -167,6 +183,7 @@ impl BroadPhase {
     /// Adds a collider that doesn't move. Its tree is only made with the next update or search, for all at once.
     pub(crate) fn insert_static(&mut self, collider: u32, aabb: Aabb) {
         let bounded = aabb.is_bounded();
+        self.counts.still += 1;
         let role = if bounded { Role::Static } else { Role::Endless };
         self.grow(collider, role, aabb);
         let list = if bounded { &mut self.new_statics } else { &mut self.unbounded };
@@ -179,6 +196,7 @@ impl BroadPhase {
 
     /// Adds a collider that may move; it is found from the first update on that lists it.
     pub(crate) fn insert_mover(&mut self, collider: u32) {
+        self.counts.moving += 1;
         self.grow(collider, Role::New, Aabb::EMPTY);
     }
 
@@ -201,7 +219,13 @@ impl BroadPhase {
             }
         }
         self.block = block;
-        let place = self.proxies[c].place;
+        let Proxy { place, path, .. } = self.proxies[c];
+        match role {
+            Role::Absent => {}
+            Role::Static => self.counts.still -= 1,
+            Role::Endless if path == look_up::ENDLESS_STATIC => self.counts.still -= 1,
+            _ => self.counts.moving -= 1,
+        }
         match role {
             Role::Static if place != NONE => self.statics.remove(place),
             Role::Slow | Role::Fast | Role::Volume if place != NONE => self.movers.remove(place),
@@ -223,6 +247,7 @@ impl BroadPhase {
     ///
     /// A mover that isn't listed stays where it is (asleep). `margin` is the widest that a fat box is made on each
     /// side [m]. Pairs that end go to `removed`, in an order that doesn't depend on threads.
+    #[cfg(test)]
     pub(crate) fn update(
         &mut self,
         crew: &Crew,
@@ -232,6 +257,21 @@ impl BroadPhase {
         order: Order,
         removed: &mut Vec<Pair>,
     ) -> BroadStats {
+        let rules = Rules { may_collide, order, missing: &|_| 0 };
+        self.update_within(crew, movers, margin, &rules, removed, &mut Room::default())
+    }
+
+    /// [`BroadPhase::update`] as far as there is room for it: pairs of movers among themselves are the first to be
+    /// left out.
+    pub(crate) fn update_within(
+        &mut self,
+        crew: &Crew,
+        movers: &[Mover],
+        margin: f32,
+        rules: &Rules,
+        removed: &mut Vec<Pair>,
+        room: &mut Room,
+    ) -> BroadStats {
         let built = self.refresh(movers, margin);
         let (moved, fast) = (self.changed.len() as u32, self.paths.len() as u32);
         let mut stats = BroadStats { moved, fast, built, ..BroadStats::default() };
@@ -240,9 +280,13 @@ impl BroadPhase {
             return stats;
         }
         let before = removed.len();
-        self.keep_pairs(crew, may_collide, removed);
+        self.keep_pairs(crew, rules.may_collide, removed, room);
         stats.removed = (removed.len() - before) as u32;
-        stats.added = self.find_pairs(crew, may_collide, order);
+        (stats.added, stats.shed) = self.find_pairs(crew, rules, room);
+        if stats.shed > 0 {
+            // All that were looked for now are looked for again.
+            return stats;
+        }
         for c in self.changed.drain(..) {
             self.marks[c as usize] = 0;
         }
@@ -415,6 +459,28 @@ impl BroadPhase {
             self.changed.push(collider);
         }
         *old |= mark;
+    }
+
+    /// How many colliders there are.
+    pub(crate) fn population(&self) -> Population {
+        Population { slots: self.roles.len(), endless: self.unbounded.len(), ..self.counts }
+    }
+
+    /// Calls `f` with each buffer that has an entry for each collider, and what place a step may need in it with so many
+    /// that move, that don't, and that have no end.
+    pub(crate) fn each(&mut self, n: Population, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        let all = n.slots;
+        f(&mut self.roles, all);
+        f(&mut self.proxies, all);
+        f(&mut self.marks, all);
+        f(&mut self.changed, all);
+        f(&mut self.unbounded, n.endless);
+        f(&mut self.new_statics, n.still);
+        f(&mut self.new_movers, n.moving);
+        f(&mut self.paths, n.moving);
+        f(&mut Blocks(&mut self.blocks), all.div_ceil(find::BLOCK));
+        self.statics.each(n.still, f);
+        self.movers.each(n.moving, f);
     }
 
     /// Live and reserved bytes of all that is needed without continuous collision too.

@@ -94,6 +94,22 @@ impl PairTable {
         pairs.swap_remove(place)
     }
 
+    /// Bytes that are lacking for so many pairs.
+    pub(super) fn missing(&self, pairs: usize) -> usize {
+        (Self::size_for(pairs).saturating_sub(self.slots.len())) * size_of::<Slot>()
+    }
+
+    /// Makes place for so many pairs.
+    pub(super) fn widen(&mut self, pairs: usize) {
+        while self.slots.len() < Self::size_for(pairs) {
+            self.grow();
+        }
+    }
+
+    fn size_for(pairs: usize) -> usize {
+        if pairs == 0 { 0 } else { (pairs * 4).div_ceil(3).next_power_of_two().max(64) }
+    }
+
     pub(super) fn bytes(&self) -> (usize, usize) {
         bytes_of(&self.slots)
     }

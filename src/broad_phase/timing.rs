@@ -79,9 +79,11 @@ impl Bench {
         lap("place");
         broad.fit_movers();
         lap("fit");
-        broad.keep_pairs(&crew, &|_, _| true, &mut self.removed);
+        let mut room = Room::default();
+        let rules = Rules { may_collide: &|_, _| true, order: &order, missing: &|_| 0 };
+        broad.keep_pairs(&crew, rules.may_collide, &mut self.removed, &mut room);
         lap("keep");
-        broad.find_pairs(&crew, &|_, _| true, &order);
+        broad.find_pairs(&crew, &rules, &mut room);
         lap("find");
         for c in broad.changed.drain(..) {
             broad.marks[c as usize] = 0;

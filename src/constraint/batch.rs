@@ -1,9 +1,9 @@
 //! Rows of contacts, packed in lanes.
 
+use super::arrange::Part;
 use super::order::Stage;
-use super::prepare::Part;
 use crate::lanes::{Lanes, Sym3, Vec3, f32x8};
-use crate::memory::bytes_of;
+use crate::memory::{Buffer, Room, bytes_of};
 
 /// One normal row per lane.
 #[derive(Clone, Copy, Debug, Default)]
@@ -128,6 +128,57 @@ pub(crate) struct Rows {
 }
 
 impl Rows {
+    /// Bytes of a batch of one to four points, and of one lane.
+    pub(crate) const SIZES: [usize; 5] = [
+        size_of::<Batch<f32x8, 1>>(),
+        size_of::<Batch<f32x8, 2>>(),
+        size_of::<Batch<f32x8, 3>>(),
+        size_of::<Batch<f32x8, 4>>(),
+        size_of::<Batch<f32, 4>>(),
+    ];
+
+    fn capacities(&self) -> [usize; 5] {
+        let lanes = [self.p1.capacity(), self.p2.capacity(), self.p3.capacity(), self.p4.capacity()];
+        [lanes[0], lanes[1], lanes[2], lanes[3], self.single.capacity()]
+    }
+
+    /// Makes exactly the place that is lacking for so many batches; if need be, out of what others don't need now. Says
+    /// whether there is room for all.
+    pub(crate) fn make_place(&mut self, batches: [usize; 5], room: &mut Room) -> bool {
+        let (mut lacking, mut spare) = (0, 0);
+        for ((wanted, has), size) in batches.into_iter().zip(self.capacities()).zip(Self::SIZES) {
+            lacking += wanted.saturating_sub(has) * size;
+            spare += has.saturating_sub(wanted) * size;
+        }
+        if lacking > room.left().saturating_add(spare) {
+            return false;
+        }
+        if lacking > room.left() {
+            // Nothing is kept in them from step to step.
+            room.give(spare);
+            fit(&mut self.p1, batches[0]);
+            fit(&mut self.p2, batches[1]);
+            fit(&mut self.p3, batches[2]);
+            fit(&mut self.p4, batches[3]);
+            fit(&mut self.single, batches[4]);
+        }
+        room.take(lacking);
+        self.p1.widen(batches[0]);
+        self.p2.widen(batches[1]);
+        self.p3.widen(batches[2]);
+        self.p4.widen(batches[3]);
+        self.single.widen(batches[4]);
+        true
+    }
+
+    pub(crate) fn resize(&mut self, batches: [usize; 5]) {
+        self.p1.resize(batches[0], Batch::default());
+        self.p2.resize(batches[1], Batch::default());
+        self.p3.resize(batches[2], Batch::default());
+        self.p4.resize(batches[3], Batch::default());
+        self.single.resize(batches[4], Batch::default());
+    }
+
     /// Live and reserved bytes.
     pub(crate) fn bytes(&self) -> (usize, usize) {
         [
@@ -142,4 +193,10 @@ impl Rows {
         .into_iter()
         .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
     }
+}
+
+/// Gives up place for more than so many.
+fn fit<T>(buffer: &mut Vec<T>, wanted: usize) {
+    buffer.truncate(wanted);
+    buffer.shrink_to(wanted);
 }

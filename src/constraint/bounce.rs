@@ -9,6 +9,7 @@
 use crate::body::{Bodies, Pose};
 use crate::broad_phase::Pair;
 use crate::lanes::{Record, Sym3};
+use crate::memory::Room;
 use crate::narrow_phase::{Contact, NONE};
 use crate::shape::Collider;
 use glam::Vec3;
@@ -54,13 +55,15 @@ pub(crate) struct BounceInput<'a> {
     pub(crate) iterations: u32,
 }
 
-/// Finds the impacts of this step and applies their impulses. Returns how many.
+/// Finds the impacts of this step and applies their impulses. Returns how many, and how many there was no room for.
 pub(crate) fn bounce(
     input: &BounceInput<'_>,
     contacts: &mut [Contact],
     bodies: &mut Bodies,
     scratch: &mut BounceScratch,
-) -> usize {
+    room: &mut Room,
+) -> (usize, u32) {
+    let mut shed = 0;
     scratch.impacts.clear();
     for pair in input.pairs {
         if pair.contact == NONE {
@@ -74,8 +77,13 @@ pub(crate) fn bounce(
         let mut slot = pair.contact;
         while slot != NONE {
             let contact = &mut contacts[slot as usize];
-            find(input, contact, restitution, bodies, &mut scratch.impacts);
-            slot = contact.next;
+            let next = contact.next;
+            find(input, contact, restitution, bodies, |impact| {
+                let fits = room.push(&mut scratch.impacts, impact);
+                shed += u32::from(!fits);
+                fits
+            });
+            slot = next;
         }
     }
     // The hardest impact last: it is obeyed best.
@@ -85,7 +93,7 @@ pub(crate) fn bounce(
             solve(impact, input, bodies);
         }
     }
-    scratch.impacts.len()
+    (scratch.impacts.len(), shed)
 }
 
 fn find(
@@ -93,7 +101,7 @@ fn find(
     contact: &mut Contact,
     restitution: f32,
     bodies: &Bodies,
-    impacts: &mut Vec<Impact>,
+    mut add: impl FnMut(Impact) -> bool,
 ) {
     let (a, b) = (input.colliders[contact.a as usize].body, input.colliders[contact.b as usize].body);
     let shape = &input.poses[contact.a as usize];
@@ -129,18 +137,11 @@ fn find(
         let k = mass(a) + mass(b) + inertia(a, arm_a) + inertia(b, arm_b);
         if k > 0.0 {
             let mass = 1.0 / k;
-            impacts.push(Impact {
-                a,
-                b,
-                normal,
-                arm_a,
-                arm_b,
-                mass,
-                target: restitution * approach,
-                impulse: 0.0,
-            });
-            (point.impulse, point.held) = (0.0, 0.0);
-            bounced = true;
+            let target = restitution * approach;
+            if add(Impact { a, b, normal, arm_a, arm_b, mass, target, impulse: 0.0 }) {
+                (point.impulse, point.held) = (0.0, 0.0);
+                bounced = true;
+            }
         }
     }
     if bounced {

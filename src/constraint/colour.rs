@@ -1,5 +1,7 @@
 //! No dynamic body twice in a colour, so that a colour's rows can be solved at the same time.
 
+use crate::memory::Buffer;
+
 /// Colours a group may have; contacts of a body that has more go one by one.
 pub(crate) const COLOURS: usize = 31;
 /// Instead of a colour: none was left.
@@ -32,6 +34,10 @@ impl Colouring {
             }
         }
         colour
+    }
+
+    pub(crate) fn buffer(&mut self) -> &mut dyn Buffer {
+        &mut self.taken
     }
 
     pub(crate) fn bytes(&self) -> (usize, usize) {

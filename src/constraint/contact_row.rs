@@ -1,8 +1,8 @@
 //! The rows of a contact: friction, then normal. One kernel for every width and number of points, for sequential
 //! impulses and for soft substeps.
 
+use super::arrange::Part;
 use super::batch::{Batch, couple};
-use super::prepare::Part;
 use crate::lanes::{GatherLanes, Lanes, Record, Vec3, gather, scatter};
 use crate::threads::Shared;
 

@@ -1,5 +1,6 @@
 //! Contacts in, batches of rows out: ordered by importance, coloured, packed in lanes.
 
+mod arrange;
 mod batch;
 mod bounce;
 mod colour;
@@ -7,7 +8,8 @@ pub(crate) mod contact_row;
 mod order;
 mod prepare;
 
+pub(crate) use arrange::{PrepareScratch, Prepared};
 pub(crate) use batch::{Batch, Rows};
 pub(crate) use bounce::{BounceInput, BounceScratch, bounce};
 pub(crate) use order::{Group, Stage};
-pub(crate) use prepare::{PrepareInput, PrepareScratch, prepare};
+pub(crate) use prepare::{PrepareInput, prepare};

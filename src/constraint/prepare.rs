@@ -1,13 +1,13 @@
-//! Contacts -> batches: sort by importance, colour and size, then fill the lanes.
+//! Contacts -> batches: arranged by importance, colour and size, the contacts fill the lanes.
 
+use super::arrange::{Part, PrepareScratch, Prepared, arrange};
 use super::batch::{Batch, BatchRef, Rows, couple};
-use super::colour::{COLOURS, Colouring, OVERFLOW};
-use super::order::{Group, Stage};
+use super::order::Group;
 use crate::body::{Bodies, Pose};
 use crate::broad_phase::Pair;
 use crate::lanes::{GatherLanes, Lanes, Record, Sym3, Vec3, gather};
-use crate::memory::bytes_of;
-use crate::narrow_phase::{Contact, NONE};
+use crate::memory::Room;
+use crate::narrow_phase::Contact;
 use crate::shape::{Collider, Hot};
 use crate::threads::{Crew, Shared};
 
@@ -25,6 +25,8 @@ pub(crate) struct PrepareInput<'a> {
     pub(crate) inverse_inertia: &'a [Sym3<f32>],
     /// A separation up to this is real [m].
     pub(crate) real: f32,
+    /// Without continuous collision nothing further than this is looked for [m].
+    pub(crate) near: f32,
     /// Factor on the impulses of the last step: the ratio of the substeps; zero without warm starting.
     pub(crate) warm: f32,
     /// Slip speed below which friction is static [m/s].
@@ -33,68 +35,19 @@ pub(crate) struct PrepareInput<'a> {
     pub(crate) per_point: bool,
 }
 
-/// A contact, or one point of it, in a lane of a batch.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Part(pub(crate) u32);
-
-impl Part {
-    const SLOT: u32 = (1 << 29) - 1;
-    /// An inert lane.
-    pub(crate) const NONE: Part = Part(u32::MAX);
-
-    fn whole(slot: u32) -> Part {
-        Part(slot)
-    }
-    fn point(slot: u32, point: usize) -> Part {
-        Part(slot | (point as u32 + 1) << 29)
-    }
-    pub(crate) fn slot(self) -> usize {
-        (self.0 & Self::SLOT) as usize
-    }
-    /// The point, unless the part is the whole contact.
-    pub(crate) fn only(self) -> Option<usize> {
-        (self.0 >> 29).checked_sub(1).map(|p| p as usize)
-    }
-    /// First point and number of points.
-    fn range(self, contact: &Contact) -> (usize, usize) {
-        self.only().map_or((0, contact.count as usize), |p| (p, 1))
-    }
-}
-
-/// Buffers of one step.
-#[derive(Debug, Default)]
-pub(crate) struct PrepareScratch {
-    colouring: [Colouring; 4],
-    /// Contact and sort key.
-    entries: Vec<(Part, u32)>,
-    sorted: Vec<Part>,
-    /// First contact in `sorted` of each batch of the schedule, and how many.
-    ranges: Vec<(u32, u32)>,
-}
-
-impl PrepareScratch {
-    pub(crate) fn bytes(&self) -> (usize, usize) {
-        let lists = [bytes_of(&self.entries), bytes_of(&self.sorted), bytes_of(&self.ranges)];
-        let colours = self.colouring.iter().map(Colouring::bytes);
-        lists.into_iter().chain(colours).fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
-    }
-}
-
-/// Sort key: group, colour, then four points before one, so that lanes of a batch are alike.
-const KEYS: usize = Group::ALL.len() * (COLOURS + 1) * 4;
 /// Batches a block.
 const BLOCK: usize = 8;
 
-/// Builds all batches of the step.
+/// Builds all batches of the step, as far as there is room for them.
 #[allow(clippy::needless_range_loop, reason = "the index is also that of the ranges")]
 pub(crate) fn prepare(
     crew: &Crew<'_>,
     input: &PrepareInput<'_>,
     rows: &mut Rows,
     scratch: &mut PrepareScratch,
-) {
-    sort(input, scratch);
-    schedule(rows, scratch);
+    room: &mut Room,
+) -> Prepared {
+    let prepared = arrange(input, rows, scratch, room);
     let Rows { p1, p2, p3, p4, single, schedule, stages } = rows;
     let (p1, p2, p3, p4) = (Shared::new(p1), Shared::new(p2), Shared::new(p3), Shared::new(p4));
     let single = Shared::new(single);
@@ -122,100 +75,7 @@ pub(crate) fn prepare(
             }
         }
     });
-}
-
-/// Contacts by group, colour and number of points.
-fn sort(input: &PrepareInput<'_>, scratch: &mut PrepareScratch) {
-    let PrepareScratch { colouring, entries, sorted, .. } = scratch;
-    let dynamic = input.bodies.dynamic();
-    colouring.iter_mut().for_each(|c| c.reset(dynamic));
-    entries.clear();
-    let mut starts = [0u32; KEYS + 1];
-    for pair in input.pairs {
-        let mut slot = pair.contact;
-        while slot != NONE {
-            let contact = &input.contacts[slot as usize];
-            if contact.count > 0 {
-                let body = |c: u32| input.hot[c as usize].body as usize;
-                let (a, b) = (body(contact.a), body(contact.b));
-                let movers = input.bodies.movers();
-                let potential = contact.points().iter().all(|p| p.separation > input.real);
-                let group = Group::of(a >= movers || b >= movers, potential);
-                let mut enter = |part: Part, count: usize| {
-                    let colour = colouring[group as usize].assign(a, b);
-                    let key = (group as usize * (COLOURS + 1) + colour) * 4 + 4 - count;
-                    entries.push((part, key as u32));
-                    starts[key + 1] += 1;
-                };
-                if input.per_point {
-                    (0..contact.count as usize).for_each(|point| enter(Part::point(slot, point), 1));
-                } else {
-                    enter(Part::whole(slot), contact.count as usize);
-                }
-            }
-            slot = contact.next;
-        }
-    }
-    for key in 0..KEYS {
-        starts[key + 1] += starts[key];
-    }
-    sorted.clear();
-    sorted.resize(entries.len(), Part::NONE);
-    for &(part, key) in entries.iter() {
-        let at = &mut starts[key as usize];
-        sorted[*at as usize] = part;
-        *at += 1;
-    }
-    // `starts[key]` is now the end of the key's range; `schedule` reads it from the entries' counts again.
-    scratch.ranges.clear();
-    for key in 0..KEYS {
-        let start = if key == 0 { 0 } else { starts[key - 1] };
-        scratch.ranges.push((start, starts[key] - start));
-    }
-}
-
-/// Batches of each stage. Contacts without a colour come first in their group: what is solved later wins.
-fn schedule(rows: &mut Rows, scratch: &mut PrepareScratch) {
-    let keys: [(u32, u32); KEYS] = std::array::from_fn(|key| scratch.ranges[key]);
-    let contact_points = |key: usize| 4 - key % 4;
-    let (mut counts, mut singles) = ([0u32; 4], 0u32);
-    rows.schedule.clear();
-    rows.stages.clear();
-    scratch.ranges.clear();
-    for group in Group::ALL {
-        let colours = std::iter::once(OVERFLOW).chain(0..COLOURS);
-        for colour in colours {
-            let first = (group as usize * (COLOURS + 1) + colour) * 4;
-            let start = keys[first].0;
-            let end = keys[first + 3].0 + keys[first + 3].1;
-            if start == end {
-                continue;
-            }
-            let stage_start = rows.schedule.len() as u32;
-            let serial = colour == OVERFLOW;
-            let width = if serial { 1 } else { 8 };
-            for at in (start..end).step_by(width) {
-                let points =
-                    (first..first + 4).find(|&k| at < keys[k].0 + keys[k].1).map_or(4, contact_points);
-                let index = if serial {
-                    singles += 1;
-                    singles - 1
-                } else {
-                    counts[points - 1] += 1;
-                    counts[points - 1] - 1
-                };
-                let points = if serial { 0 } else { points as u8 };
-                rows.schedule.push(BatchRef { points, index });
-                scratch.ranges.push((at, (width as u32).min(end - at)));
-            }
-            rows.stages.push(Stage { group, start: stage_start, end: rows.schedule.len() as u32, serial });
-        }
-    }
-    rows.p1.resize(counts[0] as usize, Batch::default());
-    rows.p2.resize(counts[1] as usize, Batch::default());
-    rows.p3.resize(counts[2] as usize, Batch::default());
-    rows.p4.resize(counts[3] as usize, Batch::default());
-    rows.single.resize(singles as usize, Batch::default());
+    prepared
 }
 
 /// What a batch needs of its contacts, transposed: a column of eight lanes for each number. Inert lanes are zero.

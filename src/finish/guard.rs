@@ -19,7 +19,6 @@ use crate::body::{Bodies, Pose, Traits};
 use crate::broad_phase::{BroadPhase, Pair};
 use crate::config::Continuous;
 use crate::lanes::Record;
-use crate::movers::mode_of;
 use crate::narrow_phase::{Relative, Support, distance};
 use crate::query::segment_hits;
 use crate::shape::{Collider, Geometry};
@@ -58,7 +57,7 @@ impl Guard<'_> {
 
     /// Whether a body is one to be looked at.
     pub(crate) fn wants(&self, traits: &Traits, own: &[u32]) -> bool {
-        !own.is_empty() && mode_of(self.mode, traits.continuous) != Continuous::Discrete
+        !own.is_empty() && self.mode.of(traits.continuous) != Continuous::Discrete
     }
 
     /// Whether a body may move so far unseen, because nothing static is that near to its centre.

@@ -7,10 +7,10 @@ use guard::{Clear, Guard};
 pub use report::{StageTimes, StepReport};
 
 use crate::body::{carry_spin, exp_map, tumble, wobble};
-use crate::broad_phase::Pair;
+use crate::broad_phase::{Pair, STACK};
 use crate::config::Continuous;
 use crate::forces::spins_freely;
-use crate::memory::bytes_of;
+use crate::memory::{Buffer, bytes_of};
 use crate::shape::Collider;
 use crate::threads::{Crew, Shared};
 use crate::world::World;
@@ -27,6 +27,17 @@ pub(crate) struct Buffers {
 }
 
 impl Buffers {
+    /// Calls `f` with each buffer and the place that it needs for so many bodies that can move, and that can be pushed.
+    pub(crate) fn each(
+        &mut self,
+        (movers, dynamic): (usize, usize),
+        f: &mut dyn FnMut(&mut dyn Buffer, usize),
+    ) {
+        f(&mut self.clear, dynamic);
+        f(&mut self.beside, dynamic);
+        f(&mut Stacks(&mut self.stacks), movers.div_ceil(BLOCK));
+    }
+
     pub(crate) fn bytes(&self) -> (usize, usize) {
         let stacks =
             self.stacks.iter().filter_map(|s| s.lock().ok().map(|s| s.capacity() * 4)).sum::<usize>();
@@ -38,6 +49,22 @@ impl Buffers {
     /// Something static is where it was not before.
     pub(crate) fn statics_changed(&mut self) {
         self.clear.clear();
+    }
+}
+
+/// Stacks for walks, each with all the place that it may need.
+struct Stacks<'a>(&'a mut Vec<Mutex<Vec<u32>>>);
+
+impl Buffer for Stacks<'_> {
+    fn capacity(&self) -> usize {
+        self.0.len()
+    }
+    fn missing(&self, len: usize) -> usize {
+        self.0.missing(len) + len.saturating_sub(self.0.len()) * STACK * size_of::<u32>()
+    }
+    fn widen(&mut self, len: usize) {
+        self.0.widen(len);
+        self.0.resize_with(len.max(self.0.len()), || Mutex::new(Vec::with_capacity(STACK)));
     }
 }
 
@@ -82,9 +109,7 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
     let blocks = movers.div_ceil(BLOCK);
     let held = std::sync::atomic::AtomicU32::new(0);
     let Buffers { stacks, clear, beside } = &mut world.buffers.finish;
-    if stacks.len() < blocks {
-        stacks.resize_with(blocks, Mutex::default);
-    }
+    Stacks(stacks).widen(blocks);
     let guard = Guard {
         broad: &world.broad,
         colliders: &world.colliders.all,

@@ -2,6 +2,7 @@
 
 use super::Ended;
 use crate::broad_phase::BroadStats;
+use crate::constraint::Prepared;
 use crate::narrow_phase::NarrowStats;
 use crate::world::World;
 
@@ -58,7 +59,8 @@ pub struct StepReport {
     pub uncoloured: u32,
     /// Bodies whose centre would have crossed static geometry, had the guard not held them.
     pub held: u32,
-    /// Points that were left out because memory was not allowed to grow.
+    /// What was left out because memory was not allowed to grow: points of contacts, and pairs, of which it is not known
+    /// how many points they have.
     pub shed: u32,
 }
 
@@ -68,10 +70,11 @@ impl StepReport {
         times: StageTimes,
         (broad, gone): (BroadStats, u32),
         narrow: NarrowStats,
-        impacts: usize,
+        prepared: Prepared,
+        pushed: u32,
         ended: Ended,
     ) -> StepReport {
-        let mut report = StepReport {
+        StepReport {
             times,
             pairs: world.broad.pairs.len() as u32,
             moved: broad.moved,
@@ -79,22 +82,15 @@ impl StepReport {
             ghosts: narrow.ghosts + gone,
             recycled: narrow.recycled,
             casts: narrow.casts,
-            impacts: impacts as u32,
+            impacts: prepared.impacts,
+            manifolds: prepared.manifolds,
+            real: prepared.real,
+            potential: prepared.potential,
+            pushed,
             held: ended.held,
+            shed: broad.shed + narrow.shed + prepared.shed,
             uncoloured: world.buffers.rows.single.len() as u32,
             batches: world.buffers.rows.schedule.len() as u32,
-            ..StepReport::default()
-        };
-        let real = crate::step::REAL * world.settings.length_unit;
-        for contact in &world.contacts.all {
-            if contact.count > 0 {
-                report.manifolds += 1;
-                report.pushed += u32::from(contact.pushed);
-                let touching = contact.points().iter().filter(|p| p.separation <= real).count() as u32;
-                report.real += touching;
-                report.potential += u32::from(contact.count) - touching;
-            }
         }
-        report
     }
 }

@@ -1,8 +1,10 @@
 //! Every long-lived byte belongs to a category; the report says how many, and what continuous physics adds.
 
 mod column;
+mod room;
 
 pub(crate) use column::bytes_of;
+pub(crate) use room::{Buffer, Buffers, Marks, Room, even_out};
 
 use std::fmt;
 
@@ -111,6 +113,16 @@ impl MemoryReport {
         bytes.live += live;
         bytes.reserved += reserved;
         bytes.peak = bytes.peak.max(bytes.reserved);
+    }
+
+    /// Counts bytes under another category than the one that holds them.
+    pub(crate) fn shift(&mut self, from: Category, to: Category, (live, reserved): (usize, usize)) {
+        let held = &mut self.bytes[from as usize];
+        let (live, reserved) = (live.min(held.live), reserved.min(held.reserved));
+        held.live -= live;
+        held.reserved -= reserved;
+        held.peak = held.reserved;
+        self.add(to, (live, reserved));
     }
 
     /// Takes over the peaks of an earlier report.

@@ -6,8 +6,9 @@
 
 use super::cast::{Touch, cast_convex, cast_plane, tolerance};
 use super::cast_mesh::cast_mesh;
-use super::collide::{Found, Input};
+use super::collide::Input;
 use super::convex::collide_convex;
+use super::found::MeshBlock;
 use super::gjk::distance;
 use super::mesh::collide_mesh;
 use super::motion::{BodyPath, Motion};
@@ -58,30 +59,30 @@ pub(crate) fn look_beside(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold
 
 /// Adds the manifolds of a convex shape at its first touch with a mesh or height field, and at the second, to which
 /// it would slide along what it touched first: a body that hits the ground close to a wall meets both in one step.
-/// Triangles within `resting` [m] at the start are left to the kernel there.
-pub(crate) fn look_ahead_mesh(input: &Input<'_>, pair: &Pair, resting: f32, out: &mut Found) {
+/// Triangles within `resting` [m] at the start are left to the kernel there. Says how many further casts it took.
+pub(crate) fn look_ahead_mesh(input: &Input<'_>, pair: &Pair, resting: f32, out: &mut MeshBlock) -> u32 {
     let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
     let motion = Motion::new(a, &path(input, pair.a), b, &path(input, pair.b));
     let tolerance = tolerance(a, b);
-    let Some(touch) = cast_mesh(a, b, &motion, tolerance, resting) else { return };
+    let Some(touch) = cast_mesh(a, b, &motion, tolerance, resting) else { return 0 };
     let Touch { fraction, normal } = touch;
     out.raw.clear();
     let margin = further(input, pair, &touch);
     collide_mesh(a, b, &motion.relative(fraction), (margin, margin), &mut out.mesh, &mut out.raw);
-    out.many.extend(out.raw.iter().map(|raw| (carry_back(raw, &motion, fraction, 0.0), fraction)));
+    (0..out.raw.len()).for_each(|i| out.add(carry_back(&out.raw[i], &motion, fraction, 0.0), fraction));
 
     let then = motion.after(fraction, normal);
-    out.casts += 1;
     let Some(Touch { fraction: further, .. }) = cast_mesh(a, b, &then, tolerance, input.real) else {
-        return;
+        return 1;
     };
     out.raw.clear();
     collide_mesh(a, b, &then.relative(further), (input.margin, input.margin), &mut out.mesh, &mut out.raw);
-    for raw in &out.raw {
-        let first = carry_back(raw, &then, further, 0.0);
+    for i in 0..out.raw.len() {
+        let first = carry_back(&out.raw[i], &then, further, 0.0);
         // What touches on the way there touches at the first place too.
-        out.many.push((carry_back(&first, &motion, fraction, 0.0), fraction));
+        out.add(carry_back(&first, &motion, fraction, 0.0), fraction);
     }
+    1
 }
 
 /// The margin at a first touch [m]: what is left of the motion may bring down the rest of a body that touched with a tip.

@@ -7,9 +7,10 @@ use super::box_box::box_box;
 use super::capsule_box::{capsule_box, tapered_capsule_box};
 use super::capsule_capsule::{capsule_capsule, tapered_capsule_capsule};
 use super::cast::tolerance;
-use super::collide::{Approach, Found, Input, near};
+use super::collide::{Approach, Input, near};
 use super::contact::{Contact, NONE};
 use super::convex::collide_convex;
+use super::found::Out;
 use super::lanes_io::{ManifoldLanes, PairLanes};
 use super::mesh::collide_mesh;
 use super::sphere_box::sphere_box;
@@ -17,21 +18,25 @@ use super::sphere_capsule::sphere_capsule;
 use super::sphere_sphere::sphere_sphere;
 use super::{RawManifold, Relative};
 use crate::broad_phase::Pair;
+use crate::config::Continuous;
 use crate::lanes::f32x8;
-use crate::memory::bytes_of;
+use crate::memory::{Buffer, Room, bytes_of};
 use crate::shape::{Collider, Hot, Kind};
 use crate::threads::Shared;
 
 /// A shape pair, as a small number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Bin(pub(crate) u8);
 
 const KINDS: u8 = 8;
 /// Tapered capsules have kernels, and so bins, of their own.
 const TAPERED_CAPSULES: Bin = Bin(KINDS * KINDS);
 const TAPERED_BOX: Bin = Bin(KINDS * KINDS + 1);
-/// One bin a pair of kinds, and the tapered ones.
-const COUNT: usize = KINDS as usize * KINDS as usize + 2;
+/// From here on the bins of meshes, then those of height fields, by the kind of the other shape. They have no kernel in
+/// lanes, so a block may have several of them: in a scene of few bodies there are not as many blocks as kinds.
+const MESHES: Bin = Bin(KINDS * KINDS + 2);
+/// One bin a pair of kinds, the tapered ones, and those of meshes.
+const COUNT: usize = MESHES.0 as usize + 2 * KINDS as usize;
 /// Pairs a block of one bin: a multiple of eight.
 const BLOCK: u32 = 64;
 
@@ -41,8 +46,15 @@ impl Bin {
         match (a.kind, b.kind) {
             (Kind::Capsule, Kind::Capsule) if tapered(a) || tapered(b) => TAPERED_CAPSULES,
             (Kind::Capsule, Kind::Box) if tapered(a) => TAPERED_BOX,
+            (a, Kind::Mesh) => Bin(MESHES.0 + a as u8),
+            (a, Kind::HeightField) => Bin(MESHES.0 + KINDS + a as u8),
             (a, b) => Bin(Bin::pair(a, b)),
         }
+    }
+
+    /// Whether its pairs are of a mesh or height field.
+    pub(crate) fn is_mesh(self) -> bool {
+        self.0 >= MESHES.0
     }
 
     const fn pair(a: Kind, b: Kind) -> u8 {
@@ -50,13 +62,35 @@ impl Bin {
     }
 }
 
+/// Pairs of one bin that are worked through in one go, what place their finds have, and what was counted.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Block {
+    pub(crate) bin: Bin,
+    /// Range in the order.
+    pub(crate) start: u32,
+    pub(crate) end: u32,
+    /// Where its new contacts begin, and how many there is place for.
+    pub(crate) fresh: u32,
+    pub(crate) place: u32,
+    /// How many of those may be, and are, of two bodies that can be pushed, and of others.
+    pub(crate) quota: [u32; 2],
+    pub(crate) used: [u32; 2],
+    /// Which of the blocks of mesh pairs it is.
+    pub(crate) mesh: u32,
+    /// Pairs that lost their contacts.
+    pub(crate) emptied: u32,
+    pub(crate) casts: u32,
+    pub(crate) ghosts: u32,
+    /// Points that there was no place for.
+    pub(crate) shed: u32,
+}
+
 /// Pairs in the order of their bins.
 #[derive(Debug, Default)]
 pub(crate) struct Bins {
     /// Pair indices, bin after bin.
     pub(crate) order: Vec<u32>,
-    /// Bin, start and end in `order`.
-    pub(crate) blocks: Vec<(Bin, u32, u32)>,
+    pub(crate) blocks: Vec<Block>,
 }
 
 impl Bins {
@@ -73,9 +107,11 @@ impl Bins {
         self.order.clear();
         self.order.resize(total as usize, 0);
         self.blocks.clear();
-        for bin in 0..COUNT {
-            for start in (starts[bin]..starts[bin + 1]).step_by(BLOCK as usize) {
-                self.blocks.push((Bin(bin as u8), start, starts[bin + 1].min(start + BLOCK)));
+        for bin in 0..=MESHES.0 as usize {
+            let last = if bin == MESHES.0 as usize { total } else { starts[bin + 1] };
+            for start in (starts[bin]..last).step_by(BLOCK as usize) {
+                let end = last.min(start + BLOCK);
+                self.blocks.push(Block { bin: Bin(bin as u8), start, end, ..Block::default() });
             }
         }
         for (pair, &bin) in bin_of.iter().enumerate().filter(|&(_, &bin)| bin < skip) {
@@ -83,6 +119,22 @@ impl Bins {
             self.order[*at as usize] = pair as u32;
             *at += 1;
         }
+    }
+
+    /// Bytes that buffers lack for so many pairs.
+    pub(crate) fn missing(&self, pairs: usize) -> usize {
+        self.order.missing(pairs) + self.blocks.missing(Self::most_blocks(pairs))
+    }
+
+    /// Makes place for so many pairs.
+    pub(crate) fn widen(&mut self, pairs: usize, room: &mut Room) {
+        room.fit(&mut self.order, pairs);
+        room.fit(&mut self.blocks, Self::most_blocks(pairs));
+    }
+
+    /// Each bin may end with one that is not full.
+    fn most_blocks(pairs: usize) -> usize {
+        pairs / BLOCK as usize + COUNT.min(pairs)
     }
 
     pub(crate) fn bytes(&self) -> (usize, usize) {
@@ -124,11 +176,11 @@ pub(crate) fn run_bin(
     pairs: &[Pair],
     relative: &[Relative],
     contacts: &Shared<'_, Contact>,
-    out: &mut Found,
+    out: &mut Out<'_>,
 ) {
     let margin_of = |approach: &Approach| {
         let most = approach.most();
-        input.margin + if input.continuous { most } else { most.min(input.margin) }
+        input.margin + if approach.is_continuous() { most } else { most.min(input.margin) }
     };
     if let Some(kernel) = kernel_of(bin) {
         for eight in order.chunks(8) {
@@ -184,23 +236,24 @@ fn finish_convex(
     raw: RawManifold,
     (rel, approach): (&Relative, &Approach),
     contacts: &Shared<'_, Contact>,
-    out: &mut Found,
+    out: &mut Out<'_>,
 ) {
     let pair = &pairs[index as usize];
     let nearest = raw.points().iter().fold(f32::INFINITY, |s, p| s.min(p.separation));
     let (mut raw, mut fraction) = (raw, 0.0);
-    if input.continuous && nearest > 0.0 && raw.count > 0 {
+    if approach.is_continuous() && nearest > 0.0 && raw.count > 0 {
         let fast = nearest > input.real && approach.most() > input.fast;
+        let volume = approach.mode == Continuous::Volume;
         // A plane lies between the two. If the motion can't close the gap across it, they don't touch.
         let closing = -(input.poses[pair.a as usize].rotation * raw.normal).dot(approach.way);
-        if fast && !input.volume && closing + approach.spin < nearest {
+        if fast && !volume && closing + approach.spin < nearest {
             raw.count = 0;
         } else if fast || would_push(input, pair, &raw) {
             // Apart, and a plane at the start of the step would be a guess: look where they really touch.
-            out.casts += 1;
+            out.count_casts(1);
             // On a miss there is nothing in reach on this path; the larger volume keeps what it passes.
-            let found = look_ahead(input, pair)
-                .or_else(|| if input.volume { look_beside(input, pair) } else { None });
+            let found =
+                look_ahead(input, pair).or_else(|| if volume { look_beside(input, pair) } else { None });
             (raw, fraction) = found.unwrap_or_default();
         }
     } else if nearest < 0.0
@@ -217,17 +270,17 @@ fn finish_convex(
     }
     if pair.contact == NONE {
         if raw.count > 0 {
-            out.fresh.push((index, raw, *rel, fraction));
+            out.add(input, pair, index, raw, fraction);
         }
         return;
     }
     // SAFETY: the contact is this pair's, and this block has the pair.
     let contact = unsafe { contacts.get(pair.contact as usize) };
     if contact.pushed && nearest > GHOST_GAP * input.margin {
-        out.ghosts += 1;
+        out.count_ghost();
     }
     if raw.count == 0 {
-        out.emptied.push(index);
+        out.empty(index);
     } else {
         contact.renew(&raw, *rel, near(input, pair));
         contact.fraction = fraction;
@@ -241,54 +294,61 @@ fn finish_mesh(
     (a, b): (&Collider, &Collider),
     (rel, approach): (&Relative, &Approach),
     contacts: &Shared<'_, Contact>,
-    out: &mut Found,
+    out: &mut Out<'_>,
 ) {
     let most = approach.most();
     // Within half the ball that fits into it a body can't get past a triangle, and planes at the start will do.
-    let fast = input.continuous && most > input.fast.max(0.5 * a.inner_radius);
+    let continuous = approach.is_continuous();
+    let fast = continuous && most > input.fast.max(0.5 * a.inner_radius);
     // Where the body is, and what it may turn into: what it may reach further away is found by the cast.
-    let reach = match (fast, input.continuous) {
+    let reach = match (fast, continuous) {
         (true, _) => approach.spin.min(a.radius),
         (false, true) => most,
         (false, false) => most.min(input.margin),
     };
     let margin = input.margin + reach;
-    let start = out.many.len() as u32;
-    out.raw.clear();
+    let Some(mesh) = out.mesh.as_deref_mut() else {
+        // No buffers were granted, and the contacts of the last step are out of date.
+        out.count_shed(1);
+        if pair.contact != NONE {
+            out.empty(index);
+        }
+        return;
+    };
+    let (start, mut casts) = (mesh.count(), 0);
+    mesh.raw.clear();
     // In flight what is found further away than the margin would be dropped.
     let within = if fast { input.margin } else { margin };
-    collide_mesh(a, b, rel, (margin, within), &mut out.mesh, &mut out.raw);
-    let nearest = out.raw.iter().flat_map(|m| m.points()).fold(f32::INFINITY, |s, p| s.min(p.separation));
+    collide_mesh(a, b, rel, (margin, within), &mut mesh.mesh, &mut mesh.raw);
+    let nearest = mesh.raw.iter().flat_map(|m| m.points()).fold(f32::INFINITY, |s, p| s.min(p.separation));
     // What rests on the mesh sinks by what gravity adds in the step, and must not strike the ground that it is on.
     let resting = if nearest <= input.real { input.margin } else { input.real };
     if fast {
         // Manifolds without a near point are guesses; what is really hit comes from the cast.
-        out.raw.retain(|m| m.points().iter().any(|p| p.separation <= resting));
+        mesh.raw.retain(|m| m.points().iter().any(|p| p.separation <= resting));
     }
     // Close, but apart by more than a cast leaves open: planes count only if anything is touched at all.
     let apart = nearest > tolerance(a, b);
-    if input.continuous && apart && out.raw.iter().any(|m| would_push(input, pair, m)) {
-        out.casts += 1;
+    if continuous && apart && mesh.raw.iter().any(|m| would_push(input, pair, m)) {
+        casts += 1;
         if !touches_mesh(input, pair) {
-            out.raw.retain(|m| !would_push(input, pair, m));
+            mesh.raw.retain(|m| !would_push(input, pair, m));
         }
     }
-    out.many.extend(out.raw.iter().map(|&m| (m, 0.0)));
+    (0..mesh.raw.len()).for_each(|i| mesh.add(mesh.raw[i], 0.0));
     if fast {
-        out.casts += 1;
-        look_ahead_mesh(input, pair, resting, out);
+        casts += 1 + look_ahead_mesh(input, pair, resting, mesh);
     }
+    let found = mesh.end(index, start);
+    out.count_casts(casts);
     if pair.contact != NONE {
         // SAFETY: the contact is this pair's, and this block has the pair.
         let contact = unsafe { contacts.get(pair.contact as usize) };
         if contact.pushed && nearest > GHOST_GAP * input.margin {
-            out.ghosts += 1;
+            out.count_ghost();
         }
     }
-    let end = out.many.len() as u32;
-    if end > start {
-        out.meshes.push((index, *rel, start, end));
-    } else if pair.contact != NONE {
-        out.emptied.push(index);
+    if !found && pair.contact != NONE {
+        out.empty(index);
     }
 }

@@ -4,16 +4,17 @@
 //! was found keeps it. *Bins*: the others are binned by shape pair and go through their kernel in lanes. *Commit*, by
 //! one thread and in the order of the pairs: contacts come and go.
 
+use super::Relative;
 use super::bins::{Bin, Bins, run_bin};
 use super::contact::{Contact, Contacts, NONE};
-use super::{RawManifold, Relative};
+use super::found::{EMPTIED, Found};
 use crate::body::Pose;
 use crate::broad_phase::Pair;
+use crate::config::Continuous;
 use crate::lanes::{Quat, Record, Vec3, f32x8};
-use crate::memory::bytes_of;
+use crate::memory::{Buffer, Room, bytes_of};
 use crate::shape::{Collider, Hot, Kind};
 use crate::threads::{Crew, Shared};
-use std::sync::Mutex;
 
 /// What the narrow phase reads.
 pub(crate) struct Input<'a> {
@@ -33,10 +34,8 @@ pub(crate) struct Input<'a> {
     pub(crate) fast: f32,
     /// How far a pair may move before its contact is looked for again [m]; negative: at once.
     pub(crate) recycle: f32,
-    /// Whether fast pairs are cast at all.
-    pub(crate) continuous: bool,
-    /// Whether obstacles behind the first one on the path count too.
-    pub(crate) volume: bool,
+    /// The world's; a pair's is in [`Approach::mode`].
+    pub(crate) mode: Continuous,
 }
 
 impl Input<'_> {
@@ -44,6 +43,13 @@ impl Input<'_> {
     pub(crate) fn motion_of(&self, collider: u32) -> Record {
         let body = self.hot[collider as usize].body as usize;
         self.motion.get(body).copied().unwrap_or_default()
+    }
+
+    /// Whether a pair is of a body that can be pushed and one that can't: what it keeps apart stays apart at the last
+    /// should memory run out.
+    pub(crate) fn is_static(&self, pair: &Pair) -> bool {
+        let pushed = |c: u32| (self.hot[c as usize].body as usize) < self.dynamic;
+        !(pushed(pair.a) && pushed(pair.b))
     }
 
     /// How a pair may close within the step.
@@ -57,7 +63,9 @@ impl Input<'_> {
         // The pad of a motion is the angle of its turn; an endless plane on a body that doesn't turn reaches nowhere.
         let swing = |collider: u32, turn: f32| if turn == 0.0 { 0.0 } else { reach(collider, turn) };
         let way = b.linear - a.linear;
-        Approach { way, length: way.length(), spin: swing(pair.a, a.pad1) + swing(pair.b, b.pad1) }
+        let own = |c: u32| self.hot[c as usize].mode;
+        let mode = self.mode.of(own(pair.a).max(own(pair.b)));
+        Approach { way, length: way.length(), spin: swing(pair.a, a.pad1) + swing(pair.b, b.pad1), mode }
     }
 }
 
@@ -69,59 +77,42 @@ pub(crate) struct Approach {
     pub(crate) length: f32,
     /// The furthest that turning takes points of the two towards each other [m].
     pub(crate) spin: f32,
+    /// Of the pair: `Discrete` is never cast, `Volume` also keeps what the path misses.
+    pub(crate) mode: Continuous,
 }
 
 impl Approach {
+    pub(crate) fn is_continuous(&self) -> bool {
+        self.mode != Continuous::Discrete
+    }
+
     /// The furthest that two points may approach each other [m].
     pub(crate) fn most(&self) -> f32 {
         self.length + self.spin
     }
 }
 
-/// What a block of pairs found that needs a slot.
-#[derive(Debug, Default)]
-pub(crate) struct Found {
-    /// Pair, manifold, where it was found, fraction of the step.
-    pub(crate) fresh: Vec<(u32, RawManifold, Relative, f32)>,
-    /// Pairs that lost their contact.
-    pub(crate) emptied: Vec<u32>,
-    /// Mesh pairs that were looked at, with the range of their manifolds in `many`.
-    pub(crate) meshes: Vec<(u32, Relative, u32, u32)>,
-    pub(crate) many: Vec<(RawManifold, f32)>,
-    pub(crate) raw: Vec<RawManifold>,
-    pub(crate) mesh: super::mesh::MeshScratch,
-    pub(crate) casts: u32,
-    pub(crate) ghosts: u32,
-}
-
 /// Buffers of one step.
 #[derive(Debug, Default)]
 pub(crate) struct Scratch {
     relative: Vec<Relative>,
+    /// The bin of each pair, or what becomes of it.
     bin_of: Vec<u8>,
     bins: Bins,
-    found: Vec<Mutex<Found>>,
-    chain: Vec<Contact>,
+    found: Found,
 }
 
 impl Scratch {
+    /// Bytes that buffers lack for so many pairs, whatever these turn out to be.
+    pub(crate) fn missing(&self, pairs: usize) -> usize {
+        self.relative.missing(pairs) + self.bin_of.missing(pairs) + self.bins.missing(pairs)
+    }
+
     /// Live and reserved bytes.
     pub(crate) fn bytes(&self) -> (usize, usize) {
-        let mut sum =
-            [bytes_of(&self.relative), bytes_of(&self.bin_of), self.bins.bytes(), bytes_of(&self.chain)]
-                .into_iter()
-                .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1));
-        sum.1 += self.found.capacity() * size_of::<Mutex<Found>>();
-        for found in &self.found {
-            let Ok(found) = found.lock() else { continue };
-            sum.1 += bytes_of(&found.fresh).1
-                + bytes_of(&found.emptied).1
-                + bytes_of(&found.meshes).1
-                + bytes_of(&found.many).1
-                + bytes_of(&found.raw).1
-                + found.mesh.bytes().1;
-        }
-        sum
+        [bytes_of(&self.relative), bytes_of(&self.bin_of), self.bins.bytes(), self.found.bytes()]
+            .into_iter()
+            .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
     }
 }
 
@@ -131,11 +122,13 @@ pub(crate) struct NarrowStats {
     pub(crate) recycled: u32,
     pub(crate) casts: u32,
     pub(crate) ghosts: u32,
+    /// Points that there was no place for.
+    pub(crate) shed: u32,
 }
 
 /// In `bin_of`: the pair keeps its contact.
 const KEPT: u8 = u8::MAX;
-/// In `bin_of`: the pair is too far apart for a contact. No bin has this number or a higher one.
+/// In `bin_of`: the pair is too far apart for a contact. See [`EMPTIED`] too.
 const FAR: u8 = KEPT - 1;
 /// Pairs a block: a multiple of the lanes; fewer and the claim shows, more and two threads end apart.
 const BLOCK: usize = 128;
@@ -147,43 +140,40 @@ pub(crate) fn collide(
     pairs: &mut [Pair],
     contacts: &mut Contacts,
     scratch: &mut Scratch,
+    room: &mut Room,
 ) -> NarrowStats {
+    // Pairs are only taken in if there is room for this.
+    room.fit(&mut scratch.relative, pairs.len());
+    room.fit(&mut scratch.bin_of, pairs.len());
+    scratch.bins.widen(pairs.len(), room);
     place(crew, input, pairs, contacts, scratch);
-    let Scratch { relative, bin_of, bins, found, chain } = scratch;
-    bins.sort(bin_of, FAR);
+    let Scratch { relative, bin_of, bins, found } = scratch;
+    bins.sort(bin_of, EMPTIED);
     let mut stats = NarrowStats {
         recycled: bin_of.iter().filter(|&&bin| bin == KEPT).count() as u32,
         ..NarrowStats::default()
     };
-    if found.len() < bins.blocks.len() {
-        found.resize_with(bins.blocks.len(), Mutex::default);
-    }
+    found.plan(bins, pairs, input, room);
     {
         let all = Shared::new(&mut contacts.all);
-        let pairs = &*pairs;
-        let (bins, relative, found) = (&*bins, &*relative, &*found);
-        crew.run(bins.blocks.len(), &|block| {
-            let (bin, start, end) = bins.blocks[block];
-            if let Ok(mut out) = found[block].lock() {
-                run_bin(
-                    bin,
-                    &bins.order[start as usize..end as usize],
-                    input,
-                    pairs,
-                    relative,
-                    &all,
-                    &mut out,
-                );
-            }
+        let state = Shared::new(bin_of);
+        let Bins { order, blocks } = bins;
+        let (count, blocks, places) = (blocks.len(), Shared::new(blocks), found.places());
+        let (pairs, relative, order) = (&*pairs, &*relative, &*order);
+        crew.run(count, &|block| {
+            // SAFETY: this is the only one that runs the block.
+            let block = unsafe { blocks.get(block) };
+            let (bin, order) = (block.bin, &order[block.start as usize..block.end as usize]);
+            // SAFETY: this is the only one that runs the block.
+            let mut out = unsafe { places.of(block, &state) };
+            run_bin(bin, order, input, pairs, relative, &all, &mut out);
         });
     }
-    for out in found.iter_mut().take(bins.blocks.len()) {
-        if let Ok(out) = out.get_mut() {
-            commit(pairs, contacts, out, chain, input);
-            stats.casts += std::mem::take(&mut out.casts);
-            stats.ghosts += std::mem::take(&mut out.ghosts);
-        }
+    for block in &bins.blocks {
+        stats.casts += block.casts;
+        stats.ghosts += block.ghosts;
     }
+    stats.shed = found.commit((bins, bin_of), pairs, relative, contacts, input, room);
     stats
 }
 
@@ -285,8 +275,11 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
         nearest = nearest.min(contact.nearest(now));
         slot = contact.next;
     }
-    if input.continuous && nearest > 0.0 && input.approach(pair).most() > nearest {
-        return false;
+    if nearest > 0.0 {
+        let approach = input.approach(pair);
+        if approach.is_continuous() && approach.most() > nearest {
+            return false;
+        }
     }
     let mut slot = pair.contact;
     while slot != NONE {
@@ -301,60 +294,6 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
 /// Whether a shape is round somewhere.
 fn rolls(input: &Input<'_>, collider: u32) -> bool {
     matches!(input.hot[collider as usize].kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder)
-}
-
-/// Gives slots to what a block found.
-fn commit(
-    pairs: &mut [Pair],
-    contacts: &mut Contacts,
-    out: &mut Found,
-    chain: &mut Vec<Contact>,
-    input: &Input<'_>,
-) {
-    for index in out.emptied.drain(..) {
-        let pair = &mut pairs[index as usize];
-        contacts.remove_chain(std::mem::replace(&mut pair.contact, NONE));
-    }
-    for (index, raw, found_at, fraction) in out.fresh.drain(..) {
-        let pair = &mut pairs[index as usize];
-        let mut contact = Contact::new(pair.a, pair.b);
-        contact.take(&raw, found_at);
-        contact.fraction = fraction;
-        pair.contact = contacts.insert(contact);
-    }
-    for (index, found_at, start, end) in out.meshes.drain(..) {
-        let pair = &mut pairs[index as usize];
-        chain.clear();
-        let mut slot = pair.contact;
-        while slot != NONE {
-            chain.push(contacts.all[slot as usize]);
-            slot = contacts.all[slot as usize].next;
-        }
-        contacts.remove_chain(pair.contact);
-        pair.contact = NONE;
-        let mut last = NONE;
-        for (raw, fraction) in &out.many[start as usize..end as usize] {
-            let mut contact = Contact::new(pair.a, pair.b);
-            contact.take(raw, found_at);
-            contact.fraction = *fraction;
-            contact.struck = chain.iter().any(|old| old.pushed);
-            // The manifold of the last step whose normal is nearest.
-            let nearest =
-                chain.iter().max_by(|x, y| x.normal.dot(raw.normal).total_cmp(&y.normal.dot(raw.normal)));
-            if let Some(old) = nearest.filter(|old| old.normal.dot(raw.normal) > 0.9) {
-                contact.inherit(old, near(input, pair));
-                (contact.friction, contact.twist) = (old.friction, old.twist);
-            }
-            let slot = contacts.insert(contact);
-            if last == NONE {
-                pair.contact = slot;
-            } else {
-                contacts.all[last as usize].next = slot;
-            }
-            last = slot;
-        }
-    }
-    out.many.clear();
 }
 
 /// How near two points must be to count as the same [m].

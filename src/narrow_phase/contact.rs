@@ -2,7 +2,7 @@
 
 use super::Relative;
 use super::manifold::{MAX_POINTS, RawManifold};
-use crate::memory::bytes_of;
+use crate::memory::{Room, bytes_of};
 use glam::{Quat, Vec3};
 
 /// No contact.
@@ -177,10 +177,34 @@ pub(crate) struct Contacts {
 }
 
 impl Contacts {
+    /// Makes place for so many more, as far as there is room; says for how many there is.
+    pub(crate) fn make_place(&mut self, more: usize, room: &mut Room) -> usize {
+        let missing = more.saturating_sub(self.free.len() + self.all.capacity() - self.all.len());
+        if missing > 0 && !room.is_endless() {
+            // Each may become free one day.
+            let each = size_of::<Contact>() + size_of::<u32>();
+            let granted = missing.min(room.left() / each);
+            let capacity = self.all.capacity() + granted;
+            room.within(1, |room| room.fit(&mut self.all, capacity));
+            let slots = self.all.capacity();
+            room.fit(&mut self.free, slots);
+        } else if missing > 0 {
+            self.all.reserve(more - self.free.len());
+        }
+        if room.is_endless() && self.free.capacity() < self.all.capacity() {
+            self.free.reserve_exact(self.all.capacity() - self.free.len());
+        }
+        self.free.len() + self.all.capacity().min(self.free.capacity()) - self.all.len()
+    }
+
+    /// Puts a contact where [`Contacts::make_place`] made place for it, or returns [`NONE`].
     pub(crate) fn insert(&mut self, contact: Contact) -> u32 {
         if let Some(slot) = self.free.pop() {
             self.all[slot as usize] = contact;
             return slot;
+        }
+        if self.all.len() == self.all.capacity().min(self.free.capacity()) {
+            return NONE;
         }
         self.all.push(contact);
         self.all.len() as u32 - 1
@@ -197,6 +221,12 @@ impl Contacts {
         }
     }
 
+    /// How many contacts a chain has.
+    pub(crate) fn count(&self, slot: u32) -> usize {
+        let next = |&slot: &u32| Some(self.all[slot as usize].next).filter(|&slot| slot != NONE);
+        std::iter::successors(Some(slot).filter(|&slot| slot != NONE), next).count()
+    }
+
     /// How many contacts of a chain pushed in the last step.
     pub(crate) fn count_pushed(&self, mut slot: u32) -> u32 {
         let mut pushed = 0;
@@ -207,7 +237,7 @@ impl Contacts {
         pushed
     }
 
-    /// Live and reserved bytes, .
+    /// Live and reserved bytes.
     pub(crate) fn bytes(&self) -> (usize, usize) {
         let (all, free) = (bytes_of(&self.all), bytes_of(&self.free));
         (all.0 - self.free.len() * size_of::<Contact>() + free.0, all.1 + free.1)

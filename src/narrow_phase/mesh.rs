@@ -1,6 +1,6 @@
 //! A convex shape against a triangle mesh or a height field.
 //!
-//! Triangles near the shape are gathered eight at a time and brought into its frame. In lanes, most are found to be
+//! Triangles near the shape are gathered in eights and brought into its frame. In lanes, most are found to be
 //! apart by more than the margin. Each of the others yields a *patch*: a normal and the points nearer than the margin,
 //! real and potential ones in one go ([`mesh_box`](super::mesh_box), [`mesh_sphere`](super::mesh_sphere),
 //! [`mesh_convex`](super::mesh_convex)). A patch whose normal the surface doesn't have there, because its edge is flat
@@ -10,13 +10,15 @@
 //! A triangle has two sides; the one on which the shape's centre is counts as outside, so that a shape that is stuck
 //! halfway is pushed back to where its centre is.
 
-use super::mesh_merge::Merge;
+use super::clip::CLOUD;
+use super::mesh_merge::{MOST, Merge};
 use super::mesh_patch::{Patches, Touch};
 use super::mesh_sweep::reach;
 use super::polytope::Pose;
 use super::support::Support;
 use super::{RawManifold, RawPoint, Relative, mesh_box, mesh_convex, mesh_sphere};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
+use crate::memory::{Buffer, Buffers, Room};
 use crate::shape::{Collider, Edges, Geometry, HeightField, TriangleMesh};
 use glam::Vec3;
 
@@ -175,10 +177,23 @@ impl Triangles {
 #[derive(Default)]
 pub(crate) struct MeshScratch {
     eights: Vec<Eight>,
-    /// How many of them hold triangles of this pair.
-    used: usize,
     patches: Patches,
     merge: Merge,
+    /// What its buffers may still grow by.
+    pub(crate) room: Room,
+    /// How often they could not: triangles, or manifolds' points, that were left out.
+    pub(crate) shed: u32,
+}
+
+impl Buffers for MeshScratch {
+    fn each(&mut self, f: &mut dyn FnMut(&mut dyn Buffer)) {
+        f(&mut self.eights);
+        f(&mut self.patches.touches);
+        f(&mut self.patches.patches);
+        f(&mut self.patches.points);
+        f(&mut self.merge.points);
+        f(&mut self.merge.place);
+    }
 }
 
 impl std::fmt::Debug for MeshScratch {
@@ -209,47 +224,46 @@ pub(crate) fn collide_mesh(
     let Some(ground) = Ground::of(b) else { return };
     let Some((middle, half, centre)) = bounds(a) else { return };
     let pose = Pose::new(rel.position, rel.rotation);
-    scratch.gather(ground, &pose, middle, half + Vec3::splat(margin));
-    let MeshScratch { eights, used, patches, merge } = scratch;
-    let eights = &eights[..*used];
-    if within < margin {
-        let limit = f32x8::splat(within);
-        let near = |eight: &Eight| {
-            let triangles = Triangles::new(eight, &pose, centre);
-            let (_, axis, _) = triangles.separate(middle, half);
-            let down = -triangles.front;
-            let face = triangles.height + LaneVec3::splat(centre).dot(down) - reach(a, down);
-            (axis.le(limit) & face.le(limit)).bits() & triangles.valid != 0
-        };
-        if !eights.iter().any(near) {
+    let MeshScratch { eights, patches, merge, room, shed } = scratch;
+    if room.fit(eights, CHUNK) < CHUNK {
+        *shed += 1;
+        return;
+    }
+    eights.resize(CHUNK, Eight::default());
+    patches.clear();
+    let each = points_each(a);
+    let limit = f32x8::splat(within);
+    let near = |eight: &Eight| {
+        let triangles = Triangles::new(eight, &pose, centre);
+        let (_, axis, _) = triangles.separate(middle, half);
+        let down = -triangles.front;
+        let face = triangles.height + LaneVec3::splat(centre).dot(down) - reach(a, down);
+        (axis.le(limit) & face.le(limit)).bits() & triangles.valid != 0
+    };
+    gather(ground, &pose, (middle, half + Vec3::splat(margin)), eights, &mut |eights| {
+        if within < margin && !eights.iter().any(near) {
             return;
         }
-    }
-    patches.clear();
-    match a.geometry {
-        Geometry::Sphere { radius } => {
-            for eight in eights {
-                mesh_sphere::touch(radius, &Triangles::new(eight, &pose, centre), margin, &ground, patches);
+        for eight in eights {
+            // Whatever these triangles yield must find place: the functions below don't ask.
+            if !room.is_endless() && !patches.has_place(8, each, room) {
+                *shed += 1;
+                return;
             }
-            mesh_sphere::finish(radius, patches);
-        }
-        Geometry::Box { half_extents } => {
-            for eight in eights {
-                mesh_box::touch(
-                    half_extents,
-                    &Triangles::new(eight, &pose, centre),
-                    margin,
-                    &ground,
-                    patches,
-                );
+            let triangles = Triangles::new(eight, &pose, centre);
+            match a.geometry {
+                Geometry::Sphere { radius } => {
+                    mesh_sphere::touch(radius, &triangles, margin, &ground, patches);
+                }
+                Geometry::Box { half_extents } => {
+                    mesh_box::touch(half_extents, &triangles, margin, &ground, patches);
+                }
+                _ => mesh_convex::touch(a, (middle, half, centre), &triangles, margin, &ground, patches),
             }
         }
-        _ => {
-            for eight in eights {
-                let triangles = Triangles::new(eight, &pose, centre);
-                mesh_convex::touch(a, (middle, half, centre), &triangles, margin, &ground, patches);
-            }
-        }
+    });
+    if let Geometry::Sphere { radius } = a.geometry {
+        mesh_sphere::finish(radius, patches);
     }
     if let (Some(touch), Some(shape)) = (patches.spare(), Support::of(a)) {
         let front = touch.front.as_dvec3();
@@ -260,31 +274,56 @@ pub(crate) fn collide_mesh(
         patches.add(touch, -touch.front, Some(separation), patches.points.len() - 1);
     }
     patches.drop_hidden(a.radius);
+    if !room.is_endless() {
+        let place = out.len() + MOST;
+        if !merge.has_place(patches, room) || room.fit(out, place) < place {
+            *shed += 1;
+            return;
+        }
+    }
     merge.manifolds(patches, &pose, a.radius, out);
 }
 
-impl MeshScratch {
-    /// The triangles that meet a box of the shape's frame.
-    fn gather(&mut self, ground: Ground, pose: &Pose, middle: Vec3, half: Vec3) {
-        let middle = pose.inverse().point(middle);
-        let m = pose.axes;
-        let half = Vec3::new(m.x_axis.abs().dot(half), m.y_axis.abs().dot(half), m.z_axis.abs().dot(half));
-        // A millionth of the coordinates is their rounding.
-        let half = half + Vec3::splat(1e-6 * middle.abs().max_element());
-        let (eights, used) = (&mut self.eights, &mut self.used);
-        *used = 0;
-        ground.visit_box(middle - half, middle + half, &mut |index, corners| {
-            if *used == 0 || eights[*used - 1].is_full() {
-                if *used == eights.len() {
-                    eights.push(Eight::default());
-                }
-                eights[*used].clear();
-                *used += 1;
+/// So many times eight triangles are gathered before they are looked at.
+const CHUNK: usize = 16;
+
+/// The triangles that meet a box of the shape's frame, in chunks.
+fn gather(
+    ground: Ground,
+    pose: &Pose,
+    (middle, half): (Vec3, Vec3),
+    eights: &mut [Eight],
+    look: &mut dyn FnMut(&[Eight]),
+) {
+    let middle = pose.inverse().point(middle);
+    let m = pose.axes;
+    let half = Vec3::new(m.x_axis.abs().dot(half), m.y_axis.abs().dot(half), m.z_axis.abs().dot(half));
+    // A millionth of the coordinates is their rounding.
+    let half = half + Vec3::splat(1e-6 * middle.abs().max_element());
+    let mut used = 0;
+    ground.visit_box(middle - half, middle + half, &mut |index, corners| {
+        if used == 0 || eights[used - 1].is_full() {
+            if used == eights.len() {
+                look(eights);
+                used = 0;
             }
-            if let Some(eight) = eights.get_mut(*used - 1) {
-                eight.push(index, corners);
-            }
-        });
+            eights[used].clear();
+            used += 1;
+        }
+        if let Some(eight) = eights.get_mut(used - 1) {
+            eight.push(index, corners);
+        }
+    });
+    look(&eights[..used]);
+}
+
+/// The most points that a triangle yields.
+fn points_each(a: &Collider) -> usize {
+    match a.geometry {
+        Geometry::Sphere { .. } => 1,
+        Geometry::Capsule { .. } => 4,
+        Geometry::Box { .. } => 8,
+        _ => CLOUD,
     }
 }
 
@@ -622,14 +661,13 @@ mod tests {
                 .collect();
             let (mut scratch, mut out) = (MeshScratch::default(), Vec::new());
             let mut best = f64::MAX;
-            let (mut near, mut patches, mut manifolds) = (0, 0, 0);
+            let (mut patches, mut manifolds) = (0, 0);
             for _ in 0..300 {
                 let start = std::time::Instant::now();
-                (near, patches, manifolds) = (0, 0, 0);
+                (patches, manifolds) = (0, 0);
                 for rel in &pairs {
                     out.clear();
                     collide_mesh(&shape, &b, rel, (MARGIN, MARGIN), &mut scratch, &mut out);
-                    near += scratch.eights[..scratch.used].iter().map(|e| e.count).sum::<usize>();
                     patches += scratch.patches.patches.len();
                     manifolds += out.len();
                 }
@@ -637,10 +675,9 @@ mod tests {
             }
             let each = |n: usize| n as f64 / pairs.len() as f64;
             println!(
-                "{:?}: {:.0} ns a pair, {:.1} triangles near, {:.1} patches, {:.1} manifolds",
+                "{:?}: {:.0} ns a pair, {:.1} patches, {:.1} manifolds",
                 shape.kind,
                 best * 1e9,
-                each(near),
                 each(patches),
                 each(manifolds)
             );

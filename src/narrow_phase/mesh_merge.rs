@@ -10,7 +10,7 @@ use super::polytope::Pose;
 use super::reduce::reduce;
 use super::{MAX_POINTS, RawManifold, RawPoint};
 use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
-use crate::memory::bytes_of;
+use crate::memory::{Room, bytes_of};
 use glam::Vec3;
 
 /// Most manifolds of a pair.
@@ -23,15 +23,21 @@ const RELATED: f32 = 0.9;
 /// Buffers.
 #[derive(Default)]
 pub(super) struct Merge {
-    points: Vec<RawPoint>,
+    pub(super) points: Vec<RawPoint>,
     /// Which manifold each patch went to.
-    place: Vec<u8>,
+    pub(super) place: Vec<u8>,
 }
 
 impl Merge {
     pub(super) fn bytes(&self) -> (usize, usize) {
         let (one, other) = (bytes_of(&self.points), bytes_of(&self.place));
         (one.0 + other.0, one.1 + other.1)
+    }
+
+    /// Makes place for these patches; says whether there was room.
+    pub(super) fn has_place(&mut self, of: &Patches, room: &mut Room) -> bool {
+        let (patches, points) = (of.patches.len(), of.points.len());
+        room.fit(&mut self.place, patches) >= patches && room.fit(&mut self.points, points) >= points
     }
 
     /// Adds the manifolds of patches that are sorted, the deepest first.

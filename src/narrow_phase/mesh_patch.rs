@@ -15,7 +15,7 @@
 //!    once it were lifted out of that face: the sides of a step under a box that stands on it.
 
 use super::RawPoint;
-use crate::memory::bytes_of;
+use crate::memory::{Room, bytes_of};
 use crate::shape::{Edges, FLAT_COSINE, Fold};
 use glam::Vec3;
 
@@ -191,6 +191,13 @@ impl Patches {
     pub(super) fn bytes(&self) -> (usize, usize) {
         let parts = [bytes_of(&self.touches), bytes_of(&self.patches), bytes_of(&self.points)];
         parts.iter().fold((0, 0), |sum, part| (sum.0 + part.0, sum.1 + part.1))
+    }
+    /// Makes place for what so many further triangles may yield; says whether there was room.
+    pub(super) fn has_place(&mut self, triangles: usize, points: usize, room: &mut Room) -> bool {
+        let (patches, points) = (self.patches.len() + triangles, self.points.len() + triangles * points);
+        room.fit(&mut self.touches, patches) >= patches
+            && room.fit(&mut self.patches, patches) >= patches
+            && room.fit(&mut self.points, points) >= points
     }
     pub(super) fn clear(&mut self) {
         self.touches.clear();

@@ -18,6 +18,7 @@ mod convex;
 #[cfg(any(test, feature = "internals"))]
 #[cfg_attr(not(test), allow(dead_code, reason = "benches use a part of what tests use"))]
 pub(crate) mod fixtures;
+mod found;
 mod gjk;
 mod lanes_io;
 mod manifold;

@@ -1,6 +1,7 @@
 //! What the stages read of a shape: a flat record beside the caller's description.
 
 use super::{Filter, Geometry, Material};
+use crate::config::Continuous;
 use glam::{Quat, Vec3};
 
 /// The kinds of shape, in the order that fixes which of a pair is `a`: the lower kind, then the lower index.
@@ -49,16 +50,19 @@ pub(crate) struct Hot {
     /// Index of its body.
     pub(crate) body: u32,
     pub(crate) kind: Kind,
+    /// Of its body; `Discrete` if that is static, which never needs to be kept from anything.
+    pub(crate) mode: Continuous,
 }
 
 impl Collider {
-    pub(crate) fn hot(&self) -> Hot {
+    pub(crate) fn hot(&self, mode: Continuous) -> Hot {
         Hot {
             size: self.size,
             radius: self.radius,
             lever: self.position.length(),
             body: self.body,
             kind: self.kind,
+            mode,
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::config::{FrictionCone, Settings};
 use crate::constraint::Rows;
 use crate::constraint::contact_row::Softness;
 use crate::lanes::{Record, f32x8};
-use crate::memory::bytes_of;
+use crate::memory::{Buffer, bytes_of};
 use crate::threads::{Crew, Shared};
 pub(crate) use pass::store;
 use pass::{Kind, Passes};
@@ -26,6 +26,12 @@ pub(crate) struct State {
 }
 
 impl State {
+    /// Calls `f` with each buffer and the place that it needs for so many bodies that can move.
+    pub(crate) fn each(&mut self, movers: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        f(&mut self.delta, movers);
+        f(&mut self.base, movers);
+    }
+
     pub(crate) fn bytes(&self) -> (usize, usize) {
         let (a, b) = (bytes_of(&self.delta), bytes_of(&self.base));
         (a.0 + b.0, a.1 + b.1)

@@ -7,6 +7,7 @@ use crate::constraint::{Batch, Group, Rows, Stage};
 use crate::lanes::{GatherLanes, Record};
 use crate::narrow_phase::{Contact, Point};
 use crate::threads::{Crew, Shared};
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// What a pass does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -118,25 +119,29 @@ unsafe fn step<L: GatherLanes, const P: usize>(
     }
 }
 
-/// Writes impulses back to the contacts.
+/// Writes impulses back to the contacts. Says how many contacts pushed before they touched.
 pub(crate) fn store(
     crew: &Crew<'_>,
     rows: &Rows,
     dt: f32,
     contacts: &Shared<'_, Contact>,
     rotation_of: &(dyn Fn(u32) -> glam::Quat + Sync),
-) {
+) -> u32 {
+    let pushed = AtomicU32::new(0);
     let hold = (dt / HOLD).min(1.0);
     let block = |stage: &Stage, index: usize| {
         let batch = rows.schedule[index];
         let i = batch.index as usize;
         let potential = stage.group.is_potential();
-        match batch.points {
+        let count = match batch.points {
             1 => put(&rows.p1[i], potential, hold, contacts, rotation_of),
             2 => put(&rows.p2[i], potential, hold, contacts, rotation_of),
             3 => put(&rows.p3[i], potential, hold, contacts, rotation_of),
             4 => put(&rows.p4[i], potential, hold, contacts, rotation_of),
             _ => put(&rows.single[i], potential, hold, contacts, rotation_of),
+        };
+        if count > 0 {
+            pushed.fetch_add(count, Ordering::Relaxed);
         }
     };
     for stage in &rows.stages {
@@ -145,6 +150,7 @@ pub(crate) fn store(
             (start + 16 * n..(start + 16 * n + 16).min(end)).for_each(|index| block(stage, index));
         });
     }
+    pushed.into_inner()
 }
 
 fn take(point: &mut Point, impulse: f32, hold: f32) {
@@ -160,7 +166,8 @@ fn put<L: GatherLanes, const P: usize>(
     hold: f32,
     contacts: &Shared<'_, Contact>,
     rotation_of: &(dyn Fn(u32) -> glam::Quat + Sync),
-) {
+) -> u32 {
+    let mut count = 0;
     store_batch(batch, |part, impulses, peak, friction, twist| {
         // SAFETY: a contact is in one lane of one batch; its points, if apart, are in different stages.
         let contact = unsafe { contacts.get(part.slot()) };
@@ -170,6 +177,8 @@ fn put<L: GatherLanes, const P: usize>(
         } else {
             (rotation_of(contact.a).conjugate() * friction, twist)
         };
+        // Of a contact whose points are apart, another may have pushed already.
+        count += u32::from(pushed && !contact.pushed);
         if let Some(point) = part.only() {
             take(&mut contact.points[point], impulses[0], hold);
             contact.pushed |= pushed;
@@ -182,4 +191,5 @@ fn put<L: GatherLanes, const P: usize>(
         contact.pushed = pushed;
         (contact.friction, contact.twist) = (friction, twist);
     });
+    count
 }

@@ -1,0 +1,304 @@
+//! Which contacts get rows, in which order: by importance, colour and size.
+
+use super::batch::{BatchRef, Rows};
+use super::colour::{COLOURS, Colouring, OVERFLOW};
+use super::order::{Group, Stage};
+use super::prepare::PrepareInput;
+use crate::memory::{Buffer, Room, bytes_of};
+use crate::narrow_phase::{Contact, NONE};
+
+/// What preparing counted.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Prepared {
+    pub(crate) manifolds: u32,
+    /// Points that touch, and that may touch within the step.
+    pub(crate) real: u32,
+    pub(crate) potential: u32,
+    /// Points that bounced.
+    pub(crate) impacts: u32,
+    /// Points that there was no room for.
+    pub(crate) shed: u32,
+}
+
+/// A contact, or one point of it, in a lane of a batch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Part(pub(crate) u32);
+
+impl Part {
+    const SLOT: u32 = (1 << 29) - 1;
+    /// An inert lane.
+    pub(crate) const NONE: Part = Part(u32::MAX);
+
+    fn whole(slot: u32) -> Part {
+        Part(slot)
+    }
+    fn point(slot: u32, point: usize) -> Part {
+        Part(slot | (point as u32 + 1) << 29)
+    }
+    pub(crate) fn slot(self) -> usize {
+        (self.0 & Self::SLOT) as usize
+    }
+    /// The point, unless the part is the whole contact.
+    pub(crate) fn only(self) -> Option<usize> {
+        (self.0 >> 29).checked_sub(1).map(|p| p as usize)
+    }
+    /// First point and number of points.
+    pub(crate) fn range(self, contact: &Contact) -> (usize, usize) {
+        self.only().map_or((0, contact.count as usize), |p| (p, 1))
+    }
+}
+
+/// Buffers of one step.
+#[derive(Debug, Default)]
+pub(crate) struct PrepareScratch {
+    colouring: [Colouring; 4],
+    /// Contact and sort key.
+    entries: Vec<(Part, u32)>,
+    pub(crate) sorted: Vec<Part>,
+    /// First contact in `sorted` of each batch of the schedule, and how many.
+    pub(crate) ranges: Vec<(u32, u32)>,
+    /// Bytes of contacts and rows that continuous collision alone makes: in the last step, and the most in any.
+    ahead: (usize, usize),
+    most_ahead: (usize, usize),
+}
+
+impl PrepareScratch {
+    /// Calls `f` with each buffer and the place that it needs for so many bodies that can be pushed.
+    pub(crate) fn each(&mut self, dynamic: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        self.colouring.iter_mut().for_each(|c| f(c.buffer(), dynamic));
+        f(&mut self.ranges, KEYS);
+    }
+
+    /// Bytes of contacts, and of rows, that continuous collision alone makes: live, and the most there ever were.
+    pub(crate) fn ahead_bytes(&self) -> ((usize, usize), (usize, usize)) {
+        ((self.ahead.0, self.most_ahead.0), (self.ahead.1, self.most_ahead.1))
+    }
+
+    pub(crate) fn bytes(&self) -> (usize, usize) {
+        let lists = [bytes_of(&self.entries), bytes_of(&self.sorted), bytes_of(&self.ranges)];
+        let colours = self.colouring.iter().map(Colouring::bytes);
+        lists.into_iter().chain(colours).fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
+    }
+}
+
+/// Sort key: group, colour, then four points before one, so that lanes of a batch are alike.
+const KEYS: usize = Group::ALL.len() * (COLOURS + 1) * 4;
+
+/// Groups in the order in which their parts are given up for lack of room: what may meet before what does, and what keeps
+/// bodies out of the static world last.
+const SHED: [Group; 4] = [Group::PotentialDynamic, Group::Dynamic, Group::PotentialStatic, Group::Static];
+
+/// How many parts of each group may get rows: the first ones.
+type Quota = [u32; Group::ALL.len()];
+
+/// Sorts the contacts and makes place for their batches. Where there is no room for all, the least important do without.
+pub(crate) fn arrange(
+    input: &PrepareInput<'_>,
+    rows: &mut Rows,
+    scratch: &mut PrepareScratch,
+    room: &mut Room,
+) -> Prepared {
+    if room.is_endless() {
+        let (prepared, _) = sort(input, scratch, [u32::MAX; 4]);
+        let batches = schedule(rows, scratch);
+        rows.resize(batches);
+        return prepared;
+    }
+    let parts = count(input);
+    let total: u32 = parts.iter().sum();
+    let place = scratch.make_place(total as usize, rows, room) as u32;
+    // The least number of parts to give up for which the rest fits, to within a 64th of them.
+    let (mut too_few, mut enough) = (total - place, total);
+    let mut shed = too_few;
+    loop {
+        let (mut prepared, lost) = sort(input, scratch, quota(parts, shed));
+        let batches = schedule(rows, scratch);
+        if rows.make_place(batches, room) {
+            enough = shed;
+            if shed == too_few || enough - too_few <= 1 + total / 64 {
+                rows.resize(batches);
+                prepared.shed = lost;
+                return prepared;
+            }
+        } else {
+            too_few = shed;
+        }
+        shed = if enough - too_few <= 1 + total / 64 { enough } else { too_few.midpoint(enough) };
+    }
+}
+
+/// Parts of each group.
+fn count(input: &PrepareInput<'_>) -> Quota {
+    let mut parts = [0; 4];
+    each_contact(input, |_, contact| {
+        parts[group_of(input, contact) as usize] +=
+            if input.per_point { u32::from(contact.count) } else { 1 };
+    });
+    parts
+}
+
+/// What is left of so many parts when some are given up.
+fn quota(mut parts: Quota, mut shed: u32) -> Quota {
+    for group in SHED {
+        let gone = shed.min(parts[group as usize]);
+        parts[group as usize] -= gone;
+        shed -= gone;
+    }
+    parts
+}
+
+fn each_contact<'a>(input: &PrepareInput<'a>, mut f: impl FnMut(u32, &'a Contact)) {
+    for pair in input.pairs {
+        let mut slot = pair.contact;
+        while slot != NONE {
+            let contact = &input.contacts[slot as usize];
+            if contact.count > 0 {
+                f(slot, contact);
+            }
+            slot = contact.next;
+        }
+    }
+}
+
+fn group_of(input: &PrepareInput<'_>, contact: &Contact) -> Group {
+    let movers = input.bodies.movers();
+    let still = |c: u32| input.hot[c as usize].body as usize >= movers;
+    let potential = contact.points().iter().all(|p| p.separation > input.real);
+    Group::of(still(contact.a) || still(contact.b), potential)
+}
+
+impl PrepareScratch {
+    /// Makes place for so many parts, as far as there is room; says for how many.
+    fn make_place(&mut self, parts: usize, rows: &mut Rows, room: &mut Room) -> usize {
+        let most_stages = Group::ALL.len() * (COLOURS + 1);
+        if room.fit(&mut rows.stages, most_stages) < most_stages {
+            return 0;
+        }
+        let missing = |scratch: &Self, rows: &Rows, parts: usize| {
+            scratch.entries.missing(parts)
+                + scratch.sorted.missing(parts)
+                + scratch.ranges.missing(parts.max(KEYS))
+                + rows.schedule.missing(parts)
+        };
+        let (mut place, mut too_many) = (0, parts + 1);
+        while too_many - place > 1 {
+            let middle = usize::midpoint(place, too_many);
+            *if missing(self, rows, middle) <= room.left() { &mut place } else { &mut too_many } = middle;
+        }
+        if missing(self, rows, place) > room.left() {
+            return 0;
+        }
+        room.take(missing(self, rows, place));
+        self.entries.widen(place);
+        self.sorted.widen(place);
+        self.ranges.widen(place.max(KEYS));
+        rows.schedule.widen(place);
+        place
+    }
+}
+
+/// Contacts by group, colour and number of points, and what they count. Parts beyond the quota are left out; says how many
+/// points those have.
+fn sort(input: &PrepareInput<'_>, scratch: &mut PrepareScratch, mut quota: Quota) -> (Prepared, u32) {
+    let PrepareScratch { colouring, entries, sorted, .. } = scratch;
+    let dynamic = input.bodies.dynamic();
+    colouring.iter_mut().for_each(|c| c.reset(dynamic));
+    entries.clear();
+    let mut starts = [0u32; KEYS + 1];
+    let movers = input.bodies.movers();
+    let (mut prepared, mut shed) = (Prepared::default(), 0);
+    // By number of points.
+    let mut ahead = [0usize; 4];
+    each_contact(input, |slot, contact| {
+        let body = |c: u32| input.hot[c as usize].body as usize;
+        let (a, b) = (body(contact.a), body(contact.b));
+        let touching = contact.points().iter().map(|p| u32::from(p.separation <= input.real)).sum::<u32>();
+        let group = Group::of(a >= movers || b >= movers, touching == 0);
+        prepared.manifolds += 1;
+        prepared.real += touching;
+        prepared.potential += u32::from(contact.count) - touching;
+        if touching == 0 && contact.points().iter().all(|p| p.separation > input.near) {
+            ahead[contact.count as usize - 1] += 1;
+        }
+        let mut enter = |part: Part, count: usize| {
+            let left = &mut quota[group as usize];
+            if *left == 0 {
+                shed += count as u32;
+                return;
+            }
+            *left -= 1;
+            let colour = colouring[group as usize].assign(a, b);
+            let key = (group as usize * (COLOURS + 1) + colour) * 4 + 4 - count;
+            entries.push((part, key as u32));
+            starts[key + 1] += 1;
+        };
+        if input.per_point {
+            (0..contact.count as usize).for_each(|point| enter(Part::point(slot, point), 1));
+        } else {
+            enter(Part::whole(slot), contact.count as usize);
+        }
+    });
+    for key in 0..KEYS {
+        starts[key + 1] += starts[key];
+    }
+    sorted.clear();
+    sorted.resize(entries.len(), Part::NONE);
+    for &(part, key) in entries.iter() {
+        let at = &mut starts[key as usize];
+        sorted[*at as usize] = part;
+        *at += 1;
+    }
+    // `starts[key]` is now the end of the key's range; `schedule` reads it from the entries' counts again.
+    scratch.ranges.clear();
+    for key in 0..KEYS {
+        let start = if key == 0 { 0 } else { starts[key - 1] };
+        scratch.ranges.push((start, starts[key] - start));
+    }
+    // A lane of a batch each.
+    let rows: usize = ahead.iter().zip(Rows::SIZES).map(|(n, size)| n * size / 8).sum();
+    scratch.ahead = (ahead.iter().sum::<usize>() * size_of::<Contact>(), rows);
+    let (now, most) = (scratch.ahead, &mut scratch.most_ahead);
+    *most = (most.0.max(now.0), most.1.max(now.1));
+    (prepared, shed)
+}
+
+/// Batches of each stage. Contacts without a colour come first in their group: what is solved later wins. Says how many
+/// batches there are of one to four points, and of one lane.
+fn schedule(rows: &mut Rows, scratch: &mut PrepareScratch) -> [usize; 5] {
+    let keys: [(u32, u32); KEYS] = std::array::from_fn(|key| scratch.ranges[key]);
+    let contact_points = |key: usize| 4 - key % 4;
+    let (mut counts, mut singles) = ([0u32; 4], 0u32);
+    rows.schedule.clear();
+    rows.stages.clear();
+    scratch.ranges.clear();
+    for group in Group::ALL {
+        let colours = std::iter::once(OVERFLOW).chain(0..COLOURS);
+        for colour in colours {
+            let first = (group as usize * (COLOURS + 1) + colour) * 4;
+            let start = keys[first].0;
+            let end = keys[first + 3].0 + keys[first + 3].1;
+            if start == end {
+                continue;
+            }
+            let stage_start = rows.schedule.len() as u32;
+            let serial = colour == OVERFLOW;
+            let width = if serial { 1 } else { 8 };
+            for at in (start..end).step_by(width) {
+                let points =
+                    (first..first + 4).find(|&k| at < keys[k].0 + keys[k].1).map_or(4, contact_points);
+                let index = if serial {
+                    singles += 1;
+                    singles - 1
+                } else {
+                    counts[points - 1] += 1;
+                    counts[points - 1] - 1
+                };
+                let points = if serial { 0 } else { points as u8 };
+                rows.schedule.push(BatchRef { points, index });
+                scratch.ranges.push((at, (width as u32).min(end - at)));
+            }
+            rows.stages.push(Stage { group, start: stage_start, end: rows.schedule.len() as u32, serial });
+        }
+    }
+    [counts[0], counts[1], counts[2], counts[3], singles].map(|n| n as usize)
+}

@@ -1,0 +1,207 @@
+//! What a step may still reserve: buffers grow through it, so that a budget is never exceeded, only used up.
+
+/// Bytes that buffers may still grow by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Room {
+    left: usize,
+}
+
+impl Default for Room {
+    fn default() -> Self {
+        Room::ENDLESS
+    }
+}
+
+/// A buffer is doubled, so that it seldom grows, while that takes no more than this part of what is left.
+const PART: usize = 8;
+
+impl Room {
+    /// Of a world without a budget.
+    pub(crate) const ENDLESS: Room = Room { left: usize::MAX };
+
+    pub(crate) fn new(left: usize) -> Room {
+        // A budget of all there is is none.
+        Room { left: left.min(usize::MAX - 1) }
+    }
+
+    #[inline]
+    pub(crate) fn is_endless(&self) -> bool {
+        self.left == usize::MAX
+    }
+
+    pub(crate) fn left(&self) -> usize {
+        self.left
+    }
+
+    /// An equal share for each of `parts`, which work at the same time and must not depend on each other.
+    pub(crate) fn share(&self, parts: usize) -> Room {
+        if self.is_endless() { *self } else { Room { left: self.left / parts.max(1) } }
+    }
+
+    /// Lets `f` use up to one of `parts` equal shares.
+    pub(crate) fn within<R>(&mut self, parts: usize, f: impl FnOnce(&mut Room) -> R) -> R {
+        let whole = self.share(parts);
+        let mut share = whole;
+        let result = f(&mut share);
+        self.take(whole.left - share.left);
+        result
+    }
+
+    /// Takes bytes off that were used elsewhere.
+    pub(crate) fn take(&mut self, bytes: usize) {
+        if !self.is_endless() {
+            self.left = self.left.saturating_sub(bytes);
+        }
+    }
+
+    /// Puts bytes back that were given up.
+    pub(crate) fn give(&mut self, bytes: usize) {
+        if !self.is_endless() {
+            self.left = self.left.saturating_add(bytes).min(usize::MAX - 1);
+        }
+    }
+
+    /// Makes place for `len` elements in all; says for how many there is place then, which is fewer than `len` only if
+    /// the room doesn't suffice.
+    #[inline]
+    pub(crate) fn fit<T>(&mut self, buffer: &mut Vec<T>, len: usize) -> usize {
+        if len <= buffer.capacity() { len } else { self.grow(buffer, len) }
+    }
+
+    #[cold]
+    fn grow<T>(&mut self, buffer: &mut Vec<T>, len: usize) -> usize {
+        if self.is_endless() {
+            buffer.reserve(len - buffer.len());
+            return len;
+        }
+        let (size, before) = (size_of::<T>().max(1), buffer.capacity());
+        let double = len.max(2 * before);
+        let to = if (double - before).saturating_mul(size) <= self.left / PART {
+            double
+        } else {
+            len.min(before + self.left / size)
+        };
+        if to > before {
+            buffer.reserve_exact(to - buffer.len());
+            self.take((buffer.capacity() - before) * size);
+        }
+        len.min(buffer.capacity())
+    }
+
+    /// Appends if there is place; says whether there was.
+    #[inline]
+    pub(crate) fn push<T>(&mut self, buffer: &mut Vec<T>, value: T) -> bool {
+        let len = buffer.len() + 1;
+        let fits = len <= buffer.capacity() || self.grow(buffer, len) >= len;
+        if fits {
+            buffer.push(value);
+        }
+        fits
+    }
+}
+
+/// Any vector, when only its place matters.
+pub(crate) trait Buffer {
+    fn capacity(&self) -> usize;
+    /// Bytes that it would take to have place for `len` elements in all.
+    fn missing(&self, len: usize) -> usize;
+    /// Makes place for `len` elements in all, not for more.
+    fn widen(&mut self, len: usize);
+}
+
+impl<T> Buffer for Vec<T> {
+    fn capacity(&self) -> usize {
+        self.capacity()
+    }
+    fn missing(&self, len: usize) -> usize {
+        len.saturating_sub(self.capacity()) * size_of::<T>()
+    }
+    fn widen(&mut self, len: usize) {
+        if len > self.capacity() {
+            self.reserve_exact(len - self.len());
+        }
+    }
+}
+
+/// Calls a function for each of something's buffers, always in the same order.
+pub(crate) trait Buffers {
+    fn each(&mut self, f: &mut dyn FnMut(&mut dyn Buffer));
+}
+
+/// The most that any block's buffers were widened to.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Marks([usize; MOST]);
+
+/// Buffers that [`even_out`] can keep apart.
+const MOST: usize = 12;
+
+/// Gives the buffers of all blocks the capacities of the largest. Which block needs most changes from step to step;
+/// when the next one needs as much, there is place already, so a scene that moves doesn't make buffers grow for ever.
+pub(crate) fn even_out<B: Buffers>(blocks: &mut [B], marks: &mut Marks, room: &mut Room) {
+    // The second pass is for those that came before the one that has grown.
+    for _ in 0..2 {
+        let before = marks.0;
+        for block in &mut *blocks {
+            let mut i = 0;
+            block.each(&mut |buffer| {
+                let mark = &mut marks.0[i];
+                *mark = buffer.capacity().max(*mark);
+                let missing = buffer.missing(*mark);
+                if missing > 0 && missing <= room.left() {
+                    room.take(missing);
+                    buffer.widen(*mark);
+                }
+                i += 1;
+            });
+        }
+        if marks.0 == before {
+            break;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Two(Vec<u8>, Vec<u64>);
+
+    impl Buffers for Two {
+        fn each(&mut self, f: &mut dyn FnMut(&mut dyn Buffer)) {
+            f(&mut self.0);
+            f(&mut self.1);
+        }
+    }
+
+    #[test]
+    fn a_buffer_grows_as_far_as_the_room_goes_and_no_further() {
+        let mut room = Room::new(100);
+        let mut buffer: Vec<u64> = Vec::new();
+        assert_eq!((room.fit(&mut buffer, 10), room.left()), (10, 20));
+        // Three more would take 24 bytes.
+        assert_eq!((room.fit(&mut buffer, 13), room.left()), (12, 4));
+        let pushed = (0..20).filter(|&i| room.push(&mut buffer, i)).count();
+        assert_eq!((pushed, buffer.len(), buffer.capacity()), (12, 12, 12));
+    }
+
+    #[test]
+    fn without_a_budget_everything_fits() {
+        let mut room = Room::ENDLESS;
+        let mut buffer: Vec<u64> = Vec::new();
+        assert_eq!(room.fit(&mut buffer, 1000), 1000);
+        assert!((0..5000).all(|i| room.push(&mut buffer, i)));
+        assert!(room.is_endless() && room.share(7).is_endless());
+    }
+
+    #[test]
+    fn all_blocks_have_the_place_of_the_largest() {
+        let mut blocks: Vec<Two> = (0..4).map(|i| Two(Vec::with_capacity(i), Vec::new())).collect();
+        blocks[1].1.reserve_exact(7);
+        let (mut marks, mut room) = (Marks::default(), Room::new(1000));
+        even_out(&mut blocks, &mut marks, &mut room);
+        assert!(blocks.iter().all(|b| b.0.capacity() == 3 && b.1.capacity() == 7));
+        assert_eq!(room.left(), 1000 - (3 + 2 + 1) - 3 * 7 * 8);
+        even_out(&mut blocks, &mut marks, &mut room);
+        assert_eq!(room.left(), 1000 - (3 + 2 + 1) - 3 * 7 * 8);
+    }
+}

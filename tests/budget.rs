@@ -1,0 +1,153 @@
+//! A step keeps to the budget: what doesn't fit is left out, in an order that nothing but the world decides.
+
+mod common;
+
+use backstop::scene::{Scene, builtin};
+use backstop::{Category, Settings, World};
+
+const DT: f32 = 1.0 / 60.0;
+const STEPS: u32 = 150;
+
+/// Three hundred bodies of every shape fall into a box.
+fn pile() -> Scene {
+    let mut scene = builtin::pile();
+    scene.bodies.truncate(305);
+    scene
+}
+
+/// A thousand fast bodies that bounce off a mesh and off each other.
+fn crossfire() -> Scene {
+    let mut scene = builtin::bullets(false);
+    for body in &mut scene.bodies {
+        body.desc.shapes.iter_mut().for_each(|s| s.material.restitution = 0.5);
+    }
+    scene
+}
+
+fn settings(budget: Option<usize>, threads: usize) -> Settings {
+    Settings { budget, threads, ..Settings::default() }
+}
+
+/// What a run shows: hash, what was shed step by step, the most memory after a step and before the first one.
+#[derive(Debug, PartialEq)]
+struct Run {
+    hash: u64,
+    shed: Vec<u32>,
+    most: usize,
+    first: usize,
+}
+
+fn run(scene: &Scene, budget: Option<usize>, threads: usize, mut each: impl FnMut(&World)) -> Run {
+    let (mut world, _) = common::world_of(scene, settings(budget, threads));
+    let (first, mut most, mut shed) = (world.memory().total(), 0, Vec::new());
+    for _ in 0..STEPS {
+        shed.push(world.step(DT).unwrap().shed);
+        most = most.max(world.memory().total());
+        each(&world);
+    }
+    Run { hash: world.hash(), shed, most, first }
+}
+
+fn total(run: &Run) -> u32 {
+    run.shed.iter().sum()
+}
+
+#[test]
+fn with_enough_budget_nothing_is_shed_and_nothing_changes() {
+    let free = run(&pile(), None, 1, |_| {});
+    assert_eq!(total(&free), 0);
+    // Twice as much: buffers that are doubled may be doubled once more.
+    let limited = run(&pile(), Some(4 * free.most), 1, |_| {});
+    assert_eq!((total(&limited), limited.hash), (0, free.hash));
+}
+
+#[test]
+fn a_falling_pile_keeps_to_any_budget_that_its_bodies_fit_in() {
+    let scene = pile();
+    let wide = run(&scene, Some(1 << 30), 1, |_| {});
+    assert_eq!(total(&wide), 0);
+    let mut before = u32::MAX;
+    for share in [0.02, 0.1, 0.3, 0.5, 0.8] {
+        let budget = wide.first + ((wide.most - wide.first) as f64 * share) as usize;
+        let tight = run(&scene, Some(budget), 1, |world| {
+            let used = world.memory().total();
+            assert!(used <= budget, "{used} of {budget} at {share}");
+        });
+        let shed = total(&tight);
+        println!("{share}: {budget} of {} bytes, {shed} shed", wide.most);
+        assert!(share > 0.5 || shed > 0, "{share}");
+        // More memory is never worse by much.
+        assert!(shed <= before.saturating_add(before / 4), "{shed} after {before} at {share}");
+        before = shed;
+    }
+}
+
+#[test]
+fn bullets_on_a_mesh_keep_to_the_budget_and_to_their_side() {
+    let scene = crossfire();
+    let wide = run(&scene, Some(1 << 30), 1, |_| {});
+    assert_eq!(total(&wide), 0);
+    for share in [0.0, 0.05, 0.2] {
+        let budget = wide.first + ((wide.most - wide.first) as f64 * share) as usize;
+        let tight = run(&scene, Some(budget), 1, |world| {
+            let used = world.memory().total();
+            assert!(used <= budget, "{used} of {budget} at {share}");
+            for body in world.bodies() {
+                let at = world.centre_of_mass(body).unwrap();
+                // The floor ends 200 m from the middle; who flew off it may fall.
+                assert!(at.y > -0.001 || at.x.abs().max(at.z.abs()) > 199.0, "{at} at {share}");
+            }
+        });
+        println!("{share}: {budget} of {} bytes, {} shed", wide.most, total(&tight));
+        assert!(total(&tight) > 0, "{share}");
+    }
+}
+
+#[cfg(feature = "parallel")]
+#[test]
+fn what_is_shed_does_not_depend_on_threads() {
+    for (scene, share) in [(pile(), 0.1), (pile(), 0.4), (crossfire(), 0.1)] {
+        let wide = run(&scene, Some(1 << 30), 1, |_| {});
+        let budget = Some(wide.first + ((wide.most - wide.first) as f64 * share) as usize);
+        let alone = run(&scene, budget, 1, |_| {});
+        assert!(total(&alone) > 0);
+        for threads in [2, 3] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            assert_eq!(pool.install(|| run(&scene, budget, threads, |_| {})), alone, "{threads} threads");
+        }
+    }
+}
+
+/// What lies on the floor bears what lies on it: support is the last that goes.
+#[test]
+fn a_pile_that_lacks_memory_still_lies_on_its_floor() {
+    let scene = pile();
+    let wide = run(&scene, Some(1 << 30), 1, |_| {});
+    let budget = wide.first + (wide.most - wide.first) / 2;
+    let tight = run(&scene, Some(budget), 1, |world| {
+        for body in world.bodies() {
+            let y = world.centre_of_mass(body).unwrap().y;
+            assert!(y > -1.1, "{y}");
+        }
+    });
+    assert!(total(&tight) > 0);
+}
+
+#[test]
+fn a_budget_below_what_is_there_stops_all_growth_but_no_step() {
+    let (mut world, _) = common::world_of(&pile(), settings(None, 1));
+    common::steps(&mut world, 30, DT);
+    let used = world.memory().total();
+    world.set_settings(settings(Some(used / 2), 1)).unwrap();
+    // What each body can't do without may still be widened, once.
+    world.step(DT).unwrap();
+    let used = world.memory().total();
+    let mut shed = 0;
+    for _ in 0..60 {
+        shed += world.step(DT).unwrap().shed;
+        assert!(world.memory().total() <= used);
+        assert!(common::all_finite(&world));
+    }
+    assert!(shed > 0);
+    assert!(world.memory().category(Category::Manifolds).reserved > 0);
+}
