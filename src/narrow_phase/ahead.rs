@@ -5,7 +5,7 @@
 //! never reaches; and of a mesh only the first obstacle on the path counts.
 
 use super::cast::{Touch, cast_convex, cast_plane, tolerance};
-use super::cast_mesh::cast_mesh;
+use super::cast_mesh::{Asked, Cast, ask_mesh, cast_mesh};
 use super::collide::Input;
 use super::convex::collide_convex;
 use super::found::MeshBlock;
@@ -57,14 +57,24 @@ pub(crate) fn look_beside(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold
     (raw.count > 0 && !pushes(&motion, &raw, fraction)).then_some((raw, fraction))
 }
 
+/// Where a shape in flight first touches a mesh or height field; [`Cast::Near`] if it begins close to it.
+pub(crate) fn fly_mesh(input: &Input<'_>, pair: &Pair) -> Cast {
+    let (a, b, motion) = motion_of(input, pair);
+    let asked = Asked { tolerance: tolerance(a, b), resting: input.real, alone: input.margin };
+    ask_mesh(a, b, &motion, asked)
+}
+
+/// Where a shape first touches a mesh or height field, other than what it rests on: that within `resting` [m] at the
+/// start is left to the kernel there.
+pub(crate) fn look_ahead_mesh(input: &Input<'_>, pair: &Pair, resting: f32) -> Option<Touch> {
+    let (a, b, motion) = motion_of(input, pair);
+    cast_mesh(a, b, &motion, tolerance(a, b), resting)
+}
+
 /// Adds the manifolds of a convex shape at its first touch with a mesh or height field, and at the second, to which
 /// it would slide along what it touched first: a body that hits the ground close to a wall meets both in one step.
-/// Triangles within `resting` [m] at the start are left to the kernel there. Says how many further casts it took.
-pub(crate) fn look_ahead_mesh(input: &Input<'_>, pair: &Pair, resting: f32, out: &mut MeshBlock) -> u32 {
-    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
-    let motion = Motion::new(a, &path(input, pair.a), b, &path(input, pair.b));
-    let tolerance = tolerance(a, b);
-    let Some(touch) = cast_mesh(a, b, &motion, tolerance, resting) else { return 0 };
+pub(crate) fn hit_mesh(input: &Input<'_>, pair: &Pair, touch: Touch, out: &mut MeshBlock) {
+    let (a, b, motion) = motion_of(input, pair);
     let Touch { fraction, normal } = touch;
     out.raw.clear();
     let margin = further(input, pair, &touch);
@@ -72,8 +82,8 @@ pub(crate) fn look_ahead_mesh(input: &Input<'_>, pair: &Pair, resting: f32, out:
     (0..out.raw.len()).for_each(|i| out.add(carry_back(&out.raw[i], &motion, fraction, 0.0), fraction));
 
     let then = motion.after(fraction, normal);
-    let Some(Touch { fraction: further, .. }) = cast_mesh(a, b, &then, tolerance, input.real) else {
-        return 1;
+    let Some(Touch { fraction: further, .. }) = cast_mesh(a, b, &then, tolerance(a, b), input.real) else {
+        return;
     };
     out.raw.clear();
     collide_mesh(a, b, &then.relative(further), (input.margin, input.margin), &mut out.mesh, &mut out.raw);
@@ -82,7 +92,11 @@ pub(crate) fn look_ahead_mesh(input: &Input<'_>, pair: &Pair, resting: f32, out:
         // What touches on the way there touches at the first place too.
         out.add(carry_back(&first, &motion, fraction, 0.0), fraction);
     }
-    1
+}
+
+fn motion_of<'a>(input: &Input<'a>, pair: &Pair) -> (&'a Collider, &'a Collider, Motion) {
+    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
+    (a, b, Motion::new(a, &path(input, pair.a), b, &path(input, pair.b)))
 }
 
 /// The margin at a first touch [m]: what is left of the motion may bring down the rest of a body that touched with a tip.

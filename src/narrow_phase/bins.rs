@@ -1,12 +1,14 @@
 //! Pairs binned by shape pair, and worked through in lanes.
 
 use super::ahead::{
-    halfway, look_ahead, look_ahead_mesh, look_beside, right_way_out, touches_mesh, would_push,
+    fly_mesh, halfway, hit_mesh, look_ahead, look_ahead_mesh, look_beside, right_way_out, touches_mesh,
+    would_push,
 };
 use super::box_box::box_box;
 use super::capsule_box::{capsule_box, tapered_capsule_box};
 use super::capsule_capsule::{capsule_capsule, tapered_capsule_capsule};
 use super::cast::tolerance;
+use super::cast_mesh::Cast;
 use super::collide::{Approach, Input, near};
 use super::contact::{Contact, NONE};
 use super::convex::collide_convex;
@@ -315,29 +317,42 @@ fn finish_mesh(
         }
         return;
     };
-    let (start, mut casts) = (mesh.count(), 0);
-    mesh.raw.clear();
-    // In flight what is found further away than the margin would be dropped.
-    let within = if fast { input.margin } else { margin };
-    collide_mesh(a, b, rel, (margin, within), &mut mesh.mesh, &mut mesh.raw);
-    let nearest = mesh.raw.iter().flat_map(|m| m.points()).fold(f32::INFINITY, |s, p| s.min(p.separation));
-    // What rests on the mesh sinks by what gravity adds in the step, and must not strike the ground that it is on.
-    let resting = if nearest <= input.real { input.margin } else { input.real };
-    if fast {
-        // Manifolds without a near point are guesses; what is really hit comes from the cast.
-        mesh.raw.retain(|m| m.points().iter().any(|p| p.separation <= resting));
-    }
-    // Close, but apart by more than a cast leaves open: planes count only if anything is touched at all.
-    let apart = nearest > tolerance(a, b);
-    if continuous && apart && mesh.raw.iter().any(|m| would_push(input, pair, m)) {
-        casts += 1;
-        if !touches_mesh(input, pair) {
-            mesh.raw.retain(|m| !would_push(input, pair, m));
+    let (start, mut casts, mut nearest) = (mesh.count(), 0, f32::INFINITY);
+    // Without a contact it is likely to be in flight.
+    let flight = if fast && pair.contact == NONE { fly_mesh(input, pair) } else { Cast::Near };
+    let mut ahead = match flight {
+        Cast::First(touch) => Some(touch),
+        _ => None,
+    };
+    if let Cast::Near = flight {
+        mesh.raw.clear();
+        // Of what is fast, manifolds without a near point would be dropped.
+        let within = if fast { input.margin } else { margin };
+        collide_mesh(a, b, rel, (margin, within), &mut mesh.mesh, &mut mesh.raw);
+        nearest = mesh.raw.iter().flat_map(|m| m.points()).fold(f32::INFINITY, |s, p| s.min(p.separation));
+        // What rests on the mesh sinks by what gravity adds in the step, and must not strike the ground that it is on.
+        let resting = if nearest <= input.real { input.margin } else { input.real };
+        if fast {
+            // Manifolds without a near point are guesses; what is really hit comes from the cast.
+            mesh.raw.retain(|m| m.points().iter().any(|p| p.separation <= resting));
+        }
+        // Close, but apart by more than a cast leaves open: planes count only if anything is touched at all.
+        let apart = nearest > tolerance(a, b);
+        if continuous && apart && mesh.raw.iter().any(|m| would_push(input, pair, m)) {
+            casts += 1;
+            if !touches_mesh(input, pair) {
+                mesh.raw.retain(|m| !would_push(input, pair, m));
+            }
+        }
+        (0..mesh.raw.len()).for_each(|i| mesh.add(mesh.raw[i], 0.0));
+        if fast {
+            ahead = look_ahead_mesh(input, pair, resting);
         }
     }
-    (0..mesh.raw.len()).for_each(|i| mesh.add(mesh.raw[i], 0.0));
-    if fast {
-        casts += 1 + look_ahead_mesh(input, pair, resting, mesh);
+    casts += u32::from(fast);
+    if let Some(touch) = ahead {
+        casts += 1;
+        hit_mesh(input, pair, touch, mesh);
     }
     let found = mesh.end(index, start);
     out.count_casts(casts);

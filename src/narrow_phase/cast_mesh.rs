@@ -22,12 +22,32 @@ pub(crate) trait Triangles {
     fn segment_hit(&self, from: Vec3, to: Vec3) -> Option<(f32, u32)>;
 }
 
-/// First touch of a convex shape with a triangle of a mesh or height field, other than those it rests on.
-///
-/// `resting` [m]: what is nearer than this at the start is the business of the kernel at the start, which the caller
-/// runs with at least that margin. So a triangle is passed over if the shape is that close to it at the start, or if
-/// it is that close to the triangle's *plane* and stays so: the floor ahead of a sliding box is the floor that it is
-/// on, and its inner edges stop nothing, but a wall does. Two slops and twice what gravity adds in a step is enough.
+/// What a cast against triangles does beside finding the first touch.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Asked {
+    /// A touch may be so much early [m].
+    pub(crate) tolerance: f32,
+    /// What is nearer than this at the start is the business of the kernel at the start, which the caller runs with at
+    /// least that margin [m]. So a triangle is passed over if the shape is that close to it at the start, or if it is
+    /// that close to the triangle's *plane* and stays so: the floor ahead of a sliding box is the floor that it is on,
+    /// and its inner edges stop nothing, but a wall does. Two slops and twice what gravity adds in a step is enough.
+    pub(crate) resting: f32,
+    /// Give up if a triangle may be nearer than this at the start [m]; negative: never.
+    pub(crate) alone: f32,
+}
+
+/// What a cast found.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Cast {
+    /// A triangle may be near at the start: the kernel there has to look first.
+    Near,
+    /// No triangle is touched.
+    Free,
+    First(Touch),
+}
+
+/// First touch of a convex shape with a triangle of a mesh or height field, other than those it rests on; see
+/// [`Asked`].
 pub(crate) fn cast_mesh(
     a: &Collider,
     mesh: &Collider,
@@ -35,10 +55,18 @@ pub(crate) fn cast_mesh(
     tolerance: f32,
     resting: f32,
 ) -> Option<Touch> {
-    match &mesh.geometry {
-        Geometry::Mesh(mesh) => cast_triangles(a, &**mesh, motion, tolerance, resting),
-        Geometry::HeightField(field) => cast_triangles(a, &**field, motion, tolerance, resting),
+    match ask_mesh(a, mesh, motion, Asked { tolerance, resting, alone: -1.0 }) {
+        Cast::First(touch) => Some(touch),
         _ => None,
+    }
+}
+
+/// The same, unless the shape begins close to the mesh or height field.
+pub(crate) fn ask_mesh(a: &Collider, mesh: &Collider, motion: &Motion, asked: Asked) -> Cast {
+    match &mesh.geometry {
+        Geometry::Mesh(mesh) => cast_triangles(a, &**mesh, motion, asked),
+        Geometry::HeightField(field) => cast_triangles(a, &**field, motion, asked),
+        _ => Cast::Free,
     }
 }
 
@@ -61,24 +89,28 @@ macro_rules! triangles {
 triangles!(TriangleMesh);
 triangles!(HeightField);
 
-/// [`cast_mesh`] over any triangles.
+/// [`ask_mesh`] over any triangles.
 pub(crate) fn cast_triangles<T: Triangles + ?Sized>(
     a: &Collider,
     mesh: &T,
     motion: &Motion,
-    tolerance: f32,
-    resting: f32,
-) -> Option<Touch> {
-    let shape = Support::of(a)?;
+    asked: Asked,
+) -> Cast {
+    let Asked { tolerance, resting, alone } = asked;
+    let Some(shape) = Support::of(a) else { return Cast::Free };
+    let filter = (motion.b.spin == Vec3::ZERO).then_some(());
+    if filter.is_none() && alone >= 0.0 {
+        return Cast::Near;
+    }
     let nothing = Support::triangle([Vec3::ZERO; 3]);
     let mut sweep = Sweep::new(shape, Other::Convex(nothing), motion, tolerance);
     let path = sweep.path_in_b(motion);
     // `f32` rounds the path; the tolerance alone may be less than that in a large mesh.
-    let slack = f64::from(tolerance) + 1e-6 * (path.from.length() + path.to.length());
+    let slack = f64::from(tolerance.max(alone)) + 1e-6 * (path.from.length() + path.to.length());
     let inflate = path.inflate + DVec3::splat(slack);
     let start = sweep.placed(0.0);
     let mut later = None;
-    let filter = (motion.b.spin == Vec3::ZERO).then(|| MeshSweep::new(a, motion, &sweep.spin()));
+    let filter = filter.map(|()| MeshSweep::new(a, motion, &sweep.spin()));
     let mut first: Option<Touch> = None;
     let mut limit = 1.0_f64;
     let mut exact = |index: u32| {
@@ -115,9 +147,17 @@ pub(crate) fn cast_triangles<T: Triangles + ?Sized>(
     // Eight at a time: most can't be touched.
     let mut eight = Eight::default();
     let mut limit = 1.0_f64;
+    let mut near = false;
     let mut look = |eight: &mut Eight, limit: &mut f64| {
         let (mut lanes, earliest) = match &filter {
-            Some(filter) => filter.in_reach(eight, tolerance, resting),
+            Some(filter) => {
+                let reached = filter.in_reach(eight, &asked);
+                if reached.near {
+                    (near, *limit) = (true, -1.0);
+                    return;
+                }
+                (reached.lanes, reached.earliest)
+            }
             None => (eight.lanes(), [0.0; 8]),
         };
         while lanes != 0 {
@@ -137,14 +177,20 @@ pub(crate) fn cast_triangles<T: Triangles + ?Sized>(
     };
     let mut visit = |index: u32, _entry: f32| -> f32 {
         eight.push(index, mesh.triangle(index));
-        if eight.is_full() {
+        if eight.is_full() && limit >= 0.0 {
             look(&mut eight, &mut limit);
         }
         limit as f32
     };
     mesh.visit_segment(path.from.as_vec3(), path.to.as_vec3(), inflate.as_vec3(), &mut visit);
-    look(&mut eight, &mut limit);
-    first
+    if limit >= 0.0 {
+        look(&mut eight, &mut limit);
+    }
+    match first {
+        _ if near => Cast::Near,
+        Some(touch) => Cast::First(touch),
+        None => Cast::Free,
+    }
 }
 
 #[cfg(test)]
@@ -188,6 +234,13 @@ mod tests {
         }
     }
 
+    fn cast(a: &Collider, soup: &Soup, motion: &Motion, tolerance: f32, resting: f32) -> Option<Touch> {
+        match cast_triangles(a, soup, motion, Asked { tolerance, resting, alone: -1.0 }) {
+            Cast::First(touch) => Some(touch),
+            _ => None,
+        }
+    }
+
     fn quad(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> [[Vec3; 3]; 2] {
         [[a, b, c], [a, c, d]]
     }
@@ -224,14 +277,14 @@ mod tests {
                 let mut pa = path(Vec3::new(-6.3, 0.5 + height, 0.2), Vec3::new(15.0, -0.0027, 0.3));
                 pa.spin = Vec3::Y * spin;
                 let motion = Motion::new(&cube, &pa, &mesh(), &path(Vec3::ZERO, Vec3::ZERO));
-                let touch = cast_triangles(&cube, &soup, &motion, 1e-4, 0.006).unwrap();
+                let touch = cast(&cube, &soup, &motion, 1e-4, 0.006).unwrap();
                 assert!((touch.normal - Vec3::X).length() < 0.05, "{height} {touch:?}");
                 if spin == 0.0 {
                     assert!((touch.fraction - 10.8 / 15.0).abs() < 2e-5, "{height} {touch:?}");
                 }
                 pa.displacement = Vec3::new(9.0, -0.0027, 0.3);
                 let motion = Motion::new(&cube, &pa, &mesh(), &path(Vec3::ZERO, Vec3::ZERO));
-                assert!(cast_triangles(&cube, &soup, &motion, 1e-4, 0.006).is_none(), "{height}");
+                assert!(cast(&cube, &soup, &motion, 1e-4, 0.006).is_none(), "{height}");
             }
         }
     }
@@ -257,7 +310,7 @@ mod tests {
             pa.spin = random.cube() * [0.0, 2.0][i % 2];
             let b = path(Vec3::ZERO, Vec3::ZERO);
             let motion = Motion::new(&a, &pa, &mesh, &b);
-            let expected = cast_triangles(&a, &soup, &motion, 1e-4, 0.01).map(|t| t.fraction);
+            let expected = cast(&a, &soup, &motion, 1e-4, 0.01).map(|t| t.fraction);
             for other in [&mesh, &field] {
                 assert_eq!(cast_mesh(&a, other, &motion, 1e-4, 0.01).map(|t| t.fraction), expected);
             }
@@ -271,7 +324,7 @@ mod tests {
         let cube = collider(Geometry::cuboid(0.5, 0.5, 0.5));
         let pa = path(Vec3::new(-3.0, 3.0, 0.2), Vec3::new(2.0, -10.0, 0.0));
         let motion = Motion::new(&cube, &pa, &mesh(), &path(Vec3::ZERO, Vec3::ZERO));
-        let touch = cast_triangles(&cube, &floor_and_wall(), &motion, 1e-4, 0.006).unwrap();
+        let touch = cast(&cube, &floor_and_wall(), &motion, 1e-4, 0.006).unwrap();
         assert!(
             (touch.fraction - 0.25).abs() < 2e-5 && (touch.normal + Vec3::Y).length() < 1e-3,
             "{touch:?}"
@@ -307,7 +360,7 @@ mod tests {
             let b = mesh();
             let motion = Motion::new(&a, &pa, &b, &pb);
             let eps = tolerance(&a, &b);
-            let found = cast_triangles(&a, &soup, &motion, eps, 0.0);
+            let found = cast(&a, &soup, &motion, eps, 0.0);
             // A triangle with no thickness as a hull can't be; so each by itself, without the walk and its shortcuts.
             let expected = soup
                 .0

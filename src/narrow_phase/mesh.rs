@@ -328,7 +328,7 @@ fn points_each(a: &Collider) -> usize {
 }
 
 /// Middle and half extents of the box around a shape in its own frame, and the shape's centre.
-fn bounds(a: &Collider) -> Option<(Vec3, Vec3, Vec3)> {
+pub(super) fn bounds(a: &Collider) -> Option<(Vec3, Vec3, Vec3)> {
     let around = |half: Vec3| Some((Vec3::ZERO, half, Vec3::ZERO));
     match &a.geometry {
         Geometry::Sphere { radius } => around(Vec3::splat(*radius)),

@@ -6,7 +6,8 @@
 //! and at the end, bound all in between.
 
 use super::cast::Spin;
-use super::mesh::{Eight, Triangles};
+use super::cast_mesh::Asked;
+use super::mesh::{Eight, Triangles, bounds};
 use super::mesh_sphere::nearest;
 use super::motion::{Motion, turn};
 use super::polytope::Pose;
@@ -65,6 +66,8 @@ pub(super) fn reach(shape: &Collider, d: LaneVec3<f32x8>) -> f32x8 {
 /// A shape's motion against a mesh that doesn't turn, in the shape's frame at the start of the step.
 pub(super) struct MeshSweep<'a> {
     shape: &'a Collider,
+    /// Middle and half extents of the box around the shape.
+    around: (Vec3, Vec3),
     /// Of the mesh, at the start.
     pose: Pose,
     middle: Moment,
@@ -76,6 +79,16 @@ pub(super) struct MeshSweep<'a> {
     bend: f32,
     /// Allowed for rounding [m].
     slack: f32,
+}
+
+/// Which of eight triangles may be touched.
+pub(super) struct Reached {
+    /// A bit for each that has to be looked at.
+    pub(super) lanes: u32,
+    /// The earliest fraction of the step at which they may be.
+    pub(super) earliest: [f32; 8],
+    /// One of them may be close at the start already.
+    pub(super) near: bool,
 }
 
 /// Where the shape is.
@@ -98,6 +111,7 @@ impl<'a> MeshSweep<'a> {
         };
         MeshSweep {
             shape,
+            around: bounds(shape).map_or((Vec3::ZERO, Vec3::splat(shape.radius)), |b| (b.0, b.1)),
             pose: Pose::new(rel.position, rel.rotation),
             middle: moment(0.5),
             end: moment(1.0),
@@ -107,15 +121,21 @@ impl<'a> MeshSweep<'a> {
         }
     }
 
-    /// A bit for each triangle that has to be looked at, and for those the earliest fraction of the step at which it
-    /// may be touched. What comes no nearer than `tolerance` [m] is left out, and so is what the shape rests on: it is
-    /// within `resting` [m] of the triangle's plane, and stays so.
+    /// What of eight triangles comes into reach. What comes no nearer than the tolerance is left out, and so is what the
+    /// shape rests on: it is within `resting` of the triangle's plane, and stays so.
     #[inline(always)]
-    pub(super) fn in_reach(&self, eight: &Eight, tolerance: f32, resting: f32) -> (u32, [f32; 8]) {
+    pub(super) fn in_reach(&self, eight: &Eight, asked: &Asked) -> Reached {
+        let &Asked { tolerance, resting, alone } = asked;
         let triangles = Triangles::new(eight, &self.pose, Vec3::ZERO);
         let down = -triangles.front;
         let (start, limit) = (triangles.height - reach(self.shape, down), self.limit(down, tolerance));
         let end = self.gap(triangles.height, down, &self.end);
+        let alone = f32x8::splat(alone);
+        let mut close = start.le(alone);
+        if close.bits() & triangles.valid != 0 {
+            let (_, axis, _) = triangles.separate(self.around.0, self.around.1);
+            close = close & axis.le(alone);
+        }
         let least = Lanes::min(start, end);
         let mut away = least.gt(limit);
         let resting = f32x8::splat(resting);
@@ -131,7 +151,7 @@ impl<'a> MeshSweep<'a> {
         let exact = triangles.valid & !away.bits();
         // Triangles of no area have no plane.
         let flat = !triangles.valid & eight.lanes();
-        (exact | flat, first.to_array())
+        Reached { lanes: exact | flat, earliest: first.to_array(), near: close.bits() & triangles.valid != 0 }
     }
 
     /// Beside a triangle its plane may well be crossed: looks for another direction along which the gap lasts. The
@@ -270,7 +290,8 @@ mod tests {
                 exact.push((sweep.first_touch(1.0), sweep.spin()));
             }
             let sweep = MeshSweep::new(&a, &motion, &exact[0].1);
-            let (lanes, earliest) = sweep.in_reach(&eight, eps, 0.0);
+            let Reached { lanes, earliest, .. } =
+                sweep.in_reach(&eight, &Asked { tolerance: eps, resting: 0.0, alone: -1.0 });
             for (k, (touch, _)) in exact.iter().enumerate() {
                 all += 1;
                 left_out += 1 - (lanes >> k & 1);
