@@ -1,0 +1,277 @@
+//! The direction along which a cylinder and another convex shape are furthest apart or, if they overlap, least deep in
+//! each other.
+//!
+//! Apart, it is that between the nearest points, which GJK finds on the exact shapes. An overlap is taken back first: `b`
+//! is moved along the best direction known until the two are a little apart. The nearest points then show a direction
+//! that beats the known one, if there is one, and the next round begins with it. Let the known depth be d, the gap that
+//! was opened e, and θ the angle between the known direction and a better one of depth d': the move opens
+//! (d + e) cos θ - d' along that, which is more than e unless d' > d cos θ - e (1 - cos θ). So each round is less deep, and
+//! a round that finds nothing ends within a factor of cos θ of whatever is shallower at the angle θ: nothing near, and
+//! what is far is among the candidates that the search starts from.
+
+use super::frustum::{Disc, Frustum};
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
+use crate::narrow_phase::gjk::gap_from;
+use crate::narrow_phase::polytope::{Polytope, Pose, Solid};
+use crate::narrow_phase::support::{Pose as ExactPose, Support};
+use glam::{DMat3, Vec3};
+
+/// Rounds of taking back an overlap.
+const ROUNDS: usize = 6;
+
+/// A cylinder, or what has flat faces.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Body<'a> {
+    Round(Frustum),
+    Flat(Polytope<'a>),
+}
+
+impl<'a> Body<'a> {
+    pub(super) fn of(round: Option<Frustum>, solid: &'a Option<Solid>) -> Option<Body<'a>> {
+        match (round, solid) {
+            (Some(f), _) => Some(Body::Round(f)),
+            (None, Some(solid)) => Some(Body::Flat(solid.view())),
+            _ => None,
+        }
+    }
+
+    /// The furthest along `d` [m], for `d` of unit length.
+    fn extent(&self, d: Vec3) -> f32 {
+        match self {
+            Body::Round(f) => f.extent(d),
+            Body::Flat(p) => extent(p, d),
+        }
+    }
+    fn centre(&self) -> Vec3 {
+        match self {
+            Body::Round(_) => Vec3::ZERO,
+            Body::Flat(p) => (p.min + p.max) * 0.5,
+        }
+    }
+}
+
+/// The furthest of a polytope along `d`, eight vertices at a time.
+fn extent(p: &Polytope, d: Vec3) -> f32 {
+    let d = LaneVec3::<f32x8>::splat(d);
+    let mut most = f32x8::splat(f32::MIN);
+    for [x, y, z] in p.vertex_chunks {
+        let along = LaneVec3::new(f32x8::new(*x), f32x8::new(*y), f32x8::new(*z)).dot(d);
+        most = Lanes::max(along, most);
+    }
+    most.to_array().into_iter().fold(f32::MIN, f32::max)
+}
+
+/// A flat face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum FlatFace {
+    Cap { up: bool },
+    Polygon(usize),
+}
+
+/// A direction from a to b, in a's frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Way {
+    pub(super) normal: Vec3,
+    /// Of the shapes along it, negative in overlap [m].
+    pub(super) separation: f32,
+    /// The face that it is the normal of, and whether it is b's.
+    pub(super) face: Option<(FlatFace, bool)>,
+}
+
+const NONE: Way = Way { normal: Vec3::Y, separation: f32::MIN, face: None };
+
+/// What is tried at once.
+pub(super) struct Candidates {
+    /// The best flat face.
+    pub(super) flat: Way,
+    pub(super) best: Way,
+    /// The best of each kind.
+    all: [Way; 5],
+}
+
+impl Candidates {
+    /// `None`: it separates by more than the margin.
+    fn add(&mut self, both: &Both, way: Way, kind: usize, margin: f32) -> Option<()> {
+        if !both.allowed(&way) {
+            return Some(());
+        }
+        if way.separation > self.all[kind].separation {
+            self.all[kind] = way;
+        }
+        if way.face.is_some() && way.separation > self.flat.separation {
+            self.flat = way;
+        }
+        if way.separation > self.best.separation {
+            self.best = way;
+        }
+        (way.separation <= margin).then_some(())
+    }
+}
+
+/// Two shapes of which at least one is round, `b` at `pose` in the frame of `a`.
+pub(super) struct Both<'a> {
+    pub(super) bodies: [Body<'a>; 2],
+    pub(super) pose: Pose,
+    pub(super) back: Pose,
+    /// Directions along it are no way out of an overlap; in a's frame, zero if all are.
+    pub(super) against: Vec3,
+}
+
+impl Both<'_> {
+    /// Distance of the two along `n` (unit, a's frame).
+    pub(super) fn separation(&self, n: Vec3) -> f32 {
+        let [a, b] = &self.bodies;
+        n.dot(self.pose.position) - b.extent(self.pose.back(-n)) - a.extent(n)
+    }
+
+    pub(super) fn pose_of(&self, on_b: bool) -> &Pose {
+        if on_b { &self.pose } else { &Pose::IDENTITY }
+    }
+
+    fn allowed(&self, way: &Way) -> bool {
+        way.separation >= 0.0 || way.normal.dot(self.against) <= 1e-3
+    }
+
+    /// The axes that are tried at once: the best face or cap of either, for each side the way to the middle of the other
+    /// shape, and what is across two axes. `None`: one separates by more than the margin.
+    pub(super) fn candidates(&self, margin: f32) -> Option<Candidates> {
+        let mut found = Candidates { flat: NONE, best: NONE, all: [NONE; 5] };
+        for on_b in [false, true] {
+            let sign = if on_b { -1.0 } else { 1.0 };
+            let pose = self.pose_of(on_b);
+            // The middle of the other in the frame of this one.
+            let other = &self.bodies[usize::from(!on_b)];
+            let middle = if on_b { self.back.point(other.centre()) } else { self.pose.point(other.centre()) };
+            let along = |local: Vec3, face: Option<FlatFace>| {
+                let normal = pose.direction(local) * sign;
+                Way { normal, separation: self.separation(normal), face: face.map(|face| (face, on_b)) }
+            };
+            let slot = usize::from(on_b);
+            match &self.bodies[slot] {
+                Body::Round(f) => {
+                    for up in [middle.y > 0.0, middle.y <= 0.0] {
+                        let radius = if up { f.top } else { f.bottom };
+                        let local = if up { Vec3::Y } else { Vec3::NEG_Y };
+                        let face = (radius > 0.0).then_some(FlatFace::Cap { up });
+                        found.add(self, along(local, face), slot, margin)?;
+                    }
+                    found.add(self, along(f.side_normal(middle), None), 2 + slot, margin)?;
+                }
+                Body::Flat(p) => {
+                    let Body::Round(f) = other else { continue };
+                    let (separation, face) =
+                        face_axis(p, f, if on_b { &self.back } else { &self.pose }, margin);
+                    let normal = pose.direction(p.planes[face].0) * sign;
+                    let way = Way { normal, separation, face: Some((FlatFace::Polygon(face), on_b)) };
+                    found.add(self, way, slot, margin)?;
+                }
+            }
+        }
+        if let [Body::Round(_), Body::Round(_)] = self.bodies {
+            let cross = Vec3::Y.cross(self.pose.axes.y_axis);
+            if cross.length_squared() > 1e-4 {
+                let normal = cross.normalize() * cross.dot(self.pose.position).signum();
+                let way = Way { normal, separation: self.separation(normal), face: None };
+                found.add(self, way, 4, margin)?;
+            }
+        }
+        Some(found)
+    }
+
+    /// The best way of all, and points of both shapes that are that far apart along it.
+    pub(super) fn best(
+        &self,
+        supports: (&Support, &Support),
+        from: &Candidates,
+        size: f32,
+    ) -> (Way, [Vec3; 2]) {
+        let mut best = self.refine(supports, from.best, size);
+        // Deep in each other there may be a way that is better, but far from the one that seemed best.
+        if best.0.separation < -0.01 * size {
+            for way in
+                from.all.iter().filter(|way| way.separation > f32::MIN && way.normal != from.best.normal)
+            {
+                let next = self.refine(supports, *way, size);
+                if next.0.separation > best.0.separation {
+                    best = next;
+                }
+            }
+        }
+        best
+    }
+
+    /// The best way near `from` or better than it, and points of both shapes that are that far apart along it.
+    ///
+    /// `size`: a length of the smaller shape [m].
+    fn refine(&self, (a, b): (&Support, &Support), from: Way, size: f32) -> (Way, [Vec3; 2]) {
+        let rotation = DMat3::from_cols(
+            self.pose.axes.x_axis.as_dvec3(),
+            self.pose.axes.y_axis.as_dvec3(),
+            self.pose.axes.z_axis.as_dvec3(),
+        );
+        let accuracy = 1e-6 * size;
+        let mut best = from;
+        let mut points = [Vec3::ZERO; 2];
+        for _ in 0..ROUNDS {
+            // Nearest points that coincide have no direction.
+            let open = if best.separation > 1e-3 * size { 0.0 } else { 5e-3 * size - best.separation };
+            let shift = best.normal * open;
+            let pose = ExactPose { rotation, position: (self.pose.position + shift).as_dvec3() };
+            let gap = gap_from(a, b, &pose, best.normal.as_dvec3().normalize(), f64::from(accuracy));
+            if gap.overlap {
+                break;
+            }
+            let normal = gap.normal.as_vec3();
+            let found = Way { normal, separation: self.separation(normal), face: None };
+            let gain = found.separation - best.separation;
+            if !self.allowed(&found) {
+                break;
+            }
+            points = [gap.point_a.as_vec3(), gap.point_b.as_vec3() - shift];
+            if gain <= 0.0 {
+                break;
+            }
+            best = found;
+            // Apart from the start: there was nothing to take back.
+            if open == 0.0 || gain <= accuracy {
+                break;
+            }
+        }
+        (best, points)
+    }
+}
+
+/// The face of `p` beyond which all of `f` is furthest, in the frame of `p`. Ends at the first that separates by more
+/// than the margin.
+fn face_axis(p: &Polytope, f: &Frustum, f_in_p: &Pose, margin: f32) -> (f32, usize) {
+    let axes = &f_in_p.axes;
+    let [ax, ay, az] = [axes.x_axis, axes.y_axis, axes.z_axis].map(LaneVec3::<f32x8>::splat);
+    let centre = LaneVec3::splat(f_in_p.position);
+    let [half, bottom, top] = [f.half_height, f.bottom, f.top].map(f32x8::splat);
+    let mut best = (f32::MIN, 0);
+    for (k, [nx, ny, nz, offset]) in p.normal_chunks.iter().enumerate() {
+        let n = LaneVec3::new(f32x8::new(*nx), f32x8::new(*ny), f32x8::new(*nz));
+        let (x, y, z) = (ax.dot(n), ay.dot(n), az.dot(n));
+        let flat = (x * x + z * z).sqrt();
+        let reach = Lanes::max(flat * bottom + half * y, flat * top - half * y);
+        let separation = n.dot(centre) - f32x8::new(*offset) - reach;
+        if separation.gt(f32x8::splat(best.0)).any() {
+            for (i, &s) in separation.to_array().iter().enumerate() {
+                if s > best.0 {
+                    best = (s, 8 * k + i);
+                }
+            }
+            if best.0 > margin {
+                break;
+            }
+        }
+    }
+    best
+}
+
+impl Disc {
+    /// Its plane: normal and offset.
+    pub(super) fn plane(&self) -> (Vec3, f32) {
+        (self.axis, self.axis.dot(self.centre))
+    }
+}
