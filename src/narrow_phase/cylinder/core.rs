@@ -2,6 +2,7 @@
 
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "a NaN must go the way of a zero")]
 
+use super::ASIDE;
 use super::frustum::Frustum;
 use crate::narrow_phase::manifold::{RawManifold, RawPoint};
 use crate::narrow_phase::polytope::Pose;
@@ -63,9 +64,9 @@ impl Frustum {
         }
         let level = 1e-6 * core.along.length();
         let mut last = 0.0f32;
-        for i in 0..24 {
+        for i in 0..48 {
             // Across a kink the false position may creep.
-            let s = if i % 4 == 3 {
+            let s = if i % 3 == 2 {
                 0.5 * (low.0 + high.0)
             } else {
                 (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1)
@@ -132,7 +133,7 @@ impl Frustum {
             return None;
         }
         // Along the way out, how high a ball's centre is over the cap or the line.
-        let (low, high, heights) = if out.y.abs() > 0.999 {
+        let (low, high, heights, aside) = if out.y.abs() > 0.999 {
             // Over the cap: a disc.
             let (y, r) =
                 if out.y > 0.0 { (self.half_height, self.top) } else { (-self.half_height, self.bottom) };
@@ -142,12 +143,13 @@ impl Frustum {
                 return None;
             }
             let heights = [0.0, 1.0].map(|s| (core.at(s).y - y) / out.y);
-            ((-b - root.sqrt()) / a, (-b + root.sqrt()) / a, heights)
+            ((-b - root.sqrt()) / a, (-b + root.sqrt()) / a, heights, 0.0)
         } else {
             let u = Frustum::outward(core.at(s));
             let [bottom, top] = self.line(u, &Pose::IDENTITY);
             let line = top - bottom;
-            if touch.cross(line).length_squared() > 0.01 * length * length * line.length_squared() {
+            let aside = touch.cross(line).length() / line.length();
+            if aside > 0.1 * length {
                 return None;
             }
             // As seen along the way out.
@@ -157,9 +159,15 @@ impl Frustum {
                 let over = core.at(s) - bottom;
                 out.dot(over - line * (seen.dot(over) / seen.dot(line)))
             });
-            (ends[0].min(ends[1]), ends[0].max(ends[1]), heights)
+            (ends[0].min(ends[1]), ends[0].max(ends[1]), heights, aside)
         };
         let (low, high) = (low.max(0.0), high.min(1.0));
-        (high - low > 1e-3).then_some((low, high, move |s: f32| heights[0] + (heights[1] - heights[0]) * s))
+        // Of two lines that cross the ends are beside each other.
+        let aside = (high - low) * aside;
+        (high - low > 1e-3 && aside <= ASIDE * self.bottom.max(self.top)).then_some((
+            low,
+            high,
+            move |s: f32| heights[0] + (heights[1] - heights[0]) * s,
+        ))
     }
 }

@@ -29,6 +29,10 @@ pub(super) use self::frustum::Frustum;
 /// a millimetre on a metre for a manifold that lasts. Also what counts as inside a face.
 const TOLERANCE: f32 = 5e-4;
 
+/// Two lines touch in two points as long as their ends are beside each other by no more than this share of the size:
+/// there a round side falls away by its square.
+const ASIDE: f32 = 0.03;
+
 /// What a cylinder meets.
 pub(super) enum Other<'a> {
     Shape(&'a Collider),
@@ -197,7 +201,9 @@ impl<'a> Contact<'a> {
             }
         };
         let (one, other) = (furthest(false), furthest(true));
-        if [&one, &other].iter().all(|s| s.index[0] != s.index[1]) {
+        let [d, e] = [&one, &other].map(|s| s.ends[1] - s.ends[0]);
+        let longer = d.length().max(e.length());
+        if longer > 0.0 && d.cross(e).length() <= ASIDE * self.size * longer && d.dot(e) != 0.0 {
             clip_edges(&one, &other, n, self.margin, cloud);
         }
     }

@@ -108,3 +108,13 @@ fn contacts_agree_with_a_search_over_directions() {
     }
     assert_eq!(failed, 0);
 }
+
+#[test]
+#[ignore = "long"]
+fn dbg_many() {
+    for (i, other) in KINDS.into_iter().enumerate() {
+        let (a, b) = (Kind::Cylinder.min(other), Kind::Cylinder.max(other));
+        let (worst, bad) = sweep(a, b, 100 + i as u64, 1500, 1e-3);
+        println!("{a:?} {b:?}: {bad} {worst:?}");
+    }
+}

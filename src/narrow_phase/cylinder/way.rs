@@ -16,6 +16,8 @@ use crate::narrow_phase::polytope::{Polytope, Pose, Solid};
 use crate::narrow_phase::support::{Pose as ExactPose, Support};
 use glam::{DMat3, Vec3};
 
+/// The gap that is opened then, as a share of the size.
+const GAP: f32 = 2e-4;
 /// Rounds of taking back an overlap.
 const ROUNDS: usize = 6;
 
@@ -187,7 +189,7 @@ impl Both<'_> {
     ) -> (Way, [Vec3; 2]) {
         let mut best = self.refine(supports, from.best, size);
         // Deep in each other there may be a way that is better, but far from the one that seemed best.
-        if best.0.separation < -0.01 * size {
+        if best.0.separation < -2e-3 * size {
             for way in
                 from.all.iter().filter(|way| way.separation > f32::MIN && way.normal != from.best.normal)
             {
@@ -214,7 +216,7 @@ impl Both<'_> {
         let mut points = [Vec3::ZERO; 2];
         for _ in 0..ROUNDS {
             // Nearest points that coincide have no direction.
-            let open = if best.separation > 1e-3 * size { 0.0 } else { 5e-3 * size - best.separation };
+            let open = if best.separation > GAP * size { 0.0 } else { GAP * size - best.separation };
             let shift = best.normal * open;
             let pose = ExactPose { rotation, position: (self.pose.position + shift).as_dvec3() };
             let gap = gap_from(a, b, &pose, best.normal.as_dvec3().normalize(), f64::from(accuracy));
