@@ -9,27 +9,15 @@ use crate::narrow_phase::clip::{Cloud, Loop, key};
 use crate::narrow_phase::manifold::RawPoint;
 use glam::{Vec2, Vec3};
 
-/// Directions of the points of a rim: those at even places stand for a rim that is in contact all around.
-const RIM: [Vec2; 8] = {
-    const S: f32 = std::f32::consts::FRAC_1_SQRT_2;
-    [
-        Vec2::new(1.0, 0.0),
-        Vec2::new(S, S),
-        Vec2::new(0.0, 1.0),
-        Vec2::new(-S, S),
-        Vec2::new(-1.0, 0.0),
-        Vec2::new(-S, -S),
-        Vec2::new(0.0, -1.0),
-        Vec2::new(S, -S),
-    ]
-};
+/// Directions of the points of a rim.
+const RIM: [Vec2; 4] = [Vec2::X, Vec2::Y, Vec2::NEG_X, Vec2::NEG_Y];
 
 /// Kinds of points, as parts of a key.
 const ON_RIM: u32 = 0;
 const CROSSING: u32 = 1;
 const CORNER: u32 = 2;
 /// In place of a direction of [`RIM`].
-const DEEPEST: usize = 8;
+const DEEPEST: usize = 4;
 
 /// A cap and the plane of what it meets, looked at along the normal of contact.
 pub(super) struct Face<'a> {
@@ -94,7 +82,7 @@ impl<'a> Face<'a> {
     /// The points of the rim that are `inside` the other face. `whole`: all of it is.
     fn rim(&self, whole: bool, tolerance: f32, inside: impl Fn(Vec2) -> bool, cloud: &mut Cloud) {
         let of = usize::from(self.sign < 0.0);
-        for (i, direction) in RIM.iter().enumerate().step_by(if whole { 2 } else { 1 }) {
+        for (i, direction) in RIM.iter().enumerate() {
             let p = *direction * self.disc.radius;
             if whole || inside(p) {
                 self.push(p, key(ON_RIM, i, of), cloud);

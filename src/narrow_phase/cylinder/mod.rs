@@ -8,6 +8,7 @@
 mod core;
 mod disc;
 mod frustum;
+mod sample;
 #[cfg(test)]
 mod tests;
 mod way;
@@ -83,7 +84,7 @@ impl<'a> Contact<'a> {
             }
         }
         let Some((a, b)) = supports() else { return none };
-        let (best, points) = self.both.best((&a, &b), &found, self.size);
+        let (best, points) = self.both.best((&a, &b), found.best, self.size);
         if best.separation > self.margin {
             return none;
         }

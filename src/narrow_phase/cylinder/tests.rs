@@ -114,7 +114,7 @@ fn contacts_agree_with_a_search_over_directions() {
 fn dbg_many() {
     for (i, other) in KINDS.into_iter().enumerate() {
         let (a, b) = (Kind::Cylinder.min(other), Kind::Cylinder.max(other));
-        let (worst, bad) = sweep(a, b, 100 + i as u64, 1500, 1e-3);
+        let (worst, bad) = sweep(a, b, 100 + i as u64, 300, 1e-3);
         println!("{a:?} {b:?}: {bad} {worst:?}");
     }
 }

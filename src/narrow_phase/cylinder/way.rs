@@ -10,6 +10,7 @@
 //! what is far is among the candidates that the search starts from.
 
 use super::frustum::{Disc, Frustum};
+use super::sample::best_of_many;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::gjk::gap_from;
 use crate::narrow_phase::polytope::{Polytope, Pose, Solid};
@@ -18,6 +19,8 @@ use glam::{DMat3, Vec3};
 
 /// The gap that is opened then, as a share of the size.
 const GAP: f32 = 2e-4;
+/// From what overlap on the way out may be far from the faces and axes that are tried, as a share of the size.
+const DEEP: f32 = 2e-3;
 /// Rounds of taking back an overlap.
 const ROUNDS: usize = 6;
 
@@ -87,18 +90,13 @@ pub(super) struct Candidates {
     /// The best flat face.
     pub(super) flat: Way,
     pub(super) best: Way,
-    /// The best of each kind.
-    all: [Way; 5],
 }
 
 impl Candidates {
     /// `None`: it separates by more than the margin.
-    fn add(&mut self, both: &Both, way: Way, kind: usize, margin: f32) -> Option<()> {
+    fn add(&mut self, both: &Both, way: Way, margin: f32) -> Option<()> {
         if !both.allowed(&way) {
             return Some(());
-        }
-        if way.separation > self.all[kind].separation {
-            self.all[kind] = way;
         }
         if way.face.is_some() && way.separation > self.flat.separation {
             self.flat = way;
@@ -137,7 +135,7 @@ impl Both<'_> {
     /// The axes that are tried at once: the best face or cap of either, for each side the way to the middle of the other
     /// shape, and what is across two axes. `None`: one separates by more than the margin.
     pub(super) fn candidates(&self, margin: f32) -> Option<Candidates> {
-        let mut found = Candidates { flat: NONE, best: NONE, all: [NONE; 5] };
+        let mut found = Candidates { flat: NONE, best: NONE };
         for on_b in [false, true] {
             let sign = if on_b { -1.0 } else { 1.0 };
             let pose = self.pose_of(on_b);
@@ -148,16 +146,15 @@ impl Both<'_> {
                 let normal = pose.direction(local) * sign;
                 Way { normal, separation: self.separation(normal), face: face.map(|face| (face, on_b)) }
             };
-            let slot = usize::from(on_b);
-            match &self.bodies[slot] {
+            match &self.bodies[usize::from(on_b)] {
                 Body::Round(f) => {
                     for up in [middle.y > 0.0, middle.y <= 0.0] {
                         let radius = if up { f.top } else { f.bottom };
                         let local = if up { Vec3::Y } else { Vec3::NEG_Y };
                         let face = (radius > 0.0).then_some(FlatFace::Cap { up });
-                        found.add(self, along(local, face), slot, margin)?;
+                        found.add(self, along(local, face), margin)?;
                     }
-                    found.add(self, along(f.side_normal(middle), None), 2 + slot, margin)?;
+                    found.add(self, along(f.side_normal(middle), None), margin)?;
                 }
                 Body::Flat(p) => {
                     let Body::Round(f) = other else { continue };
@@ -165,7 +162,7 @@ impl Both<'_> {
                         face_axis(p, f, if on_b { &self.back } else { &self.pose }, margin);
                     let normal = pose.direction(p.planes[face].0) * sign;
                     let way = Way { normal, separation, face: Some((FlatFace::Polygon(face), on_b)) };
-                    found.add(self, way, slot, margin)?;
+                    found.add(self, way, margin)?;
                 }
             }
         }
@@ -174,44 +171,29 @@ impl Both<'_> {
             if cross.length_squared() > 1e-4 {
                 let normal = cross.normalize() * cross.dot(self.pose.position).signum();
                 let way = Way { normal, separation: self.separation(normal), face: None };
-                found.add(self, way, 4, margin)?;
+                found.add(self, way, margin)?;
             }
         }
         Some(found)
     }
 
-    /// The best way of all, and points of both shapes that are that far apart along it.
-    pub(super) fn best(
-        &self,
-        supports: (&Support, &Support),
-        from: &Candidates,
-        size: f32,
-    ) -> (Way, [Vec3; 2]) {
-        let mut best = self.refine(supports, from.best, size);
-        // Deep in each other there may be a way that is better, but far from the one that seemed best.
-        if best.0.separation < -2e-3 * size {
-            for way in
-                from.all.iter().filter(|way| way.separation > f32::MIN && way.normal != from.best.normal)
-            {
-                let next = self.refine(supports, *way, size);
-                if next.0.separation > best.0.separation {
-                    best = next;
-                }
-            }
-        }
-        best
-    }
-
-    /// The best way near `from` or better than it, and points of both shapes that are that far apart along it.
+    /// The best way of all, from the best that is known, and points of both shapes that are that far apart along it.
     ///
     /// `size`: a length of the smaller shape [m].
+    pub(super) fn best(&self, supports: (&Support, &Support), from: Way, size: f32) -> (Way, [Vec3; 2]) {
+        let first = self.refine(supports, from, size);
+        if first.0.separation >= -DEEP * size {
+            return first;
+        }
+        let (normal, separation) = best_of_many(self, first.0.normal);
+        let second = self.refine(supports, Way { normal, separation, face: None }, size);
+        if second.0.separation > first.0.separation { second } else { first }
+    }
+
     fn refine(&self, (a, b): (&Support, &Support), from: Way, size: f32) -> (Way, [Vec3; 2]) {
-        let rotation = DMat3::from_cols(
-            self.pose.axes.x_axis.as_dvec3(),
-            self.pose.axes.y_axis.as_dvec3(),
-            self.pose.axes.z_axis.as_dvec3(),
-        );
-        let accuracy = 1e-6 * size;
+        let axes = [self.pose.axes.x_axis, self.pose.axes.y_axis, self.pose.axes.z_axis];
+        let [x, y, z] = axes.map(Vec3::as_dvec3);
+        let rotation = DMat3::from_cols(x, y, z);
         let mut best = from;
         let mut points = [Vec3::ZERO; 2];
         for _ in 0..ROUNDS {
@@ -219,6 +201,7 @@ impl Both<'_> {
             let open = if best.separation > GAP * size { 0.0 } else { GAP * size - best.separation };
             let shift = best.normal * open;
             let pose = ExactPose { rotation, position: (self.pose.position + shift).as_dvec3() };
+            let accuracy = if open == 0.0 { 1e-6 * size } else { 1e-5 * size + 1e-3 * open };
             let gap = gap_from(a, b, &pose, best.normal.as_dvec3().normalize(), f64::from(accuracy));
             if gap.overlap {
                 break;
@@ -234,8 +217,10 @@ impl Both<'_> {
                 break;
             }
             best = found;
-            // Apart from the start: there was nothing to take back.
-            if open == 0.0 || gain <= accuracy {
+            // What the next round gains is to this gain about as the depth is to the size.
+            let depth = -best.separation;
+            let settled = depth > GAP * size && gain * depth <= 1e-5 * size * size;
+            if open == 0.0 || gain <= 1e-5 * size || settled {
                 break;
             }
         }
