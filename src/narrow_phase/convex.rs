@@ -512,11 +512,10 @@ mod tests {
     const MARGIN: f32 = 0.05;
 
     /// How far normal and points may be from the reference [m]: faces are preferred by 5 % of the overlap and half a
-    /// millimetre; a round side is a prism away from the direction of contact.
+    /// millimetre.
     fn tolerance(pair: &Pair, distance: f64) -> f64 {
         let size = f64::from(pair.a.radius.min(pair.b.radius));
-        let prism = [pair.a, pair.b].iter().filter(|s| s.kind == Kind::Cylinder).count() as f64;
-        1e-5 + 1e-3 * size + 0.06 * (-distance).max(0.0) + prism * 0.004 * size
+        1e-5 + 1e-3 * size + 0.06 * (-distance).max(0.0)
     }
 
     fn check(pair: &Pair) -> RawManifold {

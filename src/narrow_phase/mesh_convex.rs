@@ -62,8 +62,8 @@ pub(super) fn touch(
                 patches.add(touch, manifold.normal, None, first);
             }
             Verdict::Face(least) => {
-                // Not if it is the face's own normal already.
-                if -manifold.normal.dot(front) > 0.999_999 {
+                // Not if it is the face's own normal already. A cylinder's may be nearly that.
+                if -manifold.normal.dot(front) > 0.999_999 && a.kind != Kind::Cylinder {
                     patches.points.extend(named(&touch, manifold.points()));
                 } else {
                     over_face(a, &touch, margin, &mut patches.points);
