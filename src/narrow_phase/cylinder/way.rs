@@ -21,6 +21,8 @@ use glam::{DMat3, Vec3};
 const GAP: f32 = 2e-4;
 /// From what overlap on the way out may be far from the faces and axes that are tried, as a share of the size.
 const DEEP: f32 = 2e-3;
+/// And up to what overlap it is looked for.
+const TOO_DEEP: f32 = 0.2;
 /// Rounds of taking back an overlap.
 const ROUNDS: usize = 6;
 
@@ -181,16 +183,19 @@ impl Both<'_> {
     ///
     /// `size`: a length of the smaller shape [m].
     pub(super) fn best(&self, supports: (&Support, &Support), from: Way, size: f32) -> (Way, [Vec3; 2]) {
-        let first = self.refine(supports, from, size);
-        if first.0.separation >= -DEEP * size {
+        let first = self.refine(supports, from, size, f32::MIN);
+        // Deeper still, any way out will do.
+        if !(-TOO_DEEP * size..-DEEP * size).contains(&first.0.separation) {
             return first;
         }
         let (normal, separation) = best_of_many(self, first.0.normal);
-        let second = self.refine(supports, Way { normal, separation, face: None }, size);
+        let second = Way { normal, separation, face: None };
+        let second = self.refine(supports, second, size, 1.3 * first.0.separation);
         if second.0.separation > first.0.separation { second } else { first }
     }
 
-    fn refine(&self, (a, b): (&Support, &Support), from: Way, size: f32) -> (Way, [Vec3; 2]) {
+    /// `hopeless`: once one round has not led beyond this separation it ends [m].
+    fn refine(&self, (a, b): (&Support, &Support), from: Way, size: f32, hopeless: f32) -> (Way, [Vec3; 2]) {
         let axes = [self.pose.axes.x_axis, self.pose.axes.y_axis, self.pose.axes.z_axis];
         let [x, y, z] = axes.map(Vec3::as_dvec3);
         let rotation = DMat3::from_cols(x, y, z);
@@ -201,7 +206,7 @@ impl Both<'_> {
             let open = if best.separation > GAP * size { 0.0 } else { GAP * size - best.separation };
             let shift = best.normal * open;
             let pose = ExactPose { rotation, position: (self.pose.position + shift).as_dvec3() };
-            let accuracy = if open == 0.0 { 1e-6 * size } else { 1e-5 * size + 1e-3 * open };
+            let accuracy = if open == 0.0 { 1e-6 * size } else { 1e-5 * size + 4e-3 * open };
             let gap = gap_from(a, b, &pose, best.normal.as_dvec3().normalize(), f64::from(accuracy));
             if gap.overlap {
                 break;
@@ -220,7 +225,7 @@ impl Both<'_> {
             // What the next round gains is to this gain about as the depth is to the size.
             let depth = -best.separation;
             let settled = depth > GAP * size && gain * depth <= 1e-5 * size * size;
-            if open == 0.0 || gain <= 1e-5 * size || settled {
+            if open == 0.0 || gain <= 1e-5 * size || settled || best.separation < hopeless {
                 break;
             }
         }
