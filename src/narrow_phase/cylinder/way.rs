@@ -12,7 +12,7 @@
 use super::frustum::{Disc, Frustum};
 use super::sample::best_of_many;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
-use crate::narrow_phase::gjk::gap_from;
+use crate::narrow_phase::gjk::{CoreGap, gap_from};
 use crate::narrow_phase::polytope::{Polytope, Pose, Solid};
 use crate::narrow_phase::support::{Pose as ExactPose, Support};
 use glam::{DMat3, Vec3};
@@ -183,6 +183,15 @@ impl Both<'_> {
     ///
     /// `size`: a length of the smaller shape [m].
     pub(super) fn best(&self, supports: (&Support, &Support), from: Way, size: f32) -> (Way, [Vec3; 2]) {
+        // Seen from the wrong side what is apart may seem deep.
+        if from.separation < -DEEP * size {
+            let gap = self.gap(supports, (from.normal, 0.0), 1e-6 * size);
+            if !gap.overlap && gap.upper > 0.0 {
+                let normal = gap.normal.as_vec3();
+                let way = Way { normal, separation: self.separation(normal), face: None };
+                return (way, [gap.point_a.as_vec3(), gap.point_b.as_vec3()]);
+            }
+        }
         let first = self.refine(supports, from, size, f32::MIN);
         // Deeper still, any way out will do.
         if !(-TOO_DEEP * size..-DEEP * size).contains(&first.0.separation) {
@@ -194,34 +203,42 @@ impl Both<'_> {
         if second.0.separation > first.0.separation { second } else { first }
     }
 
-    /// `hopeless`: once one round has not led beyond this separation it ends [m].
-    fn refine(&self, (a, b): (&Support, &Support), from: Way, size: f32, hopeless: f32) -> (Way, [Vec3; 2]) {
+    /// The gap of the two with `b` moved by so much along a unit vector, from which the search begins.
+    fn gap(&self, (a, b): (&Support, &Support), (along, by): (Vec3, f32), accuracy: f32) -> CoreGap {
         let axes = [self.pose.axes.x_axis, self.pose.axes.y_axis, self.pose.axes.z_axis];
         let [x, y, z] = axes.map(Vec3::as_dvec3);
-        let rotation = DMat3::from_cols(x, y, z);
+        let position = (self.pose.position + along * by).as_dvec3();
+        let pose = ExactPose { rotation: DMat3::from_cols(x, y, z), position };
+        gap_from(a, b, &pose, along.as_dvec3().normalize(), f64::from(accuracy))
+    }
+
+    /// `hopeless`: once one round has not led beyond this separation it ends [m].
+    fn refine(&self, (a, b): (&Support, &Support), from: Way, size: f32, hopeless: f32) -> (Way, [Vec3; 2]) {
         let mut best = from;
-        let mut points = [Vec3::ZERO; 2];
+        // The last that is allowed: the way to where two shapes are apart may lead through some that are not.
+        let mut kept = (best, [Vec3::ZERO; 2]);
         for _ in 0..ROUNDS {
             // Nearest points that coincide have no direction.
             let open = if best.separation > GAP * size { 0.0 } else { GAP * size - best.separation };
             let shift = best.normal * open;
-            let pose = ExactPose { rotation, position: (self.pose.position + shift).as_dvec3() };
             let accuracy = if open == 0.0 { 1e-6 * size } else { 1e-5 * size + 4e-3 * open };
-            let gap = gap_from(a, b, &pose, best.normal.as_dvec3().normalize(), f64::from(accuracy));
+            let gap = self.gap((a, b), (best.normal, open), accuracy);
             if gap.overlap {
                 break;
             }
             let normal = gap.normal.as_vec3();
             let found = Way { normal, separation: self.separation(normal), face: None };
             let gain = found.separation - best.separation;
-            if !self.allowed(&found) {
-                break;
+            let points = [gap.point_a.as_vec3(), gap.point_b.as_vec3() - shift];
+            if gain > 0.0 {
+                best = found;
             }
-            points = [gap.point_a.as_vec3(), gap.point_b.as_vec3() - shift];
+            if self.allowed(&best) {
+                kept = (best, points);
+            }
             if gain <= 0.0 {
                 break;
             }
-            best = found;
             // What the next round gains is to this gain about as the depth is to the size.
             let depth = -best.separation;
             let settled = depth > GAP * size && gain * depth <= 1e-5 * size * size;
@@ -229,7 +246,7 @@ impl Both<'_> {
                 break;
             }
         }
-        (best, points)
+        kept
     }
 }
 
