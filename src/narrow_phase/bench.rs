@@ -17,7 +17,7 @@ use super::{RawManifold, Relative};
 use crate::bench::Kernel;
 use crate::lanes::f32x8;
 use crate::scene::Terrain;
-use crate::shape::{Collider, ConvexHull, Geometry, TriangleMesh};
+use crate::shape::{Collider, ConvexHull, Geometry, Kind, TriangleMesh};
 use glam::{Quat, Vec3};
 use std::hint::black_box;
 use std::sync::Arc;
@@ -108,13 +108,33 @@ pub fn convex() -> Vec<Kernel> {
     vec![
         one_by_one("capsule hull", capsule(), hull()),
         one_by_one("box cylinder", cuboid(), cylinder()),
+        one_by_one("cylinder cylinder", cylinder(), cylinder()),
+        one_by_one("cylinder hull", cylinder(), hull()),
+        at_poses("cylinder on box", cuboid(), cylinder(), standing(&cuboid())),
+        at_poses("cylinder on cylinder", cylinder(), cylinder(), standing(&cylinder())),
         one_by_one("box hull", cuboid(), hull()),
         one_by_one("hull hull", hull(), hull()),
     ]
 }
 
+/// Cylinders that stand on what has this shape, a little in it.
+fn standing(ground: &Collider) -> Vec<Relative> {
+    let height = 0.3 + if ground.kind == Kind::Box { ground.size[1] } else { ground.size[0] };
+    let mut random = Random(15);
+    (0..PAIRS)
+        .map(|_| Relative {
+            position: Vec3::new(random.range(-0.2, 0.2), height - 5e-4, random.range(-0.2, 0.2)),
+            rotation: Quat::from_scaled_axis(random.cube() * 1e-4),
+        })
+        .collect()
+}
+
 fn one_by_one(name: &str, a: Collider, b: Collider) -> Kernel {
     let poses = poses(&a, &b);
+    at_poses(name, a, b, poses)
+}
+
+fn at_poses(name: &str, a: Collider, b: Collider, poses: Vec<Relative>) -> Kernel {
     Kernel::new(name, poses.len(), move || {
         for rel in &poses {
             black_box(collide_convex(&a, &b, rel, MARGIN));

@@ -6,7 +6,7 @@
 //! 1978, instead of Sutherland and Hodgman's polygons).
 
 use super::manifold::RawPoint;
-use super::polytope::{Polytope, Pose, SIDES};
+use super::polytope::{Polytope, Pose};
 use super::sat::{in_lanes, nearest_on_segments};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use glam::Vec3;
@@ -73,6 +73,10 @@ impl Loop {
             out.index[i] = v;
         }
         out
+    }
+    /// The corners, and which vertices they are.
+    pub(crate) fn corners(&self) -> (&[Vec3], &[u16]) {
+        (&self.corners[..self.count], &self.index[..self.count])
     }
     fn at(&self, i: usize) -> Vec3 {
         self.corners[if i < self.count { i } else { 0 }]
@@ -213,16 +217,6 @@ impl Segment {
     /// The vertex of `p` furthest along `direction` and, of those less than `tolerance` short of it, the one furthest
     /// from it. Direction in the frame of `p`.
     pub(crate) fn support(p: &Polytope, direction: Vec3, tolerance: f32, pose: &Pose) -> Segment {
-        if p.sides > 0 {
-            // The edge that was spun in place, or the end of it that is further along.
-            let along = [0, SIDES].map(|i| p.vertices[i].dot(direction));
-            let index = match along[0] - along[1] {
-                short if short > tolerance => [0, 0],
-                short if short < -tolerance => [SIDES, SIDES],
-                _ => [0, SIDES],
-            };
-            return Segment { ends: index.map(|i| pose.point(p.vertices[i])), index };
-        }
         let (first, most) = p.support(direction);
         let (mut second, mut furthest) = (first, 0.0);
         for (i, v) in p.vertices.iter().enumerate() {

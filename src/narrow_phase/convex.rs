@@ -6,11 +6,11 @@
 
 use super::clip::{Cloud, EDGES, Loop, Segment, clip_edges, clip_face, key};
 use super::manifold::{RawManifold, RawPoint};
-use super::polytope::{Polytope, Pose, SIDES, Solid, Triangle};
+use super::polytope::{Polytope, Pose, Solid, Triangle};
 use super::reduce::reduce;
 use super::round_polytope::{Core, round_polytope, round_round};
 use super::sat::{FaceAxis, edge_axis, edges_in_reach, face_axis, nearest_edges};
-use super::{Relative, smooth};
+use super::{Relative, cylinder};
 use crate::shape::{Collider, Kind};
 use glam::Vec3;
 
@@ -41,18 +41,18 @@ pub(crate) fn collide_convex(a: &Collider, b: &Collider, rel: &Relative, margin:
             let back = pose.inverse();
             let size = a.radius.min(b.radius);
             let in_b = if b.kind == Kind::Cylinder {
-                smooth::round_cylinder(&core.moved(&back), b, margin)
+                cylinder::round_cylinder(&core.moved(&back), b, margin)
             } else {
-                let Some(solid) = Solid::of(b, Vec3::Y) else { return RawManifold::default() };
+                let Some(solid) = Solid::of(b) else { return RawManifold::default() };
                 round_polytope(&core.moved(&back), &solid.view(), margin, size)
             };
             in_frame(in_b, &pose)
         }
         _ if a.kind == Kind::Cylinder || b.kind == Kind::Cylinder => {
-            smooth::cylinder(a, &smooth::Other::Shape(b), &pose, margin)
+            cylinder::cylinder(a, &cylinder::Other::Shape(b), &pose, margin)
         }
         _ => {
-            let (Some(of_a), Some(of_b)) = (Solid::of(a, Vec3::Y), Solid::of(b, Vec3::Y)) else {
+            let (Some(of_a), Some(of_b)) = (Solid::of(a), Solid::of(b)) else {
                 return RawManifold::default();
             };
             polytopes(&of_a.view(), &of_b.view(), &pose, margin, a.radius.min(b.radius), Vec3::ZERO)
@@ -69,9 +69,9 @@ pub(crate) fn collide_triangle(a: &Collider, triangle: [Vec3; 3], margin: f32) -
         return round_polytope(&core, &Solid::Triangle(triangle).view(), margin, a.radius);
     }
     if a.kind == Kind::Cylinder {
-        return smooth::cylinder(a, &smooth::Other::Triangle(&triangle), &Pose::IDENTITY, margin);
+        return cylinder::cylinder(a, &cylinder::Other::Triangle(&triangle), &Pose::IDENTITY, margin);
     }
-    let Some(solid) = Solid::of(a, Vec3::Y) else { return RawManifold::default() };
+    let Some(solid) = Solid::of(a) else { return RawManifold::default() };
     let front = triangle.normal();
     polytopes(&solid.view(), &Solid::Triangle(triangle).view(), &Pose::IDENTITY, margin, a.radius, front)
 }
@@ -94,7 +94,7 @@ pub(super) fn manifold_of(cloud: &Cloud, normal: Vec3) -> RawManifold {
 /// A face of one of two polytopes as the reference: its points, in the frame of `a`.
 ///
 /// `on_b`: whose face. Adds the deepest vertex if the incident face that was chosen doesn't have it.
-pub(super) fn face_contact(
+fn face_contact(
     a: &Polytope,
     b: &Polytope,
     b_in_a: &Pose,
@@ -114,8 +114,7 @@ pub(super) fn face_contact(
     let (normal, offset) = plane(reference, face.face, to_a);
     let down = if on_b { -normal } else { b_in_a.back(-normal) };
     let other = incident.face_towards(down);
-    // A round side that was cut into a prism touches in the edge that was spun in place.
-    let corners: &[u16] = if other < incident.sides { &[0, SIDES as u16] } else { incident.face(other) };
+    let corners = incident.face(other);
     let bit = if on_b { 1 << 14 } else { 0 };
     let before = cloud.points().len();
     clip_face(
@@ -132,11 +131,7 @@ pub(super) fn face_contact(
         let at = incident_to_a.point(incident.vertices[vertex]);
         let position = at - normal * (0.5 * face.separation);
         let known = corners.iter().any(|&c| usize::from(c) == vertex);
-        // A round cap reaches beyond its polygon.
-        let at = to_a.back(at - to_a.position);
-        let rim = reference.vertices[usize::from(reference.face(face.face)[0])];
-        let on_cap = reference.sides > 0 && at.x * at.x + at.z * at.z <= rim.x * rim.x + rim.z * rim.z;
-        if !known || on_cap || cloud.points().is_empty() {
+        if !known || cloud.points().is_empty() {
             cloud.push(RawPoint { position, separation: face.separation, key: key(0, vertex, 1) });
         }
     }
@@ -270,19 +265,14 @@ fn half_space(a: &Collider, pose: &Pose, margin: f32) -> RawManifold {
         }
         return manifold_of(&cloud, normal);
     }
-    let Some(solid) = Solid::of(a, normal) else { return RawManifold::default() };
-    let p = solid.view();
-    let mut by_index = |i: usize| emit(p.vertices[i], height(p.vertices[i]), i as u32);
-    if p.sides > 0 {
-        // The cap that faces the plane more than the side does, or the edge that was spun in place.
-        let face = p.face_towards(normal);
-        if face < p.sides {
-            [0, SIDES].into_iter().for_each(by_index);
-        } else {
-            p.face(face).iter().for_each(|&v| by_index(usize::from(v)));
-        }
-    } else {
-        (0..p.vertices.len()).for_each(&mut by_index);
+    if let Some(f) = cylinder::Frustum::of(a) {
+        let plane = (normal, normal.dot(pose.position));
+        cylinder::on_half_space(&f, plane, (margin, a.radius), &mut cloud);
+        return manifold_of(&cloud, normal);
+    }
+    let Some(solid) = Solid::of(a) else { return RawManifold::default() };
+    for (i, v) in solid.view().vertices.iter().enumerate() {
+        emit(*v, height(*v), i as u32);
     }
     manifold_of(&cloud, normal)
 }
@@ -471,8 +461,9 @@ pub(crate) mod testing {
 
         /// All face normals, in a's frame.
         fn normals(&self, rotation: DQuat) -> Vec<DVec3> {
-            let of = |shape: &Collider| match Solid::of(shape, Vec3::Y) {
+            let of = |shape: &Collider| match Solid::of(shape) {
                 Some(solid) => solid.view().planes.iter().map(|p| p.0.as_dvec3()).collect(),
+                None if shape.kind == Kind::Cylinder => vec![DVec3::Y, DVec3::NEG_Y],
                 None => vec![],
             };
             let mut normals: Vec<DVec3> = of(self.a);
@@ -494,7 +485,14 @@ pub(crate) mod testing {
     /// At most how far a point is outside of a shape, by its planes; negative inside.
     pub(crate) fn outside(shape: &Collider, p: DVec3) -> f64 {
         let excess = |n: DVec3| n.dot(p) - extent(shape, n);
-        match Solid::of(shape, p.as_vec3()) {
+        if let Geometry::Cylinder { half_height, radius_bottom, radius_top } = shape.geometry {
+            let slope = f64::from(radius_bottom - radius_top);
+            let along = f64::from(2.0 * half_height);
+            let across = DVec3::new(p.x, 0.0, p.z).normalize_or(DVec3::X);
+            let side = (across * along + DVec3::Y * slope).normalize();
+            return [DVec3::Y, DVec3::NEG_Y, side].map(excess).into_iter().fold(f64::MIN, f64::max);
+        }
+        match Solid::of(shape) {
             Some(solid) => {
                 solid.view().planes.iter().map(|plane| excess(plane.0.as_dvec3())).fold(f64::MIN, f64::max)
             }
@@ -514,11 +512,10 @@ mod tests {
     const MARGIN: f32 = 0.05;
 
     /// How far normal and points may be from the reference [m]: faces are preferred by 5 % of the overlap and half a
-    /// millimetre; a round side is a prism away from the direction of contact.
+    /// millimetre.
     fn tolerance(pair: &Pair, distance: f64) -> f64 {
         let size = f64::from(pair.a.radius.min(pair.b.radius));
-        let prism = [pair.a, pair.b].iter().filter(|s| s.kind == Kind::Cylinder).count() as f64;
-        1e-5 + 1e-3 * size + 0.06 * (-distance).max(0.0) + prism * 0.004 * size
+        1e-5 + 1e-3 * size + 0.06 * (-distance).max(0.0)
     }
 
     fn check(pair: &Pair) -> RawManifold {

@@ -78,6 +78,25 @@ pub(crate) fn core_gap(
     pose: &Pose,
     hint: DVec3,
     simplex: &mut Simplex,
+    limits: (f64, f64),
+) -> CoreGap {
+    let guess = [hint, pose.position].into_iter().find(|d| d.length_squared() > 0.0);
+    let normal = guess.unwrap_or(DVec3::X).normalize_or(DVec3::X);
+    search(a, b, pose, (normal, false), simplex, limits)
+}
+
+/// As [`core_gap`], for two shapes that the unit vector `normal` is known to separate: it stays the answer unless
+/// another one beats it by more than `accuracy` [m].
+pub(crate) fn gap_from(a: &Support, b: &Support, pose: &Pose, normal: DVec3, accuracy: f64) -> CoreGap {
+    search(a, b, pose, (normal, true), &mut Simplex::empty(), (accuracy, 0.0))
+}
+
+fn search(
+    a: &Support,
+    b: &Support,
+    pose: &Pose,
+    (mut normal, separates): (DVec3, bool),
+    simplex: &mut Simplex,
     (accuracy, relative): (f64, f64),
 ) -> CoreGap {
     let radii = a.radius + b.radius;
@@ -87,12 +106,14 @@ pub(crate) fn core_gap(
         let (on_a, on_b) = (a.support(d), b.support(to_b * -d));
         (pose.rotation * on_b + pose.position - on_a, on_a, on_b)
     };
-    let guess = [hint, pose.position].into_iter().find(|d| d.length_squared() > 0.0);
-    let mut normal = guess.unwrap_or(DVec3::X).normalize_or(DVec3::X);
     simplex.place(pose);
+    let mut lower = f64::NEG_INFINITY;
     if simplex.count == 0 {
         let (first, on_a, on_b) = lowest(normal);
         simplex.push(first, on_a, on_b);
+        if separates {
+            lower = first.dot(normal);
+        }
     }
     // The farthest that b - a has shown so far: what is small against it is rounding.
     let mut size = simplex.size_squared();
@@ -101,7 +122,6 @@ pub(crate) fn core_gap(
     };
     simplex.keep(&first);
     let mut nearest = first.point;
-    let mut lower = f64::NEG_INFINITY;
     for _ in 0..MAX_ITERATIONS {
         let squared = nearest.length_squared();
         if squared <= 1e-24 * size {

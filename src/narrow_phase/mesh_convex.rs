@@ -3,10 +3,11 @@
 use super::RawPoint;
 use super::clip::{Cloud, Loop, clip_face};
 use super::convex::collide_triangle;
+use super::cylinder::over_triangle;
 use super::mesh::{Ground, Triangles};
 use super::mesh_box::key;
 use super::mesh_patch::{GAP, Patches, Touch, Verdict};
-use super::polytope::{Pose, SIDES, Solid};
+use super::polytope::{Pose, Solid};
 use super::round_polytope::Core;
 use crate::lanes::{Lanes, Mask, f32x8};
 use crate::shape::{Collider, Geometry, Kind};
@@ -61,8 +62,7 @@ pub(super) fn touch(
                 patches.add(touch, manifold.normal, None, first);
             }
             Verdict::Face(least) => {
-                // Not if it is the face's own normal already. A cylinder's points, of a triangle alone, may lie past
-                // its ends.
+                // Not if it is the face's own normal already. A cylinder's may be nearly that.
                 if -manifold.normal.dot(front) > 0.999_999 && a.kind != Kind::Cylinder {
                     patches.points.extend(named(&touch, manifold.points()));
                 } else {
@@ -78,9 +78,7 @@ pub(super) fn touch(
                         let on_a = p.position - manifold.normal * (0.5 * p.separation);
                         let separation = front.dot(on_a) - offset;
                         let position = on_a - front * (0.5 * separation);
-                        // Of a cylinder's points, some may lie past its ends or its rim.
-                        let round = a.kind != Kind::Cylinder || on_a.with_y(0.0).length() <= bound.x;
-                        let inside = round && (on_a - middle).abs().cmple(bound).all();
+                        let inside = (on_a - middle).abs().cmple(bound).all();
                         (inside && separation <= margin).then_some(RawPoint { position, separation, ..p })
                     }));
                 }
@@ -126,16 +124,21 @@ fn over_face(a: &Collider, touch: &Touch, margin: f32, points: &mut Vec<RawPoint
         core_over_face(&core, touch, margin, points);
         return;
     }
-    let Some(solid) = Solid::of(a, -front) else { return };
+    let order: [u16; 3] = if touch.behind { [0, 2, 1] } else { [0, 1, 2] };
+    let triangle = Loop::new(&touch.corners, &order, &Pose::IDENTITY);
+    let mut cloud = Cloud::new();
+    if a.kind == Kind::Cylinder {
+        over_triangle(a, &triangle, front, margin, &mut cloud);
+        points.extend(named(touch, cloud.points()));
+        return;
+    }
+    let Some(solid) = Solid::of(a) else { return };
     let p = solid.view();
     let face = p.face_towards(-front);
-    let corners: &[u16] = if face < p.sides { &[0, SIDES as u16] } else { p.face(face) };
-    let triangle: [u16; 3] = if touch.behind { [0, 2, 1] } else { [0, 1, 2] };
-    let mut cloud = Cloud::new();
     clip_face(
-        &Loop::new(&touch.corners, &triangle, &Pose::IDENTITY),
+        &triangle,
         (front, offset),
-        &Loop::new(p.vertices, corners, &Pose::IDENTITY),
+        &Loop::new(p.vertices, p.face(face), &Pose::IDENTITY),
         p.planes[face],
         margin,
         1e-4 * a.radius,

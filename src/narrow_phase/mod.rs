@@ -15,6 +15,7 @@ mod clip;
 mod collide;
 mod contact;
 mod convex;
+mod cylinder;
 #[cfg(any(test, feature = "internals"))]
 #[cfg_attr(not(test), allow(dead_code, reason = "benches use a part of what tests use"))]
 pub(crate) mod fixtures;
@@ -35,7 +36,6 @@ mod reduce;
 mod round_polytope;
 mod sat;
 mod simplex;
-mod smooth;
 mod sphere_box;
 mod sphere_capsule;
 mod sphere_sphere;

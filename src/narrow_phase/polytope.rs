@@ -1,19 +1,12 @@
-//! Polytopes: what the separating-axis test, the clipper and the round shapes read of a box, a cylinder, a hull or a
-//! triangle.
+//! Polytopes: what the separating-axis test, the clipper and the round shapes read of a box, a hull or a triangle.
 //!
-//! A hull is borrowed; the others are built on the stack, which costs less than to look them up. A cylinder is a
-//! prism of [`SIDES`] sides that can be *spun* about its own axis: whoever knows the direction of contact has it
-//! built with an edge in just that direction, and there the prism and the cylinder are the same.
+//! A hull is borrowed; the others are built on the stack, which costs less than to look them up.
 
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "a NaN must go the way of a zero")]
 
 use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
 use crate::shape::{Collider, ConvexHull, Geometry, HullEdge};
 use glam::{Mat3, Quat, Vec3};
-
-/// Sides of the prism that stands for a cylinder, a frustum or a cone. Neighbouring edges are 22.5 degrees apart: a
-/// cap that lies on the ground loses 2 % of its radius between them.
-pub(crate) const SIDES: usize = 16;
 
 /// A pose as a matrix: `b` in the frame of `a`.
 #[derive(Clone, Copy, Debug)]
@@ -65,8 +58,6 @@ pub(crate) struct Polytope<'a> {
     /// Corners of a box around it.
     pub(crate) min: Vec3,
     pub(crate) max: Vec3,
-    /// How many of the first faces are flat only because a round side was cut into a prism.
-    pub(crate) sides: usize,
 }
 
 impl<'a> Polytope<'a> {
@@ -112,20 +103,16 @@ impl<'a> Polytope<'a> {
 #[allow(clippy::large_enum_variant, reason = "lives on the stack where it is used, one or two at a time")]
 pub(crate) enum Solid<'a> {
     Box(Brick),
-    Prism(Prism),
     Hull(&'a ConvexHull),
     Triangle(Triangle),
 }
 
 impl<'a> Solid<'a> {
-    /// The shape's polytope; `None` of what has no faces. A cylinder has an edge towards `direction`.
+    /// The shape's polytope; `None` of what is none.
     #[inline]
-    pub(crate) fn of(shape: &'a Collider, direction: Vec3) -> Option<Solid<'a>> {
+    pub(crate) fn of(shape: &'a Collider) -> Option<Solid<'a>> {
         Some(match &shape.geometry {
             Geometry::Box { half_extents } => Solid::Box(Brick::new(*half_extents)),
-            Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
-                Solid::Prism(Prism::new(*half_height, *radius_bottom, *radius_top, direction))
-            }
             Geometry::Hull(hull) => Solid::Hull(hull),
             _ => return None,
         })
@@ -144,20 +131,6 @@ impl<'a> Solid<'a> {
                 edges: &BOX_EDGES,
                 min: b.vertices[0],
                 max: b.vertices[7],
-                sides: 0,
-            },
-            Solid::Prism(p) => Polytope {
-                vertices: &p.vertices,
-                vertex_chunks: &p.vertex_chunks,
-                planes: &p.planes[..p.faces],
-                normal_chunks: &p.normal_chunks,
-                face_start: &PRISM_START[..=p.faces],
-                face_vertices: &PRISM_FACES,
-                // A cone's tip has no rim.
-                edges: &PRISM_EDGES[..if p.faces == SIDES + 2 { 3 * SIDES } else { 2 * SIDES }],
-                min: -p.extent,
-                max: p.extent,
-                sides: SIDES,
             },
             Solid::Hull(h) => Polytope {
                 vertices: &h.vertices,
@@ -169,7 +142,6 @@ impl<'a> Solid<'a> {
                 edges: &h.edges,
                 min: h.min,
                 max: h.max,
-                sides: 0,
             },
             Solid::Triangle(t) => Polytope {
                 vertices: &t.vertices,
@@ -181,7 +153,6 @@ impl<'a> Solid<'a> {
                 edges: &TRIANGLE_EDGES,
                 min: t.vertices[0].min(t.vertices[1]).min(t.vertices[2]),
                 max: t.vertices[0].max(t.vertices[1]).max(t.vertices[2]),
-                sides: 0,
             },
         }
     }
@@ -295,131 +266,11 @@ impl Triangle {
     }
 }
 
-/// A cylinder, frustum or cone as a prism. Vertices 0..[`SIDES`] are the wider rim, the others the narrower one; vertex
-/// 0 and vertex [`SIDES`] make the edge that was spun in place. Faces are the sides, the wider cap, the narrower cap.
-#[derive(Clone, Debug)]
-pub(crate) struct Prism {
-    vertices: [Vec3; 2 * SIDES],
-    vertex_chunks: [[[f32; 8]; 3]; SIDES / 4],
-    planes: [(Vec3, f32); SIDES + 2],
-    normal_chunks: [[[f32; 8]; 4]; SIDES / 8 + 1],
-    faces: usize,
-    extent: Vec3,
-}
-
-// Cosines of 0, 22.5, 45, 67.5 degrees and of the angles half way.
-const C0: f32 = 1.0;
-const C1: f32 = 0.923_879_5;
-const C2: f32 = std::f32::consts::FRAC_1_SQRT_2;
-const C3: f32 = 0.382_683_43;
-const H0: f32 = 0.980_785_25;
-const H1: f32 = 0.831_469_6;
-const H2: f32 = 0.555_570_24;
-const H3: f32 = 0.195_090_32;
-const CORNERS: [f32; SIDES] = [C0, C1, C2, C3, 0.0, -C3, -C2, -C1, -C0, -C1, -C2, -C3, 0.0, C3, C2, C1];
-const MIDDLES: [f32; SIDES] = [H0, H1, H2, H3, -H3, -H2, -H1, -H0, -H0, -H1, -H2, -H3, H3, H2, H1, H0];
-
-impl Prism {
-    /// With an edge towards `direction`; if that is nearly the axis, towards x: a cylinder that stands must not spin
-    /// its points about with every tremor.
-    #[inline]
-    pub(crate) fn new(half_height: f32, radius_bottom: f32, radius_top: f32, direction: Vec3) -> Prism {
-        // The narrower end is built upwards; half a turn about x puts it where it is.
-        let up = if radius_top <= radius_bottom { 1.0 } else { -1.0 };
-        let (wide, narrow) = (radius_bottom.max(radius_top), radius_bottom.min(radius_top));
-        let (x, z) = (direction.x, direction.z * up);
-        let flat = (x * x + z * z).sqrt();
-        let standing = !(flat > 0.02 * direction.y.abs()) || !(flat < f32::MAX);
-        let (c, s) = if standing { (1.0, 0.0) } else { (x / flat, z / flat) };
-
-        let slope = (wide - narrow) * H0 / (2.0 * half_height);
-        let flatten = 1.0 / (1.0 + slope * slope).sqrt();
-        let turned = |table: &[f32; SIDES], i: usize| {
-            let (tc, ts) = (table[i], table[(i + SIDES - SIDES / 4) % SIDES]);
-            (c * tc - s * ts, (s * tc + c * ts) * up)
-        };
-        let mut vertices = [Vec3::ZERO; 2 * SIDES];
-        let mut planes = [(Vec3::ZERO, 0.0); SIDES + 2];
-        for i in 0..SIDES {
-            let (vx, vz) = turned(&CORNERS, i);
-            vertices[i] = Vec3::new(wide * vx, -half_height * up, wide * vz);
-            vertices[i + SIDES] = Vec3::new(narrow * vx, half_height * up, narrow * vz);
-            let (nx, nz) = turned(&MIDDLES, i);
-            let normal = Vec3::new(nx * flatten, slope * up * flatten, nz * flatten);
-            planes[i] = (normal, normal.dot(vertices[i]));
-        }
-        planes[SIDES] = (Vec3::new(0.0, -up, 0.0), half_height);
-        planes[SIDES + 1] = (Vec3::new(0.0, up, 0.0), half_height);
-        let faces = if narrow > 0.0 { SIDES + 2 } else { SIDES + 1 };
-        let vertex_chunks = std::array::from_fn(|k| {
-            std::array::from_fn(|axis| std::array::from_fn(|i| vertices[8 * k + i][axis]))
-        });
-        let normal_chunks = std::array::from_fn(|k| {
-            let plane = |i: usize| planes[if 8 * k + i < faces { 8 * k + i } else { 0 }];
-            [
-                std::array::from_fn(|i| plane(i).0.x),
-                std::array::from_fn(|i| plane(i).0.y),
-                std::array::from_fn(|i| plane(i).0.z),
-                std::array::from_fn(|i| plane(i).1),
-            ]
-        });
-        Prism {
-            vertices,
-            vertex_chunks,
-            planes,
-            normal_chunks,
-            faces,
-            extent: Vec3::new(wide, half_height, wide),
-        }
-    }
-}
-
-const PRISM_START: [u16; SIDES + 3] = {
-    let mut start = [0; SIDES + 3];
-    let mut i = 0;
-    while i <= SIDES {
-        start[i] = 4 * i as u16;
-        i += 1;
-    }
-    start[SIDES + 1] = (5 * SIDES) as u16;
-    start[SIDES + 2] = (6 * SIDES) as u16;
-    start
-};
-const PRISM_FACES: [u16; 6 * SIDES] = {
-    let mut faces = [0; 6 * SIDES];
-    let mut i = 0;
-    while i < SIDES {
-        let next = (i + 1) % SIDES;
-        faces[4 * i] = i as u16;
-        faces[4 * i + 1] = (SIDES + i) as u16;
-        faces[4 * i + 2] = (SIDES + next) as u16;
-        faces[4 * i + 3] = next as u16;
-        faces[4 * SIDES + i] = i as u16;
-        faces[5 * SIDES + i] = (2 * SIDES - 1 - i) as u16;
-        i += 1;
-    }
-    faces
-};
-/// From rim to rim first, then the wider rim, then the narrower.
-const PRISM_EDGES: [HullEdge; 3 * SIDES] = {
-    let mut edges = [HullEdge { vertices: [0; 2], faces: [0; 2] }; 3 * SIDES];
-    let mut i = 0;
-    while i < SIDES {
-        let (this, next) = (i as u16, ((i + 1) % SIDES) as u16);
-        let (n, before) = (SIDES as u16, ((i + SIDES - 1) % SIDES) as u16);
-        edges[i] = HullEdge { vertices: [this, n + this], faces: [this, before] };
-        edges[SIDES + i] = HullEdge { vertices: [this, next], faces: [n, this] };
-        edges[2 * SIDES + i] = HullEdge { vertices: [n + next, n + this], faces: [n + 1, this] };
-        i += 1;
-    }
-    edges
-};
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn closed_and_convex(p: &Polytope, euler: bool) {
+    fn closed_and_convex(p: &Polytope) {
         for (f, (n, offset)) in p.planes.iter().enumerate() {
             assert!((n.length() - 1.0).abs() < 1e-6);
             for v in p.vertices {
@@ -440,40 +291,19 @@ mod tests {
             let [a, b] = e.vertices;
             assert!(has(e.faces[0], a, b) && has(e.faces[1], b, a), "{e:?}");
         }
-        if euler {
-            assert_eq!(p.vertices.len() + p.planes.len(), p.edges.len() + 2);
-        }
+        assert_eq!(p.vertices.len() + p.planes.len(), p.edges.len() + 2);
     }
 
     #[test]
-    fn boxes_prisms_and_triangles_are_closed_and_wind_outwards() {
-        closed_and_convex(&Solid::Box(Brick::new(Vec3::new(1.0, 2.0, 0.5))).view(), true);
-        for (bottom, top) in [(1.0, 1.0), (1.0, 0.4), (0.4, 1.0)] {
-            let prism = Prism::new(0.7, bottom, top, Vec3::new(0.3, 0.2, -0.5));
-            closed_and_convex(&Solid::Prism(prism).view(), true);
-        }
-        for (bottom, top) in [(1.0, 0.0), (0.0, 1.0)] {
-            let cone = Prism::new(0.7, bottom, top, Vec3::new(-0.3, 0.2, -0.5));
-            closed_and_convex(&Solid::Prism(cone).view(), false);
-        }
+    fn boxes_and_triangles_are_closed_and_wind_outwards() {
+        closed_and_convex(&Solid::Box(Brick::new(Vec3::new(1.0, 2.0, 0.5))).view());
         let corners = [Vec3::ZERO, Vec3::X, Vec3::new(0.3, 0.4, 0.9)];
         for eye in [Vec3::Y * 3.0, Vec3::NEG_Y * 3.0] {
             let triangle = Triangle::facing(corners, eye).unwrap();
             assert!(triangle.normal().dot(eye) > 0.0);
-            closed_and_convex(&Solid::Triangle(triangle).view(), true);
+            closed_and_convex(&Solid::Triangle(triangle).view());
         }
         assert!(Triangle::facing([Vec3::ZERO, Vec3::X, Vec3::X * 2.0], Vec3::Y).is_none());
         assert!(Triangle::facing([Vec3::ZERO; 3], Vec3::Y).is_none());
-    }
-
-    #[test]
-    fn a_spun_prism_has_its_first_edge_where_it_was_asked() {
-        for (bottom, top) in [(1.0, 1.0), (0.5, 1.0)] {
-            let prism = Prism::new(1.0, bottom, top, Vec3::new(3.0, 0.5, 4.0));
-            let rim = prism.vertices[0];
-            assert!(
-                (rim.x - 0.6 * bottom.max(top)).abs() < 1e-6 && (rim.z - 0.8 * bottom.max(top)).abs() < 1e-6
-            );
-        }
     }
 }

@@ -189,7 +189,7 @@ pub(crate) fn round_polytope(core: &Core, p: &Polytope, margin: f32, size: f32) 
         }
     };
     let nearest_face = (height(low) - core.radius_at(low)).min(height(high) - core.radius_at(high));
-    if over && nearest_face <= separation + tolerance && face >= p.sides {
+    if over && nearest_face <= separation + tolerance {
         by_face(&mut manifold, low, if core.is_ball() { low } else { high });
         return manifold;
     }
@@ -264,7 +264,7 @@ pub(crate) fn round_polytope(core: &Core, p: &Polytope, margin: f32, size: f32) 
     add(&mut manifold, margin, c + n * (0.5 * (apart + r)), apart - r, name + 3);
     // Over the edge of a face it nearly lies on: the other end over the face steadies it.
     let slope = -normal.dot(n);
-    if manifold.count == 1 && slope > 0.99 && face >= p.sides && !core.is_ball() {
+    if manifold.count == 1 && slope > 0.99 && !core.is_ball() {
         let shadow = |s: f32| core.at(s) + n * (height(s) / slope);
         let (low, high) = over_face(p, face, shadow(0.0), shadow(1.0));
         let other = if (low - s).abs() > (high - s).abs() { low } else { high };
