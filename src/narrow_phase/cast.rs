@@ -76,6 +76,8 @@ pub(super) struct Sweep<'a> {
     displacement: DVec3,
     turn_a: Arc,
     turn_b: Arc,
+    /// About the direction from a to b, in the axes of the world, or zero.
+    hint: DVec3,
 }
 
 /// A shape's way around its body's centre.
@@ -134,7 +136,7 @@ impl<'a> Sweep<'a> {
                 turn
             }
         };
-        Sweep { a, b, tolerance, start: motion.start, displacement, turn_a, turn_b }
+        Sweep { a, b, tolerance, start: motion.start, displacement, turn_a, turn_b, hint: DVec3::ZERO }
     }
 
     /// The moment of the first touch, if it is before `limit`; the limit has no other influence on it.
@@ -211,9 +213,10 @@ impl<'a> Sweep<'a> {
         reach * (2.0 * (gap - target) / (root.sqrt() - slope)).min(1.0)
     }
 
-    /// Puts a triangle of the same mesh in b's place.
-    pub(super) fn set_triangle(&mut self, triangle: Support<'a>, motion: &Motion) {
+    /// Puts a triangle of the same mesh in b's place, about in this direction.
+    pub(super) fn set_triangle(&mut self, triangle: Support<'a>, motion: &Motion, hint: DVec3) {
         self.b = Other::Convex(triangle);
+        self.hint = hint;
         if motion.b.spin != Vec3::ZERO {
             self.turn_b = Arc::of(&motion.b, self.tolerance, &triangle);
         }
@@ -287,7 +290,7 @@ impl<'a> Sweep<'a> {
         };
         let to_a = placed.rotation_a.transpose();
         let pose = Pose { rotation: to_a * placed.rotation_b, position: to_a * placed.offset };
-        let found = core_gap(&self.a, b, &pose, DVec3::ZERO, simplex, (0.1 * self.tolerance, 1e-3));
+        let found = core_gap(&self.a, b, &pose, to_a * self.hint, simplex, (0.1 * self.tolerance, 1e-3));
         let radii = self.a.radius + b.radius;
         (found.lower - radii, placed.rotation_a * found.normal)
     }

@@ -115,14 +115,15 @@ pub(crate) fn cast_triangles<T: Triangles + ?Sized>(
     let mut limit = 1.0_f64;
     let mut exact = |index: u32| {
         let corners = mesh.triangle(index);
-        sweep.set_triangle(Support::triangle(corners), motion);
+        let triangle = Support::triangle(corners);
         let resting = f64::from(resting);
+        let [p, q, r] = corners.map(Vec3::as_dvec3);
+        let up = start.rotation_b * (q - p).cross(r - p).normalize_or_zero();
+        let corner = start.rotation_b * p + start.offset;
+        // From the shape's origin to the plane.
+        let down = if up.dot(corner) > 0.0 { up } else { -up };
+        sweep.set_triangle(triangle, motion, down);
         if !sweep.b_spins() {
-            let [p, q, r] = corners.map(Vec3::as_dvec3);
-            let up = start.rotation_b * (q - p).cross(r - p).normalize_or_zero();
-            let corner = start.rotation_b * p + start.offset;
-            // From the shape's origin to the plane.
-            let down = if up.dot(corner) > 0.0 { up } else { -up };
             let (middle, end) = later.get_or_insert_with(|| (sweep.placed(0.5), sweep.placed(1.0)));
             let heights = [&start, middle, end].map(|placed| sweep.gap_along(placed, down));
             let least = heights[0].min(heights[2]);
