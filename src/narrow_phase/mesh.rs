@@ -211,8 +211,10 @@ impl MeshScratch {
 }
 
 /// All points of a convex shape and a mesh or height field that are nearer than the margin, as up to
-/// [`MOST`](super::mesh_merge::MOST) manifolds in the shape's frame, added to `out`; the deepest first. None, if a plane
-/// shows that nothing is nearer than `within`.
+/// [`MOST`](super::mesh_merge::MOST) manifolds in the shape's frame, added to `out`; the deepest first.
+///
+/// `within`: manifolds without a point nearer than this are of no use to the caller [m]. Of triangles further away only
+/// those are looked at that are level with a nearer one.
 pub(crate) fn collide_mesh(
     a: &Collider,
     b: &Collider,
@@ -232,17 +234,17 @@ pub(crate) fn collide_mesh(
     eights.resize(CHUNK, Eight::default());
     patches.clear();
     let each = points_each(a);
-    let limit = f32x8::splat(within);
-    let near = |eight: &Eight| {
-        let triangles = Triangles::new(eight, &pose, centre);
-        let (_, axis, _) = triangles.separate(middle, half);
-        let down = -triangles.front;
-        let face = triangles.height + LaneVec3::splat(centre).dot(down) - reach(a, down);
-        (axis.le(limit) & face.le(limit)).bits() & triangles.valid != 0
-    };
     gather(ground, &pose, (middle, half + Vec3::splat(margin)), eights, &mut |eights| {
-        if within < margin && !eights.iter().any(near) {
-            return;
+        let mut near = Near::default();
+        // Among a few it would not pay.
+        if within < margin && eights.len() > 1 {
+            for eight in eights {
+                let triangles = Triangles::new(eight, &pose, centre);
+                near.add(&triangles, a, (middle, half, centre), within);
+            }
+            if near.count == 0 {
+                return;
+            }
         }
         for eight in eights {
             // Whatever these triangles yield must find place: the functions below don't ask.
@@ -251,14 +253,15 @@ pub(crate) fn collide_mesh(
                 return;
             }
             let triangles = Triangles::new(eight, &pose, centre);
+            let margins = near.margins(&triangles, margin, within);
             match a.geometry {
                 Geometry::Sphere { radius } => {
-                    mesh_sphere::touch(radius, &triangles, margin, &ground, patches);
+                    mesh_sphere::touch(radius, &triangles, margins, &ground, patches);
                 }
                 Geometry::Box { half_extents } => {
-                    mesh_box::touch(half_extents, &triangles, margin, &ground, patches);
+                    mesh_box::touch(half_extents, &triangles, margins, &ground, patches);
                 }
-                _ => mesh_convex::touch(a, (middle, half, centre), &triangles, margin, &ground, patches),
+                _ => mesh_convex::touch(a, (middle, half, centre), &triangles, margins, &ground, patches),
             }
         }
     });
@@ -282,6 +285,53 @@ pub(crate) fn collide_mesh(
         }
     }
     merge.manifolds(patches, &pose, a.radius, out);
+}
+
+/// Normals of the triangles that are near.
+#[derive(Default)]
+struct Near {
+    fronts: [Vec3; 8],
+    count: usize,
+}
+
+/// Cosine of 3.6 degrees: triangles whose normals are nearer than this may end up in one manifold.
+const LEVEL: f32 = 0.998;
+
+impl Near {
+    /// Adds those of eight triangles that may be nearer than `within` [m]: no plane of theirs, nor of the box around the
+    /// shape, shows that they are not.
+    #[inline(always)]
+    fn add(&mut self, triangles: &Triangles, a: &Collider, around: (Vec3, Vec3, Vec3), within: f32) {
+        let (middle, half, centre) = around;
+        let limit = f32x8::splat(within);
+        let (_, axis, _) = triangles.separate(middle, half);
+        let down = -triangles.front;
+        let face = triangles.height + LaneVec3::splat(centre).dot(down) - reach(a, down);
+        let mut bits = (axis.le(limit) & face.le(limit)).bits() & triangles.valid;
+        while bits != 0 {
+            let front = triangles.front.lane(bits.trailing_zeros() as usize);
+            bits &= bits - 1;
+            if self.fronts[..self.count.min(8)].iter().all(|other| other.dot(front) < LEVEL) {
+                if let Some(place) = self.fronts.get_mut(self.count) {
+                    *place = front;
+                }
+                self.count += 1;
+            }
+        }
+    }
+
+    /// How near each of eight triangles has to be to count [m].
+    #[inline(always)]
+    fn margins(&self, triangles: &Triangles, margin: f32, within: f32) -> f32x8 {
+        let (all, near) = (f32x8::splat(margin), f32x8::splat(within));
+        if self.count == 0 || self.count > self.fronts.len() {
+            return all;
+        }
+        let level = f32x8::splat(LEVEL);
+        self.fronts[..self.count].iter().fold(near, |margins, front| {
+            Lanes::select(triangles.front.dot(LaneVec3::splat(*front)).ge(level), all, margins)
+        })
+    }
 }
 
 /// So many times eight triangles are gathered before they are looked at.

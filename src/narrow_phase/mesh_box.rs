@@ -13,10 +13,9 @@ use glam::Vec3;
 /// Keys below this name a corner of the box, whichever triangle it is over.
 pub(super) const CORNERS: u32 = 8;
 
-/// Adds a patch for every triangle that is nearer than the margin.
-pub(super) fn touch(half: Vec3, triangles: &Triangles, margin: f32, ground: &Ground, patches: &mut Patches) {
+/// Adds a patch for every triangle that is nearer than its margin.
+pub(super) fn touch(half: Vec3, triangles: &Triangles, limit: f32x8, ground: &Ground, patches: &mut Patches) {
     let size = half.length();
-    let limit = f32x8::splat(margin);
     let (face, axis, name) = triangles.separate(Vec3::ZERO, half);
     let near = face.le(limit) & axis.le(limit);
     if near.bits() & triangles.valid == 0 {
@@ -29,7 +28,7 @@ pub(super) fn touch(half: Vec3, triangles: &Triangles, margin: f32, ground: &Gro
     while bits != 0 {
         let lane = bits.trailing_zeros() as usize;
         bits &= bits - 1;
-        let touch = triangles.touch(lane, ground);
+        let (touch, margin) = (triangles.touch(lane, ground), limit.lane(lane));
         let first = patches.points.len();
         // Faces are preferred, as long as that costs little: their points last.
         let clearly = |apart: f32| if apart < 0.0 { 0.95 * apart } else { apart } + 5e-4 * size;

@@ -20,24 +20,25 @@ fn named(touch: &Touch, points: &[RawPoint]) -> impl Iterator<Item = RawPoint> {
     points.iter().map(move |p| RawPoint { key: key(index, fold(p.key)), ..*p })
 }
 
-/// Adds a patch for every triangle that is nearer than the margin. `around`: middle and half extents of the box around
+/// Adds a patch for every triangle that is nearer than its margin. `around`: middle and half extents of the box around
 /// the shape, and the shape's centre.
 pub(super) fn touch(
     a: &Collider,
     around: (Vec3, Vec3, Vec3),
     triangles: &Triangles,
-    margin: f32,
+    margins: f32x8,
     ground: &Ground,
     patches: &mut Patches,
 ) {
     let (middle, half, centre) = around;
     let (_, axis, _) = triangles.separate(middle, half);
-    let mut bits = axis.le(f32x8::splat(margin)).bits() & triangles.valid;
+    let mut bits = axis.le(margins).bits() & triangles.valid;
     while bits != 0 {
         let lane = bits.trailing_zeros() as usize;
         bits &= bits - 1;
         // Deepest below the face, of all of the shape.
         let (front, height) = (triangles.front.lane(lane), triangles.height.lane(lane));
+        let margin = margins.lane(lane);
         let face = height - extent(a, centre, -front);
         if face > margin {
             continue;

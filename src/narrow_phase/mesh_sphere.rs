@@ -43,11 +43,17 @@ pub(super) fn nearest(triangles: &Triangles, place: LaneVec3<f32x8>) -> (LaneVec
     (LaneVec3::select(over, foot, point), Lanes::select(over, zero, feature))
 }
 
-/// Adds a patch of one point for every triangle that is nearer than the margin.
-pub(super) fn touch(radius: f32, triangles: &Triangles, margin: f32, ground: &Ground, patches: &mut Patches) {
+/// Adds a patch of one point for every triangle that is nearer than its margin.
+pub(super) fn touch(
+    radius: f32,
+    triangles: &Triangles,
+    margins: f32x8,
+    ground: &Ground,
+    patches: &mut Patches,
+) {
     let (point, feature) = nearest(triangles, LaneVec3::zero());
     let distance = point.length();
-    let mut bits = distance.le(f32x8::splat(radius + margin)).bits() & triangles.valid;
+    let mut bits = distance.le(f32x8::splat(radius) + margins).bits() & triangles.valid;
     while bits != 0 {
         let lane = bits.trailing_zeros() as usize;
         bits &= bits - 1;

@@ -143,6 +143,9 @@ impl<'a> MeshSweep<'a> {
         if (level & !away).any() {
             let lowest = Lanes::min(least, self.gap(triangles.height, down, &self.middle));
             away = away | (level & lowest.ge(-resting));
+            // Its lowest point is over the triangle itself: it rests on it at the start, whatever comes then.
+            let (_, feature) = nearest(&triangles, support(self.shape, down));
+            away = away | (level & feature.eq(f32x8::zero()));
         }
         let mut first = earliest(start, end, limit);
         if (!away).bits() & triangles.valid != 0 {
