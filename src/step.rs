@@ -102,7 +102,9 @@ impl World {
         };
         clock = lap(clock, &mut times.solve);
 
-        let ended = finish::finish(crew, self, broad.0.fast, dt);
+        // Where pairs were shed, to have none says nothing.
+        let fast = if broad.0.shed > 0 { 0 } else { broad.0.fast };
+        let ended = finish::finish(crew, self, fast, dt);
         lap(clock, &mut times.finish);
         times.step = start.elapsed().as_secs_f32() * 1e6;
         self.buffers.last_h = dt / self.settings.substeps as f32;

@@ -76,9 +76,11 @@ fn a_falling_pile_keeps_to_any_budget_that_its_bodies_fit_in() {
         let shed = total(&tight);
         println!("{share}: {budget} of {} bytes, {shed} shed", wide.most);
         assert!(share > 0.5 || shed > 0, "{share}");
-        // More memory is never worse by much.
-        assert!(shed <= before.saturating_add(before / 4), "{shed} after {before} at {share}");
-        before = shed;
+        // More memory is never worse, once it is points that go: before that whole pairs do, which count as one.
+        if share >= 0.3 {
+            assert!(shed <= before, "{shed} after {before} at {share}");
+            before = shed;
+        }
     }
 }
 

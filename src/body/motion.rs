@@ -1,18 +1,12 @@
 //! How a body turns.
 
-use glam::{Quat, Vec3};
+use glam::{DQuat, DVec3, Quat, Vec3};
 
 /// The rotation by the angle |v| [rad] about v. Polynomials below 1 rad, so that the bits don't depend on the
 /// platform's sine.
 pub(crate) fn exp_map(v: Vec3) -> Quat {
-    let (s, c) = half_turn(v.length_squared());
-    Quat::from_xyzw(v.x * s, v.y * s, v.z * s, c).normalize()
-}
-
-/// Sine of half an angle divided by the angle, and cosine of half of it, by the angle's square.
-#[inline(always)]
-fn half_turn(t: f32) -> (f32, f32) {
-    if t < 1.0 {
+    let t = v.length_squared();
+    let (s, c) = if t < 1.0 {
         (
             0.5 + t * (-1.0 / 48.0 + t * (1.0 / 3840.0 + t * (-1.0 / 645_120.0))),
             1.0 + t * (-1.0 / 8.0 + t * (1.0 / 384.0 + t * (-1.0 / 46_080.0 + t * (1.0 / 10_321_920.0)))),
@@ -20,7 +14,8 @@ fn half_turn(t: f32) -> (f32, f32) {
     } else {
         let angle = t.sqrt();
         (libm::sinf(0.5 * angle) / angle, libm::cosf(0.5 * angle))
-    }
+    };
+    Quat::from_xyzw(v.x * s, v.y * s, v.z * s, c).normalize()
 }
 
 /// Free rotation over `h` seconds: turns `rotation` and returns it with the new angular velocity.
@@ -43,35 +38,38 @@ pub(crate) fn tumble(rotation: Quat, omega: Vec3, inertia: Vec3, h: f32) -> (Qua
     let (i, j) = ((k + 1) % 3, (k + 2) % 3);
     let across = 0.5 * (inverse[i] + inverse[j]);
     let rest = 0.5 * (inverse[i] - inverse[j]);
-    // In and out with more digits: a quaternion that is too long by a rounding, step after step, would add up.
-    let exact = rotation.as_dquat().normalize();
-    let start = inertia.as_dvec3() * (exact.conjugate() * omega.as_dvec3());
-    let (mut turn, mut momentum) = (rotation, start.as_vec3());
+    // With more digits on the way: a rounding that favours one direction, step after step, would add up.
+    let mut turn = rotation.as_dquat().normalize();
+    let mut momentum = inertia.as_dvec3() * (turn.conjugate() * omega.as_dvec3());
+    let length = momentum.length();
+    let (h, rest) = (f64::from(h), 0.5 * f64::from(rest));
+    let around = f64::from(inverse[k] - across) * h;
     if rest != 0.0 {
-        spin_axis(&mut turn, &mut momentum, i, 0.5 * rest * h);
-        spin_axis(&mut turn, &mut momentum, j, -0.5 * rest * h);
+        spin_axis(&mut turn, &mut momentum, i, rest * h);
+        spin_axis(&mut turn, &mut momentum, j, -rest * h);
     }
-    turn *= exp_map(momentum * (across * h));
-    spin_axis(&mut turn, &mut momentum, k, (inverse[k] - across) * h);
+    let way = momentum * (f64::from(across) * h);
+    let (s, c) = half_turn(way.length_squared());
+    turn *= DQuat::from_xyzw(way.x * s, way.y * s, way.z * s, c);
+    spin_axis(&mut turn, &mut momentum, k, around);
     if rest != 0.0 {
-        spin_axis(&mut turn, &mut momentum, j, -0.5 * rest * h);
-        spin_axis(&mut turn, &mut momentum, i, 0.5 * rest * h);
+        spin_axis(&mut turn, &mut momentum, j, -rest * h);
+        spin_axis(&mut turn, &mut momentum, i, rest * h);
     }
     // Rounding turned the momentum by next to nothing, and must not change its length either.
     let turn = turn.normalize();
-    let local = momentum.as_dvec3().normalize_or_zero() * start.length() / inertia.as_dvec3();
-    (turn, (turn.as_dquat().normalize() * local).as_vec3())
+    let turned = turn.as_quat();
+    let local = momentum.normalize_or_zero() * length / inertia.as_dvec3();
+    (turned, (turned.as_dquat().normalize() * local).as_vec3())
 }
 
 /// Turns a body about one of its own axes, by `rate` times its momentum about that axis [rad]; the momentum as seen from
 /// the body turns back.
 #[inline(always)]
-fn spin_axis(turn: &mut Quat, momentum: &mut Vec3, axis: usize, rate: f32) {
+fn spin_axis(turn: &mut DQuat, momentum: &mut DVec3, axis: usize, rate: f64) {
     let angle = rate * momentum[axis];
     let (s, c) = half_turn(angle * angle);
     let s = s * angle;
-    let length = (s * s + c * c).sqrt();
-    let (s, c) = (s / length, c / length);
     let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
     let q = turn.to_array();
     let mut out = [0.0; 4];
@@ -79,10 +77,26 @@ fn spin_axis(turn: &mut Quat, momentum: &mut Vec3, axis: usize, rate: f32) {
     out[i] = q[i] * c + q[j] * s;
     out[j] = q[j] * c - q[i] * s;
     out[3] = q[3] * c - q[axis] * s;
-    *turn = Quat::from_array(out);
+    *turn = DQuat::from_array(out);
     let (sin, cos) = (2.0 * s * c, c * c - s * s);
     let (x, y) = (momentum[i], momentum[j]);
     (momentum[i], momentum[j]) = (x * cos + y * sin, y * cos - x * sin);
+}
+
+/// Sine of half an angle divided by the angle, and cosine of half of it, by the angle's square. The series ends where
+/// the next term is below 1e-13.
+#[inline(always)]
+fn half_turn(t: f64) -> (f64, f64) {
+    if t < 0.25 {
+        let s = 1.0 / 645_120.0 - t * (1.0 / 185_794_560.0 - t / 81_749_606_400.0);
+        let s = 0.5 - t * (1.0 / 48.0 - t * (1.0 / 3840.0 - t * s));
+        let c = 1.0 / 46_080.0 - t * (1.0 / 10_321_920.0 - t / 3_715_891_200.0);
+        (s, 1.0 - t * (1.0 / 8.0 - t * (1.0 / 384.0 - t * c)))
+    } else {
+        let angle = t.sqrt();
+        let (s, c) = libm::sincos(0.5 * angle);
+        (s / angle, c)
+    }
 }
 
 /// How fast the two like moments of a body turn it out of the motion of a symmetric top, at most [rad/s]: what

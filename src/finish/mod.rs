@@ -103,7 +103,7 @@ const BLOCK: usize = 64;
 /// A free body whose axis may wander by more than this within a step is turned in several [rad].
 const TURN: f32 = 0.05;
 
-/// Moves the bodies to the end of the step. `fast`: how many outran their boxes.
+/// Moves the bodies to the end of the step. `fast`: how many outran their boxes; 0 if the list of pairs is not complete.
 pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> Ended {
     let (movers, dynamic) = (world.bodies.movers(), world.bodies.dynamic());
     let blocks = movers.div_ceil(BLOCK);
