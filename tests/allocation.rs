@@ -124,8 +124,8 @@ fn a_scene_past_its_densest_moment_allocates_nothing() {
         // The bodies hit the ground up to frame 33, and jump on from hill to hill: with eleven of them, the most that
         // there is of anything may come late.
         (builtin::talk(), 200),
-        (builtin::bullets(false), 60),
-        (builtin::bullets(true), 60),
+        (builtin::bullets(false), 100),
+        (builtin::bullets(true), 100),
         // It settles layer by layer: the last contacts come late.
         (resting_pile(), 250),
     ] {
