@@ -115,6 +115,8 @@ impl BroadPhase {
                 }
             }
         });
+        // First what the blocks used: the list below takes of what is left.
+        self.settle(count, share, room);
         for block in &self.blocks[..count] {
             for &place in &lock(block).turned {
                 self.pairs[place as usize].fast ^= true;
@@ -128,7 +130,6 @@ impl BroadPhase {
                 }
             }
         }
-        self.settle(count, share, room);
     }
 
     /// Searches for the pairs of all that changed; returns how many are new, and how many there was no room for.
