@@ -78,10 +78,16 @@ pub(crate) fn hit_mesh(input: &Input<'_>, pair: &Pair, touch: Touch, out: &mut M
     let Touch { fraction, normal } = touch;
     out.raw.clear();
     let margin = further(input, pair, &touch);
-    collide_mesh(a, b, &motion.relative(fraction), (margin, margin), &mut out.mesh, &mut out.raw);
+    collide_mesh(a, b, &motion.relative(fraction), (margin, input.margin), &mut out.mesh, &mut out.raw);
+    // Planes that it is not close to when it touches are guesses.
+    out.raw.retain(|m| m.points().iter().any(|p| p.separation <= input.margin));
     (0..out.raw.len()).for_each(|i| out.add(carry_back(&out.raw[i], &motion, fraction, 0.0), fraction));
 
     let then = motion.after(fraction, normal);
+    let left = then.displacement.length() + (1.0 - fraction) * input.approach(pair).spin;
+    if left <= 0.5 * a.inner_radius {
+        return;
+    }
     let Some(Touch { fraction: further, .. }) = cast_mesh(a, b, &then, tolerance(a, b), input.real) else {
         return;
     };
