@@ -164,7 +164,8 @@ pub(crate) fn with_crew<R: Send>(threads: usize, f: impl FnOnce(Crew<'_>) -> R +
             _ => drop(rayon::join(|| stage.help(), || helpers(stage, count - 1))),
         }
     }
-    let helping = threads.min(rayon::current_num_threads()).saturating_sub(1);
+    // Asking rayon starts its pool: not for one thread.
+    let helping = if threads > 1 { threads.min(rayon::current_num_threads()) - 1 } else { 0 };
     if helping == 0 {
         return f(Crew::alone());
     }
