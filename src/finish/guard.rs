@@ -41,6 +41,8 @@ pub(crate) struct Clear {
 
 /// Share of the inner ball that a centre keeps from a surface when it is held.
 const KEEP: f32 = 0.25;
+/// Share of that distance that it keeps when it runs along a surface.
+const GRAZE: f32 = 0.25;
 /// A shape whose origin is outside of it has no inner ball there: this share of its size stands in.
 const HOLLOW: f32 = 1e-3;
 
@@ -84,36 +86,47 @@ impl Guard<'_> {
 
     /// Distance of a point from static surfaces, or `most` if that is less; zero inside of a solid shape [m].
     fn clearance(&self, stack: &mut Vec<u32>, centre: DVec3, most: f32) -> f32 {
+        let (least, _) = self.nearest(stack, centre, most);
+        // Of what `f32` resolves nothing is left over.
+        (least - 1e-6 * (least + centre.as_vec3().abs().max_element())).max(0.0)
+    }
+
+    /// Distance of a point from the nearest static surface, and the direction away from it; `most` and no direction if
+    /// there is none within that.
+    fn nearest(&self, stack: &mut Vec<u32>, centre: DVec3, most: f32) -> (f32, Vec3) {
         let at = centre.as_vec3();
-        let mut least = most;
+        let (mut least, mut away) = (most, Vec3::ZERO);
         self.broad.statics_on_path(stack, at, at, Vec3::splat(most), |c| {
             let (collider, pose) = (&self.colliders[c as usize], &self.poses[c as usize]);
             let point = pose.rotation.conjugate() * (centre - pose.position).as_vec3();
             let own = Support::triangle([point; 3]);
             let here = Relative { position: Vec3::ZERO, rotation: Quat::IDENTITY };
-            let gap = |other: &Support| distance(&own, other, &here, Vec3::ZERO).distance.max(0.0);
-            let (low, high) = (point - least, point + least);
+            let mut look = |gap: f32, normal: Vec3| {
+                if gap < least {
+                    (least, away) = (gap, pose.rotation * normal);
+                }
+            };
+            let mut surface = |other: &Support| {
+                let gap = distance(&own, other, &here, Vec3::ZERO);
+                look(gap.distance.max(0.0), -gap.normal);
+            };
+            let (low, high) = (point - most, point + most);
             match &collider.geometry {
                 Geometry::Mesh(mesh) => {
-                    mesh.visit_box(low, high, &mut |t| {
-                        least = least.min(gap(&Support::triangle(mesh.triangle(t))));
-                    });
+                    mesh.visit_box(low, high, &mut |t| surface(&Support::triangle(mesh.triangle(t))));
                 }
                 Geometry::HeightField(field) => {
-                    field.visit_box(low, high, &mut |t| {
-                        least = least.min(gap(&Support::triangle(field.triangle(t))));
-                    });
+                    field.visit_box(low, high, &mut |t| surface(&Support::triangle(field.triangle(t))));
                 }
-                Geometry::Plane => least = least.min(point.y.max(0.0)),
+                Geometry::Plane => look(point.y.max(0.0), Vec3::Y),
                 _ => {
                     if let Some(shape) = Support::of(collider) {
-                        least = least.min(gap(&shape));
+                        surface(&shape);
                     }
                 }
             }
         });
-        // Of what `f32` resolves nothing is left over.
-        (least - 1e-6 * (least + at.abs().max_element())).max(0.0)
+        (least, away)
     }
 
     /// Cuts the motion where the centre would enter static geometry; takes the velocity that leads there away. Says
@@ -130,7 +143,9 @@ impl Guard<'_> {
         // A little further than the motion, so that the centre keeps its distance at the end too.
         let length = moved.length();
         let reach = *moved * (1.0 + keep / length);
-        let Some((fraction, normal)) = self.first_static(stack, own, from, reach) else { return false };
+        let Some((fraction, normal)) = self.first_static(stack, own, from, reach) else {
+            return self.keep_off(stack, own, from, moved, GRAZE * keep);
+        };
         let Some(stop) = stop(reach, length, keep, fraction, normal) else { return false };
         *moved = reach * stop;
         // A path that grazes a surface ends closer to it, and could slip through by a rounding later on: away with it.
@@ -145,6 +160,19 @@ impl Guard<'_> {
         if speed < 0.0 {
             velocity.linear -= normal * speed;
         }
+        true
+    }
+
+    /// A path that runs along a surface without entering it may end so close that the next one begins on the other side,
+    /// by a rounding: such an end is lifted to `least` [m] from the surface. Says whether it had to be.
+    fn keep_off(&self, stack: &mut Vec<u32>, own: &[u32], from: DVec3, moved: &mut Vec3, least: f32) -> bool {
+        let (gap, away) = self.nearest(stack, from + moved.as_dvec3(), least);
+        if gap >= least {
+            return false;
+        }
+        let lifted = *moved + away * (least - gap);
+        let free = away != Vec3::ZERO && self.first_static(stack, own, from, lifted).is_none();
+        *moved = if free { lifted } else { Vec3::ZERO };
         true
     }
 
