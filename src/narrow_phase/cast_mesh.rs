@@ -373,7 +373,13 @@ mod tests {
                 .map(|t| t.fraction)
                 .filter(|&t| t > 0.0)
                 .fold(None, |first: Option<f32>, t| Some(first.map_or(t, |f| f.min(t))));
-            assert_eq!(found.map(|t| t.fraction), expected, "{a:?} {motion:?}");
+            // A search that begins elsewhere ends elsewhere within the tolerance.
+            let speed = motion.displacement.length() + 2.0 * (pa.spin.length() + pb.spin.length());
+            let same = match (found.map(|t| t.fraction), expected) {
+                (Some(found), Some(expected)) => (found - expected).abs() * speed <= eps,
+                (found, expected) => found == expected,
+            };
+            assert!(same, "{found:?} {expected:?} {a:?} {motion:?}");
             hits += u32::from(found.is_some());
             misses += u32::from(found.is_none());
         }
