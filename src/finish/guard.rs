@@ -86,20 +86,23 @@ impl Guard<'_> {
 
     /// Distance of a point from static surfaces, or `most` if that is less; zero inside of a solid shape [m].
     fn clearance(&self, stack: &mut Vec<u32>, centre: DVec3, most: f32) -> f32 {
-        let (least, _) = self.nearest(stack, centre, most);
+        let (least, _) = self.nearest(stack, &[], centre, most);
         // Of what `f32` resolves nothing is left over.
         (least - 1e-6 * (least + centre.as_vec3().abs().max_element())).max(0.0)
     }
 
-    /// Distance of a point from the nearest static surface, and the direction away from it; `most` and no direction if
-    /// there is none within that.
-    fn nearest(&self, stack: &mut Vec<u32>, centre: DVec3, most: f32) -> (f32, Vec3) {
+    /// Distance of a point from the nearest static surface that `own` may meet, and the direction away from it; `most` and
+    /// no direction if there is none within that.
+    fn nearest(&self, stack: &mut Vec<u32>, own: &[u32], centre: DVec3, most: f32) -> (f32, Vec3) {
         let at = centre.as_vec3();
         let (mut least, mut away) = (most, Vec3::ZERO);
         self.broad.statics_on_path(stack, at, at, Vec3::splat(most), |c| {
             let (collider, pose) = (&self.colliders[c as usize], &self.poses[c as usize]);
+            if !self.may_meet(own, collider) {
+                return;
+            }
             let point = pose.rotation.conjugate() * (centre - pose.position).as_vec3();
-            let own = Support::triangle([point; 3]);
+            let tip = Support::triangle([point; 3]);
             let here = Relative { position: Vec3::ZERO, rotation: Quat::IDENTITY };
             let mut look = |gap: f32, normal: Vec3| {
                 if gap < least {
@@ -107,7 +110,7 @@ impl Guard<'_> {
                 }
             };
             let mut surface = |other: &Support| {
-                let gap = distance(&own, other, &here, Vec3::ZERO);
+                let gap = distance(&tip, other, &here, Vec3::ZERO);
                 look(gap.distance.max(0.0), -gap.normal);
             };
             let (low, high) = (point - most, point + most);
@@ -166,7 +169,7 @@ impl Guard<'_> {
     /// A path that runs along a surface without entering it may end so close that the next one begins on the other side,
     /// by a rounding: such an end is lifted to `least` [m] from the surface. Says whether it had to be.
     fn keep_off(&self, stack: &mut Vec<u32>, own: &[u32], from: DVec3, moved: &mut Vec3, least: f32) -> bool {
-        let (gap, away) = self.nearest(stack, from + moved.as_dvec3(), least);
+        let (gap, away) = self.nearest(stack, own, from + moved.as_dvec3(), least);
         if gap >= least {
             return false;
         }
@@ -176,6 +179,11 @@ impl Guard<'_> {
         true
     }
 
+    /// Whether all shapes of a body collide with another.
+    fn may_meet(&self, own: &[u32], other: &Collider) -> bool {
+        own.iter().all(|&o| self.colliders[o as usize].filter.allows(&other.filter))
+    }
+
     /// Where a way first enters static geometry: how far along it, and the normal there.
     fn first_static(&self, stack: &mut Vec<u32>, own: &[u32], from: DVec3, way: Vec3) -> Option<(f32, Vec3)> {
         let mut first: Option<(f32, Vec3)> = None;
@@ -183,7 +191,7 @@ impl Guard<'_> {
         let slack = Vec3::splat(1e-6 * start.abs().max(end.abs()).max_element());
         self.broad.statics_on_path(stack, start, end, slack, |c| {
             let (collider, pose) = (&self.colliders[c as usize], &self.poses[c as usize]);
-            if !own.iter().all(|&o| self.colliders[o as usize].filter.allows(&collider.filter)) {
+            if !self.may_meet(own, collider) {
                 return;
             }
             let back = pose.rotation.conjugate();
