@@ -215,9 +215,24 @@ fn far(input: &Input<'_>, pair: &Pair, now: &Relative) -> bool {
     if pair.contact != NONE {
         return false;
     }
-    let reach = input.hot[pair.a as usize].radius + input.hot[pair.b as usize].radius;
-    let most = reach + input.margin + input.approach(pair).most();
-    now.position.length_squared() > most * most
+    let (a, b) = (&input.hot[pair.a as usize], &input.hot[pair.b as usize]);
+    let (reach, approach) = (a.radius + b.radius, input.approach(pair));
+    let most = reach + input.margin + approach.most();
+    if now.position.length_squared() > most * most {
+        return true;
+    }
+    // What is apart and fast gets points only of a touch, and balls that pass each other don't touch. Turning moves
+    // their centres by no more than their levers.
+    if approach.mode != Continuous::Segment || approach.most() <= input.fast || !reach.is_finite() {
+        return false;
+    }
+    let turn = |c: u32| input.motion_of(c).pad1.min(2.0);
+    let near = reach + input.margin + a.lever * turn(pair.a) + b.lever * turn(pair.b);
+    let pose = |c: u32| &input.poses[c as usize];
+    let apart = (pose(pair.b).position - pose(pair.a).position).as_vec3();
+    let way = approach.way;
+    let along = (-apart.dot(way) / way.length_squared().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
+    (apart + way * along).length_squared() > near * near
 }
 
 /// Pose of `b` in `a` for up to eight pairs.
