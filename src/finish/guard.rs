@@ -341,6 +341,11 @@ impl Guard<'_> {
         }
         let keep = KEEP * self.inner(own);
         let reach = moved * (1.0 + keep / length);
+        // Past the ball around the shape: most pairs by far.
+        let along = (-start.dot(reach) / reach.length_squared()).clamp(0.0, 1.0);
+        if (start + reach * along).length() > 1.001 * shape.radius {
+            return None;
+        }
         let hit = segment_hits(shape, start, start + reach)?;
         let stop = stop(reach, length, keep, hit.fraction, hit.normal)?;
         Some(((stop * (length + keep) / length).min(1.0), new.rotation * hit.normal))
