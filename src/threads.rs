@@ -36,10 +36,21 @@ type Work<'a> = &'a (dyn Fn(usize) + Sync + 'a);
 /// A [`Work`] without its lifetime: where the caller's reference lies, and how to call through it.
 type Erased = (*const (), fn(*const (), usize));
 
+/// Which end of the blocks that are left is claimed.
+///
+/// The caller works from the front and the first helper from the back, until they meet. Stages that go over the same
+/// blocks again and again, as the solver's do, thus leave most of a block's data in the cache of one core.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum End {
+    Front,
+    #[cfg_attr(not(feature = "parallel"), allow(dead_code, reason = "only helpers claim there"))]
+    Back,
+}
+
 /// The stage that is being worked on.
 #[cfg_attr(not(feature = "parallel"), allow(dead_code, reason = "only helpers read it"))]
 struct Stage {
-    /// Epoch (16 bits), number of blocks (24) and next block to claim (24) in one word, so that a claim is one
+    /// Epoch (16 bits), end (24) and start (24) of the blocks that are not claimed, in one word, so that a claim is one
     /// exchange and can't mistake one stage for another.
     ticket: AtomicU64,
     done: AtomicUsize,
@@ -85,32 +96,37 @@ impl Stage {
         unsafe { *self.work.get() = Some(((&raw const work).cast(), call)) };
         self.ticket.store(epoch << (2 * BITS) | (blocks as u64) << BITS, Ordering::Release);
         let finish = Finish { stage: self, blocks };
-        while let Some(block) = self.claim() {
+        while let Some(block) = self.claim(End::Front) {
             let _done = Done(&self.done);
             work(block);
         }
         drop(finish);
     }
 
-    /// Takes the next block of the current stage, if any is left.
-    fn claim(&self) -> Option<usize> {
+    /// Takes a block of the current stage, if any is left.
+    fn claim(&self, end: End) -> Option<usize> {
         let mut ticket = self.ticket.load(Ordering::Acquire);
         loop {
-            if ticket & MASK >= ticket >> BITS & MASK {
+            let (front, back) = (ticket & MASK, ticket >> BITS & MASK);
+            if front >= back {
                 return None;
             }
-            match self.ticket.compare_exchange_weak(ticket, ticket + 1, Ordering::AcqRel, Ordering::Acquire) {
-                Ok(_) => return Some((ticket & MASK) as usize),
+            let (next, block) = match end {
+                End::Front => (ticket + 1, front),
+                End::Back => (ticket - (1 << BITS), back - 1),
+            };
+            match self.ticket.compare_exchange_weak(ticket, next, Ordering::AcqRel, Ordering::Acquire) {
+                Ok(_) => return Some(block as usize),
                 Err(now) => ticket = now,
             }
         }
     }
 
     /// Works on what the caller announces until it quits.
-    fn help(&self) {
+    fn help(&self, end: End) {
         let mut idle = 0u32;
         while !self.quit.load(Ordering::Acquire) {
-            if let Some(block) = self.claim() {
+            if let Some(block) = self.claim(end) {
                 idle = 0;
                 let _done = Done(&self.done);
                 // SAFETY: this helper holds a block that is not done, so the caller is still in `run` of the stage
@@ -137,7 +153,7 @@ impl Drop for Finish<'_> {
     fn drop(&mut self) {
         // What is left unclaimed after a panic is given up, so that only claimed blocks are waited for.
         let mut unclaimed = 0;
-        while self.stage.claim().is_some() {
+        while self.stage.claim(End::Front).is_some() {
             unclaimed += 1;
         }
         let mut idle = 0u32;
@@ -158,10 +174,12 @@ pub(crate) fn with_crew<R: Send>(threads: usize, f: impl FnOnce(Crew<'_>) -> R +
         }
     }
     fn helpers(stage: &Stage, count: usize) {
+        // Half of the crew at either end.
+        let end = if count % 2 == 1 { End::Back } else { End::Front };
         match count {
             0 => {}
-            1 => stage.help(),
-            _ => drop(rayon::join(|| stage.help(), || helpers(stage, count - 1))),
+            1 => stage.help(end),
+            _ => drop(rayon::join(|| stage.help(end), || helpers(stage, count - 1))),
         }
     }
     // Asking rayon starts its pool: not for one thread.
