@@ -28,7 +28,7 @@ pub(crate) struct Passes {
 }
 
 /// Batches a block: the smallest piece of a colour that two threads share.
-const BLOCK: usize = 4;
+const BLOCK: usize = 8;
 
 impl Passes {
     pub(crate) fn run(
