@@ -171,7 +171,7 @@ fn on_ground(name: &str, shape: Collider, ground: Collider, terrain: &Terrain) -
     Kernel::new(name, poses.len(), move || {
         for rel in &poses {
             out.clear();
-            collide_mesh(&shape, &ground, rel, MARGIN, &mut scratch, &mut out);
+            collide_mesh(&shape, &ground, rel, (MARGIN, MARGIN), &mut scratch, &mut out);
             black_box(&mut out);
         }
     })
