@@ -3,7 +3,7 @@
 use super::bvh::Tree;
 use super::{BroadPhase, FILTER, MayCollide, NONE, Order, Pair, Path, Role};
 use crate::lanes::{Mask, f32x4};
-use crate::memory::{Buffer, Buffers, Room, bytes_of, even_out};
+use crate::memory::{Buffer, Buffers, Made, Room, bytes_of, even_out};
 use crate::threads::Crew;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -42,20 +42,9 @@ impl Buffers for Mutex<Block> {
 }
 
 /// Blocks with the stacks that they surely need.
-pub(super) struct Blocks<'a>(pub(super) &'a mut Vec<Mutex<Block>>);
-
-impl Buffer for Blocks<'_> {
-    fn capacity(&self) -> usize {
-        self.0.len()
-    }
-    fn missing(&self, len: usize) -> usize {
-        self.0.missing(len) + len.saturating_sub(self.0.len()) * STACK * size_of::<u32>()
-    }
-    fn widen(&mut self, len: usize) {
-        self.0.widen(len);
-        let with_stack = || Mutex::new(Block { stack: Vec::with_capacity(STACK), ..Block::default() });
-        self.0.resize_with(len.max(self.0.len()), with_stack);
-    }
+pub(super) fn with_stacks(blocks: &mut Vec<Mutex<Block>>) -> Made<'_, Mutex<Block>> {
+    let make = || Mutex::new(Block { stack: Vec::with_capacity(STACK), ..Block::default() });
+    Made { all: blocks, make, holds: STACK * size_of::<u32>() }
 }
 
 /// Who may be a pair, and what one costs.
@@ -226,7 +215,7 @@ impl BroadPhase {
         if count > self.blocks.len() {
             // A few more, or every other step would add one.
             let more = count + count / 4;
-            let mut blocks = Blocks(&mut self.blocks);
+            let mut blocks = with_stacks(&mut self.blocks);
             let most = [more, count].into_iter().find(|&n| blocks.missing(n) <= room.left());
             let Some(most) = most else { return self.blocks.len() };
             room.take(blocks.missing(most));

@@ -30,7 +30,7 @@ use crate::config::Continuous;
 use crate::memory::{Buffer, Marks, Room, bytes_of};
 use crate::threads::Crew;
 use bvh::{NONE, Tree};
-use find::{Block, Blocks};
+use find::Block;
 pub(crate) use find::{Rules, STACK};
 use glam::Vec3;
 use pairs::PairTable;
@@ -478,7 +478,7 @@ impl BroadPhase {
         f(&mut self.new_statics, n.still);
         f(&mut self.new_movers, n.moving);
         f(&mut self.paths, n.moving);
-        f(&mut Blocks(&mut self.blocks), all.div_ceil(find::BLOCK));
+        f(&mut find::with_stacks(&mut self.blocks), all.div_ceil(find::BLOCK));
         self.statics.each(n.still, f);
         self.movers.each(n.moving, f);
     }

@@ -10,7 +10,7 @@ use crate::body::{carry_spin, exp_map, tumble, wobble};
 use crate::broad_phase::{Pair, STACK};
 use crate::config::Continuous;
 use crate::forces::spins_freely;
-use crate::memory::{Buffer, bytes_of};
+use crate::memory::{Buffer, Made, bytes_of};
 use crate::shape::Collider;
 use crate::threads::{Crew, Shared};
 use crate::world::World;
@@ -35,7 +35,7 @@ impl Buffers {
     ) {
         f(&mut self.clear, dynamic);
         f(&mut self.beside, dynamic);
-        f(&mut Stacks(&mut self.stacks), movers.div_ceil(BLOCK));
+        f(&mut stacks_of(&mut self.stacks), movers.div_ceil(BLOCK));
     }
 
     pub(crate) fn bytes(&self) -> (usize, usize) {
@@ -53,19 +53,8 @@ impl Buffers {
 }
 
 /// Stacks for walks, each with all the place that it may need.
-struct Stacks<'a>(&'a mut Vec<Mutex<Vec<u32>>>);
-
-impl Buffer for Stacks<'_> {
-    fn capacity(&self) -> usize {
-        self.0.len()
-    }
-    fn missing(&self, len: usize) -> usize {
-        self.0.missing(len) + len.saturating_sub(self.0.len()) * STACK * size_of::<u32>()
-    }
-    fn widen(&mut self, len: usize) {
-        self.0.widen(len);
-        self.0.resize_with(len.max(self.0.len()), || Mutex::new(Vec::with_capacity(STACK)));
-    }
+fn stacks_of(all: &mut Vec<Mutex<Vec<u32>>>) -> Made<'_, Mutex<Vec<u32>>> {
+    Made { all, make: || Mutex::new(Vec::with_capacity(STACK)), holds: STACK * size_of::<u32>() }
 }
 
 /// What finishing counted.
@@ -109,7 +98,7 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
     let blocks = movers.div_ceil(BLOCK);
     let held = std::sync::atomic::AtomicU32::new(0);
     let Buffers { stacks, clear, beside } = &mut world.buffers.finish;
-    Stacks(stacks).widen(blocks);
+    stacks_of(stacks).widen(blocks);
     let guard = Guard {
         broad: &world.broad,
         colliders: &world.colliders.all,

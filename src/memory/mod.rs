@@ -4,7 +4,7 @@ mod column;
 mod room;
 
 pub(crate) use column::bytes_of;
-pub(crate) use room::{Buffer, Buffers, Marks, Room, even_out};
+pub(crate) use room::{Buffer, Buffers, Made, Marks, Room, even_out};
 
 use std::fmt;
 

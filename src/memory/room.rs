@@ -123,6 +123,28 @@ impl<T> Buffer for Vec<T> {
     }
 }
 
+/// A vector of things that hold place from the start.
+pub(crate) struct Made<'a, T> {
+    pub(crate) all: &'a mut Vec<T>,
+    /// Makes one.
+    pub(crate) make: fn() -> T,
+    /// Bytes that one holds from the start.
+    pub(crate) holds: usize,
+}
+
+impl<T> Buffer for Made<'_, T> {
+    fn capacity(&self) -> usize {
+        self.all.len()
+    }
+    fn missing(&self, len: usize) -> usize {
+        self.all.missing(len) + len.saturating_sub(self.all.len()) * self.holds
+    }
+    fn widen(&mut self, len: usize) {
+        self.all.widen(len);
+        self.all.resize_with(len.max(self.all.len()), self.make);
+    }
+}
+
 /// Calls a function for each of something's buffers, always in the same order.
 pub(crate) trait Buffers {
     fn each(&mut self, f: &mut dyn FnMut(&mut dyn Buffer));

@@ -98,8 +98,8 @@ pub(crate) fn cast_triangles<T: Triangles + ?Sized>(
 ) -> Cast {
     let Asked { tolerance, resting, alone } = asked;
     let Some(shape) = Support::of(a) else { return Cast::Free };
-    let filter = (motion.b.spin == Vec3::ZERO).then_some(());
-    if filter.is_none() && alone >= 0.0 {
+    let turns = motion.b.spin != Vec3::ZERO;
+    if turns && alone >= 0.0 {
         return Cast::Near;
     }
     let nothing = Support::triangle([Vec3::ZERO; 3]);
@@ -110,7 +110,7 @@ pub(crate) fn cast_triangles<T: Triangles + ?Sized>(
     let inflate = path.inflate + DVec3::splat(slack);
     let start = sweep.placed(0.0);
     let mut later = None;
-    let filter = filter.map(|()| MeshSweep::new(a, motion, &sweep.spin()));
+    let filter = (!turns).then(|| MeshSweep::new(a, motion, &sweep.spin()));
     let mut first: Option<Touch> = None;
     let mut limit = 1.0_f64;
     let mut exact = |index: u32| {

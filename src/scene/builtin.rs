@@ -82,7 +82,7 @@ pub(super) fn throw_at(scene: &mut Scene, terrain: &Terrain, i: usize, shape: Ge
     let velocity = Vec3::new(sideways * libm::cosf(angle), -down, sideways * libm::sinf(angle));
     let spin = rng.direction() * rng.range(10.0, 30.0);
     let position = Vec3::new(x, terrain.height(x, z) + above, z);
-    let name = format!("{} {}", kind_name(&shape), i + 1);
+    let name = format!("{} {}", shape.kind_name(), i + 1);
     let desc = dynamic(shape, position).rotated(rotation).moving(velocity, spin);
     scene.add(name, desc);
 }
@@ -166,7 +166,7 @@ pub fn pile() -> Scene {
             1.0 + layer as f32 * 1.1,
             (z as f32 - 7.5) * 0.98 + jitter(),
         );
-        let name = kind_name(&shape);
+        let name = shape.kind_name();
         scene.add(name, dynamic(shape, position).rotated(rng.small_rotation(0.3)));
     }
     scene
@@ -221,19 +221,6 @@ pub(super) fn pebble(count: usize, radii: Vec3, rng: &mut Rng) -> Geometry {
     };
     let points: Vec<Vec3> = (0..count).map(point).collect();
     Geometry::Hull(Arc::new(ConvexHull::new(&points).expect("points of an ellipsoid span a volume")))
-}
-
-pub(super) fn kind_name(geometry: &Geometry) -> &'static str {
-    match geometry {
-        Geometry::Sphere { .. } => "sphere",
-        Geometry::Capsule { .. } => "capsule",
-        Geometry::Box { .. } => "box",
-        Geometry::Cylinder { .. } => "cylinder",
-        Geometry::Hull(_) => "hull",
-        Geometry::Plane => "plane",
-        Geometry::Mesh(_) => "mesh",
-        Geometry::HeightField(_) => "height field",
-    }
 }
 
 #[cfg(test)]

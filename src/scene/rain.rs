@@ -1,7 +1,7 @@
 //! Bodies of mixed shapes above what a scene has, to fall onto it.
 
 use super::Scene;
-use super::builtin::{dynamic, kind_name, pebble};
+use super::builtin::{dynamic, pebble};
 use super::rng::Rng;
 use crate::body::BodyDesc;
 use crate::shape::{Geometry, ShapeDesc};
@@ -203,7 +203,7 @@ fn drop(i: usize, size: f32, rng: &mut Rng) -> (&'static str, BodyDesc) {
             return ("compound", dumbbell);
         }
     };
-    (kind_name(&geometry), dynamic(geometry, Vec3::ZERO))
+    (geometry.kind_name(), dynamic(geometry, Vec3::ZERO))
 }
 
 #[cfg(test)]

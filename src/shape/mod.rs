@@ -82,6 +82,20 @@ impl Geometry {
         Geometry::Box { half_extents: Vec3::new(x, y, z) }
     }
 
+    /// The kind in words, for names and messages.
+    pub fn kind_name(&self) -> &'static str {
+        match self {
+            Geometry::Sphere { .. } => "sphere",
+            Geometry::Capsule { .. } => "capsule",
+            Geometry::Box { .. } => "box",
+            Geometry::Cylinder { .. } => "cylinder",
+            Geometry::Hull(_) => "hull",
+            Geometry::Plane => "plane",
+            Geometry::Mesh(_) => "mesh",
+            Geometry::HeightField(_) => "height field",
+        }
+    }
+
     /// What [`Collider::size`] holds.
     pub(crate) fn size(&self) -> [f32; 4] {
         match *self {

@@ -112,20 +112,6 @@ impl Run {
     }
 }
 
-/// What messages call a geometry.
-fn kind(geometry: &Geometry) -> &'static str {
-    match geometry {
-        Geometry::Sphere { .. } => "sphere",
-        Geometry::Capsule { .. } => "capsule",
-        Geometry::Box { .. } => "box",
-        Geometry::Cylinder { .. } => "cylinder",
-        Geometry::Hull(_) => "hull",
-        Geometry::Plane => "plane",
-        Geometry::Mesh(_) => "mesh",
-        Geometry::HeightField(_) => "height field",
-    }
-}
-
 /// A node's physics.
 fn physics(value: Value) -> Value {
     json!({ "KHR_physics_rigid_bodies": value })

@@ -50,7 +50,7 @@ fn drop_on(scene: &Scene, ground: usize, faller: usize, expected: f64, dt: f32) 
     let is = run.body(faller);
     let off = (is.position - DVec3::new(0.0, expected, 0.0)).abs();
     let geometry = |i: usize| &scene.bodies[i].desc.shapes[0].geometry;
-    let pair = format!("{} on {}", kind(geometry(faller)), kind(geometry(ground)));
+    let pair = format!("{} on {}", geometry(faller).kind_name(), geometry(ground).kind_name());
     let fine = is.at_rest() && off.y < 2e-3 && off.x.max(off.z) < 0.1;
     (!fine).then(|| format!("{} ({pair}) dt {dt}: {is:?}, height {expected}", scene.name))
 }
