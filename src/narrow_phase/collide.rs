@@ -55,17 +55,28 @@ impl Input<'_> {
     /// How a pair may close within the step.
     pub(crate) fn approach(&self, pair: &Pair) -> Approach {
         let (a, b) = (self.motion_of(pair.a), self.motion_of(pair.b));
-        let reach = |collider: u32, turn: f32| {
-            let c = &self.hot[collider as usize];
+        let swing = |collider: u32, motion: &Record| {
+            // The pad of a motion is the angle of its turn; an endless plane on a body that doesn't turn reaches nowhere.
+            let (c, turn) = (&self.hot[collider as usize], motion.pad1);
+            if turn == 0.0 {
+                return 0.0;
+            }
+            // What is round about an axis does not change by a turn about that.
+            let tilt = match c.kind {
+                Kind::Sphere => return turn * c.lever,
+                Kind::Capsule | Kind::Cylinder => {
+                    let axis = self.poses[collider as usize].rotation * glam::Vec3::Y;
+                    motion.angular.cross(axis).length()
+                }
+                _ => turn,
+            };
             // A point of the shape can't get further than across it.
-            (turn * (c.lever + c.radius)).min(2.0 * c.radius + turn * c.lever)
+            turn * c.lever + (tilt * c.radius).min(2.0 * c.radius)
         };
-        // The pad of a motion is the angle of its turn; an endless plane on a body that doesn't turn reaches nowhere.
-        let swing = |collider: u32, turn: f32| if turn == 0.0 { 0.0 } else { reach(collider, turn) };
         let way = b.linear - a.linear;
         let own = |c: u32| self.hot[c as usize].mode;
         let mode = self.mode.of(own(pair.a).max(own(pair.b)));
-        Approach { way, length: way.length(), spin: swing(pair.a, a.pad1) + swing(pair.b, b.pad1), mode }
+        Approach { way, length: way.length(), spin: swing(pair.a, &a) + swing(pair.b, &b), mode }
     }
 }
 
