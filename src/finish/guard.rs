@@ -116,10 +116,10 @@ impl Guard<'_> {
             let (low, high) = (point - most, point + most);
             match &collider.geometry {
                 Geometry::Mesh(mesh) => {
-                    mesh.visit_box(low, high, &mut |t| surface(&Support::triangle(mesh.triangle(t))));
+                    mesh.visit_box(low, high, &mut |_, t| surface(&Support::triangle(t)));
                 }
                 Geometry::HeightField(field) => {
-                    field.visit_box(low, high, &mut |t| surface(&Support::triangle(field.triangle(t))));
+                    field.visit_box(low, high, &mut |_, t| surface(&Support::triangle(t)));
                 }
                 Geometry::Plane => look(point.y.max(0.0), Vec3::Y),
                 _ => {

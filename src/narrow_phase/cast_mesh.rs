@@ -16,7 +16,7 @@ pub(crate) trait Triangles {
     /// Calls `f` with every triangle whose box, grown by `inflate`, the segment meets before the fraction that `f`
     /// last answered; about nearest first, in an order that depends on the mesh and the segment alone. `f` gets the
     /// fraction of entry into the box, and answers the largest that still matters.
-    fn visit_segment(&self, from: Vec3, to: Vec3, inflate: Vec3, f: &mut dyn FnMut(u32, f32) -> f32);
+    fn visit_segment(&self, from: Vec3, to: Vec3, inflate: Vec3, f: &mut dyn FnMut(u32, [Vec3; 3], f32) -> f32);
     /// The first triangle that the segment meets, with the fraction; nothing slips through where triangles share an
     /// edge or a corner.
     fn segment_hit(&self, from: Vec3, to: Vec3) -> Option<(f32, u32)>;
@@ -76,7 +76,7 @@ macro_rules! triangles {
             fn triangle(&self, index: u32) -> [Vec3; 3] {
                 <$mesh>::triangle(self, index)
             }
-            fn visit_segment(&self, from: Vec3, to: Vec3, inflate: Vec3, f: &mut dyn FnMut(u32, f32) -> f32) {
+            fn visit_segment(&self, from: Vec3, to: Vec3, inflate: Vec3, f: &mut dyn FnMut(u32, [Vec3; 3], f32) -> f32) {
                 <$mesh>::visit_segment(self, from, to, inflate, f);
             }
             fn segment_hit(&self, from: Vec3, to: Vec3) -> Option<(f32, u32)> {
@@ -176,8 +176,8 @@ pub(crate) fn cast_triangles<T: Triangles + ?Sized>(
         }
         eight.clear();
     };
-    let mut visit = |index: u32, _entry: f32| -> f32 {
-        eight.push(index, mesh.triangle(index));
+    let mut visit = |index: u32, corners: [Vec3; 3], _entry: f32| -> f32 {
+        eight.push(index, corners);
         if eight.is_full() && limit >= 0.0 {
             look(&mut eight, &mut limit);
         }
@@ -209,7 +209,7 @@ mod tests {
         fn triangle(&self, index: u32) -> [Vec3; 3] {
             self.0[index as usize]
         }
-        fn visit_segment(&self, from: Vec3, to: Vec3, inflate: Vec3, f: &mut dyn FnMut(u32, f32) -> f32) {
+        fn visit_segment(&self, from: Vec3, to: Vec3, inflate: Vec3, f: &mut dyn FnMut(u32, [Vec3; 3], f32) -> f32) {
             let mut largest = 1.0;
             for (i, [a, b, c]) in self.0.iter().enumerate() {
                 let (low, high) = (a.min(*b).min(*c) - inflate, a.max(*b).max(*c) + inflate);
@@ -226,7 +226,7 @@ mod tests {
                     (enter, leave) = (enter.max(s.min(t)), leave.min(s.max(t)));
                 }
                 if enter <= leave && enter <= largest {
-                    largest = f(i as u32, enter);
+                    largest = f(i as u32, [*a, *b, *c], enter);
                 }
             }
         }

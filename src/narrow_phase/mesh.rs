@@ -42,8 +42,8 @@ impl<'a> Ground<'a> {
     }
     fn visit_box(&self, min: Vec3, max: Vec3, f: &mut impl FnMut(u32, [Vec3; 3])) {
         match self {
-            Ground::Mesh(mesh) => mesh.visit_box(min, max, &mut |i| f(i, mesh.triangle(i))),
-            Ground::Field(field) => field.visit_box(min, max, &mut |i| f(i, field.triangle(i))),
+            Ground::Mesh(mesh) => mesh.visit_box(min, max, f),
+            Ground::Field(field) => field.visit_box(min, max, f),
         }
     }
     pub(super) fn edges(&self, i: u32) -> Edges {

@@ -203,9 +203,9 @@ impl HeightField {
         (near[0].min(near[1]).min(far[0].min(far[1])), near[0].max(near[1]).max(far[0].max(far[1])))
     }
 
-    /// Calls `f` for every triangle whose bounding box meets a box.
+    /// Calls `f` with every triangle whose bounding box meets a box.
     #[inline]
-    pub(crate) fn visit_box(&self, min: Vec3, max: Vec3, f: &mut (impl FnMut(u32) + ?Sized)) {
+    pub(crate) fn visit_box(&self, min: Vec3, max: Vec3, f: &mut (impl FnMut(u32, [Vec3; 3]) + ?Sized)) {
         // The cells under the box are known; only their heights are to be looked at. A cell more on either side, for
         // the rounding; triangles are tested themselves.
         let cells = |low: f32, high: f32, size: f32, count: usize| {
@@ -225,7 +225,7 @@ impl HeightField {
                     let [a, b, c] = self.triangle(i);
                     let (low, high) = (a.min(b).min(c), a.max(b).max(c));
                     if low.cmple(max).all() && high.cmpge(min).all() {
-                        f(i);
+                        f(i, [a, b, c]);
                     }
                 }
             }
@@ -239,7 +239,7 @@ impl HeightField {
         from: Vec3,
         to: Vec3,
         inflate: Vec3,
-        f: &mut (impl FnMut(u32, f32) -> f32 + ?Sized),
+        f: &mut (impl FnMut(u32, [Vec3; 3], f32) -> f32 + ?Sized),
     ) {
         let (min, max) = self.aabb();
         let path = Path::new(from, to, inflate, 1e-6 * min.abs().max(max.abs()).max_element());
@@ -259,7 +259,7 @@ impl HeightField {
                     let [a, b, c] = self.triangle(i);
                     let entry = path.meets_one(a.min(b).min(c), a.max(b).max(c));
                     if let Some(entry) = entry.filter(|&entry| entry <= most) {
-                        most = most.min(f(i, entry));
+                        most = most.min(f(i, [a, b, c], entry));
                     }
                 }
                 continue;
@@ -320,8 +320,8 @@ impl HeightField {
     pub(crate) fn segment_hit(&self, from: Vec3, to: Vec3) -> Option<(f32, u32)> {
         let test = SegmentTest::new(from, to)?;
         let mut nearest: Option<(f32, u32)> = None;
-        self.visit_segment(from, to, Vec3::ZERO, &mut |i, _| {
-            test.nearer(i, self.triangle(i), &mut nearest);
+        self.visit_segment(from, to, Vec3::ZERO, &mut |i, corners, _| {
+            test.nearer(i, corners, &mut nearest);
             nearest.map_or(1.0, |n| n.0)
         });
         nearest
@@ -370,14 +370,14 @@ mod tests {
                 let (centre, half) = (anywhere(&mut random), random.cube().abs() * 2.0);
                 let (min, max) = (centre - half, centre + half);
                 let mut found = Vec::new();
-                field.visit_box(min, max, &mut |t| found.push(t));
+                field.visit_box(min, max, &mut |t, _| found.push(t));
                 let mut expected: Vec<u32> = (0..field.triangle_count() as u32).collect();
                 expected.retain(|&t| bounds(t).0.cmple(max).all() && bounds(t).1.cmpge(min).all());
                 assert_eq!(found, expected);
 
                 let to = anywhere(&mut random);
                 let mut found = Vec::new();
-                field.visit_segment(centre, to, half * 0.2, &mut |t, _| {
+                field.visit_segment(centre, to, half * 0.2, &mut |t, _, _| {
                     found.push(t);
                     1.0
                 });

@@ -1,9 +1,10 @@
 //! Triangle meshes.
 
-use super::mesh_bvh::{Item, MAX_TRIANGLES, MeshBvh};
+use super::mesh_bvh::{Item, LEAF, MAX_TRIANGLES, MeshBvh};
 use super::mesh_edges::{Edges, find_edges};
 use super::segment_triangle::SegmentTest;
 use crate::error::{Error, finite3};
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use glam::Vec3;
 
 /// Of the largest coordinate [m]: squares of areas stay finite.
@@ -121,37 +122,66 @@ impl TriangleMesh {
         Edges((t[0] >> VERTEX_BITS | t[1] >> VERTEX_BITS << 2 | t[2] >> VERTEX_BITS << 4) as u8)
     }
 
-    /// Calls `f` for every triangle whose bounding box meets a box.
+    /// The triangles of a leaf of the tree.
+    #[inline(always)]
+    fn leaf(&self, first: u32, count: u32) -> Leaf {
+        let mut corners = [[[0.0; 8]; 3]; 3];
+        let triangles = &self.triangles[first as usize..(first + count) as usize];
+        for (lane, triangle) in triangles.iter().enumerate().take(LEAF) {
+            for (to, &v) in corners.iter_mut().zip(triangle) {
+                let at = self.vertices[(v & VERTEX_MASK) as usize];
+                (to[0][lane], to[1][lane], to[2][lane]) = (at.x, at.y, at.z);
+            }
+        }
+        Leaf { corners, count: triangles.len() }
+    }
+
+    /// Calls `f` with every triangle whose bounding box meets a box, and its corners.
     #[inline]
-    pub(crate) fn visit_box(&self, min: Vec3, max: Vec3, f: &mut (impl FnMut(u32) + ?Sized)) {
+    pub(crate) fn visit_box(&self, min: Vec3, max: Vec3, f: &mut (impl FnMut(u32, [Vec3; 3]) + ?Sized)) {
+        let (least, most) = (LaneVec3::<f32x8>::splat(min), LaneVec3::<f32x8>::splat(max));
         self.tree.visit_box(min, max, |first, count| {
-            for i in first..first + count {
-                let [a, b, c] = self.triangle(i);
-                let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-                if low.cmple(max).all() && high.cmpge(min).all() {
-                    f(i);
-                }
+            let leaf = self.leaf(first, count);
+            let (low, high) = leaf.bounds();
+            let meets = low.x.le(most.x)
+                & low.y.le(most.y)
+                & low.z.le(most.z)
+                & high.x.ge(least.x)
+                & high.y.ge(least.y)
+                & high.z.ge(least.z);
+            let mut bits = meets.bits() & leaf.lanes();
+            while bits != 0 {
+                let lane = bits.trailing_zeros();
+                bits &= bits - 1;
+                f(first + lane, leaf.triangle(lane as usize));
             }
         });
     }
 
-    /// Calls `f` for the triangles whose boxes, inflated by half extents, a path meets, with a fraction before which
-    /// it does not; nearer ones first, as far as boxes tell. `f` returns the largest fraction that still matters.
+    /// Calls `f` with the triangles whose boxes, inflated by half extents, a path meets, with their corners and a
+    /// fraction before which it does not; nearer ones first, as far as boxes tell. `f` returns the largest fraction that
+    /// still matters.
     #[inline]
     pub(crate) fn visit_segment(
         &self,
         from: Vec3,
         to: Vec3,
         inflate: Vec3,
-        f: &mut (impl FnMut(u32, f32) -> f32 + ?Sized),
+        f: &mut (impl FnMut(u32, [Vec3; 3], f32) -> f32 + ?Sized),
     ) {
         let path = self.tree.path(from, to, inflate);
         self.tree.visit_segment(&path, |first, count, mut most| {
-            for i in first..first + count {
-                let [a, b, c] = self.triangle(i);
-                let entry = path.meets_one(a.min(b).min(c), a.max(b).max(c));
-                if let Some(entry) = entry.filter(|&entry| entry <= most) {
-                    most = most.min(f(i, entry));
+            let leaf = self.leaf(first, count);
+            let (low, high) = leaf.bounds();
+            let (meets, entry) = path.meets::<f32x8>(low, high);
+            let mut bits = meets.bits() & leaf.lanes();
+            let entry = entry.to_array();
+            while bits != 0 {
+                let lane = bits.trailing_zeros();
+                bits &= bits - 1;
+                let entry = entry[lane as usize];
+                if entry <= most {
+                    most = most.min(f(first + lane, leaf.triangle(lane as usize), entry));
                 }
             }
             most
@@ -163,11 +193,39 @@ impl TriangleMesh {
     pub(crate) fn segment_hit(&self, from: Vec3, to: Vec3) -> Option<(f32, u32)> {
         let test = SegmentTest::new(from, to)?;
         let mut nearest: Option<(f32, u32)> = None;
-        self.visit_segment(from, to, Vec3::ZERO, &mut |i, _| {
-            test.nearer(i, self.triangle(i), &mut nearest);
+        self.visit_segment(from, to, Vec3::ZERO, &mut |i, corners, _| {
+            test.nearer(i, corners, &mut nearest);
             nearest.map_or(1.0, |n| n.0)
         });
         nearest
+    }
+}
+
+/// The corners of up to eight triangles, by corner and axis.
+struct Leaf {
+    corners: [[[f32; 8]; 3]; 3],
+    count: usize,
+}
+
+impl Leaf {
+    /// A bit for each triangle.
+    #[inline(always)]
+    fn lanes(&self) -> u32 {
+        (1 << self.count) - 1
+    }
+    #[inline(always)]
+    fn bounds(&self) -> (LaneVec3<f32x8>, LaneVec3<f32x8>) {
+        let corner = |k: usize| {
+            let [x, y, z] = &self.corners[k];
+            LaneVec3::new(f32x8::new(*x), f32x8::new(*y), f32x8::new(*z))
+        };
+        let (a, b, c) = (corner(0), corner(1), corner(2));
+        (a.min(b).min(c), a.max(b).max(c))
+    }
+    #[inline(always)]
+    fn triangle(&self, lane: usize) -> [Vec3; 3] {
+        let at = |k: usize| Vec3::from(self.corners[k].map(|axis| axis[lane]));
+        [at(0), at(1), at(2)]
     }
 }
 
@@ -318,7 +376,7 @@ mod tests {
                 let half = random.cube().abs() * random.range(0.0, 3.0);
                 let (min, max) = (centre - half, centre + half);
                 let mut found = Vec::new();
-                mesh.visit_box(min, max, &mut |t| found.push(t));
+                mesh.visit_box(min, max, &mut |t, _| found.push(t));
                 found.sort_unstable();
                 let expected: Vec<u32> = (0..mesh.triangle_count() as u32)
                     .filter(|&t| {
@@ -361,7 +419,7 @@ mod tests {
                 }
                 let inflate = random.cube().abs() * 0.5 * (round % 3) as f32;
                 let mut found = vec![None; mesh.triangle_count()];
-                mesh.visit_segment(from, to, inflate, &mut |t, entry| {
+                mesh.visit_segment(from, to, inflate, &mut |t, _, entry| {
                     assert!(found[t as usize].replace(entry).is_none());
                     1.0
                 });

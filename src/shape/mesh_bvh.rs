@@ -9,7 +9,7 @@ use glam::Vec3;
 
 /// Most triangles of a leaf. Eight are tested in one go of `f32x8` lanes; with fewer the tree outweighs what it saves
 /// (4 a leaf: 7 bytes of tree a triangle, 8: 3.6).
-const LEAF: usize = 8;
+pub(crate) const LEAF: usize = 8;
 /// Bins of the surface area heuristic.
 const BINS: usize = 12;
 /// Levels that follow the heuristic; below them ranges are halved, which bounds the depth and thereby the stack.
