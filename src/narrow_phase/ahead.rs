@@ -60,7 +60,7 @@ pub(crate) fn look_beside(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold
 /// Where a shape in flight first touches a mesh or height field; [`Cast::Near`] if it begins close to it.
 pub(crate) fn fly_mesh(input: &Input<'_>, pair: &Pair) -> Cast {
     let (a, b, motion) = motion_of(input, pair);
-    let asked = Asked { tolerance: tolerance(a, b), resting: input.real, alone: input.margin };
+    let asked = Asked { tolerance: tolerance(a, b), resting: input.real, alone: input.margin, any: false };
     ask_mesh(a, b, &motion, asked)
 }
 
@@ -119,7 +119,8 @@ fn further(input: &Input<'_>, pair: &Pair, touch: &Touch) -> f32 {
 pub(crate) fn touches_mesh(input: &Input<'_>, pair: &Pair) -> bool {
     let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
     let motion = Motion::new(a, &path(input, pair.a), b, &path(input, pair.b));
-    cast_mesh(a, b, &motion, tolerance(a, b), 0.0).is_some()
+    let asked = Asked { tolerance: tolerance(a, b), resting: 0.0, alone: -1.0, any: true };
+    matches!(ask_mesh(a, b, &motion, asked), Cast::First(_))
 }
 
 /// Whether the predicted motion takes any point of a manifold, found at the start of the step, through its plane.

@@ -144,12 +144,14 @@ impl<'a> Sweep<'a> {
         let placed = self.placed(0.0);
         let mut simplex = Simplex::empty();
         let start = self.gap(&placed, &mut simplex);
-        self.touch_after(placed, start, simplex, limit)
+        self.touch_after(0.0, placed, start, simplex, limit)
     }
 
-    /// The same, with what is known of the start: where the shapes are, the gap and its direction, and the simplex.
+    /// The same, with what is known of a moment before which nothing touches: where the shapes are, the gap and its
+    /// direction, and the simplex.
     pub(super) fn touch_after(
         &self,
+        mut t: f64,
         mut placed: Placed,
         (mut gap, mut normal): (f64, DVec3),
         mut simplex: Simplex,
@@ -158,7 +160,6 @@ impl<'a> Sweep<'a> {
         // Steps end short of the tolerance, so that the last one is not the limit of infinitely many.
         let target = 0.5 * self.tolerance;
         let still = self.turn_a.rate == 0.0 && self.turn_b.rate == 0.0;
-        let mut t = 0.0;
         for step in 0..MAX_STEPS {
             if step > 0 {
                 (gap, normal) = self.gap(&placed, &mut simplex);
@@ -192,6 +193,44 @@ impl<'a> Sweep<'a> {
             }
         }
         Some(touch(t, normal))
+    }
+
+    /// When a comes within the tolerance of the plane of the triangle in b's place, which does not turn and is `gap`
+    /// away along `normal` at the start; not before that can it touch the triangle. None if that is not before `limit`.
+    pub(super) fn reach_plane(
+        &self,
+        start: &Placed,
+        mut gap: f64,
+        normal: DVec3,
+        limit: f64,
+    ) -> Option<(f64, Placed)> {
+        let target = 0.5 * self.tolerance;
+        let closing = self.displacement.dot(normal) + self.turn_a.speed(normal);
+        if closing <= 0.0 {
+            return None;
+        }
+        let (mut t, mut placed) = (0.0, *start);
+        for _ in 0..MAX_STEPS {
+            if gap <= self.tolerance {
+                break;
+            }
+            let mut step = (gap - target) / closing;
+            if self.turn_a.rate > 0.0 && t + step < limit {
+                step = step.max(self.long_step(t, normal, gap, target));
+            }
+            t += step;
+            if t >= limit {
+                return None;
+            }
+            placed = self.placed(t);
+            gap = self.gap_along(&placed, normal);
+        }
+        Some((t, placed))
+    }
+
+    /// The point of a that is furthest along `normal`, from its origin.
+    pub(super) fn furthest(&self, placed: &Placed, normal: DVec3) -> DVec3 {
+        placed.rotation_a * self.a.support(placed.rotation_a.transpose() * normal) + normal * self.a.radius
     }
 
     /// How long the gap along `normal` lasts by the chords of the arcs.

@@ -34,6 +34,8 @@ pub(crate) struct Asked {
     pub(crate) resting: f32,
     /// Give up if a triangle may be nearer than this at the start [m]; negative: never.
     pub(crate) alone: f32,
+    /// Any touch will do, not only the first.
+    pub(crate) any: bool,
 }
 
 /// What a cast found.
@@ -55,7 +57,7 @@ pub(crate) fn cast_mesh(
     tolerance: f32,
     resting: f32,
 ) -> Option<Touch> {
-    match ask_mesh(a, mesh, motion, Asked { tolerance, resting, alone: -1.0 }) {
+    match ask_mesh(a, mesh, motion, Asked { tolerance, resting, alone: -1.0, any: false }) {
         Cast::First(touch) => Some(touch),
         _ => None,
     }
@@ -96,7 +98,7 @@ pub(crate) fn cast_triangles<T: Triangles + ?Sized>(
     motion: &Motion,
     asked: Asked,
 ) -> Cast {
-    let Asked { tolerance, resting, alone } = asked;
+    let Asked { tolerance, resting, alone, any } = asked;
     let Some(shape) = Support::of(a) else { return Cast::Free };
     let turns = motion.b.spin != Vec3::ZERO;
     if turns && alone >= 0.0 {
@@ -123,6 +125,10 @@ pub(crate) fn cast_triangles<T: Triangles + ?Sized>(
         // From the shape's origin to the plane.
         let down = if up.dot(corner) > 0.0 { up } else { -up };
         sweep.set_triangle(triangle, motion, down);
+        let mut found = |touch: Touch| {
+            first = Some(touch);
+            if any { -1.0 } else { f64::from(touch.fraction) }
+        };
         if !sweep.b_spins() {
             let (middle, end) = later.get_or_insert_with(|| (sweep.placed(0.5), sweep.placed(1.0)));
             let heights = [&start, middle, end].map(|placed| sweep.gap_along(placed, down));
@@ -133,15 +139,34 @@ pub(crate) fn cast_triangles<T: Triangles + ?Sized>(
             if heights[0].abs() <= resting && least.min(heights[1]) >= -resting {
                 return limit;
             }
+            if heights[0] > resting.max(f64::from(tolerance)) {
+                // Its plane is touched before it is, and mostly at a point of it.
+                let Some((t, placed)) = sweep.reach_plane(&start, heights[0], down, limit) else { return limit };
+                let point = sweep.furthest(&placed, down) - placed.offset;
+                let corners = [p, q, r].map(|v| placed.rotation_b * v);
+                let inside = |i: usize| {
+                    let (from, to) = (corners[i], corners[(i + 1) % 3]);
+                    (to - from).cross(point - from).dot(up) >= 0.0
+                };
+                if inside(0) && inside(1) && inside(2) {
+                    limit = found(Touch { fraction: t as f32, normal: down.as_vec3() });
+                    return limit;
+                }
+                let mut simplex = Simplex::empty();
+                let gap = sweep.gap(&placed, &mut simplex);
+                if let Some(touch) = sweep.touch_after(t, placed, gap, simplex, limit) {
+                    limit = found(touch);
+                }
+                return limit;
+            }
         }
         let mut simplex = Simplex::empty();
         let gap = sweep.gap(&start, &mut simplex);
         if gap.0 <= resting {
             return limit;
         }
-        if let Some(touch) = sweep.touch_after(start, gap, simplex, limit) {
-            limit = f64::from(touch.fraction);
-            first = Some(touch);
+        if let Some(touch) = sweep.touch_after(0.0, start, gap, simplex, limit) {
+            limit = found(touch);
         }
         limit
     };
@@ -236,7 +261,7 @@ mod tests {
     }
 
     fn cast(a: &Collider, soup: &Soup, motion: &Motion, tolerance: f32, resting: f32) -> Option<Touch> {
-        match cast_triangles(a, soup, motion, Asked { tolerance, resting, alone: -1.0 }) {
+        match cast_triangles(a, soup, motion, Asked { tolerance, resting, alone: -1.0, any: false }) {
             Cast::First(touch) => Some(touch),
             _ => None,
         }

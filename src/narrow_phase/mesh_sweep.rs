@@ -125,7 +125,7 @@ impl<'a> MeshSweep<'a> {
     /// shape rests on: it is within `resting` of the triangle's plane, and stays so.
     #[inline(always)]
     pub(super) fn in_reach(&self, eight: &Eight, asked: &Asked) -> Reached {
-        let &Asked { tolerance, resting, alone } = asked;
+        let &Asked { tolerance, resting, alone, .. } = asked;
         let triangles = Triangles::new(eight, &self.pose, Vec3::ZERO);
         let down = -triangles.front;
         let (start, limit) = (triangles.height - reach(self.shape, down), self.limit(down, tolerance));
@@ -206,7 +206,7 @@ impl<'a> MeshSweep<'a> {
 type Away = <f32x8 as Lanes>::Mask;
 
 /// Directions that are tried.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 10;
 
 /// Before this the gap, at least that of the chord less the sagitta, is not closed.
 #[inline(always)]
@@ -294,7 +294,7 @@ mod tests {
             }
             let sweep = MeshSweep::new(&a, &motion, &exact[0].1);
             let Reached { lanes, earliest, .. } =
-                sweep.in_reach(&eight, &Asked { tolerance: eps, resting: 0.0, alone: -1.0 });
+                sweep.in_reach(&eight, &Asked { tolerance: eps, resting: 0.0, alone: -1.0, any: false });
             for (k, (touch, _)) in exact.iter().enumerate() {
                 all += 1;
                 left_out += 1 - (lanes >> k & 1);
