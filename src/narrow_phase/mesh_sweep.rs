@@ -13,7 +13,7 @@ use super::motion::{Motion, turn};
 use super::polytope::Pose;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::shape::{Collider, Geometry};
-use glam::{Mat3, Vec3};
+use glam::{DQuat, Mat3, Vec3};
 
 /// The points of a shape that are furthest along eight unit directions, in its frame.
 #[inline(always)]
@@ -105,16 +105,17 @@ impl<'a> MeshSweep<'a> {
         let way = to_local * motion.displacement;
         let lever = to_local * motion.a.lever;
         let local = to_local * spin.vector;
-        let moment = |t: f32| {
-            let turned = Mat3::from_quat(turn(local.as_dvec3() * f64::from(t)).as_quat());
+        let half = turn(local.as_dvec3() * 0.5);
+        let moment = |t: f32, turned: DQuat| {
+            let turned = Mat3::from_quat(turned.as_quat());
             Moment { moved: way * t + turned * lever - lever, turned }
         };
         MeshSweep {
             shape,
             around: bounds(shape).map_or((Vec3::ZERO, Vec3::splat(shape.radius)), |b| (b.0, b.1)),
             pose: Pose::new(rel.position, rel.rotation),
-            middle: moment(0.5),
-            end: moment(1.0),
+            middle: moment(0.5, half),
+            end: moment(1.0, half * half),
             spin: local,
             bend: spin.vector.length() * spin.reach,
             slack: 2e-6 * (rel.position.length() + way.length() + shape.radius + lever.length()),
@@ -206,7 +207,7 @@ impl<'a> MeshSweep<'a> {
 type Away = <f32x8 as Lanes>::Mask;
 
 /// Directions that are tried.
-const ROUNDS: usize = 10;
+const ROUNDS: usize = 4;
 
 /// Before this the gap, at least that of the chord less the sagitta, is not closed.
 #[inline(always)]

@@ -1,6 +1,6 @@
 //! Convex shapes as support functions: a core with a radius around it.
 
-use crate::lanes::{Lanes, f32x8};
+use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
 use crate::shape::{Collider, ConvexHull, Kind};
 use glam::{DMat3, DQuat, DVec3, Vec3};
 
@@ -117,7 +117,8 @@ impl<'a> Support<'a> {
     /// An upper bound of the distance of the core's points from the line along the unit vector `axis` through
     /// the origin [m], with the shape turned by `rotation` and its frame at `lever`.
     pub(crate) fn reach(&self, axis: DVec3, rotation: DQuat, lever: DVec3) -> f64 {
-        let of = |local: DVec3| axis.cross(rotation * local + lever).length();
+        let (axis, lever) = (rotation.conjugate() * axis, rotation.conjugate() * lever);
+        let of = |local: DVec3| axis.cross(local + lever).length();
         let ends =
             |half: f64, bottom: f64, top: f64| (of(DVec3::Y * half) + top).max(of(DVec3::Y * -half) + bottom);
         match &self.core {
@@ -126,13 +127,13 @@ impl<'a> Support<'a> {
             Core::Tapered { half, bottom, top } | Core::Frustum { half, bottom, top } => {
                 ends(*half, *bottom, *top)
             }
-            Core::Box(h) => (0..8)
-                .map(|i| {
-                    let side = |bit: u32, x: f64| if i >> bit & 1 == 0 { x } else { -x };
-                    of(DVec3::new(side(0, h.x), side(1, h.y), side(2, h.z)))
-                })
-                .fold(0.0, f64::max),
-            Core::Hull(hull) => hull.vertices.iter().map(|v| of(v.as_dvec3())).fold(0.0, f64::max),
+            Core::Box(h) => {
+                // Of opposite corners one is as far from an axis through the middle as the other.
+                let corners = [*h, DVec3::new(-h.x, h.y, h.z), DVec3::new(h.x, -h.y, h.z), DVec3::new(h.x, h.y, -h.z)];
+                let across = |c: &DVec3| axis.cross(*c).length_squared();
+                corners.iter().map(across).fold(0.0, f64::max).sqrt() + axis.cross(lever).length()
+            }
+            Core::Hull(hull) => furthest_across(hull, axis, lever),
             Core::Triangle(corners) => corners.iter().map(|&v| of(v)).fold(0.0, f64::max),
         }
     }
@@ -141,12 +142,47 @@ impl<'a> Support<'a> {
     /// contains the shape with its radius [m].
     pub(crate) fn half_extents(&self, rotation: DMat3) -> DVec3 {
         let to_local = rotation.transpose();
+        if let Core::Hull(hull) = &self.core {
+            return hull_half_extents(hull, rotation);
+        }
         let along = |axis: DVec3| {
             let local = to_local * axis;
             self.support(local).dot(local).max(-self.support(-local).dot(local)) + self.radius
         };
         DVec3::new(along(DVec3::X), along(DVec3::Y), along(DVec3::Z))
     }
+}
+
+/// Rounding of `f32` in what must not be too small.
+const UP: f64 = 1.0 + 1e-6;
+
+/// The most that vertices, moved by `lever`, are away from the line along `axis` through the origin [m].
+fn furthest_across(hull: &ConvexHull, axis: DVec3, lever: DVec3) -> f64 {
+    let axis = LaneVec3::<f32x8>::splat(axis.as_vec3());
+    let lever = LaneVec3::splat(lever.as_vec3());
+    let most = hull.vertex_chunks.iter().fold(f32x8::splat(0.0), |most, chunk| {
+        Lanes::max(most, axis.cross(vertices(chunk) + lever).length_squared())
+    });
+    f64::from(most.to_array().into_iter().fold(0.0, f32::max)).sqrt() * UP
+}
+
+/// See [`Support::half_extents`].
+fn hull_half_extents(hull: &ConvexHull, rotation: DMat3) -> DVec3 {
+    let rows = rotation.transpose().to_cols_array_2d().map(|row| {
+        LaneVec3::<f32x8>::splat(DVec3::from(row).as_vec3())
+    });
+    let zero = f32x8::splat(0.0);
+    let most = hull.vertex_chunks.iter().fold([zero; 3], |most, chunk| {
+        let at = vertices(chunk);
+        std::array::from_fn(|k| Lanes::max(most[k], rows[k].dot(at).abs()))
+    });
+    DVec3::from(most.map(|lanes| f64::from(lanes.to_array().into_iter().fold(0.0, f32::max)))) * UP
+}
+
+/// Eight vertices.
+#[inline(always)]
+fn vertices([x, y, z]: &[[f32; 8]; 3]) -> LaneVec3<f32x8> {
+    LaneVec3::new(f32x8::new(*x), f32x8::new(*y), f32x8::new(*z))
 }
 
 /// The vertex furthest along `d`, eight at a time; among equals the first of the lowest lane, on every target.
