@@ -10,7 +10,7 @@ use super::collide::Input;
 use super::convex::collide_convex;
 use super::found::MeshBlock;
 use super::gjk::distance;
-use super::mesh::collide_mesh;
+use super::mesh::{Touched, collide_mesh};
 use super::motion::{BodyPath, Motion};
 use super::support::Support;
 use super::{RawManifold, Relative};
@@ -23,7 +23,7 @@ use glam::{Quat, Vec3};
 /// of the step at which that is.
 pub(crate) fn look_ahead(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold, f32)> {
     let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
-    let motion = Motion::new(a, &path(input, pair.a), b, &path(input, pair.b));
+    let motion = motion_of(input, pair);
     let tolerance = tolerance(a, b);
     let touch = if b.kind == Kind::Plane {
         cast_plane(a, b, &motion, tolerance)
@@ -37,7 +37,7 @@ pub(crate) fn look_ahead(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold,
 /// The manifold of two convex shapes, or of one and a plane, as it will be in the middle of the step.
 pub(crate) fn halfway(input: &Input<'_>, pair: &Pair, margin: f32) -> RawManifold {
     let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
-    let motion = Motion::new(a, &path(input, pair.a), b, &path(input, pair.b));
+    let motion = motion_of(input, pair);
     let raw = collide_convex(a, b, &motion.relative(0.5), margin);
     carry_back(&raw, &motion, 0.5, f32::MIN)
 }
@@ -46,7 +46,7 @@ pub(crate) fn halfway(input: &Input<'_>, pair: &Pair, margin: f32) -> RawManifol
 /// path runs along such a plane, not through it, so it pushes only what another impact throws off its path.
 pub(crate) fn look_beside(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold, f32)> {
     let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
-    let motion = Motion::new(a, &path(input, pair.a), b, &path(input, pair.b));
+    let motion = motion_of(input, pair);
     let (from, way) = (motion.start.as_vec3() + motion.a.lever - motion.b.lever, motion.displacement);
     let fraction = if b.kind == Kind::Plane { 0.0 } else { -from.dot(way) / way.length_squared() };
     // A way of no length has no fraction: NaN clamps to itself, and compares as false.
@@ -58,30 +58,43 @@ pub(crate) fn look_beside(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold
 }
 
 /// Where a shape in flight first touches a mesh or height field; [`Cast::Near`] if it begins close to it.
-pub(crate) fn fly_mesh(input: &Input<'_>, pair: &Pair) -> Cast {
-    let (a, b, motion) = motion_of(input, pair);
-    let asked = Asked { tolerance: tolerance(a, b), resting: input.real, alone: input.margin, any: false };
-    ask_mesh(a, b, &motion, asked)
+pub(crate) fn fly_mesh(input: &Input<'_>, (a, b): Shapes<'_>, motion: &Motion) -> Cast {
+    let asked = Asked { alone: input.margin, ..Asked::first(tolerance(a, b), input.real) };
+    ask_mesh(a, b, motion, asked)
 }
 
 /// Where a shape first touches a mesh or height field, other than what it rests on: that within `resting` [m] at the
-/// start is left to the kernel there.
-pub(crate) fn look_ahead_mesh(input: &Input<'_>, pair: &Pair, resting: f32) -> Option<Touch> {
-    let (a, b, motion) = motion_of(input, pair);
-    cast_mesh(a, b, &motion, tolerance(a, b), resting)
+/// start, as the `known` triangles are, is left to the kernel there.
+pub(crate) fn look_ahead_mesh(
+    (a, b): Shapes<'_>,
+    motion: &Motion,
+    resting: f32,
+    known: Touched,
+) -> Option<Touch> {
+    let asked = Asked { known, ..Asked::first(tolerance(a, b), resting) };
+    match ask_mesh(a, b, motion, asked) {
+        Cast::First(touch) => Some(touch),
+        _ => None,
+    }
 }
 
 /// Adds the manifolds of a convex shape at its first touch with a mesh or height field, and at the second, to which
 /// it would slide along what it touched first: a body that hits the ground close to a wall meets both in one step.
-pub(crate) fn hit_mesh(input: &Input<'_>, pair: &Pair, touch: Touch, out: &mut MeshBlock) {
-    let (a, b, motion) = motion_of(input, pair);
+pub(crate) fn hit_mesh(
+    input: &Input<'_>,
+    pair: &Pair,
+    (a, b): Shapes<'_>,
+    motion: &Motion,
+    touch: Touch,
+    out: &mut MeshBlock,
+) {
     let Touch { fraction, normal } = touch;
     out.raw.clear();
     let margin = further(input, pair, &touch);
     collide_mesh(a, b, &motion.relative(fraction), (margin, input.margin), &mut out.mesh, &mut out.raw);
     // Planes that it is not close to when it touches are guesses.
     out.raw.retain(|m| m.points().iter().any(|p| p.separation <= input.margin));
-    (0..out.raw.len()).for_each(|i| out.add(carry_back(&out.raw[i], &motion, fraction, 0.0), fraction));
+    (0..out.raw.len()).for_each(|i| out.add(carry_back(&out.raw[i], motion, fraction, 0.0), fraction));
 
     let then = motion.after(fraction, normal);
     let left = then.displacement.length() + (1.0 - fraction) * input.approach(pair).spin;
@@ -96,13 +109,17 @@ pub(crate) fn hit_mesh(input: &Input<'_>, pair: &Pair, touch: Touch, out: &mut M
     for i in 0..out.raw.len() {
         let first = carry_back(&out.raw[i], &then, further, 0.0);
         // What touches on the way there touches at the first place too.
-        out.add(carry_back(&first, &motion, fraction, 0.0), fraction);
+        out.add(carry_back(&first, motion, fraction, 0.0), fraction);
     }
 }
 
-fn motion_of<'a>(input: &Input<'a>, pair: &Pair) -> (&'a Collider, &'a Collider, Motion) {
+/// A convex shape, and a mesh or height field.
+pub(crate) type Shapes<'a> = (&'a Collider, &'a Collider);
+
+/// How the shapes of a pair move within the step.
+pub(crate) fn motion_of(input: &Input<'_>, pair: &Pair) -> Motion {
     let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
-    (a, b, Motion::new(a, &path(input, pair.a), b, &path(input, pair.b)))
+    Motion::new(a, &path(input, pair.a), b, &path(input, pair.b))
 }
 
 /// The margin at a first touch [m]: what is left of the motion may bring down the rest of a body that touched with a tip.
@@ -116,17 +133,14 @@ fn further(input: &Input<'_>, pair: &Pair, touch: &Touch) -> f32 {
 }
 
 /// Whether a convex shape touches a mesh or height field at all within the step.
-pub(crate) fn touches_mesh(input: &Input<'_>, pair: &Pair) -> bool {
-    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
-    let motion = Motion::new(a, &path(input, pair.a), b, &path(input, pair.b));
-    let asked = Asked { tolerance: tolerance(a, b), resting: 0.0, alone: -1.0, any: true };
-    matches!(ask_mesh(a, b, &motion, asked), Cast::First(_))
+pub(crate) fn touches_mesh((a, b): Shapes<'_>, motion: &Motion) -> bool {
+    let asked = Asked { any: true, ..Asked::first(tolerance(a, b), 0.0) };
+    matches!(ask_mesh(a, b, motion, asked), Cast::First(_))
 }
 
 /// Whether the predicted motion takes any point of a manifold, found at the start of the step, through its plane.
-pub(crate) fn would_push(input: &Input<'_>, pair: &Pair, raw: &RawManifold) -> bool {
-    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
-    pushes(&Motion::new(a, &path(input, pair.a), b, &path(input, pair.b)), raw, 0.0)
+pub(crate) fn would_push(motion: &Motion, raw: &RawManifold) -> bool {
+    pushes(motion, raw, 0.0)
 }
 
 fn pushes(motion: &Motion, raw: &RawManifold, fraction: f32) -> bool {

@@ -1,8 +1,8 @@
 //! Pairs binned by shape pair, and worked through in lanes.
 
 use super::ahead::{
-    fly_mesh, halfway, hit_mesh, look_ahead, look_ahead_mesh, look_beside, right_way_out, touches_mesh,
-    would_push,
+    fly_mesh, halfway, hit_mesh, look_ahead, look_ahead_mesh, look_beside, motion_of, right_way_out,
+    touches_mesh, would_push,
 };
 use super::box_box::box_box;
 use super::capsule_box::{capsule_box, tapered_capsule_box};
@@ -216,6 +216,8 @@ pub(crate) fn run_bin(
     }
 }
 
+/// A gap up to this share of that of a real contact is none.
+const NO_GAP: f32 = 0.25;
 /// A gap that a push should have closed counts as a ghost above this many margins.
 const GHOST_GAP: f32 = 0.5;
 
@@ -250,7 +252,7 @@ fn finish_convex(
         let closing = -(input.poses[pair.a as usize].rotation * raw.normal).dot(approach.way);
         if fast && !volume && closing + approach.spin < nearest {
             raw.count = 0;
-        } else if fast || would_push(input, pair, &raw) {
+        } else if fast || would_push(&motion_of(input, pair), &raw) {
             // Apart, and a plane at the start of the step would be a guess: look where they really touch.
             out.count_casts(1);
             // On a miss there is nothing in reach on this path; the larger volume keeps what it passes.
@@ -266,7 +268,7 @@ fn finish_convex(
     if fraction == 0.0 && (1..3).contains(&raw.count) && wanders(input, pair) {
         let middle = halfway(input, pair, input.margin);
         // Unless it would push where nothing is touched.
-        if middle.count > 0 && (nearest <= 0.0 || !would_push(input, pair, &middle)) {
+        if middle.count > 0 && (nearest <= 0.0 || !would_push(&motion_of(input, pair), &middle)) {
             (raw, fraction) = (middle, 0.5);
         }
     }
@@ -318,8 +320,9 @@ fn finish_mesh(
         return;
     };
     let (start, mut casts, mut nearest) = (mesh.count(), 0, f32::INFINITY);
+    let (shapes, motion) = ((a, b), motion_of(input, pair));
     // Without a contact it is likely to be in flight.
-    let flight = if fast && pair.contact == NONE { fly_mesh(input, pair) } else { Cast::Near };
+    let flight = if fast && pair.contact == NONE { fly_mesh(input, shapes, &motion) } else { Cast::Near };
     let mut ahead = match flight {
         Cast::First(touch) => Some(touch),
         _ => None,
@@ -336,23 +339,23 @@ fn finish_mesh(
             // Manifolds without a near point are guesses; what is really hit comes from the cast.
             mesh.raw.retain(|m| m.points().iter().any(|p| p.separation <= resting));
         }
-        // Close, but apart by more than a cast leaves open: planes count only if anything is touched at all.
-        let apart = nearest > tolerance(a, b);
-        if continuous && apart && mesh.raw.iter().any(|m| would_push(input, pair, m)) {
+        // Close, but apart by more than shows: planes count only if anything is touched at all.
+        let apart = nearest > tolerance(a, b).max(NO_GAP * input.real);
+        if continuous && apart && mesh.raw.iter().any(|m| would_push(&motion, m)) {
             casts += 1;
-            if !touches_mesh(input, pair) {
-                mesh.raw.retain(|m| !would_push(input, pair, m));
+            if !touches_mesh(shapes, &motion) {
+                mesh.raw.retain(|m| !would_push(&motion, m));
             }
         }
         (0..mesh.raw.len()).for_each(|i| mesh.add(mesh.raw[i], 0.0));
         if fast {
-            ahead = look_ahead_mesh(input, pair, resting);
+            ahead = look_ahead_mesh(shapes, &motion, resting, mesh.mesh.touched(resting));
         }
     }
     casts += u32::from(fast);
     if let Some(touch) = ahead {
         casts += 1;
-        hit_mesh(input, pair, touch, mesh);
+        hit_mesh(input, pair, shapes, &motion, touch, mesh);
     }
     let found = mesh.end(index, start);
     out.count_casts(casts);

@@ -84,6 +84,7 @@ pub(super) struct Sweep<'a> {
 #[derive(Clone, Copy, Debug)]
 struct Arc {
     rotation: DQuat,
+    matrix: DMat3,
     lever: DVec3,
     /// Rotation vector over the step; zero if it moves no point by as much as the tolerance shows.
     spin: DVec3,
@@ -305,15 +306,9 @@ impl<'a> Sweep<'a> {
     }
 
     pub(super) fn placed(&self, t: f64) -> Placed {
-        let (turned_a, turned_b) = (turn(self.turn_a.spin * t), turn(self.turn_b.spin * t));
-        Placed {
-            rotation_a: DMat3::from_quat(turned_a * self.turn_a.rotation),
-            rotation_b: DMat3::from_quat(turned_b * self.turn_b.rotation),
-            offset: turned_b * self.turn_b.lever
-                - turned_a * self.turn_a.lever
-                - self.start
-                - self.displacement * t,
-        }
+        let (rotation_a, lever_a) = self.turn_a.at(t);
+        let (rotation_b, lever_b) = self.turn_b.at(t);
+        Placed { rotation_a, rotation_b, offset: lever_b - lever_a - self.start - self.displacement * t }
     }
 
     /// From the origin of a to that of b, without spin.
@@ -354,8 +349,10 @@ fn touch(t: f64, normal: DVec3) -> Touch {
 
 impl Arc {
     fn still(motion: &Turn) -> Arc {
+        let rotation = motion.rotation.as_dquat().normalize();
         Arc {
-            rotation: motion.rotation.as_dquat().normalize(),
+            rotation,
+            matrix: DMat3::from_quat(rotation),
             lever: motion.lever.as_dvec3(),
             spin: DVec3::ZERO,
             rate: 0.0,
@@ -365,7 +362,7 @@ impl Arc {
 
     fn of(motion: &Turn, tolerance: f64, shape: &Support) -> Arc {
         let still = Arc::still(motion);
-        let Arc { rotation, lever, .. } = still;
+        let Arc { rotation, matrix, lever, .. } = still;
         let spin = motion.spin.as_dvec3();
         let rate = spin.length();
         if rate == 0.0 {
@@ -388,7 +385,16 @@ impl Arc {
                 return still;
             }
         }
-        Arc { rotation, lever, spin, rate, reach }
+        Arc { rotation, matrix, lever, spin, rate, reach }
+    }
+
+    /// The shape's rotation and lever after a fraction of the step.
+    fn at(&self, t: f64) -> (DMat3, DVec3) {
+        if self.rate == 0.0 || t == 0.0 {
+            return (self.matrix, self.lever);
+        }
+        let turned = DMat3::from_quat(turn(self.spin * t));
+        (turned * self.matrix, turned * self.lever)
     }
 
     /// The most by which the spin moves a point of the core along `normal` in a whole step [m].

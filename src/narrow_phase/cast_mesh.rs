@@ -1,7 +1,7 @@
 //! When a moving convex shape first touches a mesh or a height field.
 
 use super::cast::{Other, Sweep, Touch};
-use super::mesh::Eight;
+use super::mesh::{Eight, NO_TRIANGLES, Touched};
 use super::mesh_sweep::MeshSweep;
 use super::motion::Motion;
 use super::simplex::Simplex;
@@ -16,7 +16,13 @@ pub(crate) trait Triangles {
     /// Calls `f` with every triangle whose box, grown by `inflate`, the segment meets before the fraction that `f`
     /// last answered; about nearest first, in an order that depends on the mesh and the segment alone. `f` gets the
     /// fraction of entry into the box, and answers the largest that still matters.
-    fn visit_segment(&self, from: Vec3, to: Vec3, inflate: Vec3, f: &mut dyn FnMut(u32, [Vec3; 3], f32) -> f32);
+    fn visit_segment(
+        &self,
+        from: Vec3,
+        to: Vec3,
+        inflate: Vec3,
+        f: &mut dyn FnMut(u32, [Vec3; 3], f32) -> f32,
+    );
     /// The first triangle that the segment meets, with the fraction; nothing slips through where triangles share an
     /// edge or a corner.
     fn segment_hit(&self, from: Vec3, to: Vec3) -> Option<(f32, u32)>;
@@ -36,6 +42,15 @@ pub(crate) struct Asked {
     pub(crate) alone: f32,
     /// Any touch will do, not only the first.
     pub(crate) any: bool,
+    /// Triangles that are known to be nearer than `resting` at the start.
+    pub(crate) known: Touched,
+}
+
+impl Asked {
+    /// For the first touch, wherever the shape begins.
+    pub(crate) fn first(tolerance: f32, resting: f32) -> Asked {
+        Asked { tolerance, resting, alone: -1.0, any: false, known: NO_TRIANGLES }
+    }
 }
 
 /// What a cast found.
@@ -57,7 +72,7 @@ pub(crate) fn cast_mesh(
     tolerance: f32,
     resting: f32,
 ) -> Option<Touch> {
-    match ask_mesh(a, mesh, motion, Asked { tolerance, resting, alone: -1.0, any: false }) {
+    match ask_mesh(a, mesh, motion, Asked::first(tolerance, resting)) {
         Cast::First(touch) => Some(touch),
         _ => None,
     }
@@ -78,7 +93,13 @@ macro_rules! triangles {
             fn triangle(&self, index: u32) -> [Vec3; 3] {
                 <$mesh>::triangle(self, index)
             }
-            fn visit_segment(&self, from: Vec3, to: Vec3, inflate: Vec3, f: &mut dyn FnMut(u32, [Vec3; 3], f32) -> f32) {
+            fn visit_segment(
+                &self,
+                from: Vec3,
+                to: Vec3,
+                inflate: Vec3,
+                f: &mut dyn FnMut(u32, [Vec3; 3], f32) -> f32,
+            ) {
                 <$mesh>::visit_segment(self, from, to, inflate, f);
             }
             fn segment_hit(&self, from: Vec3, to: Vec3) -> Option<(f32, u32)> {
@@ -98,7 +119,7 @@ pub(crate) fn cast_triangles<T: Triangles + ?Sized>(
     motion: &Motion,
     asked: Asked,
 ) -> Cast {
-    let Asked { tolerance, resting, alone, any } = asked;
+    let Asked { tolerance, resting, alone, any, known } = asked;
     let Some(shape) = Support::of(a) else { return Cast::Free };
     let turns = motion.b.spin != Vec3::ZERO;
     if turns && alone >= 0.0 {
@@ -116,6 +137,9 @@ pub(crate) fn cast_triangles<T: Triangles + ?Sized>(
     let mut first: Option<Touch> = None;
     let mut limit = 1.0_f64;
     let mut exact = |index: u32| {
+        if known.contains(&index) {
+            return limit;
+        }
         let corners = mesh.triangle(index);
         let triangle = Support::triangle(corners);
         let resting = f64::from(resting);
@@ -141,7 +165,9 @@ pub(crate) fn cast_triangles<T: Triangles + ?Sized>(
             }
             if heights[0] > resting.max(f64::from(tolerance)) {
                 // Its plane is touched before it is, and mostly at a point of it.
-                let Some((t, placed)) = sweep.reach_plane(&start, heights[0], down, limit) else { return limit };
+                let Some((t, placed)) = sweep.reach_plane(&start, heights[0], down, limit) else {
+                    return limit;
+                };
                 let point = sweep.furthest(&placed, down) - placed.offset;
                 let corners = [p, q, r].map(|v| placed.rotation_b * v);
                 let inside = |i: usize| {
@@ -234,7 +260,13 @@ mod tests {
         fn triangle(&self, index: u32) -> [Vec3; 3] {
             self.0[index as usize]
         }
-        fn visit_segment(&self, from: Vec3, to: Vec3, inflate: Vec3, f: &mut dyn FnMut(u32, [Vec3; 3], f32) -> f32) {
+        fn visit_segment(
+            &self,
+            from: Vec3,
+            to: Vec3,
+            inflate: Vec3,
+            f: &mut dyn FnMut(u32, [Vec3; 3], f32) -> f32,
+        ) {
             let mut largest = 1.0;
             for (i, [a, b, c]) in self.0.iter().enumerate() {
                 let (low, high) = (a.min(*b).min(*c) - inflate, a.max(*b).max(*c) + inflate);
@@ -261,7 +293,7 @@ mod tests {
     }
 
     fn cast(a: &Collider, soup: &Soup, motion: &Motion, tolerance: f32, resting: f32) -> Option<Touch> {
-        match cast_triangles(a, soup, motion, Asked { tolerance, resting, alone: -1.0, any: false }) {
+        match cast_triangles(a, soup, motion, Asked::first(tolerance, resting)) {
             Cast::First(touch) => Some(touch),
             _ => None,
         }

@@ -173,6 +173,10 @@ impl Triangles {
     }
 }
 
+/// Some triangles; [`u32::MAX`] where there are no more.
+pub(crate) type Touched = [u32; 8];
+pub(crate) const NO_TRIANGLES: Touched = [u32::MAX; 8];
+
 /// Buffers of [`collide_mesh`], kept from call to call.
 #[derive(Default)]
 pub(crate) struct MeshScratch {
@@ -203,6 +207,16 @@ impl std::fmt::Debug for MeshScratch {
 }
 
 impl MeshScratch {
+    /// Triangles that the last shape is within a distance of [m]; not all, if they are many.
+    pub(crate) fn touched(&self, within: f32) -> Touched {
+        let Patches { touches, patches, .. } = &self.patches;
+        let mut touched = NO_TRIANGLES;
+        for (to, patch) in touched.iter_mut().zip(patches.iter().filter(|p| p.least <= within)) {
+            *to = touches[patch.touch as usize].index;
+        }
+        touched
+    }
+
     /// Bytes live and reserved.
     pub(crate) fn bytes(&self) -> (usize, usize) {
         let parts = [crate::memory::bytes_of(&self.eights), self.patches.bytes(), self.merge.bytes()];

@@ -294,8 +294,7 @@ mod tests {
                 exact.push((sweep.first_touch(1.0), sweep.spin()));
             }
             let sweep = MeshSweep::new(&a, &motion, &exact[0].1);
-            let Reached { lanes, earliest, .. } =
-                sweep.in_reach(&eight, &Asked { tolerance: eps, resting: 0.0, alone: -1.0, any: false });
+            let Reached { lanes, earliest, .. } = sweep.in_reach(&eight, &Asked::first(eps, 0.0));
             for (k, (touch, _)) in exact.iter().enumerate() {
                 all += 1;
                 left_out += 1 - (lanes >> k & 1);

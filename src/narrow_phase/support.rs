@@ -129,7 +129,8 @@ impl<'a> Support<'a> {
             }
             Core::Box(h) => {
                 // Of opposite corners one is as far from an axis through the middle as the other.
-                let corners = [*h, DVec3::new(-h.x, h.y, h.z), DVec3::new(h.x, -h.y, h.z), DVec3::new(h.x, h.y, -h.z)];
+                let corners =
+                    [*h, DVec3::new(-h.x, h.y, h.z), DVec3::new(h.x, -h.y, h.z), DVec3::new(h.x, h.y, -h.z)];
                 let across = |c: &DVec3| axis.cross(*c).length_squared();
                 corners.iter().map(across).fold(0.0, f64::max).sqrt() + axis.cross(lever).length()
             }
@@ -168,9 +169,10 @@ fn furthest_across(hull: &ConvexHull, axis: DVec3, lever: DVec3) -> f64 {
 
 /// See [`Support::half_extents`].
 fn hull_half_extents(hull: &ConvexHull, rotation: DMat3) -> DVec3 {
-    let rows = rotation.transpose().to_cols_array_2d().map(|row| {
-        LaneVec3::<f32x8>::splat(DVec3::from(row).as_vec3())
-    });
+    let rows = rotation
+        .transpose()
+        .to_cols_array_2d()
+        .map(|row| LaneVec3::<f32x8>::splat(DVec3::from(row).as_vec3()));
     let zero = f32x8::splat(0.0);
     let most = hull.vertex_chunks.iter().fold([zero; 3], |most, chunk| {
         let at = vertices(chunk);
