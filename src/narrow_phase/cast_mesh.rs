@@ -420,23 +420,26 @@ mod tests {
             let eps = tolerance(&a, &b);
             let found = cast(&a, &soup, &motion, eps, 0.0);
             // A triangle with no thickness as a hull can't be; so each by itself, without the walk and its shortcuts.
-            let expected = soup
-                .0
-                .iter()
-                .filter_map(|t| {
-                    let b = Other::Convex(Support::triangle(*t));
-                    Sweep::new(Support::of(&a).unwrap(), b, &motion, eps).first_touch(1.0)
-                })
-                .map(|t| t.fraction)
-                .filter(|&t| t > 0.0)
-                .fold(None, |first: Option<f32>, t| Some(first.map_or(t, |f| f.min(t))));
-            // A search that begins elsewhere ends elsewhere within the tolerance.
-            let speed = motion.displacement.length() + 2.0 * (pa.spin.length() + pb.spin.length());
-            let same = match (found.map(|t| t.fraction), expected) {
-                (Some(found), Some(expected)) => (found - expected).abs() * speed <= eps,
-                (found, expected) => found == expected,
-            };
-            assert!(same, "{found:?} {expected:?} {a:?} {motion:?}");
+            let sweeps = soup.0.iter().filter_map(|t| {
+                let b = Other::Convex(Support::triangle(*t));
+                let sweep = Sweep::new(Support::of(&a).unwrap(), b, &motion, eps);
+                let touch = sweep.first_touch(1.0);
+                touch.is_none_or(|t| t.fraction > 0.0).then_some((sweep, touch))
+            });
+            let (mut expected, mut gap) = (false, f64::MAX);
+            for (sweep, touch) in sweeps {
+                expected |= touch.is_some();
+                if let Some(found) = found {
+                    let placed = sweep.placed(f64::from(found.fraction));
+                    gap = gap.min(sweep.gap(&placed, &mut Simplex::empty()).0);
+                }
+            }
+            // A search that begins elsewhere ends elsewhere, but no nearer than a touch, and no further than the tolerance.
+            // The fraction is an f32.
+            let rounding = 1e-7 * f64::from(motion.displacement.length() + 9.0);
+            let touches = gap > -rounding && gap <= f64::from(eps) + rounding;
+            let same = found.is_some() == expected && (!expected || touches);
+            assert!(same, "{found:?} {expected} {gap} {a:?} {motion:?}");
             hits += u32::from(found.is_some());
             misses += u32::from(found.is_none());
         }

@@ -170,7 +170,7 @@ impl TriangleMesh {
         f: &mut (impl FnMut(u32, [Vec3; 3], f32) -> f32 + ?Sized),
     ) {
         let path = self.tree.path(from, to, inflate);
-        self.tree.visit_segment(&path, |first, count, mut most| {
+        let mut look = |first: u32, count: u32, mut most: f32| {
             let leaf = self.leaf(first, count);
             let (low, high) = leaf.bounds();
             let (meets, entry) = path.meets::<f32x8>(low, high);
@@ -185,7 +185,14 @@ impl TriangleMesh {
                 }
             }
             most
-        });
+        };
+        match path.as_box() {
+            None => self.tree.visit_segment(&path, look),
+            Some((min, max)) => {
+                let mut most = 1.0;
+                self.tree.visit_box(min, max, |first, count| most = look(first, count, most));
+            }
+        }
     }
 
     /// Where a path first meets a triangle, from either side: the fraction of it, and the triangle. Nothing slips

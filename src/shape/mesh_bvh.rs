@@ -13,9 +13,9 @@ pub(crate) const LEAF: usize = 8;
 /// Bins of the surface area heuristic.
 const BINS: usize = 12;
 /// Levels that follow the heuristic; below them ranges are halved, which bounds the depth and thereby the stack.
-const FREE_LEVELS: u32 = 16;
-/// Most nodes that wait: three for each of at most 16 + 25 levels.
-const STACK: usize = 128;
+const FREE_LEVELS: u32 = 8;
+/// Most nodes that wait: three for each of at most 8 + 13 levels.
+const STACK: usize = 64;
 
 /// Four children.
 #[derive(Clone, Copy, Debug)]
@@ -32,13 +32,19 @@ struct Node {
 
 /// Set in a child that is a leaf: then 28 bits of first triangle and 3 of count - 1 follow. Else: a node's index.
 const IS_LEAF: u32 = 1 << 31;
+/// No child: a leaf that would end beyond the most triangles.
+const NO_CHILD: u32 = u32::MAX;
 /// Leaves can name as many triangles.
 pub(crate) const MAX_TRIANGLES: usize = 1 << 28;
 
 impl Node {
-    /// An empty child has its bounds the wrong way round; nothing meets it.
-    const EMPTY: Node =
-        Node { origin: [0.0; 3], step: [0.0; 3], low: [[255; 4]; 3], high: [[0; 4]; 3], child: [IS_LEAF; 4] };
+    const EMPTY: Node = Node {
+        origin: [0.0; 3],
+        step: [0.0; 3],
+        low: [[255; 4]; 3],
+        high: [[0; 4]; 3],
+        child: [NO_CHILD; 4],
+    };
 
     #[inline(always)]
     fn bounds(&self) -> (LaneVec3<f32x4>, LaneVec3<f32x4>) {
@@ -165,11 +171,13 @@ impl MeshBvh {
                 & high.x.ge(min.x)
                 & high.y.ge(min.y)
                 & high.z.ge(min.z);
-            let mut bits = meets.bits() & node.full();
+            let mut bits = meets.bits();
             while bits != 0 {
                 let child = node.child[bits.trailing_zeros() as usize];
                 bits &= bits - 1;
-                if child & IS_LEAF != 0 {
+                if child == NO_CHILD {
+                    // Where a grid has no extent, even the wrong way round is met.
+                } else if child & IS_LEAF != 0 {
                     leaf((child & !IS_LEAF) >> 3, (child & 7) + 1);
                 } else if waiting < STACK {
                     stack[waiting] = child;
@@ -204,13 +212,13 @@ impl MeshBvh {
             let Some(node) = self.nodes.get(child as usize) else { continue };
             let (low, high) = node.bounds();
             let (meets, entry) = path.meets::<f32x4>(low, high);
-            let mut bits = meets.bits() & node.full();
+            let mut bits = meets.bits();
             let entry = entry.to_array();
             let base = waiting;
             while bits != 0 {
                 let i = bits.trailing_zeros() as usize;
                 bits &= bits - 1;
-                if entry[i] > most || waiting == STACK {
+                if entry[i] > most || waiting == STACK || node.child[i] == NO_CHILD {
                     continue;
                 }
                 // The nearest on top.
@@ -223,15 +231,6 @@ impl MeshBvh {
                 waiting += 1;
             }
         }
-    }
-}
-
-impl Node {
-    /// Bits of the children that exist: on a grid without extent the wrong way round is no obstacle.
-    #[inline(always)]
-    fn full(&self) -> u32 {
-        let bit = |i: usize| u32::from(self.child[i] != IS_LEAF || self.low[0][i] == 0) << i;
-        bit(0) | bit(1) | bit(2) | bit(3)
     }
 }
 
@@ -258,6 +257,14 @@ impl Path {
             inflate: inflate + Vec3::splat(slack),
             inverse: Vec3::new(invert(d.x), invert(d.y), invert(d.z)),
         }
+    }
+
+    /// The box around all of it, if that holds hardly more than the path itself: boxes are tested against it at less cost.
+    pub(crate) fn as_box(&self) -> Option<(Vec3, Vec3)> {
+        let half = self.half.abs();
+        let short = half.cmple(self.inflate).all();
+        let reach = half + self.inflate;
+        short.then(|| (self.middle - reach, self.middle + reach))
     }
 
     /// Which boxes the path meets, and where it enters them at the earliest, as a fraction.
