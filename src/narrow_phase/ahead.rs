@@ -5,14 +5,15 @@
 //! never reaches; and of a mesh only the first obstacle on the path counts.
 
 use super::cast::{Touch, cast_convex, cast_plane, tolerance};
-use super::cast_mesh::{Asked, Cast, ask_mesh, cast_mesh};
+use super::cast_mesh::{Asked, Cast, ask_mesh};
 use super::collide::Input;
 use super::convex::collide_convex;
 use super::found::MeshBlock;
 use super::gjk::distance;
-use super::mesh::{Touched, collide_mesh};
+use super::mesh::collide_mesh;
 use super::motion::{BodyPath, Motion};
 use super::support::Support;
+use super::touched::Touched;
 use super::{RawManifold, Relative};
 use crate::body::exp_map;
 use crate::broad_phase::Pair;
@@ -64,14 +65,15 @@ pub(crate) fn fly_mesh(input: &Input<'_>, (a, b): Shapes<'_>, motion: &Motion) -
 }
 
 /// Where a shape first touches a mesh or height field, other than what it rests on: that within `resting` [m] at the
-/// start, as the `known` triangles are, is left to the kernel there.
+/// start, as what is `known` is, is left to the kernel there.
 pub(crate) fn look_ahead_mesh(
+    input: &Input<'_>,
     (a, b): Shapes<'_>,
     motion: &Motion,
     resting: f32,
     known: Touched,
 ) -> Option<Touch> {
-    let asked = Asked { known, ..Asked::first(tolerance(a, b), resting) };
+    let asked = Asked { known, lip: LIP * input.real, ..Asked::first(tolerance(a, b), resting) };
     match ask_mesh(a, b, motion, asked) {
         Cast::First(touch) => Some(touch),
         _ => None,
@@ -101,7 +103,9 @@ pub(crate) fn hit_mesh(
     if left <= 0.5 * a.inner_radius {
         return;
     }
-    let Some(Touch { fraction: further, .. }) = cast_mesh(a, b, &then, tolerance(a, b), input.real) else {
+    let known = out.mesh.touched(input.real);
+    let Some(Touch { fraction: further, .. }) = look_ahead_mesh(input, (a, b), &then, input.real, known)
+    else {
         return;
     };
     out.raw.clear();
@@ -152,6 +156,9 @@ fn pushes(motion: &Motion, raw: &RawManifold, fraction: f32) -> bool {
     })
 }
 
+/// How much may stand out in front of the ground that a shape is on without being felt, as a share of the gap of a
+/// real contact.
+const LIP: f32 = 0.25;
 /// Rounding of a predicted path [m].
 const NEARLY: f32 = 1e-5;
 

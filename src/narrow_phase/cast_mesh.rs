@@ -1,11 +1,12 @@
 //! When a moving convex shape first touches a mesh or a height field.
 
 use super::cast::{Other, Sweep, Touch};
-use super::mesh::{Eight, NO_TRIANGLES, Touched};
+use super::mesh::Eight;
 use super::mesh_sweep::MeshSweep;
 use super::motion::Motion;
 use super::simplex::Simplex;
 use super::support::Support;
+use super::touched::Touched;
 use crate::shape::{Collider, Geometry, HeightField, TriangleMesh};
 use glam::{DVec3, Vec3};
 
@@ -42,14 +43,16 @@ pub(crate) struct Asked {
     pub(crate) alone: f32,
     /// Any touch will do, not only the first.
     pub(crate) any: bool,
-    /// Triangles that are known to be nearer than `resting` at the start.
+    /// What is known to be nearer than `resting` at the start.
     pub(crate) known: Touched,
+    /// What stands out by less in front of a plane that is known is not felt [m].
+    pub(crate) lip: f32,
 }
 
 impl Asked {
     /// For the first touch, wherever the shape begins.
     pub(crate) fn first(tolerance: f32, resting: f32) -> Asked {
-        Asked { tolerance, resting, alone: -1.0, any: false, known: NO_TRIANGLES }
+        Asked { tolerance, resting, alone: -1.0, any: false, known: Touched::default(), lip: 0.0 }
     }
 }
 
@@ -63,22 +66,7 @@ pub(crate) enum Cast {
     First(Touch),
 }
 
-/// First touch of a convex shape with a triangle of a mesh or height field, other than those it rests on; see
-/// [`Asked`].
-pub(crate) fn cast_mesh(
-    a: &Collider,
-    mesh: &Collider,
-    motion: &Motion,
-    tolerance: f32,
-    resting: f32,
-) -> Option<Touch> {
-    match ask_mesh(a, mesh, motion, Asked::first(tolerance, resting)) {
-        Cast::First(touch) => Some(touch),
-        _ => None,
-    }
-}
-
-/// The same, unless the shape begins close to the mesh or height field.
+/// First touch of a convex shape with a triangle of a mesh or height field, other than what it rests on; see [`Asked`].
 pub(crate) fn ask_mesh(a: &Collider, mesh: &Collider, motion: &Motion, asked: Asked) -> Cast {
     match &mesh.geometry {
         Geometry::Mesh(mesh) => cast_triangles(a, &**mesh, motion, asked),
@@ -119,7 +107,7 @@ pub(crate) fn cast_triangles<T: Triangles + ?Sized>(
     motion: &Motion,
     asked: Asked,
 ) -> Cast {
-    let Asked { tolerance, resting, alone, any, known } = asked;
+    let Asked { tolerance, resting, alone, any, known, .. } = asked;
     let Some(shape) = Support::of(a) else { return Cast::Free };
     let turns = motion.b.spin != Vec3::ZERO;
     if turns && alone >= 0.0 {
@@ -137,7 +125,7 @@ pub(crate) fn cast_triangles<T: Triangles + ?Sized>(
     let mut first: Option<Touch> = None;
     let mut limit = 1.0_f64;
     let mut exact = |index: u32| {
-        if known.contains(&index) {
+        if known.has(index) {
             return limit;
         }
         let corners = mesh.triangle(index);
@@ -370,7 +358,9 @@ mod tests {
             let motion = Motion::new(&a, &pa, &mesh, &b);
             let expected = cast(&a, &soup, &motion, 1e-4, 0.01).map(|t| t.fraction);
             for other in [&mesh, &field] {
-                assert_eq!(cast_mesh(&a, other, &motion, 1e-4, 0.01).map(|t| t.fraction), expected);
+                let found = ask_mesh(&a, other, &motion, Asked::first(1e-4, 0.01));
+                let found = if let Cast::First(touch) = found { Some(touch.fraction) } else { None };
+                assert_eq!(found, expected);
             }
             hits += u32::from(expected.is_some());
         }

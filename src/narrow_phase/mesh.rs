@@ -16,6 +16,7 @@ use super::mesh_patch::{Patches, Touch};
 use super::mesh_sweep::reach;
 use super::polytope::Pose;
 use super::support::Support;
+use super::touched::Touched;
 use super::{RawManifold, RawPoint, Relative, mesh_box, mesh_convex, mesh_sphere};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::memory::{Buffer, Buffers, Room};
@@ -173,10 +174,6 @@ impl Triangles {
     }
 }
 
-/// Some triangles; [`u32::MAX`] where there are no more.
-pub(crate) type Touched = [u32; 8];
-pub(crate) const NO_TRIANGLES: Touched = [u32::MAX; 8];
-
 /// Buffers of [`collide_mesh`], kept from call to call.
 #[derive(Default)]
 pub(crate) struct MeshScratch {
@@ -207,12 +204,16 @@ impl std::fmt::Debug for MeshScratch {
 }
 
 impl MeshScratch {
-    /// Triangles that the last shape is within a distance of [m]; not all, if they are many.
+    /// What of the ground the last shape is within a distance of [m]; not all of it, if that is much.
     pub(crate) fn touched(&self, within: f32) -> Touched {
         let Patches { touches, patches, .. } = &self.patches;
-        let mut touched = NO_TRIANGLES;
-        for (to, patch) in touched.iter_mut().zip(patches.iter().filter(|p| p.least <= within)) {
-            *to = touches[patch.touch as usize].index;
+        let mut touched = Touched::default();
+        for patch in patches.iter().filter(|p| p.least <= within) {
+            let touch = &touches[patch.touch as usize];
+            touched.add_triangle(touch.index);
+            if patch.reach.is_some() {
+                touched.add_plane(touch.front, touch.front.dot(touch.corners[0]));
+            }
         }
         touched
     }

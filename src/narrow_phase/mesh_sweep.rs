@@ -138,7 +138,7 @@ impl<'a> MeshSweep<'a> {
             close = close & axis.le(alone);
         }
         let least = Lanes::min(start, end);
-        let mut away = least.gt(limit);
+        let mut away = least.gt(limit) | asked.known.hides(&triangles, asked.lip);
         let resting = f32x8::splat(resting);
         let level = start.abs().le(resting);
         if (level & !away).any() {

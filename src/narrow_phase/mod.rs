@@ -40,6 +40,7 @@ mod sphere_box;
 mod sphere_capsule;
 mod sphere_sphere;
 mod support;
+mod touched;
 
 pub(crate) use cast_mesh::Triangles;
 pub(crate) use collide::{Input, NarrowStats, Scratch, collide};

@@ -1,0 +1,101 @@
+//! What of a mesh or height field a shape rests on, which a cast has no need to look at.
+
+use super::mesh::Triangles;
+use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
+use glam::Vec3;
+
+/// Triangles and planes that a shape touches, in its frame. Each has a contact, so it is kept in front of them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Touched {
+    triangles: [u32; 8],
+    triangle_count: usize,
+    /// Unit normal, and offset along it [m].
+    planes: [(Vec3, f32); 4],
+    plane_count: usize,
+}
+
+impl Default for Touched {
+    fn default() -> Touched {
+        Touched { triangles: [0; 8], triangle_count: 0, planes: [(Vec3::ZERO, 0.0); 4], plane_count: 0 }
+    }
+}
+
+/// Cosine of 0.25 degrees: planes whose normals are nearer than this are one.
+const SAME: f32 = 0.999_99;
+
+impl Touched {
+    /// Adds a triangle, if there is place.
+    pub(super) fn add_triangle(&mut self, index: u32) {
+        if let Some(place) = self.triangles.get_mut(self.triangle_count) {
+            *place = index;
+            self.triangle_count += 1;
+        }
+    }
+
+    /// Adds the plane of a face, if there is place and it is not that of another.
+    pub(super) fn add_plane(&mut self, front: Vec3, offset: f32) {
+        if self.planes[..self.plane_count].iter().any(|(other, _)| other.dot(front) > SAME) {
+            return;
+        }
+        if let Some(place) = self.planes.get_mut(self.plane_count) {
+            *place = (front, offset);
+            self.plane_count += 1;
+        }
+    }
+
+    pub(super) fn has(&self, triangle: u32) -> bool {
+        self.triangles[..self.triangle_count].contains(&triangle)
+    }
+
+    /// Which of eight triangles are behind one of the planes, or no more than `lip` in front of it [m]: what stays in
+    /// front of the plane does not get to them.
+    #[inline(always)]
+    pub(super) fn hides(&self, triangles: &Triangles, lip: f32) -> <f32x8 as Lanes>::Mask {
+        let mut hidden = f32x8::one().lt(f32x8::zero());
+        for &(front, offset) in &self.planes[..self.plane_count] {
+            let (front, most) = (LaneVec3::splat(front), f32x8::splat(offset + lip));
+            let [a, b, c] = triangles.corners;
+            hidden = hidden | (front.dot(a).le(most) & front.dot(b).le(most) & front.dot(c).le(most));
+        }
+        hidden
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::mesh::Eight;
+    use super::super::polytope::Pose;
+    use super::*;
+    use crate::lanes::Mask;
+
+    /// A floor at -1, a step of 0.2 mm and one of 2 mm on it, a wall, and a floor below.
+    #[test]
+    fn what_is_level_with_or_below_a_touched_plane_is_hidden() {
+        let mut touched = Touched::default();
+        touched.add_plane(Vec3::Y, -1.0);
+        let mut eight = Eight::default();
+        for (i, y) in [-1.0, -0.9998, -0.998, -3.0].into_iter().enumerate() {
+            let at = |x: f32, z: f32| Vec3::new(x, y, z);
+            eight.push(i as u32, [at(5.0, 0.0), at(5.0, 1.0), at(6.0, 0.0)]);
+        }
+        let wall = [Vec3::new(4.0, -1.0, 0.0), Vec3::new(4.0, -1.0, 1.0), Vec3::new(4.0, 0.0, 0.0)];
+        eight.push(4, wall);
+        let triangles = Triangles::new(&eight, &Pose::IDENTITY, Vec3::ZERO);
+        assert_eq!(touched.hides(&triangles, 5e-4).bits() & eight.lanes(), 0b01011);
+        assert_eq!(Touched::default().hides(&triangles, 5e-4).bits() & eight.lanes(), 0);
+    }
+
+    #[test]
+    fn what_there_is_no_place_for_is_left_out() {
+        let mut touched = Touched::default();
+        for i in 0..20 {
+            touched.add_triangle(100 + i);
+            let angle = 0.1 * i as f32;
+            touched.add_plane(Vec3::new(libm::sinf(angle), libm::cosf(angle), 0.0), 0.0);
+            // The same plane again takes no place.
+            touched.add_plane(Vec3::Y, 0.0);
+        }
+        assert!(touched.has(107) && !touched.has(108) && !touched.has(0));
+        assert_eq!(touched.plane_count, 4);
+    }
+}
