@@ -135,6 +135,17 @@ impl TriangleMesh {
         });
     }
 
+    /// Whether the bounding box of any triangle meets a box.
+    pub(crate) fn meets_box(&self, min: Vec3, max: Vec3) -> bool {
+        self.tree.any_in_box(min, max, |first, count| {
+            (first..first + count).any(|i| {
+                let [a, b, c] = self.triangle(i);
+                let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+                low.cmple(max).all() && high.cmpge(min).all()
+            })
+        })
+    }
+
     /// Calls `f` for the triangles whose boxes, inflated by half extents, a path meets, with a fraction before which
     /// it does not; nearer ones first, as far as boxes tell. `f` returns the largest fraction that still matters.
     #[inline]
