@@ -105,8 +105,8 @@ impl World {
         // Where pairs were shed, to have none says nothing.
         let fast = if broad.0.shed > 0 { 0 } else { broad.0.fast };
         let ended = finish::finish(crew, self, fast, dt);
-        lap(clock, &mut times.finish);
-        times.step = start.elapsed().as_secs_f32() * 1e6;
+        let end = lap(clock, &mut times.finish);
+        times.step = (end - start).as_secs_f32() * 1e6;
         self.buffers.last_h = dt / self.settings.substeps as f32;
         self.report = StepReport::new(self, times, broad, narrow, prepared, pushed, ended);
         self.note_peaks();

@@ -113,11 +113,18 @@ fn half_space(rotation: Quat) -> (Vec3, Vec3) {
 }
 
 fn round_down(v: DVec3) -> Vec3 {
-    v.as_vec3().map_with(v, |near, exact| if f64::from(near) > exact { near.next_down() } else { near })
+    v.as_vec3().map_with(v, |near, exact| beside(near, -i32::from(f64::from(near) > exact)))
 }
 
 fn round_up(v: DVec3) -> Vec3 {
-    v.as_vec3().map_with(v, |near, exact| if f64::from(near) < exact { near.next_up() } else { near })
+    v.as_vec3().map_with(v, |near, exact| beside(near, i32::from(f64::from(near) < exact)))
+}
+
+/// The number so many places further up, without a branch: which way a number was rounded is anyone's guess. It steps
+/// from one zero to the other, but a number that is rounded to zero keeps its sign and steps away from it.
+fn beside(near: f32, steps: i32) -> f32 {
+    let in_order = |bits: i32| bits ^ ((bits >> 31) as u32 >> 1) as i32;
+    f32::from_bits(in_order(in_order(near.to_bits() as i32) + steps) as u32)
 }
 
 trait MapWith {

@@ -19,7 +19,6 @@ pub(crate) enum Whom {
 
 impl BroadPhase {
     /// Calls `f` with every collider whose box touches this one.
-    #[allow(dead_code, reason = "overlap queries will ask it")]
     pub(crate) fn in_box(&self, stack: &mut Vec<u32>, whom: Whom, bounds: &Aabb, mut f: impl FnMut(u32)) {
         for &c in self.unbounded_of(whom) {
             if self.proxies[c as usize].bounds.overlaps(bounds) {

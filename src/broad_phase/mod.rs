@@ -33,6 +33,7 @@ use bvh::{NONE, Tree};
 use find::Block;
 pub(crate) use find::{Rules, STACK};
 use glam::Vec3;
+pub(crate) use look_up::Whom;
 use pairs::PairTable;
 use proxy::{Proxy, Role};
 use segment::Path;

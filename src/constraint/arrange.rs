@@ -66,7 +66,6 @@ impl PrepareScratch {
     /// Calls `f` with each buffer and the place that it needs for so many bodies that can be pushed.
     pub(crate) fn each(&mut self, dynamic: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
         self.colouring.iter_mut().for_each(|c| f(c.buffer(), dynamic));
-        f(&mut self.ranges, KEYS);
     }
 
     /// Bytes of contacts, and of rows, that continuous collision alone makes: live, and the most there ever were.
@@ -84,6 +83,44 @@ impl PrepareScratch {
 /// Sort key: group, colour, then four points before one, so that lanes of a batch are alike.
 const KEYS: usize = Group::ALL.len() * (COLOURS + 1) * 4;
 
+/// What parts there are of each key.
+struct Keys {
+    /// How many; once they are sorted, where they end.
+    ends: [u32; KEYS],
+    /// How many colours each group uses: of hundreds of keys a small scene has a handful.
+    colours: [usize; Group::ALL.len()],
+}
+
+impl Keys {
+    fn new() -> Keys {
+        Keys { ends: [0; KEYS], colours: [0; Group::ALL.len()] }
+    }
+
+    /// Counts one part and says its key.
+    fn count(&mut self, group: Group, colour: usize, points: usize) -> u32 {
+        if colour != OVERFLOW {
+            let colours = &mut self.colours[group as usize];
+            *colours = (*colours).max(colour + 1);
+        }
+        let key = Keys::first(group, colour) + 4 - points;
+        self.ends[key] += 1;
+        key as u32
+    }
+
+    /// Groups and colours in the order in which they are solved. Contacts without a colour come first in their group:
+    /// what is solved later wins.
+    fn colours(&self) -> impl Iterator<Item = (Group, usize)> + use<> {
+        Group::ALL.into_iter().zip(self.colours).flat_map(|(group, colours)| {
+            std::iter::once(OVERFLOW).chain(0..colours).map(move |colour| (group, colour))
+        })
+    }
+
+    /// The first of the four keys of a colour.
+    fn first(group: Group, colour: usize) -> usize {
+        (group as usize * (COLOURS + 1) + colour) * 4
+    }
+}
+
 /// Groups in the order in which their parts are given up for lack of room: what may meet before what does, and what keeps
 /// bodies out of the static world last.
 const SHED: [Group; 4] = [Group::PotentialDynamic, Group::Dynamic, Group::PotentialStatic, Group::Static];
@@ -98,9 +135,10 @@ pub(crate) fn arrange(
     scratch: &mut PrepareScratch,
     room: &mut Room,
 ) -> Prepared {
+    let mut keys = Keys::new();
     if room.is_endless() {
-        let (prepared, _) = sort(input, scratch, [u32::MAX; 4]);
-        let batches = schedule(rows, scratch);
+        let (prepared, _) = sort(input, scratch, &mut keys, [u32::MAX; 4]);
+        let batches = schedule(rows, scratch, &keys);
         rows.resize(batches);
         return prepared;
     }
@@ -111,8 +149,8 @@ pub(crate) fn arrange(
     let (mut too_few, mut enough) = (total - place, total);
     let mut shed = too_few;
     loop {
-        let (mut prepared, lost) = sort(input, scratch, quota(parts, shed));
-        let batches = schedule(rows, scratch);
+        let (mut prepared, lost) = sort(input, scratch, &mut keys, quota(parts, shed));
+        let batches = schedule(rows, scratch, &keys);
         if rows.make_place(batches, room) {
             enough = shed;
             if shed == too_few || enough - too_few <= 1 + total / 64 {
@@ -177,7 +215,7 @@ impl PrepareScratch {
         let missing = |scratch: &Self, rows: &Rows, parts: usize| {
             scratch.entries.missing(parts)
                 + scratch.sorted.missing(parts)
-                + scratch.ranges.missing(parts.max(KEYS))
+                + scratch.ranges.missing(parts)
                 + rows.schedule.missing(parts)
         };
         let (mut place, mut too_many) = (0, parts + 1);
@@ -191,7 +229,7 @@ impl PrepareScratch {
         room.take(missing(self, rows, place));
         self.entries.widen(place);
         self.sorted.widen(place);
-        self.ranges.widen(place.max(KEYS));
+        self.ranges.widen(place);
         rows.schedule.widen(place);
         place
     }
@@ -199,12 +237,17 @@ impl PrepareScratch {
 
 /// Contacts by group, colour and number of points, and what they count. Parts beyond the quota are left out; says how many
 /// points those have.
-fn sort(input: &PrepareInput<'_>, scratch: &mut PrepareScratch, mut quota: Quota) -> (Prepared, u32) {
+fn sort(
+    input: &PrepareInput<'_>,
+    scratch: &mut PrepareScratch,
+    keys: &mut Keys,
+    mut quota: Quota,
+) -> (Prepared, u32) {
     let PrepareScratch { colouring, entries, sorted, .. } = scratch;
     let dynamic = input.bodies.dynamic();
     colouring.iter_mut().for_each(|c| c.reset(dynamic));
     entries.clear();
-    let mut starts = [0u32; KEYS + 1];
+    *keys = Keys::new();
     let movers = input.bodies.movers();
     let (mut prepared, mut shed) = (Prepared::default(), 0);
     // By number of points.
@@ -228,9 +271,7 @@ fn sort(input: &PrepareInput<'_>, scratch: &mut PrepareScratch, mut quota: Quota
             }
             *left -= 1;
             let colour = colouring[group as usize].assign(a, b);
-            let key = (group as usize * (COLOURS + 1) + colour) * 4 + 4 - count;
-            entries.push((part, key as u32));
-            starts[key + 1] += 1;
+            entries.push((part, keys.count(group, colour, count)));
         };
         if input.per_point {
             (0..contact.count as usize).for_each(|point| enter(Part::point(slot, point), 1));
@@ -238,21 +279,19 @@ fn sort(input: &PrepareInput<'_>, scratch: &mut PrepareScratch, mut quota: Quota
             enter(Part::whole(slot), contact.count as usize);
         }
     });
-    for key in 0..KEYS {
-        starts[key + 1] += starts[key];
+    let mut end = 0;
+    for (group, colour) in keys.colours() {
+        let first = Keys::first(group, colour);
+        for place in &mut keys.ends[first..first + 4] {
+            end += std::mem::replace(place, end);
+        }
     }
     sorted.clear();
     sorted.resize(entries.len(), Part::NONE);
     for &(part, key) in entries.iter() {
-        let at = &mut starts[key as usize];
-        sorted[*at as usize] = part;
-        *at += 1;
-    }
-    // `starts[key]` is now the end of the key's range; `schedule` reads it from the entries' counts again.
-    scratch.ranges.clear();
-    for key in 0..KEYS {
-        let start = if key == 0 { 0 } else { starts[key - 1] };
-        scratch.ranges.push((start, starts[key] - start));
+        let place = &mut keys.ends[key as usize];
+        sorted[*place as usize] = part;
+        *place += 1;
     }
     // A lane of a batch each.
     let rows: usize = ahead.iter().zip(Rows::SIZES).map(|(n, size)| n * size / 8).sum();
@@ -262,43 +301,39 @@ fn sort(input: &PrepareInput<'_>, scratch: &mut PrepareScratch, mut quota: Quota
     (prepared, shed)
 }
 
-/// Batches of each stage. Contacts without a colour come first in their group: what is solved later wins. Says how many
-/// batches there are of one to four points, and of one lane.
-fn schedule(rows: &mut Rows, scratch: &mut PrepareScratch) -> [usize; 5] {
-    let keys: [(u32, u32); KEYS] = std::array::from_fn(|key| scratch.ranges[key]);
-    let contact_points = |key: usize| 4 - key % 4;
+/// Batches of each stage. Says how many batches there are of one to four points, and of one lane.
+fn schedule(rows: &mut Rows, scratch: &mut PrepareScratch, keys: &Keys) -> [usize; 5] {
     let (mut counts, mut singles) = ([0u32; 4], 0u32);
     rows.schedule.clear();
     rows.stages.clear();
     scratch.ranges.clear();
-    for group in Group::ALL {
-        let colours = std::iter::once(OVERFLOW).chain(0..COLOURS);
-        for colour in colours {
-            let first = (group as usize * (COLOURS + 1) + colour) * 4;
-            let start = keys[first].0;
-            let end = keys[first + 3].0 + keys[first + 3].1;
-            if start == end {
-                continue;
-            }
-            let stage_start = rows.schedule.len() as u32;
-            let serial = colour == OVERFLOW;
-            let width = if serial { 1 } else { 8 };
-            for at in (start..end).step_by(width) {
-                let points =
-                    (first..first + 4).find(|&k| at < keys[k].0 + keys[k].1).map_or(4, contact_points);
-                let index = if serial {
-                    singles += 1;
-                    singles - 1
-                } else {
-                    counts[points - 1] += 1;
-                    counts[points - 1] - 1
-                };
-                let points = if serial { 0 } else { points as u8 };
-                rows.schedule.push(BatchRef { points, index });
-                scratch.ranges.push((at, (width as u32).min(end - at)));
-            }
-            rows.stages.push(Stage { group, start: stage_start, end: rows.schedule.len() as u32, serial });
+    let mut start = 0;
+    for (group, colour) in keys.colours() {
+        let first = Keys::first(group, colour);
+        let ends = &keys.ends[first..first + 4];
+        let end = ends[3];
+        if start == end {
+            continue;
         }
+        let stage_start = rows.schedule.len() as u32;
+        let serial = colour == OVERFLOW;
+        let width = if serial { 1 } else { 8 };
+        for at in (start..end).step_by(width) {
+            // Of its first part, which has most.
+            let points = 4 - ends.iter().filter(|&&end| at >= end).count();
+            let index = if serial {
+                singles += 1;
+                singles - 1
+            } else {
+                counts[points - 1] += 1;
+                counts[points - 1] - 1
+            };
+            let points = if serial { 0 } else { points as u8 };
+            rows.schedule.push(BatchRef { points, index });
+            scratch.ranges.push((at, (width as u32).min(end - at)));
+        }
+        rows.stages.push(Stage { group, start: stage_start, end: rows.schedule.len() as u32, serial });
+        start = end;
     }
     [counts[0], counts[1], counts[2], counts[3], singles].map(|n| n as usize)
 }

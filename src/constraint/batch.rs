@@ -14,6 +14,8 @@ pub(crate) struct PointRow<L> {
     pub(crate) arm_b: Vec3<L>,
     /// At the start of the step [m]; infinite in a lane without a point.
     pub(crate) separation: L,
+    /// The same after the displacements of the last substep, as relaxing found it.
+    pub(crate) now: L,
     /// Effective mass [kg]; zero in a lane without a point.
     pub(crate) mass: L,
     /// [N s]
@@ -172,11 +174,11 @@ impl Rows {
     }
 
     pub(crate) fn resize(&mut self, batches: [usize; 5]) {
-        self.p1.resize(batches[0], Batch::default());
-        self.p2.resize(batches[1], Batch::default());
-        self.p3.resize(batches[2], Batch::default());
-        self.p4.resize(batches[3], Batch::default());
-        self.single.resize(batches[4], Batch::default());
+        self.p1.resize_with(batches[0], Batch::default);
+        self.p2.resize_with(batches[1], Batch::default);
+        self.p3.resize_with(batches[2], Batch::default);
+        self.p4.resize_with(batches[3], Batch::default);
+        self.single.resize_with(batches[4], Batch::default);
     }
 
     /// Live and reserved bytes.

@@ -3,7 +3,7 @@
 
 use super::arrange::Part;
 use super::batch::{Batch, couple};
-use crate::lanes::{GatherLanes, Lanes, Record, Vec3, gather, scatter};
+use crate::lanes::{GatherLanes, Lanes, Mask, Record, Vec3, gather, scatter};
 use crate::threads::Shared;
 
 /// How overlap is pushed apart: a damped spring, solved implicitly so that it is stable at any stiffness (Catto,
@@ -64,6 +64,8 @@ pub(crate) struct Pass {
     pub(crate) slop: f32,
     /// Friction as a box instead of a cone.
     pub(crate) friction_box: bool,
+    /// What pushing overlap apart added to the velocities is taken out again.
+    pub(crate) relax: bool,
 }
 
 /// The bodies' solver state: velocities, and displacements since the start of the step.
@@ -170,28 +172,33 @@ pub(crate) unsafe fn warm_start<L: GatherLanes, const P: usize, const TWO: bool,
     unsafe { v.save::<P, TWO>(batch, velocity) };
 }
 
-/// One Gauss-Seidel step over the rows of a batch. With `BIAS` overlap is pushed apart softly; without it (relaxing)
-/// what the push added to the velocities is taken out again.
+/// One Gauss-Seidel step over the rows of a batch. Overlap is pushed apart softly, or, to relax, what the push added to
+/// the velocities is taken out again: the same code with other numbers, since in a small scene each kernel runs once a
+/// pass, and what it takes to fetch it is a third of its time.
 ///
 /// # Safety
 /// The bodies of the batch that it may write are in no other batch of the stage.
 #[inline(always)]
 #[allow(clippy::needless_range_loop, reason = "several arrays by point")]
-pub(crate) unsafe fn solve<
-    L: GatherLanes,
-    const P: usize,
-    const TWO: bool,
-    const FRICTION: bool,
-    const BIAS: bool,
->(
+pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const TWO: bool, const FRICTION: bool>(
     batch: &mut Batch<L, P>,
     motion: &Motion<'_, '_>,
     pass: &Pass,
 ) {
     // SAFETY: by the contract.
     let mut v = unsafe { Pair::load::<P, TWO>(batch, motion.velocity) };
-    // SAFETY: displacements are not written while rows are solved.
-    let d = unsafe { Pair::load::<P, TWO>(batch, motion.delta) };
+    // Bodies are moved before the rows relax, and not again before they are solved in the next substep.
+    if pass.relax {
+        // SAFETY: displacements are not written while rows are solved.
+        let d = unsafe { Pair::load::<P, TWO>(batch, motion.delta) };
+        let gap = relative::<L, TWO>(batch.normal, &d);
+        for point in &mut batch.points {
+            point.now = point.separation + gap + row::<L, TWO>(&d, point);
+        }
+    }
+    // To relax, nothing is so deep that it is not borne rigidly, and nothing is pushed.
+    let slop = L::splat(if pass.relax { f32::INFINITY } else { pass.slop });
+    let pushes = L::splat(if pass.relax { 0.0 } else { 1.0 }).gt(L::zero());
     let n = batch.normal;
 
     if FRICTION {
@@ -215,10 +222,12 @@ pub(crate) unsafe fn solve<
             // What sticks needs the impulse that stops it. What slides has friction against its motion, and that
             // impulse, cut to the cone, would point elsewhere unless the mass is the same in all directions.
             let sticks = (new[0] * new[0] + new[1] * new[1]).le(limit * limit);
-            let slid = [old[0] - f.slide_mass * u1, old[1] - f.slide_mass * u2];
-            let length = (slid[0] * slid[0] + slid[1] * slid[1]).sqrt();
-            let scale = L::select(length.gt(limit), limit / length, L::one());
-            new = std::array::from_fn(|i| L::select(sticks, new[i], slid[i] * scale));
+            if (!sticks).any() {
+                let slid = [old[0] - f.slide_mass * u1, old[1] - f.slide_mass * u2];
+                let length = (slid[0] * slid[0] + slid[1] * slid[1]).sqrt();
+                let scale = L::select(length.gt(limit), limit / length, L::one());
+                new = std::array::from_fn(|i| L::select(sticks, new[i], slid[i] * scale));
+            }
         }
         let bound = limit * f.radius;
         let twist = (f.twist - f.twist_mass * spin.dot(n)).clamp(-bound, bound);
@@ -230,12 +239,7 @@ pub(crate) unsafe fn solve<
         v.apply::<P, TWO>(batch, q, ta, tb);
     }
 
-    let relative = |p: &Pair<L>| if TWO { n.dot(p.vb - p.va) } else { -n.dot(p.va) };
-    let row = |p: &Pair<L>, point: &super::batch::PointRow<L>| {
-        let a = point.arm_a.dot(p.wa);
-        if TWO { point.arm_b.dot(p.wb) - a } else { -a }
-    };
-    let (speed, gap) = (relative(&v), relative(&d));
+    let speed = relative::<L, TWO>(n, &v);
     let (mut sum, mut ta, mut tb) = (L::zero(), Vec3::zero(), Vec3::zero());
     let mut u = [L::zero(); P];
     let mut bias = [L::zero(); P];
@@ -245,32 +249,36 @@ pub(crate) unsafe fn solve<
     let mut touches = L::zero().gt(L::zero());
     for i in 0..P {
         let point = batch.points[i];
-        let s = point.separation + gap + row(&d, &point);
-        u[i] = speed + row(&v, &point);
+        let s = point.now;
+        u[i] = speed + row::<L, TWO>(&v, &point);
         impulse[i] = point.impulse;
         // Apart: only what would close the gap within this substep is taken away, and rigidly so.
         let speculative = s * L::splat(pass.inverse_h);
-        if BIAS {
-            let deep = s + L::splat(pass.slop);
-            let rigid = deep.ge(L::zero());
-            let push = (deep * L::splat(pass.softness.bias_rate)).max(L::splat(-pass.push_speed));
-            bias[i] = L::select(rigid, speculative.max(L::zero()), push);
-            mass[i] = point.mass * L::select(rigid, L::one(), L::splat(pass.softness.mass_scale));
-            yielding[i] = L::select(rigid, L::zero(), L::splat(pass.softness.impulse_scale));
-        } else {
-            bias[i] = speculative.max(L::zero());
-            mass[i] = point.mass;
-            touches = touches | (point.mass.gt(L::zero()) & (s.le(L::zero()) | point.impulse.gt(L::zero())));
+        let deep = s + slop;
+        let rigid = deep.ge(L::zero());
+        let push = (deep * L::splat(pass.softness.bias_rate)).max(L::splat(-pass.push_speed));
+        bias[i] = L::select(rigid, speculative.max(L::zero()), push);
+        mass[i] = point.mass * L::select(rigid, L::one(), L::splat(pass.softness.mass_scale));
+        yielding[i] = L::select(rigid, L::zero(), L::splat(pass.softness.impulse_scale));
+        touches = touches | (point.mass.gt(L::zero()) & (s.le(L::zero()) | point.impulse.gt(L::zero())));
+    }
+    // Relaxing, a manifold that is apart, and did not have to push, waits for the next substep: its gaps at the end of
+    // this one say nothing of what would be crossed in it, and a step that ends here must not push for the next. One that
+    // touches with any point is no guess, and comes to rest as a whole.
+    let mass = mass.map(|m| L::select(touches | pushes, m, L::zero()));
+    if !FRICTION {
+        // Nothing closes and nothing bears load: what follows would change nothing. So it is with most that may meet.
+        let acts = |i: usize| {
+            let point = &batch.points[i];
+            let loaded = impulse[i].gt(L::zero()) | point.held.gt(L::zero());
+            mass[i].gt(L::zero()) & (loaded | (u[i] + bias[i]).lt(L::zero()))
+        };
+        if !(1..P).fold(acts(0), |any, i| any | acts(i)).any() {
+            return;
         }
     }
-    if !BIAS {
-        // A manifold that is apart, and did not have to push, waits for the next substep: its gaps at the end of this
-        // one say nothing of what would be crossed in it, and a step that ends here must not push for the next. One
-        // that touches with any point is no guess, and comes to rest as a whole.
-        mass = mass.map(|m| L::select(touches, m, L::zero()));
-    }
     if P > 1 {
-        let (push, on) = level::<L, P, BIAS>(batch, &u, &bias, &impulse, (&mass, &yielding));
+        let (push, on) = level::<L, P>(batch, &u, &bias, &impulse, (&mass, &yielding));
         for i in 0..P {
             let change = push * on[i];
             impulse[i] += change;
@@ -282,11 +290,9 @@ pub(crate) unsafe fn solve<
     for i in 0..P {
         let point = &batch.points[i];
         let mut new = impulse[i] - mass[i] * (u[i] + bias[i]);
-        if BIAS {
-            new -= (impulse[i] - point.held) * yielding[i];
-        }
-        // An inert lane has an infinite separation: 0 * inf must not become an impulse.
-        let new = L::select(point.mass.gt(L::zero()), new.max(L::zero()), L::zero());
+        new -= (impulse[i] - point.held) * yielding[i];
+        // An inert lane has an infinite separation; of 0 * inf, which is no number, the larger one is zero.
+        let new = new.max(L::zero());
         let change = new - impulse[i];
         impulse[i] = new;
         for k in 0..P {
@@ -310,6 +316,18 @@ pub(crate) unsafe fn solve<
     unsafe { v.save::<P, TWO>(batch, motion.velocity) };
 }
 
+/// Speed of `b` away from `a` along the normal, and what their spins add to it at a point.
+#[inline(always)]
+fn relative<L: Lanes, const TWO: bool>(n: Vec3<L>, p: &Pair<L>) -> L {
+    if TWO { n.dot(p.vb - p.va) } else { -n.dot(p.va) }
+}
+
+#[inline(always)]
+fn row<L: Lanes, const TWO: bool>(p: &Pair<L>, point: &super::batch::PointRow<L>) -> L {
+    let a = point.arm_a.dot(p.wa);
+    if TWO { point.arm_b.dot(p.wb) - a } else { -a }
+}
+
 /// By how much a unit impulse at one point changes the normal velocity of another [1/kg].
 #[inline(always)]
 fn stiffness<L: Lanes, const P: usize>(batch: &Batch<L, P>, i: usize, k: usize) -> L {
@@ -323,7 +341,7 @@ fn stiffness<L: Lanes, const P: usize>(batch: &Batch<L, P>, i: usize, k: usize) 
 /// others would turn it back, never quite: a tower that stands straight would learn to lean. After this step a body
 /// that lies flat and evenly loaded has nothing left for the sweep.
 #[inline(always)]
-fn level<L: Lanes, const P: usize, const BIAS: bool>(
+fn level<L: Lanes, const P: usize>(
     batch: &Batch<L, P>,
     u: &[L; P],
     bias: &[L; P],
@@ -338,12 +356,9 @@ fn level<L: Lanes, const P: usize, const BIAS: bool>(
         let acts = mass[i].gt(L::zero()) & (impulse[i].gt(L::zero()) | rest.lt(L::zero()));
         on[i] = L::select(acts, L::one(), L::zero());
         // A row that yields is one that is less stiff: (k + soft) impulse = -error.
-        let (mut own, mut missing) = (point.stiffness, rest);
-        if BIAS {
-            let soft = point.stiffness * yielding[i] / (L::one() - yielding[i]);
-            own += soft;
-            missing += soft * (impulse[i] - point.held);
-        }
+        let soft = point.stiffness * yielding[i] / (L::one() - yielding[i]);
+        let own = point.stiffness + soft;
+        let missing = rest + soft * (impulse[i] - point.held);
         // Not a product: an inert lane has an infinite bias.
         error += L::select(acts, missing, L::zero());
         least = L::select(acts, least.min(impulse[i]), least);

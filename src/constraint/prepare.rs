@@ -245,7 +245,7 @@ fn fill<L: GatherLanes, const P: usize>(
         let s = L::load(&columns.separation[i]);
         let point = &mut batch.points[i];
         (point.arm_a, point.arm_b) = (arm_a, arm_b);
-        point.separation = s;
+        (point.separation, point.now) = (s, s);
         point.mass = L::select(possible, L::one() / k, L::zero());
         point.held = L::select(possible, L::load(&columns.held[i]), L::zero());
         point.stiffness = k;

@@ -4,10 +4,10 @@
 //! and the other rows allow. What must never happen, a body on the wrong side of the world, is therefore checked on the
 //! path that a body really takes: if the segment from its old centre to its new one enters static geometry, the motion
 //! is cut there. A body that was on the right side thus stays there, step after step, whatever pushes it; and since its
-//! centre is on the right side, contacts push the rest of it out. One segment query for each body that moved further
-//! than a share of the ball that fits into it, or further than it is known to be clear of everything static: a body
-//! that lies still or creeps is looked at seldom, but however slowly it is pressed, it does not get through. The report
-//! counts those that had to be held.
+//! centre is on the right side, contacts push the rest of it out. One look into the box around its path, and a segment
+//! query where that is not empty, for each body that moved further than a share of the ball that fits into it, or
+//! further than it is known to be clear of everything static: a body that lies still or creeps is looked at seldom, but
+//! however slowly it is pressed, it does not get through. The report counts those that had to be held.
 //!
 //! Two dynamic bodies that fly at each other get the same care, and stop together on their ways. Potential points do
 //! that exactly for one pair; where many fast bodies meet at once, few iterations don't.
@@ -15,14 +15,15 @@
 //! A kinematic body moves, so there the path is looked at in that body's own frame, from its old pose to its new one,
 //! and who is overrun is carried along.
 
+use super::near::from_triangle;
 use crate::body::{Bodies, Pose, Traits};
-use crate::broad_phase::{BroadPhase, Pair};
+use crate::broad_phase::{Aabb, BroadPhase, Pair, Whom};
 use crate::config::Continuous;
 use crate::lanes::Record;
 use crate::narrow_phase::{Relative, Support, distance};
 use crate::query::segment_hits;
 use crate::shape::{Collider, Geometry};
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Mat3, Quat, Vec3};
 
 /// What the guard reads.
 pub(crate) struct Guard<'a> {
@@ -109,22 +110,23 @@ impl Guard<'_> {
                     (least, away) = (gap, pose.rotation * normal);
                 }
             };
-            let mut surface = |other: &Support| {
-                let gap = distance(&tip, other, &here, Vec3::ZERO);
-                look(gap.distance.max(0.0), -gap.normal);
+            let mut triangle = |corners: [Vec3; 3]| {
+                let from = from_triangle(point, corners);
+                look(from.length() as f32, from.normalize_or_zero().as_vec3());
             };
             let (low, high) = (point - most, point + most);
             match &collider.geometry {
                 Geometry::Mesh(mesh) => {
-                    mesh.visit_box(low, high, &mut |_, t| surface(&Support::triangle(t)));
+                    mesh.visit_box(low, high, &mut |_, t| triangle(t));
                 }
                 Geometry::HeightField(field) => {
-                    field.visit_box(low, high, &mut |_, t| surface(&Support::triangle(t)));
+                    field.visit_box(low, high, &mut |_, t| triangle(t));
                 }
                 Geometry::Plane => look(point.y.max(0.0), Vec3::Y),
                 _ => {
                     if let Some(shape) = Support::of(collider) {
-                        surface(&shape);
+                        let gap = distance(&tip, &shape, &here, Vec3::ZERO);
+                        look(gap.distance.max(0.0), -gap.normal);
                     }
                 }
             }
@@ -146,6 +148,9 @@ impl Guard<'_> {
         // A little further than the motion, so that the centre keeps its distance at the end too.
         let length = moved.length();
         let reach = *moved * (1.0 + keep / length);
+        if self.is_free(stack, own, from, reach, GRAZE * keep) {
+            return false;
+        }
         let Some((fraction, normal)) = self.first_static(stack, own, from, reach) else {
             return self.keep_off(stack, own, from, moved, GRAZE * keep);
         };
@@ -164,6 +169,35 @@ impl Guard<'_> {
             velocity.linear -= normal * speed;
         }
         true
+    }
+
+    /// Whether no triangle, and nothing else static, meets the box around a way, wider by `least`: so it is for most that
+    /// fly or roll, and then there is nothing to enter and nothing to graze.
+    fn is_free(&self, stack: &mut Vec<u32>, own: &[u32], from: DVec3, way: Vec3, least: f32) -> bool {
+        let middle = from + (way * 0.5).as_dvec3();
+        let half = way.abs() * 0.5 + 1.01 * least;
+        // More than what rounding takes.
+        let slack = |at: Vec3| Vec3::splat(2e-6 * (at.abs() + half).max_element());
+        let around = |at: Vec3, half: Vec3| Aabb { min: at - half - slack(at), max: at + half + slack(at) };
+        let mut any = false;
+        self.broad.in_box(stack, Whom::Statics, &around(middle.as_vec3(), half), |c| {
+            let (collider, pose) = (&self.colliders[c as usize], &self.poses[c as usize]);
+            if any || !self.may_meet(own, collider) {
+                return;
+            }
+            any = match &collider.geometry {
+                Geometry::Mesh(mesh) => {
+                    let back = Mat3::from_quat(pose.rotation.conjugate());
+                    let at = back * (middle - pose.position).as_vec3();
+                    let half =
+                        back.x_axis.abs() * half.x + back.y_axis.abs() * half.y + back.z_axis.abs() * half.z;
+                    let Aabb { min, max } = around(at, half);
+                    mesh.meets_box(min, max)
+                }
+                _ => true,
+            };
+        });
+        !any
     }
 
     /// A path that runs along a surface without entering it may end so close that the next one begins on the other side,

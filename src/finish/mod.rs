@@ -1,6 +1,7 @@
 //! Displacements -> poses; nothing may have crossed static geometry on the way; then the report.
 
 mod guard;
+mod near;
 mod report;
 
 use guard::{Clear, Guard};
@@ -42,8 +43,9 @@ impl Buffers {
         let stacks =
             self.stacks.iter().filter_map(|s| s.lock().ok().map(|s| s.capacity() * 4)).sum::<usize>();
         let own = self.stacks.capacity() * size_of::<Mutex<Vec<u32>>>();
-        let (clear, beside) = (bytes_of(&self.clear), bytes_of(&self.beside));
-        (own + clear.0 + beside.0, own + stacks + clear.1 + beside.1)
+        [bytes_of(&self.clear), bytes_of(&self.beside)]
+            .into_iter()
+            .fold((own, own + stacks), |s, b| (s.0 + b.0, s.1 + b.1))
     }
 
     /// Something static is where it was not before.

@@ -139,23 +139,20 @@ impl TriangleMesh {
     /// Calls `f` with every triangle whose bounding box meets a box, and its corners.
     #[inline]
     pub(crate) fn visit_box(&self, min: Vec3, max: Vec3, f: &mut (impl FnMut(u32, [Vec3; 3]) + ?Sized)) {
-        let (least, most) = (LaneVec3::<f32x8>::splat(min), LaneVec3::<f32x8>::splat(max));
         self.tree.visit_box(min, max, |first, count| {
             let leaf = self.leaf(first, count);
-            let (low, high) = leaf.bounds();
-            let meets = low.x.le(most.x)
-                & low.y.le(most.y)
-                & low.z.le(most.z)
-                & high.x.ge(least.x)
-                & high.y.ge(least.y)
-                & high.z.ge(least.z);
-            let mut bits = meets.bits() & leaf.lanes();
+            let mut bits = leaf.in_box(min, max);
             while bits != 0 {
                 let lane = bits.trailing_zeros();
                 bits &= bits - 1;
                 f(first + lane, leaf.triangle(lane as usize));
             }
         });
+    }
+
+    /// Whether the bounding box of any triangle meets a box.
+    pub(crate) fn meets_box(&self, min: Vec3, max: Vec3) -> bool {
+        self.tree.any_in_box(min, max, |first, count| self.leaf(first, count).in_box(min, max) != 0)
     }
 
     /// Calls `f` with the triangles whose boxes, inflated by half extents, a path meets, with their corners and a
@@ -219,6 +216,19 @@ impl Leaf {
     #[inline(always)]
     fn lanes(&self) -> u32 {
         (1 << self.count) - 1
+    }
+    /// A bit for each triangle whose bounding box meets a box.
+    #[inline(always)]
+    fn in_box(&self, min: Vec3, max: Vec3) -> u32 {
+        let (least, most) = (LaneVec3::<f32x8>::splat(min), LaneVec3::<f32x8>::splat(max));
+        let (low, high) = self.bounds();
+        let meets = low.x.le(most.x)
+            & low.y.le(most.y)
+            & low.z.le(most.z)
+            & high.x.ge(least.x)
+            & high.y.ge(least.y)
+            & high.z.ge(least.z);
+        meets.bits() & self.lanes()
     }
     #[inline(always)]
     fn bounds(&self) -> (LaneVec3<f32x8>, LaneVec3<f32x8>) {

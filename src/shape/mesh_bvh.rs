@@ -158,6 +158,15 @@ impl MeshBvh {
     /// Calls `leaf(first, count)` for every leaf whose box meets a box.
     #[inline]
     pub(crate) fn visit_box(&self, min: Vec3, max: Vec3, mut leaf: impl FnMut(u32, u32)) {
+        self.any_in_box(min, max, |first, count| {
+            leaf(first, count);
+            false
+        });
+    }
+
+    /// The same until one answers yes; says whether one did.
+    #[inline]
+    pub(crate) fn any_in_box(&self, min: Vec3, max: Vec3, mut leaf: impl FnMut(u32, u32) -> bool) -> bool {
         let (min, max) = (LaneVec3::<f32x4>::splat(min), LaneVec3::<f32x4>::splat(max));
         let mut stack = [0u32; STACK];
         let mut waiting = 1;
@@ -178,13 +187,16 @@ impl MeshBvh {
                 if child == NO_CHILD {
                     // Where a grid has no extent, even the wrong way round is met.
                 } else if child & IS_LEAF != 0 {
-                    leaf((child & !IS_LEAF) >> 3, (child & 7) + 1);
+                    if leaf((child & !IS_LEAF) >> 3, (child & 7) + 1) {
+                        return true;
+                    }
                 } else if waiting < STACK {
                     stack[waiting] = child;
                     waiting += 1;
                 }
             }
         }
+        false
     }
 
     /// A path to be walked along in this tree.

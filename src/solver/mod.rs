@@ -10,7 +10,7 @@ use crate::body::Bodies;
 use crate::config::{FrictionCone, Settings};
 use crate::constraint::Rows;
 use crate::constraint::contact_row::Softness;
-use crate::lanes::{Record, f32x8};
+use crate::lanes::{Lanes, Mask, Record, f32x8};
 use crate::memory::{Buffer, bytes_of};
 use crate::threads::{Crew, Shared};
 pub(crate) use pass::store;
@@ -73,16 +73,11 @@ pub(crate) fn solve(
     let velocity = Shared::new(&mut bodies.velocity[..movers]);
     let delta = Shared::new(&mut state.delta);
     let base = Shared::new(&mut state.base);
-    let all_bodies = |work: &(dyn Fn(usize) + Sync)| {
-        crew.run(movers.div_ceil(BLOCK), &|block| {
-            (block * BLOCK..((block + 1) * BLOCK).min(movers)).for_each(work);
-        });
-    };
     for substep in 0..settings.substeps {
         // Velocities take gravity and forces. From the second substep on, warm starting is one addition a body: rows
         // keep their directions within a step, so the impulses of the substep before change the velocities by just
         // what they did then.
-        all_bodies(&|i| {
+        all_bodies(crew, movers, |i| {
             // SAFETY: each body is in one block.
             let (v, b) = unsafe { (velocity.get(i), base.get(i)) };
             let now = lanes(*v);
@@ -97,29 +92,43 @@ pub(crate) fn solve(
         for _ in 0..settings.iterations {
             passes.run(crew, Kind::Solve, rows, &velocity, &delta);
         }
-        all_bodies(&|i| {
+        all_bodies(crew, movers, |i| {
             // SAFETY: each body is in one block.
             let (v, d, b) = unsafe { (velocity.get(i), delta.get(i), base.get(i)) };
             if let Some(traits) = locks {
                 traits[i].lock(v);
             }
-            let mut moved = lanes(*v) * f32x8::splat(h);
-            if i < dynamic && v.linear == b.linear {
+            let (now, before) = (lanes(*v), lanes(*b));
+            let same = now.eq(before).bits();
+            let mut moved = now * f32x8::splat(h);
+            if i < dynamic && same & LINEAR == LINEAR {
                 // Nothing touched the body: its path is the parabola, not the chord of semi-implicit Euler.
                 let fall = acceleration[i];
                 moved -= lanes(Record { angular: glam::Vec3::ZERO, ..fall }) * f32x8::splat(0.5 * h * h);
             }
-            let touched = v.linear != b.linear || v.angular != b.angular;
-            *d = record(lanes(*d) + moved);
-            // The pad tells `finish` whether the body was free all along.
-            d.pad0 = if touched { 1.0 } else { d.pad0 };
+            // The pad tells `finish` whether the body was free all along. Added with the rest: what is written in parts
+            // makes the next who reads it wait.
+            let touched = if same & BOTH == BOTH { 0.0 } else { 1.0 };
+            *d = record(lanes(*d) + (moved + f32x8::new(PAD) * f32x8::splat(touched)));
         });
         passes.run(crew, Kind::Relax, rows, &velocity, &delta);
     }
     if let Some(traits) = locks {
         // SAFETY: each body is in one block.
-        all_bodies(&|i| traits[i].lock(unsafe { velocity.get(i) }));
+        all_bodies(crew, movers, |i| traits[i].lock(unsafe { velocity.get(i) }));
     }
+}
+
+/// Bits of the lanes of a record that hold the linear part, and both parts; and the lane of the first pad.
+const LINEAR: u32 = 0b0000_0111;
+const BOTH: u32 = 0b0111_0111;
+const PAD: [f32; 8] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0];
+
+#[inline(always)]
+fn all_bodies(crew: &Crew<'_>, movers: usize, work: impl Fn(usize) + Sync) {
+    crew.run(movers.div_ceil(BLOCK), &|block| {
+        (block * BLOCK..((block + 1) * BLOCK).min(movers)).for_each(&work);
+    });
 }
 
 #[inline(always)]

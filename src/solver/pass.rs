@@ -45,7 +45,7 @@ impl Passes {
         let schedule = &*schedule;
         let motion = Motion { velocity, delta };
         for stage in stages.iter() {
-            let pass = self.of(stage.group);
+            let pass = self.of(stage.group, kind);
             let one = |index: usize| {
                 let batch = schedule[index];
                 let i = batch.index as usize;
@@ -73,13 +73,14 @@ impl Passes {
         }
     }
 
-    fn of(&self, group: Group) -> Pass {
+    fn of(&self, group: Group, kind: Kind) -> Pass {
         Pass {
             inverse_h: self.inverse_h,
             softness: if group.is_static() { self.fixed } else { self.dynamic },
             push_speed: self.push_speed,
             slop: self.slop,
             friction_box: self.friction_box,
+            relax: kind == Kind::Relax,
         }
     }
 }
@@ -107,14 +108,10 @@ unsafe fn step<L: GatherLanes, const P: usize>(
             (Kind::WarmStart, Group::PotentialStatic) => {
                 warm_start::<L, P, false, false>(batch, motion.velocity)
             }
-            (Kind::Solve, Group::Dynamic) => solve::<L, P, true, true, true>(batch, motion, pass),
-            (Kind::Solve, Group::PotentialDynamic) => solve::<L, P, true, false, true>(batch, motion, pass),
-            (Kind::Solve, Group::Static) => solve::<L, P, false, true, true>(batch, motion, pass),
-            (Kind::Solve, Group::PotentialStatic) => solve::<L, P, false, false, true>(batch, motion, pass),
-            (Kind::Relax, Group::Dynamic) => solve::<L, P, true, true, false>(batch, motion, pass),
-            (Kind::Relax, Group::PotentialDynamic) => solve::<L, P, true, false, false>(batch, motion, pass),
-            (Kind::Relax, Group::Static) => solve::<L, P, false, true, false>(batch, motion, pass),
-            (Kind::Relax, Group::PotentialStatic) => solve::<L, P, false, false, false>(batch, motion, pass),
+            (_, Group::Dynamic) => solve::<L, P, true, true>(batch, motion, pass),
+            (_, Group::PotentialDynamic) => solve::<L, P, true, false>(batch, motion, pass),
+            (_, Group::Static) => solve::<L, P, false, true>(batch, motion, pass),
+            (_, Group::PotentialStatic) => solve::<L, P, false, false>(batch, motion, pass),
         }
     }
 }
