@@ -59,9 +59,9 @@ pub(crate) fn look_beside(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold
 }
 
 /// Where a shape in flight first touches a mesh or height field; [`Cast::Near`] if it begins close to it.
-pub(crate) fn fly_mesh(input: &Input<'_>, (a, b): Shapes<'_>, motion: &Motion) -> Cast {
+pub(crate) fn fly_mesh(input: &Input<'_>, (a, b): Shapes<'_>, (rel, motion): Way<'_>) -> Cast {
     let asked = Asked { alone: input.margin, ..Asked::first(tolerance(a, b), input.real) };
-    ask_mesh(a, b, motion, asked)
+    ask_mesh(a, b, rel, motion, asked)
 }
 
 /// Where a shape first touches a mesh or height field, other than what it rests on: that within `resting` [m] at the
@@ -69,12 +69,12 @@ pub(crate) fn fly_mesh(input: &Input<'_>, (a, b): Shapes<'_>, motion: &Motion) -
 pub(crate) fn look_ahead_mesh(
     input: &Input<'_>,
     (a, b): Shapes<'_>,
-    motion: &Motion,
+    (rel, motion): Way<'_>,
     resting: f32,
     known: Touched,
 ) -> Option<Touch> {
     let asked = Asked { known, lip: LIP * input.real, ..Asked::first(tolerance(a, b), resting) };
-    match ask_mesh(a, b, motion, asked) {
+    match ask_mesh(a, b, rel, motion, asked) {
         Cast::First(touch) => Some(touch),
         _ => None,
     }
@@ -93,7 +93,8 @@ pub(crate) fn hit_mesh(
     let Touch { fraction, normal } = touch;
     out.raw.clear();
     let margin = further(input, pair, &touch);
-    collide_mesh(a, b, &motion.relative(fraction), (margin, input.margin), &mut out.mesh, &mut out.raw);
+    let rel = motion.relative(fraction);
+    collide_mesh(a, b, &rel, (margin, input.margin), &mut out.mesh, &mut out.raw);
     // Planes that it is not close to when it touches are guesses.
     out.raw.retain(|m| m.points().iter().any(|p| p.separation <= input.margin));
     (0..out.raw.len()).for_each(|i| out.add(carry_back(&out.raw[i], motion, fraction, 0.0), fraction));
@@ -104,7 +105,8 @@ pub(crate) fn hit_mesh(
         return;
     }
     let known = out.mesh.touched(input.real);
-    let Some(Touch { fraction: further, .. }) = look_ahead_mesh(input, (a, b), &then, input.real, known)
+    let Some(Touch { fraction: further, .. }) =
+        look_ahead_mesh(input, (a, b), (&rel, &then), input.real, known)
     else {
         return;
     };
@@ -119,6 +121,8 @@ pub(crate) fn hit_mesh(
 
 /// A convex shape, and a mesh or height field.
 pub(crate) type Shapes<'a> = (&'a Collider, &'a Collider);
+/// Where the second is in the frame of the first at the start of the motion, and the motion.
+pub(crate) type Way<'a> = (&'a Relative, &'a Motion);
 
 /// How the shapes of a pair move within the step.
 pub(crate) fn motion_of(input: &Input<'_>, pair: &Pair) -> Motion {
@@ -137,9 +141,9 @@ fn further(input: &Input<'_>, pair: &Pair, touch: &Touch) -> f32 {
 }
 
 /// Whether a convex shape touches a mesh or height field at all within the step.
-pub(crate) fn touches_mesh((a, b): Shapes<'_>, motion: &Motion) -> bool {
+pub(crate) fn touches_mesh((a, b): Shapes<'_>, (rel, motion): Way<'_>) -> bool {
     let asked = Asked { any: true, ..Asked::first(tolerance(a, b), 0.0) };
-    matches!(ask_mesh(a, b, motion, asked), Cast::First(_))
+    matches!(ask_mesh(a, b, rel, motion, asked), Cast::First(_))
 }
 
 /// Whether the predicted motion takes any point of a manifold, found at the start of the step, through its plane.

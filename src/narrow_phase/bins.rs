@@ -322,7 +322,8 @@ fn finish_mesh(
     let (start, mut casts, mut nearest) = (mesh.count(), 0, f32::INFINITY);
     let (shapes, motion) = ((a, b), motion_of(input, pair));
     // Without a contact it is likely to be in flight.
-    let flight = if fast && pair.contact == NONE { fly_mesh(input, shapes, &motion) } else { Cast::Near };
+    let flight =
+        if fast && pair.contact == NONE { fly_mesh(input, shapes, (rel, &motion)) } else { Cast::Near };
     let mut ahead = match flight {
         Cast::First(touch) => Some(touch),
         _ => None,
@@ -343,13 +344,13 @@ fn finish_mesh(
         let apart = nearest > tolerance(a, b).max(NO_GAP * input.real);
         if continuous && apart && mesh.raw.iter().any(|m| would_push(&motion, m)) {
             casts += 1;
-            if !touches_mesh(shapes, &motion) {
+            if !touches_mesh(shapes, (rel, &motion)) {
                 mesh.raw.retain(|m| !would_push(&motion, m));
             }
         }
         (0..mesh.raw.len()).for_each(|i| mesh.add(mesh.raw[i], 0.0));
         if fast {
-            ahead = look_ahead_mesh(input, shapes, &motion, resting, mesh.mesh.touched(resting));
+            ahead = look_ahead_mesh(input, shapes, (rel, &motion), resting, mesh.mesh.touched(resting));
         }
     }
     casts += u32::from(fast);

@@ -1,5 +1,6 @@
 //! When a moving convex shape first touches a mesh or a height field.
 
+use super::Relative;
 use super::cast::{Other, Sweep, Touch};
 use super::mesh::Eight;
 use super::mesh_sweep::MeshSweep;
@@ -67,10 +68,11 @@ pub(crate) enum Cast {
 }
 
 /// First touch of a convex shape with a triangle of a mesh or height field, other than what it rests on; see [`Asked`].
-pub(crate) fn ask_mesh(a: &Collider, mesh: &Collider, motion: &Motion, asked: Asked) -> Cast {
+/// `rel`: of the mesh in the shape's frame at the start.
+pub(crate) fn ask_mesh(a: &Collider, mesh: &Collider, rel: &Relative, motion: &Motion, asked: Asked) -> Cast {
     match &mesh.geometry {
-        Geometry::Mesh(mesh) => cast_triangles(a, &**mesh, motion, asked),
-        Geometry::HeightField(field) => cast_triangles(a, &**field, motion, asked),
+        Geometry::Mesh(mesh) => cast_triangles(a, &**mesh, rel, motion, asked),
+        Geometry::HeightField(field) => cast_triangles(a, &**field, rel, motion, asked),
         _ => Cast::Free,
     }
 }
@@ -104,6 +106,7 @@ triangles!(HeightField);
 pub(crate) fn cast_triangles<T: Triangles + ?Sized>(
     a: &Collider,
     mesh: &T,
+    rel: &Relative,
     motion: &Motion,
     asked: Asked,
 ) -> Cast {
@@ -121,7 +124,7 @@ pub(crate) fn cast_triangles<T: Triangles + ?Sized>(
     let inflate = path.inflate + DVec3::splat(slack);
     let start = sweep.placed(0.0);
     let mut later = None;
-    let filter = (!turns).then(|| MeshSweep::new(a, motion, &sweep.spin()));
+    let filter = (!turns).then(|| MeshSweep::new(a, rel, motion, &sweep.spin()));
     let mut first: Option<Touch> = None;
     let mut limit = 1.0_f64;
     let mut exact = |index: u32| {
@@ -281,7 +284,7 @@ mod tests {
     }
 
     fn cast(a: &Collider, soup: &Soup, motion: &Motion, tolerance: f32, resting: f32) -> Option<Touch> {
-        match cast_triangles(a, soup, motion, Asked::first(tolerance, resting)) {
+        match cast_triangles(a, soup, &motion.relative(0.0), motion, Asked::first(tolerance, resting)) {
             Cast::First(touch) => Some(touch),
             _ => None,
         }
@@ -358,7 +361,7 @@ mod tests {
             let motion = Motion::new(&a, &pa, &mesh, &b);
             let expected = cast(&a, &soup, &motion, 1e-4, 0.01).map(|t| t.fraction);
             for other in [&mesh, &field] {
-                let found = ask_mesh(&a, other, &motion, Asked::first(1e-4, 0.01));
+                let found = ask_mesh(&a, other, &motion.relative(0.0), &motion, Asked::first(1e-4, 0.01));
                 let found = if let Cast::First(touch) = found { Some(touch.fraction) } else { None };
                 assert_eq!(found, expected);
             }

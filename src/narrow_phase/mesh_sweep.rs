@@ -5,6 +5,7 @@
 //! of a turning shape lies within the sagitta of its arc from the chord, so two heights over the plane, at the start
 //! and at the end, bound all in between.
 
+use super::Relative;
 use super::cast::Spin;
 use super::cast_mesh::Asked;
 use super::mesh::{Eight, Triangles, bounds};
@@ -13,7 +14,8 @@ use super::motion::{Motion, turn};
 use super::polytope::Pose;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::shape::{Collider, Geometry};
-use glam::{DQuat, Mat3, Vec3};
+use glam::{Mat3, Vec3};
+use std::cell::OnceCell;
 
 /// The points of a shape that are furthest along eight unit directions, in its frame.
 #[inline(always)]
@@ -70,8 +72,10 @@ pub(super) struct MeshSweep<'a> {
     around: (Vec3, Vec3),
     /// Of the mesh, at the start.
     pose: Pose,
-    middle: Moment,
-    end: Moment,
+    /// In the middle and at the end of the step, once anything is looked at.
+    moments: OnceCell<[Moment; 2]>,
+    way: Vec3,
+    lever: Vec3,
     /// Rotation vector over the step [rad].
     spin: Vec3,
     /// Angle times extent across the axis [m]: times the share of the spin across a direction it is how much the
@@ -92,6 +96,7 @@ pub(super) struct Reached {
 }
 
 /// Where the shape is.
+#[derive(Debug)]
 struct Moment {
     /// Its origin less that at the start.
     moved: Vec3,
@@ -99,27 +104,33 @@ struct Moment {
 }
 
 impl<'a> MeshSweep<'a> {
-    pub(super) fn new(shape: &'a Collider, motion: &Motion, spin: &Spin) -> MeshSweep<'a> {
-        let rel = motion.relative(0.0);
+    /// `rel`: of the mesh in the shape's frame at the start.
+    pub(super) fn new(shape: &'a Collider, rel: &Relative, motion: &Motion, spin: &Spin) -> MeshSweep<'a> {
         let to_local = motion.a.rotation.conjugate();
         let way = to_local * motion.displacement;
         let lever = to_local * motion.a.lever;
         let local = to_local * spin.vector;
-        let half = turn(local.as_dvec3() * 0.5);
-        let moment = |t: f32, turned: DQuat| {
-            let turned = Mat3::from_quat(turned.as_quat());
-            Moment { moved: way * t + turned * lever - lever, turned }
-        };
         MeshSweep {
             shape,
             around: bounds(shape).map_or((Vec3::ZERO, Vec3::splat(shape.radius)), |b| (b.0, b.1)),
             pose: Pose::new(rel.position, rel.rotation),
-            middle: moment(0.5, half),
-            end: moment(1.0, half * half),
+            moments: OnceCell::new(),
+            way,
+            lever,
             spin: local,
             bend: spin.vector.length() * spin.reach,
             slack: 2e-6 * (rel.position.length() + way.length() + shape.radius + lever.length()),
         }
+    }
+
+    fn moments(&self) -> &[Moment; 2] {
+        self.moments.get_or_init(|| {
+            let half = turn(self.spin.as_dvec3() * 0.5);
+            [(0.5, half), (1.0, half * half)].map(|(t, turned)| {
+                let turned = Mat3::from_quat(turned.as_quat());
+                Moment { moved: self.way * t + turned * self.lever - self.lever, turned }
+            })
+        })
     }
 
     /// What of eight triangles comes into reach. What comes no nearer than the tolerance is left out, and so is what the
@@ -128,9 +139,16 @@ impl<'a> MeshSweep<'a> {
     pub(super) fn in_reach(&self, eight: &Eight, asked: &Asked) -> Reached {
         let &Asked { tolerance, resting, alone, .. } = asked;
         let triangles = Triangles::new(eight, &self.pose, Vec3::ZERO);
+        let hidden = asked.known.hides(&triangles, asked.lip);
+        // Triangles of no area have no plane.
+        let flat = !triangles.valid & eight.lanes();
+        if (!hidden).bits() & triangles.valid == 0 && alone < 0.0 {
+            return Reached { lanes: flat, earliest: [0.0; 8], near: false };
+        }
+        let [middle, end] = self.moments();
         let down = -triangles.front;
         let (start, limit) = (triangles.height - reach(self.shape, down), self.limit(down, tolerance));
-        let end = self.gap(triangles.height, down, &self.end);
+        let end = self.gap(triangles.height, down, end);
         let alone = f32x8::splat(alone);
         let mut close = start.le(alone);
         if close.bits() & triangles.valid != 0 {
@@ -138,11 +156,11 @@ impl<'a> MeshSweep<'a> {
             close = close & axis.le(alone);
         }
         let least = Lanes::min(start, end);
-        let mut away = least.gt(limit) | asked.known.hides(&triangles, asked.lip);
+        let mut away = least.gt(limit) | hidden;
         let resting = f32x8::splat(resting);
         let level = start.abs().le(resting);
         if (level & !away).any() {
-            let lowest = Lanes::min(least, self.gap(triangles.height, down, &self.middle));
+            let lowest = Lanes::min(least, self.gap(triangles.height, down, middle));
             away = away | (level & lowest.ge(-resting));
             // Its lowest point is over the triangle itself: it rests on it at the start, whatever comes then.
             let (_, feature) = nearest(&triangles, support(self.shape, down));
@@ -153,8 +171,6 @@ impl<'a> MeshSweep<'a> {
             self.search(&triangles, tolerance, &mut away, &mut first);
         }
         let exact = triangles.valid & !away.bits();
-        // Triangles of no area have no plane.
-        let flat = !triangles.valid & eight.lanes();
         Reached { lanes: exact | flat, earliest: first.to_array(), near: close.bits() & triangles.valid != 0 }
     }
 
@@ -169,18 +185,18 @@ impl<'a> MeshSweep<'a> {
             let some = length.gt(f32x8::splat(f32::MIN_POSITIVE));
             (v * (f32x8::one() / Lanes::select(some, length, f32x8::one())), some)
         };
-        let moved = LaneVec3::splat(self.middle.moved);
+        let [middle, end] = self.moments();
+        let moved = LaneVec3::splat(middle.moved);
         let (point, _) = nearest(triangles, moved);
         let (mut u, mut known) = unit(point - moved);
         for _ in 0..ROUNDS {
-            let (one, other) =
-                (support(self.shape, u), self.end.point(support(self.shape, self.end.seen(u))));
+            let (one, other) = (support(self.shape, u), end.point(support(self.shape, end.seen(u))));
             let (along_one, along_other) = (one.dot(u), other.dot(u));
             let (near, far) = nearest_corner(triangles, u);
-            let (start, end) = (far - along_one, far - along_other);
+            let (before, after) = (far - along_one, far - along_other);
             let limit = self.limit(u, tolerance);
-            *away = *away | (known & Lanes::min(start, end).gt(limit));
-            *first = Lanes::max(*first, Lanes::select(known, earliest(start, end, limit), f32x8::zero()));
+            *away = *away | (known & Lanes::min(before, after).gt(limit));
+            *first = Lanes::max(*first, Lanes::select(known, earliest(before, after, limit), f32x8::zero()));
             if (!*away).bits() & triangles.valid == 0 {
                 return;
             }
@@ -293,7 +309,7 @@ mod tests {
                 );
                 exact.push((sweep.first_touch(1.0), sweep.spin()));
             }
-            let sweep = MeshSweep::new(&a, &motion, &exact[0].1);
+            let sweep = MeshSweep::new(&a, &motion.relative(0.0), &motion, &exact[0].1);
             let Reached { lanes, earliest, .. } = sweep.in_reach(&eight, &Asked::first(eps, 0.0));
             for (k, (touch, _)) in exact.iter().enumerate() {
                 all += 1;
