@@ -88,9 +88,8 @@ impl World {
         clock = lap(clock, &mut times.prepare);
 
         let buffers = &mut self.buffers;
-        let acceleration = &buffers.forces.acceleration;
         let (rows, state) = (&mut buffers.rows, &mut buffers.solver);
-        solver::solve(crew, &self.settings, dt, &mut self.bodies, acceleration, rows, state);
+        solver::solve(crew, &self.settings, dt, &mut self.bodies, &buffers.forces, rows, state);
         let pushed = {
             let poses = &self.colliders.poses;
             if self.settings.friction_model == FrictionModel::Point {

@@ -10,6 +10,7 @@ use crate::body::Bodies;
 use crate::config::{FrictionCone, Settings};
 use crate::constraint::Rows;
 use crate::constraint::contact_row::Softness;
+use crate::forces::Forces;
 use crate::lanes::{Lanes, Mask, Record, f32x8};
 use crate::memory::{Buffer, bytes_of};
 use crate::threads::{Crew, Shared};
@@ -47,12 +48,13 @@ pub(crate) fn solve(
     settings: &Settings,
     dt: f32,
     bodies: &mut Bodies,
-    acceleration: &[Record],
+    forces: &Forces,
     rows: &mut Rows,
     state: &mut State,
 ) {
     let movers = bodies.movers();
     let h = dt / settings.substeps as f32;
+    let Forces { acceleration, start, .. } = forces;
     state.delta.clear();
     state.delta.resize(movers, Record::default());
     state.base.clear();
@@ -79,8 +81,12 @@ pub(crate) fn solve(
         // what they did then.
         all_bodies(crew, movers, |i| {
             // SAFETY: each body is in one block.
-            let (v, b) = unsafe { (velocity.get(i), base.get(i)) };
+            let (v, b, d) = unsafe { (velocity.get(i), base.get(i), delta.get(i)) };
             let now = lanes(*v);
+            if substep == 0 && now.eq(lanes(start[i])).bits() & BOTH != BOTH {
+                // It bounced off something already.
+                d.pad0 = 1.0;
+            }
             let warm = if substep == 0 { f32x8::ZERO } else { now - lanes(*b) };
             let pull = if i < dynamic { lanes(acceleration[i]) * f32x8::splat(h) } else { f32x8::ZERO };
             let free = now + pull;
