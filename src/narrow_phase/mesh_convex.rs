@@ -1,20 +1,21 @@
-//! Any convex shape against triangles, one triangle at a time, once boxes around them are found to be near.
+//! A cylinder against triangles, one triangle at a time, once boxes around them are found to be near; and what of a
+//! contact with one triangle the surface as a whole has.
 
-use super::RawPoint;
-use super::clip::{Cloud, Loop, clip_face};
+use super::clip::{Cloud, Loop};
 use super::convex::collide_triangle;
 use super::cylinder::over_triangle;
 use super::mesh::{Ground, Triangles};
 use super::mesh_box::key;
 use super::mesh_patch::{GAP, Patches, Touch, Verdict};
-use super::polytope::{Pose, Solid};
+use super::polytope::Pose;
 use super::round_polytope::Core;
+use super::{RawPoint, mesh_capsule, mesh_hull};
 use crate::lanes::{Lanes, Mask, f32x8};
 use crate::shape::{Collider, Geometry, Kind};
 use glam::Vec3;
 
 /// Points with keys that tell the triangle too.
-fn named(touch: &Touch, points: &[RawPoint]) -> impl Iterator<Item = RawPoint> {
+pub(super) fn named<'a>(touch: &Touch, points: &'a [RawPoint]) -> impl Iterator<Item = RawPoint> + use<'a> {
     let index = touch.index;
     let fold = |k: u32| k ^ k >> 8 ^ k >> 15 ^ k >> 23;
     points.iter().map(move |p| RawPoint { key: key(index, fold(p.key)), ..*p })
@@ -30,7 +31,16 @@ pub(super) fn touch(
     ground: &Ground,
     patches: &mut Patches,
 ) {
-    let (middle, half, centre) = around;
+    let (middle, half, _) = around;
+    if a.kind == Kind::Capsule {
+        let Some(core) = Core::of(a) else { return };
+        mesh_capsule::touch((&core, half, a.radius), triangles, margins, ground, patches);
+        return;
+    }
+    if let Geometry::Hull(hull) = &a.geometry {
+        mesh_hull::touch((hull, a.radius), around, triangles, margins, ground, patches);
+        return;
+    }
     let (_, axis, _) = triangles.separate(middle, half);
     let mut bits = axis.le(margins).bits() & triangles.valid;
     while bits != 0 {
@@ -39,7 +49,7 @@ pub(super) fn touch(
         // Deepest below the face, of all of the shape.
         let (front, height) = (triangles.front.lane(lane), triangles.height.lane(lane));
         let margin = margins.lane(lane);
-        let face = height - extent(a, centre, -front);
+        let face = height - extent(a, -front);
         if face > margin {
             continue;
         }
@@ -55,126 +65,93 @@ pub(super) fn touch(
         } else {
             touch.judge(manifold.normal, apart, face, a.radius)
         };
+        let found = Found { normal: manifold.normal, apart, face, margin, verdict };
+        let own = |points: &mut Vec<RawPoint>| points.extend(named(&touch, manifold.points()));
+        let over = |points: &mut Vec<RawPoint>| {
+            let mut cloud = Cloud::new();
+            over_triangle(a, &outline(&touch), front, margin, &mut cloud);
+            points.extend(named(&touch, cloud.points()));
+        };
+        found.add(&touch, (middle, half), own, over, patches);
+    }
+}
+
+/// What was found of one triangle that is nearer than the margin.
+pub(super) struct Found {
+    /// Unit, from the shape to the triangle.
+    pub(super) normal: Vec3,
+    /// Separation along it, and along the triangle's normal, of all of the shape [m].
+    pub(super) apart: f32,
+    pub(super) face: f32,
+    pub(super) margin: f32,
+    pub(super) verdict: Verdict,
+}
+
+impl Found {
+    /// Adds the patch that the surface has there, if it has one.
+    ///
+    /// `own` adds the points of the shape and the triangle, `over` those of the shape that are over the triangle along
+    /// the triangle's normal. `around`: middle and half extents of the box around the shape.
+    pub(super) fn add(
+        &self,
+        touch: &Touch,
+        (middle, half): (Vec3, Vec3),
+        own: impl Fn(&mut Vec<RawPoint>),
+        over: impl Fn(&mut Vec<RawPoint>),
+        patches: &mut Patches,
+    ) {
+        let Found { normal, apart, face, margin, verdict } = *self;
+        let front = touch.front;
         let first = patches.points.len();
         match verdict {
             Verdict::Drop => {}
             Verdict::Keep => {
-                patches.points.extend(named(&touch, manifold.points()));
-                patches.add(touch, manifold.normal, None, first);
+                own(&mut patches.points);
+                patches.add(*touch, normal, None, first);
             }
             Verdict::Face(least) => {
-                // Not if it is the face's own normal already. A cylinder's may be nearly that.
-                if -manifold.normal.dot(front) > 0.999_999 && a.kind != Kind::Cylinder {
-                    patches.points.extend(named(&touch, manifold.points()));
-                } else {
-                    over_face(a, &touch, margin, &mut patches.points);
-                    patches.limit(first, least);
-                }
+                over(&mut patches.points);
+                patches.limit(first, least);
                 // In the gap between the faces of a hardly convex edge, over neither of them.
-                let in_gap = patches.points.len() == first && -manifold.normal.dot(front) > GAP;
-                if in_gap {
+                if patches.points.len() == first && -normal.dot(front) > GAP {
+                    own(&mut patches.points);
                     let offset = front.dot(touch.corners[0]);
-                    let bound = half + Vec3::splat(1e-3 * a.radius);
-                    patches.points.extend(named(&touch, manifold.points()).filter_map(|p| {
-                        let on_a = p.position - manifold.normal * (0.5 * p.separation);
+                    let bound = half + Vec3::splat(1e-3 * half.max_element());
+                    let mut kept = first;
+                    for i in first..patches.points.len() {
+                        let p = patches.points[i];
+                        let on_a = p.position - normal * (0.5 * p.separation);
                         let separation = front.dot(on_a) - offset;
                         let position = on_a - front * (0.5 * separation);
-                        let inside = (on_a - middle).abs().cmple(bound).all();
-                        (inside && separation <= margin).then_some(RawPoint { position, separation, ..p })
-                    }));
-                }
-                if in_gap {
-                    patches.add_in_gap(touch, face, first, -manifold.normal);
+                        if (on_a - middle).abs().cmple(bound).all() && separation <= margin {
+                            patches.points[kept] = RawPoint { position, separation, ..p };
+                            kept += 1;
+                        }
+                    }
+                    patches.points.truncate(kept);
+                    patches.add_in_gap(*touch, face, first, -normal);
                 } else {
-                    patches.add(touch, -front, Some(face), first);
+                    patches.add(*touch, -front, Some(face), first);
                 }
             }
         }
         if apart < 0.0 && patches.points.len() == first {
-            patches.pass_over(touch, face);
+            patches.pass_over(*touch, face);
         }
     }
 }
 
-/// How far a shape reaches along a direction from its centre [m].
-fn extent(a: &Collider, centre: Vec3, direction: Vec3) -> f32 {
-    let d = direction;
-    let flat = (d.x * d.x + d.z * d.z).sqrt();
-    match &a.geometry {
-        Geometry::Sphere { radius } => *radius,
-        Geometry::Capsule { half_height: h, radius_bottom, radius_top } => {
-            (h * d.y + radius_top).max(-h * d.y + radius_bottom)
-        }
-        Geometry::Cylinder { half_height: h, radius_bottom, radius_top } => {
-            (h * d.y + radius_top * flat).max(-h * d.y + radius_bottom * flat)
-        }
-        Geometry::Box { half_extents } => half_extents.dot(d.abs()),
-        Geometry::Hull(hull) => {
-            let most = hull.vertices.iter().map(|v| v.dot(d)).fold(f32::MIN, f32::max);
-            most - centre.dot(d)
-        }
-        _ => 0.0,
-    }
-}
-
-/// Adds the points of a shape that are over a triangle and nearer than the margin, along the triangle's normal.
-fn over_face(a: &Collider, touch: &Touch, margin: f32, points: &mut Vec<RawPoint>) {
-    let front = touch.front;
-    let offset = front.dot(touch.corners[0]);
-    if let Some(core) = Core::of(a) {
-        core_over_face(&core, touch, margin, points);
-        return;
-    }
+/// The corners of a triangle, counter-clockwise seen from its front.
+pub(super) fn outline(touch: &Touch) -> Loop {
     let order: [u16; 3] = if touch.behind { [0, 2, 1] } else { [0, 1, 2] };
-    let triangle = Loop::new(&touch.corners, &order, &Pose::IDENTITY);
-    let mut cloud = Cloud::new();
-    if a.kind == Kind::Cylinder {
-        over_triangle(a, &triangle, front, margin, &mut cloud);
-        points.extend(named(touch, cloud.points()));
-        return;
-    }
-    let Some(solid) = Solid::of(a) else { return };
-    let p = solid.view();
-    let face = p.face_towards(-front);
-    clip_face(
-        &triangle,
-        (front, offset),
-        &Loop::new(p.vertices, p.face(face), &Pose::IDENTITY),
-        p.planes[face],
-        margin,
-        1e-4 * a.radius,
-        &mut cloud,
-    );
-    points.extend(named(touch, cloud.points()));
+    Loop::new(&touch.corners, &order, &Pose::IDENTITY)
 }
 
-/// The two ends of what of a core lies over a triangle.
-fn core_over_face(core: &Core, touch: &Touch, margin: f32, points: &mut Vec<RawPoint>) {
-    let front = touch.front;
-    let (mut low, mut high) = (0.0f32, 1.0f32);
-    for i in 0..3 {
-        let (from, to) = (touch.corners[i], touch.corners[(i + 1) % 3]);
-        let out = if touch.behind { front.cross(to - from) } else { (to - from).cross(front) };
-        let (start, along) = (out.dot(core.start - from), out.dot(core.along));
-        // Outside where start + s along > 0.
-        if along > 0.0 {
-            high = high.min(-start / along);
-        } else if along < 0.0 {
-            low = low.max(-start / along);
-        } else if start > 0.0 {
-            return;
-        }
-    }
-    if low > high {
-        return;
-    }
-    let ends = if core.is_ball() || high - low < 1e-4 { 1 } else { 2 };
-    for (k, s) in [low, high].into_iter().enumerate().take(ends) {
-        let centre = core.at(s);
-        let separation = front.dot(centre - touch.corners[0]) - core.radius_at(s);
-        if separation <= margin {
-            let position = centre - front * (core.radius_at(s) + 0.5 * separation);
-            points.push(RawPoint { position, separation, key: key(touch.index, 0x40 + k as u32) });
-        }
-    }
+/// How far a cylinder reaches along a direction from its centre [m].
+fn extent(a: &Collider, d: Vec3) -> f32 {
+    let Geometry::Cylinder { half_height: h, radius_bottom, radius_top } = a.geometry else {
+        return f32::MAX;
+    };
+    let flat = (d.x * d.x + d.z * d.z).sqrt();
+    (h * d.y + radius_top * flat).max(-h * d.y + radius_bottom * flat)
 }

@@ -41,7 +41,7 @@ pub(super) struct Touch {
 
 impl Touch {
     /// In the triangle's plane, away from it, at edge `i`; not of unit length.
-    fn outward(&self, i: usize) -> Vec3 {
+    pub(super) fn outward(&self, i: usize) -> Vec3 {
         let along = self.corners[(i + 1) % 3] - self.corners[i];
         if self.behind { self.front.cross(along) } else { along.cross(self.front) }
     }
@@ -173,7 +173,7 @@ struct Plane {
     offset: f32,
     low: f32,
     patch: usize,
-    of: Patch,
+    touch: u32,
 }
 
 /// Patches of a pair. Triangles that were touched, patches and points each in one column.
@@ -281,6 +281,9 @@ impl Patches {
             self.patches.truncate(keep);
         }
         self.patches.sort_unstable_by(|a, b| a.least.total_cmp(&b.least).then(a.touch.cmp(&b.touch)));
+        if self.patches.len() < 2 {
+            return;
+        }
         // A body that lies in a thousand triangles must not cost a million tests.
         const FACES: usize = 32;
         let mut planes = [Plane::default(); FACES];
@@ -291,16 +294,13 @@ impl Patches {
             let offset = front.dot(self.touches[p.touch as usize].corners[0]);
             // Lifted out of this face by what overlaps over the face itself, the shape still reaches this low.
             let low = (reach - p.least.min(0.0)).min(0.0) + 1e-4 * size;
-            planes[count] = Plane { front, offset, low, patch: i, of: *p };
+            planes[count] = Plane { front, offset, low, patch: i, touch: p.touch };
             count += 1;
         }
-        if count == 0 || self.patches.len() < 2 {
-            return;
-        }
         let planes = &planes[..count];
-        let hides = |plane: &Plane, p: &Patch| {
-            let corners = &self.touches[p.touch as usize].corners;
-            -p.normal.dot(plane.front) < FLAT_COSINE
+        let hides = |plane: &Plane, normal: Vec3, touch: u32| {
+            let corners = &self.touches[touch as usize].corners;
+            -normal.dot(plane.front) < FLAT_COSINE
                 && corners.iter().all(|c| plane.front.dot(*c) - plane.offset <= plane.low)
         };
         let mut keep = 0;
@@ -309,7 +309,8 @@ impl Patches {
             let hidden = planes.iter().any(|plane| {
                 // Two faces on either side of a ridge hide each other: then the deeper one stays.
                 let back = |own: &&Plane| own.patch == i && i < plane.patch;
-                hides(plane, &p) && !planes.iter().find(back).is_some_and(|own| hides(own, &plane.of))
+                hides(plane, p.normal, p.touch)
+                    && !planes.iter().find(back).is_some_and(|own| hides(own, -plane.front, plane.touch))
             });
             if !hidden {
                 self.patches[keep] = p;

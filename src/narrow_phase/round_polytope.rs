@@ -14,7 +14,7 @@ use glam::Vec3;
 /// The most faces of a polytope, in words of 64.
 const FACE_WORDS: usize = 8;
 /// Squared sine under which two cores, or a core and an edge, lie along each other: 3 degrees.
-const ALONG: f32 = 0.0025;
+pub(super) const ALONG: f32 = 0.0025;
 
 /// A sphere or capsule: all balls with centres from `start` to `start + along`, with radii linear in between [m].
 #[derive(Clone, Copy, Debug)]
@@ -81,7 +81,7 @@ impl Core {
 
     /// Where the core and the segments `q + t e` come nearest.
     #[inline(always)]
-    fn nearest_segment<L: Lanes>(&self, q: LaneVec3<L>, e: LaneVec3<L>) -> (L, L) {
+    pub(super) fn nearest_segment<L: Lanes>(&self, q: LaneVec3<L>, e: LaneVec3<L>) -> (L, L) {
         let (start, along) = (LaneVec3::<L>::splat(self.start), LaneVec3::<L>::splat(self.along));
         if self.growth == 0.0 {
             return nearest_on_segments(start, along, q, e);

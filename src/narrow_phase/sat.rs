@@ -12,7 +12,7 @@ use glam::Vec3;
 /// What is left of faces that must not be an axis.
 const NEVER: f32 = -1e30;
 /// Squared sine under which two edges count as parallel: their cross product is all rounding.
-const PARALLEL: f32 = 1e-7;
+pub(super) const PARALLEL: f32 = 1e-7;
 
 /// The most vertices and edges of a polytope: 256, and 3 V - 6 edges.
 const MAX_VERTICES: usize = 256;
