@@ -82,6 +82,54 @@ mod moving {
         world.centre_of_mass(body).unwrap().x
     }
 
+    /// A ball at rest above a floor without thickness is struck by a heavy one from above. Along the path that was
+    /// predicted for it there was nothing; it takes up to twice the other's speed.
+    #[test]
+    fn what_is_struck_towards_a_floor_stays_above_it() {
+        let corner = |x: f32, z: f32| Vec3::new(x, 0.0, z) * 20.0;
+        let floor = [corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
+        let mesh = Arc::new(TriangleMesh::new(floor.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).unwrap());
+        let ball = Geometry::Sphere { radius: 0.05 };
+        for (density, restitution) in [(1e3, 1.0), (1e5, 1.0), (1e5, 0.5)] {
+            for (dt, solver) in STEPS.into_iter().flat_map(|dt| SOLVERS.map(|solver| (dt, solver))) {
+                for (height, gap, aside) in
+                    [(0.3, 0.001, 0.0), (0.5, 0.001, 0.03), (0.5, 0.7, 0.02), (1.5, 0.0, 0.01)]
+                {
+                    let mut world = world(solver, -10.0);
+                    let bouncing = |kind, geometry, at, velocity| {
+                        let mut desc = body(kind, geometry, at, velocity);
+                        desc.shapes[0].material = desc.shapes[0].material.with_restitution(restitution);
+                        desc
+                    };
+                    let struck = bouncing(BodyKind::Dynamic, ball.clone(), DVec3::Y * height, Vec3::ZERO);
+                    let at = DVec3::new(aside, height + 0.1 + gap, 0.0);
+                    let mut striker = bouncing(BodyKind::Dynamic, ball.clone(), at, Vec3::Y * -100.0);
+                    striker.shapes[0].density = density;
+                    world
+                        .add_body(&bouncing(
+                            BodyKind::Static,
+                            Geometry::Mesh(mesh.clone()),
+                            DVec3::ZERO,
+                            Vec3::ZERO,
+                        ))
+                        .unwrap();
+                    let balls = [world.add_body(&struck).unwrap(), world.add_body(&striker).unwrap()];
+                    for step in 0..10 {
+                        world.step(dt).unwrap();
+                        for ball in balls {
+                            let at = world.centre_of_mass(ball).unwrap();
+                            let over = at.x.abs().max(at.z.abs()) < 19.0;
+                            assert!(
+                                at.y > 0.0 || !over,
+                                "{density} {restitution} {dt} {solver:?} {height} {gap} step {step}: {at}"
+                            );
+                        }
+                    }
+                }
+            }
+        }
+    }
+
     #[test]
     fn two_bullets_head_on_do_not_pass_each_other() {
         for geometry in small() {
