@@ -123,13 +123,13 @@ fn a_scene_past_its_densest_moment_allocates_nothing() {
     for (scene, densest) in [
         // The bodies hit the ground up to frame 33, and jump on from hill to hill: with eleven of them, the most that
         // there is of anything may come late.
-        (builtin::talk(), 200),
+        (builtin::talk(), 400),
         (builtin::bullets(false), 100),
         (builtin::bullets(true), 100),
         // It settles layer by layer: the last contacts come late.
         (resting_pile(), 250),
     ] {
-        let steps = steps_that_allocate(&scene, densest + 100);
+        let steps = steps_that_allocate(&scene, densest + 300);
         println!("{}: {steps:?}", scene.name);
         assert!(steps.iter().all(|&step| step < densest), "{}: {steps:?}", scene.name);
         // On the way there, too, few steps reach what was never reached before.

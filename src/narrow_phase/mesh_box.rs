@@ -185,7 +185,18 @@ fn clip(half: Vec3, touch: &Touch, normal: Vec3, margin: f32, points: &mut Vec<R
         return;
     }
     let bounds = [half[u], half[v]];
-    for side in 0..4 {
+    // Sides with all corners beyond end it; only those with some beyond cut.
+    let beyond = |c: &Corner| {
+        let side =
+            |i: usize| u32::from((if i % 2 == 0 { c.x[i / 2] } else { -c.x[i / 2] }) > bounds[i / 2]) << i;
+        side(0) | side(1) | side(2) | side(3)
+    };
+    let codes = [beyond(&one[0]), beyond(&one[1]), beyond(&one[2])];
+    if codes[0] & codes[1] & codes[2] != 0 {
+        return;
+    }
+    let cuts = codes[0] | codes[1] | codes[2];
+    for side in (0..4).filter(|side| cuts >> side & 1 != 0) {
         let (k, s) = (side / 2, if side % 2 == 0 { 1.0 } else { -1.0 });
         let over = |c: &Corner| s * c.x[k] - bounds[k];
         let mut kept = 0;
