@@ -146,6 +146,11 @@ pub(crate) fn store(
     };
     for stage in &rows.stages {
         let (start, end) = (stage.start as usize, stage.end as usize);
+        if stage.serial {
+            // Points of one contact may both be here.
+            (start..end).for_each(|index| block(stage, index));
+            continue;
+        }
         crew.run((end - start).div_ceil(16), &|n| {
             (start + 16 * n..(start + 16 * n + 16).min(end)).for_each(|index| block(stage, index));
         });
@@ -169,7 +174,8 @@ fn put<L: GatherLanes, const P: usize>(
 ) -> u32 {
     let mut count = 0;
     store_batch(batch, |part, impulses, peak, friction, twist| {
-        // SAFETY: a contact is in one lane of one batch; its points, if apart, are in different stages.
+        // SAFETY: a contact is in one lane of one batch. Its points, if apart, are in different stages, or in one that is
+        // serial.
         let contact = unsafe { contacts.get(part.slot()) };
         let pushed = potential && peak > 0.0;
         let (friction, twist) = if potential {
