@@ -254,16 +254,6 @@ impl<'a, T> Shared<'a, T> {
         // SAFETY: inside the slice by the assertion; nobody writes by the contract.
         unsafe { *self.start.add(i) }
     }
-
-    /// The whole slice for reading.
-    ///
-    /// # Safety
-    /// Until the stage is over nobody may write elements that the caller reads.
-    #[inline(always)]
-    pub(crate) unsafe fn slice(&self) -> &[T] {
-        // SAFETY: the pointer and length are those of the slice this was made of.
-        unsafe { std::slice::from_raw_parts(self.start, self.len) }
-    }
 }
 
 #[cfg(test)]

@@ -289,7 +289,8 @@ fn fill<L: GatherLanes, const P: usize>(
     f.twist = L::load(&columns.twist);
 
     let velocity = &input.bodies.velocity;
-    let ((va, wa), (vb, wb)) = (gather::<L>(velocity, &batch.a), gather::<L>(velocity, &batch.b));
+    let record = |i: usize| velocity[i];
+    let ((va, wa), (vb, wb)) = (gather::<L>(record, &batch.a), gather::<L>(record, &batch.b));
     let at_b = if group.is_static() { Vec3::zero() } else { vb + wb.cross(fb) };
     let slip = at_b - (va + wa.cross(fa));
     let slip = slip - n * slip.dot(n);
