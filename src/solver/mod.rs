@@ -12,7 +12,7 @@ use crate::constraint::Rows;
 use crate::constraint::contact_row::Softness;
 use crate::lanes::{Record, f32x8};
 use crate::memory::{Buffer, bytes_of};
-use crate::threads::{Crew, Shared};
+use crate::threads::{Crew, Shared, per_block};
 pub(crate) use pass::store;
 use pass::{Kind, Passes};
 
@@ -39,7 +39,7 @@ impl State {
 }
 
 /// Bodies a block.
-const BLOCK: usize = 256;
+const BLOCK: usize = per_block(256, 1);
 
 /// Solves the rows over a step of `dt` seconds.
 pub(crate) fn solve(
