@@ -43,7 +43,7 @@ pub fn records() -> Kernel {
     let step = Vec3::<f32x8>::splat(glam::Vec3::splat(0.001));
     Kernel::new("gather and scatter of eight", batches.len(), move || {
         for index in &batches {
-            let (v, w) = gather::<f32x8>(&records, index);
+            let (v, w) = gather::<f32x8>(|i| records[i], index);
             for (&i, record) in index.iter().zip(scatter(v + step, w - step)) {
                 records[i as usize] = record;
             }

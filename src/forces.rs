@@ -3,7 +3,7 @@
 use crate::body::{Bodies, Mass, Traits};
 use crate::lanes::{Record, Sym3};
 use crate::memory::{Buffer, bytes_of};
-use crate::threads::{Crew, Shared};
+use crate::threads::{Crew, Shared, per_block};
 use crate::world::World;
 use glam::{Mat3, Vec3};
 
@@ -42,7 +42,7 @@ impl Forces {
 }
 
 /// Bodies a block.
-const BLOCK: usize = 256;
+const BLOCK: usize = per_block(256, 1);
 
 /// Computes [`Forces`] for a step of `dt` seconds.
 pub(crate) fn predict(crew: &Crew<'_>, world: &mut World, dt: f32) {

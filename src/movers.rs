@@ -6,7 +6,7 @@ use crate::config::Continuous;
 use crate::lanes::Record;
 use crate::memory::{Buffer, bytes_of};
 use crate::shape::Collider;
-use crate::threads::{Crew, Shared};
+use crate::threads::{Crew, Shared, per_block};
 use crate::world::World;
 
 /// Buffers of one step.
@@ -40,7 +40,7 @@ impl Buffers {
 /// anew more often.
 const MARGIN: f32 = 0.1;
 /// Bodies a block.
-const BLOCK: usize = 128;
+const BLOCK: usize = per_block(128, 1);
 
 /// Finds the pairs of this step; also says how many ghosts left with the pairs that ended.
 pub(crate) fn pairs(crew: &Crew<'_>, world: &mut World) -> (BroadStats, u32) {

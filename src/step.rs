@@ -43,7 +43,7 @@ impl Buffers {
 }
 
 /// Below this many bodies that can move, handing work to threads costs more than it saves (benches/steps.rs).
-const WORTH_THREADS: usize = 128;
+const WORTH_THREADS: usize = if cfg!(miri) { 2 } else { 128 };
 
 /// A separation up to this counts as touching [length units].
 pub(crate) const REAL: f32 = 0.002;

@@ -8,7 +8,7 @@ mod common;
 
 use backstop::glam::{DVec3, Vec3};
 use backstop::scene::{Scene, builtin};
-use backstop::{BodyDesc, Geometry, Settings};
+use backstop::{BodyDesc, FrictionModel, Geometry, Material, Settings, World};
 
 /// A third of a thousand bodies of every shape fall into a heap.
 fn small_pile() -> Scene {
@@ -82,6 +82,34 @@ fn any_number_of_threads_gives_the_same_bits() {
             assert_eq!(hash, alone, "{} with {threads} threads", scene.name);
         }
     }
+}
+
+/// With friction at every point a slab on sixteen boxes has more points than there are colours. Several of one contact are
+/// then among those that go one by one, and once two threads wrote their impulses back to it at the same time.
+#[cfg(feature = "parallel")]
+#[test]
+fn points_without_a_colour_give_the_same_bits() {
+    let mut bodies = vec![common::Floor::Plane.desc(Material::default())];
+    for slab in 0..16 {
+        let at = Vec3::X * (10.0 * slab as f32);
+        for i in 0..16 {
+            let under = Vec3::new(1.2 * (i % 4) as f32 - 1.8, 0.499, 1.2 * (i / 4) as f32 - 1.8);
+            bodies.push(common::dynamic(Geometry::cuboid(0.5, 0.5, 0.5), Material::default(), at + under));
+        }
+        let slab =
+            common::dynamic(Geometry::cuboid(2.5, 0.1, 2.5), Material::default(), at + Vec3::Y * 1.097);
+        bodies.push(slab.moving(Vec3::Z, Vec3::Y));
+    }
+    let run = |threads: usize| {
+        let friction_model = FrictionModel::Point;
+        let mut world = World::new(Settings { threads, friction_model, ..Settings::default() }).unwrap();
+        world.add_bodies(&bodies).unwrap();
+        common::steps(&mut world, 30, 1.0 / 60.0);
+        assert!(world.report().uncoloured > 0);
+        world.hash()
+    };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+    assert_eq!(pool.install(|| run(3)), run(1));
 }
 
 /// What was added first or last, removed and added again must not show: the same calls give the same bits.

@@ -4,14 +4,14 @@ use super::bvh::Tree;
 use super::{BroadPhase, FILTER, MayCollide, NONE, Order, Pair, Path, Role};
 use crate::lanes::{Mask, f32x4};
 use crate::memory::{Buffer, Buffers, Made, Room, bytes_of, even_out};
-use crate::threads::Crew;
+use crate::threads::{Crew, per_block};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Movers in a block: about 10 µs of work, ten times what claiming a block costs.
-pub(super) const BLOCK: usize = 64;
+pub(super) const BLOCK: usize = per_block(64, 1);
 
 /// Pairs in a block that looks whether they last.
-const KEEP_BLOCK: usize = 1024;
+const KEEP_BLOCK: usize = per_block(1024, 4);
 
 /// What a block finds, and the stack of its walks; kept from step to step.
 #[derive(Debug, Default)]

@@ -90,10 +90,10 @@ impl<L: GatherLanes> Pair<L> {
         batch: &Batch<L, P>,
         records: &Shared<'_, Record>,
     ) -> Self {
-        // SAFETY: by the contract.
-        let records = unsafe { records.slice() };
-        let (va, wa) = gather(records, &batch.a);
-        let (vb, wb) = if TWO { gather(records, &batch.b) } else { (Vec3::zero(), Vec3::zero()) };
+        // SAFETY: by the contract. One by one: a slice of all would include those that other threads write.
+        let record = |i| unsafe { records.read(i) };
+        let (va, wa) = gather(record, &batch.a);
+        let (vb, wb) = if TWO { gather(record, &batch.b) } else { (Vec3::zero(), Vec3::zero()) };
         Pair { va, wa, vb, wb }
     }
 

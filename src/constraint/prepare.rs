@@ -9,7 +9,7 @@ use crate::lanes::{GatherLanes, Lanes, Record, Sym3, Vec3, gather};
 use crate::memory::Room;
 use crate::narrow_phase::Contact;
 use crate::shape::{Collider, Hot};
-use crate::threads::{Crew, Shared};
+use crate::threads::{Crew, Shared, per_block};
 
 /// What preparing reads.
 pub(crate) struct PrepareInput<'a> {
@@ -36,7 +36,7 @@ pub(crate) struct PrepareInput<'a> {
 }
 
 /// Batches a block.
-const BLOCK: usize = 8;
+const BLOCK: usize = per_block(8, 1);
 
 /// Builds all batches of the step, as far as there is room for them.
 #[allow(clippy::needless_range_loop, reason = "the index is also that of the ranges")]
@@ -289,7 +289,8 @@ fn fill<L: GatherLanes, const P: usize>(
     f.twist = L::load(&columns.twist);
 
     let velocity = &input.bodies.velocity;
-    let ((va, wa), (vb, wb)) = (gather::<L>(velocity, &batch.a), gather::<L>(velocity, &batch.b));
+    let record = |i: usize| velocity[i];
+    let ((va, wa), (vb, wb)) = (gather::<L>(record, &batch.a), gather::<L>(record, &batch.b));
     let at_b = if group.is_static() { Vec3::zero() } else { vb + wb.cross(fb) };
     let slip = at_b - (va + wa.cross(fa));
     let slip = slip - n * slip.dot(n);

@@ -13,7 +13,7 @@ use crate::config::Continuous;
 use crate::forces::spins_freely;
 use crate::memory::{Buffer, Made, bytes_of};
 use crate::shape::Collider;
-use crate::threads::{Crew, Shared};
+use crate::threads::{Crew, Shared, per_block};
 use crate::world::World;
 use std::sync::Mutex;
 
@@ -90,7 +90,7 @@ fn mark_beside(
 }
 
 /// Bodies a block.
-const BLOCK: usize = 64;
+const BLOCK: usize = per_block(64, 1);
 /// A free body whose axis may wander by more than this within a step is turned in several [rad].
 const TURN: f32 = 0.05;
 

@@ -16,16 +16,16 @@ pub(crate) struct Record {
 
 /// How records become lanes, per width.
 pub(crate) trait GatherLanes: Lanes {
-    /// Records by index; an index must be below `records.len()`.
-    fn gather(records: &[Record], index: &[u32]) -> (Vec3<Self>, Vec3<Self>);
+    /// Records by index, which `record` looks up.
+    fn gather(record: impl Fn(usize) -> Record, index: &[u32]) -> (Vec3<Self>, Vec3<Self>);
     /// The lanes as records, in order; pads are zero.
     fn records(linear: Vec3<Self>, angular: Vec3<Self>, out: &mut [Record]);
 }
 
 /// See [`GatherLanes::gather`].
 #[inline(always)]
-pub(crate) fn gather<L: GatherLanes>(records: &[Record], index: &[u32]) -> (Vec3<L>, Vec3<L>) {
-    L::gather(records, index)
+pub(crate) fn gather<L: GatherLanes>(record: impl Fn(usize) -> Record, index: &[u32]) -> (Vec3<L>, Vec3<L>) {
+    L::gather(record, index)
 }
 
 /// The lanes as eight records (those past the width stay zero).
@@ -38,8 +38,8 @@ pub(crate) fn scatter<L: GatherLanes>(linear: Vec3<L>, angular: Vec3<L>) -> [Rec
 
 impl GatherLanes for f32 {
     #[inline(always)]
-    fn gather(records: &[Record], index: &[u32]) -> (Vec3<f32>, Vec3<f32>) {
-        let r = &records[index[0] as usize];
+    fn gather(record: impl Fn(usize) -> Record, index: &[u32]) -> (Vec3<f32>, Vec3<f32>) {
+        let r = record(index[0] as usize);
         let v = |v: glam::Vec3| Vec3::new(v.x, v.y, v.z);
         (v(r.linear), v(r.angular))
     }
@@ -51,9 +51,9 @@ impl GatherLanes for f32 {
 
 impl GatherLanes for f32x8 {
     #[inline(always)]
-    fn gather(records: &[Record], index: &[u32]) -> (Vec3<f32x8>, Vec3<f32x8>) {
+    fn gather(record: impl Fn(usize) -> Record, index: &[u32]) -> (Vec3<f32x8>, Vec3<f32x8>) {
         let index: &[u32; 8] = index[..8].try_into().unwrap_or(&[0; 8]);
-        let row = |i: usize| -> f32x8 { bytemuck::must_cast(records[index[i] as usize]) };
+        let row = |i: usize| -> f32x8 { bytemuck::must_cast(record(index[i] as usize)) };
         let c = transpose(std::array::from_fn(row));
         (Vec3::new(c[0], c[1], c[2]), Vec3::new(c[4], c[5], c[6]))
     }
@@ -98,11 +98,11 @@ mod tests {
             })
             .collect();
         let index = [3, 1, 15, 0, 7, 7, 2, 9];
-        let (v, w) = gather::<f32x8>(&records, &index);
+        let (v, w) = gather::<f32x8>(|i| records[i], &index);
         let back = scatter(v, w);
         for lane in 0..8 {
             assert_eq!(back[lane], records[index[lane] as usize]);
-            let (one, _) = gather::<f32>(&records, &index[lane..]);
+            let (one, _) = gather::<f32>(|i| records[i], &index[lane..]);
             assert_eq!(one.lane(0), v.lane(lane));
         }
     }

@@ -24,7 +24,7 @@ use crate::config::Continuous;
 use crate::lanes::f32x8;
 use crate::memory::{Buffer, Room, bytes_of};
 use crate::shape::{Collider, Hot, Kind};
-use crate::threads::Shared;
+use crate::threads::{Shared, per_block};
 
 /// A shape pair, as a small number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -40,7 +40,7 @@ const MESHES: Bin = Bin(KINDS * KINDS + 2);
 /// One bin a pair of kinds, the tapered ones, and those of meshes.
 const COUNT: usize = MESHES.0 as usize + 2 * KINDS as usize;
 /// Pairs a block of one bin: a multiple of eight.
-const BLOCK: u32 = 64;
+const BLOCK: u32 = per_block(64, 8) as u32;
 
 impl Bin {
     pub(crate) fn of(a: &Hot, b: &Hot) -> Bin {

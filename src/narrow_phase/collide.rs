@@ -14,7 +14,7 @@ use crate::config::Continuous;
 use crate::lanes::{Quat, Record, Vec3, f32x8};
 use crate::memory::{Buffer, Room, bytes_of};
 use crate::shape::{Collider, Hot, Kind};
-use crate::threads::{Crew, Shared};
+use crate::threads::{Crew, Shared, per_block};
 
 /// What the narrow phase reads.
 pub(crate) struct Input<'a> {
@@ -142,7 +142,7 @@ const KEPT: u8 = u8::MAX;
 /// In `bin_of`: the pair is too far apart for a contact. See [`EMPTIED`] too.
 const FAR: u8 = KEPT - 1;
 /// Pairs a block: a multiple of the lanes; fewer and the claim shows, more and two threads end apart.
-const BLOCK: usize = 128;
+const BLOCK: usize = per_block(128, 8);
 
 /// Finds the contacts of all pairs.
 pub(crate) fn collide(

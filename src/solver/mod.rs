@@ -13,7 +13,7 @@ use crate::constraint::contact_row::Softness;
 use crate::forces::Forces;
 use crate::lanes::{Lanes, Mask, Record, f32x8};
 use crate::memory::{Buffer, bytes_of};
-use crate::threads::{Crew, Shared};
+use crate::threads::{Crew, Shared, per_block};
 pub(crate) use pass::store;
 use pass::{Kind, Passes};
 
@@ -40,7 +40,7 @@ impl State {
 }
 
 /// Bodies a block.
-const BLOCK: usize = 256;
+const BLOCK: usize = per_block(256, 1);
 
 /// Solves the rows over a step of `dt` seconds.
 pub(crate) fn solve(

@@ -6,7 +6,7 @@ use crate::constraint::contact_row::{
 use crate::constraint::{Batch, Group, Rows, Stage};
 use crate::lanes::{GatherLanes, Record};
 use crate::narrow_phase::{Contact, Point};
-use crate::threads::{Crew, Shared};
+use crate::threads::{Crew, Shared, per_block};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// What a pass does.
@@ -28,7 +28,9 @@ pub(crate) struct Passes {
 }
 
 /// Batches a block: the smallest piece of a colour that two threads share.
-const BLOCK: usize = 8;
+const BLOCK: usize = per_block(8, 1);
+/// The same where impulses go back to their contacts, which is less work.
+const STORED: usize = per_block(16, 1);
 
 impl Passes {
     pub(crate) fn run(
@@ -143,8 +145,14 @@ pub(crate) fn store(
     };
     for stage in &rows.stages {
         let (start, end) = (stage.start as usize, stage.end as usize);
-        crew.run((end - start).div_ceil(16), &|n| {
-            (start + 16 * n..(start + 16 * n + 16).min(end)).for_each(|index| block(stage, index));
+        if stage.serial {
+            // Points of one contact may both be here.
+            (start..end).for_each(|index| block(stage, index));
+            continue;
+        }
+        crew.run((end - start).div_ceil(STORED), &|n| {
+            let first = start + n * STORED;
+            (first..(first + STORED).min(end)).for_each(|index| block(stage, index));
         });
     }
     pushed.into_inner()
@@ -166,7 +174,8 @@ fn put<L: GatherLanes, const P: usize>(
 ) -> u32 {
     let mut count = 0;
     store_batch(batch, |part, impulses, peak, friction, twist| {
-        // SAFETY: a contact is in one lane of one batch; its points, if apart, are in different stages.
+        // SAFETY: a contact is in one lane of one batch. Its points, if apart, are in different stages, or in one that is
+        // serial.
         let contact = unsafe { contacts.get(part.slot()) };
         let pushed = potential && peak > 0.0;
         let (friction, twist) = if potential {

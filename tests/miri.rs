@@ -1,0 +1,161 @@
+//! Every stage through the unsafe code that threads share, in worlds so small that Miri can run them.
+//!
+//! Blocks are as small as can be under Miri, so two threads share what is one block elsewhere. What it looks for are
+//! two threads at the same element, and references to what another thread writes. The same worlds, several times over
+//! so that threads are worth it, must give the same bits in any build.
+
+mod common;
+
+use backstop::glam::{Vec2, Vec3};
+use backstop::{
+    BodyDesc, Continuous, ConvexHull, FrictionModel, Geometry, HeightField, Material, Settings, ShapeDesc,
+    World,
+};
+use std::sync::Arc;
+
+/// Threads share a step from 128 bodies on, under Miri from two on.
+const COPIES: usize = if cfg!(miri) { 1 } else { 24 };
+const STEPS: u32 = if cfg!(miri) { 2 } else { 30 };
+/// Metres from one copy to the next.
+const APART: f32 = 20.0;
+
+fn settings() -> Settings {
+    Settings { substeps: 2, ..Settings::default() }
+}
+
+/// Steps the copies of a scene by one thread and by two: no bit may differ.
+fn alone_and_shared(settings: &Settings, scene: &[BodyDesc]) {
+    let run = |threads: usize| {
+        let mut world = World::new(Settings { threads, ..settings.clone() }).unwrap();
+        let mut bodies = Vec::new();
+        for copy in 0..COPIES {
+            let beside = Vec3::X * (APART * copy as f32);
+            let moved = scene.iter().map(|desc| desc.clone().at(desc.position + beside.as_dvec3()));
+            bodies.extend(world.add_bodies(&moved.collect::<Vec<_>>()).unwrap());
+        }
+        let mut met = 0;
+        for step in 0..STEPS {
+            if step == STEPS - 1 {
+                // Another body takes its place in the columns.
+                world.remove_body(bodies[1]).unwrap();
+            }
+            met += world.step(1.0 / 60.0).unwrap().manifolds;
+        }
+        assert!(met > 0);
+        assert!(common::all_finite(&world));
+        world.hash()
+    };
+    let shared = with_helper(|| run(2));
+    // Alone a thread does nothing that it does not do beside another: Miri need not see it twice.
+    if !cfg!(miri) {
+        assert_eq!(shared, run(1));
+    }
+}
+
+#[cfg(feature = "parallel")]
+fn with_helper<R: Send>(f: impl FnOnce() -> R + Send) -> R {
+    rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap().install(f)
+}
+
+#[cfg(not(feature = "parallel"))]
+fn with_helper<R>(f: impl FnOnce() -> R) -> R {
+    f()
+}
+
+fn fixed(geometry: Geometry, at: Vec3) -> BodyDesc {
+    BodyDesc::fixed().at(at).with_shape(ShapeDesc::new(geometry))
+}
+
+fn dynamic(geometry: Geometry, at: Vec3) -> BodyDesc {
+    common::dynamic(geometry, Material::default().with_restitution(0.3), at)
+}
+
+fn cube(half: f32) -> Geometry {
+    Geometry::cuboid(half, half, half)
+}
+
+/// A square of 2 m on the floor, of 8 triangles.
+fn floor_of_triangles() -> BodyDesc {
+    fixed(common::flat_mesh(1, 1.0), Vec3::ZERO)
+}
+
+/// Three batches of one colour: each of them gathers and scatters velocities beside the others.
+#[test]
+fn balls_beside_each_other() {
+    let mut scene = vec![fixed(Geometry::Plane, Vec3::ZERO)];
+    for i in 0..20 {
+        let at = Vec3::new((i % 5) as f32 * 1.2, 0.499, (i / 5) as f32 * 1.2);
+        scene.push(dynamic(Geometry::Sphere { radius: 0.5 }, at));
+    }
+    alone_and_shared(&settings(), &scene);
+}
+
+#[test]
+fn a_stack_of_boxes() {
+    let mut scene = vec![fixed(Geometry::Plane, Vec3::ZERO)];
+    scene.extend((0..3).map(|i| dynamic(cube(0.5), Vec3::Y * (0.499 + 0.998 * i as f32))));
+    // What is moved by its velocity alone, and what may only turn about y.
+    let belt = BodyDesc::kinematic().at(Vec3::X * 1.5).moving(Vec3::X * -0.1, Vec3::ZERO);
+    scene.push(belt.with_shape(ShapeDesc::new(cube(1.0))));
+    let mut locked = dynamic(cube(0.5), Vec3::new(1.5, 1.499, 0.0)).moving(Vec3::ZERO, Vec3::Y);
+    (locked.lock_translation, locked.lock_rotation) = ([true, false, true], [true, false, true]);
+    scene.push(locked);
+    alone_and_shared(&settings(), &scene);
+}
+
+#[test]
+fn one_of_each_shape_on_triangles() {
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z].map(|v| v * 0.6 - Vec3::ONE * 0.3);
+    let shapes = [
+        Geometry::Sphere { radius: 0.3 },
+        Geometry::capsule(0.2, 0.3),
+        cube(0.3),
+        Geometry::cylinder(0.3, 0.3),
+        Geometry::Hull(Arc::new(ConvexHull::new(&corners).unwrap())),
+    ];
+    let mut scene = vec![floor_of_triangles()];
+    for (i, shape) in shapes.into_iter().enumerate() {
+        let at = Vec3::new((i % 3) as f32 * 0.58 - 0.6, 0.298, (i / 3) as f32 * 0.58 - 0.3);
+        scene.push(dynamic(shape, at));
+    }
+    let hills = HeightField::new(3, 3, Vec2::ONE, vec![0.0, 0.1, 0.0, 0.1, 0.0, 0.1, 0.0, 0.1, 0.0]).unwrap();
+    scene.push(fixed(Geometry::HeightField(Arc::new(hills)), Vec3::Z * 5.0));
+    scene.push(dynamic(Geometry::Sphere { radius: 0.3 }, Vec3::new(0.1, 0.3, 5.1)));
+    scene.push(dynamic(cube(0.3), Vec3::new(-0.5, 0.33, 4.6)));
+    alone_and_shared(&settings(), &scene);
+}
+
+/// Sixty metres a second, spinning, at a plate of 2 cm, at triangles and at each other; one in the mode `Volume`.
+#[test]
+fn bullets() {
+    let plate = fixed(Geometry::cuboid(1.0, 0.01, 1.0), Vec3::X * 4.0);
+    let shot = |geometry: Geometry, at: Vec3| {
+        dynamic(geometry, at).moving(Vec3::new(1.0, -60.0, 0.5), Vec3::new(3.0, 5.0, 7.0))
+    };
+    let ball = Geometry::Sphere { radius: 0.05 };
+    let mut far = shot(cube(0.05), Vec3::new(4.3, 0.5, 0.2));
+    far.continuous = Continuous::Volume;
+    let scene = [
+        floor_of_triangles(),
+        plate,
+        shot(ball.clone(), Vec3::new(0.2, 0.6, 0.1)),
+        shot(cube(0.05), Vec3::new(-0.3, 0.7, -0.4)),
+        shot(ball.clone(), Vec3::new(4.0, 0.4, 0.0)),
+        far,
+        dynamic(ball, Vec3::new(0.2, -0.4, 0.1)).moving(Vec3::Y * 80.0, Vec3::ZERO),
+    ];
+    alone_and_shared(&settings(), &scene);
+}
+
+/// Nine boxes bear a slab, with friction at every point: more rows on one body than there are colours.
+#[test]
+fn a_slab_with_more_points_than_colours() {
+    let mut scene = Vec::new();
+    for i in 0..9 {
+        let at = Vec3::new((i % 3) as f32 - 1.0, -0.5, (i / 3) as f32 - 1.0) * 1.2;
+        scene.push(BodyDesc::kinematic().at(at).with_shape(ShapeDesc::new(cube(0.5))));
+    }
+    scene.push(dynamic(Geometry::cuboid(2.0, 0.1, 2.0), Vec3::NEG_Y * 0.001));
+    let per_point = Settings { friction_model: FrictionModel::Point, ..settings() };
+    alone_and_shared(&per_point, &scene);
+}
