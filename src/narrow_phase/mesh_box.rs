@@ -187,9 +187,8 @@ fn clip(half: Vec3, touch: &Touch, normal: Vec3, margin: f32, points: &mut Vec<R
     let bounds = [half[u], half[v]];
     // Sides with all corners beyond end it; only those with some beyond cut.
     let beyond = |c: &Corner| {
-        let side =
-            |i: usize| u32::from((if i % 2 == 0 { c.x[i / 2] } else { -c.x[i / 2] }) > bounds[i / 2]) << i;
-        side(0) | side(1) | side(2) | side(3)
+        let over = [c.x[0] > bounds[0], -c.x[0] > bounds[0], c.x[1] > bounds[1], -c.x[1] > bounds[1]];
+        (0..4).fold(0u32, |bits, side| bits | u32::from(over[side]) << side)
     };
     let codes = [beyond(&one[0]), beyond(&one[1]), beyond(&one[2])];
     if codes[0] & codes[1] & codes[2] != 0 {
