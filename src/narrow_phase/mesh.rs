@@ -3,7 +3,7 @@
 //! Triangles near the shape are gathered in eights and brought into its frame. In lanes, most are found to be
 //! apart by more than the margin. Each of the others yields a *patch*: a normal and the points nearer than the margin,
 //! real and potential ones in one go ([`mesh_box`](super::mesh_box), [`mesh_sphere`](super::mesh_sphere),
-//! [`mesh_convex`](super::mesh_convex)). A patch whose normal the surface doesn't have there, because its edge is flat
+//! [`mesh_capsule`](super::mesh_capsule), [`mesh_hull`](super::mesh_hull), [`mesh_convex`](super::mesh_convex)). A patch whose normal the surface doesn't have there, because its edge is flat
 //! or concave, takes the triangle's or goes ([`mesh_patch`](super::mesh_patch)). Patches of about the same normal
 //! become one manifold of at most four points ([`mesh_merge`](super::mesh_merge)).
 //!

@@ -73,7 +73,8 @@ pub(super) fn touch(
     let (r0, r1) = (core.radius, core.radius + core.growth);
     let (_, axis, _) = triangles.separate(Vec3::ZERO, half);
     let front = triangles.front;
-    // Each component divided by itself: of triangles that are much longer than the capsule an ulp of tilt is felt.
+    // Divided component by component, which rounds least: of a triangle much longer than the capsule, the far corners
+    // make much of a tilt.
     let [a, b, c] = triangles.corners;
     let cross = (b - a).cross(c - a);
     let length = cross.length() * front.dot(cross).sign();
