@@ -11,7 +11,7 @@ use super::mesh_patch::Touch;
 use super::polytope::{Polytope, Pose};
 use super::sat::{PARALLEL, nearest_on_segments};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
-use crate::shape::ConvexHull;
+use crate::shape::{ConvexHull, HullEdge};
 use glam::Vec3;
 
 /// A normal this far along the triangle's front would push through it.
@@ -191,10 +191,24 @@ fn is_corner_over(hull: &ConvexHull, face: usize, touch: &Touch) -> bool {
     })
 }
 
-/// Start, way, or one of the normals of eight edges.
+/// Something of each of eight edges; of fewer, the first again. Kept ready in every hull it would take 48 bytes an edge,
+/// more than the rest of it.
 #[inline(always)]
-fn row(edges: &[[f32; 8]; 12], k: usize) -> LaneVec3<f32x8> {
-    LaneVec3::new(f32x8::new(edges[3 * k]), f32x8::new(edges[3 * k + 1]), f32x8::new(edges[3 * k + 2]))
+fn of_edges(edges: &[HullEdge], what: impl Fn(&HullEdge) -> Vec3) -> LaneVec3<f32x8> {
+    let mut rows = what(&edges[0]).to_array().map(|x| [x; 8]);
+    for (lane, edge) in edges.iter().enumerate().take(8).skip(1) {
+        let at = what(edge);
+        (rows[0][lane], rows[1][lane], rows[2][lane]) = (at.x, at.y, at.z);
+    }
+    LaneVec3::new(f32x8::new(rows[0]), f32x8::new(rows[1]), f32x8::new(rows[2]))
+}
+
+/// Start and way of eight edges.
+#[inline(always)]
+fn lines(hull: &ConvexHull, edges: &[HullEdge]) -> (LaneVec3<f32x8>, LaneVec3<f32x8>) {
+    let end = |k: usize| of_edges(edges, |e| hull.vertices[usize::from(e.vertices[k])]);
+    let start = end(0);
+    (start, end(1) - start)
 }
 
 /// Of the axes that are across an edge of each, and on which their faces meet, the one on which the two are furthest
@@ -204,8 +218,10 @@ fn edge_axis(hull: &ConvexHull, touch: &Touch) -> (f32, [usize; 2]) {
     let front = LaneVec3::<f32x8>::splat(touch.front);
     let turned = if touch.behind { -1.0 } else { 1.0 };
     let (mut best, mut name) = (f32x8::splat(f32::MIN), zero);
-    for (k, edges) in hull.edge_chunks.iter().enumerate() {
-        let (start, along, one, other) = (row(edges, 0), row(edges, 1), row(edges, 2), row(edges, 3));
+    for (k, edges) in hull.edges.chunks(8).enumerate() {
+        let (start, along) = lines(hull, edges);
+        let normal = |k: usize| of_edges(edges, |e| hull.planes[usize::from(e.faces[k])].0);
+        let (one, other) = (normal(0), normal(1));
         // The arc of the triangle's edge goes from its front to its back.
         let rises = front.dot(along);
         let squared = along.length_squared();
@@ -272,8 +288,8 @@ fn nearest_edges(hull: &ConvexHull, touch: &Touch) -> ([usize; 2], [Vec3; 2]) {
     let none = beyond == [false; 3];
     let (zero, one, tiny) = (f32x8::zero(), f32x8::one(), 1e-30);
     let (mut best, mut name) = (f32x8::splat(f32::MAX), zero);
-    for (k, edges) in hull.edge_chunks.iter().enumerate() {
-        let (start, along) = (row(edges, 0), row(edges, 1));
+    for (k, edges) in hull.edges.chunks(8).enumerate() {
+        let (start, along) = lines(hull, edges);
         let dd = Lanes::max(along.length_squared(), f32x8::splat(tiny));
         let by_dd = one / dd;
         for e in (0..3).filter(|&e| beyond[e] || none) {

@@ -26,9 +26,6 @@ pub struct ConvexHull {
     pub(crate) vertex_chunks: Vec<[[f32; 8]; 3]>,
     /// The planes again, eight at a time as nx, ny, nz, offset; filled up with the first plane.
     pub(crate) normal_chunks: Vec<[[f32; 8]; 4]>,
-    /// The edges again, eight at a time as start, way to the end and the normals of both faces, each x, y, z; filled up
-    /// with the first edge.
-    pub(crate) edge_chunks: Vec<[[f32; 8]; 12]>,
     /// Corners of the box around it [m].
     pub(crate) min: Vec3,
     pub(crate) max: Vec3,
@@ -101,7 +98,6 @@ impl ConvexHull {
             bytes_of(&self.edges),
             bytes_of(&self.vertex_chunks),
             bytes_of(&self.normal_chunks),
-            bytes_of(&self.edge_chunks),
         ]
         .iter()
         .fold((own, own), |sum, b| (sum.0 + b.0, sum.1 + b.1))
@@ -128,16 +124,10 @@ impl ConvexHull {
         }
         let xyz = |v: Vec3| v.to_array();
         let plane = |(n, offset): (Vec3, f32)| [n.x, n.y, n.z, offset];
-        let edge = |e: HullEdge| {
-            let ([v, w], [one, other]) = (e.vertices.map(usize::from), e.faces.map(usize::from));
-            let rows = [vertices[v], vertices[w] - vertices[v], planes[one].0, planes[other].0].map(xyz);
-            std::array::from_fn(|i| rows[i / 3][i % 3])
-        };
         let moments = Moments::of_polyhedron(&vertices, &faces);
         ConvexHull {
             vertex_chunks: chunks(&vertices, xyz),
             normal_chunks: chunks(&planes, plane),
-            edge_chunks: chunks(&edges, edge),
             min: vertices.iter().copied().reduce(Vec3::min).unwrap_or_default(),
             max: vertices.iter().copied().reduce(Vec3::max).unwrap_or_default(),
             radius: vertices.iter().map(|v| v.as_dvec3().length()).fold(0.0, f64::max) as f32,
