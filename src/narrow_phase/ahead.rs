@@ -104,7 +104,7 @@ pub(crate) fn hit_mesh(
     if left <= 0.5 * a.inner_radius {
         return;
     }
-    let known = out.mesh.touched(input.real);
+    let known = out.mesh.touched(a, input.real);
     let Some(Touch { fraction: further, .. }) =
         look_ahead_mesh(input, (a, b), (&rel, &then), input.real, known)
     else {

@@ -350,7 +350,7 @@ fn finish_mesh(
         }
         (0..mesh.raw.len()).for_each(|i| mesh.add(mesh.raw[i], 0.0));
         if fast {
-            ahead = look_ahead_mesh(input, shapes, (rel, &motion), resting, mesh.mesh.touched(resting));
+            ahead = look_ahead_mesh(input, shapes, (rel, &motion), resting, mesh.mesh.touched(a, resting));
         }
     }
     casts += u32::from(fast);

@@ -204,10 +204,12 @@ impl std::fmt::Debug for MeshScratch {
 }
 
 impl MeshScratch {
-    /// What of the ground the last shape is within a distance of [m]; not all of it, if that is much.
-    pub(crate) fn touched(&self, within: f32) -> Touched {
+    /// What of the ground the last shape, which was `a`, is within a distance of [m]; not all of it, if that is much.
+    pub(crate) fn touched(&self, a: &Collider, within: f32) -> Touched {
         let Patches { touches, patches, .. } = &self.patches;
+        let whole = matches!(a.geometry, Geometry::Sphere { .. });
         let mut touched = Touched::default();
+        touched.whole = whole;
         for patch in patches.iter().filter(|p| p.least <= within) {
             let touch = &touches[patch.touch as usize];
             touched.add_triangle(touch.index);

@@ -12,11 +12,20 @@ pub(crate) struct Touched {
     /// Unit normal, and offset along it [m].
     planes: [(Vec3, f32); 4],
     plane_count: usize,
+    /// Whether a contact with a plane keeps all of the shape in front of it. It does so with a ball. A rod that lies with
+    /// its middle on a post may still turn, and strike the ground beside it.
+    pub(super) whole: bool,
 }
 
 impl Default for Touched {
     fn default() -> Touched {
-        Touched { triangles: [0; 8], triangle_count: 0, planes: [(Vec3::ZERO, 0.0); 4], plane_count: 0 }
+        Touched {
+            triangles: [0; 8],
+            triangle_count: 0,
+            planes: [(Vec3::ZERO, 0.0); 4],
+            plane_count: 0,
+            whole: false,
+        }
     }
 }
 
@@ -47,15 +56,18 @@ impl Touched {
         self.triangles[..self.triangle_count].contains(&triangle)
     }
 
-    /// Which of eight triangles are behind one of the planes, or no more than `lip` in front of it [m]: what stays in
-    /// front of the plane does not get to them.
+    /// Which of eight triangles lie in one of the planes, or no more than `lip` beside it [m]: the contact there is one
+    /// with them too. If it keeps all of the shape in front of the plane, also those behind it.
     #[inline(always)]
     pub(super) fn hides(&self, triangles: &Triangles, lip: f32) -> <f32x8 as Lanes>::Mask {
         let mut hidden = f32x8::one().lt(f32x8::zero());
         for &(front, offset) in &self.planes[..self.plane_count] {
-            let (front, most) = (LaneVec3::splat(front), f32x8::splat(offset + lip));
-            let [a, b, c] = triangles.corners;
-            hidden = hidden | (front.dot(a).le(most) & front.dot(b).le(most) & front.dot(c).le(most));
+            let front = LaneVec3::splat(front);
+            let heights = triangles.corners.map(|corner| front.dot(corner) - f32x8::splat(offset));
+            let most = Lanes::max(Lanes::max(heights[0], heights[1]), heights[2]);
+            let least = Lanes::min(Lanes::min(heights[0], heights[1]), heights[2]);
+            let depth = f32x8::splat(if self.whole { f32::INFINITY } else { lip });
+            hidden = hidden | (most.le(f32x8::splat(lip)) & least.ge(-depth));
         }
         hidden
     }
@@ -70,7 +82,7 @@ mod tests {
 
     /// A floor at -1, a step of 0.2 mm and one of 2 mm on it, a wall, and a floor below.
     #[test]
-    fn what_is_level_with_or_below_a_touched_plane_is_hidden() {
+    fn what_lies_in_a_touched_plane_is_hidden_and_from_a_ball_what_is_below() {
         let mut touched = Touched::default();
         touched.add_plane(Vec3::Y, -1.0);
         let mut eight = Eight::default();
@@ -81,6 +93,8 @@ mod tests {
         let wall = [Vec3::new(4.0, -1.0, 0.0), Vec3::new(4.0, -1.0, 1.0), Vec3::new(4.0, 0.0, 0.0)];
         eight.push(4, wall);
         let triangles = Triangles::new(&eight, &Pose::IDENTITY, Vec3::ZERO);
+        assert_eq!(touched.hides(&triangles, 5e-4).bits() & eight.lanes(), 0b00011);
+        touched.whole = true;
         assert_eq!(touched.hides(&triangles, 5e-4).bits() & eight.lanes(), 0b01011);
         assert_eq!(Touched::default().hides(&triangles, 5e-4).bits() & eight.lanes(), 0);
     }
