@@ -167,6 +167,36 @@ mod moving {
         }
     }
 
+    /// A rod comes down on one end. The other, further above the floor than a contact at the start of the step looks,
+    /// strikes triangles in the same plane within that step.
+    #[test]
+    fn a_rod_that_lands_on_one_end_does_not_sink_in_with_the_other() {
+        let cells = 40;
+        let at = |i: u32, k: u32| k * (cells + 1) + i;
+        let place = |i: u32| 0.1 * i as f32 - 2.0;
+        let grid = |n: u32| (0..=n).flat_map(move |k| (0..=n).map(move |i| (i, k)));
+        let vertices = grid(cells).map(|(i, k)| Vec3::new(place(i), 0.0, place(k))).collect();
+        let cell = |(i, k)| {
+            let [a, b, c, d] = [at(i, k), at(i, k + 1), at(i + 1, k + 1), at(i + 1, k)];
+            [[a, b, c], [a, c, d]]
+        };
+        let triangles = grid(cells - 1).flat_map(cell).collect();
+        let floor = Geometry::Mesh(Arc::new(TriangleMesh::new(vertices, triangles).unwrap()));
+        for (tilt, speed) in [(0.05, 5.0), (0.07, 10.0), (0.1, 10.0)] {
+            let mut world = world((4, 1), 0.0);
+            world.add_body(&body(BodyKind::Static, floor.clone(), DVec3::ZERO, Vec3::ZERO)).unwrap();
+            let turn = Quat::from_rotation_z(tilt);
+            let corner = turn * Vec3::new(-0.5, -0.01, 0.0);
+            let at = DVec3::new(0.03, 5e-4 - f64::from(corner.y), 0.04);
+            let rod = body(BodyKind::Dynamic, Geometry::cuboid(0.5, 0.01, 0.01), at, Vec3::Y * -speed);
+            let rod = world.add_body(&rod.rotated(turn)).unwrap();
+            world.step(1.0 / 60.0).unwrap();
+            let (at, turn) = (world.position(rod).unwrap(), world.rotation(rod).unwrap());
+            let lowest = [-0.5, 0.5].map(|x| at.y + f64::from((turn * Vec3::X * x).y));
+            assert!(lowest.iter().all(|&y| y > -0.01), "{tilt} {speed}: {lowest:?}");
+        }
+    }
+
     #[test]
     fn two_bullets_head_on_do_not_pass_each_other() {
         for geometry in small() {

@@ -10,10 +10,9 @@ use super::collide::Input;
 use super::convex::collide_convex;
 use super::found::MeshBlock;
 use super::gjk::distance;
-use super::mesh::collide_mesh;
+use super::mesh::{MeshScratch, collide_mesh};
 use super::motion::{BodyPath, Motion};
 use super::support::Support;
-use super::touched::Touched;
 use super::{RawManifold, Relative};
 use crate::body::exp_map;
 use crate::broad_phase::Pair;
@@ -65,15 +64,17 @@ pub(crate) fn fly_mesh(input: &Input<'_>, (a, b): Shapes<'_>, (rel, motion): Way
 }
 
 /// Where a shape first touches a mesh or height field, other than what it rests on: that within `resting` [m] at the
-/// start, as what is `known` is, is left to the kernel there.
+/// start is left to the kernel there, of which `scratch` still knows what it found.
 pub(crate) fn look_ahead_mesh(
     input: &Input<'_>,
     (a, b): Shapes<'_>,
     (rel, motion): Way<'_>,
     resting: f32,
-    known: Touched,
+    scratch: &MeshScratch,
 ) -> Option<Touch> {
-    let asked = Asked { known, lip: LIP * input.real, ..Asked::first(tolerance(a, b), resting) };
+    let way = motion.a.rotation.conjugate() * motion.displacement;
+    let known = scratch.touched(a, resting, (way, input.margin));
+    let asked = Asked { known, lip: NO_GAP * input.real, ..Asked::first(tolerance(a, b), resting) };
     match ask_mesh(a, b, rel, motion, asked) {
         Cast::First(touch) => Some(touch),
         _ => None,
@@ -104,9 +105,8 @@ pub(crate) fn hit_mesh(
     if left <= 0.5 * a.inner_radius {
         return;
     }
-    let known = out.mesh.touched(a, input.real);
     let Some(Touch { fraction: further, .. }) =
-        look_ahead_mesh(input, (a, b), (&rel, &then), input.real, known)
+        look_ahead_mesh(input, (a, b), (&rel, &then), input.real, &out.mesh)
     else {
         return;
     };
@@ -160,9 +160,8 @@ fn pushes(motion: &Motion, raw: &RawManifold, fraction: f32) -> bool {
     })
 }
 
-/// How much may stand out in front of the ground that a shape is on without being felt, as a share of the gap of a
-/// real contact.
-const LIP: f32 = 0.25;
+/// A gap up to this share of that of a real contact is none, and what stands out by no more is not felt.
+pub(crate) const NO_GAP: f32 = 0.25;
 /// Rounding of a predicted path [m].
 const NEARLY: f32 = 1e-5;
 

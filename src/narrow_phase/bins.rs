@@ -1,7 +1,7 @@
 //! Pairs binned by shape pair, and worked through in lanes.
 
 use super::ahead::{
-    fly_mesh, halfway, hit_mesh, look_ahead, look_ahead_mesh, look_beside, motion_of, right_way_out,
+    NO_GAP, fly_mesh, halfway, hit_mesh, look_ahead, look_ahead_mesh, look_beside, motion_of, right_way_out,
     touches_mesh, would_push,
 };
 use super::box_box::box_box;
@@ -25,6 +25,7 @@ use crate::lanes::f32x8;
 use crate::memory::{Buffer, Room, bytes_of};
 use crate::shape::{Collider, Hot, Kind};
 use crate::threads::{Shared, per_block};
+use std::cell::LazyCell;
 
 /// A shape pair, as a small number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -216,8 +217,6 @@ pub(crate) fn run_bin(
     }
 }
 
-/// A gap up to this share of that of a real contact is none.
-const NO_GAP: f32 = 0.25;
 /// A gap that a push should have closed counts as a ghost above this many margins.
 const GHOST_GAP: f32 = 0.5;
 
@@ -320,7 +319,8 @@ fn finish_mesh(
         return;
     };
     let (start, mut casts, mut nearest) = (mesh.count(), 0, f32::INFINITY);
-    let (shapes, motion) = ((a, b), motion_of(input, pair));
+    // What rests on the mesh may not need it.
+    let (shapes, motion) = ((a, b), LazyCell::new(|| motion_of(input, pair)));
     // Without a contact it is likely to be in flight.
     let flight =
         if fast && pair.contact == NONE { fly_mesh(input, shapes, (rel, &motion)) } else { Cast::Near };
@@ -350,7 +350,7 @@ fn finish_mesh(
         }
         (0..mesh.raw.len()).for_each(|i| mesh.add(mesh.raw[i], 0.0));
         if fast {
-            ahead = look_ahead_mesh(input, shapes, (rel, &motion), resting, mesh.mesh.touched(a, resting));
+            ahead = look_ahead_mesh(input, shapes, (rel, &motion), resting, &mesh.mesh);
         }
     }
     casts += u32::from(fast);

@@ -6,7 +6,7 @@
 use super::RawPoint;
 use super::clip::{Cloud, Loop, Segment, clip_edges, clip_face, key};
 use super::convex::PREFERENCE;
-use super::mesh_convex::{named, outline};
+use super::mesh_found::{named, outline};
 use super::mesh_patch::Touch;
 use super::polytope::{Polytope, Pose};
 use super::sat::{PARALLEL, nearest_on_segments};

@@ -3,9 +3,10 @@
 //! Triangles near the shape are gathered in eights and brought into its frame. In lanes, most are found to be
 //! apart by more than the margin. Each of the others yields a *patch*: a normal and the points nearer than the margin,
 //! real and potential ones in one go ([`mesh_box`](super::mesh_box), [`mesh_sphere`](super::mesh_sphere),
-//! [`mesh_capsule`](super::mesh_capsule), [`mesh_hull`](super::mesh_hull), [`mesh_convex`](super::mesh_convex)). A patch whose normal the surface doesn't have there, because its edge is flat
-//! or concave, takes the triangle's or goes ([`mesh_patch`](super::mesh_patch)). Patches of about the same normal
-//! become one manifold of at most four points ([`mesh_merge`](super::mesh_merge)).
+//! [`mesh_capsule`](super::mesh_capsule), [`mesh_hull`](super::mesh_hull), [`mesh_cylinder`](super::mesh_cylinder)). A
+//! patch whose normal the surface doesn't have there, because its edge is flat or concave, takes the triangle's or goes
+//! ([`mesh_patch`](super::mesh_patch)). Patches of about the same normal become one manifold of at most four points
+//! ([`mesh_merge`](super::mesh_merge)).
 //!
 //! A triangle has two sides; the one on which the shape's centre is counts as outside, so that a shape that is stuck
 //! halfway is pushed back to where its centre is.
@@ -15,9 +16,10 @@ use super::mesh_merge::{MOST, Merge};
 use super::mesh_patch::{Patches, Touch};
 use super::mesh_sweep::reach;
 use super::polytope::Pose;
+use super::round_polytope::Core;
 use super::support::Support;
 use super::touched::Touched;
-use super::{RawManifold, RawPoint, Relative, mesh_box, mesh_convex, mesh_sphere};
+use super::{RawManifold, RawPoint, Relative, mesh_box, mesh_capsule, mesh_cylinder, mesh_hull, mesh_sphere};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::memory::{Buffer, Buffers, Room};
 use crate::shape::{Collider, Edges, Geometry, HeightField, TriangleMesh};
@@ -205,16 +207,15 @@ impl std::fmt::Debug for MeshScratch {
 
 impl MeshScratch {
     /// What of the ground the last shape, which was `a`, is within a distance of [m]; not all of it, if that is much.
-    pub(crate) fn touched(&self, a: &Collider, within: f32) -> Touched {
+    /// `way`: of the shape in its own frame, of which no more than `margin` may lead into a plane [m].
+    pub(crate) fn touched(&self, a: &Collider, within: f32, (way, margin): (Vec3, f32)) -> Touched {
         let Patches { touches, patches, .. } = &self.patches;
-        let whole = matches!(a.geometry, Geometry::Sphere { .. });
-        let mut touched = Touched::default();
-        touched.whole = whole;
+        let mut touched = Touched::of(a);
         for patch in patches.iter().filter(|p| p.least <= within) {
             let touch = &touches[patch.touch as usize];
             touched.add_triangle(touch.index);
             if patch.reach.is_some() {
-                touched.add_plane(touch.front, touch.front.dot(touch.corners[0]));
+                touched.add_plane(touch.front, touch.front.dot(touch.corners[0]), way, margin);
             }
         }
         touched
@@ -250,7 +251,7 @@ pub(crate) fn collide_mesh(
     }
     eights.resize(CHUNK, Eight::default());
     patches.clear();
-    let each = points_each(a);
+    let (each, core) = (points_each(a), Core::of(a));
     gather(ground, &pose, (middle, half + Vec3::splat(margin)), eights, &mut |eights| {
         let mut near = Near::default();
         // Among a few it would not pay.
@@ -271,14 +272,21 @@ pub(crate) fn collide_mesh(
             }
             let triangles = Triangles::new(eight, &pose, centre);
             let margins = near.margins(&triangles, margin, within);
-            match a.geometry {
-                Geometry::Sphere { radius } => {
-                    mesh_sphere::touch(radius, &triangles, margins, &ground, patches);
+            match (&a.geometry, &core) {
+                (Geometry::Sphere { radius }, _) => {
+                    mesh_sphere::touch(*radius, &triangles, margins, &ground, patches);
                 }
-                Geometry::Box { half_extents } => {
-                    mesh_box::touch(half_extents, &triangles, margins, &ground, patches);
+                (Geometry::Box { half_extents }, _) => {
+                    mesh_box::touch(*half_extents, &triangles, margins, &ground, patches);
                 }
-                _ => mesh_convex::touch(a, (middle, half, centre), &triangles, margins, &ground, patches),
+                (Geometry::Hull(hull), _) => {
+                    let around = (middle, half, centre);
+                    mesh_hull::touch((hull, a.radius), around, &triangles, margins, &ground, patches);
+                }
+                (_, Some(core)) => {
+                    mesh_capsule::touch((core, half, a.radius), &triangles, margins, &ground, patches);
+                }
+                _ => mesh_cylinder::touch(a, (middle, half), &triangles, margins, &ground, patches),
             }
         }
     });

@@ -6,8 +6,9 @@
 use super::RawPoint;
 use super::mesh::{Ground, Triangles};
 use super::mesh_box::key;
-use super::mesh_patch::{GAP, Patches, Touch, Verdict};
-use super::round_polytope::{ALONG, Core};
+use super::mesh_found::Found;
+use super::mesh_patch::{Patches, Touch, Verdict};
+use super::round_polytope::{ALONG, Core, part_inside};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use glam::Vec3;
 
@@ -130,33 +131,13 @@ pub(super) fn touch(
         } else {
             touch.judge(normal, distance, face, size)
         };
-        match verdict {
-            Verdict::Drop => {}
-            Verdict::Keep => {
-                place.at_edge(normal, apart, tolerance, &mut patches.points);
-                patches.add(touch, normal, None, first);
-            }
+        let own = |points: &mut Vec<RawPoint>| place.at_edge(normal, apart, tolerance, points);
+        let over = |points: &mut Vec<RawPoint>| {
             // The face's own normal already.
-            Verdict::Face(_) if slope > 0.999_999 => {
-                place.at_edge(normal, apart, tolerance, &mut patches.points);
-                patches.add(touch, -touch.front, Some(face), first);
-            }
-            Verdict::Face(least) => {
-                place.over_face(&mut patches.points);
-                patches.limit(first, least);
-                // In the gap between the faces of a hardly convex edge, over neither of them.
-                if patches.points.len() == first && slope > GAP {
-                    place.at_edge(normal, apart, tolerance, &mut patches.points);
-                    place.level(normal, first, &mut patches.points);
-                    patches.add_in_gap(touch, face, first, -normal);
-                } else {
-                    patches.add(touch, -touch.front, Some(face), first);
-                }
-            }
-        }
-        if distance < 0.0 && patches.points.len() == first {
-            patches.pass_over(touch, face);
-        }
+            if slope > 0.999_999 { own(points) } else { place.over_face(points) }
+        };
+        let found = Found { normal, apart: distance, face, margin: place.margin, verdict };
+        found.add(&touch, (Vec3::ZERO, half), own, over, patches);
     }
 }
 
@@ -268,36 +249,9 @@ impl Place<'_> {
     fn shadow(&self, normal: Vec3, slope: f32) -> (f32, f32) {
         let at = |s: f32| self.core.at(s) + normal * (self.height(s) / slope);
         let (start, end) = (at(0.0), at(1.0));
-        let (mut low, mut high) = (0.0f32, 1.0f32);
-        for i in 0..3 {
+        part_inside((0..3).map(|i| {
             let (out, from) = (self.touch.outward(i), self.touch.corners[i]);
-            let (d0, d1) = (out.dot(start - from), out.dot(end - from));
-            if d0 > 0.0 && d1 > 0.0 {
-                high = -1.0;
-            } else if d0 > 0.0 {
-                low = low.max(d0 / (d0 - d1));
-            } else if d1 > 0.0 {
-                high = high.min(d0 / (d0 - d1));
-            }
-        }
-        (low, high)
-    }
-
-    /// Puts points that were found along another normal on the face's.
-    fn level(&self, normal: Vec3, first: usize, points: &mut Vec<RawPoint>) {
-        let front = self.touch.front;
-        let offset = front.dot(self.touch.corners[0]);
-        let mut kept = first;
-        for i in first..points.len() {
-            let p = points[i];
-            let on_a = p.position - normal * (0.5 * p.separation);
-            let separation = front.dot(on_a) - offset;
-            if separation <= self.margin {
-                points[kept] =
-                    RawPoint { position: on_a - front * (0.5 * separation), separation, key: p.key };
-                kept += 1;
-            }
-        }
-        points.truncate(kept);
+            (out.dot(start - from), out.dot(end - from))
+        }))
     }
 }

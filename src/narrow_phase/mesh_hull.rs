@@ -10,7 +10,7 @@ use super::clip::key;
 use super::convex::PREFERENCE;
 use super::hull_triangle::{Way, face_axis};
 use super::mesh::{Ground, Triangles};
-use super::mesh_convex::{Found, named};
+use super::mesh_found::{Found, named};
 use super::mesh_hull_face::over_face;
 use super::mesh_patch::{Patches, Touch};
 use super::polytope::{Polytope, Solid};

@@ -279,12 +279,19 @@ pub(crate) fn round_polytope(core: &Core, p: &Polytope, margin: f32, size: f32) 
 /// The part of a segment that is over a face, in the segment's 0..=1; the first above the second if none is.
 fn over_face(p: &Polytope, face: usize, start: Vec3, end: Vec3) -> (f32, f32) {
     let (normal, _) = p.planes[face];
-    let (mut low, mut high) = (0.0f32, 1.0f32);
     let corners = p.face(face);
     let corner = |i: usize| p.vertices[usize::from(corners[if i < corners.len() { i } else { 0 }])];
-    for i in 0..corners.len() {
+    part_inside((0..corners.len()).map(|i| {
         let out = (corner(i + 1) - corner(i)).cross(normal);
-        let (d0, d1) = (out.dot(start - corner(i)), out.dot(end - corner(i)));
+        (out.dot(start - corner(i)), out.dot(end - corner(i)))
+    }))
+}
+
+/// The part of a segment, of its 0..=1, that is inside of all sides, given how far its ends are beyond each; the first
+/// above the second if none is.
+pub(super) fn part_inside(beyond: impl Iterator<Item = (f32, f32)>) -> (f32, f32) {
+    let (mut low, mut high) = (0.0f32, 1.0f32);
+    for (d0, d1) in beyond {
         if d0 > 0.0 && d1 > 0.0 {
             high = -1.0;
         } else if d0 > 0.0 {

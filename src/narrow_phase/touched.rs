@@ -2,6 +2,7 @@
 
 use super::mesh::Triangles;
 use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
+use crate::shape::{Collider, Kind};
 use glam::Vec3;
 
 /// Triangles and planes that a shape touches, in its frame. Each has a contact, so it is kept in front of them.
@@ -14,7 +15,7 @@ pub(crate) struct Touched {
     plane_count: usize,
     /// Whether a contact with a plane keeps all of the shape in front of it. It does so with a ball. A rod that lies with
     /// its middle on a post may still turn, and strike the ground beside it.
-    pub(super) whole: bool,
+    whole: bool,
 }
 
 impl Default for Touched {
@@ -33,6 +34,11 @@ impl Default for Touched {
 const SAME: f32 = 0.999_99;
 
 impl Touched {
+    /// Nothing yet.
+    pub(super) fn of(a: &Collider) -> Touched {
+        Touched { whole: a.kind == Kind::Sphere, ..Touched::default() }
+    }
+
     /// Adds a triangle, if there is place.
     pub(super) fn add_triangle(&mut self, index: u32) {
         if let Some(place) = self.triangles.get_mut(self.triangle_count) {
@@ -42,7 +48,14 @@ impl Touched {
     }
 
     /// Adds the plane of a face, if there is place and it is not that of another.
-    pub(super) fn add_plane(&mut self, front: Vec3, offset: f32) {
+    ///
+    /// What comes down on it by more than `margin` along its `way` may strike it with parts that are further above it
+    /// than those that have a contact: the other end of a rod that lands on one. Then the plane says nothing, unless one
+    /// contact is all that there can be.
+    pub(super) fn add_plane(&mut self, front: Vec3, offset: f32, way: Vec3, margin: f32) {
+        if !self.whole && -way.dot(front) > margin {
+            return;
+        }
         if self.planes[..self.plane_count].iter().any(|(other, _)| other.dot(front) > SAME) {
             return;
         }
@@ -80,11 +93,12 @@ mod tests {
     use super::*;
     use crate::lanes::Mask;
 
-    /// A floor at -1, a step of 0.2 mm and one of 2 mm on it, a wall, and a floor below.
+    /// A floor at -1, a step of 0.2 mm and one of 2 mm on it, a wall that the way leads into, and a floor below.
     #[test]
     fn what_lies_in_a_touched_plane_is_hidden_and_from_a_ball_what_is_below() {
         let mut touched = Touched::default();
-        touched.add_plane(Vec3::Y, -1.0);
+        touched.add_plane(Vec3::Y, -1.0, Vec3::X, 0.01);
+        touched.add_plane(Vec3::X, 4.0, -Vec3::X, 0.01);
         let mut eight = Eight::default();
         for (i, y) in [-1.0, -0.9998, -0.998, -3.0].into_iter().enumerate() {
             let at = |x: f32, z: f32| Vec3::new(x, y, z);
@@ -105,9 +119,9 @@ mod tests {
         for i in 0..20 {
             touched.add_triangle(100 + i);
             let angle = 0.1 * i as f32;
-            touched.add_plane(Vec3::new(libm::sinf(angle), libm::cosf(angle), 0.0), 0.0);
+            touched.add_plane(Vec3::new(libm::sinf(angle), libm::cosf(angle), 0.0), 0.0, Vec3::ZERO, 0.0);
             // The same plane again takes no place.
-            touched.add_plane(Vec3::Y, 0.0);
+            touched.add_plane(Vec3::Y, 0.0, Vec3::ZERO, 0.0);
         }
         assert!(touched.has(107) && !touched.has(108) && !touched.has(0));
         assert_eq!(touched.plane_count, 4);
