@@ -15,12 +15,11 @@
 //! A kinematic body moves, so there the path is looked at in that body's own frame, from its old pose to its new one,
 //! and who is overrun is carried along.
 
-use super::near::from_triangle;
 use crate::body::{Bodies, Pose, Traits};
 use crate::broad_phase::{Aabb, BroadPhase, Pair, Whom};
 use crate::config::Continuous;
 use crate::lanes::Record;
-use crate::narrow_phase::{Relative, Support, distance};
+use crate::narrow_phase::{Relative, Support, distance, from_triangle};
 use crate::query::segment_hits;
 use crate::shape::{Collider, Geometry};
 use glam::{DVec3, Mat3, Quat, Vec3};

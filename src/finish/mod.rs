@@ -1,7 +1,6 @@
 //! Displacements -> poses; nothing may have crossed static geometry on the way; then the report.
 
 mod guard;
-mod near;
 mod report;
 
 use guard::{Clear, Guard};

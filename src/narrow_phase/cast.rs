@@ -83,8 +83,7 @@ pub(super) struct Sweep<'a> {
 /// A shape's way around its body's centre.
 #[derive(Clone, Copy, Debug)]
 struct Arc {
-    rotation: DQuat,
-    matrix: DMat3,
+    rotation: DMat3,
     lever: DVec3,
     /// Rotation vector over the step; zero if it moves no point by as much as the tolerance shows.
     spin: DVec3,
@@ -131,7 +130,7 @@ impl<'a> Sweep<'a> {
                 // What touches is within reach of a, so that much of the plane counts.
                 let far = a.half_extents(DMat3::IDENTITY).length() + f64::from(motion.a.lever.length());
                 let far = far + motion.start.length() + displacement.length();
-                let mut turn = Arc::still(&motion.b);
+                let mut turn = Arc::still(&motion.b, unit(motion.b.rotation));
                 (turn.spin, turn.reach) = (motion.b.spin.as_dvec3(), far);
                 turn.rate = turn.spin.length();
                 turn
@@ -231,7 +230,11 @@ impl<'a> Sweep<'a> {
 
     /// The point of a that is furthest along `normal`, from its origin.
     pub(super) fn furthest(&self, placed: &Placed, normal: DVec3) -> DVec3 {
-        placed.rotation_a * self.a.support(placed.rotation_a.transpose() * normal) + normal * self.a.radius
+        self.furthest_of_core(placed, normal) + normal * self.a.radius
+    }
+
+    fn furthest_of_core(&self, placed: &Placed, normal: DVec3) -> DVec3 {
+        placed.rotation_a * self.a.support(placed.rotation_a.transpose() * normal)
     }
 
     /// How long the gap along `normal` lasts by the chords of the arcs.
@@ -331,7 +334,7 @@ impl<'a> Sweep<'a> {
 
     /// The gap along a direction.
     pub(super) fn gap_along(&self, placed: &Placed, normal: DVec3) -> f64 {
-        let point_a = placed.rotation_a * self.a.support(placed.rotation_a.transpose() * normal);
+        let point_a = self.furthest_of_core(placed, normal);
         let (point_b, radii) = match &self.b {
             Other::Convex(b) => {
                 let local = placed.rotation_b.transpose() * -normal;
@@ -343,16 +346,18 @@ impl<'a> Sweep<'a> {
     }
 }
 
+fn unit(rotation: glam::Quat) -> DQuat {
+    rotation.as_dquat().normalize()
+}
+
 fn touch(t: f64, normal: DVec3) -> Touch {
     Touch { fraction: t as f32, normal: normal.as_vec3() }
 }
 
 impl Arc {
-    fn still(motion: &Turn) -> Arc {
-        let rotation = motion.rotation.as_dquat().normalize();
+    fn still(motion: &Turn, rotation: DQuat) -> Arc {
         Arc {
-            rotation,
-            matrix: DMat3::from_quat(rotation),
+            rotation: DMat3::from_quat(rotation),
             lever: motion.lever.as_dvec3(),
             spin: DVec3::ZERO,
             rate: 0.0,
@@ -361,8 +366,9 @@ impl Arc {
     }
 
     fn of(motion: &Turn, tolerance: f64, shape: &Support) -> Arc {
-        let still = Arc::still(motion);
-        let Arc { rotation, matrix, lever, .. } = still;
+        let rotation = unit(motion.rotation);
+        let still = Arc::still(motion, rotation);
+        let lever = still.lever;
         let spin = motion.spin.as_dvec3();
         let rate = spin.length();
         if rate == 0.0 {
@@ -385,16 +391,16 @@ impl Arc {
                 return still;
             }
         }
-        Arc { rotation, matrix, lever, spin, rate, reach }
+        Arc { spin, rate, reach, ..still }
     }
 
     /// The shape's rotation and lever after a fraction of the step.
     fn at(&self, t: f64) -> (DMat3, DVec3) {
         if self.rate == 0.0 || t == 0.0 {
-            return (self.matrix, self.lever);
+            return (self.rotation, self.lever);
         }
         let turned = DMat3::from_quat(turn(self.spin * t));
-        (turned * self.matrix, turned * self.lever)
+        (turned * self.rotation, turned * self.lever)
     }
 
     /// The most by which the spin moves a point of the core along `normal` in a whole step [m].

@@ -11,6 +11,10 @@ use super::touched::Touched;
 use crate::shape::{Collider, Geometry, HeightField, TriangleMesh};
 use glam::{DVec3, Vec3};
 
+/// Gets a triangle, its corners and a fraction before which its box is not entered; answers the largest that still
+/// matters.
+pub(crate) type Visit<'a> = dyn FnMut(u32, [Vec3; 3], f32) -> f32 + 'a;
+
 /// What a cast and a segment need of a mesh or a height field, in its own frame.
 pub(crate) trait Triangles {
     /// Corners, in either order: triangles are met from both sides.
@@ -18,13 +22,7 @@ pub(crate) trait Triangles {
     /// Calls `f` with every triangle whose box, grown by `inflate`, the segment meets before the fraction that `f`
     /// last answered; about nearest first, in an order that depends on the mesh and the segment alone. `f` gets the
     /// fraction of entry into the box, and answers the largest that still matters.
-    fn visit_segment(
-        &self,
-        from: Vec3,
-        to: Vec3,
-        inflate: Vec3,
-        f: &mut dyn FnMut(u32, [Vec3; 3], f32) -> f32,
-    );
+    fn visit_segment(&self, from: Vec3, to: Vec3, inflate: Vec3, f: &mut Visit<'_>);
     /// The first triangle that the segment meets, with the fraction; nothing slips through where triangles share an
     /// edge or a corner.
     fn segment_hit(&self, from: Vec3, to: Vec3) -> Option<(f32, u32)>;
@@ -83,13 +81,7 @@ macro_rules! triangles {
             fn triangle(&self, index: u32) -> [Vec3; 3] {
                 <$mesh>::triangle(self, index)
             }
-            fn visit_segment(
-                &self,
-                from: Vec3,
-                to: Vec3,
-                inflate: Vec3,
-                f: &mut dyn FnMut(u32, [Vec3; 3], f32) -> f32,
-            ) {
+            fn visit_segment(&self, from: Vec3, to: Vec3, inflate: Vec3, f: &mut Visit<'_>) {
                 <$mesh>::visit_segment(self, from, to, inflate, f);
             }
             fn segment_hit(&self, from: Vec3, to: Vec3) -> Option<(f32, u32)> {
@@ -251,13 +243,7 @@ mod tests {
         fn triangle(&self, index: u32) -> [Vec3; 3] {
             self.0[index as usize]
         }
-        fn visit_segment(
-            &self,
-            from: Vec3,
-            to: Vec3,
-            inflate: Vec3,
-            f: &mut dyn FnMut(u32, [Vec3; 3], f32) -> f32,
-        ) {
+        fn visit_segment(&self, from: Vec3, to: Vec3, inflate: Vec3, f: &mut Visit<'_>) {
             let mut largest = 1.0;
             for (i, [a, b, c]) in self.0.iter().enumerate() {
                 let (low, high) = (a.min(*b).min(*c) - inflate, a.max(*b).max(*c) + inflate);

@@ -52,6 +52,7 @@ pub(crate) use collide::{Input, NarrowStats, Scratch, collide};
 pub(crate) use contact::{Contact, Contacts, NONE, Point};
 pub(crate) use gjk::distance;
 pub(crate) use manifold::{MAX_POINTS, RawManifold, RawPoint};
+pub(crate) use simplex::from_triangle;
 pub(crate) use support::Support;
 
 /// Pose of shape `b` in the frame of shape `a`.

@@ -5,7 +5,7 @@
 //! can't be taken back. The newest corner comes last, and any nearer point has it among its corners.
 
 use super::support::Pose;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// Up to four points of b - a, in a's frame, with the points of a and b that they came from.
 #[derive(Clone, Copy, Debug)]
@@ -155,5 +155,52 @@ impl Simplex {
             }
         }
         best
+    }
+}
+
+/// Vector from the nearest point of a triangle, which may be a sliver, to a point [m].
+pub(crate) fn from_triangle(point: Vec3, corners: [Vec3; 3]) -> DVec3 {
+    let mut simplex = Simplex::empty();
+    for corner in corners {
+        simplex.push(corner.as_dvec3() - point.as_dvec3(), DVec3::ZERO, DVec3::ZERO);
+    }
+    simplex.nearest().map_or(DVec3::ZERO, |nearest| -nearest.point)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::vec3;
+
+    /// Against a fine grid of points of the triangle, degenerate ones too.
+    #[test]
+    fn no_point_of_the_triangle_is_nearer() {
+        let mut seed = 5u32;
+        let mut next = || {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (seed >> 8) as f32 / (1 << 23) as f32 - 1.0
+        };
+        for i in 0..600 {
+            let mut v = || vec3(next(), next(), next());
+            let (point, a, b) = (v() * 2.0, v(), v());
+            let c = match i % 6 {
+                0 => a,
+                1 => b,
+                2 => a.midpoint(b),
+                _ => v(),
+            };
+            let b = if i % 18 == 3 { a } else { b };
+            let found = from_triangle(point, [a, b, c]);
+            let n = 60;
+            let mut least = f32::INFINITY;
+            for j in 0..=n {
+                for k in 0..=n - j {
+                    let (s, t) = (j as f32 / n as f32, k as f32 / n as f32);
+                    least = least.min((point - (a + (b - a) * s + (c - a) * t)).length());
+                }
+            }
+            let far = found.length() as f32;
+            assert!(far <= least + 1e-5 && far > least - 0.1, "{far} {least} {a} {b} {c} {point}");
+        }
     }
 }

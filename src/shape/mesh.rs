@@ -1,10 +1,10 @@
 //! Triangle meshes.
 
-use super::mesh_bvh::{Item, LEAF, MAX_TRIANGLES, MeshBvh};
+use super::mesh_bvh::{Item, LEAF, MAX_TRIANGLES, MeshBvh, meets};
 use super::mesh_edges::{Edges, find_edges};
 use super::segment_triangle::SegmentTest;
 use crate::error::{Error, finite3};
-use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
+use crate::lanes::{Mask, Vec3 as LaneVec3, f32x8};
 use glam::Vec3;
 
 /// Of the largest coordinate [m]: squares of areas stay finite.
@@ -220,15 +220,7 @@ impl Leaf {
     /// A bit for each triangle whose bounding box meets a box.
     #[inline(always)]
     fn in_box(&self, min: Vec3, max: Vec3) -> u32 {
-        let (least, most) = (LaneVec3::<f32x8>::splat(min), LaneVec3::<f32x8>::splat(max));
-        let (low, high) = self.bounds();
-        let meets = low.x.le(most.x)
-            & low.y.le(most.y)
-            & low.z.le(most.z)
-            & high.x.ge(least.x)
-            & high.y.ge(least.y)
-            & high.z.ge(least.z);
-        meets.bits() & self.lanes()
+        meets(self.bounds(), (LaneVec3::splat(min), LaneVec3::splat(max))).bits() & self.lanes()
     }
     #[inline(always)]
     fn bounds(&self) -> (LaneVec3<f32x8>, LaneVec3<f32x8>) {

@@ -167,20 +167,13 @@ impl MeshBvh {
     /// The same until one answers yes; says whether one did.
     #[inline]
     pub(crate) fn any_in_box(&self, min: Vec3, max: Vec3, mut leaf: impl FnMut(u32, u32) -> bool) -> bool {
-        let (min, max) = (LaneVec3::<f32x4>::splat(min), LaneVec3::<f32x4>::splat(max));
+        let around = (LaneVec3::<f32x4>::splat(min), LaneVec3::splat(max));
         let mut stack = [0u32; STACK];
         let mut waiting = 1;
         while waiting > 0 {
             waiting -= 1;
             let Some(node) = self.nodes.get(stack[waiting] as usize) else { continue };
-            let (low, high) = node.bounds();
-            let meets = low.x.le(max.x)
-                & low.y.le(max.y)
-                & low.z.le(max.z)
-                & high.x.ge(min.x)
-                & high.y.ge(min.y)
-                & high.z.ge(min.z);
-            let mut bits = meets.bits();
+            let mut bits = meets(node.bounds(), around).bits();
             while bits != 0 {
                 let child = node.child[bits.trailing_zeros() as usize];
                 bits &= bits - 1;
@@ -244,6 +237,20 @@ impl MeshBvh {
             }
         }
     }
+}
+
+/// Which boxes meet others, each as its low and its high corner.
+#[inline(always)]
+pub(super) fn meets<L: Lanes>(
+    (low, high): (LaneVec3<L>, LaneVec3<L>),
+    (min, max): (LaneVec3<L>, LaneVec3<L>),
+) -> L::Mask {
+    low.x.le(max.x)
+        & low.y.le(max.y)
+        & low.z.le(max.z)
+        & high.x.ge(min.x)
+        & high.y.ge(min.y)
+        & high.z.ge(min.z)
 }
 
 /// A straight path that a box of half extents `inflate` is swept along, prepared to be tested against many boxes.
