@@ -58,9 +58,14 @@ pub(crate) fn look_beside(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold
 }
 
 /// Where a shape in flight first touches a mesh or height field; [`Cast::Near`] if it begins close to it.
-pub(crate) fn fly_mesh(input: &Input<'_>, (a, b): Shapes<'_>, (rel, motion): Way<'_>) -> Cast {
+pub(crate) fn fly_mesh(
+    input: &Input<'_>,
+    (a, b): Shapes<'_>,
+    (rel, motion): Way<'_>,
+    scratch: &mut MeshScratch,
+) -> Cast {
     let asked = Asked { alone: input.margin, ..Asked::first(tolerance(a, b), input.real) };
-    ask_mesh(a, b, rel, motion, asked)
+    ask_mesh(a, b, rel, motion, asked, scratch.nearby())
 }
 
 /// Where a shape first touches a mesh or height field, other than what it rests on: that within `resting` [m] at the
@@ -70,12 +75,12 @@ pub(crate) fn look_ahead_mesh(
     (a, b): Shapes<'_>,
     (rel, motion): Way<'_>,
     resting: f32,
-    scratch: &MeshScratch,
+    scratch: &mut MeshScratch,
 ) -> Option<Touch> {
     let way = motion.a.rotation.conjugate() * motion.displacement;
     let known = scratch.touched(a, resting, (way, input.margin));
     let asked = Asked { known, lip: NO_GAP * input.real, ..Asked::first(tolerance(a, b), resting) };
-    match ask_mesh(a, b, rel, motion, asked) {
+    match ask_mesh(a, b, rel, motion, asked, scratch.nearby()) {
         Cast::First(touch) => Some(touch),
         _ => None,
     }
@@ -106,7 +111,7 @@ pub(crate) fn hit_mesh(
         return;
     }
     let Some(Touch { fraction: further, .. }) =
-        look_ahead_mesh(input, (a, b), (&rel, &then), input.real, &out.mesh)
+        look_ahead_mesh(input, (a, b), (&rel, &then), input.real, &mut out.mesh)
     else {
         return;
     };
@@ -141,9 +146,9 @@ fn further(input: &Input<'_>, pair: &Pair, touch: &Touch) -> f32 {
 }
 
 /// Whether a convex shape touches a mesh or height field at all within the step.
-pub(crate) fn touches_mesh((a, b): Shapes<'_>, (rel, motion): Way<'_>) -> bool {
+pub(crate) fn touches_mesh((a, b): Shapes<'_>, (rel, motion): Way<'_>, scratch: &mut MeshScratch) -> bool {
     let asked = Asked { any: true, ..Asked::first(tolerance(a, b), 0.0) };
-    matches!(ask_mesh(a, b, rel, motion, asked), Cast::First(_))
+    matches!(ask_mesh(a, b, rel, motion, asked, scratch.nearby()), Cast::First(_))
 }
 
 /// Whether the predicted motion takes any point of a manifold, found at the start of the step, through its plane.

@@ -14,7 +14,7 @@ use super::contact::{Contact, NONE};
 use super::convex::collide_convex;
 use super::found::Out;
 use super::lanes_io::{ManifoldLanes, PairLanes};
-use super::mesh::collide_mesh;
+use super::mesh::{collide_mesh, extent_of};
 use super::sphere_box::sphere_box;
 use super::sphere_capsule::sphere_capsule;
 use super::sphere_sphere::sphere_sphere;
@@ -322,13 +322,22 @@ fn finish_mesh(
     // What rests on the mesh may not need it.
     let (shapes, motion) = ((a, b), LazyCell::new(|| motion_of(input, pair)));
     // Without a contact it is likely to be in flight.
-    let flight =
-        if fast && pair.contact == NONE { fly_mesh(input, shapes, (rel, &motion)) } else { Cast::Near };
+    mesh.mesh.nearby.forget();
+    let flight = if fast && pair.contact == NONE {
+        fly_mesh(input, shapes, (rel, &motion), &mut mesh.mesh)
+    } else {
+        Cast::Near
+    };
     let mut ahead = match flight {
         Cast::First(touch) => Some(touch),
         _ => None,
     };
     if let Cast::Near = flight {
+        if fast {
+            // The path will be asked for too.
+            let way = motion.a.rotation.conjugate() * motion.displacement;
+            extent_of(a, rel, margin, way).into_iter().for_each(|extent| mesh.mesh.nearby.expect(extent));
+        }
         mesh.raw.clear();
         // Of what is fast, manifolds without a near point would be dropped.
         let within = if fast { input.margin } else { margin };
@@ -344,13 +353,13 @@ fn finish_mesh(
         let apart = nearest > tolerance(a, b).max(NO_GAP * input.real);
         if continuous && apart && mesh.raw.iter().any(|m| would_push(&motion, m)) {
             casts += 1;
-            if !touches_mesh(shapes, (rel, &motion)) {
+            if !touches_mesh(shapes, (rel, &motion), &mut mesh.mesh) {
                 mesh.raw.retain(|m| !would_push(&motion, m));
             }
         }
         (0..mesh.raw.len()).for_each(|i| mesh.add(mesh.raw[i], 0.0));
         if fast {
-            ahead = look_ahead_mesh(input, shapes, (rel, &motion), resting, &mesh.mesh);
+            ahead = look_ahead_mesh(input, shapes, (rel, &motion), resting, &mut mesh.mesh);
         }
     }
     casts += u32::from(fast);

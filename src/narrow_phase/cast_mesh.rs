@@ -1,14 +1,14 @@
 //! When a moving convex shape first touches a mesh or a height field.
 
 use super::Relative;
-use super::cast::{Other, Sweep, Touch};
-use super::mesh::Eight;
+use super::cast::{Other, Placed, Sweep, Touch};
 use super::mesh_sweep::MeshSweep;
 use super::motion::Motion;
+use super::nearby::{Eight, Extent, Ground, Nearby};
 use super::simplex::Simplex;
 use super::support::Support;
 use super::touched::Touched;
-use crate::shape::{Collider, Geometry, HeightField, TriangleMesh};
+use crate::shape::{Collider, HeightField, TriangleMesh};
 use glam::{DVec3, Vec3};
 
 /// Gets a triangle, its corners and a fraction before which its box is not entered; answers the largest that still
@@ -66,13 +66,28 @@ pub(crate) enum Cast {
 }
 
 /// First touch of a convex shape with a triangle of a mesh or height field, other than what it rests on; see [`Asked`].
-/// `rel`: of the mesh in the shape's frame at the start.
-pub(crate) fn ask_mesh(a: &Collider, mesh: &Collider, rel: &Relative, motion: &Motion, asked: Asked) -> Cast {
-    match &mesh.geometry {
-        Geometry::Mesh(mesh) => cast_triangles(a, &**mesh, rel, motion, asked),
-        Geometry::HeightField(field) => cast_triangles(a, &**field, rel, motion, asked),
-        _ => Cast::Free,
-    }
+/// `rel`: of the mesh in the shape's frame at the start. `nearby`: where triangles are gathered, if there is place.
+pub(crate) fn ask_mesh(
+    a: &Collider,
+    mesh: &Collider,
+    rel: &Relative,
+    motion: &Motion,
+    asked: Asked,
+    nearby: Option<&mut Nearby>,
+) -> Cast {
+    let Some(ground) = Ground::of(mesh) else { return Cast::Free };
+    cast_along(a, rel, motion, asked, |path, search| {
+        if let (Some(nearby), Some(extent)) = (nearby, path.as_box()) {
+            nearby.gather(&ground, extent, &mut |found| {
+                found.each().for_each(|(eight, lanes)| search.look(eight, lanes));
+            });
+            return;
+        }
+        match ground {
+            Ground::Mesh(mesh) => search.go_along(mesh, path),
+            Ground::Field(field) => search.go_along(field, path),
+        }
+    })
 }
 
 macro_rules! triangles {
@@ -94,63 +109,192 @@ macro_rules! triangles {
 triangles!(TriangleMesh);
 triangles!(HeightField);
 
-/// [`ask_mesh`] over any triangles.
-pub(crate) fn cast_triangles<T: Triangles + ?Sized>(
+/// A cast against the triangles that `walk` shows it.
+fn cast_along(
     a: &Collider,
-    mesh: &T,
     rel: &Relative,
     motion: &Motion,
     asked: Asked,
+    walk: impl FnOnce(&Path, &mut Search<'_>),
 ) -> Cast {
-    let Asked { tolerance, resting, alone, any, known, .. } = asked;
     let Some(shape) = Support::of(a) else { return Cast::Free };
     let turns = motion.b.spin != Vec3::ZERO;
-    if turns && alone >= 0.0 {
+    if turns && asked.alone >= 0.0 {
         return Cast::Near;
     }
     let nothing = Support::triangle([Vec3::ZERO; 3]);
-    let mut sweep = Sweep::new(shape, Other::Convex(nothing), motion, tolerance);
+    let sweep = Sweep::new(shape, Other::Convex(nothing), motion, asked.tolerance);
     let path = sweep.path_in_b(motion);
     // `f32` rounds the path; the tolerance alone may be less than that in a large mesh.
-    let slack = f64::from(tolerance.max(alone)) + 1e-6 * (path.from.length() + path.to.length());
+    let slack = f64::from(asked.tolerance.max(asked.alone)) + 1e-6 * (path.from.length() + path.to.length());
     let inflate = path.inflate + DVec3::splat(slack);
-    let start = sweep.placed(0.0);
-    let mut later = None;
+    let path = Path { from: path.from.as_vec3(), to: path.to.as_vec3(), inflate: inflate.as_vec3() };
     let filter = (!turns).then(|| MeshSweep::new(a, rel, motion, &sweep.spin()));
-    let mut first: Option<Touch> = None;
-    let mut limit = 1.0_f64;
-    let mut exact = |index: u32| {
-        if known.has(index) {
-            return limit;
+    let mut search = Search {
+        start: sweep.placed(0.0),
+        later: None,
+        motion,
+        asked,
+        sweep,
+        filter,
+        waiting: Waiting::default(),
+        first: None,
+        limit: 1.0,
+        near: false,
+    };
+    walk(&path, &mut search);
+    search.finish()
+}
+
+/// The way of a box in the mesh's frame.
+struct Path {
+    from: Vec3,
+    to: Vec3,
+    /// Half extents.
+    inflate: Vec3,
+}
+
+impl Path {
+    /// The box around all of it, if that holds hardly more than the path itself.
+    fn as_box(&self) -> Option<Extent> {
+        let half = (self.to - self.from).abs() * 0.5;
+        let reach = half + self.inflate;
+        let middle = (self.from + self.to) * 0.5;
+        half.cmple(self.inflate).all().then(|| (middle - reach, middle + reach))
+    }
+}
+
+/// A cast that is under way.
+///
+/// Eight at a time are looked at in lanes, which leaves out most. The others wait until there are eight of these; then
+/// the one that may be touched earliest is searched exactly. Whatever it finds ends the motion for all others, and of
+/// them few can be touched within what is left of it, as another look in lanes tells.
+struct Search<'a> {
+    motion: &'a Motion,
+    asked: Asked,
+    sweep: Sweep<'a>,
+    start: Placed,
+    /// In the middle and at the end of the step, once anything is looked at.
+    later: Option<(Placed, Placed)>,
+    filter: Option<MeshSweep<'a>>,
+    waiting: Waiting,
+    first: Option<Touch>,
+    /// Fraction of the step from which on a touch is of no interest.
+    limit: f64,
+    near: bool,
+}
+
+/// Triangles that may be touched.
+#[derive(Default)]
+struct Waiting {
+    eight: Eight,
+    /// Not before this fraction of the step.
+    earliest: [f32; 8],
+}
+
+impl Search<'_> {
+    /// Looks at triangles along a path, nearer ones first.
+    fn go_along<T: Triangles + ?Sized>(&mut self, mesh: &T, path: &Path) {
+        let mut seen = Eight::default();
+        let mut visit = |index: u32, corners: [Vec3; 3], _entry: f32| -> f32 {
+            seen.push(index, corners);
+            if seen.is_full() {
+                self.look(&seen, seen.lanes());
+                seen.clear();
+            }
+            self.limit as f32
+        };
+        mesh.visit_segment(path.from, path.to, path.inflate, &mut visit);
+        self.look(&seen, seen.lanes());
+    }
+
+    fn finish(&mut self) -> Cast {
+        if self.limit >= 0.0 && self.waiting.eight.count() > 0 {
+            self.settle();
         }
-        let corners = mesh.triangle(index);
+        match self.first {
+            _ if self.near => Cast::Near,
+            Some(touch) => Cast::First(touch),
+            None => Cast::Free,
+        }
+    }
+
+    /// Of some of eight triangles, takes over what may be touched.
+    fn look(&mut self, eight: &Eight, lanes: u32) {
+        if self.limit < 0.0 {
+            return;
+        }
+        let (lanes, earliest) = match &self.filter {
+            Some(filter) => {
+                let reached = filter.in_reach(eight, lanes, &self.asked);
+                if reached.near {
+                    (self.near, self.limit) = (true, -1.0);
+                    return;
+                }
+                (reached.lanes, reached.earliest)
+            }
+            None => (lanes, [0.0; 8]),
+        };
+        for lane in ones(lanes) {
+            if f64::from(earliest[lane]) < self.limit && !self.asked.known.has(eight.index[lane]) {
+                if self.waiting.eight.is_full() {
+                    self.settle();
+                }
+                self.waiting.push(eight, lane, earliest[lane]);
+            }
+        }
+    }
+
+    /// Searches what waits, the earliest first.
+    fn settle(&mut self) {
+        let mut left = self.waiting.eight.lanes();
+        while let Some(next) = self.waiting.first(left)
+            && f64::from(self.waiting.earliest[next]) < self.limit
+        {
+            left &= !(1 << next);
+            let Some(touch) = self.exact(self.waiting.eight.triangle(next)) else { continue };
+            self.first = Some(touch);
+            if self.asked.any {
+                self.limit = -1.0;
+                break;
+            }
+            self.limit = f64::from(touch.fraction);
+            if let Some(filter) = &mut self.filter {
+                filter.end_at(touch.fraction);
+                if left != 0 {
+                    let reached = filter.in_reach(&self.waiting.eight, left, &self.asked);
+                    left = reached.lanes;
+                    self.waiting.earliest = reached.earliest;
+                }
+            }
+        }
+        self.waiting.eight.clear();
+    }
+
+    /// When a triangle is touched, if that is before the limit.
+    fn exact(&mut self, corners: [Vec3; 3]) -> Option<Touch> {
+        let Search { sweep, start, limit, .. } = self;
+        let (tolerance, resting) = (f64::from(self.asked.tolerance), f64::from(self.asked.resting));
         let triangle = Support::triangle(corners);
-        let resting = f64::from(resting);
         let [p, q, r] = corners.map(Vec3::as_dvec3);
         let up = start.rotation_b * (q - p).cross(r - p).normalize_or_zero();
         let corner = start.rotation_b * p + start.offset;
         // From the shape's origin to the plane.
         let down = if up.dot(corner) > 0.0 { up } else { -up };
-        sweep.set_triangle(triangle, motion, down);
-        let mut found = |touch: Touch| {
-            first = Some(touch);
-            if any { -1.0 } else { f64::from(touch.fraction) }
-        };
+        sweep.set_triangle(triangle, self.motion, down);
         if !sweep.b_spins() {
-            let (middle, end) = later.get_or_insert_with(|| (sweep.placed(0.5), sweep.placed(1.0)));
-            let heights = [&start, middle, end].map(|placed| sweep.gap_along(placed, down));
+            let (middle, end) = self.later.get_or_insert_with(|| (sweep.placed(0.5), sweep.placed(1.0)));
+            let heights = [&*start, middle, end].map(|placed| sweep.gap_along(placed, down));
             let least = heights[0].min(heights[2]);
-            if least - sweep.bend(down) / 8.0 > f64::from(tolerance) {
-                return limit;
+            if least - sweep.bend(down) / 8.0 > tolerance {
+                return None;
             }
             if heights[0].abs() <= resting && least.min(heights[1]) >= -resting {
-                return limit;
+                return None;
             }
-            if heights[0] > resting.max(f64::from(tolerance)) {
+            if heights[0] > resting.max(tolerance) {
                 // Its plane is touched before it is, and mostly at a point of it.
-                let Some((t, placed)) = sweep.reach_plane(&start, heights[0], down, limit) else {
-                    return limit;
-                };
+                let (t, placed) = sweep.reach_plane(start, heights[0], down, *limit)?;
                 let point = sweep.furthest(&placed, down) - placed.offset;
                 let corners = [p, q, r].map(|v| placed.rotation_b * v);
                 let inside = |i: usize| {
@@ -158,74 +302,44 @@ pub(crate) fn cast_triangles<T: Triangles + ?Sized>(
                     (to - from).cross(point - from).dot(up) >= 0.0
                 };
                 if inside(0) && inside(1) && inside(2) {
-                    limit = found(Touch { fraction: t as f32, normal: down.as_vec3() });
-                    return limit;
+                    return Some(Touch { fraction: t as f32, normal: down.as_vec3() });
                 }
                 let mut simplex = Simplex::empty();
                 let gap = sweep.gap(&placed, &mut simplex);
-                if let Some(touch) = sweep.touch_after(t, placed, gap, simplex, limit) {
-                    limit = found(touch);
-                }
-                return limit;
+                return sweep.touch_after(t, placed, gap, simplex, *limit);
             }
         }
         let mut simplex = Simplex::empty();
-        let gap = sweep.gap(&start, &mut simplex);
+        let gap = sweep.gap(start, &mut simplex);
         if gap.0 <= resting {
-            return limit;
+            return None;
         }
-        if let Some(touch) = sweep.touch_after(0.0, start, gap, simplex, limit) {
-            limit = found(touch);
-        }
-        limit
-    };
-    // Eight at a time: most can't be touched.
-    let mut eight = Eight::default();
-    let mut limit = 1.0_f64;
-    let mut near = false;
-    let mut look = |eight: &mut Eight, limit: &mut f64| {
-        let (mut lanes, earliest) = match &filter {
-            Some(filter) => {
-                let reached = filter.in_reach(eight, &asked);
-                if reached.near {
-                    (near, *limit) = (true, -1.0);
-                    return;
-                }
-                (reached.lanes, reached.earliest)
-            }
-            None => (eight.lanes(), [0.0; 8]),
-        };
-        while lanes != 0 {
-            // The earliest one first: it may spare the others.
-            let mut next = lanes.trailing_zeros() as usize;
-            for lane in next + 1..8 {
-                if lanes >> lane & 1 != 0 && earliest[lane] < earliest[next] {
-                    next = lane;
-                }
-            }
-            lanes &= !(1 << next);
-            if f64::from(earliest[next]) < *limit {
-                *limit = exact(eight.index[next]);
-            }
-        }
-        eight.clear();
-    };
-    let mut visit = |index: u32, corners: [Vec3; 3], _entry: f32| -> f32 {
-        eight.push(index, corners);
-        if eight.is_full() && limit >= 0.0 {
-            look(&mut eight, &mut limit);
-        }
-        limit as f32
-    };
-    mesh.visit_segment(path.from.as_vec3(), path.to.as_vec3(), inflate.as_vec3(), &mut visit);
-    if limit >= 0.0 {
-        look(&mut eight, &mut limit);
+        sweep.touch_after(0.0, *start, gap, simplex, *limit)
     }
-    match first {
-        _ if near => Cast::Near,
-        Some(touch) => Cast::First(touch),
-        None => Cast::Free,
+}
+
+impl Waiting {
+    /// Adds one of eight triangles; the caller sees to it that there is room.
+    fn push(&mut self, from: &Eight, lane: usize, earliest: f32) {
+        self.earliest[self.eight.count()] = earliest;
+        self.eight.push(from.index[lane], from.triangle(lane));
     }
+
+    /// Of those that are left, the one that may be touched first.
+    fn first(&self, left: u32) -> Option<usize> {
+        ones(left).min_by(|&a, &b| self.earliest[a].total_cmp(&self.earliest[b]))
+    }
+}
+
+/// The places of the bits that are set.
+fn ones(mut bits: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        (bits != 0).then(|| {
+            let place = bits.trailing_zeros() as usize;
+            bits &= bits - 1;
+            place
+        })
+    })
 }
 
 #[cfg(test)]
@@ -233,7 +347,9 @@ mod tests {
     use super::super::fixtures::{CONVEX, Random, collider};
     use super::super::motion::BodyPath;
     use super::*;
+    use crate::memory::Room;
     use crate::narrow_phase::cast::tolerance;
+    use crate::shape::Geometry;
     use glam::Quat;
 
     /// Every triangle, in order, if its box is on the way.
@@ -270,7 +386,9 @@ mod tests {
     }
 
     fn cast(a: &Collider, soup: &Soup, motion: &Motion, tolerance: f32, resting: f32) -> Option<Touch> {
-        match cast_triangles(a, soup, &motion.relative(0.0), motion, Asked::first(tolerance, resting)) {
+        let asked = Asked::first(tolerance, resting);
+        match cast_along(a, &motion.relative(0.0), motion, asked, |path, search| search.go_along(soup, path))
+        {
             Cast::First(touch) => Some(touch),
             _ => None,
         }
@@ -341,15 +459,24 @@ mod tests {
         for i in 0..if cfg!(miri) { 3 } else { 200 } {
             let a = random.shape(CONVEX[i % 5], 0.5);
             let centre = Vec3::new(random.range(0.0, 15.0), random.range(1.5, 4.0), random.range(0.0, 15.0));
-            let mut pa = path(centre, (random.cube() - Vec3::Y * 0.5) * 8.0);
+            // Long ways go along the tree, short ones have a box.
+            let mut pa = path(centre, (random.cube() - Vec3::Y * 0.5) * [8.0, 1.0][i / 2 % 2]);
             pa.spin = random.cube() * [0.0, 2.0][i % 2];
             let b = path(Vec3::ZERO, Vec3::ZERO);
             let motion = Motion::new(&a, &pa, &mesh, &b);
             let expected = cast(&a, &soup, &motion, 1e-4, 0.01).map(|t| t.fraction);
             for other in [&mesh, &field] {
-                let found = ask_mesh(&a, other, &motion.relative(0.0), &motion, Asked::first(1e-4, 0.01));
-                let found = if let Cast::First(touch) = found { Some(touch.fraction) } else { None };
-                assert_eq!(found, expected);
+                let mut nearby = Nearby::default();
+                assert!(nearby.has_place(&mut Room::default()));
+                nearby.expect((centre - Vec3::ONE, centre + Vec3::new(0.5, 0.0, 0.1)));
+                // From the tree, gathered, and held from before.
+                for gathered in 0..3 {
+                    let nearby = (gathered > 0).then_some(&mut nearby);
+                    let asked = Asked::first(1e-4, 0.01);
+                    let found = ask_mesh(&a, other, &motion.relative(0.0), &motion, asked, nearby);
+                    let found = if let Cast::First(touch) = found { Some(touch.fraction) } else { None };
+                    assert_eq!(found, expected);
+                }
             }
             hits += u32::from(expected.is_some());
         }

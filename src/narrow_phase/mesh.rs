@@ -15,6 +15,7 @@ use super::clip::CLOUD;
 use super::mesh_merge::{MOST, Merge};
 use super::mesh_patch::{Patches, Touch};
 use super::mesh_sweep::reach;
+use super::nearby::{Eight, Extent, Ground, Nearby};
 use super::polytope::Pose;
 use super::round_polytope::Core;
 use super::support::Support;
@@ -22,72 +23,11 @@ use super::touched::Touched;
 use super::{RawManifold, RawPoint, Relative, mesh_box, mesh_capsule, mesh_cylinder, mesh_hull, mesh_sphere};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::memory::{Buffer, Buffers, Room};
-use crate::shape::{Collider, Edges, Geometry, HeightField, TriangleMesh};
+use crate::shape::{Collider, Geometry};
 use glam::Vec3;
 
 /// Feature of a triangle's key: the deepest point of the shape, wherever that is.
 const DEEPEST: u32 = 0x7f;
-
-/// What is collided with.
-#[derive(Clone, Copy)]
-pub(super) enum Ground<'a> {
-    Mesh(&'a TriangleMesh),
-    Field(&'a HeightField),
-}
-
-impl<'a> Ground<'a> {
-    fn of(b: &'a Collider) -> Option<Ground<'a>> {
-        match &b.geometry {
-            Geometry::Mesh(mesh) => Some(Ground::Mesh(mesh)),
-            Geometry::HeightField(field) => Some(Ground::Field(field)),
-            _ => None,
-        }
-    }
-    fn visit_box(&self, min: Vec3, max: Vec3, f: &mut impl FnMut(u32, [Vec3; 3])) {
-        match self {
-            Ground::Mesh(mesh) => mesh.visit_box(min, max, f),
-            Ground::Field(field) => field.visit_box(min, max, f),
-        }
-    }
-    pub(super) fn edges(&self, i: u32) -> Edges {
-        match self {
-            Ground::Mesh(mesh) => mesh.edges(i),
-            Ground::Field(field) => field.edges(i),
-        }
-    }
-}
-
-/// Up to eight triangles as they lie in memory, in the mesh's frame.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Eight {
-    /// Per corner and axis, by lane.
-    corners: [[[f32; 8]; 3]; 3],
-    pub(super) index: [u32; 8],
-    count: usize,
-}
-
-impl Eight {
-    /// Adds a triangle; the caller sees to it that there is room.
-    #[inline(always)]
-    pub(super) fn push(&mut self, index: u32, corners: [Vec3; 3]) {
-        let lane = self.count % 8;
-        for (to, corner) in self.corners.iter_mut().zip(corners) {
-            (to[0][lane], to[1][lane], to[2][lane]) = (corner.x, corner.y, corner.z);
-        }
-        self.index[lane] = index;
-        self.count = lane + 1;
-    }
-    pub(super) fn clear(&mut self) {
-        self.count = 0;
-    }
-    pub(super) fn is_full(&self) -> bool {
-        self.count == 8
-    }
-    /// A bit for each triangle.
-    pub(super) fn lanes(&self) -> u32 {
-        (1u32 << self.count) - 1
-    }
-}
 
 /// Eight triangles in the shape's frame.
 pub(super) struct Triangles {
@@ -105,7 +45,7 @@ pub(super) struct Triangles {
 
 impl Triangles {
     #[inline(always)]
-    pub(super) fn new(eight: &Eight, pose: &Pose, centre: Vec3) -> Triangles {
+    pub(super) fn new(eight: &Eight, lanes: u32, pose: &Pose, centre: Vec3) -> Triangles {
         let m = &pose.axes;
         // Written out: arrays that are mapped or iterated over by value are not kept in registers.
         let (x_axis, y_axis, z_axis) =
@@ -128,7 +68,7 @@ impl Triangles {
             front,
             height: height.abs(),
             behind: behind.bits(),
-            valid: valid.bits() & eight.lanes(),
+            valid: valid.bits() & lanes,
             index: eight.index,
         }
     }
@@ -179,7 +119,7 @@ impl Triangles {
 /// Buffers of [`collide_mesh`], kept from call to call.
 #[derive(Default)]
 pub(crate) struct MeshScratch {
-    eights: Vec<Eight>,
+    pub(crate) nearby: Nearby,
     patches: Patches,
     merge: Merge,
     /// What its buffers may still grow by.
@@ -190,7 +130,7 @@ pub(crate) struct MeshScratch {
 
 impl Buffers for MeshScratch {
     fn each(&mut self, f: &mut dyn FnMut(&mut dyn Buffer)) {
-        f(&mut self.eights);
+        f(self.nearby.buffer());
         f(&mut self.patches.touches);
         f(&mut self.patches.patches);
         f(&mut self.patches.points);
@@ -221,9 +161,14 @@ impl MeshScratch {
         touched
     }
 
+    /// Where triangles are gathered, if there is room.
+    pub(crate) fn nearby(&mut self) -> Option<&mut Nearby> {
+        self.nearby.has_place(&mut self.room).then_some(&mut self.nearby)
+    }
+
     /// Bytes live and reserved.
     pub(crate) fn bytes(&self) -> (usize, usize) {
-        let parts = [crate::memory::bytes_of(&self.eights), self.patches.bytes(), self.merge.bytes()];
+        let parts = [self.nearby.bytes(), self.patches.bytes(), self.merge.bytes()];
         parts.iter().fold((0, 0), |sum, part| (sum.0 + part.0, sum.1 + part.1))
     }
 }
@@ -244,33 +189,33 @@ pub(crate) fn collide_mesh(
     let Some(ground) = Ground::of(b) else { return };
     let Some((middle, half, centre)) = bounds(a) else { return };
     let pose = Pose::new(rel.position, rel.rotation);
-    let MeshScratch { eights, patches, merge, room, shed } = scratch;
-    if room.fit(eights, CHUNK) < CHUNK {
+    let MeshScratch { nearby, patches, merge, room, shed } = scratch;
+    if !nearby.has_place(room) {
         *shed += 1;
         return;
     }
-    eights.resize(CHUNK, Eight::default());
     patches.clear();
     let (each, core) = (points_each(a), Core::of(a));
-    gather(ground, &pose, (middle, half + Vec3::splat(margin)), eights, &mut |eights| {
+    let around = around(&pose, (middle, half + Vec3::splat(margin)));
+    nearby.gather(&ground, around, &mut |found| {
         let mut near = Near::default();
         // Among a few it would not pay.
-        if within < margin && eights.len() > 1 {
-            for eight in eights {
-                let triangles = Triangles::new(eight, &pose, centre);
+        if within < margin && found.is_many() {
+            for (eight, lanes) in found.each() {
+                let triangles = Triangles::new(eight, lanes, &pose, centre);
                 near.add(&triangles, a, (middle, half, centre), within);
             }
             if near.count == 0 {
                 return;
             }
         }
-        for eight in eights {
+        for (eight, lanes) in found.each() {
             // Whatever these triangles yield must find place: the functions below don't ask.
             if !room.is_endless() && !patches.has_place(8, each, room) {
                 *shed += 1;
                 return;
             }
-            let triangles = Triangles::new(eight, &pose, centre);
+            let triangles = Triangles::new(eight, lanes, &pose, centre);
             let margins = near.margins(&triangles, margin, within);
             match (&a.geometry, &core) {
                 (Geometry::Sphere { radius }, _) => {
@@ -359,37 +304,23 @@ impl Near {
     }
 }
 
-/// So many times eight triangles are gathered before they are looked at.
-const CHUNK: usize = 16;
+/// The box of the mesh's frame around a shape that goes `way` in its own [m].
+pub(crate) fn extent_of(a: &Collider, rel: &Relative, margin: f32, way: Vec3) -> Option<Extent> {
+    let (middle, half, _) = bounds(a)?;
+    let pose = Pose::new(rel.position, rel.rotation);
+    let (min, max) = around(&pose, (middle, half + Vec3::splat(margin)));
+    let way = pose.inverse().direction(way);
+    Some((min + way.min(Vec3::ZERO), max + way.max(Vec3::ZERO)))
+}
 
-/// The triangles that meet a box of the shape's frame, in chunks.
-fn gather(
-    ground: Ground,
-    pose: &Pose,
-    (middle, half): (Vec3, Vec3),
-    eights: &mut [Eight],
-    look: &mut dyn FnMut(&[Eight]),
-) {
+/// The box of the mesh's frame around one of the shape's.
+fn around(pose: &Pose, (middle, half): (Vec3, Vec3)) -> Extent {
     let middle = pose.inverse().point(middle);
     let m = pose.axes;
     let half = Vec3::new(m.x_axis.abs().dot(half), m.y_axis.abs().dot(half), m.z_axis.abs().dot(half));
     // A millionth of the coordinates is their rounding.
     let half = half + Vec3::splat(1e-6 * middle.abs().max_element());
-    let mut used = 0;
-    ground.visit_box(middle - half, middle + half, &mut |index, corners| {
-        if used == 0 || eights[used - 1].is_full() {
-            if used == eights.len() {
-                look(eights);
-                used = 0;
-            }
-            eights[used].clear();
-            used += 1;
-        }
-        if let Some(eight) = eights.get_mut(used - 1) {
-            eight.push(index, corners);
-        }
-    });
-    look(&eights[..used]);
+    (middle - half, middle + half)
 }
 
 /// The most points that a triangle yields.
@@ -425,8 +356,8 @@ pub(super) fn bounds(a: &Collider) -> Option<(Vec3, Vec3, Vec3)> {
 mod tests {
     use super::*;
     use crate::narrow_phase::convex::{collide_triangle, testing};
-    use crate::shape::Kind;
     use crate::shape::mesh::testing::{Random, bumpy, cuboid, grid, terrain};
+    use crate::shape::{HeightField, Kind, TriangleMesh};
     use glam::{Quat, Vec2};
     use std::sync::Arc;
 

@@ -4,8 +4,9 @@
 //! of contact, is clipped by four comparisons (Sutherland and Hodgman, 1974).
 
 use super::RawPoint;
-use super::mesh::{Ground, Triangles};
+use super::mesh::Triangles;
 use super::mesh_patch::{Patches, Touch, Verdict};
+use super::nearby::Ground;
 use super::sat::nearest_on_segments;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use glam::Vec3;

@@ -4,10 +4,11 @@
 //! nearer, that is nearest to an edge.
 
 use super::RawPoint;
-use super::mesh::{Ground, Triangles};
+use super::mesh::Triangles;
 use super::mesh_box::key;
 use super::mesh_found::Found;
 use super::mesh_patch::{Patches, Touch, Verdict};
+use super::nearby::Ground;
 use super::round_polytope::{ALONG, Core, part_inside};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use glam::Vec3;

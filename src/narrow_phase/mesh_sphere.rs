@@ -1,8 +1,9 @@
 //! A sphere against triangles: nearest points, eight triangles at a time.
 
 use super::RawPoint;
-use super::mesh::{Ground, Triangles};
+use super::mesh::Triangles;
 use super::mesh_patch::{Patch, Patches, Touch};
+use super::nearby::Ground;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::shape::{FLAT_COSINE, Fold};
 use glam::Vec3;

@@ -3,18 +3,20 @@
 //! The exact search for a first touch ([`cast`](super::cast)) costs a microsecond a triangle. Most triangles near the
 //! path stay behind a plane that the shape never reaches: their own. Along a fixed direction the path of every point
 //! of a turning shape lies within the sagitta of its arc from the chord, so two heights over the plane, at the start
-//! and at the end, bound all in between.
+//! and at the end, bound all in between. Half an arc has a quarter of the sagitta: what spins fast is looked at in two
+//! or four parts.
 
 use super::Relative;
 use super::cast::Spin;
 use super::cast_mesh::Asked;
-use super::mesh::{Eight, Triangles, bounds};
+use super::mesh::{Triangles, bounds};
 use super::mesh_sphere::nearest;
 use super::motion::{Motion, turn};
+use super::nearby::Eight;
 use super::polytope::Pose;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::shape::{Collider, Geometry};
-use glam::{Mat3, Vec3};
+use glam::{DQuat, Mat3, Vec3};
 use std::cell::OnceCell;
 
 /// The points of a shape that are furthest along eight unit directions, in its frame.
@@ -72,8 +74,10 @@ pub(super) struct MeshSweep<'a> {
     around: (Vec3, Vec3),
     /// Of the mesh, at the start.
     pose: Pose,
-    /// In the middle and at the end of the step, once anything is looked at.
-    moments: OnceCell<[Moment; 2]>,
+    /// Fraction of the step at which the motion ends.
+    until: f32,
+    /// The ends of the parts of the motion, once anything is looked at.
+    moments: OnceCell<Moments>,
     way: Vec3,
     lever: Vec3,
     /// Rotation vector over the step [rad].
@@ -96,12 +100,24 @@ pub(super) struct Reached {
 }
 
 /// Where the shape is.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 struct Moment {
     /// Its origin less that at the start.
     moved: Vec3,
     turned: Mat3,
 }
+
+/// The ends of equal parts of the motion.
+#[derive(Debug)]
+struct Moments {
+    ends: [Moment; PARTS],
+    count: usize,
+}
+
+/// Most parts of a motion.
+const PARTS: usize = 4;
+/// A part whose sagitta is more than this share of the shape's radius is cut in two.
+const FLAT: f32 = 0.01;
 
 impl<'a> MeshSweep<'a> {
     /// `rel`: of the mesh in the shape's frame at the start.
@@ -114,6 +130,7 @@ impl<'a> MeshSweep<'a> {
             shape,
             around: bounds(shape).map_or((Vec3::ZERO, Vec3::splat(shape.radius)), |b| (b.0, b.1)),
             pose: Pose::new(rel.position, rel.rotation),
+            until: 1.0,
             moments: OnceCell::new(),
             way,
             lever,
@@ -123,50 +140,80 @@ impl<'a> MeshSweep<'a> {
         }
     }
 
-    fn moments(&self) -> &[Moment; 2] {
+    /// From now on only what is touched up to this fraction of the step counts.
+    pub(super) fn end_at(&mut self, fraction: f32) {
+        self.until = fraction;
+        self.moments = OnceCell::new();
+    }
+
+    fn moment(&self, t: f32, turned: DQuat) -> Moment {
+        let turned = Mat3::from_quat(turned.as_quat());
+        Moment { moved: self.way * (t * self.until) + turned * self.lever - self.lever, turned }
+    }
+
+    /// How far arcs are from their chords over the whole motion, for each radian of the spin that is across [m].
+    fn sagitta(&self) -> f32 {
+        self.bend / 8.0 * self.until * self.until
+    }
+
+    fn moments(&self) -> &Moments {
         self.moments.get_or_init(|| {
-            let half = turn(self.spin.as_dvec3() * 0.5);
-            [(0.5, half), (1.0, half * half)].map(|(t, turned)| {
-                let turned = Mat3::from_quat(turned.as_quat());
-                Moment { moved: self.way * t + turned * self.lever - self.lever, turned }
-            })
+            let turned = |t: f64| turn(self.spin.as_dvec3() * (t * f64::from(self.until)));
+            let flat = FLAT * self.shape.radius;
+            let sagitta = self.sagitta() * self.spin.length();
+            if sagitta <= flat {
+                return Moments { ends: [self.moment(1.0, turned(1.0)); PARTS], count: 1 };
+            }
+            if sagitta <= 4.0 * flat {
+                let half = turned(0.5);
+                let ends = [self.moment(0.5, half), self.moment(1.0, half * half)];
+                return Moments { ends: [ends[0], ends[1], ends[1], ends[1]], count: 2 };
+            }
+            let quarter = turned(0.25);
+            let half = quarter * quarter;
+            let ends = [(0.25, quarter), (0.5, half), (0.75, half * quarter), (1.0, half * half)];
+            Moments { ends: ends.map(|(t, turned)| self.moment(t, turned)), count: PARTS }
         })
     }
 
     /// What of eight triangles comes into reach. What comes no nearer than the tolerance is left out, and so is what the
     /// shape rests on: it is within `resting` of the triangle's plane, and stays so.
     #[inline(always)]
-    pub(super) fn in_reach(&self, eight: &Eight, asked: &Asked) -> Reached {
+    pub(super) fn in_reach(&self, eight: &Eight, lanes: u32, asked: &Asked) -> Reached {
         let &Asked { tolerance, resting, alone, .. } = asked;
-        let triangles = Triangles::new(eight, &self.pose, Vec3::ZERO);
+        let triangles = Triangles::new(eight, lanes, &self.pose, Vec3::ZERO);
         let hidden = asked.known.hides(&triangles, asked.lip);
         // Triangles of no area have no plane.
-        let flat = !triangles.valid & eight.lanes();
+        let flat = !triangles.valid & lanes;
         if (!hidden).bits() & triangles.valid == 0 && alone < 0.0 {
             return Reached { lanes: flat, earliest: [0.0; 8], near: false };
         }
-        let [middle, end] = self.moments();
+        let moments = self.moments();
         let down = -triangles.front;
         let (start, limit) = (triangles.height - reach(self.shape, down), self.limit(down, tolerance));
-        let end = self.gap(triangles.height, down, end);
+        let mut path = Gaps::new(start, limit);
+        moments.ends().for_each(|end| path.go_on(self.gap(triangles.height, down, end)));
         let alone = f32x8::splat(alone);
         let mut close = start.le(alone);
         if close.bits() & triangles.valid != 0 {
             let (_, axis, _) = triangles.separate(self.around.0, self.around.1);
             close = close & axis.le(alone);
         }
-        let least = Lanes::min(start, end);
-        let mut away = least.gt(limit) | hidden;
+        let mut away = path.least.gt(limit) | hidden;
         let resting = f32x8::splat(resting);
         let level = start.abs().le(resting);
         if (level & !away).any() {
-            let lowest = Lanes::min(least, self.gap(triangles.height, down, middle));
+            let mut lowest = path.least;
+            if moments.count == 1 {
+                let middle = self.moment(0.5, turn(self.spin.as_dvec3() * (0.5 * f64::from(self.until))));
+                lowest = Lanes::min(lowest, self.gap(triangles.height, down, &middle));
+            }
             away = away | (level & lowest.ge(-resting));
             // Its lowest point is over the triangle itself: it rests on it at the start, whatever comes then.
             let (_, feature) = nearest(&triangles, support(self.shape, down));
             away = away | (level & feature.eq(f32x8::zero()));
         }
-        let mut first = earliest(start, end, limit);
+        let mut first = self.earliest(&path);
         if (!away).bits() & triangles.valid != 0 {
             self.search(&triangles, tolerance, &mut away, &mut first);
         }
@@ -185,32 +232,45 @@ impl<'a> MeshSweep<'a> {
             let some = length.gt(f32x8::splat(f32::MIN_POSITIVE));
             (v * (f32x8::one() / Lanes::select(some, length, f32x8::one())), some)
         };
-        let [middle, end] = self.moments();
-        let moved = LaneVec3::splat(middle.moved);
+        let moments = self.moments();
+        let moved = LaneVec3::splat(0.5 * moments.ends[moments.count - 1].moved);
         let (point, _) = nearest(triangles, moved);
         let (mut u, mut known) = unit(point - moved);
         for _ in 0..ROUNDS {
-            let (one, other) = (support(self.shape, u), end.point(support(self.shape, end.seen(u))));
-            let (along_one, along_other) = (one.dot(u), other.dot(u));
+            let mut furthest = support(self.shape, u);
+            let mut along = furthest.dot(u);
             let (near, far) = nearest_corner(triangles, u);
-            let (before, after) = (far - along_one, far - along_other);
-            let limit = self.limit(u, tolerance);
-            *away = *away | (known & Lanes::min(before, after).gt(limit));
-            *first = Lanes::max(*first, Lanes::select(known, earliest(before, after, limit), f32x8::zero()));
+            let mut path = Gaps::new(far - along, self.limit(u, tolerance));
+            for end in moments.ends() {
+                let point = end.point(support(self.shape, end.seen(u)));
+                let then = point.dot(u);
+                path.go_on(far - then);
+                furthest = LaneVec3::select(then.gt(along), point, furthest);
+                along = Lanes::max(then, along);
+            }
+            *away = *away | (known & path.least.gt(path.limit));
+            *first = Lanes::max(*first, Lanes::select(known, self.earliest(&path), f32x8::zero()));
             if (!*away).bits() & triangles.valid == 0 {
                 return;
             }
-            let furthest = LaneVec3::select(along_other.gt(along_one), other, one);
             let (line, some) = unit(near - furthest);
             (u, known) = (u - line * (f32x8::splat(2.0) * line.dot(u)), known & some);
         }
     }
 
-    /// How large a gap along a direction must be at the start and at the end to last for all of the step [m].
+    /// How large a gap along a direction must be at both ends of a part of the motion to last for all of it [m].
     #[inline(always)]
     fn limit(&self, direction: LaneVec3<f32x8>, tolerance: f32) -> f32x8 {
         let across = LaneVec3::<f32x8>::splat(self.spin).cross(direction).length();
-        across * f32x8::splat(self.bend / 8.0) + f32x8::splat(tolerance + self.slack)
+        let parts = self.moments().count;
+        let bend = self.sagitta() / (parts * parts) as f32;
+        across * f32x8::splat(bend) + f32x8::splat(tolerance + self.slack)
+    }
+
+    /// The fraction of the step before which a gap is not closed.
+    #[inline(always)]
+    fn earliest(&self, path: &Gaps) -> f32x8 {
+        path.open * f32x8::splat(self.until / self.moments().count as f32)
     }
 
     /// The gap along directions to what is `far` from the origin along them [m].
@@ -222,15 +282,39 @@ impl<'a> MeshSweep<'a> {
 
 type Away = <f32x8 as Lanes>::Mask;
 
+/// How gaps along directions change from moment to moment.
+struct Gaps {
+    last: f32x8,
+    least: f32x8,
+    /// Between two moments a gap is at least that of the chord less the sagitta; this allows for it.
+    limit: f32x8,
+    /// Parts of the motion that surely pass before it is closed.
+    open: f32x8,
+    /// One where it is open still.
+    going: f32x8,
+}
+
+impl Gaps {
+    #[inline(always)]
+    fn new(start: f32x8, limit: f32x8) -> Gaps {
+        Gaps { last: start, least: start, limit, open: f32x8::zero(), going: f32x8::one() }
+    }
+
+    /// Goes on to the end of the next part.
+    #[inline(always)]
+    fn go_on(&mut self, next: f32x8) {
+        let zero = f32x8::zero();
+        let closing = Lanes::max(self.last - next, f32x8::splat(f32::MIN_POSITIVE));
+        let lasts = Lanes::max((self.last - self.limit) / closing, zero);
+        self.open += self.going * Lanes::min(lasts, f32x8::one());
+        self.going = Lanes::select(lasts.lt(f32x8::one()), zero, self.going);
+        self.least = Lanes::min(self.least, next);
+        self.last = next;
+    }
+}
+
 /// Directions that are tried.
 const ROUNDS: usize = 4;
-
-/// Before this the gap, at least that of the chord less the sagitta, is not closed.
-#[inline(always)]
-fn earliest(start: f32x8, end: f32x8, limit: f32x8) -> f32x8 {
-    let closing = Lanes::max(start - end, f32x8::splat(f32::MIN_POSITIVE));
-    Lanes::max((start - limit) / closing, f32x8::zero())
-}
 
 /// The corner of each triangle that is nearest along a direction, and how far that is [m].
 #[inline(always)]
@@ -241,6 +325,12 @@ fn nearest_corner(triangles: &Triangles, u: LaneVec3<f32x8>) -> (LaneVec3<f32x8>
     let (point, along) = (LaneVec3::select(b_first, b, a), Lanes::select(b_first, along_b, along_a));
     let c_first = along_c.lt(along);
     (LaneVec3::select(c_first, c, point), Lanes::select(c_first, along_c, along))
+}
+
+impl Moments {
+    fn ends(&self) -> impl Iterator<Item = &Moment> {
+        self.ends[..self.count].iter()
+    }
 }
 
 impl Moment {
@@ -309,15 +399,25 @@ mod tests {
                 );
                 exact.push((sweep.first_touch(1.0), sweep.spin()));
             }
-            let sweep = MeshSweep::new(&a, &motion.relative(0.0), &motion, &exact[0].1);
-            let Reached { lanes, earliest, .. } = sweep.in_reach(&eight, &Asked::first(eps, 0.0));
-            for (k, (touch, _)) in exact.iter().enumerate() {
-                all += 1;
-                left_out += 1 - (lanes >> k & 1);
-                let Some(touch) = touch.filter(|t| t.fraction > 0.0) else { continue };
-                touched += 1;
-                assert!(lanes >> k & 1 != 0, "{i} {k} {touch:?} {a:?} {motion:?}");
-                assert!(earliest[k] <= touch.fraction + 1e-5, "{i} {k} {touch:?} {}", earliest[k]);
+            let mut sweep = MeshSweep::new(&a, &motion.relative(0.0), &motion, &exact[0].1);
+            for until in [1.0, 0.6, 0.2] {
+                sweep.end_at(until);
+                let Reached { lanes, earliest, .. } =
+                    sweep.in_reach(&eight, eight.lanes(), &Asked::first(eps, 0.0));
+                for (k, (touch, _)) in exact.iter().enumerate() {
+                    all += 1;
+                    left_out += 1 - (lanes >> k & 1);
+                    let Some(touch) = touch.filter(|t| (1e-6..=until).contains(&t.fraction)) else {
+                        continue;
+                    };
+                    touched += 1;
+                    assert!(lanes >> k & 1 != 0, "{i} {k} {until} {touch:?} {a:?} {motion:?}");
+                    assert!(
+                        earliest[k] <= touch.fraction + 1e-5,
+                        "{i} {k} {until} {touch:?} {}",
+                        earliest[k]
+                    );
+                }
             }
         }
         // It is worth the while: most of those that are not touched are left out.

@@ -36,6 +36,7 @@ mod mesh_patch;
 mod mesh_sphere;
 mod mesh_sweep;
 mod motion;
+mod nearby;
 mod polytope;
 mod reduce;
 mod round_polytope;

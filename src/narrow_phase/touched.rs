@@ -88,7 +88,7 @@ impl Touched {
 
 #[cfg(test)]
 mod tests {
-    use super::super::mesh::Eight;
+    use super::super::nearby::Eight;
     use super::super::polytope::Pose;
     use super::*;
     use crate::lanes::Mask;
@@ -106,7 +106,7 @@ mod tests {
         }
         let wall = [Vec3::new(4.0, -1.0, 0.0), Vec3::new(4.0, -1.0, 1.0), Vec3::new(4.0, 0.0, 0.0)];
         eight.push(4, wall);
-        let triangles = Triangles::new(&eight, &Pose::IDENTITY, Vec3::ZERO);
+        let triangles = Triangles::new(&eight, eight.lanes(), &Pose::IDENTITY, Vec3::ZERO);
         assert_eq!(touched.hides(&triangles, 5e-4).bits() & eight.lanes(), 0b00011);
         touched.whole = true;
         assert_eq!(touched.hides(&triangles, 5e-4).bits() & eight.lanes(), 0b01011);

@@ -241,7 +241,7 @@ impl MeshBvh {
 
 /// Which boxes meet others, each as its low and its high corner.
 #[inline(always)]
-pub(super) fn meets<L: Lanes>(
+pub(crate) fn meets<L: Lanes>(
     (low, high): (LaneVec3<L>, LaneVec3<L>),
     (min, max): (LaneVec3<L>, LaneVec3<L>),
 ) -> L::Mask {

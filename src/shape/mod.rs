@@ -21,6 +21,7 @@ pub use hull::ConvexHull;
 pub(crate) use hull::HullEdge;
 pub use mass::MassProperties;
 pub use mesh::TriangleMesh;
+pub(crate) use mesh_bvh::meets;
 pub(crate) use mesh_edges::{Edges, FLAT_COSINE, Fold};
 
 use crate::error::{Error, finite, finite3, positive, within};

@@ -1,0 +1,186 @@
+//! The triangles near a pair of shapes, brought together once for all that is asked of them within a step.
+//!
+//! A body that slides along a mesh has its contacts looked for where it is, then its path, and where it hits something
+//! all that again: mostly among the same few triangles. To walk the tree and to bring corners together costs more than
+//! most of these questions.
+
+use crate::lanes::{Mask, Vec3 as LaneVec3, f32x8};
+use crate::memory::{Buffer, Room, bytes_of};
+use crate::shape::{Collider, Edges, Geometry, HeightField, TriangleMesh, meets};
+use glam::Vec3;
+
+/// The low and the high corner of a box in the mesh's frame.
+pub(crate) type Extent = (Vec3, Vec3);
+
+/// What is collided with.
+#[derive(Clone, Copy)]
+pub(super) enum Ground<'a> {
+    Mesh(&'a TriangleMesh),
+    Field(&'a HeightField),
+}
+
+impl<'a> Ground<'a> {
+    pub(super) fn of(b: &'a Collider) -> Option<Ground<'a>> {
+        match &b.geometry {
+            Geometry::Mesh(mesh) => Some(Ground::Mesh(mesh)),
+            Geometry::HeightField(field) => Some(Ground::Field(field)),
+            _ => None,
+        }
+    }
+    fn visit_box(&self, min: Vec3, max: Vec3, f: &mut impl FnMut(u32, [Vec3; 3])) {
+        match self {
+            Ground::Mesh(mesh) => mesh.visit_box(min, max, f),
+            Ground::Field(field) => field.visit_box(min, max, f),
+        }
+    }
+    pub(super) fn edges(&self, i: u32) -> Edges {
+        match self {
+            Ground::Mesh(mesh) => mesh.edges(i),
+            Ground::Field(field) => field.edges(i),
+        }
+    }
+}
+
+/// Up to eight triangles as they lie in memory, in the mesh's frame.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Eight {
+    /// Per corner and axis, by lane.
+    pub(super) corners: [[[f32; 8]; 3]; 3],
+    pub(super) index: [u32; 8],
+    count: usize,
+}
+
+impl Eight {
+    /// Adds a triangle; the caller sees to it that there is room.
+    #[inline(always)]
+    pub(super) fn push(&mut self, index: u32, corners: [Vec3; 3]) {
+        let lane = self.count % 8;
+        for (to, corner) in self.corners.iter_mut().zip(corners) {
+            (to[0][lane], to[1][lane], to[2][lane]) = (corner.x, corner.y, corner.z);
+        }
+        self.index[lane] = index;
+        self.count = lane + 1;
+    }
+    pub(super) fn clear(&mut self) {
+        self.count = 0;
+    }
+    pub(super) fn count(&self) -> usize {
+        self.count
+    }
+    pub(super) fn is_full(&self) -> bool {
+        self.count == 8
+    }
+    pub(super) fn triangle(&self, lane: usize) -> [Vec3; 3] {
+        self.corners.map(|corner| Vec3::from(corner.map(|axis| axis[lane])))
+    }
+    /// A bit for each triangle.
+    pub(super) fn lanes(&self) -> u32 {
+        (1u32 << self.count) - 1
+    }
+    /// A bit for each triangle whose box meets a box.
+    #[inline(always)]
+    fn meeting(&self, (min, max): Extent) -> u32 {
+        let corner = |k: usize| {
+            let [x, y, z] = &self.corners[k];
+            LaneVec3::<f32x8>::new(f32x8::new(*x), f32x8::new(*y), f32x8::new(*z))
+        };
+        let (a, b, c) = (corner(0), corner(1), corner(2));
+        let bounds = (a.min(b).min(c), a.max(b).max(c));
+        meets(bounds, (LaneVec3::splat(min), LaneVec3::splat(max))).bits() & self.lanes()
+    }
+}
+
+/// So many times eight triangles are held. Where there are more, each question walks the tree.
+const CHUNK: usize = 16;
+
+/// See the module.
+#[derive(Default)]
+pub(crate) struct Nearby {
+    eights: Vec<Eight>,
+    used: usize,
+    /// All triangles that meet this are held.
+    held: Option<Extent>,
+    /// What else will be asked for.
+    expected: Option<Extent>,
+}
+
+/// What was asked for, or a part of it.
+pub(super) struct Found<'a> {
+    eights: &'a [Eight],
+    /// There are triangles which do not meet this, that was asked for.
+    within: Option<Extent>,
+}
+
+impl Nearby {
+    pub(super) fn buffer(&mut self) -> &mut dyn Buffer {
+        &mut self.eights
+    }
+
+    pub(super) fn bytes(&self) -> (usize, usize) {
+        bytes_of(&self.eights)
+    }
+
+    /// Another pair comes.
+    pub(crate) fn forget(&mut self) {
+        (self.held, self.expected) = (None, None);
+    }
+
+    /// Says what will be asked for.
+    pub(crate) fn expect(&mut self, extent: Extent) {
+        self.expected = Some(extent);
+    }
+
+    /// Whether there is place for what is gathered.
+    pub(super) fn has_place(&mut self, room: &mut Room) -> bool {
+        if room.fit(&mut self.eights, CHUNK) < CHUNK {
+            return false;
+        }
+        self.eights.resize(CHUNK, Eight::default());
+        true
+    }
+
+    /// Calls `look` with the triangles that meet a box, in one go or, if they are many, in several. There has to be
+    /// [place](Self::has_place).
+    pub(super) fn gather(&mut self, ground: &Ground, asked: Extent, look: &mut dyn FnMut(Found<'_>)) {
+        let inside = |(min, max): Extent| min.cmple(asked.0).all() && max.cmpge(asked.1).all();
+        if let Some(held) = self.held.filter(|held| inside(*held)) {
+            let within = (held != asked).then_some(asked);
+            look(Found { eights: &self.eights[..self.used], within });
+            return;
+        }
+        let all = self.expected.map_or(asked, |(min, max)| (min.min(asked.0), max.max(asked.1)));
+        let within = (all != asked).then_some(asked);
+        let Nearby { eights, used, .. } = self;
+        *used = 0;
+        let mut complete = true;
+        ground.visit_box(all.0, all.1, &mut |index, corners| {
+            if *used == 0 || eights[*used - 1].is_full() {
+                if *used == eights.len() {
+                    look(Found { eights, within });
+                    (*used, complete) = (0, false);
+                }
+                eights[*used].clear();
+                *used += 1;
+            }
+            if let Some(eight) = eights.get_mut(*used - 1) {
+                eight.push(index, corners);
+            }
+        });
+        look(Found { eights: &eights[..*used], within });
+        self.held = complete.then_some(all);
+    }
+}
+
+impl Found<'_> {
+    pub(super) fn is_many(&self) -> bool {
+        self.eights.len() > 1
+    }
+
+    /// Eights, with a bit for each triangle that was asked for.
+    pub(super) fn each(&self) -> impl Iterator<Item = (&Eight, u32)> {
+        self.eights.iter().filter_map(|eight| {
+            let lanes = self.within.map_or(eight.lanes(), |within| eight.meeting(within));
+            (lanes != 0).then_some((eight, lanes))
+        })
+    }
+}
