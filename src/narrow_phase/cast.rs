@@ -196,10 +196,11 @@ impl<'a> Sweep<'a> {
     }
 
     /// When a comes within the tolerance of the plane of the triangle in b's place, which does not turn and is `gap`
-    /// away along `normal` at the start; not before that can it touch the triangle. None if that is not before `limit`.
+    /// away along `normal` at a moment before which nothing touches; not before that can it touch the triangle. None if
+    /// that is not before `limit`.
     pub(super) fn reach_plane(
         &self,
-        start: &Placed,
+        (mut t, mut placed): (f64, Placed),
         mut gap: f64,
         normal: DVec3,
         limit: f64,
@@ -209,7 +210,6 @@ impl<'a> Sweep<'a> {
         if closing <= 0.0 {
             return None;
         }
-        let (mut t, mut placed) = (0.0, *start);
         for _ in 0..MAX_STEPS {
             if gap <= self.tolerance {
                 break;

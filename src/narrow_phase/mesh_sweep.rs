@@ -93,7 +93,8 @@ pub(super) struct MeshSweep<'a> {
 pub(super) struct Reached {
     /// A bit for each that has to be looked at.
     pub(super) lanes: u32,
-    /// The earliest fraction of the step at which they may be.
+    /// The earliest fraction of the step at which they may be. Zero for what may be within the resting distance at the
+    /// start.
     pub(super) earliest: [f32; 8],
     /// One of them may be close at the start already.
     pub(super) near: bool,
@@ -213,10 +214,11 @@ impl<'a> MeshSweep<'a> {
             let (_, feature) = nearest(&triangles, support(self.shape, down));
             away = away | (level & feature.eq(f32x8::zero()));
         }
-        let mut first = self.earliest(&path);
+        let (mut first, mut apart) = (self.earliest(&path), start);
         if (!away).bits() & triangles.valid != 0 {
-            self.search(&triangles, tolerance, &mut away, &mut first);
+            self.search(&triangles, tolerance, &mut away, (&mut first, &mut apart));
         }
+        first = Lanes::select(apart.gt(resting), first, f32x8::zero());
         let exact = triangles.valid & !away.bits();
         Reached { lanes: exact | flat, earliest: first.to_array(), near: close.bits() & triangles.valid != 0 }
     }
@@ -226,7 +228,13 @@ impl<'a> MeshSweep<'a> {
     /// the triangle along one, the next is its reflection at the line between the points that overlap the most
     /// (Chung and Wang, *Quick collision detection of polytopes in virtual environments*, 1996).
     #[inline(always)]
-    fn search(&self, triangles: &Triangles, tolerance: f32, away: &mut Away, first: &mut f32x8) {
+    fn search(
+        &self,
+        triangles: &Triangles,
+        tolerance: f32,
+        away: &mut Away,
+        (first, apart): (&mut f32x8, &mut f32x8),
+    ) {
         let unit = |v: LaneVec3<f32x8>| {
             let length = v.length();
             let some = length.gt(f32x8::splat(f32::MIN_POSITIVE));
@@ -241,6 +249,7 @@ impl<'a> MeshSweep<'a> {
             let mut along = furthest.dot(u);
             let (near, far) = nearest_corner(triangles, u);
             let mut path = Gaps::new(far - along, self.limit(u, tolerance));
+            *apart = Lanes::select(known, Lanes::max(*apart, path.last), *apart);
             for end in moments.ends() {
                 let point = end.point(support(self.shape, end.seen(u)));
                 let then = point.dot(u);
