@@ -49,12 +49,12 @@ pub(crate) fn cast_plane(a: &Collider, _plane: &Collider, motion: &Motion, toler
     Sweep::new(Support::of(a)?, Other::Plane, motion, tolerance).first_touch(1.0)
 }
 
-/// The tolerance for two shapes [m]: 1e-4 of the smaller one, at most 0.1 mm, and no less than what `f32` poses
-/// resolve over the extent of the larger one.
+/// The tolerance for two shapes [m]: a thousandth of the smaller one, at most 0.2 mm, and no less than what `f32` poses
+/// resolve over the extent of the larger one. A real contact begins at 2 mm.
 pub(crate) fn tolerance(a: &Collider, b: &Collider) -> f32 {
     let (small, large) = if a.radius < b.radius { (a.radius, b.radius) } else { (b.radius, a.radius) };
     let large = if large.is_finite() { large } else { small };
-    (1e-4 * small).min(1e-4).max(2.0 * f32::EPSILON * large)
+    (1e-3 * small).min(2e-4).max(2.0 * f32::EPSILON * large)
 }
 
 /// What a moves against.
