@@ -89,13 +89,10 @@ pub(super) struct MeshSweep<'a> {
     slack: f32,
 }
 
-/// Which of eight triangles may be touched.
+/// Which of eight triangles may be touched, by their planes.
 pub(super) struct Reached {
     /// A bit for each that has to be looked at.
     pub(super) lanes: u32,
-    /// The earliest fraction of the step at which they may be. Zero for what may be within the resting distance at the
-    /// start.
-    pub(super) earliest: [f32; 8],
     /// One of them may be close at the start already.
     pub(super) near: bool,
 }
@@ -177,17 +174,17 @@ impl<'a> MeshSweep<'a> {
         })
     }
 
-    /// What of eight triangles comes into reach. What comes no nearer than the tolerance is left out, and so is what the
-    /// shape rests on: it is within `resting` of the triangle's plane, and stays so.
+    /// Of eight triangles those whose planes come into reach. What comes no nearer than the tolerance is left out, and so
+    /// is what the shape rests on: it is within `resting` of the triangle's plane, and stays so.
     #[inline(always)]
-    pub(super) fn in_reach(&self, eight: &Eight, lanes: u32, asked: &Asked) -> Reached {
+    pub(super) fn by_planes(&self, eight: &Eight, lanes: u32, asked: &Asked) -> Reached {
         let &Asked { tolerance, resting, alone, .. } = asked;
         let triangles = Triangles::new(eight, lanes, &self.pose, Vec3::ZERO);
         let hidden = asked.known.hides(&triangles, asked.lip);
         // Triangles of no area have no plane.
         let flat = !triangles.valid & lanes;
         if (!hidden).bits() & triangles.valid == 0 && alone < 0.0 {
-            return Reached { lanes: flat, earliest: [0.0; 8], near: false };
+            return Reached { lanes: flat, near: false };
         }
         let moments = self.moments();
         let down = -triangles.front;
@@ -214,13 +211,27 @@ impl<'a> MeshSweep<'a> {
             let (_, feature) = nearest(&triangles, support(self.shape, down));
             away = away | (level & feature.eq(f32x8::zero()));
         }
+        let left = triangles.valid & !away.bits();
+        Reached { lanes: left | flat, near: close.bits() & triangles.valid != 0 }
+    }
+
+    /// Of those that are left, the triangles that may be touched, and the earliest fraction of the step at which they may
+    /// be: zero for what may be within the resting distance at the start.
+    #[inline(always)]
+    pub(super) fn sift(&self, eight: &Eight, lanes: u32, asked: &Asked) -> (u32, [f32; 8]) {
+        let triangles = Triangles::new(eight, lanes, &self.pose, Vec3::ZERO);
+        let flat = !triangles.valid & lanes;
+        let down = -triangles.front;
+        let start = triangles.height - reach(self.shape, down);
+        let mut path = Gaps::new(start, self.limit(down, asked.tolerance));
+        self.moments().ends().for_each(|end| path.go_on(self.gap(triangles.height, down, end)));
+        let mut away = path.least.gt(path.limit);
         let (mut first, mut apart) = (self.earliest(&path), start);
         if (!away).bits() & triangles.valid != 0 {
-            self.search(&triangles, tolerance, &mut away, (&mut first, &mut apart));
+            self.search(&triangles, asked.tolerance, &mut away, (&mut first, &mut apart));
         }
-        first = Lanes::select(apart.gt(resting), first, f32x8::zero());
-        let exact = triangles.valid & !away.bits();
-        Reached { lanes: exact | flat, earliest: first.to_array(), near: close.bits() & triangles.valid != 0 }
+        first = Lanes::select(apart.gt(f32x8::splat(asked.resting)), first, f32x8::zero());
+        (triangles.valid & !away.bits() | flat, first.to_array())
     }
 
     /// Beside a triangle its plane may well be crossed: looks for another direction along which the gap lasts. The
@@ -411,8 +422,9 @@ mod tests {
             let mut sweep = MeshSweep::new(&a, &motion.relative(0.0), &motion, &exact[0].1);
             for until in [1.0, 0.6, 0.2] {
                 sweep.end_at(until);
-                let Reached { lanes, earliest, .. } =
-                    sweep.in_reach(&eight, eight.lanes(), &Asked::first(eps, 0.0));
+                let asked = Asked::first(eps, 0.0);
+                let Reached { lanes, .. } = sweep.by_planes(&eight, eight.lanes(), &asked);
+                let (lanes, earliest) = sweep.sift(&eight, lanes, &asked);
                 for (k, (touch, _)) in exact.iter().enumerate() {
                     all += 1;
                     left_out += 1 - (lanes >> k & 1);
