@@ -30,6 +30,9 @@ pub(super) struct Block {
 /// Place in a stack for a walk: three a level and one, in trees whose depth is logarithmic.
 pub(crate) const STACK: usize = 256;
 
+/// Pairs that become fast or slow in one block and step.
+const TURNED: usize = 64;
+
 impl Buffers for Mutex<Block> {
     fn each(&mut self, f: &mut dyn FnMut(&mut dyn Buffer)) {
         let block = self.get_mut().unwrap_or_else(PoisonError::into_inner);
@@ -41,10 +44,14 @@ impl Buffers for Mutex<Block> {
     }
 }
 
-/// Blocks with the stacks that they surely need.
+/// Blocks with the stacks that they surely need, and place for as many pairs that turn as seldom turn at once: the most
+/// may come late, when a scene should have ceased to allocate.
 pub(super) fn with_stacks(blocks: &mut Vec<Mutex<Block>>) -> Made<'_, Mutex<Block>> {
-    let make = || Mutex::new(Block { stack: Vec::with_capacity(STACK), ..Block::default() });
-    Made { all: blocks, make, holds: STACK * size_of::<u32>() }
+    let make = || {
+        let (stack, turned) = (Vec::with_capacity(STACK), Vec::with_capacity(TURNED));
+        Mutex::new(Block { stack, turned, ..Block::default() })
+    };
+    Made { all: blocks, make, holds: (STACK + TURNED) * size_of::<u32>() }
 }
 
 /// Who may be a pair, and what one costs.
