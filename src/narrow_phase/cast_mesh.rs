@@ -138,6 +138,8 @@ fn cast_along(
         sweep,
         filter,
         waiting: Eight::default(),
+        sifted: Eight::default(),
+        earliest: [0.0; 8],
         first: None,
         limit: 1.0,
         near: false,
@@ -178,8 +180,11 @@ struct Search<'a> {
     /// In the middle and at the end of the step, once anything is looked at.
     later: Option<(Placed, Placed)>,
     filter: Option<MeshSweep<'a>>,
-    /// Triangles that may be touched.
+    /// Triangles whose planes are reached.
     waiting: Eight,
+    /// Those that may be touched, though not before these fractions of the step.
+    sifted: Eight,
+    earliest: [f32; 8],
     first: Option<Touch>,
     /// Fraction of the step from which on a touch is of no interest.
     limit: f64,
@@ -204,6 +209,9 @@ impl Search<'_> {
 
     fn finish(&mut self) -> Cast {
         if self.limit >= 0.0 && self.waiting.lanes() != 0 {
+            self.sift();
+        }
+        if self.limit >= 0.0 {
             self.settle();
         }
         match self.first {
@@ -230,21 +238,40 @@ impl Search<'_> {
         for lane in ones(left) {
             if !self.asked.known.has(eight.index[lane]) {
                 if self.waiting.is_full() {
-                    self.settle();
+                    self.sift();
                 }
                 self.waiting.push(eight.index[lane], eight.triangle(lane));
             }
         }
     }
 
-    /// Searches what waits, the earliest first.
+    /// Takes over from what waits what may be touched.
+    fn sift(&mut self) {
+        let lanes = self.waiting.lanes();
+        let (left, earliest) = match &self.filter {
+            Some(filter) => filter.sift(&self.waiting, lanes, &self.asked),
+            None => (lanes, [0.0; 8]),
+        };
+        for lane in ones(left) {
+            if f64::from(earliest[lane]) < self.limit {
+                if self.sifted.is_full() {
+                    self.settle();
+                }
+                self.earliest[self.sifted.count()] = earliest[lane];
+                self.sifted.push(self.waiting.index[lane], self.waiting.triangle(lane));
+            }
+        }
+        self.waiting.clear();
+    }
+
+    /// Searches what was sifted, the earliest first.
     fn settle(&mut self) {
-        let (mut left, mut earliest) = self.sift(self.waiting.lanes());
-        while let Some(next) = ones(left).min_by(|&a, &b| earliest[a].total_cmp(&earliest[b]))
-            && f64::from(earliest[next]) < self.limit
+        let mut left = self.sifted.lanes();
+        while let Some(next) = ones(left).min_by(|&a, &b| self.earliest[a].total_cmp(&self.earliest[b]))
+            && f64::from(self.earliest[next]) < self.limit
         {
             left &= !(1 << next);
-            let Some(touch) = self.exact(self.waiting.triangle(next), f64::from(earliest[next])) else {
+            let Some(touch) = self.exact(self.sifted.triangle(next), f64::from(self.earliest[next])) else {
                 continue;
             };
             self.first = Some(touch);
@@ -255,19 +282,12 @@ impl Search<'_> {
             self.limit = f64::from(touch.fraction);
             if let Some(filter) = &mut self.filter {
                 filter.end_at(touch.fraction);
-            }
-            if left != 0 {
-                (left, earliest) = self.sift(left);
+                if left != 0 {
+                    (left, self.earliest) = filter.sift(&self.sifted, left, &self.asked);
+                }
             }
         }
-        self.waiting.clear();
-    }
-
-    /// Which of those that wait may be touched, and when at the earliest.
-    fn sift(&self, lanes: u32) -> (u32, [f32; 8]) {
-        self.filter
-            .as_ref()
-            .map_or((lanes, [0.0; 8]), |filter| filter.sift(&self.waiting, lanes, &self.asked))
+        self.sifted.clear();
     }
 
     /// When a triangle is touched, if that is before the limit. Not before `earliest`; zero: it may be rested on.

@@ -64,6 +64,9 @@ impl Eight {
     pub(super) fn clear(&mut self) {
         self.count = 0;
     }
+    pub(super) fn count(&self) -> usize {
+        self.count
+    }
     pub(super) fn is_full(&self) -> bool {
         self.count == 8
     }
