@@ -142,10 +142,15 @@ impl<'a> Support<'a> {
     /// Half extents of a box around the origin, in axes that are turned by `rotation` from the shape's, that
     /// contains the shape with its radius [m].
     pub(crate) fn half_extents(&self, rotation: DMat3) -> DVec3 {
-        let to_local = rotation.transpose();
-        if let Core::Hull(hull) = &self.core {
-            return hull_half_extents(hull, rotation);
+        let (x, y, z) = (rotation.x_axis.abs(), rotation.y_axis.abs(), rotation.z_axis.abs());
+        match &self.core {
+            Core::Point => return DVec3::splat(self.radius),
+            Core::Segment { half } => return y * *half + self.radius,
+            Core::Box(half) => return x * half.x + y * half.y + z * half.z + self.radius,
+            Core::Hull(hull) => return hull_half_extents(hull, rotation),
+            _ => {}
         }
+        let to_local = rotation.transpose();
         let along = |axis: DVec3| {
             let local = to_local * axis;
             self.support(local).dot(local).max(-self.support(-local).dot(local)) + self.radius
