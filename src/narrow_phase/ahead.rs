@@ -10,7 +10,7 @@ use super::collide::Input;
 use super::convex::collide_convex;
 use super::found::MeshBlock;
 use super::gjk::distance;
-use super::mesh::{MeshScratch, collide_mesh};
+use super::mesh::{MeshScratch, collide_mesh, extent_of};
 use super::motion::{BodyPath, Motion};
 use super::support::Support;
 use super::{RawManifold, Relative};
@@ -100,6 +100,9 @@ pub(crate) fn hit_mesh(
     out.raw.clear();
     let margin = further(input, pair, &touch);
     let rel = motion.relative(fraction);
+    // Below it is what the rest of its way leads to.
+    let left = rel_way(motion, fraction);
+    extent_of(a, &rel, input.margin, left).into_iter().for_each(|extent| out.mesh.nearby.expect(extent));
     collide_mesh(a, b, &rel, (margin, input.margin), &mut out.mesh, &mut out.raw);
     // Planes that it is not close to when it touches are guesses.
     out.raw.retain(|m| m.points().iter().any(|p| p.separation <= input.margin));
@@ -133,6 +136,12 @@ pub(crate) type Way<'a> = (&'a Relative, &'a Motion);
 pub(crate) fn motion_of(input: &Input<'_>, pair: &Pair) -> Motion {
     let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
     Motion::new(a, &path(input, pair.a), b, &path(input, pair.b))
+}
+
+/// What is left of the way at a fraction of the step, as shape a sees it then [m].
+fn rel_way(motion: &Motion, fraction: f32) -> Vec3 {
+    let turned = exp_map(motion.a.spin * fraction) * motion.a.rotation;
+    turned.conjugate() * motion.displacement * (1.0 - fraction)
 }
 
 /// The margin at a first touch [m]: what is left of the motion may bring down the rest of a body that touched with a tip.

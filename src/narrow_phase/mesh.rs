@@ -196,19 +196,22 @@ pub(crate) fn collide_mesh(
     }
     patches.clear();
     let (each, core) = (points_each(a), Core::of(a));
-    let around = around(&pose, (middle, half + Vec3::splat(margin)));
-    nearby.gather(&ground, around, &mut |found| {
-        let mut near = Near::default();
-        // Among a few it would not pay.
-        if within < margin && found.is_many() {
+    let mut near = Near::default();
+    let mut extent = around(&pose, (middle, half + Vec3::splat(margin)));
+    if within < margin {
+        let close = around(&pose, (middle, half + Vec3::splat(within)));
+        nearby.gather(&ground, close, &mut |found| {
             for (eight, lanes) in found.each() {
                 let triangles = Triangles::new(eight, lanes, &pose, centre);
                 near.add(&triangles, a, (middle, half, centre), within);
             }
-            if near.count == 0 {
-                return;
-            }
+        });
+        if near.count == 0 {
+            return;
         }
+        extent = near.extent(&pose, close, margin).unwrap_or(extent);
+    }
+    nearby.gather(&ground, extent, &mut |found| {
         for (eight, lanes) in found.each() {
             // Whatever these triangles yield must find place: the functions below don't ask.
             if !room.is_endless() && !patches.has_place(8, each, room) {
@@ -266,6 +269,8 @@ struct Near {
 
 /// Cosine of 3.6 degrees: triangles whose normals are nearer than this may end up in one manifold.
 const LEVEL: f32 = 0.998;
+/// The sine of that angle, rounded up.
+const LEAN: f32 = 0.064;
 
 impl Near {
     /// Adds those of eight triangles that may be nearer than `within` [m]: no plane of theirs, nor of the box around the
@@ -288,6 +293,20 @@ impl Near {
                 self.count += 1;
             }
         }
+    }
+
+    /// The box of the mesh's frame around all that is level with a near triangle and below the shape by no more than a
+    /// margin, if near ones are few; `close`: the box around the shape.
+    fn extent(&self, pose: &Pose, close: Extent, margin: f32) -> Option<Extent> {
+        let fronts = self.fronts.get(..self.count)?;
+        let (mut min, mut max) = close;
+        for front in fronts {
+            let down = pose.inverse().direction(*front * -margin);
+            (min, max) = (min.min(close.0 + down), max.max(close.1 + down));
+        }
+        // Level is not quite parallel.
+        let aside = Vec3::splat(LEAN * margin);
+        Some((min - aside, max + aside))
     }
 
     /// How near each of eight triangles has to be to count [m].

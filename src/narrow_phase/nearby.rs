@@ -172,10 +172,6 @@ impl Nearby {
 }
 
 impl Found<'_> {
-    pub(super) fn is_many(&self) -> bool {
-        self.eights.len() > 1
-    }
-
     /// Eights, with a bit for each triangle that was asked for.
     pub(super) fn each(&self) -> impl Iterator<Item = (&Eight, u32)> {
         self.eights.iter().filter_map(|eight| {
