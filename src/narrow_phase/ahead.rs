@@ -101,8 +101,7 @@ pub(crate) fn hit_mesh(
     let margin = further(input, pair, &touch);
     let rel = motion.relative(fraction);
     // Below it is what the rest of its way leads to.
-    let left = rel_way(motion, fraction);
-    extent_of(a, &rel, input.margin, left).into_iter().for_each(|extent| out.mesh.nearby.expect(extent));
+    out.mesh.nearby.expect(extent_of(a, &rel, input.margin, way_left(motion, fraction)));
     collide_mesh(a, b, &rel, (margin, input.margin), &mut out.mesh, &mut out.raw);
     // Planes that it is not close to when it touches are guesses.
     out.raw.retain(|m| m.points().iter().any(|p| p.separation <= input.margin));
@@ -139,7 +138,7 @@ pub(crate) fn motion_of(input: &Input<'_>, pair: &Pair) -> Motion {
 }
 
 /// What is left of the way at a fraction of the step, as shape a sees it then [m].
-fn rel_way(motion: &Motion, fraction: f32) -> Vec3 {
+fn way_left(motion: &Motion, fraction: f32) -> Vec3 {
     let turned = exp_map(motion.a.spin * fraction) * motion.a.rotation;
     turned.conjugate() * motion.displacement * (1.0 - fraction)
 }

@@ -336,7 +336,7 @@ fn finish_mesh(
         if fast {
             // The path will be asked for too.
             let way = motion.a.rotation.conjugate() * motion.displacement;
-            extent_of(a, rel, margin, way).into_iter().for_each(|extent| mesh.mesh.nearby.expect(extent));
+            mesh.mesh.nearby.expect(extent_of(a, rel, margin, way));
         }
         mesh.raw.clear();
         // Of what is fast, manifolds without a near point would be dropped.

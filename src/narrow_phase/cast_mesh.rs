@@ -168,10 +168,10 @@ impl Path {
 
 /// A cast that is under way.
 ///
-/// Eight at a time are looked at in lanes: most have planes that are not reached. The others wait until there are eight
-/// of these, and a closer look in lanes says when each may be touched at the earliest. The first is then searched
-/// exactly. Whatever that finds ends the motion for all others, and of them few can be touched within what is left of
-/// it, as the same look tells.
+/// Eight triangles at a time are looked at in lanes: most have planes that are not reached. The others wait until there
+/// are eight of these, and a closer look in lanes leaves those that may be touched, and says when at the earliest. At the
+/// end the first is searched exactly. Whatever that finds ends the motion for all others, and of them few can be touched
+/// within what is left of it, as the same look tells.
 struct Search<'a> {
     motion: &'a Motion,
     asked: Asked,
@@ -221,7 +221,7 @@ impl Search<'_> {
         }
     }
 
-    /// Of some of eight triangles, takes over what may be touched.
+    /// Of some of eight triangles, keeps those whose planes are reached.
     fn look(&mut self, eight: &Eight, lanes: u32) {
         if self.limit < 0.0 {
             return;
@@ -245,7 +245,7 @@ impl Search<'_> {
         }
     }
 
-    /// Takes over from what waits what may be touched.
+    /// Of what waits, keeps what may be touched.
     fn sift(&mut self) {
         let lanes = self.waiting.lanes();
         let (left, earliest) = match &self.filter {
@@ -492,7 +492,7 @@ mod tests {
             for other in [&mesh, &field] {
                 let mut nearby = Nearby::default();
                 assert!(nearby.has_place(&mut Room::default()));
-                nearby.expect((centre - Vec3::ONE, centre + Vec3::new(0.5, 0.0, 0.1)));
+                nearby.expect(Some((centre - Vec3::ONE, centre + Vec3::new(0.5, 0.0, 0.1))));
                 // From the tree, gathered, and held from before.
                 for gathered in 0..3 {
                     let nearby = (gathered > 0).then_some(&mut nearby);

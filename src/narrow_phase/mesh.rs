@@ -323,9 +323,13 @@ impl Near {
     }
 }
 
-/// The box of the mesh's frame around a shape that goes `way` in its own [m].
+/// The box of the mesh's frame around a shape that goes `way` in its own [m], unless that is far: such a box would hold
+/// much that is nowhere near the path.
 pub(crate) fn extent_of(a: &Collider, rel: &Relative, margin: f32, way: Vec3) -> Option<Extent> {
     let (middle, half, _) = bounds(a)?;
+    if way.length() > 2.0 * a.radius {
+        return None;
+    }
     let pose = Pose::new(rel.position, rel.rotation);
     let (min, max) = around(&pose, (middle, half + Vec3::splat(margin)));
     let way = pose.inverse().direction(way);

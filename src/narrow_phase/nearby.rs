@@ -125,9 +125,9 @@ impl Nearby {
         (self.held, self.expected) = (None, None);
     }
 
-    /// Says what will be asked for.
-    pub(crate) fn expect(&mut self, extent: Extent) {
-        self.expected = Some(extent);
+    /// Says what will be asked for, if that is known.
+    pub(crate) fn expect(&mut self, extent: Option<Extent>) {
+        self.expected = extent;
     }
 
     /// Whether there is place for what is gathered.
