@@ -191,6 +191,9 @@ struct Search<'a> {
     near: bool,
 }
 
+/// What rounding may make of an earliest fraction.
+const EARLY: f64 = 1e-5;
+
 impl Search<'_> {
     /// Looks at triangles along a path, nearer ones first.
     fn go_along<T: Triangles + ?Sized>(&mut self, mesh: &T, path: &Path) {
@@ -240,7 +243,7 @@ impl Search<'_> {
                 if self.waiting.is_full() {
                     self.sift();
                 }
-                self.waiting.push(eight.index[lane], eight.triangle(lane));
+                self.waiting.push(eight.index[lane], eight.corners.triangle(lane));
             }
         }
     }
@@ -258,7 +261,7 @@ impl Search<'_> {
                     self.settle();
                 }
                 self.earliest[self.sifted.count()] = earliest[lane];
-                self.sifted.push(self.waiting.index[lane], self.waiting.triangle(lane));
+                self.sifted.push(self.waiting.index[lane], self.waiting.corners.triangle(lane));
             }
         }
         self.waiting.clear();
@@ -271,7 +274,8 @@ impl Search<'_> {
             && f64::from(self.earliest[next]) < self.limit
         {
             left &= !(1 << next);
-            let Some(touch) = self.exact(self.sifted.triangle(next), f64::from(self.earliest[next])) else {
+            let Some(touch) = self.exact(self.sifted.corners.triangle(next), f64::from(self.earliest[next]))
+            else {
                 continue;
             };
             self.first = Some(touch);
@@ -338,9 +342,6 @@ impl Search<'_> {
         sweep.touch_after(t, placed, gap, simplex, *limit)
     }
 }
-
-/// What rounding may make of an earliest fraction.
-const EARLY: f64 = 1e-5;
 
 /// The places of the bits that are set.
 fn ones(mut bits: u32) -> impl Iterator<Item = usize> {

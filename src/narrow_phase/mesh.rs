@@ -52,8 +52,8 @@ impl Triangles {
             (LaneVec3::<f32x8>::splat(m.x_axis), LaneVec3::splat(m.y_axis), LaneVec3::splat(m.z_axis));
         let position = LaneVec3::splat(pose.position);
         let corner = |k: usize| {
-            let [x, y, z] = &eight.corners[k];
-            x_axis * f32x8::new(*x) + y_axis * f32x8::new(*y) + z_axis * f32x8::new(*z) + position
+            let at = eight.corners.corner(k);
+            x_axis * at.x + y_axis * at.y + z_axis * at.z + position
         };
         let corners = [corner(0), corner(1), corner(2)];
         let cross = (corners[1] - corners[0]).cross(corners[2] - corners[0]);

@@ -186,23 +186,19 @@ impl<'a> MeshSweep<'a> {
         if (!hidden).bits() & triangles.valid == 0 && alone < 0.0 {
             return Reached { lanes: flat, near: false };
         }
-        let moments = self.moments();
-        let down = -triangles.front;
-        let (start, limit) = (triangles.height - reach(self.shape, down), self.limit(down, tolerance));
-        let mut path = Gaps::new(start, limit);
-        moments.ends().for_each(|end| path.go_on(self.gap(triangles.height, down, end)));
+        let (start, path) = self.above(&triangles, tolerance);
         let alone = f32x8::splat(alone);
         let mut close = start.le(alone);
         if close.bits() & triangles.valid != 0 {
             let (_, axis, _) = triangles.separate(self.around.0, self.around.1);
             close = close & axis.le(alone);
         }
-        let mut away = path.least.gt(limit) | hidden;
+        let mut away = path.least.gt(path.limit) | hidden;
         let resting = f32x8::splat(resting);
         let level = start.abs().le(resting);
         if (level & !away).any() {
-            let mut lowest = path.least;
-            if moments.count == 1 {
+            let (mut lowest, down) = (path.least, -triangles.front);
+            if self.moments().count == 1 {
                 let middle = self.moment(0.5, turn(self.spin.as_dvec3() * (0.5 * f64::from(self.until))));
                 lowest = Lanes::min(lowest, self.gap(triangles.height, down, &middle));
             }
@@ -215,16 +211,23 @@ impl<'a> MeshSweep<'a> {
         Reached { lanes: left | flat, near: close.bits() & triangles.valid != 0 }
     }
 
+    /// The gaps to the planes at the start, and how they change.
+    #[inline(always)]
+    fn above(&self, triangles: &Triangles, tolerance: f32) -> (f32x8, Gaps) {
+        let down = -triangles.front;
+        let start = triangles.height - reach(self.shape, down);
+        let mut path = Gaps::new(start, self.limit(down, tolerance));
+        self.moments().ends().for_each(|end| path.go_on(self.gap(triangles.height, down, end)));
+        (start, path)
+    }
+
     /// Of those that are left, the triangles that may be touched, and the earliest fraction of the step at which they may
     /// be: zero for what may be within the resting distance at the start.
     #[inline(always)]
     pub(super) fn sift(&self, eight: &Eight, lanes: u32, asked: &Asked) -> (u32, [f32; 8]) {
         let triangles = Triangles::new(eight, lanes, &self.pose, Vec3::ZERO);
         let flat = !triangles.valid & lanes;
-        let down = -triangles.front;
-        let start = triangles.height - reach(self.shape, down);
-        let mut path = Gaps::new(start, self.limit(down, asked.tolerance));
-        self.moments().ends().for_each(|end| path.go_on(self.gap(triangles.height, down, end)));
+        let (start, path) = self.above(&triangles, asked.tolerance);
         let mut away = path.least.gt(path.limit);
         let (mut first, mut apart) = (self.earliest(&path), start);
         if (!away).bits() & triangles.valid != 0 {

@@ -4,9 +4,8 @@
 //! all that again: mostly among the same few triangles. To walk the tree and to bring corners together costs more than
 //! most of these questions.
 
-use crate::lanes::{Mask, Vec3 as LaneVec3, f32x8};
 use crate::memory::{Buffer, Room, bytes_of};
-use crate::shape::{Collider, Edges, Geometry, HeightField, TriangleMesh, meets};
+use crate::shape::{Collider, Corners, Edges, Geometry, HeightField, TriangleMesh};
 use glam::Vec3;
 
 /// The low and the high corner of a box in the mesh's frame.
@@ -44,8 +43,7 @@ impl<'a> Ground<'a> {
 /// Up to eight triangles as they lie in memory, in the mesh's frame.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Eight {
-    /// Per corner and axis, by lane.
-    pub(super) corners: [[[f32; 8]; 3]; 3],
+    pub(super) corners: Corners,
     pub(super) index: [u32; 8],
     count: usize,
 }
@@ -55,8 +53,8 @@ impl Eight {
     #[inline(always)]
     pub(super) fn push(&mut self, index: u32, corners: [Vec3; 3]) {
         let lane = self.count % 8;
-        for (to, corner) in self.corners.iter_mut().zip(corners) {
-            (to[0][lane], to[1][lane], to[2][lane]) = (corner.x, corner.y, corner.z);
+        for (k, corner) in corners.into_iter().enumerate() {
+            self.corners.put(lane, k, corner);
         }
         self.index[lane] = index;
         self.count = lane + 1;
@@ -70,23 +68,9 @@ impl Eight {
     pub(super) fn is_full(&self) -> bool {
         self.count == 8
     }
-    pub(super) fn triangle(&self, lane: usize) -> [Vec3; 3] {
-        self.corners.map(|corner| Vec3::from(corner.map(|axis| axis[lane])))
-    }
     /// A bit for each triangle.
     pub(super) fn lanes(&self) -> u32 {
         (1u32 << self.count) - 1
-    }
-    /// A bit for each triangle whose box meets a box.
-    #[inline(always)]
-    fn meeting(&self, (min, max): Extent) -> u32 {
-        let corner = |k: usize| {
-            let [x, y, z] = &self.corners[k];
-            LaneVec3::<f32x8>::new(f32x8::new(*x), f32x8::new(*y), f32x8::new(*z))
-        };
-        let (a, b, c) = (corner(0), corner(1), corner(2));
-        let bounds = (a.min(b).min(c), a.max(b).max(c));
-        meets(bounds, (LaneVec3::splat(min), LaneVec3::splat(max))).bits() & self.lanes()
     }
 }
 
@@ -175,7 +159,8 @@ impl Found<'_> {
     /// Eights, with a bit for each triangle that was asked for.
     pub(super) fn each(&self) -> impl Iterator<Item = (&Eight, u32)> {
         self.eights.iter().filter_map(|eight| {
-            let lanes = self.within.map_or(eight.lanes(), |within| eight.meeting(within));
+            let lanes =
+                self.within.map_or(u32::MAX, |(min, max)| eight.corners.meeting(min, max)) & eight.lanes();
             (lanes != 0).then_some((eight, lanes))
         })
     }

@@ -1,10 +1,11 @@
 //! Triangle meshes.
 
-use super::mesh_bvh::{Item, LEAF, MAX_TRIANGLES, MeshBvh, meets};
+use super::corners::Corners;
+use super::mesh_bvh::{Item, LEAF, MAX_TRIANGLES, MeshBvh};
 use super::mesh_edges::{Edges, find_edges};
 use super::segment_triangle::SegmentTest;
 use crate::error::{Error, finite3};
-use crate::lanes::{Mask, Vec3 as LaneVec3, f32x8};
+use crate::lanes::{Mask, f32x8};
 use glam::Vec3;
 
 /// Of the largest coordinate [m]: squares of areas stay finite.
@@ -125,15 +126,14 @@ impl TriangleMesh {
     /// The triangles of a leaf of the tree.
     #[inline(always)]
     fn leaf(&self, first: u32, count: u32) -> Leaf {
-        let mut corners = [[[0.0; 8]; 3]; 3];
+        let mut corners = Corners::default();
         let triangles = &self.triangles[first as usize..(first + count) as usize];
         for (lane, triangle) in triangles.iter().enumerate().take(LEAF) {
-            for (to, &v) in corners.iter_mut().zip(triangle) {
-                let at = self.vertices[(v & VERTEX_MASK) as usize];
-                (to[0][lane], to[1][lane], to[2][lane]) = (at.x, at.y, at.z);
+            for (k, &v) in triangle.iter().enumerate() {
+                corners.put(lane, k, self.vertices[(v & VERTEX_MASK) as usize]);
             }
         }
-        Leaf { corners, count: triangles.len() }
+        Leaf { corners, lanes: (1 << triangles.len()) - 1 }
     }
 
     /// Calls `f` with every triangle whose bounding box meets a box, and its corners.
@@ -141,18 +141,21 @@ impl TriangleMesh {
     pub(crate) fn visit_box(&self, min: Vec3, max: Vec3, f: &mut (impl FnMut(u32, [Vec3; 3]) + ?Sized)) {
         self.tree.visit_box(min, max, |first, count| {
             let leaf = self.leaf(first, count);
-            let mut bits = leaf.in_box(min, max);
+            let mut bits = leaf.corners.meeting(min, max) & leaf.lanes;
             while bits != 0 {
                 let lane = bits.trailing_zeros();
                 bits &= bits - 1;
-                f(first + lane, leaf.triangle(lane as usize));
+                f(first + lane, leaf.corners.triangle(lane as usize));
             }
         });
     }
 
     /// Whether the bounding box of any triangle meets a box.
     pub(crate) fn meets_box(&self, min: Vec3, max: Vec3) -> bool {
-        self.tree.any_in_box(min, max, |first, count| self.leaf(first, count).in_box(min, max) != 0)
+        self.tree.any_in_box(min, max, |first, count| {
+            let leaf = self.leaf(first, count);
+            leaf.corners.meeting(min, max) & leaf.lanes != 0
+        })
     }
 
     /// Calls `f` with the triangles whose boxes, inflated by half extents, a path meets, with their corners and a
@@ -167,29 +170,23 @@ impl TriangleMesh {
         f: &mut (impl FnMut(u32, [Vec3; 3], f32) -> f32 + ?Sized),
     ) {
         let path = self.tree.path(from, to, inflate);
-        let mut look = |first: u32, count: u32, mut most: f32| {
+        let look = |first: u32, count: u32, mut most: f32| {
             let leaf = self.leaf(first, count);
-            let (low, high) = leaf.bounds();
+            let (low, high) = leaf.corners.bounds();
             let (meets, entry) = path.meets::<f32x8>(low, high);
-            let mut bits = meets.bits() & leaf.lanes();
+            let mut bits = meets.bits() & leaf.lanes;
             let entry = entry.to_array();
             while bits != 0 {
                 let lane = bits.trailing_zeros();
                 bits &= bits - 1;
                 let entry = entry[lane as usize];
                 if entry <= most {
-                    most = most.min(f(first + lane, leaf.triangle(lane as usize), entry));
+                    most = most.min(f(first + lane, leaf.corners.triangle(lane as usize), entry));
                 }
             }
             most
         };
-        match path.as_box() {
-            None => self.tree.visit_segment(&path, look),
-            Some((min, max)) => {
-                let mut most = 1.0;
-                self.tree.visit_box(min, max, |first, count| most = look(first, count, most));
-            }
-        }
+        self.tree.visit_segment(&path, look);
     }
 
     /// Where a path first meets a triangle, from either side: the fraction of it, and the triangle. Nothing slips
@@ -205,37 +202,11 @@ impl TriangleMesh {
     }
 }
 
-/// The corners of up to eight triangles, by corner and axis.
+/// Up to eight triangles.
 struct Leaf {
-    corners: [[[f32; 8]; 3]; 3],
-    count: usize,
-}
-
-impl Leaf {
-    /// A bit for each triangle.
-    #[inline(always)]
-    fn lanes(&self) -> u32 {
-        (1 << self.count) - 1
-    }
-    /// A bit for each triangle whose bounding box meets a box.
-    #[inline(always)]
-    fn in_box(&self, min: Vec3, max: Vec3) -> u32 {
-        meets(self.bounds(), (LaneVec3::splat(min), LaneVec3::splat(max))).bits() & self.lanes()
-    }
-    #[inline(always)]
-    fn bounds(&self) -> (LaneVec3<f32x8>, LaneVec3<f32x8>) {
-        let corner = |k: usize| {
-            let [x, y, z] = &self.corners[k];
-            LaneVec3::new(f32x8::new(*x), f32x8::new(*y), f32x8::new(*z))
-        };
-        let (a, b, c) = (corner(0), corner(1), corner(2));
-        (a.min(b).min(c), a.max(b).max(c))
-    }
-    #[inline(always)]
-    fn triangle(&self, lane: usize) -> [Vec3; 3] {
-        let at = |k: usize| Vec3::from(self.corners[k].map(|axis| axis[lane]));
-        [at(0), at(1), at(2)]
-    }
+    corners: Corners,
+    /// A bit for each.
+    lanes: u32,
 }
 
 /// Makes equal vertices one and drops triangles without area and those that are there already, either way round.

@@ -241,7 +241,7 @@ impl MeshBvh {
 
 /// Which boxes meet others, each as its low and its high corner.
 #[inline(always)]
-pub(crate) fn meets<L: Lanes>(
+pub(super) fn meets<L: Lanes>(
     (low, high): (LaneVec3<L>, LaneVec3<L>),
     (min, max): (LaneVec3<L>, LaneVec3<L>),
 ) -> L::Mask {
@@ -276,14 +276,6 @@ impl Path {
             inflate: inflate + Vec3::splat(slack),
             inverse: Vec3::new(invert(d.x), invert(d.y), invert(d.z)),
         }
-    }
-
-    /// The box around all of it, if that holds hardly more than the path itself: boxes are tested against it at less cost.
-    pub(crate) fn as_box(&self) -> Option<(Vec3, Vec3)> {
-        let half = self.half.abs();
-        let short = half.cmple(self.inflate).all();
-        let reach = half + self.inflate;
-        short.then(|| (self.middle - reach, self.middle + reach))
     }
 
     /// Which boxes the path meets, and where it enters them at the earliest, as a fraction.

@@ -4,6 +4,7 @@
 //! radius (sphere, capsule) or a polytope (box, cylinder, hull); see `narrow_phase`.
 
 mod collider;
+mod corners;
 mod extent;
 mod height_field;
 mod hull;
@@ -16,12 +17,12 @@ mod mesh_edges;
 mod segment_triangle;
 
 pub(crate) use collider::{Collider, Hot, Kind};
+pub(crate) use corners::Corners;
 pub use height_field::HeightField;
 pub use hull::ConvexHull;
 pub(crate) use hull::HullEdge;
 pub use mass::MassProperties;
 pub use mesh::TriangleMesh;
-pub(crate) use mesh_bvh::meets;
 pub(crate) use mesh_edges::{Edges, FLAT_COSINE, Fold};
 
 use crate::error::{Error, finite, finite3, positive, within};

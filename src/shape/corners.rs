@@ -1,0 +1,44 @@
+//! The corners of triangles in lanes.
+
+use super::mesh_bvh::meets;
+use crate::lanes::{Mask, Vec3 as LaneVec3, f32x8};
+use glam::Vec3;
+
+/// Eight triangles, by corner, axis and lane.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Corners([[[f32; 8]; 3]; 3]);
+
+impl Corners {
+    /// Puts a corner of a triangle in its lane.
+    #[inline(always)]
+    pub(crate) fn put(&mut self, lane: usize, corner: usize, at: Vec3) {
+        let to = &mut self.0[corner];
+        (to[0][lane], to[1][lane], to[2][lane]) = (at.x, at.y, at.z);
+    }
+
+    /// One corner of each triangle.
+    #[inline(always)]
+    pub(crate) fn corner(&self, corner: usize) -> LaneVec3<f32x8> {
+        let [x, y, z] = &self.0[corner];
+        LaneVec3::new(f32x8::new(*x), f32x8::new(*y), f32x8::new(*z))
+    }
+
+    /// The boxes around the triangles: low and high corners.
+    #[inline(always)]
+    pub(crate) fn bounds(&self) -> (LaneVec3<f32x8>, LaneVec3<f32x8>) {
+        let (a, b, c) = (self.corner(0), self.corner(1), self.corner(2));
+        (a.min(b).min(c), a.max(b).max(c))
+    }
+
+    /// A bit for each triangle whose box meets a box.
+    #[inline(always)]
+    pub(crate) fn meeting(&self, min: Vec3, max: Vec3) -> u32 {
+        meets(self.bounds(), (LaneVec3::splat(min), LaneVec3::splat(max))).bits()
+    }
+
+    #[inline(always)]
+    pub(crate) fn triangle(&self, lane: usize) -> [Vec3; 3] {
+        let at = |k: usize| Vec3::from(self.0[k].map(|axis| axis[lane]));
+        [at(0), at(1), at(2)]
+    }
+}
