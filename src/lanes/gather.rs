@@ -1,6 +1,6 @@
 //! Body records <-> lanes. A record is 32 bytes, so eight of them are one 8x8 transpose.
 
-use super::{Lanes, Vec3, f32x4, f32x8};
+use super::{Lanes, Vec3, f32x8};
 use bytemuck::{Pod, Zeroable};
 
 /// Two vectors of one body, in the layout that the solver gathers: linear xyz and a pad, angular xyz
@@ -54,7 +54,7 @@ impl GatherLanes for f32x8 {
     fn gather(record: impl Fn(usize) -> Record, index: &[u32]) -> (Vec3<f32x8>, Vec3<f32x8>) {
         let index: &[u32; 8] = index[..8].try_into().unwrap_or(&[0; 8]);
         let row = |i: usize| -> f32x8 { bytemuck::must_cast(record(index[i] as usize)) };
-        let c = transpose(std::array::from_fn(row));
+        let c = transpose([row(0), row(1), row(2), row(3), row(4), row(5), row(6), row(7)]);
         (Vec3::new(c[0], c[1], c[2]), Vec3::new(c[4], c[5], c[6]))
     }
     #[inline(always)]
@@ -67,12 +67,48 @@ impl GatherLanes for f32x8 {
     }
 }
 
-/// The 8x8 transpose; with AVX one of eight registers, without it four of four.
+/// The 8x8 transpose, inlined: half of the kernels' rows are zeros or go unused, and so does the work for them.
+#[cfg(target_feature = "avx")]
 #[inline(always)]
 pub(crate) fn transpose(rows: [f32x8; 8]) -> [f32x8; 8] {
-    if cfg!(target_feature = "avx") {
-        return f32x8::transpose(rows);
+    use bytemuck::must_cast;
+    #[cfg(target_arch = "x86")]
+    use std::arch::x86 as arch;
+    #[cfg(target_arch = "x86_64")]
+    use std::arch::x86_64 as arch;
+
+    // SAFETY: these ask for nothing but AVX, and all that this is compiled for has that.
+    unsafe {
+        let row = |i: usize| -> arch::__m256 { must_cast(rows[i]) };
+        // Of two halves with four rows each: columns 0 and 4, 1 and 5, 2 and 6, 3 and 7.
+        let half = |i: usize| {
+            let (a, b) =
+                (arch::_mm256_unpacklo_ps(row(i), row(i + 1)), arch::_mm256_unpackhi_ps(row(i), row(i + 1)));
+            let (c, d) = (
+                arch::_mm256_unpacklo_ps(row(i + 2), row(i + 3)),
+                arch::_mm256_unpackhi_ps(row(i + 2), row(i + 3)),
+            );
+            [
+                arch::_mm256_shuffle_ps::<0x44>(a, c),
+                arch::_mm256_shuffle_ps::<0xee>(a, c),
+                arch::_mm256_shuffle_ps::<0x44>(b, d),
+                arch::_mm256_shuffle_ps::<0xee>(b, d),
+            ]
+        };
+        let (upper, lower) = (half(0), half(4));
+        let low = |i: usize| -> f32x8 { must_cast(arch::_mm256_permute2f128_ps::<0x20>(upper[i], lower[i])) };
+        let high =
+            |i: usize| -> f32x8 { must_cast(arch::_mm256_permute2f128_ps::<0x31>(upper[i], lower[i])) };
+        [low(0), low(1), low(2), low(3), high(0), high(1), high(2), high(3)]
     }
+}
+
+/// The 8x8 transpose, as four of four.
+#[cfg(not(target_feature = "avx"))]
+#[inline(always)]
+pub(crate) fn transpose(rows: [f32x8; 8]) -> [f32x8; 8] {
+    use super::f32x4;
+
     let halves = rows.map(|r| -> [f32x4; 2] { bytemuck::must_cast(r) });
     let quarter = |r: usize, h: usize| {
         f32x4::transpose([halves[r][h], halves[r + 1][h], halves[r + 2][h], halves[r + 3][h]])

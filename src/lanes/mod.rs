@@ -223,8 +223,11 @@ macro_rules! wide_lanes {
                 <$float>::splat(value)
             }
             #[inline(always)]
-            fn from_fn(f: impl FnMut(usize) -> f32) -> Self {
-                <$float>::new(std::array::from_fn(f))
+            fn from_fn(mut f: impl FnMut(usize) -> f32) -> Self {
+                // `array::from_fn` is not always inlined.
+                let mut lanes = [0.0; Self::N];
+                lanes.iter_mut().enumerate().for_each(|(i, lane)| *lane = f(i));
+                <$float>::new(lanes)
             }
             #[inline(always)]
             fn load(from: &[f32]) -> Self {
