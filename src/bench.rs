@@ -85,23 +85,26 @@ fn pass<const FRICTION: bool>(name: &str, relax: bool) -> Kernel {
     let movers = world.bodies.movers();
     let mut velocity = world.bodies.velocity[..movers].to_vec();
     let mut delta = vec![Record::default(); movers];
+    let mut base = delta.clone();
     let h = 1.0 / 240.0;
     let pass = Pass {
         inverse_h: 1.0 / h,
         softness: Softness::new(60.0, 10.0, h),
         push_speed: 3.0,
         slop: 0.0005,
+        shift: 1.0,
         friction_box: false,
         relax,
     };
     let contacts: u32 = batches.iter().map(|b| (b.write_a | b.write_b).count_ones()).sum();
     Kernel::new(name, contacts as usize, move || {
+        let base = Shared::new(&mut base);
         // As at the start of a substep; without it all would come to rest, and zeros are not what is to be timed.
         for v in &mut velocity {
             v.linear.y -= 9.81 * h;
         }
         let (velocity, delta) = (Shared::new(&mut velocity), Shared::new(&mut delta));
-        let motion = Motion { velocity: &velocity, delta: &delta };
+        let motion = Motion { velocity: &velocity, delta: &delta, base: &base };
         for batch in &mut batches {
             // SAFETY: one thread, one batch at a time; the indices are those of the world that the records are from.
             unsafe { solve::<f32x8, 4, true, FRICTION>(batch, &motion, &pass) };

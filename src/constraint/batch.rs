@@ -29,6 +29,8 @@ pub(crate) struct PointRow<L> {
 }
 
 /// Friction of a manifold, at its centre: two rows along the tangents and one against twist.
+///
+/// A potential manifold has none of these rows, only what the friction of an impact takes (`rub`): arms and coefficient.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C)]
 pub(crate) struct FrictionRow<L> {

@@ -20,8 +20,14 @@ struct Impact {
     a: u32,
     b: u32,
     normal: Vec3,
+    /// From the bodies' centres [m].
+    ra: Vec3,
+    rb: Vec3,
+    /// Those x normal.
     arm_a: Vec3,
     arm_b: Vec3,
+    /// Coefficient.
+    friction: f32,
     /// Effective mass [kg].
     mass: f32,
     /// Separating speed to reach [m/s].
@@ -71,6 +77,7 @@ pub(crate) fn bounce(
         }
         let material = |c: u32| &input.colliders[c as usize].material;
         let restitution = material(pair.a).restitution_with(material(pair.b));
+        let (_, friction) = material(pair.a).friction_with(material(pair.b));
         if restitution <= 0.0 {
             continue;
         }
@@ -78,7 +85,7 @@ pub(crate) fn bounce(
         while slot != NONE {
             let contact = &mut contacts[slot as usize];
             let next = contact.next;
-            find(input, contact, restitution, bodies, |impact| {
+            find(input, contact, (restitution, friction), bodies, |impact| {
                 let fits = room.push(&mut scratch.impacts, impact);
                 shed += u32::from(!fits);
                 fits
@@ -93,13 +100,16 @@ pub(crate) fn bounce(
             solve(impact, input, bodies);
         }
     }
+    for impact in &scratch.impacts {
+        rub(impact, input, bodies);
+    }
     (scratch.impacts.len(), shed)
 }
 
 fn find(
     input: &BounceInput<'_>,
     contact: &mut Contact,
-    restitution: f32,
+    (restitution, friction): (f32, f32),
     bodies: &Bodies,
     mut add: impl FnMut(Impact) -> bool,
 ) {
@@ -138,7 +148,7 @@ fn find(
         if k > 0.0 {
             let mass = 1.0 / k;
             let target = restitution * approach;
-            if add(Impact { a, b, normal, arm_a, arm_b, mass, target, impulse: 0.0 }) {
+            if add(Impact { a, b, normal, ra, rb, arm_a, arm_b, friction, mass, target, impulse: 0.0 }) {
                 (point.impulse, point.held) = (0.0, 0.0);
                 bounced = true;
             }
@@ -176,12 +186,39 @@ fn solve(impact: &mut Impact, input: &BounceInput<'_>, bodies: &mut Bodies) {
     let new = (impact.impulse + impact.mass * (impact.target - speed)).max(0.0);
     let change = new - impact.impulse;
     impact.impulse = new;
-    for (body, arm, sign) in [(impact.a, impact.arm_a, -1.0), (impact.b, impact.arm_b, 1.0)] {
+    push(impact, input, bodies, n * change, [impact.arm_a * change, impact.arm_b * change]);
+}
+
+/// Friction of the impulse that sends a point back, as what stopped it has had friction already (`rub` of the contact's
+/// rows): against the slip, and no more than stops it.
+fn rub(impact: &Impact, input: &BounceInput<'_>, bodies: &mut Bodies) {
+    let at = |body: u32, r: Vec3| {
+        bodies.velocity.get(body as usize).map_or(Vec3::ZERO, |v| v.linear + v.angular.cross(r))
+    };
+    let u = (at(impact.b, impact.rb) - at(impact.a, impact.ra)).reject_from_normalized(impact.normal);
+    let Some(way) = u.try_normalize() else { return };
+    let ease = |body: u32, r: Vec3| {
+        let turned = r.cross(way);
+        input
+            .inverse_inertia
+            .get(body as usize)
+            .map_or(0.0, |i| bodies.mass[body as usize].inverse + turned.dot(apply(i, turned)))
+    };
+    let k = ease(impact.a, impact.ra) + ease(impact.b, impact.rb);
+    if k > 0.0 {
+        let q = way * -(impact.friction * impact.impulse).min(u.length() / k);
+        push(impact, input, bodies, q, [impact.ra.cross(q), impact.rb.cross(q)]);
+    }
+}
+
+/// Applies an impulse `p` on `b` and `-p` on `a`, with what they turn.
+fn push(impact: &Impact, input: &BounceInput<'_>, bodies: &mut Bodies, p: Vec3, [ta, tb]: [Vec3; 2]) {
+    for (body, p, t) in [(impact.a, -p, -ta), (impact.b, p, tb)] {
         if let Some(inertia) = input.inverse_inertia.get(body as usize) {
             let inverse = bodies.mass[body as usize].inverse;
             let velocity = &mut bodies.velocity[body as usize];
-            velocity.linear += n * (sign * change * inverse);
-            velocity.angular += apply(inertia, arm) * (sign * change);
+            velocity.linear += p * inverse;
+            velocity.angular += apply(inertia, t);
         }
     }
 }

@@ -3,6 +3,7 @@
 
 use super::arrange::Part;
 use super::batch::{Batch, couple};
+use super::impact_friction::potential_load;
 use crate::lanes::{GatherLanes, Lanes, Mask, Record, Vec3, gather, scatter};
 use crate::threads::Shared;
 
@@ -62,31 +63,35 @@ pub(crate) struct Pass {
     pub(crate) push_speed: f32,
     /// Overlap left alone [m].
     pub(crate) slop: f32,
+    /// Friction of an impact that changes the slip by no more than this shifts no loads worth speaking of [m/s].
+    pub(crate) shift: f32,
     /// Friction as a box instead of a cone.
     pub(crate) friction_box: bool,
     /// What pushing overlap apart added to the velocities is taken out again.
     pub(crate) relax: bool,
 }
 
-/// The bodies' solver state: velocities, and displacements since the start of the step.
+/// The bodies' solver state: velocities, displacements since the start of the step, and velocities of the substep before
+/// any row acted.
 pub(crate) struct Motion<'a, 'b> {
     pub(crate) velocity: &'a Shared<'b, Record>,
     pub(crate) delta: &'a Shared<'b, Record>,
+    pub(crate) base: &'a Shared<'b, Record>,
 }
 
 /// Velocities of the two bodies of each lane.
-struct Pair<L> {
-    va: Vec3<L>,
-    wa: Vec3<L>,
-    vb: Vec3<L>,
-    wb: Vec3<L>,
+pub(super) struct Pair<L> {
+    pub(super) va: Vec3<L>,
+    pub(super) wa: Vec3<L>,
+    pub(super) vb: Vec3<L>,
+    pub(super) wb: Vec3<L>,
 }
 
 impl<L: GatherLanes> Pair<L> {
     /// # Safety
     /// The bodies of the batch are this thread's, or are not written in this stage.
     #[inline(always)]
-    unsafe fn load<const P: usize, const TWO: bool>(
+    pub(super) unsafe fn load<const P: usize, const TWO: bool>(
         batch: &Batch<L, P>,
         records: &Shared<'_, Record>,
     ) -> Self {
@@ -100,7 +105,7 @@ impl<L: GatherLanes> Pair<L> {
     /// # Safety
     /// As for [`Pair::load`].
     #[inline(always)]
-    unsafe fn save<const P: usize, const TWO: bool>(
+    pub(super) unsafe fn save<const P: usize, const TWO: bool>(
         &self,
         batch: &Batch<L, P>,
         records: &Shared<'_, Record>,
@@ -122,7 +127,7 @@ impl<L: GatherLanes> Pair<L> {
 
     /// Applies an impulse `p` on `b` and `-p` on `a`, with angular impulses `ta` (taken from `a`) and `tb`.
     #[inline(always)]
-    fn apply<const P: usize, const TWO: bool>(
+    pub(super) fn apply<const P: usize, const TWO: bool>(
         &mut self,
         batch: &Batch<L, P>,
         p: Vec3<L>,
@@ -147,6 +152,10 @@ pub(crate) unsafe fn warm_start<L: GatherLanes, const P: usize, const TWO: bool,
     batch: &Batch<L, P>,
     velocity: &Shared<'_, Record>,
 ) {
+    // So it is with most that may meet.
+    if !FRICTION && !batch.points.iter().fold(L::zero(), |s, p| s + p.impulse).gt(L::zero()).any() {
+        return;
+    }
     // SAFETY: by the contract.
     let mut v = unsafe { Pair::load::<P, TWO>(batch, velocity) };
     let (mut sum, mut ta, mut tb) = (L::zero(), Vec3::zero(), Vec3::zero());
@@ -176,6 +185,8 @@ pub(crate) unsafe fn warm_start<L: GatherLanes, const P: usize, const TWO: bool,
 /// the velocities is taken out again: the same code with other numbers, since in a small scene each kernel runs once a
 /// pass, and what it takes to fetch it is a third of its time.
 ///
+/// Says whether potential points push.
+///
 /// # Safety
 /// The bodies of the batch that it may write are in no other batch of the stage.
 #[inline(always)]
@@ -184,7 +195,7 @@ pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const TWO: bool, cons
     batch: &mut Batch<L, P>,
     motion: &Motion<'_, '_>,
     pass: &Pass,
-) {
+) -> bool {
     // SAFETY: by the contract.
     let mut v = unsafe { Pair::load::<P, TWO>(batch, motion.velocity) };
     // Bodies are moved before the rows relax, and not again before they are solved in the next substep.
@@ -274,7 +285,7 @@ pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const TWO: bool, cons
             mass[i].gt(L::zero()) & (loaded | (u[i] + bias[i]).lt(L::zero()))
         };
         if !(1..P).fold(acts(0), |any, i| any | acts(i)).any() {
-            return;
+            return false;
         }
     }
     if P > 1 {
@@ -314,6 +325,7 @@ pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const TWO: bool, cons
     v.apply::<P, TWO>(batch, n * sum, ta, tb);
     // SAFETY: by the contract.
     unsafe { v.save::<P, TWO>(batch, motion.velocity) };
+    pass.relax && potential_load(batch).0.gt(L::zero()).any()
 }
 
 /// Speed of `b` away from `a` along the normal, and what their spins add to it at a point.

@@ -196,9 +196,9 @@ fn gather_columns<L: GatherLanes, const P: usize>(
                 .map_or(1.0, |p| if total > 0.0 { contact.points[p].impulse / total } else { 0.0 });
             put3(&mut out.friction, lane, contact.friction * (share * input.warm));
             out.twist[lane] = contact.twist * input.warm;
-            let (sticking, sliding) = shape_a.material.friction_with(&shape_b.material);
-            (out.coefficient[0][lane], out.coefficient[1][lane]) = (sticking, sliding);
         }
+        let (sticking, sliding) = shape_a.material.friction_with(&shape_b.material);
+        (out.coefficient[0][lane], out.coefficient[1][lane]) = (sticking, sliding);
     }
     for lane in parts.len()..8 {
         (batch.a[lane], batch.b[lane]) = (batch.a[0], batch.b[0]);
@@ -256,15 +256,19 @@ fn fill<L: GatherLanes, const P: usize>(
             batch.coupling[couple(k, i)] = ma + mb + both;
         }
     }
-    if group.is_potential() {
-        return;
-    }
-
     let count = present.iter().fold(L::zero(), |s, &x| s + x).max(L::one());
     let share = L::one() / count;
     let mean =
         |of: &[Vec3<L>; P]| of.iter().zip(&present).fold(Vec3::zero(), |s, (&r, &x)| s + r * x) * share;
     let (fa, fb) = (mean(&ra), mean(&rb));
+    let (sticking, sliding) = (L::load(&columns.coefficient[0]), L::load(&columns.coefficient[1]));
+    let f = &mut batch.friction;
+    (f.arm_a, f.arm_b) = (fa, fb);
+    if group.is_potential() {
+        f.coefficient = sliding;
+        return;
+    }
+
     let radius = ra.iter().zip(&present).fold(L::zero(), |s, (&r, &x)| s + (r - fa).length() * x) * share;
     let (t1, t2) = n.tangents();
     let (a1, a2, b1, b2) = (fa.cross(t1), fa.cross(t2), fb.cross(t1), fb.cross(t2));
@@ -278,7 +282,6 @@ fn fill<L: GatherLanes, const P: usize>(
     let kt = n.dot(ia.mul(n)) + n.dot(ib.mul(n));
     let f = &mut batch.friction;
     f.tangent = t1;
-    (f.arm_a, f.arm_b) = (fa, fb);
     f.mass = [k22 * over, -(k12 * over), k11 * over];
     let (half, apart) = ((f.mass[0] + f.mass[2]) * L::splat(0.5), (f.mass[0] - f.mass[2]) * L::splat(0.5));
     f.slide_mass = (half - (apart * apart + f.mass[1] * f.mass[1]).sqrt()).max(L::zero());
@@ -295,6 +298,5 @@ fn fill<L: GatherLanes, const P: usize>(
     let slip = at_b - (va + wa.cross(fa));
     let slip = slip - n * slip.dot(n);
     let stick = slip.length_squared().lt(L::splat(input.stick * input.stick));
-    let (sticking, sliding) = (L::load(&columns.coefficient[0]), L::load(&columns.coefficient[1]));
     f.coefficient = L::select(stick, sticking, sliding);
 }

@@ -9,7 +9,7 @@ mod pass;
 use crate::body::Bodies;
 use crate::config::{FrictionCone, Settings};
 use crate::constraint::Rows;
-use crate::constraint::contact_row::Softness;
+use crate::constraint::contact_row::{Motion, Softness};
 use crate::forces::Forces;
 use crate::lanes::{Lanes, Mask, Record, f32x8};
 use crate::memory::{Buffer, bytes_of};
@@ -68,6 +68,7 @@ pub(crate) fn solve(
         fixed: soft(2.0 * hertz),
         push_speed: settings.push_speed * settings.length_unit,
         slop: settings.slop * settings.length_unit,
+        shift: SHIFT * settings.length_unit,
         friction_box: settings.friction_cone == FrictionCone::Box,
     };
     let dynamic = bodies.dynamic();
@@ -75,6 +76,7 @@ pub(crate) fn solve(
     let velocity = Shared::new(&mut bodies.velocity[..movers]);
     let delta = Shared::new(&mut state.delta);
     let base = Shared::new(&mut state.base);
+    let motion = Motion { velocity: &velocity, delta: &delta, base: &base };
     for substep in 0..settings.substeps {
         // Velocities take gravity and forces. From the second substep on, warm starting is one addition a body: rows
         // keep their directions within a step, so the impulses of the substep before change the velocities by just
@@ -93,10 +95,10 @@ pub(crate) fn solve(
             (*b, *v) = (record(free), record(if i < dynamic { free + warm } else { free }));
         });
         if substep == 0 {
-            passes.run(crew, Kind::WarmStart, rows, &velocity, &delta);
+            passes.run(crew, Kind::WarmStart, rows, &motion);
         }
         for _ in 0..settings.iterations {
-            passes.run(crew, Kind::Solve, rows, &velocity, &delta);
+            passes.run(crew, Kind::Solve, rows, &motion);
         }
         all_bodies(crew, movers, |i| {
             // SAFETY: each body is in one block.
@@ -117,13 +119,22 @@ pub(crate) fn solve(
             let touched = if same & BOTH == BOTH { 0.0 } else { 1.0 };
             *d = record(lanes(*d) + (moved + f32x8::new(PAD) * f32x8::splat(touched)));
         });
-        passes.run(crew, Kind::Relax, rows, &velocity, &delta);
+        if passes.run(crew, Kind::Relax, rows, &motion) {
+            // What was pushed before it touched has its friction now; if that is much, the points share the load that it
+            // shifts.
+            if passes.run(crew, Kind::Rub, rows, &motion) {
+                passes.run(crew, Kind::Relax, rows, &motion);
+            }
+        }
     }
     if let Some(traits) = locks {
         // SAFETY: each body is in one block.
         all_bodies(crew, movers, |i| traits[i].lock(unsafe { velocity.get(i) }));
     }
 }
+
+/// Friction of an impact that changes the slip by more than this shifts the load [length units/s].
+const SHIFT: f32 = 1.0;
 
 /// Bits of the lanes of a record that hold the linear part, and both parts; and the lane of the first pad.
 const LINEAR: u32 = 0b0000_0111;

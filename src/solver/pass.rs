@@ -3,11 +3,11 @@
 use crate::constraint::contact_row::{
     HOLD, Motion, Pass, SHARE, Softness, solve, store as store_batch, warm_start,
 };
-use crate::constraint::{Batch, Group, Rows, Stage};
-use crate::lanes::{GatherLanes, Record};
+use crate::constraint::{Batch, Group, Rows, Stage, rub};
+use crate::lanes::GatherLanes;
 use crate::narrow_phase::{Contact, Point};
 use crate::threads::{Crew, Shared, per_block};
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 /// What a pass does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,6 +15,8 @@ pub(crate) enum Kind {
     WarmStart,
     Solve,
     Relax,
+    /// Friction of what was pushed before it touched.
+    Rub,
 }
 
 /// What all passes of a step share.
@@ -24,6 +26,7 @@ pub(crate) struct Passes {
     pub(crate) fixed: Softness,
     pub(crate) push_speed: f32,
     pub(crate) slop: f32,
+    pub(crate) shift: f32,
     pub(crate) friction_box: bool,
 }
 
@@ -33,19 +36,13 @@ const BLOCK: usize = per_block(8, 1);
 const STORED: usize = per_block(16, 1);
 
 impl Passes {
-    pub(crate) fn run(
-        &self,
-        crew: &Crew<'_>,
-        kind: Kind,
-        rows: &mut Rows,
-        velocity: &Shared<'_, Record>,
-        delta: &Shared<'_, Record>,
-    ) {
+    /// Relaxing, says whether potential points push; rubbing, whether that shifts loads.
+    pub(crate) fn run(&self, crew: &Crew<'_>, kind: Kind, rows: &mut Rows, motion: &Motion<'_, '_>) -> bool {
+        let pushes = AtomicBool::new(false);
         let Rows { p1, p2, p3, p4, single, schedule, stages } = rows;
         let (p1, p2, p3, p4) = (Shared::new(p1), Shared::new(p2), Shared::new(p3), Shared::new(p4));
         let single = Shared::new(single);
         let schedule = &*schedule;
-        let motion = Motion { velocity, delta };
         for stage in stages.iter() {
             let pass = self.of(stage.group, kind);
             let one = |index: usize| {
@@ -53,14 +50,17 @@ impl Passes {
                 let i = batch.index as usize;
                 // SAFETY: each batch stands in the schedule once; no dynamic body is twice in a stage, unless the stage
                 // is serial, and then one thread has it all.
-                unsafe {
+                let pushed = unsafe {
                     match batch.points {
-                        1 => step(kind, stage.group, p1.get(i), &motion, &pass),
-                        2 => step(kind, stage.group, p2.get(i), &motion, &pass),
-                        3 => step(kind, stage.group, p3.get(i), &motion, &pass),
-                        4 => step(kind, stage.group, p4.get(i), &motion, &pass),
-                        _ => step(kind, stage.group, single.get(i), &motion, &pass),
+                        1 => step(kind, stage.group, p1.get(i), motion, &pass),
+                        2 => step(kind, stage.group, p2.get(i), motion, &pass),
+                        3 => step(kind, stage.group, p3.get(i), motion, &pass),
+                        4 => step(kind, stage.group, p4.get(i), motion, &pass),
+                        _ => step(kind, stage.group, single.get(i), motion, &pass),
                     }
+                };
+                if pushed {
+                    pushes.store(true, Ordering::Relaxed);
                 }
             };
             let (start, end) = (stage.start as usize, stage.end as usize);
@@ -73,6 +73,7 @@ impl Passes {
                 });
             }
         }
+        pushes.into_inner()
     }
 
     fn of(&self, group: Group, kind: Kind) -> Pass {
@@ -81,13 +82,14 @@ impl Passes {
             softness: if group.is_static() { self.fixed } else { self.dynamic },
             push_speed: self.push_speed,
             slop: self.slop,
+            shift: self.shift,
             friction_box: self.friction_box,
             relax: kind == Kind::Relax,
         }
     }
 }
 
-/// One pass over one batch, by the kernel of its group.
+/// One pass over one batch, by the kernel of its group. See [`Passes::run`] for the answer.
 ///
 /// # Safety
 /// The bodies of the batch that it may write are in no other batch that is worked on now.
@@ -98,10 +100,24 @@ unsafe fn step<L: GatherLanes, const P: usize>(
     batch: &mut Batch<L, P>,
     motion: &Motion<'_, '_>,
     pass: &Pass,
-) {
+) -> bool {
     // SAFETY: by the contract.
     unsafe {
         match (kind, group) {
+            (Kind::Solve | Kind::Relax, Group::Dynamic) => {
+                return solve::<L, P, true, true>(batch, motion, pass);
+            }
+            (Kind::Solve | Kind::Relax, Group::PotentialDynamic) => {
+                return solve::<L, P, true, false>(batch, motion, pass);
+            }
+            (Kind::Solve | Kind::Relax, Group::Static) => {
+                return solve::<L, P, false, true>(batch, motion, pass);
+            }
+            (Kind::Solve | Kind::Relax, Group::PotentialStatic) => {
+                return solve::<L, P, false, false>(batch, motion, pass);
+            }
+            (Kind::Rub, group) if group.is_static() => return rub::<L, P, false>(batch, motion, pass),
+            (Kind::Rub, _) => return rub::<L, P, true>(batch, motion, pass),
             (Kind::WarmStart, Group::Dynamic) => warm_start::<L, P, true, true>(batch, motion.velocity),
             (Kind::WarmStart, Group::PotentialDynamic) => {
                 warm_start::<L, P, true, false>(batch, motion.velocity)
@@ -110,12 +126,9 @@ unsafe fn step<L: GatherLanes, const P: usize>(
             (Kind::WarmStart, Group::PotentialStatic) => {
                 warm_start::<L, P, false, false>(batch, motion.velocity)
             }
-            (_, Group::Dynamic) => solve::<L, P, true, true>(batch, motion, pass),
-            (_, Group::PotentialDynamic) => solve::<L, P, true, false>(batch, motion, pass),
-            (_, Group::Static) => solve::<L, P, false, true>(batch, motion, pass),
-            (_, Group::PotentialStatic) => solve::<L, P, false, false>(batch, motion, pass),
         }
     }
+    false
 }
 
 /// Writes impulses back to the contacts. Says how many contacts pushed before they touched.
