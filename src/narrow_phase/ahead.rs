@@ -10,7 +10,7 @@ use super::collide::Input;
 use super::convex::collide_convex;
 use super::found::MeshBlock;
 use super::gjk::distance;
-use super::mesh::{MeshScratch, collide_mesh, extent_of};
+use super::mesh::{MeshScratch, Reach, collide_mesh, extent_of};
 use super::motion::{BodyPath, Motion};
 use super::support::Support;
 use super::{RawManifold, Relative};
@@ -102,7 +102,7 @@ pub(crate) fn hit_mesh(
     let rel = motion.relative(fraction);
     // Below it is what the rest of its way leads to.
     out.mesh.nearby.expect(extent_of(a, &rel, input.margin, way_left(motion, fraction)));
-    collide_mesh(a, b, &rel, (margin, input.margin), &mut out.mesh, &mut out.raw);
+    collide_mesh(a, b, &rel, Reach::new(margin).within(input.margin), &mut out.mesh, &mut out.raw);
     // Planes that it is not close to when it touches are guesses.
     out.raw.retain(|m| m.points().iter().any(|p| p.separation <= input.margin));
     (0..out.raw.len()).for_each(|i| out.add(carry_back(&out.raw[i], motion, fraction, 0.0), fraction));
@@ -118,7 +118,7 @@ pub(crate) fn hit_mesh(
         return;
     };
     out.raw.clear();
-    collide_mesh(a, b, &then.relative(further), (input.margin, input.margin), &mut out.mesh, &mut out.raw);
+    collide_mesh(a, b, &then.relative(further), Reach::new(input.margin), &mut out.mesh, &mut out.raw);
     for i in 0..out.raw.len() {
         let first = carry_back(&out.raw[i], &then, further, 0.0);
         // What touches on the way there touches at the first place too.
@@ -165,12 +165,27 @@ pub(crate) fn would_push(motion: &Motion, raw: &RawManifold) -> bool {
 }
 
 fn pushes(motion: &Motion, raw: &RawManifold, fraction: f32) -> bool {
+    // A little early: the solver's path is not quite the predicted one.
+    closes(motion, raw, fraction).any(|(separation, closed)| separation < 1.05 * closed + NEARLY)
+}
+
+/// Of each point, its separation and how much of that the motion takes away [m].
+fn closes(motion: &Motion, raw: &RawManifold, fraction: f32) -> impl Iterator<Item = (f32, f32)> {
     let (normal, moved) = (motion.a.rotation * raw.normal, motion.displacement * fraction);
-    raw.points().iter().any(|point| {
-        let closed = closing(motion, normal, motion.a.lever + motion.a.rotation * point.position, moved);
-        // A little early: the solver's path is not quite the predicted one.
-        point.separation < 1.05 * closed + NEARLY
+    raw.points().iter().map(move |point| {
+        let arm = motion.a.lever + motion.a.rotation * point.position;
+        (point.separation, closing(motion, normal, arm, moved))
     })
+}
+
+/// Drops the manifolds that a slow shape is near to neither now nor after its predicted motion.
+pub(crate) fn keep_reached(motion: &Motion, margin: f32, found: &mut Vec<RawManifold>) {
+    found.retain(|m| closes(motion, m, 0.0).any(|(gap, closed)| gap - closed.max(0.0) <= margin));
+}
+
+/// Whether the predicted motion leads into anything by more than a margin.
+pub(crate) fn strikes(motion: &Motion, margin: f32, found: &[RawManifold]) -> bool {
+    found.iter().any(|m| closes(motion, m, 0.0).any(|(gap, closed)| closed - gap > margin))
 }
 
 /// A gap up to this share of that of a real contact is none, and what stands out by no more is not felt.

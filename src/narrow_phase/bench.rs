@@ -7,7 +7,7 @@ use super::cast::{cast_convex, tolerance};
 use super::convex::collide_convex;
 use super::fixtures::{Random, collider};
 use super::lanes_io::{ManifoldLanes, PairLanes};
-use super::mesh::{MeshScratch, collide_mesh};
+use super::mesh::{MeshScratch, Reach, collide_mesh};
 use super::motion::{BodyPath, Motion};
 use super::sphere_box::sphere_box;
 use super::sphere_capsule::sphere_capsule;
@@ -171,7 +171,7 @@ fn on_ground(name: &str, shape: Collider, ground: Collider, terrain: &Terrain) -
     Kernel::new(name, poses.len(), move || {
         for rel in &poses {
             out.clear();
-            collide_mesh(&shape, &ground, rel, (MARGIN, MARGIN), &mut scratch, &mut out);
+            collide_mesh(&shape, &ground, rel, Reach::new(MARGIN), &mut scratch, &mut out);
             black_box(&mut out);
         }
     })

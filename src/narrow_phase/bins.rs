@@ -1,8 +1,8 @@
 //! Pairs binned by shape pair, and worked through in lanes.
 
 use super::ahead::{
-    NO_GAP, fly_mesh, halfway, hit_mesh, look_ahead, look_ahead_mesh, look_beside, motion_of, right_way_out,
-    touches_mesh, would_push,
+    NO_GAP, fly_mesh, halfway, hit_mesh, keep_reached, look_ahead, look_ahead_mesh, look_beside, motion_of,
+    right_way_out, strikes, touches_mesh, would_push,
 };
 use super::box_box::box_box;
 use super::capsule_box::{capsule_box, tapered_capsule_box};
@@ -14,7 +14,7 @@ use super::contact::{Contact, NONE};
 use super::convex::collide_convex;
 use super::found::Out;
 use super::lanes_io::{ManifoldLanes, PairLanes};
-use super::mesh::{collide_mesh, extent_of};
+use super::mesh::{Reach, collide_mesh, extent_of};
 use super::sphere_box::sphere_box;
 use super::sphere_capsule::sphere_capsule;
 use super::sphere_sphere::sphere_sphere;
@@ -340,8 +340,18 @@ fn finish_mesh(
         }
         mesh.raw.clear();
         // Of what is fast, manifolds without a near point would be dropped.
-        let within = if fast { input.margin } else { margin };
-        collide_mesh(a, b, rel, (margin, within), &mut mesh.mesh, &mut mesh.raw);
+        let all = Reach::new(margin).within(if fast { input.margin } else { margin });
+        // What is slow reaches what it goes to; if it strikes something, it may go anywhere.
+        let aims = !fast && approach.mode == Continuous::Segment && approach.length > input.margin;
+        let way = input.poses[pair.a as usize].rotation.conjugate() * -approach.way;
+        let reach = if aims { Reach { way, ..Reach::new(input.margin + approach.spin) } } else { all };
+        collide_mesh(a, b, rel, reach, &mut mesh.mesh, &mut mesh.raw);
+        if aims && strikes(&motion, input.margin, &mesh.raw) {
+            mesh.raw.clear();
+            collide_mesh(a, b, rel, all, &mut mesh.mesh, &mut mesh.raw);
+        } else if aims && mesh.raw.iter().any(|m| m.points().iter().all(|p| p.separation > input.margin)) {
+            keep_reached(&motion, input.margin, &mut mesh.raw);
+        }
         nearest = mesh.raw.iter().flat_map(|m| m.points()).fold(f32::INFINITY, |s, p| s.min(p.separation));
         // What rests on the mesh sinks by what gravity adds in the step, and must not strike the ground that it is on.
         let resting = if nearest <= input.real { input.margin } else { input.real };

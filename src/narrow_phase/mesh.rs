@@ -173,16 +173,35 @@ impl MeshScratch {
     }
 }
 
+/// What of a mesh counts as close to a shape.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reach {
+    /// How near [m].
+    pub(crate) margin: f32,
+    /// Manifolds without a point nearer than this are of no use to the caller [m]. Of triangles further away only those are
+    /// looked at that are level with a nearer one.
+    pub(crate) within: f32,
+    /// Where the shape goes, in its own frame [m]: a triangle may be further away by what that takes off its distance.
+    pub(crate) way: Vec3,
+}
+
+impl Reach {
+    pub(crate) fn new(margin: f32) -> Reach {
+        Reach { margin, within: margin, way: Vec3::ZERO }
+    }
+    pub(crate) fn within(self, within: f32) -> Reach {
+        Reach { within, ..self }
+    }
+}
+
 /// All points of a convex shape and a mesh or height field that are nearer than the margin, as up to
 /// [`MOST`](super::mesh_merge::MOST) manifolds in the shape's frame, added to `out`; the deepest first.
 ///
-/// `within`: manifolds without a point nearer than this are of no use to the caller [m]. Of triangles further away only
-/// those are looked at that are level with a nearer one.
 pub(crate) fn collide_mesh(
     a: &Collider,
     b: &Collider,
     rel: &Relative,
-    (margin, within): (f32, f32),
+    reach: Reach,
     scratch: &mut MeshScratch,
     out: &mut Vec<RawManifold>,
 ) {
@@ -196,8 +215,9 @@ pub(crate) fn collide_mesh(
     }
     patches.clear();
     let (each, core) = (points_each(a), Core::of(a));
+    let Reach { margin, within, way } = reach;
     let mut near = Near::default();
-    let mut extent = around(&pose, (middle, half + Vec3::splat(margin)));
+    let mut extent = along(&pose, around(&pose, (middle, half + Vec3::splat(margin))), way);
     if within < margin {
         let close = around(&pose, (middle, half + Vec3::splat(within)));
         nearby.gather(&ground, close, &mut |found| {
@@ -219,7 +239,7 @@ pub(crate) fn collide_mesh(
                 return;
             }
             let triangles = Triangles::new(eight, lanes, &pose, centre);
-            let margins = near.margins(&triangles, margin, within);
+            let margins = near.margins(&triangles, reach);
             match (&a.geometry, &core) {
                 (Geometry::Sphere { radius }, _) => {
                     mesh_sphere::touch(*radius, &triangles, margins, &ground, patches);
@@ -311,10 +331,10 @@ impl Near {
 
     /// How near each of eight triangles has to be to count [m].
     #[inline(always)]
-    fn margins(&self, triangles: &Triangles, margin: f32, within: f32) -> f32x8 {
+    fn margins(&self, triangles: &Triangles, Reach { margin, within, way }: Reach) -> f32x8 {
         let (all, near) = (f32x8::splat(margin), f32x8::splat(within));
         if self.count == 0 || self.count > self.fronts.len() {
-            return all;
+            return all + Lanes::max(-triangles.front.dot(LaneVec3::splat(way)), f32x8::zero());
         }
         let level = f32x8::splat(LEVEL);
         self.fronts[..self.count].iter().fold(near, |margins, front| {
@@ -331,9 +351,13 @@ pub(crate) fn extent_of(a: &Collider, rel: &Relative, margin: f32, way: Vec3) ->
         return None;
     }
     let pose = Pose::new(rel.position, rel.rotation);
-    let (min, max) = around(&pose, (middle, half + Vec3::splat(margin)));
+    Some(along(&pose, around(&pose, (middle, half + Vec3::splat(margin))), way))
+}
+
+/// The box around a box of the mesh's frame that goes `way` in the shape's.
+fn along(pose: &Pose, (min, max): Extent, way: Vec3) -> Extent {
     let way = pose.inverse().direction(way);
-    Some((min + way.min(Vec3::ZERO), max + way.max(Vec3::ZERO)))
+    (min + way.min(Vec3::ZERO), max + way.max(Vec3::ZERO))
 }
 
 /// The box of the mesh's frame around one of the shape's.
@@ -400,7 +424,7 @@ mod tests {
         let back = rotation.conjugate();
         let rel = Relative { position: -(back * position), rotation: back };
         let (mut scratch, mut out) = (MeshScratch::default(), Vec::new());
-        collide_mesh(a, b, &rel, (margin, margin), &mut scratch, &mut out);
+        collide_mesh(a, b, &rel, Reach::new(margin), &mut scratch, &mut out);
         for m in &mut out {
             m.normal = rotation * m.normal;
             for p in &mut m.points[..m.count as usize] {
@@ -695,7 +719,7 @@ mod tests {
                 (patches, manifolds) = (0, 0);
                 for rel in &pairs {
                     out.clear();
-                    collide_mesh(&shape, &b, rel, (MARGIN, MARGIN), &mut scratch, &mut out);
+                    collide_mesh(&shape, &b, rel, Reach::new(MARGIN), &mut scratch, &mut out);
                     patches += scratch.patches.patches.len();
                     manifolds += out.len();
                 }

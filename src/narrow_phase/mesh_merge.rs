@@ -202,7 +202,14 @@ mod tests {
                     let rel = Relative { position: -(back * position), rotation: back };
                     let margin = if i % 2 == 0 { 0.01 } else { 0.15 };
                     out.clear();
-                    collide_mesh(&shape, &ground, &rel, (margin, margin), &mut scratch, &mut out);
+                    collide_mesh(
+                        &shape,
+                        &ground,
+                        &rel,
+                        crate::narrow_phase::mesh::Reach::new(margin),
+                        &mut scratch,
+                        &mut out,
+                    );
                     assert_eq!(out.len(), 1, "{cell} {i} {out:?}");
                     for end in [-half, half] {
                         let near = |p: &RawPoint| (p.position.y - end).abs() < 1e-3;
