@@ -244,8 +244,9 @@ mod moving {
                         for k in 0..i {
                             let (from, to) = (before[i] - before[k], now[i] - now[k]);
                             let way = to - from;
-                            let t = (-from.dot(way) / way.length_squared()).clamp(0.0, 1.0);
-                            let near = (from + way * t).length();
+                            // They may come to rest against each other.
+                            let t = -from.dot(way) / way.length_squared().max(f64::MIN_POSITIVE);
+                            let near = (from + way * t.clamp(0.0, 1.0)).length();
                             assert!(near > 0.049, "{dt} {solver:?} step {step}: {i} passes {k} at {near}");
                         }
                     }

@@ -71,7 +71,7 @@ fn a_world_survives_any_sequence_of_calls() {
     let mut live: Vec<(BodyHandle, u64)> = Vec::new();
     let mut dead: Vec<BodyHandle> = Vec::new();
     let mut totals = Vec::new();
-    for call in 0..40_000 {
+    for call in 0..80_000 {
         let pick = (!live.is_empty()).then(|| dice.below(live.len()));
         match (dice.below(16), pick) {
             (0..=2, _) | (_, None) if live.len() < 120 => {
@@ -154,8 +154,8 @@ fn a_world_survives_any_sequence_of_calls() {
         }
     }
     println!("{} bodies, memory {totals:?}", live.len());
-    // The most bodies were there early on; what was kept for them is used again.
-    assert!(totals[7] < totals[3] * 5 / 4, "{totals:?}");
+    // The densest crowds were there in the first half; what was kept for them is used again.
+    assert!(totals[15] < totals[7] * 5 / 4, "{totals:?}");
     assert!(world.contains(ground));
     for (body, _) in live {
         world.remove_body(body).unwrap();
