@@ -134,7 +134,7 @@ pub(crate) fn solve(
 }
 
 /// Friction of an impact that changes the slip by more than this shifts the load [length units/s].
-const SHIFT: f32 = 1.0;
+const SHIFT: f32 = 0.25;
 
 /// Bits of the lanes of a record that hold the linear part, and both parts; and the lane of the first pad.
 const LINEAR: u32 = 0b0000_0111;
