@@ -92,7 +92,7 @@ fn pass<const FRICTION: bool>(name: &str, relax: bool) -> Kernel {
         softness: Softness::new(60.0, 10.0, h),
         push_speed: 3.0,
         slop: 0.0005,
-        shift: 1.0,
+        shift: 0.25,
         friction_box: false,
         relax,
     };

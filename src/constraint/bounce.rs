@@ -77,10 +77,10 @@ pub(crate) fn bounce(
         }
         let material = |c: u32| &input.colliders[c as usize].material;
         let restitution = material(pair.a).restitution_with(material(pair.b));
-        let (_, friction) = material(pair.a).friction_with(material(pair.b));
         if restitution <= 0.0 {
             continue;
         }
+        let (_, friction) = material(pair.a).friction_with(material(pair.b));
         let mut slot = pair.contact;
         while slot != NONE {
             let contact = &mut contacts[slot as usize];
@@ -189,8 +189,8 @@ fn solve(impact: &mut Impact, input: &BounceInput<'_>, bodies: &mut Bodies) {
     push(impact, input, bodies, n * change, [impact.arm_a * change, impact.arm_b * change]);
 }
 
-/// Friction of the impulse that sends a point back, as what stopped it has had friction already (`rub` of the contact's
-/// rows): against the slip, and no more than stops it.
+/// Friction of the impulse that sends a point back: against the slip, and no more than stops it. What stopped the point had
+/// its friction in the step before (`impact_friction.rs`).
 fn rub(impact: &Impact, input: &BounceInput<'_>, bodies: &mut Bodies) {
     let at = |body: u32, r: Vec3| {
         bodies.velocity.get(body as usize).map_or(Vec3::ZERO, |v| v.linear + v.angular.cross(r))

@@ -196,7 +196,6 @@ impl Reach {
 
 /// All points of a convex shape and a mesh or height field that are nearer than the margin, as up to
 /// [`MOST`](super::mesh_merge::MOST) manifolds in the shape's frame, added to `out`; the deepest first.
-///
 pub(crate) fn collide_mesh(
     a: &Collider,
     b: &Collider,
