@@ -67,7 +67,7 @@ impl GatherLanes for f32x8 {
     }
 }
 
-/// The 8x8 transpose, inlined: half of the kernels' rows are zeros or go unused, and so does the work for them.
+/// The 8x8 transpose, inlined: two of eight rows are zeros or go unused, and so does the work for them.
 #[cfg(target_feature = "avx")]
 #[inline(always)]
 pub(crate) fn transpose(rows: [f32x8; 8]) -> [f32x8; 8] {

@@ -103,32 +103,26 @@ unsafe fn step<L: GatherLanes, const P: usize>(
 ) -> bool {
     // SAFETY: by the contract.
     unsafe {
-        match (kind, group) {
-            (Kind::Solve | Kind::Relax, Group::Dynamic) => {
-                return solve::<L, P, true, true>(batch, motion, pass);
+        match kind {
+            Kind::WarmStart => {
+                match group {
+                    Group::Dynamic => warm_start::<L, P, true, true>(batch, motion.velocity),
+                    Group::PotentialDynamic => warm_start::<L, P, true, false>(batch, motion.velocity),
+                    Group::Static => warm_start::<L, P, false, true>(batch, motion.velocity),
+                    Group::PotentialStatic => warm_start::<L, P, false, false>(batch, motion.velocity),
+                }
+                false
             }
-            (Kind::Solve | Kind::Relax, Group::PotentialDynamic) => {
-                return solve::<L, P, true, false>(batch, motion, pass);
-            }
-            (Kind::Solve | Kind::Relax, Group::Static) => {
-                return solve::<L, P, false, true>(batch, motion, pass);
-            }
-            (Kind::Solve | Kind::Relax, Group::PotentialStatic) => {
-                return solve::<L, P, false, false>(batch, motion, pass);
-            }
-            (Kind::Rub, group) if group.is_static() => return rub::<L, P, false>(batch, motion, pass),
-            (Kind::Rub, _) => return rub::<L, P, true>(batch, motion, pass),
-            (Kind::WarmStart, Group::Dynamic) => warm_start::<L, P, true, true>(batch, motion.velocity),
-            (Kind::WarmStart, Group::PotentialDynamic) => {
-                warm_start::<L, P, true, false>(batch, motion.velocity)
-            }
-            (Kind::WarmStart, Group::Static) => warm_start::<L, P, false, true>(batch, motion.velocity),
-            (Kind::WarmStart, Group::PotentialStatic) => {
-                warm_start::<L, P, false, false>(batch, motion.velocity)
-            }
+            Kind::Solve | Kind::Relax => match group {
+                Group::Dynamic => solve::<L, P, true, true>(batch, motion, pass),
+                Group::PotentialDynamic => solve::<L, P, true, false>(batch, motion, pass),
+                Group::Static => solve::<L, P, false, true>(batch, motion, pass),
+                Group::PotentialStatic => solve::<L, P, false, false>(batch, motion, pass),
+            },
+            Kind::Rub if group.is_static() => rub::<L, P, false>(batch, motion, pass),
+            Kind::Rub => rub::<L, P, true>(batch, motion, pass),
         }
     }
-    false
 }
 
 /// Writes impulses back to the contacts. Says how many contacts pushed before they touched.
