@@ -8,14 +8,14 @@
 //! ([`mesh_patch`](super::mesh_patch)). Patches of about the same normal become one manifold of at most four points
 //! ([`mesh_merge`](super::mesh_merge)).
 //!
-//! A triangle has two sides; the one on which the shape's centre is counts as outside, so that a shape that is stuck
-//! halfway is pushed back to where its centre is.
+//! A triangle has two sides; the one on which the body's centre of mass is counts as outside, so that a shape that is
+//! stuck halfway is pushed back to where its centre is ([`side_of`]).
 
 use super::clip::CLOUD;
 use super::mesh_merge::{MOST, Merge};
 use super::mesh_patch::{Patches, Touch};
-use super::mesh_sweep::reach;
-use super::nearby::{Eight, Extent, Ground, Nearby};
+use super::mesh_reach::{Near, Reach, along, around, bounds, side_of};
+use super::nearby::{Eight, Ground, Nearby};
 use super::polytope::Pose;
 use super::round_polytope::Core;
 use super::support::Support;
@@ -32,9 +32,9 @@ const DEEPEST: u32 = 0x7f;
 /// Eight triangles in the shape's frame.
 pub(super) struct Triangles {
     pub(super) corners: [LaneVec3<f32x8>; 3],
-    /// Unit, to the side on which the shape's centre is.
+    /// Unit, to the side on which the shape belongs.
     pub(super) front: LaneVec3<f32x8>,
-    /// Height of the shape's centre over the plane, at least zero [m].
+    /// Height of the shape's origin over the plane [m].
     pub(super) height: f32x8,
     /// Lanes in which the winding's own front is away from the shape.
     behind: u32,
@@ -44,8 +44,9 @@ pub(super) struct Triangles {
 }
 
 impl Triangles {
+    /// `side`: of the shape, the point whose side it belongs on.
     #[inline(always)]
-    pub(super) fn new(eight: &Eight, lanes: u32, pose: &Pose, centre: Vec3) -> Triangles {
+    pub(super) fn new(eight: &Eight, lanes: u32, pose: &Pose, side: Vec3) -> Triangles {
         let m = &pose.axes;
         // Written out: arrays that are mapped or iterated over by value are not kept in registers.
         let (x_axis, y_axis, z_axis) =
@@ -60,13 +61,13 @@ impl Triangles {
         let squared = cross.length_squared();
         let valid = squared.gt(f32x8::splat(f32::MIN_POSITIVE));
         let length = Lanes::select(valid, squared, f32x8::one()).sqrt();
-        let height = cross.dot(LaneVec3::splat(centre) - corners[0]) / length;
-        let behind = height.lt(f32x8::zero());
-        let front = cross * (height.sign() / length);
+        let before = cross.dot(LaneVec3::splat(side) - corners[0]);
+        let behind = before.lt(f32x8::zero());
+        let scale = before.sign() / length;
         Triangles {
             corners,
-            front,
-            height: height.abs(),
+            front: cross * scale,
+            height: -cross.dot(corners[0]) * scale,
             behind: behind.bits(),
             valid: valid.bits() & lanes,
             index: eight.index,
@@ -86,7 +87,7 @@ impl Triangles {
         }
     }
 
-    /// How far a box (of which `front` is told) is apart from each: along the triangles' normals, and the most along
+    /// How far a box is apart from each: along the triangles' normals, and the most along
     /// the box's own axes, with the axis: 0, 1, 2 towards +x, +y, +z, then 3, 4, 5 towards -x, -y, -z.
     ///
     /// An axis on which the box would leave to the back of a triangle it overlaps doesn't count.
@@ -173,27 +174,6 @@ impl MeshScratch {
     }
 }
 
-/// What of a mesh counts as close to a shape.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Reach {
-    /// How near [m].
-    pub(crate) margin: f32,
-    /// Manifolds without a point nearer than this are of no use to the caller [m]. Of triangles further away only those are
-    /// looked at that are level with a nearer one.
-    pub(crate) within: f32,
-    /// Where the shape goes, in its own frame [m]: a triangle may be further away by what that takes off its distance.
-    pub(crate) way: Vec3,
-}
-
-impl Reach {
-    pub(crate) fn new(margin: f32) -> Reach {
-        Reach { margin, within: margin, way: Vec3::ZERO }
-    }
-    pub(crate) fn within(self, within: f32) -> Reach {
-        Reach { within, ..self }
-    }
-}
-
 /// All points of a convex shape and a mesh or height field that are nearer than the margin, as up to
 /// [`MOST`](super::mesh_merge::MOST) manifolds in the shape's frame, added to `out`; the deepest first.
 pub(crate) fn collide_mesh(
@@ -205,8 +185,8 @@ pub(crate) fn collide_mesh(
     out: &mut Vec<RawManifold>,
 ) {
     let Some(ground) = Ground::of(b) else { return };
-    let Some((middle, half, centre)) = bounds(a) else { return };
-    let pose = Pose::new(rel.position, rel.rotation);
+    let Some((middle, half)) = bounds(a) else { return };
+    let (pose, side) = (Pose::new(rel.position, rel.rotation), side_of(a));
     let MeshScratch { nearby, patches, merge, room, shed } = scratch;
     if !nearby.has_place(room) {
         *shed += 1;
@@ -221,8 +201,8 @@ pub(crate) fn collide_mesh(
         let close = around(&pose, (middle, half + Vec3::splat(within)));
         nearby.gather(&ground, close, &mut |found| {
             for (eight, lanes) in found.each() {
-                let triangles = Triangles::new(eight, lanes, &pose, centre);
-                near.add(&triangles, a, (middle, half, centre), within);
+                let triangles = Triangles::new(eight, lanes, &pose, side);
+                near.add(&triangles, a, (middle, half), within);
             }
         });
         if near.count == 0 {
@@ -237,7 +217,7 @@ pub(crate) fn collide_mesh(
                 *shed += 1;
                 return;
             }
-            let triangles = Triangles::new(eight, lanes, &pose, centre);
+            let triangles = Triangles::new(eight, lanes, &pose, side);
             let margins = near.margins(&triangles, reach);
             match (&a.geometry, &core) {
                 (Geometry::Sphere { radius }, _) => {
@@ -247,8 +227,7 @@ pub(crate) fn collide_mesh(
                     mesh_box::touch(*half_extents, &triangles, margins, &ground, patches);
                 }
                 (Geometry::Hull(hull), _) => {
-                    let around = (middle, half, centre);
-                    mesh_hull::touch((hull, a.radius), around, &triangles, margins, &ground, patches);
+                    mesh_hull::touch((hull, a.radius), (middle, half), &triangles, margins, &ground, patches);
                 }
                 (_, Some(core)) => {
                     mesh_capsule::touch((core, half, a.radius), &triangles, margins, &ground, patches);
@@ -268,6 +247,7 @@ pub(crate) fn collide_mesh(
         patches.points.push(RawPoint { position, separation, key: mesh_box::key(touch.index, DEEPEST) });
         patches.add(touch, -touch.front, Some(separation), patches.points.len() - 1);
     }
+    patches.drop_backs(side);
     patches.drop_hidden(a.radius);
     if !room.is_endless() {
         let place = out.len() + MOST;
@@ -279,96 +259,6 @@ pub(crate) fn collide_mesh(
     merge.manifolds(patches, &pose, a.radius, out);
 }
 
-/// Normals of the triangles that are near.
-#[derive(Default)]
-struct Near {
-    fronts: [Vec3; 8],
-    count: usize,
-}
-
-/// Cosine of 3.6 degrees: triangles whose normals are nearer than this may end up in one manifold.
-const LEVEL: f32 = 0.998;
-/// The sine of that angle, rounded up.
-const LEAN: f32 = 0.064;
-
-impl Near {
-    /// Adds those of eight triangles that may be nearer than `within` [m]: no plane of theirs, nor of the box around the
-    /// shape, shows that they are not.
-    #[inline(always)]
-    fn add(&mut self, triangles: &Triangles, a: &Collider, around: (Vec3, Vec3, Vec3), within: f32) {
-        let (middle, half, centre) = around;
-        let limit = f32x8::splat(within);
-        let (_, axis, _) = triangles.separate(middle, half);
-        let down = -triangles.front;
-        let face = triangles.height + LaneVec3::splat(centre).dot(down) - reach(a, down);
-        let mut bits = (axis.le(limit) & face.le(limit)).bits() & triangles.valid;
-        while bits != 0 {
-            let front = triangles.front.lane(bits.trailing_zeros() as usize);
-            bits &= bits - 1;
-            if self.fronts[..self.count.min(8)].iter().all(|other| other.dot(front) < LEVEL) {
-                if let Some(place) = self.fronts.get_mut(self.count) {
-                    *place = front;
-                }
-                self.count += 1;
-            }
-        }
-    }
-
-    /// The box of the mesh's frame around all that is level with a near triangle and below the shape by no more than a
-    /// margin, if near ones are few; `close`: the box around the shape.
-    fn extent(&self, pose: &Pose, close: Extent, margin: f32) -> Option<Extent> {
-        let fronts = self.fronts.get(..self.count)?;
-        let (mut min, mut max) = close;
-        for front in fronts {
-            let down = pose.inverse().direction(*front * -margin);
-            (min, max) = (min.min(close.0 + down), max.max(close.1 + down));
-        }
-        // Level is not quite parallel.
-        let aside = Vec3::splat(LEAN * margin);
-        Some((min - aside, max + aside))
-    }
-
-    /// How near each of eight triangles has to be to count [m].
-    #[inline(always)]
-    fn margins(&self, triangles: &Triangles, Reach { margin, within, way }: Reach) -> f32x8 {
-        let (all, near) = (f32x8::splat(margin), f32x8::splat(within));
-        if self.count == 0 || self.count > self.fronts.len() {
-            return all + Lanes::max(-triangles.front.dot(LaneVec3::splat(way)), f32x8::zero());
-        }
-        let level = f32x8::splat(LEVEL);
-        self.fronts[..self.count].iter().fold(near, |margins, front| {
-            Lanes::select(triangles.front.dot(LaneVec3::splat(*front)).ge(level), all, margins)
-        })
-    }
-}
-
-/// The box of the mesh's frame around a shape that goes `way` in its own [m], unless that is far: such a box would hold
-/// much that is nowhere near the path.
-pub(crate) fn extent_of(a: &Collider, rel: &Relative, margin: f32, way: Vec3) -> Option<Extent> {
-    let (middle, half, _) = bounds(a)?;
-    if way.length() > 2.0 * a.radius {
-        return None;
-    }
-    let pose = Pose::new(rel.position, rel.rotation);
-    Some(along(&pose, around(&pose, (middle, half + Vec3::splat(margin))), way))
-}
-
-/// The box around a box of the mesh's frame that goes `way` in the shape's.
-fn along(pose: &Pose, (min, max): Extent, way: Vec3) -> Extent {
-    let way = pose.inverse().direction(way);
-    (min + way.min(Vec3::ZERO), max + way.max(Vec3::ZERO))
-}
-
-/// The box of the mesh's frame around one of the shape's.
-fn around(pose: &Pose, (middle, half): (Vec3, Vec3)) -> Extent {
-    let middle = pose.inverse().point(middle);
-    let m = pose.axes;
-    let half = Vec3::new(m.x_axis.abs().dot(half), m.y_axis.abs().dot(half), m.z_axis.abs().dot(half));
-    // A millionth of the coordinates is their rounding.
-    let half = half + Vec3::splat(1e-6 * middle.abs().max_element());
-    (middle - half, middle + half)
-}
-
 /// The most points that a triangle yields.
 fn points_each(a: &Collider) -> usize {
     match a.geometry {
@@ -376,25 +266,6 @@ fn points_each(a: &Collider) -> usize {
         Geometry::Capsule { .. } => 4,
         Geometry::Box { .. } => 8,
         _ => CLOUD,
-    }
-}
-
-/// Middle and half extents of the box around a shape in its own frame, and the shape's centre.
-pub(super) fn bounds(a: &Collider) -> Option<(Vec3, Vec3, Vec3)> {
-    let around = |half: Vec3| Some((Vec3::ZERO, half, Vec3::ZERO));
-    match &a.geometry {
-        Geometry::Sphere { radius } => around(Vec3::splat(*radius)),
-        Geometry::Capsule { half_height, radius_bottom, radius_top } => {
-            let r = radius_bottom.max(*radius_top);
-            around(Vec3::new(r, half_height + r, r))
-        }
-        Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
-            let r = radius_bottom.max(*radius_top);
-            around(Vec3::new(r, *half_height, r))
-        }
-        Geometry::Box { half_extents } => around(*half_extents),
-        Geometry::Hull(hull) => Some(((hull.min + hull.max) * 0.5, (hull.max - hull.min) * 0.5, hull.centre)),
-        _ => None,
     }
 }
 
@@ -618,7 +489,7 @@ mod tests {
                 let rotation = if i % 2 == 0 { Quat::IDENTITY } else { random.rotation() };
                 let side = if i % 3 == 0 { -1.0 } else { 1.0 };
                 let position = Vec3::new(0.1, side * random.range(0.005, 0.08), 0.07);
-                let position = position - rotation * bounds(&shape).unwrap().2;
+                let position = position - rotation * side_of(&shape);
                 let found = collide(&shape, &ground, position, rotation, MARGIN);
                 assert!(!found.is_empty());
                 for m in &found {
@@ -626,6 +497,49 @@ mod tests {
                 }
                 let deepest = found[0].points().iter().map(|p| p.separation).fold(0.0, f32::min);
                 assert!(deepest < -0.1, "{:?} {deepest}", shape.kind);
+            }
+        }
+    }
+
+    /// The centre of mass of a tapered cylinder is nearer to its wide end than its origin is. The guard keeps the former
+    /// above the ground, so that tells which way is out, even if the origin is below.
+    #[test]
+    fn a_shape_is_pushed_to_the_side_of_its_centre_of_mass() {
+        let ground = mesh(grid(16, 0.25, |_, _| 0.0));
+        let cone = Geometry::Cylinder { half_height: 0.4, radius_bottom: 0.3, radius_top: 0.1 };
+        // Of a frustum: h (R² + 2 R r + 3 r²) / (4 (R² + R r + r²)) above its base, h = 0.8, R = 0.3, r = 0.1.
+        let above_base = 0.8 * (0.09 + 0.06 + 0.03) / (4.0 * (0.09 + 0.03 + 0.01));
+        let mut shape = testing::collider(cone);
+        shape.position = Vec3::new(0.0, 0.4 - above_base, 0.0);
+        // Upside down: the wide end is up, the centre of mass 0.123 m above the origin.
+        let rotation = Quat::from_rotation_x(std::f32::consts::PI);
+        for (origin, side) in [(-0.05, 1.0), (-0.11, 1.0), (-0.14, -1.0), (0.05, 1.0)] {
+            let found = collide(&shape, &ground, Vec3::new(0.1, origin, 0.07), rotation, MARGIN);
+            assert!(!found.is_empty());
+            for m in &found {
+                assert!(m.normal.y * side < -0.999, "{origin} {}", m.normal);
+            }
+        }
+    }
+
+    /// A plate that has sunk into a roof, its centre over one slope and above it, is below the plane in which the other
+    /// slope goes on: what overlaps that one must not be pushed further in.
+    #[test]
+    fn a_plate_that_has_sunk_into_a_ridge_is_pushed_out_of_it() {
+        let slope = 0.3;
+        let roof = mesh(grid(16, 0.25, |x, _| -slope * x.abs()));
+        let plate = testing::collider(Geometry::cuboid(0.4, 0.01, 0.3));
+        for depth in [0.01, 0.02, 0.04] {
+            for x in [-0.25, -0.15, -0.06] {
+                for tilt in [0.0, 0.15, 0.25] {
+                    let position = Vec3::new(x, slope * x + 0.009, 0.05);
+                    // Its right end is below the ridge, in the other slope.
+                    let rotation = Quat::from_rotation_z(tilt - depth);
+                    let found = collide(&plate, &roof, position, rotation, 0.0);
+                    for m in &found {
+                        assert!(m.normal.y < 0.0, "{depth} {x} {tilt} {m:?}");
+                    }
+                }
             }
         }
     }

@@ -48,7 +48,7 @@ fn inside(triangles: &Triangles, at: LaneVec3<f32x8>) -> f32x8 {
 /// Adds a patch for every triangle that is nearer than its margin.
 pub(super) fn touch(
     (hull, size): (&ConvexHull, f32),
-    (middle, half, centre): (Vec3, Vec3, Vec3),
+    (middle, half): (Vec3, Vec3),
     triangles: &Triangles,
     margins: f32x8,
     ground: &Ground,
@@ -58,14 +58,14 @@ pub(super) fn touch(
     let p = &solid.view();
     let (_, axis, _) = triangles.separate(middle, half);
     let front = triangles.front;
-    let box_face = triangles.height + LaneVec3::splat(middle - centre).dot(front)
-        - front.abs().dot(LaneVec3::splat(half));
+    let box_face =
+        triangles.height + LaneVec3::splat(middle).dot(front) - front.abs().dot(LaneVec3::splat(half));
     let near = axis.le(margins) & box_face.le(margins);
     if near.bits() & triangles.valid == 0 {
         return;
     }
     let (vertex, reach) = furthest(p, -front);
-    let face = triangles.height - LaneVec3::splat(centre).dot(front) - reach;
+    let face = triangles.height - reach;
     let mut bits = (near & face.le(margins)).bits() & triangles.valid;
     if bits == 0 {
         return;

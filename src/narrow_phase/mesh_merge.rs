@@ -166,6 +166,7 @@ fn furthest(points: &[RawPoint], normal: Vec3, tolerance: f32) -> [usize; 9] {
 mod tests {
     use crate::narrow_phase::convex::testing;
     use crate::narrow_phase::mesh::{MeshScratch, collide_mesh};
+    use crate::narrow_phase::mesh_reach::Reach;
     use crate::narrow_phase::{RawPoint, Relative};
     use crate::shape::mesh::testing::{Random, grid};
     use crate::shape::{Collider, Geometry, TriangleMesh};
@@ -202,14 +203,7 @@ mod tests {
                     let rel = Relative { position: -(back * position), rotation: back };
                     let margin = if i % 2 == 0 { 0.01 } else { 0.15 };
                     out.clear();
-                    collide_mesh(
-                        &shape,
-                        &ground,
-                        &rel,
-                        crate::narrow_phase::mesh::Reach::new(margin),
-                        &mut scratch,
-                        &mut out,
-                    );
+                    collide_mesh(&shape, &ground, &rel, Reach::new(margin), &mut scratch, &mut out);
                     assert_eq!(out.len(), 1, "{cell} {i} {out:?}");
                     for end in [-half, half] {
                         let near = |p: &RawPoint| (p.position.y - end).abs() < 1e-3;

@@ -1,7 +1,7 @@
 //! Contact patches of single triangles, and which of them the surface as a whole does not have.
 //!
 //! A triangle alone has sharp edges all around. In a mesh most of them are flat or lie in a valley, and a normal that
-//! comes from such an edge is a ghost that bodies trip over. Four rules take ghosts out:
+//! comes from such an edge is a ghost that bodies trip over. Five rules take ghosts out:
 //!
 //! 1. A normal at an edge that is concave, as seen from the shape's side: the face beyond that edge is in front of it
 //!    and is what is really touched. The patch goes.
@@ -13,8 +13,12 @@
 //!    gap, the neighbour is what is touched, and the patch goes.
 //! 4. A triangle wholly behind the plane of another face that is touched, which the shape would not reach any more
 //!    once it were lifted out of that face: the sides of a step under a box that stands on it.
+//! 5. A triangle that is overlapped and seen from behind, because it lies on the far slope of a hill that the shape has
+//!    sunk into: it would push the shape further in. The triangle nearest to the shape's centre tells which side of
+//!    the surface that is on.
 
 use super::RawPoint;
+use super::simplex::from_triangle;
 use crate::memory::{Room, bytes_of};
 use crate::shape::{Edges, FLAT_COSINE, Fold};
 use glam::Vec3;
@@ -91,6 +95,20 @@ impl Touch {
             to
         } else {
             from
+        })
+    }
+
+    /// How far a point is over the plane [m].
+    fn height(&self, point: Vec3) -> f32 {
+        self.front.dot(point - self.corners[0])
+    }
+
+    /// Whether a point is not over the triangle but beyond an edge where the surface goes on, level or towards the point's
+    /// side: there it may come to lie between the two.
+    fn goes_on_below(&self, point: Vec3) -> bool {
+        (0..3).any(|i| {
+            matches!(self.edges.fold(i), Fold::Flat | Fold::Valley)
+                && self.outward(i).dot(point - self.corners[i]) > 0.0
         })
     }
 
@@ -265,6 +283,35 @@ impl Patches {
                 && touch.front.dot(own.front) >= FLAT_COSINE
                 && touch.continues(at, way, tolerance)
         })
+    }
+
+    /// The fifth rule, for a shape with this centre.
+    pub(super) fn drop_backs(&mut self, centre: Vec3) {
+        let deep = self.patches.iter().filter(|p| p.least < 0.0);
+        let sides = deep.fold(0, |sides, p| sides | 1 << u32::from(self.touches[p.touch as usize].behind));
+        if sides != 0b11 {
+            return;
+        }
+        // At a ridge two are as near, and the centre may be behind one of them, by less than it is before the other.
+        let mut own: Option<(&Touch, [f32; 2])> = None;
+        for touch in &self.touches {
+            let (gap, height) = (from_triangle(centre, touch.corners).length() as f32, touch.height(centre));
+            let nearer = |[other, above]: [f32; 2]| {
+                gap < other * (1.0 - 1e-4) || (gap <= other * (1.0 + 1e-4) && height > above)
+            };
+            if own.is_none_or(|(_, other)| nearer(other)) {
+                own = Some((touch, [gap, height]));
+            }
+        }
+        let Some((&own, _)) = own else { return };
+        let Patches { patches, touches, .. } = self;
+        patches.retain(|p| {
+            let touch = &touches[p.touch as usize];
+            p.least >= 0.0
+                || touch.behind == own.behind
+                || touch.front.dot(own.front) >= 0.0
+                || !touch.goes_on_below(centre)
+        });
     }
 
     /// The third and the fourth rule. Also sorts the patches: the deepest first.

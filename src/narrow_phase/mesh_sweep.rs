@@ -9,7 +9,8 @@
 use super::Relative;
 use super::cast::Spin;
 use super::cast_mesh::Asked;
-use super::mesh::{Triangles, bounds};
+use super::mesh::Triangles;
+use super::mesh_reach::bounds;
 use super::mesh_sphere::nearest;
 use super::motion::{Motion, turn};
 use super::nearby::Eight;
@@ -126,7 +127,7 @@ impl<'a> MeshSweep<'a> {
         let local = to_local * spin.vector;
         MeshSweep {
             shape,
-            around: bounds(shape).map_or((Vec3::ZERO, Vec3::splat(shape.radius)), |b| (b.0, b.1)),
+            around: bounds(shape).unwrap_or((Vec3::ZERO, Vec3::splat(shape.radius))),
             pose: Pose::new(rel.position, rel.rotation),
             until: 1.0,
             moments: OnceCell::new(),

@@ -33,6 +33,7 @@ mod mesh_hull;
 mod mesh_hull_face;
 mod mesh_merge;
 mod mesh_patch;
+mod mesh_reach;
 mod mesh_sphere;
 mod mesh_sweep;
 mod motion;

@@ -43,6 +43,28 @@ impl Geometry {
             Geometry::Plane | Geometry::Mesh(_) | Geometry::HeightField(_) => 0.0,
         }
     }
+
+    /// Whether a point in its frame lies inside; never in planes, meshes and height fields.
+    pub(crate) fn holds(&self, point: Vec3) -> bool {
+        // Inside a round shape by the radius at a height.
+        let within = |h: f32, bottom: f32, top: f32| {
+            let radius = bottom + (top - bottom) * (0.5 + 0.5 * point.y / h);
+            point.y.abs() < h && point.x.hypot(point.z) < radius
+        };
+        match *self {
+            Geometry::Sphere { radius } => point.length() < radius,
+            // Cones from ball to ball have all of that; of the balls themselves what is beyond may be left out.
+            Geometry::Capsule { half_height, radius_bottom, radius_top } => {
+                within(half_height, radius_bottom, radius_top)
+            }
+            Geometry::Box { half_extents } => point.abs().cmplt(half_extents).all(),
+            Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
+                within(half_height, radius_bottom, radius_top)
+            }
+            Geometry::Hull(ref hull) => hull.planes.iter().all(|(n, offset)| n.dot(point) < *offset),
+            Geometry::Plane | Geometry::Mesh(_) | Geometry::HeightField(_) => false,
+        }
+    }
 }
 
 /// Distance of the furthest corner of a box from the origin.
