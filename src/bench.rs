@@ -133,6 +133,7 @@ pub fn preparing() -> Kernel {
             near: 0.02,
             warm: 1.0,
             stick: 0.01,
+            order: crate::constraint::Order::default(),
             per_point: false,
         };
         prepare(&Crew::alone(), &input, &mut rows, &mut scratch, &mut Room::default());

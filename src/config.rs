@@ -1,5 +1,6 @@
 //! Every tunable, with unit, range, default and source.
 
+use crate::constraint::Order;
 use crate::error::{Error, finite3, positive, within};
 use glam::Vec3;
 
@@ -89,6 +90,9 @@ pub struct Settings {
     pub warm_starting: bool,
     /// Whether contacts of pairs that hardly moved are kept without a new narrow phase. Default true.
     pub recycling: bool,
+    /// In which order groups of rows are solved: what comes last is obeyed best. Default: joints before contacts, static
+    /// geometry last.
+    pub order: Order,
     /// Bytes that the world may reserve; `None` for no limit. What is added beyond is refused, and a step leaves out the
     /// contacts that don't fit ([`StepReport::shed`](crate::StepReport::shed)). Default `None`.
     pub budget: Option<usize>,
@@ -112,6 +116,7 @@ impl Default for Settings {
             push_speed: 3.0,
             warm_starting: true,
             recycling: true,
+            order: Order::default(),
             budget: None,
         }
     }
@@ -133,6 +138,9 @@ impl Settings {
         positive("contact_hertz", self.contact_hertz)?;
         positive("contact_damping", self.contact_damping)?;
         positive("push_speed", self.push_speed)?;
+        if !self.order.is_complete() {
+            return Err(Error::Incomplete { what: "the order of rows", expected: "each group once" });
+        }
         Ok(())
     }
 }

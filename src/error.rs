@@ -12,6 +12,23 @@ pub enum Error {
     /// The shape or its body was removed, or the handle is of another world.
     #[error("the shape handle is stale: its shape was removed")]
     StaleShape,
+    /// The joint broke, it or one of its bodies was removed, or the handle is of another world.
+    #[error("the joint handle is stale: its joint broke or was removed")]
+    StaleJoint,
+    /// A joint needs two bodies.
+    #[error("a joint can't join a body to itself")]
+    JointToItself,
+    /// A joint between bodies that nothing moves.
+    #[error("a joint needs a dynamic body")]
+    JointOfStill,
+    /// A list that leaves something out.
+    #[error("{what} must have {expected}")]
+    Incomplete {
+        /// Which list.
+        what: &'static str,
+        /// What it must have.
+        expected: &'static str,
+    },
     /// A number is NaN or infinite.
     #[error("{what} must be finite, but is {value}")]
     NotFinite {

@@ -23,6 +23,11 @@ handle! {
     ShapeHandle
 }
 
+handle! {
+    /// A joint between two bodies. Goes stale when it breaks, or when it or one of its bodies is removed.
+    JointHandle
+}
+
 /// Hands out handles and finds the dense index behind one. Slots are reused, generations are not.
 #[derive(Debug, Default)]
 pub(crate) struct Slots {
@@ -51,6 +56,12 @@ impl Slots {
     pub(crate) fn get(&self, slot: u32, generation: u32) -> Option<u32> {
         let entry = self.slots.get(slot as usize)?;
         (entry.0 == generation && entry.1 != u32::MAX).then_some(entry.1)
+    }
+
+    /// The dense index of what is known to be there.
+    #[inline]
+    pub(crate) fn dense(&self, slot: u32) -> u32 {
+        self.slots[slot as usize].1
     }
 
     pub(crate) fn generation(&self, slot: u32) -> u32 {

@@ -64,6 +64,7 @@ mod error;
 mod finish;
 mod forces;
 mod handle;
+mod joint;
 mod lanes;
 mod memory;
 mod movers;
@@ -78,10 +79,12 @@ mod world;
 
 pub use body::{BodyDesc, BodyKind};
 pub use config::{Continuous, FrictionCone, FrictionModel, Settings};
+pub use constraint::{Order, RowGroup};
 pub use error::Error;
 pub use finish::{StageTimes, StepReport};
 pub use glam;
-pub use handle::{BodyHandle, ShapeHandle};
+pub use handle::{BodyHandle, JointHandle, ShapeHandle};
+pub use joint::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
 pub use memory::{Bytes, Category, MemoryReport};
 pub use shape::{
     Combine, ConvexHull, Filter, Geometry, HeightField, MassProperties, Material, ShapeDesc, TriangleMesh,

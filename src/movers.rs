@@ -92,11 +92,14 @@ pub(crate) fn pairs(crew: &Crew<'_>, world: &mut World) -> (BroadStats, u32) {
         });
     }
     removed.clear();
-    let (bodies, all) = (&world.bodies, &world.colliders.all);
+    let (bodies, all, joints) = (&world.bodies, &world.colliders.all, &world.joints);
     let may_collide = |a: u32, b: u32| {
         let (a, b) = (&all[a as usize], &all[b as usize]);
         let dynamic = |c: &Collider| bodies.kind[c.body as usize] == BodyKind::Dynamic;
-        a.body != b.body && (dynamic(a) || dynamic(b)) && a.filter.allows(&b.filter)
+        a.body != b.body
+            && (dynamic(a) || dynamic(b))
+            && a.filter.allows(&b.filter)
+            && !joints.keep_apart(bodies.slot[a.body as usize], bodies.slot[b.body as usize])
     };
     let order = |a: u32, b: u32| {
         let kind = |c: u32| all[c as usize].kind;

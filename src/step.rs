@@ -2,7 +2,8 @@
 
 use crate::config::FrictionModel;
 use crate::constraint::{
-    BounceInput, BounceScratch, PrepareInput, PrepareScratch, Prepared, Rows, bounce, prepare,
+    BounceInput, BounceScratch, JointInput, JointRows, PrepareInput, PrepareScratch, Prepared, Rows, bounce,
+    prepare,
 };
 use crate::error::{Error, positive};
 use crate::finish::{StageTimes, StepReport};
@@ -23,6 +24,7 @@ pub(crate) struct Buffers {
     pub(crate) bounce: BounceScratch,
     pub(crate) prepare: PrepareScratch,
     pub(crate) rows: Rows,
+    pub(crate) joints: JointRows,
     pub(crate) solver: solver::State,
     pub(crate) finish: finish::Buffers,
     /// Length of the last substep [s]: impulses are warm-started in proportion.
@@ -37,6 +39,7 @@ impl Buffers {
         report.add(Category::Scratch, self.narrow.bytes());
         report.add(Category::Scratch, self.bounce.bytes());
         report.add(Category::Scratch, self.prepare.bytes());
+        report.add(Category::Joints, self.joints.bytes());
         report.add(Category::Scratch, self.solver.bytes());
         report.add(Category::Scratch, self.finish.bytes());
     }
@@ -88,8 +91,9 @@ impl World {
         clock = lap(clock, &mut times.prepare);
 
         let buffers = &mut self.buffers;
-        let (rows, state) = (&mut buffers.rows, &mut buffers.solver);
+        let (rows, state) = ((&mut buffers.rows, &mut buffers.joints), &mut buffers.solver);
         solver::solve(crew, &self.settings, dt, &mut self.bodies, &buffers.forces, rows, state);
+        self.store_joints(dt);
         let pushed = {
             let poses = &self.colliders.poses;
             if self.settings.friction_model == FrictionModel::Point {
@@ -109,6 +113,18 @@ impl World {
         self.buffers.last_h = dt / self.settings.substeps as f32;
         self.report = StepReport::new(self, times, broad, narrow, prepared, pushed, ended);
         self.note_peaks();
+    }
+
+    /// What joints bore, and which of them broke.
+    fn store_joints(&mut self, dt: f32) {
+        self.joints.broken.clear();
+        if self.joints.count == 0 {
+            return;
+        }
+        self.buffers.joints.store(&mut self.joints, self.settings.substeps as f32 / dt);
+        if self.joints.any_breakable() {
+            self.break_joints();
+        }
     }
 
     fn narrow(&mut self, crew: &Crew<'_>) -> crate::narrow_phase::NarrowStats {
@@ -165,9 +181,25 @@ impl World {
             near: 2.0 * MARGIN * unit,
             warm,
             stick: STICK * unit,
+            order: self.settings.order,
             per_point: self.settings.friction_model == FrictionModel::Point,
         };
         let prepared = prepare(crew, &input, &mut self.buffers.rows, &mut self.buffers.prepare, &mut room);
+        if self.joints.changed {
+            self.joints.compact();
+            self.buffers.joints.arrange(&self.joints, &self.bodies);
+        }
+        if self.joints.count > 0 {
+            let input = JointInput {
+                bodies: &self.bodies,
+                inverse_inertia: &self.buffers.forces.inverse_inertia,
+                joints: &self.joints,
+                order: self.settings.order,
+                warm,
+                h,
+            };
+            self.buffers.joints.fill(crew, &input);
+        }
         Prepared { impacts: impacts as u32, shed: prepared.shed + lost, ..prepared }
     }
 }

@@ -1,6 +1,7 @@
 //! The world: it owns every store; add, remove, change, look up.
 
 mod budget;
+mod joints;
 
 use crate::body::{Bodies, BodyDesc, BodyKind, Cold, Mass, NewBody, Pose, Previous, Traits};
 use crate::broad_phase::{BroadPhase, Pair, aabb_of};
@@ -9,6 +10,7 @@ use crate::error::{Error, finite, finite3};
 use crate::finish::StepReport;
 use crate::forces::world_inertia;
 use crate::handle::{BodyHandle, ShapeHandle, Slots};
+use crate::joint::Joints;
 use crate::lanes::Record;
 use crate::memory::{Category, MemoryReport};
 use crate::narrow_phase::Contacts;
@@ -26,6 +28,7 @@ pub struct World {
     pub(crate) bodies: Bodies,
     pub(crate) colliders: Colliders,
     pub(crate) broad: BroadPhase,
+    pub(crate) joints: Joints,
     pub(crate) contacts: Contacts,
     pub(crate) buffers: Buffers,
     pub(crate) report: StepReport,
@@ -180,6 +183,7 @@ impl World {
     /// If the handle is stale.
     pub fn remove_body(&mut self, body: BodyHandle) -> Result<(), Error> {
         let index = self.index(body)?;
+        self.remove_joints_of(body);
         let colliders = self.bodies.take_colliders(index);
         for &collider in colliders.as_slice() {
             self.drop_collider(collider);
@@ -731,6 +735,7 @@ impl World {
         velocity.linear += velocity.angular.cross(shift);
         self.bodies.cold[index] = cold;
         self.bodies.mass[index] = columns;
+        self.recentre_joints(index, &old);
         for &c in self.bodies.colliders[index].as_slice() {
             let c = &mut self.colliders.all[c as usize];
             c.position = cold.axes.conjugate() * (old.centre + old.axes * c.position - cold.centre);

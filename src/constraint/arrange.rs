@@ -2,7 +2,7 @@
 
 use super::batch::{BatchRef, Rows};
 use super::colour::{COLOURS, Colouring, OVERFLOW};
-use super::order::{Group, Stage};
+use super::order::{Group, Order, Stage};
 use super::prepare::PrepareInput;
 use crate::memory::{Buffer, Room, bytes_of};
 use crate::narrow_phase::{Contact, NONE};
@@ -109,8 +109,10 @@ impl Keys {
 
     /// Groups and colours in the order in which they are solved. Contacts without a colour come first in their group:
     /// what is solved later wins.
-    fn colours(&self) -> impl Iterator<Item = (Group, usize)> + use<> {
-        Group::ALL.into_iter().zip(self.colours).flat_map(|(group, colours)| {
+    fn colours(&self, order: Order) -> impl Iterator<Item = (Group, usize)> + use<> {
+        let colours = self.colours;
+        order.contacts().into_iter().flat_map(move |group| {
+            let colours = colours[group as usize];
             std::iter::once(OVERFLOW).chain(0..colours).map(move |colour| (group, colour))
         })
     }
@@ -138,7 +140,7 @@ pub(crate) fn arrange(
     let mut keys = Keys::new();
     if room.is_endless() {
         let (prepared, _) = sort(input, scratch, &mut keys, [u32::MAX; 4]);
-        let batches = schedule(rows, scratch, &keys);
+        let batches = schedule(rows, scratch, &keys, input.order);
         rows.resize(batches);
         return prepared;
     }
@@ -150,7 +152,7 @@ pub(crate) fn arrange(
     let mut shed = too_few;
     loop {
         let (mut prepared, lost) = sort(input, scratch, &mut keys, quota(parts, shed));
-        let batches = schedule(rows, scratch, &keys);
+        let batches = schedule(rows, scratch, &keys, input.order);
         if rows.make_place(batches, room) {
             enough = shed;
             if shed == too_few || enough - too_few <= 1 + total / 64 {
@@ -280,7 +282,7 @@ fn sort(
         }
     });
     let mut end = 0;
-    for (group, colour) in keys.colours() {
+    for (group, colour) in keys.colours(input.order) {
         let first = Keys::first(group, colour);
         for place in &mut keys.ends[first..first + 4] {
             end += std::mem::replace(place, end);
@@ -302,13 +304,13 @@ fn sort(
 }
 
 /// Batches of each stage. Says how many batches there are of one to four points, and of one lane.
-fn schedule(rows: &mut Rows, scratch: &mut PrepareScratch, keys: &Keys) -> [usize; 5] {
+fn schedule(rows: &mut Rows, scratch: &mut PrepareScratch, keys: &Keys, order: Order) -> [usize; 5] {
     let (mut counts, mut singles) = ([0u32; 4], 0u32);
     rows.schedule.clear();
     rows.stages.clear();
     scratch.ranges.clear();
     let mut start = 0;
-    for (group, colour) in keys.colours() {
+    for (group, colour) in keys.colours(order) {
         let first = Keys::first(group, colour);
         let ends = &keys.ends[first..first + 4];
         let end = ends[3];

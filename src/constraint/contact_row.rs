@@ -91,23 +91,21 @@ impl<L: GatherLanes> Pair<L> {
     /// # Safety
     /// The bodies of the batch are this thread's, or are not written in this stage.
     #[inline(always)]
-    pub(super) unsafe fn load<const P: usize, const TWO: bool>(
-        batch: &Batch<L, P>,
-        records: &Shared<'_, Record>,
-    ) -> Self {
+    pub(super) unsafe fn load<const TWO: bool>([a, b]: [&[u32; 8]; 2], records: &Shared<'_, Record>) -> Self {
         // SAFETY: by the contract. One by one: a slice of all would include those that other threads write.
         let record = |i| unsafe { records.read(i) };
-        let (va, wa) = gather(record, &batch.a);
-        let (vb, wb) = if TWO { gather(record, &batch.b) } else { (Vec3::zero(), Vec3::zero()) };
+        let (va, wa) = gather(record, a);
+        let (vb, wb) = if TWO { gather(record, b) } else { (Vec3::zero(), Vec3::zero()) };
         Pair { va, wa, vb, wb }
     }
 
     /// # Safety
     /// As for [`Pair::load`].
     #[inline(always)]
-    pub(super) unsafe fn save<const P: usize, const TWO: bool>(
+    pub(super) unsafe fn save<const TWO: bool>(
         &self,
-        batch: &Batch<L, P>,
+        [a, b]: [&[u32; 8]; 2],
+        [write_a, write_b]: [u32; 2],
         records: &Shared<'_, Record>,
     ) {
         let write = |linear, angular, index: &[u32; 8], mask: u32| {
@@ -119,9 +117,9 @@ impl<L: GatherLanes> Pair<L> {
                 }
             }
         };
-        write(self.va, self.wa, &batch.a, batch.write_a);
+        write(self.va, self.wa, a, write_a);
         if TWO {
-            write(self.vb, self.wb, &batch.b, batch.write_b);
+            write(self.vb, self.wb, b, write_b);
         }
     }
 
@@ -157,7 +155,7 @@ pub(crate) unsafe fn warm_start<L: GatherLanes, const P: usize, const TWO: bool,
         return;
     }
     // SAFETY: by the contract.
-    let mut v = unsafe { Pair::load::<P, TWO>(batch, velocity) };
+    let mut v = unsafe { Pair::load::<TWO>([&batch.a, &batch.b], velocity) };
     let (mut sum, mut ta, mut tb) = (L::zero(), Vec3::zero(), Vec3::zero());
     for point in &batch.points {
         sum += point.impulse;
@@ -178,7 +176,7 @@ pub(crate) unsafe fn warm_start<L: GatherLanes, const P: usize, const TWO: bool,
     }
     v.apply::<P, TWO>(batch, p, ta, tb);
     // SAFETY: by the contract.
-    unsafe { v.save::<P, TWO>(batch, velocity) };
+    unsafe { v.save::<TWO>([&batch.a, &batch.b], [batch.write_a, batch.write_b], velocity) };
 }
 
 /// One Gauss-Seidel step over the rows of a batch. Overlap is pushed apart softly, or, to relax, what the push added to
@@ -197,11 +195,11 @@ pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const TWO: bool, cons
     pass: &Pass,
 ) -> bool {
     // SAFETY: by the contract.
-    let mut v = unsafe { Pair::load::<P, TWO>(batch, motion.velocity) };
+    let mut v = unsafe { Pair::load::<TWO>([&batch.a, &batch.b], motion.velocity) };
     // Bodies are moved before the rows relax, and not again before they are solved in the next substep.
     if pass.relax {
         // SAFETY: displacements are not written while rows are solved.
-        let d = unsafe { Pair::load::<P, TWO>(batch, motion.delta) };
+        let d = unsafe { Pair::load::<TWO>([&batch.a, &batch.b], motion.delta) };
         let gap = relative::<L, TWO>(batch.normal, &d);
         for point in &mut batch.points {
             point.now = point.separation + gap + row::<L, TWO>(&d, point);
@@ -324,7 +322,7 @@ pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const TWO: bool, cons
     }
     v.apply::<P, TWO>(batch, n * sum, ta, tb);
     // SAFETY: by the contract.
-    unsafe { v.save::<P, TWO>(batch, motion.velocity) };
+    unsafe { v.save::<TWO>([&batch.a, &batch.b], [batch.write_a, batch.write_b], motion.velocity) };
     pass.relax && potential_load(batch).0.gt(L::zero()).any()
 }
 

@@ -25,7 +25,7 @@ pub(crate) unsafe fn rub<L: GatherLanes, const P: usize, const TWO: bool>(
         return false;
     }
     // SAFETY: by the contract.
-    let mut v = unsafe { Pair::load::<P, TWO>(batch, motion.velocity) };
+    let mut v = unsafe { Pair::load::<TWO>([&batch.a, &batch.b], motion.velocity) };
     let (n, f) = (batch.normal, &batch.friction);
     // Where the load was: n x (r x n) is r without its part along n, which all points share.
     let aside = n.cross(arm) * L::select(pushed, L::one() / load, L::zero());
@@ -49,12 +49,12 @@ pub(crate) unsafe fn rub<L: GatherLanes, const P: usize, const TWO: bool>(
     let p = -(load * f.coefficient).min(most);
     v.apply::<P, TWO>(batch, way * p, ta * p, tb * p);
     // SAFETY: by the contract.
-    let mut b = unsafe { Pair::load::<P, TWO>(batch, motion.base) };
+    let mut b = unsafe { Pair::load::<TWO>([&batch.a, &batch.b], motion.base) };
     b.apply::<P, TWO>(batch, way * p, ta * p, tb * p);
     // SAFETY: by the contract.
     unsafe {
-        v.save::<P, TWO>(batch, motion.velocity);
-        b.save::<P, TWO>(batch, motion.base);
+        v.save::<TWO>([&batch.a, &batch.b], [batch.write_a, batch.write_b], motion.velocity);
+        b.save::<TWO>([&batch.a, &batch.b], [batch.write_a, batch.write_b], motion.base);
     }
     (p.abs() * k).gt(L::splat(pass.shift)).any()
 }

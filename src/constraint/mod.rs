@@ -6,6 +6,10 @@ mod bounce;
 mod colour;
 pub(crate) mod contact_row;
 mod impact_friction;
+mod joint_arrange;
+mod joint_ends;
+mod joint_lock;
+mod joint_row;
 mod order;
 mod prepare;
 
@@ -13,5 +17,10 @@ pub(crate) use arrange::{PrepareScratch, Prepared};
 pub(crate) use batch::{Batch, Rows};
 pub(crate) use bounce::{BounceInput, BounceScratch, bounce};
 pub(crate) use impact_friction::rub;
+pub(crate) use joint_arrange::{JointInput, JointRows, JointStage, JointViews};
+pub(crate) use joint_ends::JointPass;
+/// The largest of the batches that rows of joints are in.
+pub(crate) type WidestJointBatch = joint_row::RowBatch<crate::lanes::f32x8>;
 pub(crate) use order::{Group, Stage};
+pub use order::{Order, RowGroup};
 pub(crate) use prepare::{PrepareInput, prepare};

@@ -1,6 +1,74 @@
 //! What counts as important: Gauss-Seidel leaves the least error in the row it solves last.
 
-/// Rows of one type and importance. Groups are solved in this order, so the last is obeyed best.
+/// Rows of one kind, of joints and of contacts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+pub enum RowGroup {
+    /// Springs, drives, motors and friction of joints.
+    SoftJoints,
+    /// Ends of ranges that joints may move within.
+    JointLimits,
+    /// What joints keep together.
+    Joints,
+    /// Contacts of bodies that both can move.
+    Contacts,
+    /// Those that such bodies may have within the step.
+    PotentialContacts,
+    /// Contacts with what is static.
+    StaticContacts,
+    /// Those that a body may have with what is static within the step.
+    PotentialStaticContacts,
+}
+
+/// In which order groups of rows are solved: what is solved last is obeyed best.
+///
+/// The default is that of Vincent Robert's talk (Ubisoft, GDC 2012): joints before contacts, so that what can't be met is
+/// left in a joint for a frame and not in a wall for ever.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Order(pub [RowGroup; 7]);
+
+impl Default for Order {
+    fn default() -> Self {
+        use RowGroup::*;
+        Order([
+            SoftJoints,
+            JointLimits,
+            Joints,
+            Contacts,
+            PotentialContacts,
+            StaticContacts,
+            PotentialStaticContacts,
+        ])
+    }
+}
+
+impl Order {
+    /// The other way round: contacts first, joints last. To see what the default is good for.
+    pub fn reversed(self) -> Order {
+        let mut groups = self.0;
+        groups.reverse();
+        Order(groups)
+    }
+
+    /// Contacts in this order.
+    pub(crate) fn contacts(self) -> [Group; 4] {
+        let mut groups = Group::ALL;
+        groups.sort_by_key(|group| self.rank(group.named()));
+        groups
+    }
+
+    /// Whether each group stands in it once.
+    pub(crate) fn is_complete(self) -> bool {
+        Order::default().0.iter().all(|group| self.0.contains(group))
+    }
+
+    pub(crate) fn rank(self, group: RowGroup) -> usize {
+        self.0.iter().position(|&g| g == group).unwrap_or(0)
+    }
+}
+
+/// Rows of contacts of one type and importance. Groups are solved in this order, so the last is obeyed best.
 ///
 /// Friction comes before the normal rows of its own contact, and what keeps bodies out of the static world comes
 /// last: a body pushed into another can be pushed out again in the next step, a body pushed through the floor is lost.
@@ -24,6 +92,16 @@ impl Group {
 
     pub(crate) fn of(is_static: bool, is_potential: bool) -> Group {
         Group::ALL[usize::from(is_static) * 2 + usize::from(is_potential)]
+    }
+
+    /// Its name in an [`Order`].
+    pub(crate) fn named(self) -> RowGroup {
+        match self {
+            Group::Dynamic => RowGroup::Contacts,
+            Group::PotentialDynamic => RowGroup::PotentialContacts,
+            Group::Static => RowGroup::StaticContacts,
+            Group::PotentialStatic => RowGroup::PotentialStaticContacts,
+        }
     }
 
     /// Whether body `b` of its rows can't be moved by them and needs no record.

@@ -2,7 +2,7 @@
 
 use super::arrange::{Part, PrepareScratch, Prepared, arrange};
 use super::batch::{Batch, BatchRef, Rows, couple};
-use super::order::Group;
+use super::order::{Group, Order};
 use crate::body::{Bodies, Pose};
 use crate::broad_phase::Pair;
 use crate::lanes::{GatherLanes, Lanes, Record, Sym3, Vec3, gather};
@@ -31,6 +31,8 @@ pub(crate) struct PrepareInput<'a> {
     pub(crate) warm: f32,
     /// Slip speed below which friction is static [m/s].
     pub(crate) stick: f32,
+    /// In which order groups of rows are solved.
+    pub(crate) order: Order,
     /// Friction at every point: each point then is a manifold of its own.
     pub(crate) per_point: bool,
 }

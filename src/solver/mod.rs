@@ -8,14 +8,14 @@ mod pass;
 
 use crate::body::Bodies;
 use crate::config::{FrictionCone, Settings};
-use crate::constraint::Rows;
 use crate::constraint::contact_row::{Motion, Softness};
+use crate::constraint::{JointRows, Rows};
 use crate::forces::Forces;
 use crate::lanes::{Lanes, Mask, Record, f32x8};
 use crate::memory::{Buffer, bytes_of};
 use crate::threads::{Crew, Shared, per_block};
 pub(crate) use pass::store;
-use pass::{Kind, Passes};
+use pass::{Joined, Kind, Passes};
 
 /// Solver state of the bodies that can move.
 #[derive(Debug, Default)]
@@ -29,7 +29,7 @@ pub(crate) struct State {
 impl State {
     /// Calls `f` with each buffer and the place that it needs for so many bodies that can move.
     pub(crate) fn each(&mut self, movers: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        f(&mut self.delta, movers);
+        f(&mut self.delta, movers + 1);
         f(&mut self.base, movers);
     }
 
@@ -49,14 +49,15 @@ pub(crate) fn solve(
     dt: f32,
     bodies: &mut Bodies,
     forces: &Forces,
-    rows: &mut Rows,
+    (rows, joints): (&mut Rows, &mut JointRows),
     state: &mut State,
 ) {
     let movers = bodies.movers();
     let h = dt / settings.substeps as f32;
     let Forces { acceleration, start, .. } = forces;
     state.delta.clear();
-    state.delta.resize(movers, Record::default());
+    // One more for all that stands still, which joints may be fixed to.
+    state.delta.resize(movers + 1, Record::default());
     state.base.clear();
     state.base.resize(movers, Record::default());
 
@@ -70,13 +71,24 @@ pub(crate) fn solve(
         slop: settings.slop * settings.length_unit,
         shift: SHIFT * settings.length_unit,
         friction_box: settings.friction_cone == FrictionCone::Box,
+        order: settings.order,
+        joint: Softness::new(
+            JOINT_HERTZ.min(Softness::stiffest(settings.iterations + 1, h)),
+            JOINT_DAMPING,
+            h,
+        ),
     };
+    let joint_stages = std::mem::take(&mut joints.stages);
     let dynamic = bodies.dynamic();
     let locks = (bodies.locked > 0).then_some(bodies.traits.as_slice());
-    let velocity = Shared::new(&mut bodies.velocity[..movers]);
+    // Of what stands still the first is enough: all are zero.
+    let known = bodies.velocity.len().min(movers + 1);
+    let velocity = Shared::new(&mut bodies.velocity[..known]);
     let delta = Shared::new(&mut state.delta);
     let base = Shared::new(&mut state.base);
     let motion = Motion { velocity: &velocity, delta: &delta, base: &base };
+    let views = joints.views();
+    let joined = Joined { stages: &joint_stages, views: &views };
     for substep in 0..settings.substeps {
         // Velocities take gravity and forces. From the second substep on, warm starting is one addition a body: rows
         // keep their directions within a step, so the impulses of the substep before change the velocities by just
@@ -95,10 +107,10 @@ pub(crate) fn solve(
             (*b, *v) = (record(free), record(if i < dynamic { free + warm } else { free }));
         });
         if substep == 0 {
-            passes.run(crew, Kind::WarmStart, rows, &motion);
+            passes.run(crew, Kind::WarmStart, rows, &joined, &motion);
         }
         for _ in 0..settings.iterations {
-            passes.run(crew, Kind::Solve, rows, &motion);
+            passes.run(crew, Kind::Solve, rows, &joined, &motion);
         }
         all_bodies(crew, movers, |i| {
             // SAFETY: each body is in one block.
@@ -119,11 +131,11 @@ pub(crate) fn solve(
             let touched = if same & BOTH == BOTH { 0.0 } else { 1.0 };
             *d = record(lanes(*d) + (moved + f32x8::new(PAD) * f32x8::splat(touched)));
         });
-        if passes.run(crew, Kind::Relax, rows, &motion) {
+        if passes.run(crew, Kind::Relax, rows, &joined, &motion) {
             // What was pushed before it touched has its friction now; if that is much, the points share the load that it
             // shifts.
-            if passes.run(crew, Kind::Rub, rows, &motion) {
-                passes.run(crew, Kind::Relax, rows, &motion);
+            if passes.run(crew, Kind::Rub, rows, &joined, &motion) {
+                passes.run(crew, Kind::Relax, rows, &joined, &motion);
             }
         }
     }
@@ -131,7 +143,12 @@ pub(crate) fn solve(
         // SAFETY: each body is in one block.
         all_bodies(crew, movers, |i| traits[i].lock(unsafe { velocity.get(i) }));
     }
+    joints.stages = joint_stages;
 }
+
+/// Stiffness [Hz] and damping ratio of what joints lock.
+const JOINT_HERTZ: f32 = 240.0;
+const JOINT_DAMPING: f32 = 2.0;
 
 /// Friction of an impact that changes the slip by more than this shifts the load [length units/s].
 const SHIFT: f32 = 0.25;

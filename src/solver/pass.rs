@@ -3,7 +3,9 @@
 use crate::constraint::contact_row::{
     HOLD, Motion, Pass, SHARE, Softness, solve, store as store_batch, warm_start,
 };
-use crate::constraint::{Batch, Group, Rows, Stage, rub};
+use crate::constraint::{
+    Batch, Group, JointPass, JointRows, JointStage, JointViews, Order, Rows, Stage, rub,
+};
 use crate::lanes::GatherLanes;
 use crate::narrow_phase::{Contact, Point};
 use crate::threads::{Crew, Shared, per_block};
@@ -28,6 +30,15 @@ pub(crate) struct Passes {
     pub(crate) slop: f32,
     pub(crate) shift: f32,
     pub(crate) friction_box: bool,
+    pub(crate) order: Order,
+    /// Of what joints lock.
+    pub(crate) joint: Softness,
+}
+
+/// Rows of joints, sorted as they are solved.
+pub(crate) struct Joined<'a> {
+    pub(crate) stages: &'a [JointStage],
+    pub(crate) views: &'a JointViews<'a>,
 }
 
 /// Batches a block: the smallest piece of a colour that two threads share.
@@ -37,13 +48,27 @@ const STORED: usize = per_block(16, 1);
 
 impl Passes {
     /// Relaxing, says whether potential points push; rubbing, whether that shifts loads.
-    pub(crate) fn run(&self, crew: &Crew<'_>, kind: Kind, rows: &mut Rows, motion: &Motion<'_, '_>) -> bool {
+    pub(crate) fn run(
+        &self,
+        crew: &Crew<'_>,
+        kind: Kind,
+        rows: &mut Rows,
+        joined: &Joined<'_>,
+        motion: &Motion<'_, '_>,
+    ) -> bool {
         let pushes = AtomicBool::new(false);
         let Rows { p1, p2, p3, p4, single, schedule, stages } = rows;
         let (p1, p2, p3, p4) = (Shared::new(p1), Shared::new(p2), Shared::new(p3), Shared::new(p4));
         let single = Shared::new(single);
         let schedule = &*schedule;
+        let mut joints = joined.stages;
         for stage in stages.iter() {
+            if !joints.is_empty() {
+                let rank = self.order.rank(stage.group.named());
+                let before = joints.partition_point(|joint| self.order.rank(joint.group) < rank);
+                self.run_joints(crew, kind, &joints[..before], joined.views, motion);
+                joints = &joints[before..];
+            }
             let pass = self.of(stage.group, kind);
             let one = |index: usize| {
                 let batch = schedule[index];
@@ -73,7 +98,39 @@ impl Passes {
                 });
             }
         }
+        self.run_joints(crew, kind, joints, joined.views, motion);
         pushes.into_inner()
+    }
+
+    fn run_joints(
+        &self,
+        crew: &Crew<'_>,
+        kind: Kind,
+        stages: &[JointStage],
+        views: &JointViews<'_>,
+        motion: &Motion<'_, '_>,
+    ) {
+        let relax = kind == Kind::Relax;
+        let pass = JointPass { inverse_h: self.inverse_h, softness: self.joint, relax };
+        let pass = match kind {
+            Kind::WarmStart => None,
+            Kind::Solve | Kind::Relax => Some(&pass),
+            Kind::Rub => return,
+        };
+        for stage in stages {
+            // SAFETY: each batch is in one stage; no dynamic body is twice in it, unless the stage is serial, and then one
+            // thread has it all.
+            let one = |i: usize| unsafe { JointRows::step(views, stage, i, motion, pass) };
+            let (start, end) = (stage.start as usize, stage.end as usize);
+            if stage.serial || end - start <= BLOCK {
+                (start..end).for_each(one);
+            } else {
+                crew.run((end - start).div_ceil(BLOCK), &|block| {
+                    let first = start + block * BLOCK;
+                    (first..(first + BLOCK).min(end)).for_each(one);
+                });
+            }
+        }
     }
 
     fn of(&self, group: Group, kind: Kind) -> Pass {

@@ -39,6 +39,7 @@ impl World {
         report.add(Category::Rows, self.buffers.rows.bytes());
         report.add(Category::Continuous, self.broad.continuous_bytes());
         report.add(Category::Continuous, bytes_of(&self.bodies.previous));
+        report.add(Category::Joints, self.joints.bytes());
         self.buffers.report(&mut report);
         let (manifolds, rows) = self.buffers.prepare.ahead_bytes();
         report.shift(Category::Manifolds, Category::Continuous, manifolds);

@@ -1,0 +1,124 @@
+//! What all rows of joints have: two bodies a lane, and how these turn within a step.
+
+use super::contact_row::{Motion, Pair, Softness};
+use crate::lanes::{GatherLanes, Lanes, Record, Sym3, Vec3};
+use crate::threads::Shared;
+
+/// What a pass over the rows of joints uses.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct JointPass {
+    /// 1 / substep [1/s].
+    pub(crate) inverse_h: f32,
+    pub(crate) softness: Softness,
+    /// What errors added to the velocities is taken out again.
+    pub(crate) relax: bool,
+}
+
+impl JointPass {
+    /// Speed per error [1/s], and how much of the impulse is applied and given up.
+    #[inline(always)]
+    pub(super) fn numbers<L: Lanes>(&self) -> (L, L, L) {
+        let Softness { bias_rate, mass_scale, impulse_scale } = self.softness;
+        let (rate, scale, give) =
+            if self.relax { (0.0, 1.0, 0.0) } else { (bias_rate, mass_scale, impulse_scale) };
+        (L::splat(rate), L::splat(scale), L::splat(give))
+    }
+}
+
+/// Instead of an index: an inert lane.
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// The bodies of up to eight rows, no dynamic one of them twice.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub(crate) struct Ends<L> {
+    /// [1/kg]
+    pub(crate) inverse_mass: [L; 2],
+    pub(crate) inverse_inertia: [Sym3<L>; 2],
+    /// Indices of the records; an inert lane repeats lane 0.
+    pub(crate) body: [[u32; 8]; 2],
+    /// Bit per lane: the body may be written.
+    pub(crate) write: [u32; 2],
+    /// Where the impulses go back to.
+    pub(crate) owner: [u32; 8],
+}
+
+impl<L: Lanes> Default for Ends<L> {
+    fn default() -> Self {
+        Ends {
+            // Of something, so that an inert lane has numbers too.
+            inverse_mass: [L::one(), L::zero()],
+            inverse_inertia: [Sym3::default(); 2],
+            body: [[0; 8]; 2],
+            write: [0; 2],
+            owner: [NONE; 8],
+        }
+    }
+}
+
+impl<L: GatherLanes> Ends<L> {
+    /// # Safety
+    /// As for [`Pair::load`].
+    #[inline(always)]
+    pub(super) unsafe fn load(&self, records: &Shared<'_, Record>) -> Pair<L> {
+        // SAFETY: by the contract.
+        unsafe { Pair::load::<true>([&self.body[0], &self.body[1]], records) }
+    }
+
+    /// # Safety
+    /// As for [`Pair::load`].
+    #[inline(always)]
+    pub(super) unsafe fn save(&self, v: &Pair<L>, motion: &Motion<'_, '_>) {
+        // SAFETY: by the contract.
+        unsafe { v.save::<true>([&self.body[0], &self.body[1]], self.write, motion.velocity) }
+    }
+
+    /// Applies an impulse on the second body, its opposite on the first, and angular impulses: the one is taken from the
+    /// first, the other given to the second.
+    #[inline(always)]
+    pub(super) fn apply(&self, v: &mut Pair<L>, p: Vec3<L>, ta: Vec3<L>, tb: Vec3<L>) {
+        v.va -= p * self.inverse_mass[0];
+        v.wa -= self.inverse_inertia[0].mul(ta);
+        v.vb += p * self.inverse_mass[1];
+        v.wb += self.inverse_inertia[1].mul(tb);
+    }
+
+    /// The same without a linear part.
+    #[inline(always)]
+    pub(super) fn turn(&self, v: &mut Pair<L>, t: Vec3<L>) {
+        v.wa -= self.inverse_inertia[0].mul(t);
+        v.wb += self.inverse_inertia[1].mul(t);
+    }
+}
+
+/// A vector turned by a rotation vector of up to half a turn: what the substeps of one step make.
+#[inline(always)]
+pub(super) fn turned<L: Lanes>(by: Vec3<L>, v: Vec3<L>) -> Vec3<L> {
+    // Rodrigues' formula, its two functions of the angle as series.
+    let x = by.length_squared().min(L::splat(10.0));
+    let series = |c: [f32; 5]| {
+        let [c0, c1, c2, c3, c4] = c.map(L::splat);
+        c0 + x * (c1 + x * (c2 + x * (c3 + x * c4)))
+    };
+    let sine = series([1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0]);
+    let cosine = series([0.5, -1.0 / 24.0, 1.0 / 720.0, -1.0 / 40_320.0, 1.0 / 3_628_800.0]);
+    let once = by.cross(v);
+    v + once * sine + by.cross(once) * cosine
+}
+
+/// The inverse of a symmetric matrix that has one.
+#[inline(always)]
+pub(super) fn inverse<L: Lanes>(m: &Sym3<L>) -> Sym3<L> {
+    let xx = m.yy * m.zz - m.yz * m.yz;
+    let xy = m.xz * m.yz - m.xy * m.zz;
+    let xz = m.xy * m.yz - m.xz * m.yy;
+    let scale = L::one() / (m.xx * xx + m.xy * xy + m.xz * xz);
+    Sym3 {
+        xx: xx * scale,
+        yy: (m.xx * m.zz - m.xz * m.xz) * scale,
+        zz: (m.xx * m.yy - m.xy * m.xy) * scale,
+        xy: xy * scale,
+        xz: xz * scale,
+        yz: (m.xy * m.xz - m.xx * m.yz) * scale,
+    }
+}

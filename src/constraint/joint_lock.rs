@@ -1,0 +1,213 @@
+//! Locks of joints: two points that stay together, two bodies that turn as one, an axis that two bodies share. No bounds, so
+//! all directions are solved at once.
+//!
+//! Within a step bodies turn, and a lock that knew them only as they were at its start would let a swinging chain drift
+//! apart: arms are turned along, and so is the effective mass.
+
+use super::contact_row::{Motion, Pair};
+use super::joint_ends::{Ends, JointPass, inverse, turned};
+use crate::lanes::{GatherLanes, Lanes, Mask, Sym3, Vec3};
+
+/// Points that stay together, or, with fewer directions, on a line or a plane.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub(crate) struct PointBatch<L> {
+    pub(crate) ends: Ends<L>,
+    /// From each centre of mass to the point where it is held, at the start of the step [m].
+    pub(crate) arm: [Vec3<L>; 2],
+    /// From the first point to the second, at the start of the step [m].
+    pub(crate) apart: Vec3<L>,
+    /// Arms and separation after the last substep.
+    pub(crate) arm_now: [Vec3<L>; 2],
+    /// Moments of the impulse, at the arms at which its parts acted [N m s].
+    pub(crate) moment: [Vec3<L>; 2],
+    pub(crate) apart_now: Vec3<L>,
+    /// Impulse per velocity error [kg]; of fewer than three directions, only along these.
+    pub(crate) mass: Sym3<L>,
+    /// Lanes of three directions, whose mass follows the arms.
+    pub(crate) whole: u32,
+    /// Of the last substep [N s].
+    pub(crate) impulse: Vec3<L>,
+}
+
+impl<L: Lanes> Default for PointBatch<L> {
+    fn default() -> Self {
+        let zero = Vec3::zero();
+        PointBatch {
+            ends: Ends::default(),
+            arm: [zero; 2],
+            apart: zero,
+            arm_now: [zero; 2],
+            moment: [zero; 2],
+            apart_now: zero,
+            mass: Sym3::default(),
+            whole: 0,
+            impulse: zero,
+        }
+    }
+}
+
+/// Velocity of the second point per impulse on it: the matrix whose inverse is the effective mass [1/kg].
+#[inline(always)]
+pub(super) fn mobility<L: Lanes>(ends: &Ends<L>, arm: &[Vec3<L>; 2]) -> Sym3<L> {
+    let mass = ends.inverse_mass[0] + ends.inverse_mass[1];
+    let mut sum = Sym3 { xx: mass, yy: mass, zz: mass, ..Sym3::default() };
+    for (r, inertia) in arm.iter().zip(&ends.inverse_inertia) {
+        let (x, y, z) = (
+            Vec3::new(L::zero(), r.z, -r.y),
+            Vec3::new(-r.z, L::zero(), r.x),
+            Vec3::new(r.y, -r.x, L::zero()),
+        );
+        let (ix, iy, iz) = (inertia.mul(x), inertia.mul(y), inertia.mul(z));
+        sum.xx += x.dot(ix);
+        sum.yy += y.dot(iy);
+        sum.zz += z.dot(iz);
+        sum.xy += x.dot(iy);
+        sum.xz += x.dot(iz);
+        sum.yz += y.dot(iz);
+    }
+    sum
+}
+
+impl<L: GatherLanes> PointBatch<L> {
+    /// Applies the impulses of the last step.
+    ///
+    /// # Safety
+    /// The bodies of the batch that it may write are in no other batch of the stage.
+    #[inline(always)]
+    pub(crate) unsafe fn warm_start(&self, motion: &Motion<'_, '_>) {
+        // SAFETY: by the contract.
+        unsafe {
+            let mut v = self.ends.load(motion.velocity);
+            let [ra, rb] = self.arm_now;
+            self.ends.apply(&mut v, self.impulse, ra.cross(self.impulse), rb.cross(self.impulse));
+            self.ends.save(&v, motion);
+        }
+    }
+
+    /// One Gauss-Seidel step.
+    ///
+    /// # Safety
+    /// The bodies of the batch that it may write are in no other batch of the stage.
+    #[inline(always)]
+    pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
+        if pass.relax {
+            // SAFETY: displacements are not written while rows are solved.
+            let d = unsafe { self.ends.load(motion.delta) };
+            self.follow(&d);
+        }
+        // SAFETY: by the contract.
+        let mut v = unsafe { self.ends.load(motion.velocity) };
+        let [ra, rb] = self.arm_now;
+        if !pass.relax {
+            // Warm starting was an addition to the velocities, as if bodies had not turned. What acted at arms that turn
+            // has to turn too, or a pendulum gains energy.
+            let moment = [ra.cross(self.impulse), rb.cross(self.impulse)];
+            v.wa -= self.ends.inverse_inertia[0].mul(moment[0] - self.moment[0]);
+            v.wb += self.ends.inverse_inertia[1].mul(moment[1] - self.moment[1]);
+            self.moment = moment;
+        }
+        let slip = v.vb + v.wb.cross(rb) - v.va - v.wa.cross(ra);
+        let (rate, scale, give) = pass.numbers::<L>();
+        let p = -(self.mass.mul(slip + self.apart_now * rate) * scale + self.impulse * give);
+        let (ta, tb) = (ra.cross(p), rb.cross(p));
+        self.impulse += p;
+        self.moment[0] += ta;
+        self.moment[1] += tb;
+        self.ends.apply(&mut v, p, ta, tb);
+        // SAFETY: by the contract.
+        unsafe { self.ends.save(&v, motion) };
+    }
+
+    /// Arms, separation and mass after displacements.
+    #[inline(always)]
+    fn follow(&mut self, d: &Pair<L>) {
+        let [ra, rb] = self.arm;
+        self.arm_now = [turned(d.wa, ra), turned(d.wb, rb)];
+        let [now_a, now_b] = self.arm_now;
+        self.apart_now = self.apart + (d.vb - d.va) + (now_b - rb) - (now_a - ra);
+        let whole = L::Mask::from_bits(self.whole);
+        let now = inverse(&mobility(&self.ends, &self.arm_now));
+        let old = self.mass;
+        self.mass = Sym3 {
+            xx: L::select(whole, now.xx, old.xx),
+            yy: L::select(whole, now.yy, old.yy),
+            zz: L::select(whole, now.zz, old.zz),
+            xy: L::select(whole, now.xy, old.xy),
+            xz: L::select(whole, now.xz, old.xz),
+            yz: L::select(whole, now.yz, old.yz),
+        };
+    }
+}
+
+/// Bodies that turn as one, or (`HINGE`) about one axis only.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub(crate) struct TurnBatch<L, const HINGE: bool> {
+    pub(crate) ends: Ends<L>,
+    /// The axis on each body at the start of the step, if there is one.
+    pub(crate) axis: [Vec3<L>; 2],
+    /// Rotation vector from the first to the second at the start of the step, and after the last substep [rad].
+    pub(crate) error: Vec3<L>,
+    pub(crate) error_now: Vec3<L>,
+    /// Angular impulse per error of angular velocity [kg m²].
+    pub(crate) mass: Sym3<L>,
+    /// Of the last substep [N m s].
+    pub(crate) impulse: Vec3<L>,
+}
+
+impl<L: Lanes, const HINGE: bool> Default for TurnBatch<L, HINGE> {
+    fn default() -> Self {
+        let zero = Vec3::zero();
+        TurnBatch {
+            ends: Ends::default(),
+            axis: [zero; 2],
+            error: zero,
+            error_now: zero,
+            mass: Sym3::default(),
+            impulse: zero,
+        }
+    }
+}
+
+impl<L: GatherLanes, const HINGE: bool> TurnBatch<L, HINGE> {
+    /// Applies the impulses of the last step.
+    ///
+    /// # Safety
+    /// The bodies of the batch that it may write are in no other batch of the stage.
+    #[inline(always)]
+    pub(crate) unsafe fn warm_start(&self, motion: &Motion<'_, '_>) {
+        // SAFETY: by the contract.
+        unsafe {
+            let mut v = self.ends.load(motion.velocity);
+            self.ends.turn(&mut v, self.impulse);
+            self.ends.save(&v, motion);
+        }
+    }
+
+    /// One Gauss-Seidel step.
+    ///
+    /// # Safety
+    /// The bodies of the batch that it may write are in no other batch of the stage.
+    #[inline(always)]
+    pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
+        if pass.relax {
+            // SAFETY: displacements are not written while rows are solved.
+            let d = unsafe { self.ends.load(motion.delta) };
+            self.error_now = if HINGE {
+                turned(d.wa, self.axis[0]).cross(turned(d.wb, self.axis[1]))
+            } else {
+                // What both turn together changes nothing.
+                self.error + (d.wb - d.wa)
+            };
+        }
+        // SAFETY: by the contract.
+        let mut v = unsafe { self.ends.load(motion.velocity) };
+        let (rate, scale, give) = pass.numbers::<L>();
+        let t = -(self.mass.mul(v.wb - v.wa + self.error_now * rate) * scale + self.impulse * give);
+        self.impulse += t;
+        self.ends.turn(&mut v, t);
+        // SAFETY: by the contract.
+        unsafe { self.ends.save(&v, motion) };
+    }
+}

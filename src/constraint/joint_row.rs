@@ -1,0 +1,146 @@
+//! Rows of joints with one direction: limits that have a width, springs beyond them, drives, motors, friction.
+//!
+//! A spring with stiffness k and damping c is solved implicitly, so that it is stable whatever they are: with d = h k + c, its
+//! impulse obeys p = h (c target - k displacement - d speed) for the speed after it acted.
+
+use super::contact_row::{Motion, Pair};
+use super::joint_ends::{Ends, JointPass};
+use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
+
+/// Up to eight rows.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub(crate) struct RowBatch<L> {
+    pub(crate) ends: Ends<L>,
+    /// How velocities change the displacement: by along · (vb - va) + arm_b · wb - arm_a · wa.
+    pub(crate) along: Vec3<L>,
+    pub(crate) arm: [Vec3<L>; 2],
+    /// Speed per impulse [1/kg] or [1/(kg m²)].
+    pub(crate) mobility: L,
+    /// At the start of the step, and after the last substep [m] or [rad].
+    pub(crate) value: L,
+    pub(crate) now: L,
+    /// Of a drive both are its position.
+    pub(crate) min: L,
+    pub(crate) max: L,
+    /// Speed asked for per displacement from the end of the range [1/s], the speed asked for beside that, and how much more
+    /// of it the row yields per impulse; all zero of what is rigid.
+    pub(crate) pull: L,
+    pub(crate) speed: L,
+    pub(crate) give: L,
+    /// The most impulse of a substep [N s] or [N m s].
+    pub(crate) most: L,
+    /// Of the last substep, at the lower and the upper end; a drive's is the first.
+    pub(crate) impulse: [L; 2],
+    /// Lanes of drives, of springs, and of ranges without width.
+    pub(crate) drives: u32,
+    pub(crate) springs: u32,
+    pub(crate) both: u32,
+}
+
+impl<L: Lanes> Default for RowBatch<L> {
+    fn default() -> Self {
+        let zero = L::zero();
+        RowBatch {
+            ends: Ends::default(),
+            along: Vec3::zero(),
+            arm: [Vec3::zero(); 2],
+            mobility: L::one(),
+            value: zero,
+            now: zero,
+            min: L::splat(f32::NEG_INFINITY),
+            max: L::splat(f32::INFINITY),
+            pull: zero,
+            speed: zero,
+            give: zero,
+            most: zero,
+            impulse: [zero; 2],
+            drives: 0,
+            springs: 0,
+            both: 0,
+        }
+    }
+}
+
+impl<L: GatherLanes> RowBatch<L> {
+    /// Applies the impulses of the last step.
+    ///
+    /// # Safety
+    /// The bodies of the batch that it may write are in no other batch of the stage.
+    #[inline(always)]
+    pub(crate) unsafe fn warm_start(&self, motion: &Motion<'_, '_>) {
+        // SAFETY: by the contract.
+        unsafe {
+            let mut v = self.ends.load(motion.velocity);
+            self.push(&mut v, self.impulse[0] - self.impulse[1]);
+            self.ends.save(&v, motion);
+        }
+    }
+
+    #[inline(always)]
+    fn push(&self, v: &mut Pair<L>, p: L) {
+        self.ends.apply(v, self.along * p, self.arm[0] * p, self.arm[1] * p);
+    }
+
+    #[inline(always)]
+    fn rate(&self, v: &Pair<L>) -> L {
+        self.along.dot(v.vb - v.va) + self.arm[1].dot(v.wb) - self.arm[0].dot(v.wa)
+    }
+
+    /// One Gauss-Seidel step: the lower end, then the upper one.
+    ///
+    /// # Safety
+    /// The bodies of the batch that it may write are in no other batch of the stage.
+    #[inline(always)]
+    pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
+        if pass.relax {
+            // SAFETY: displacements are not written while rows are solved.
+            let d = unsafe { self.ends.load(motion.delta) };
+            self.now = self.value + self.rate(&d);
+        }
+        // SAFETY: by the contract.
+        let mut v = unsafe { self.ends.load(motion.velocity) };
+        let (zero, none) = (L::zero(), L::splat(f32::NEG_INFINITY));
+        let (drives, springs, both) = (
+            L::Mask::from_bits(self.drives),
+            L::Mask::from_bits(self.springs),
+            L::Mask::from_bits(self.both),
+        );
+        let speed = self.rate(&v);
+        // Springs act once a substep.
+        let waits = if pass.relax { drives | springs } else { zero.gt(zero) };
+        let inverse_h = L::splat(pass.inverse_h);
+        let (rate, _, _) = pass.numbers::<L>();
+        // Signs are those of the lower end; the upper one is its mirror image.
+        let mut pushed = zero;
+        let one = |gap: L, speed: L, asked: L, old: L, (low, high): (L, L)| {
+            let open = gap.gt(zero) & !both;
+            // Apart from a rigid end only what would pass it within the substep is taken away.
+            let rigid = -(gap * L::select(open, inverse_h, rate));
+            let soft = asked - gap * self.pull;
+            let target = L::select(drives | springs, soft, rigid);
+            let change = (target - speed - self.give * old) / (self.mobility + self.give);
+            let mut new = (old + change).max(low).min(high);
+            // A spring at the end of a range lets go of what is inside.
+            new = L::select(springs & open, zero, new);
+            L::select(waits, old, new)
+        };
+        let lowest = L::select(drives, -self.most, L::select(both, none, zero));
+        let highest = L::select(drives, self.most, L::splat(f32::INFINITY));
+        let finite = |gap: L| L::select(gap.lt(L::splat(f32::MAX)), gap, L::splat(f32::MAX));
+        let new = one(finite(self.now - self.min), speed, self.speed, self.impulse[0], (lowest, highest));
+        let change = new - self.impulse[0];
+        self.impulse[0] = new;
+        pushed += change;
+        let speed = -(speed + self.mobility * change);
+        let idle = drives | both;
+        let new =
+            one(finite(self.max - self.now), speed, zero, self.impulse[1], (zero, L::splat(f32::INFINITY)));
+        let new = L::select(idle, zero, new);
+        pushed -= new - self.impulse[1];
+        self.impulse[1] = new;
+        self.push(&mut v, pushed);
+        // SAFETY: by the contract.
+        unsafe { self.ends.save(&v, motion) };
+    }
+}

@@ -1,0 +1,349 @@
+//! What a joint is made of: limits and drives between two frames.
+
+use crate::error::{Error, finite, finite3, within};
+use crate::handle::BodyHandle;
+use crate::shape::unit_quat;
+use glam::{Quat, Vec3};
+
+/// Where a joint sits on a body, in the body's own axes and from its origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Frame {
+    /// [m]
+    pub position: Vec3,
+    /// The joint's x, y and z in the body's axes.
+    pub rotation: Quat,
+}
+
+impl Default for Frame {
+    fn default() -> Self {
+        Frame { position: Vec3::ZERO, rotation: Quat::IDENTITY }
+    }
+}
+
+impl Frame {
+    /// A frame that is not turned, at a point of the body.
+    pub fn at(position: Vec3) -> Frame {
+        Frame { position, ..Frame::default() }
+    }
+}
+
+/// A direction of relative motion, along or about axes of the first body's frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Axis {
+    /// x
+    X,
+    /// y
+    Y,
+    /// z
+    Z,
+}
+
+impl Axis {
+    /// All three.
+    pub const ALL: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
+}
+
+/// Which axes a limit restricts together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Axes {
+    /// Linear: the signed distance along one axis [m]. Angular: the twist about it [rad].
+    One(Axis),
+    /// The two others than this. Linear: the distance from the line along it [m]. Angular: the angle between this axis
+    /// of the two frames, a cone [rad].
+    Around(Axis),
+    /// Linear: the distance of the two frames [m]. Angular: the angle of the whole rotation between them [rad].
+    All,
+}
+
+/// Sliding or turning.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Motion {
+    /// [m]
+    Linear,
+    /// [rad]
+    Angular,
+}
+
+/// A spring with a damper.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Spring {
+    /// Force or torque per displacement and per speed: [N/m] and [N s/m], or [N m/rad] and [N m s/rad].
+    Coefficients {
+        /// At least zero.
+        stiffness: f32,
+        /// At least zero; infinite holds the speed exactly.
+        damping: f32,
+    },
+    /// The same by how it moves what is joined, whatever the mass.
+    Frequency {
+        /// Undamped [Hz].
+        hertz: f32,
+        /// 1 is critical.
+        ratio: f32,
+    },
+    /// Acceleration per displacement [1/s²] and per speed [1/s].
+    Acceleration {
+        /// At least zero.
+        stiffness: f32,
+        /// At least zero; infinite holds the speed exactly.
+        damping: f32,
+    },
+}
+
+impl Spring {
+    /// Stiffness and damping, and whether they are per effective mass.
+    pub(crate) fn coefficients(self) -> (f32, f32, bool) {
+        match self {
+            Spring::Coefficients { stiffness, damping } => (stiffness, damping, false),
+            Spring::Acceleration { stiffness, damping } => (stiffness, damping, true),
+            Spring::Frequency { hertz, ratio } => {
+                let omega = std::f32::consts::TAU * hertz;
+                (omega * omega, 2.0 * ratio * omega, true)
+            }
+        }
+    }
+
+    fn validate(self) -> Result<(), Error> {
+        let (stiffness, damping) = match self {
+            Spring::Coefficients { stiffness, damping } | Spring::Acceleration { stiffness, damping } => {
+                (stiffness, damping)
+            }
+            Spring::Frequency { hertz, ratio } => (hertz, ratio),
+        };
+        within("spring stiffness", stiffness, 0.0, 1e20, "in 0..=1e20")?;
+        if damping != f32::INFINITY {
+            within("spring damping", damping, 0.0, 1e20, "in 0..=1e20 or infinite")?;
+        }
+        Ok(())
+    }
+}
+
+/// Keeps a displacement within a range. A range of no width locks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Limit {
+    /// What is limited.
+    pub motion: Motion,
+    /// Along or about which axes.
+    pub axes: Axes,
+    /// Least allowed [m] or [rad]; minus infinity for none.
+    pub min: f32,
+    /// Most allowed, not below `min`; infinity for none.
+    pub max: f32,
+    /// What pushes back beyond the range; rigid if there is none.
+    pub spring: Option<Spring>,
+}
+
+impl Limit {
+    /// A rigid one.
+    pub fn new(motion: Motion, axes: Axes, min: f32, max: f32) -> Limit {
+        Limit { motion, axes, min, max, spring: None }
+    }
+    /// No motion at all.
+    pub fn lock(motion: Motion, axes: Axes) -> Limit {
+        Limit::new(motion, axes, 0.0, 0.0)
+    }
+    /// Yields like a spring beyond its range.
+    pub fn with_spring(self, spring: Spring) -> Limit {
+        Limit { spring: Some(spring), ..self }
+    }
+
+    pub(crate) fn validate(&self) -> Result<(), Error> {
+        for (what, value) in [("joint limit min", self.min), ("joint limit max", self.max)] {
+            if value.is_nan() {
+                return Err(Error::NotFinite { what, value: value.into() });
+            }
+        }
+        if self.min > self.max || self.min == f32::INFINITY || self.max == f32::NEG_INFINITY {
+            let value = self.max.into();
+            return Err(Error::OutOfRange { what: "joint limit max", expected: "at least min", value });
+        }
+        if self.axes != Axes::One(Axis::X)
+            && self.axes != Axes::One(Axis::Y)
+            && self.axes != Axes::One(Axis::Z)
+        {
+            let value = self.max.into();
+            if self.max < 0.0 {
+                return Err(Error::OutOfRange { what: "joint limit max", expected: "at least zero", value });
+            }
+        }
+        self.spring.map_or(Ok(()), Spring::validate)
+    }
+}
+
+/// Pulls a displacement to a target position, a target velocity, or both, with a bounded force.
+///
+/// A spring without damping is an oscillator, one with infinite damping and no stiffness a motor that holds its
+/// velocity up to `max_force`, and such a motor at rest is friction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Drive {
+    /// Along or about the axis.
+    pub motion: Motion,
+    /// Of the first body's frame.
+    pub axis: Axis,
+    /// [m] or [rad]
+    pub position: f32,
+    /// [m/s] or [rad/s]
+    pub velocity: f32,
+    /// How hard it pulls.
+    pub spring: Spring,
+    /// The most force [N] or torque [N m]; infinity for no bound.
+    pub max_force: f32,
+}
+
+impl Drive {
+    /// Holds a speed [m/s] or [rad/s] with at most so much force [N] or torque [N m].
+    pub fn motor(motion: Motion, axis: Axis, velocity: f32, max_force: f32) -> Drive {
+        let spring = Spring::Coefficients { stiffness: 0.0, damping: f32::INFINITY };
+        Drive { motion, axis, position: 0.0, velocity, spring, max_force }
+    }
+    /// Coulomb friction in the joint: resists any motion with at most so much force [N] or torque [N m].
+    pub fn friction(motion: Motion, axis: Axis, max_force: f32) -> Drive {
+        Drive::motor(motion, axis, 0.0, max_force)
+    }
+    /// A spring towards a position [m] or [rad].
+    pub fn spring(motion: Motion, axis: Axis, position: f32, spring: Spring) -> Drive {
+        Drive { motion, axis, position, velocity: 0.0, spring, max_force: f32::INFINITY }
+    }
+
+    pub(crate) fn validate(&self) -> Result<(), Error> {
+        finite("drive position", self.position)?;
+        finite("drive velocity", self.velocity)?;
+        if self.max_force != f32::INFINITY {
+            within("drive force", self.max_force, 0.0, f32::MAX, "at least zero")?;
+        }
+        self.spring.validate()
+    }
+}
+
+/// A joint to be added: two bodies, a frame on each, and what of their relative motion is limited and driven.
+///
+/// The relative motion is that of the second frame as seen from the first. Frames that coincide have no displacement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointDesc {
+    /// The two bodies, at least one of them dynamic.
+    pub bodies: [BodyHandle; 2],
+    /// Where the joint sits on each.
+    pub frames: [Frame; 2],
+    /// What is kept within a range.
+    pub limits: Vec<Limit>,
+    /// What is driven.
+    pub drives: Vec<Drive>,
+    /// Whether the two bodies collide with each other. Default no.
+    pub collide: bool,
+    /// The joint breaks above this force [N]. Default infinity.
+    pub break_force: f32,
+    /// The joint breaks above this torque [N m]. Default infinity.
+    pub break_torque: f32,
+    /// The caller's own.
+    pub user_data: u64,
+}
+
+impl JointDesc {
+    /// A joint that restricts nothing yet.
+    pub fn new(bodies: [BodyHandle; 2], frames: [Frame; 2]) -> JointDesc {
+        JointDesc {
+            bodies,
+            frames,
+            limits: Vec::new(),
+            drives: Vec::new(),
+            collide: false,
+            break_force: f32::INFINITY,
+            break_torque: f32::INFINITY,
+            user_data: 0,
+        }
+    }
+
+    /// No relative motion.
+    pub fn fixed(bodies: [BodyHandle; 2], frames: [Frame; 2]) -> JointDesc {
+        let joint = JointDesc::ball(bodies, frames);
+        joint.with_limit(Limit::lock(Motion::Angular, Axes::All))
+    }
+
+    /// The two frames' origins stay together; all rotation is free. Add a limit around an axis for a cone, about it for a
+    /// twist.
+    pub fn ball(bodies: [BodyHandle; 2], frames: [Frame; 2]) -> JointDesc {
+        JointDesc::new(bodies, frames).with_limit(Limit::lock(Motion::Linear, Axes::All))
+    }
+
+    /// Turns about the frames' x only.
+    pub fn hinge(bodies: [BodyHandle; 2], frames: [Frame; 2]) -> JointDesc {
+        let joint = JointDesc::ball(bodies, frames);
+        joint.with_limit(Limit::lock(Motion::Angular, Axes::Around(Axis::X)))
+    }
+
+    /// Slides along the frames' x only.
+    pub fn slider(bodies: [BodyHandle; 2], frames: [Frame; 2]) -> JointDesc {
+        JointDesc::new(bodies, frames)
+            .with_limit(Limit::lock(Motion::Linear, Axes::Around(Axis::X)))
+            .with_limit(Limit::lock(Motion::Angular, Axes::All))
+    }
+
+    /// The frames' origins stay at a distance between `min` and `max` [m]: a rod if they are equal, a rope if `min` is
+    /// zero.
+    pub fn distance(bodies: [BodyHandle; 2], frames: [Frame; 2], min: f32, max: f32) -> JointDesc {
+        JointDesc::new(bodies, frames).with_limit(Limit::new(Motion::Linear, Axes::All, min, max))
+    }
+
+    /// A wheel (second body) on a car (first): its hub moves along the frames' y by up to `travel` [m] to either side
+    /// and is held by a spring; it turns freely about x, its axle, and not otherwise. Add a drive about x for an engine.
+    pub fn wheel(bodies: [BodyHandle; 2], frames: [Frame; 2], travel: f32, spring: Spring) -> JointDesc {
+        JointDesc::new(bodies, frames)
+            .with_limit(Limit::lock(Motion::Linear, Axes::Around(Axis::Y)))
+            .with_limit(Limit::lock(Motion::Angular, Axes::Around(Axis::X)))
+            .with_limit(Limit::new(Motion::Linear, Axes::One(Axis::Y), -travel, travel))
+            .with_drive(Drive::spring(Motion::Linear, Axis::Y, 0.0, spring))
+    }
+
+    /// With a further limit.
+    pub fn with_limit(mut self, limit: Limit) -> JointDesc {
+        self.limits.push(limit);
+        self
+    }
+
+    /// With a further drive.
+    pub fn with_drive(mut self, drive: Drive) -> JointDesc {
+        self.drives.push(drive);
+        self
+    }
+
+    /// Whether the two bodies collide with each other.
+    pub fn colliding(mut self, collide: bool) -> JointDesc {
+        self.collide = collide;
+        self
+    }
+
+    /// Breaks above this force [N] and this torque [N m].
+    pub fn breaking(mut self, force: f32, torque: f32) -> JointDesc {
+        (self.break_force, self.break_torque) = (force, torque);
+        self
+    }
+
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// Names the first that is not finite or out of its range.
+    pub fn validate(&self) -> Result<(), Error> {
+        if self.bodies[0] == self.bodies[1] {
+            return Err(Error::JointToItself);
+        }
+        for frame in &self.frames {
+            finite3("joint frame position", frame.position)?;
+            unit_quat("joint frame rotation", frame.rotation)?;
+        }
+        self.limits.iter().try_for_each(Limit::validate)?;
+        self.drives.iter().try_for_each(Drive::validate)?;
+        for (what, value) in [("break force", self.break_force), ("break torque", self.break_torque)] {
+            if value.is_nan() || value < 0.0 {
+                return Err(Error::OutOfRange { what, expected: "at least zero", value: value.into() });
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,281 @@
+//! Joint columns: frames once a joint, and a row for each limit and drive, by type.
+
+use super::desc::{Axes, Drive, Frame, JointDesc, Limit, Motion, Spring};
+use crate::handle::{JointHandle, Slots};
+use crate::memory::bytes_of;
+use glam::Vec3;
+
+/// End of a list of joints.
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// A joint. Its slot is its index: it never moves.
+#[derive(Clone, Debug)]
+pub(crate) struct Joint {
+    /// Slots of the bodies; [`NONE`] in what was removed.
+    pub(crate) bodies: [u32; 2],
+    /// In the principal axes of each body, from its centre of mass.
+    pub(crate) frames: [Frame; 2],
+    /// What it takes to break it [N], [N m].
+    pub(crate) strength: [f32; 2],
+    pub(crate) collide: bool,
+    pub(crate) user_data: u64,
+    /// On the second body, in the last substep [N], [N m].
+    pub(crate) force: Vec3,
+    pub(crate) torque: Vec3,
+    /// The next joint of either body.
+    next: [u32; 2],
+}
+
+/// What a lock keeps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum LockKind {
+    /// Points together, or on a line or a plane.
+    Linear(Axes),
+    /// All rotation.
+    Weld,
+    /// An axis.
+    Hinge(super::Axis),
+}
+
+/// A limit without width: rows without bounds, solved as a block.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lock {
+    pub(crate) joint: u32,
+    pub(crate) kind: LockKind,
+    /// Of the last substep, in the world [N s] or [N m s].
+    pub(crate) impulse: Vec3,
+}
+
+/// What a row of one direction does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum RowKind {
+    /// Rigid.
+    Limit {
+        min: f32,
+        max: f32,
+    },
+    /// Beyond its range a spring.
+    Yielding {
+        min: f32,
+        max: f32,
+        spring: Spring,
+    },
+    Drive {
+        position: f32,
+        velocity: f32,
+        spring: Spring,
+        max_force: f32,
+    },
+}
+
+/// A limit with a width, or a drive.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Row {
+    pub(crate) joint: u32,
+    pub(crate) motion: Motion,
+    pub(crate) axes: Axes,
+    pub(crate) kind: RowKind,
+    /// At the lower and the upper end, of the last substep [N s] or [N m s]; a drive's is the first.
+    pub(crate) impulse: [f32; 2],
+}
+
+/// All joints of a world.
+#[derive(Debug, Default)]
+pub(crate) struct Joints {
+    pub(crate) slots: Slots,
+    pub(crate) all: Vec<Joint>,
+    pub(crate) locks: Vec<Lock>,
+    pub(crate) rows: Vec<Row>,
+    /// By body slot: the first of its joints. As long as it has to be.
+    first: Vec<u32>,
+    /// How many there are.
+    pub(crate) count: usize,
+    /// Joints came or went since rows were last arranged.
+    pub(crate) changed: bool,
+    /// Joints were removed, and their rows are still there.
+    stale: bool,
+    /// How many can break.
+    breakable: u32,
+    /// Those that broke in the last step.
+    pub(crate) broken: Vec<JointHandle>,
+}
+
+impl Joints {
+    pub(crate) fn add(&mut self, desc: &JointDesc, frames: [Frame; 2]) -> JointHandle {
+        let next_slot = self.all.len() as u32;
+        if self.stale && self.slots.spare() > 0 {
+            // The slot will be used again.
+            self.compact();
+        }
+        let (slot, generation) = self.slots.insert(next_slot);
+        self.slots.moved(slot, slot);
+        let bodies = desc.bodies.map(|b| b.slot);
+        let most = bodies[0].max(bodies[1]) as usize + 1;
+        if self.first.len() < most {
+            self.first.resize(most, NONE);
+        }
+        let joint = Joint {
+            bodies,
+            frames,
+            strength: [desc.break_force, desc.break_torque],
+            collide: desc.collide,
+            user_data: desc.user_data,
+            force: Vec3::ZERO,
+            torque: Vec3::ZERO,
+            next: bodies.map(|b| std::mem::replace(&mut self.first[b as usize], slot)),
+        };
+        self.breakable += u32::from(joint.can_break());
+        if slot == next_slot {
+            self.all.push(joint)
+        } else {
+            self.all[slot as usize] = joint
+        }
+        self.add_rows(slot, &desc.limits, &desc.drives);
+        self.count += 1;
+        self.changed = true;
+        JointHandle { slot, generation }
+    }
+
+    fn add_rows(&mut self, joint: u32, limits: &[Limit], drives: &[Drive]) {
+        for limit in limits {
+            let Limit { motion, axes, min, max, spring } = *limit;
+            let locked = min == 0.0 && max == 0.0 && spring.is_none();
+            let lock = match (motion, axes) {
+                _ if !locked => None,
+                (Motion::Linear, axes) => Some(LockKind::Linear(axes)),
+                (Motion::Angular, Axes::All) => Some(LockKind::Weld),
+                (Motion::Angular, Axes::Around(axis)) => Some(LockKind::Hinge(axis)),
+                (Motion::Angular, Axes::One(_)) => None,
+            };
+            if let Some(kind) = lock {
+                self.locks.push(Lock { joint, kind, impulse: Vec3::ZERO });
+            } else if min > f32::NEG_INFINITY || max < f32::INFINITY {
+                let kind = spring.map_or(RowKind::Limit { min, max }, |spring| RowKind::Yielding {
+                    min,
+                    max,
+                    spring,
+                });
+                self.rows.push(Row { joint, motion, axes, kind, impulse: [0.0; 2] });
+            }
+        }
+        for &Drive { motion, axis, position, velocity, spring, max_force } in drives {
+            let kind = RowKind::Drive { position, velocity, spring, max_force };
+            self.rows.push(Row { joint, motion, axes: Axes::One(axis), kind, impulse: [0.0; 2] });
+        }
+    }
+
+    /// Replaces what is limited and driven.
+    pub(crate) fn replace_rows(&mut self, joint: u32, limits: &[Limit], drives: &[Drive]) {
+        self.locks.retain(|l| l.joint != joint);
+        self.rows.retain(|r| r.joint != joint);
+        self.add_rows(joint, limits, drives);
+        self.changed = true;
+    }
+
+    pub(crate) fn remove(&mut self, slot: u32) {
+        let Joint { bodies, .. } = self.all[slot as usize];
+        for body in bodies {
+            self.unlink(body, slot);
+        }
+        let joint = &mut self.all[slot as usize];
+        self.breakable -= u32::from(joint.can_break());
+        (joint.bodies, self.stale) = ([NONE; 2], true);
+        self.slots.remove(slot);
+        self.count -= 1;
+        self.changed = true;
+    }
+
+    fn unlink(&mut self, body: u32, slot: u32) {
+        let mut at = self.first[body as usize];
+        let after = self.all[slot as usize].next_of(body);
+        if at == slot {
+            self.first[body as usize] = after;
+            return;
+        }
+        while at != NONE {
+            let joint = &mut self.all[at as usize];
+            let side = usize::from(joint.bodies[1] == body);
+            if joint.next[side] == slot {
+                joint.next[side] = after;
+                return;
+            }
+            at = joint.next[side];
+        }
+    }
+
+    /// Rows of what was removed go; nothing else changes its order.
+    pub(crate) fn compact(&mut self) {
+        let all = &self.all;
+        let there = |joint: u32| all[joint as usize].is_there();
+        self.locks.retain(|l| there(l.joint));
+        self.rows.retain(|r| there(r.joint));
+        (self.changed, self.stale) = (false, false);
+    }
+
+    /// Bytes that a further joint takes at most: in the columns, and in the batches of a step, of which its rows may each
+    /// have one for themselves.
+    pub(crate) fn cost(&self, desc: &JointDesc) -> usize {
+        let rows = desc.limits.len() + desc.drives.len();
+        let one = |has: (usize, usize), size: usize, more: usize| {
+            if has.0 + size * more > has.1 { has.1.max(4 * size) } else { 0 }
+        };
+        one(bytes_of(&self.all), size_of::<Joint>(), 1)
+            + one(bytes_of(&self.locks), size_of::<Lock>(), rows)
+            + one(bytes_of(&self.rows), size_of::<Row>(), rows)
+            + rows * size_of::<crate::constraint::WidestJointBatch>()
+    }
+
+    /// The joints of a body.
+    pub(crate) fn of_body(&self, body: u32) -> impl Iterator<Item = u32> + '_ {
+        let mut at = self.first.get(body as usize).copied().unwrap_or(NONE);
+        std::iter::from_fn(move || {
+            let this = at;
+            (this != NONE).then(|| {
+                at = self.all[this as usize].next_of(body);
+                this
+            })
+        })
+    }
+
+    /// Whether a joint keeps two bodies, by slots, from colliding.
+    pub(crate) fn keep_apart(&self, a: u32, b: u32) -> bool {
+        self.count > 0
+            && self.of_body(a).any(|j| {
+                let joint = &self.all[j as usize];
+                !joint.collide && joint.bodies.contains(&b)
+            })
+    }
+
+    pub(crate) fn any_breakable(&self) -> bool {
+        self.breakable > 0
+    }
+
+    /// Live and reserved bytes.
+    pub(crate) fn bytes(&self) -> (usize, usize) {
+        [
+            self.slots.bytes(),
+            bytes_of(&self.all),
+            bytes_of(&self.locks),
+            bytes_of(&self.rows),
+            bytes_of(&self.first),
+            bytes_of(&self.broken),
+        ]
+        .into_iter()
+        .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
+    }
+}
+
+impl Joint {
+    fn next_of(&self, body: u32) -> u32 {
+        self.next[usize::from(self.bodies[1] == body)]
+    }
+    fn can_break(&self) -> bool {
+        self.strength.iter().any(|s| s.is_finite())
+    }
+    pub(crate) fn is_there(&self) -> bool {
+        self.bodies[0] != NONE
+    }
+    pub(crate) fn is_overloaded(&self) -> bool {
+        self.force.length() > self.strength[0] || self.torque.length() > self.strength[1]
+    }
+}

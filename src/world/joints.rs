@@ -1,0 +1,190 @@
+//! Joints of the world: add, remove, change, look up.
+
+use super::World;
+use crate::body::Cold;
+use crate::error::Error;
+use crate::handle::{BodyHandle, JointHandle};
+use crate::joint::{Drive, Frame, JointDesc, Limit};
+use glam::{DVec3, Quat, Vec3};
+
+impl World {
+    /// Adds a joint.
+    ///
+    /// # Errors
+    /// If a handle is stale, a number is out of range, both bodies are the same or neither is dynamic, or the budget
+    /// does not allow it.
+    pub fn add_joint(&mut self, desc: &JointDesc) -> Result<JointHandle, Error> {
+        let bodies = [self.index(desc.bodies[0])?, self.index(desc.bodies[1])?];
+        desc.validate()?;
+        if bodies.iter().all(|&i| i >= self.bodies.dynamic()) {
+            return Err(Error::JointOfStill);
+        }
+        self.make_place_for_joint(desc)?;
+        let frames = [0, 1].map(|side| {
+            let (cold, frame) = (&self.bodies.cold[bodies[side]], &desc.frames[side]);
+            Frame {
+                position: cold.axes.conjugate() * (frame.position - cold.centre),
+                rotation: (cold.axes.conjugate() * frame.rotation.normalize()).normalize(),
+            }
+        });
+        let joint = self.joints.add(desc, frames);
+        self.look_up_pairs_of(bodies[0]);
+        Ok(joint)
+    }
+
+    /// Frames on two bodies that coincide where the bodies are now: at a point of the world, with the axes that a rotation
+    /// gives x, y and z.
+    ///
+    /// # Errors
+    /// If a handle is stale or a number not finite.
+    pub fn frames_at(
+        &self,
+        bodies: [BodyHandle; 2],
+        point: DVec3,
+        rotation: Quat,
+    ) -> Result<[Frame; 2], Error> {
+        super::finite_position(point)?;
+        let rotation = crate::shape::unit_quat("rotation", rotation)?;
+        let mut frames = [Frame::default(); 2];
+        for (frame, body) in frames.iter_mut().zip(bodies) {
+            let (at, back) = (self.position(body)?, self.rotation(body)?.conjugate());
+            *frame =
+                Frame { position: back * (point - at).as_vec3(), rotation: (back * rotation).normalize() };
+        }
+        Ok(frames)
+    }
+
+    /// Removes a joint.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn remove_joint(&mut self, joint: JointHandle) -> Result<(), Error> {
+        let slot = self.joint(joint)?;
+        self.drop_joint(slot);
+        Ok(())
+    }
+
+    /// Replaces what of a joint is limited and driven.
+    ///
+    /// # Errors
+    /// If the handle is stale or a number out of range.
+    pub fn set_joint(&mut self, joint: JointHandle, limits: &[Limit], drives: &[Drive]) -> Result<(), Error> {
+        let slot = self.joint(joint)?;
+        limits.iter().try_for_each(Limit::validate)?;
+        drives.iter().try_for_each(Drive::validate)?;
+        self.joints.replace_rows(slot, limits, drives);
+        Ok(())
+    }
+
+    /// How many joints there are.
+    pub fn joint_count(&self) -> usize {
+        self.joints.count
+    }
+
+    /// Whether the handle is not stale.
+    pub fn contains_joint(&self, joint: JointHandle) -> bool {
+        self.joint(joint).is_ok()
+    }
+
+    /// The two bodies of a joint.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn joint_bodies(&self, joint: JointHandle) -> Result<[BodyHandle; 2], Error> {
+        let bodies = self.joints.all[self.joint(joint)? as usize].bodies;
+        Ok(bodies.map(|slot| BodyHandle { slot, generation: self.bodies.slots.generation(slot) }))
+    }
+
+    /// Force [N] and torque [N m] that a joint put on its second body in the last substep, in the world; on the first it
+    /// put the opposite. The torque is that about the joint.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn joint_force(&self, joint: JointHandle) -> Result<(Vec3, Vec3), Error> {
+        let joint = &self.joints.all[self.joint(joint)? as usize];
+        Ok((joint.force, joint.torque))
+    }
+
+    /// Where a joint's two frames are in the world: their origins [m] and the rotations of their axes.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn joint_frames(&self, joint: JointHandle) -> Result<[(DVec3, Quat); 2], Error> {
+        let joint = &self.joints.all[self.joint(joint)? as usize];
+        Ok([0, 1].map(|side| {
+            let pose = &self.bodies.pose[self.bodies.slots.dense(joint.bodies[side]) as usize];
+            let frame = &joint.frames[side];
+            (pose.position + (pose.rotation * frame.position).as_dvec3(), pose.rotation * frame.rotation)
+        }))
+    }
+
+    /// The caller's number of a joint.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn joint_user_data(&self, joint: JointHandle) -> Result<u64, Error> {
+        Ok(self.joints.all[self.joint(joint)? as usize].user_data)
+    }
+
+    /// Joints that broke in the last step; their handles are stale by now.
+    pub fn broken_joints(&self) -> &[JointHandle] {
+        &self.joints.broken
+    }
+
+    fn joint(&self, joint: JointHandle) -> Result<u32, Error> {
+        self.joints.slots.get(joint.slot, joint.generation).ok_or(Error::StaleJoint)
+    }
+
+    fn drop_joint(&mut self, slot: u32) {
+        let body = self.joints.all[slot as usize].bodies[0];
+        self.joints.remove(slot);
+        self.look_up_pairs_of(self.bodies.slots.dense(body) as usize);
+    }
+
+    pub(super) fn remove_joints_of(&mut self, body: BodyHandle) {
+        while let Some(slot) = { self.joints.of_body(body.slot).next() } {
+            self.drop_joint(slot);
+        }
+    }
+
+    /// Removes the joints that bore more than they can.
+    pub(crate) fn break_joints(&mut self) {
+        for slot in 0..self.joints.all.len() as u32 {
+            let joint = &self.joints.all[slot as usize];
+            if joint.is_there() && joint.is_overloaded() {
+                let generation = self.joints.slots.generation(slot);
+                self.joints.broken.push(JointHandle { slot, generation });
+                self.drop_joint(slot);
+            }
+        }
+    }
+
+    /// Joints decide which bodies collide.
+    fn look_up_pairs_of(&mut self, body: usize) {
+        for &c in self.bodies.colliders[body].as_slice() {
+            self.broad.touch(c);
+        }
+    }
+
+    /// Joints stay where they are when a body's centre of mass and axes change.
+    pub(super) fn recentre_joints(&mut self, index: usize, old: &Cold) {
+        let (slot, new) = (self.bodies.slot[index], self.bodies.cold[index]);
+        let own: Vec<u32> = self.joints.of_body(slot).collect();
+        for joint in own {
+            let joint = &mut self.joints.all[joint as usize];
+            let frame = &mut joint.frames[usize::from(joint.bodies[1] == slot)];
+            frame.position = new.axes.conjugate() * (old.centre + old.axes * frame.position - new.centre);
+            frame.rotation = (new.axes.conjugate() * old.axes * frame.rotation).normalize();
+        }
+    }
+
+    fn make_place_for_joint(&mut self, desc: &JointDesc) -> Result<(), Error> {
+        if self.settings.budget.is_some() {
+            let (asked, left) = (self.joints.cost(desc), self.room().left());
+            if asked > left {
+                return Err(Error::Budget { category: crate::memory::Category::Joints, asked, left });
+            }
+        }
+        Ok(())
+    }
+}

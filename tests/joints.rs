@@ -1,0 +1,207 @@
+//! Joints against analytic answers.
+
+#![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
+use backstop::glam::{DVec3, Quat, Vec3};
+use backstop::{
+    Axes, Axis, BodyDesc, BodyHandle, Drive, Frame, Geometry, JointDesc, JointHandle, Limit, Motion,
+    Settings, ShapeDesc, Spring, World,
+};
+use std::f32::consts::{FRAC_PI_2, PI, TAU};
+
+const G: f64 = 9.81;
+
+fn world() -> World {
+    World::new(Settings { gravity: Vec3::new(0.0, -G as f32, 0.0), ..Settings::default() }).unwrap()
+}
+
+fn fixed(world: &mut World) -> BodyHandle {
+    world.add_body(&BodyDesc::fixed()).unwrap()
+}
+
+fn body(world: &mut World, geometry: Geometry, at: DVec3) -> BodyHandle {
+    world.add_body(&BodyDesc::dynamic().at(at).with_shape(ShapeDesc::new(geometry))).unwrap()
+}
+
+/// Distance of a joint's two frames [m].
+fn gap(world: &World, joint: JointHandle) -> f64 {
+    let [(a, _), (b, _)] = world.joint_frames(joint).unwrap();
+    (b - a).length()
+}
+
+/// Period of a pendulum over that of small swings, by the arithmetic-geometric mean: 1 / agm(1, cos(angle / 2)).
+fn stretched(angle: f64) -> f64 {
+    let (mut a, mut g) = (1.0, (angle / 2.0).cos());
+    for _ in 0..30 {
+        (a, g) = ((a + g) / 2.0, (a * g).sqrt());
+    }
+    1.0 / a
+}
+
+/// A sphere on a massless rod of 1 m: T = 2 pi sqrt(I / (m g l)), stretched for wide swings, for I about the pivot.
+#[test]
+fn a_pendulum_swings_with_its_period() {
+    assert!((stretched(150_f64.to_radians()) - 1.762_203_73).abs() < 1e-8, "METHODS: T / T0 at 150 degrees");
+    for degrees in [5.0_f64, 60.0, 150.0] {
+        for hinge in [false, true] {
+            let mut world = world();
+            let ground = fixed(&mut world);
+            let angle = degrees.to_radians();
+            let at = DVec3::new(angle.sin(), -angle.cos(), 0.0);
+            let radius = 0.1_f64;
+            let ball = body(&mut world, Geometry::Sphere { radius: radius as f32 }, at);
+            // The hinge's axis, x of the frames, is the world's z.
+            let axes = Quat::from_rotation_y(-FRAC_PI_2);
+            let frames = world.frames_at([ground, ball], DVec3::ZERO, axes).unwrap();
+            let bodies = [ground, ball];
+            let desc = if hinge { JointDesc::hinge(bodies, frames) } else { JointDesc::ball(bodies, frames) };
+            let joint = world.add_joint(&desc).unwrap();
+            let inertia = 1.0 + 0.4 * radius * radius;
+            let expected = TAU as f64 * (inertia / G).sqrt() * stretched(angle);
+            // From one passage through the bottom to the next but one.
+            let dt = 1.0 / 240.0;
+            let (mut passed, mut last, mut widest) = (Vec::new(), at.x, 0.0_f64);
+            for step in 1..=(4.0 * expected / dt) as u32 {
+                world.step(dt as f32).unwrap();
+                let x = world.position(ball).unwrap().x;
+                if last > 0.0 && x <= 0.0 {
+                    passed.push((f64::from(step) - x / (x - last)) * dt);
+                }
+                last = x;
+                widest = widest.max(gap(&world, joint));
+            }
+            let period = (passed[passed.len() - 1] - passed[0]) / (passed.len() - 1) as f64;
+            println!("{degrees} {hinge}: {:.5} widest {widest:.2e}", period / expected);
+            assert!((period / expected - 1.0).abs() < 0.005, "{degrees} {hinge}: {period} for {expected}");
+            assert!(widest < 1e-3, "{degrees} {hinge}: {widest}");
+        }
+    }
+}
+
+/// Two balls on rods of 1 m, let go level.
+#[test]
+fn a_double_pendulum_keeps_its_energy() {
+    let mut world = world();
+    let ground = fixed(&mut world);
+    let one = body(&mut world, Geometry::Sphere { radius: 0.1 }, DVec3::X);
+    let two = body(&mut world, Geometry::Sphere { radius: 0.1 }, DVec3::X * 2.0);
+    let first = JointDesc::ball([ground, one], [Frame::default(), Frame::at(Vec3::NEG_X)]);
+    let second = JointDesc::ball([one, two], [Frame::default(), Frame::at(Vec3::NEG_X)]);
+    let joints = [world.add_joint(&first).unwrap(), world.add_joint(&second).unwrap()];
+    let mass = f64::from(world.mass(one).unwrap());
+    let start = world.energy();
+    // What there is to lose: both hanging straight down.
+    let scale = mass * G * 3.0;
+    let (mut worst, mut widest) = (0.0_f64, 0.0_f64);
+    for _ in 0..2400 {
+        world.step(1.0 / 240.0).unwrap();
+        worst = worst.max((world.energy() - start).abs());
+        widest = joints.iter().map(|&j| gap(&world, j)).fold(widest, f64::max);
+    }
+    println!("energy {:.4} % gap {widest:.2e}", 100.0 * worst / scale);
+    assert!(worst < 0.01 * scale, "{} of {scale}", worst);
+}
+
+#[test]
+fn a_chain_with_a_heavy_end() {
+    for swinging in [false, true] {
+        let mut world = world();
+        let top = fixed(&mut world);
+        let along = if swinging { Vec3::X } else { Vec3::NEG_Y };
+        let turn = Quat::from_rotation_arc(Vec3::Y, along);
+        let (half, radius) = (0.15_f32, 0.05_f32);
+        let pitch = 2.0 * (half + radius);
+        let mut bodies = vec![top];
+        let mut joints = Vec::new();
+        for i in 0..20 {
+            let at = along * pitch * (i as f32 + 0.5);
+            let link = BodyDesc::dynamic()
+                .at(at)
+                .rotated(turn)
+                .with_shape(ShapeDesc::new(Geometry::capsule(half, radius)));
+            bodies.push(world.add_body(&link).unwrap());
+        }
+        let light = world.mass(bodies[1]).unwrap();
+        let end = along * (pitch * 20.0 + 0.5);
+        let mut ball = ShapeDesc::new(Geometry::Sphere { radius: 0.5 });
+        ball.density = 1000.0 * light / (4.0 / 3.0 * PI * 0.125);
+        bodies.push(world.add_body(&BodyDesc::dynamic().at(end).with_shape(ball)).unwrap());
+        for (i, pair) in bodies.windows(2).enumerate() {
+            let point = (along * pitch * i as f32).as_dvec3();
+            let pair = [pair[0], pair[1]];
+            let frames = world.frames_at(pair, point, Quat::IDENTITY).unwrap();
+            joints.push(world.add_joint(&JointDesc::ball(pair, frames)).unwrap());
+        }
+        let mut widest = 0.0_f64;
+        for step in 0..300 {
+            world.step(1.0 / 60.0).unwrap();
+            widest = joints.iter().map(|&j| gap(&world, j)).fold(widest, f64::max);
+            if step % 60 == 59 {
+                let now = joints.iter().map(|&j| gap(&world, j)).fold(0.0, f64::max);
+                println!("swinging {swinging} {step}: now {now:.4} widest {widest:.4}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_motor_reaches_its_speed_and_a_spring_has_its_frequency() {
+    let mut world = World::new(Settings { gravity: Vec3::ZERO, ..Settings::default() }).unwrap();
+    let ground = fixed(&mut world);
+    let wheel = body(&mut world, Geometry::cylinder(0.1, 0.5), DVec3::ZERO);
+    let desc = JointDesc::hinge([ground, wheel], [Frame::default(); 2]).with_drive(Drive::motor(
+        Motion::Angular,
+        Axis::X,
+        7.0,
+        1e6,
+    ));
+    world.add_joint(&desc).unwrap();
+    for _ in 0..10 {
+        world.step(1.0 / 60.0).unwrap();
+    }
+    let spin = world.angular_velocity(wheel).unwrap();
+    assert!((spin - Vec3::X * 7.0).length() < 1e-3, "{spin}");
+
+    // Stiffness for 2 Hz on a mass.
+    let block = body(&mut world, Geometry::cuboid(0.1, 0.1, 0.1), DVec3::new(5.1, 0.0, 0.0));
+    let mass = world.mass(block).unwrap();
+    let omega = TAU * 2.0;
+    let spring = Spring::Coefficients { stiffness: mass * omega * omega, damping: 0.0 };
+    let desc = JointDesc::slider([ground, block], [Frame::at(Vec3::X * 5.0), Frame::default()])
+        .with_drive(Drive::spring(Motion::Linear, Axis::X, 0.0, spring));
+    world.add_joint(&desc).unwrap();
+    let dt = 1.0 / 240.0_f64;
+    let (mut passed, mut last) = (Vec::new(), 0.1);
+    for step in 1..=480 {
+        world.step(dt as f32).unwrap();
+        let x = world.position(block).unwrap().x - 5.0;
+        if last > 0.0 && x <= 0.0 {
+            passed.push((f64::from(step) - x / (x - last)) * dt);
+        }
+        last = x;
+    }
+    let hertz = (passed.len() - 1) as f64 / (passed[passed.len() - 1] - passed[0]);
+    println!("{hertz}");
+    assert!((hertz / 2.0 - 1.0).abs() < 0.01, "{hertz}");
+}
+
+#[test]
+fn a_limit_stops_and_a_rope_holds() {
+    let mut world = world();
+    let ground = fixed(&mut world);
+    // A door that falls shut: about x, from level to 60 degrees down.
+    let door = body(&mut world, Geometry::cuboid(0.5, 0.02, 0.5), DVec3::new(0.0, 0.0, 0.5));
+    let desc = JointDesc::hinge([ground, door], [Frame::default(), Frame::at(Vec3::Z * -0.5)])
+        .with_limit(Limit::new(Motion::Angular, Axes::One(Axis::X), -0.2, PI / 3.0));
+    world.add_joint(&desc).unwrap();
+    let ball = body(&mut world, Geometry::Sphere { radius: 0.1 }, DVec3::new(5.0, 0.0, 0.0));
+    let rope = JointDesc::distance([ground, ball], [Frame::at(Vec3::X * 5.0), Frame::default()], 0.0, 2.0);
+    world.add_joint(&rope).unwrap();
+    for _ in 0..300 {
+        world.step(1.0 / 60.0).unwrap();
+    }
+    let (axis, angle) = world.rotation(door).unwrap().to_axis_angle();
+    assert!((axis - Vec3::X).length() < 1e-3 && (angle - PI / 3.0).abs() < 2e-3, "{axis} {angle}");
+    let y = world.position(ball).unwrap().y;
+    assert!((y + 2.0).abs() < 2e-3, "{y}");
+    assert!(world.linear_velocity(ball).unwrap().length() < 1e-2);
+}
