@@ -5,6 +5,8 @@ use super::contact_row::Motion as BodyMotion;
 use super::joint_ends::{Ends, JointPass, NONE};
 use super::joint_lock::{PointBatch, TurnBatch, mobility};
 use super::joint_row::RowBatch;
+use super::joint_tree::{Node, TreeBatch};
+use super::joint_trees::{Tree, find};
 use super::order::{Order, RowGroup};
 use crate::body::Bodies;
 use crate::joint::{Axes, Motion};
@@ -20,10 +22,12 @@ pub(crate) enum JointType {
     Weld,
     Hinge,
     Point,
+    Tree,
 }
 
 impl JointType {
-    const ALL: [JointType; 4] = [JointType::Row, JointType::Weld, JointType::Hinge, JointType::Point];
+    /// Those that are coloured.
+    const ROWS: [JointType; 4] = [JointType::Row, JointType::Weld, JointType::Hinge, JointType::Point];
 }
 
 /// Batches of one type that may be solved at the same time: one colour of one group.
@@ -104,6 +108,9 @@ pub(crate) struct JointRows {
     pub(crate) welds: Table<TurnBatch<f32x8, false>, TurnBatch<f32, false>>,
     pub(crate) hinges: Table<TurnBatch<f32x8, true>, TurnBatch<f32, true>>,
     pub(crate) rows: Table<RowBatch<f32x8>, RowBatch<f32>>,
+    /// Trees of points: one alone, or up to eight alike.
+    trees: Vec<TreeBatch<f32x8>>,
+    tree: Vec<TreeBatch<f32>>,
     /// Of soft rows, limits, then locks.
     pub(crate) stages: Vec<JointStage>,
 }
@@ -130,6 +137,8 @@ impl JointRows {
             self.hinges.bytes(),
             self.rows.bytes(),
             bytes_of(&self.stages),
+            bytes_of_trees(&self.trees),
+            bytes_of_trees(&self.tree),
         ];
         all.into_iter().fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
     }
@@ -141,12 +150,13 @@ impl JointRows {
         self.hinges.clear();
         self.rows.clear();
         self.stages.clear();
+        let (trees, taken) = find(joints, bodies);
         let mut colouring = Colouring::default();
         let mut parts: Vec<(usize, u32)> = Vec::new();
         let body =
             |joint: u32, side: usize| bodies.slots.dense(joints.all[joint as usize].bodies[side]) as usize;
         for group in [RowGroup::SoftJoints, RowGroup::JointLimits, RowGroup::Joints] {
-            for kind in JointType::ALL {
+            for kind in JointType::ROWS {
                 colouring.reset(bodies.dynamic());
                 parts.clear();
                 let mut enter = |owner: usize, joint: u32| {
@@ -163,22 +173,30 @@ impl JointRows {
                         .filter(|(_, r)| own(r))
                         .for_each(|(i, r)| enter(i, r.joint));
                 } else if group == RowGroup::Joints {
-                    let own = |lock: &&Lock| type_of(lock) == kind;
-                    joints
-                        .locks
-                        .iter()
-                        .enumerate()
-                        .filter(|(_, l)| own(l))
-                        .for_each(|(i, l)| enter(i, l.joint));
+                    let own = |(i, lock): &(usize, &Lock)| type_of(lock) == kind && !taken[*i];
+                    joints.locks.iter().enumerate().filter(own).for_each(|(i, l)| enter(i, l.joint));
                 }
                 parts.sort_by_key(|part| part.0);
                 self.add_stages(group, kind, &parts);
             }
         }
+        self.plant(&trees);
         self.points.resize();
         self.welds.resize();
         self.hinges.resize();
         self.rows.resize();
+    }
+
+    /// Batches of trees, and their stages: no two share a body that they can move.
+    fn plant(&mut self, groups: &[Vec<Tree>]) {
+        self.trees = groups.iter().filter(|group| group.len() > 1).map(|group| batch_of(group)).collect();
+        self.tree = groups.iter().filter(|group| group.len() == 1).map(|group| batch_of(group)).collect();
+        for (count, serial) in [(self.trees.len(), false), (self.tree.len(), true)] {
+            if count > 0 {
+                let (group, kind) = (RowGroup::Joints, JointType::Tree);
+                self.stages.push(JointStage { group, kind, start: 0, end: count as u32, serial });
+            }
+        }
     }
 
     fn add_stages(&mut self, group: RowGroup, kind: JointType, parts: &[(usize, u32)]) {
@@ -187,6 +205,7 @@ impl JointRows {
             JointType::Weld => (&mut self.welds.owners, &mut self.welds.single_owners),
             JointType::Hinge => (&mut self.hinges.owners, &mut self.hinges.single_owners),
             JointType::Row => (&mut self.rows.owners, &mut self.rows.single_owners),
+            JointType::Tree => return,
         };
         for colour in parts.chunk_by(|a, b| a.0 == b.0) {
             let serial = colour[0].0 == (OVERFLOW + 1) % (COLOURS + 1);
@@ -210,6 +229,10 @@ impl JointRows {
         self.welds.fill(crew, |b, o| turn(b, o, input), |b, o| turn(b, o, input));
         self.hinges.fill(crew, |b, o| turn(b, o, input), |b, o| turn(b, o, input));
         self.rows.fill(crew, |b, o| row(b, o, input), |b, o| row(b, o, input));
+        let (count, trees) = (self.trees.len(), Shared::new(&mut self.trees));
+        // SAFETY: each batch is in one block.
+        crew.run(count, &|i| tree(unsafe { trees.get(i) }, input));
+        self.tree.iter_mut().for_each(|batch| tree(batch, input));
     }
 
     /// Applies the impulses of the last step, for one stage.
@@ -241,6 +264,7 @@ impl JointRows {
             JointType::Weld => go!(views.welds, views.weld),
             JointType::Hinge => go!(views.hinges, views.hinge),
             JointType::Row => go!(views.rows, views.row),
+            JointType::Tree => go!(views.trees, views.tree),
         }
     }
 
@@ -255,6 +279,8 @@ impl JointRows {
             hinge: Shared::new(&mut self.hinges.single),
             rows: Shared::new(&mut self.rows.lanes),
             row: Shared::new(&mut self.rows.single),
+            trees: Shared::new(&mut self.trees),
+            tree: Shared::new(&mut self.tree),
         }
     }
 
@@ -300,6 +326,8 @@ impl JointRows {
             |b, i| b.impulse.lane(i),
             &mut lock,
         );
+        self.trees.iter().for_each(|batch| impulses_of(batch, &mut lock));
+        self.tree.iter().for_each(|batch| impulses_of(batch, &mut lock));
         let mut row = |owner: u32, (impulse, along, about): ([f32; 2], glam::Vec3, glam::Vec3)| {
             let row = &mut rows[owner as usize];
             row.impulse = impulse;
@@ -343,6 +371,8 @@ pub(crate) struct JointViews<'a> {
     hinge: Shared<'a, TurnBatch<f32, true>>,
     rows: Shared<'a, RowBatch<f32x8>>,
     row: Shared<'a, RowBatch<f32>>,
+    trees: Shared<'a, TreeBatch<f32x8>>,
+    tree: Shared<'a, TreeBatch<f32>>,
 }
 
 fn group_of(row: &Row) -> RowGroup {
@@ -445,6 +475,71 @@ fn point<L: GatherLanes>(batch: &mut PointBatch<L>, owners: &[u32], input: &Join
     for (lane, axes) in projected.iter().enumerate() {
         if let Some(axes) = axes {
             put_sym(&mut batch.mass, lane, &within(&get_sym(&all, lane), axes));
+        }
+    }
+}
+
+fn bytes_of_trees<L>(trees: &Vec<TreeBatch<L>>) -> (usize, usize) {
+    trees.iter().map(|tree| bytes_of(&tree.nodes)).fold(bytes_of(trees), |s, b| (s.0 + b.0, s.1 + b.1))
+}
+
+/// The nodes of trees of one shape, a lane each.
+fn batch_of<L: Lanes>(group: &[Tree]) -> TreeBatch<L> {
+    let first = &group[0];
+    let node = |i: usize| {
+        let mut node = Node::default();
+        (node.side, node.parent, node.jointed) = (first[i].side, first[i].parent, first[i].jointed);
+        for (owner, tree) in node.owner.iter_mut().zip(group) {
+            *owner = tree[i].lock;
+        }
+        node
+    };
+    TreeBatch { nodes: (0..first.len()).map(node).collect() }
+}
+
+fn tree<L: GatherLanes>(batch: &mut TreeBatch<L>, input: &JointInput<'_>) {
+    let bodies = input.bodies;
+    let (dynamic, movers) = (bodies.dynamic(), bodies.movers());
+    for node in &mut batch.nodes {
+        let side = usize::from(node.side);
+        for lane in 0..L::N {
+            let owner = node.owner[lane];
+            if owner == NONE {
+                (node.body[lane], node.anchor[lane]) = (node.body[0], node.anchor[0]);
+                continue;
+            }
+            let lock = &input.joints.locks[owner as usize];
+            let joint = &input.joints.all[lock.joint as usize];
+            let dense = joint.bodies.map(|slot| bodies.slots.dense(slot) as usize);
+            let (own, other) = (dense[side], dense[1 - side]);
+            node.body[lane] = own as u32;
+            // Only a root's is looked at.
+            node.anchor[lane] = if other < dynamic { own } else { other.min(movers) } as u32;
+            node.write |= 1 << lane;
+            let inverse = bodies.mass[own].inverse;
+            node.inverse_mass.set_lane(lane, inverse);
+            node.mass.set_lane(lane, 1.0 / inverse);
+            put_sym(&mut node.inverse_inertia, lane, &input.inverse_inertia[own]);
+            if node.jointed {
+                let at = Placed::new(dense.map(|i| &bodies.pose[i]), &joint.frames);
+                let sign = if side == 1 { 1.0 } else { -1.0 };
+                put(&mut node.arm[0], lane, at.arm[side]);
+                put(&mut node.arm[1], lane, at.arm[1 - side]);
+                put(&mut node.apart, lane, at.apart * sign);
+                put(&mut node.impulse, lane, lock.impulse * (sign * input.warm));
+            }
+        }
+        node.inertia = super::joint_ends::inverse(&node.inverse_inertia);
+    }
+    batch.begin();
+}
+
+/// Calls `f` with each lock of a batch of trees and its impulse.
+fn impulses_of<L: Lanes>(batch: &TreeBatch<L>, f: &mut impl FnMut(u32, glam::Vec3)) {
+    for node in batch.nodes.iter().filter(|node| node.jointed) {
+        let sign = if node.side == 1 { 1.0 } else { -1.0 };
+        for (lane, owner) in node.owner.into_iter().enumerate().filter(|(_, owner)| *owner != NONE) {
+            f(owner, node.impulse.lane(lane) * sign);
         }
     }
 }

@@ -10,6 +10,8 @@ pub(crate) struct JointPass {
     /// 1 / substep [1/s].
     pub(crate) inverse_h: f32,
     pub(crate) softness: Softness,
+    /// Share of an error in a tree, which is solved exactly, that is taken back within a second [1/s].
+    pub(crate) tree_rate: f32,
     /// What errors added to the velocities is taken out again.
     pub(crate) relax: bool,
 }

@@ -10,6 +10,8 @@ mod joint_arrange;
 mod joint_ends;
 mod joint_lock;
 mod joint_row;
+mod joint_tree;
+mod joint_trees;
 mod order;
 mod prepare;
 

@@ -33,6 +33,7 @@ pub(crate) struct Passes {
     pub(crate) order: Order,
     /// Of what joints lock.
     pub(crate) joint: Softness,
+    pub(crate) tree_rate: f32,
 }
 
 /// Rows of joints, sorted as they are solved.
@@ -111,7 +112,7 @@ impl Passes {
         motion: &Motion<'_, '_>,
     ) {
         let relax = kind == Kind::Relax;
-        let pass = JointPass { inverse_h: self.inverse_h, softness: self.joint, relax };
+        let pass = JointPass { inverse_h: self.inverse_h, softness: self.joint, tree_rate: self.tree_rate, relax };
         let pass = match kind {
             Kind::WarmStart => None,
             Kind::Solve | Kind::Relax => Some(&pass),

@@ -1,0 +1,434 @@
+//! Trees of joints, solved exactly.
+//!
+//! Row by row, what a heavy load at the end of a chain needs travels up one joint a pass: a ball a thousand times as heavy as
+//! the links tears such a chain apart. But points that join bodies without a loop (chains, ragdolls, cars) are a linear
+//! system that needs no iteration. From the leaves to the root, each body's inertia takes in what hangs on it; then
+//! impulses go back from the root to the leaves (Featherstone 1983; with impulses instead of forces, and in the
+//! coordinates of the bodies, Baraff, *Linear-Time Dynamics using Lagrange Multipliers*, 1996). Up to eight trees of the
+//! same shape share the lanes.
+
+use super::contact_row::Motion;
+use super::joint_ends::{JointPass, NONE, inverse, turned};
+use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3, gather, scatter};
+
+/// Columns.
+type Mat3<L> = [Vec3<L>; 3];
+
+/// A linear and an angular part.
+#[derive(Clone, Copy, Debug)]
+struct Twist<L> {
+    linear: Vec3<L>,
+    angular: Vec3<L>,
+}
+
+impl<L: Lanes> Twist<L> {
+    fn zero() -> Self {
+        Twist { linear: Vec3::zero(), angular: Vec3::zero() }
+    }
+    #[inline(always)]
+    fn add(&mut self, o: Twist<L>) {
+        self.linear += o.linear;
+        self.angular += o.angular;
+    }
+    /// Of a force at an arm.
+    #[inline(always)]
+    fn of(arm: Vec3<L>, force: Vec3<L>) -> Self {
+        Twist { linear: force, angular: arm.cross(force) }
+    }
+    /// Velocity of the point at an arm.
+    #[inline(always)]
+    fn at(&self, arm: Vec3<L>) -> Vec3<L> {
+        self.linear + self.angular.cross(arm)
+    }
+}
+
+/// A symmetric 6x6 matrix: linear, mixed (linear rows, angular columns) and angular blocks.
+#[derive(Clone, Copy, Debug)]
+struct Sym6<L> {
+    linear: Sym3<L>,
+    mixed: Mat3<L>,
+    angular: Sym3<L>,
+}
+
+#[inline(always)]
+fn mul<L: Lanes>(m: &Mat3<L>, v: Vec3<L>) -> Vec3<L> {
+    m[0] * v.x + m[1] * v.y + m[2] * v.z
+}
+
+#[inline(always)]
+fn mul_transposed<L: Lanes>(m: &Mat3<L>, v: Vec3<L>) -> Vec3<L> {
+    Vec3::new(m[0].dot(v), m[1].dot(v), m[2].dot(v))
+}
+
+#[inline(always)]
+fn columns<L: Lanes>(m: &Sym3<L>) -> Mat3<L> {
+    [Vec3::new(m.xx, m.xy, m.xz), Vec3::new(m.xy, m.yy, m.yz), Vec3::new(m.xz, m.yz, m.zz)]
+}
+
+/// The symmetric part of what is symmetric but for rounding.
+#[inline(always)]
+fn symmetric<L: Lanes>(m: &Mat3<L>) -> Sym3<L> {
+    Sym3 { xx: m[0].x, yy: m[1].y, zz: m[2].z, xy: m[1].x, xz: m[2].x, yz: m[2].y }
+}
+
+#[inline(always)]
+fn minus<L: Lanes>(a: &Sym3<L>, b: &Sym3<L>) -> Sym3<L> {
+    Sym3 {
+        xx: a.xx - b.xx,
+        yy: a.yy - b.yy,
+        zz: a.zz - b.zz,
+        xy: a.xy - b.xy,
+        xz: a.xz - b.xz,
+        yz: a.yz - b.yz,
+    }
+}
+
+#[inline(always)]
+fn plus<L: Lanes>(a: &Sym3<L>, b: &Sym3<L>) -> Sym3<L> {
+    Sym3 {
+        xx: a.xx + b.xx,
+        yy: a.yy + b.yy,
+        zz: a.zz + b.zz,
+        xy: a.xy + b.xy,
+        xz: a.xz + b.xz,
+        yz: a.yz + b.yz,
+    }
+}
+
+impl<L: Lanes> Sym6<L> {
+    fn zero() -> Self {
+        Sym6 { linear: Sym3::default(), mixed: [Vec3::zero(); 3], angular: Sym3::default() }
+    }
+
+    #[inline(always)]
+    fn mul(&self, t: &Twist<L>) -> Twist<L> {
+        Twist {
+            linear: self.linear.mul(t.linear) + mul(&self.mixed, t.angular),
+            angular: mul_transposed(&self.mixed, t.linear) + self.angular.mul(t.angular),
+        }
+    }
+
+    /// By the Schur complement of the angular block.
+    #[inline(always)]
+    fn inverse(&self) -> Self {
+        let r = inverse(&self.angular);
+        // mixed · r, column by column.
+        let qr = columns(&r).map(|column| mul(&self.mixed, column));
+        let taken = self.transposed_mixed().map(|row| mul(&qr, row));
+        let linear = inverse(&minus(&self.linear, &symmetric(&taken)));
+        let mixed = qr.map(|column| -linear.mul(column));
+        // r + (mixed r)ᵀ linear (mixed r)
+        let more: Mat3<L> = std::array::from_fn(|k| -mul_transposed(&qr, mixed[k]));
+        Sym6 { linear, mixed, angular: plus(&r, &symmetric(&more)) }
+    }
+
+    #[inline(always)]
+    fn transposed_mixed(&self) -> Mat3<L> {
+        let m = &self.mixed;
+        [
+            Vec3::new(m[0].x, m[1].x, m[2].x),
+            Vec3::new(m[0].y, m[1].y, m[2].y),
+            Vec3::new(m[0].z, m[1].z, m[2].z),
+        ]
+    }
+}
+
+/// A body and the joint between it and its parent.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Node<L> {
+    /// The lock of the joint in each lane; of a root that hangs on nothing, none.
+    pub(crate) owner: [u32; 8],
+    /// Which side of the joint the body is, the same in all lanes.
+    pub(crate) side: u8,
+    /// The parent's place in the tree; of a root, none.
+    pub(crate) parent: u32,
+    /// Whether there is a joint.
+    pub(crate) jointed: bool,
+    pub(crate) body: [u32; 8],
+    /// What a root hangs on: a body that the joint can't move.
+    pub(crate) anchor: [u32; 8],
+    /// Bit per lane: there is a body.
+    pub(crate) write: u32,
+    /// The body's own.
+    pub(crate) mass: L,
+    pub(crate) inverse_mass: L,
+    pub(crate) inertia: Sym3<L>,
+    pub(crate) inverse_inertia: Sym3<L>,
+    /// From the centre of mass to the joint, of the body and of its parent, at the start of the step [m].
+    pub(crate) arm: [Vec3<L>; 2],
+    /// From the parent's point to the body's [m].
+    pub(crate) apart: Vec3<L>,
+    /// The same after the last substep.
+    arm_now: [Vec3<L>; 2],
+    apart_now: Vec3<L>,
+    /// On the body, of the last substep [N s], and its moments at the arms at which its parts acted [N m s].
+    pub(crate) impulse: Vec3<L>,
+    moment: [Vec3<L>; 2],
+    /// Inverse of the inertia of the body with all that hangs on it.
+    free: Sym6<L>,
+    /// How the body answers to a unit impulse along each axis at the joint.
+    answer: [Twist<L>; 3],
+    /// Inverse of the mobility of the joint's point.
+    stiff: Sym3<L>,
+    /// Of one pass.
+    sum: Sym6<L>,
+    velocity: Twist<L>,
+    carried: Twist<L>,
+    asked: Vec3<L>,
+    change: Twist<L>,
+}
+
+impl<L: Lanes> Default for Node<L> {
+    fn default() -> Self {
+        let (zero, one) = (Vec3::zero(), L::one());
+        Node {
+            owner: [NONE; 8],
+            side: 0,
+            parent: NONE,
+            jointed: false,
+            body: [0; 8],
+            anchor: [0; 8],
+            write: 0,
+            // Of something, so that an inert lane has numbers too.
+            mass: one,
+            inverse_mass: one,
+            inertia: Sym3 { xx: one, yy: one, zz: one, ..Sym3::default() },
+            inverse_inertia: Sym3 { xx: one, yy: one, zz: one, ..Sym3::default() },
+            arm: [zero; 2],
+            apart: zero,
+            arm_now: [zero; 2],
+            apart_now: zero,
+            impulse: zero,
+            moment: [zero; 2],
+            free: Sym6::zero(),
+            answer: [Twist::zero(); 3],
+            stiff: Sym3::default(),
+            sum: Sym6::zero(),
+            velocity: Twist::zero(),
+            carried: Twist::zero(),
+            asked: zero,
+            change: Twist::zero(),
+        }
+    }
+}
+
+/// Up to eight trees of one shape, parents before children.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct TreeBatch<L> {
+    pub(crate) nodes: Vec<Node<L>>,
+}
+
+impl<L: GatherLanes> TreeBatch<L> {
+    /// Takes arms and impulses as they are at the start of a step.
+    pub(crate) fn begin(&mut self) {
+        for node in &mut self.nodes {
+            (node.arm_now, node.apart_now) = (node.arm, node.apart);
+            node.moment = [0, 1].map(|side| node.arm[side].cross(node.impulse));
+        }
+        self.factor();
+    }
+
+    /// From the leaves to the root: what each body is like with all that hangs on it.
+    fn factor(&mut self) {
+        for node in &mut self.nodes {
+            let mass = Sym3 { xx: node.mass, yy: node.mass, zz: node.mass, ..Sym3::default() };
+            node.sum = Sym6 { linear: mass, mixed: [Vec3::zero(); 3], angular: node.inertia };
+        }
+        for i in (0..self.nodes.len()).rev() {
+            let node = &mut self.nodes[i];
+            node.free = node.sum.inverse();
+            if !node.jointed {
+                continue;
+            }
+            let (x, y, z) = axes::<L>();
+            let [arm, above] = node.arm_now;
+            node.answer = [x, y, z].map(|e| node.free.mul(&Twist::of(arm, e)));
+            let mobility = node.answer.map(|answer| answer.at(arm));
+            node.stiff = inverse(&symmetric(&mobility));
+            let (stiff, parent) = (node.stiff, node.parent);
+            if parent == NONE {
+                continue;
+            }
+            // What the joint makes the parent feel: its stiffness, moved to the parent's centre.
+            let linear = columns(&stiff);
+            // Of the rows of forces at an arm: column k is stiff · (e_k x arm).
+            let mixed = [x, y, z].map(|e| stiff.mul(e.cross(above)));
+            let angular = mixed.map(|column| above.cross(column));
+            let sum = &mut self.nodes[parent as usize].sum;
+            sum.linear = plus(&sum.linear, &symmetric(&linear));
+            for (own, column) in sum.mixed.iter_mut().zip(mixed) {
+                *own += column;
+            }
+            sum.angular = plus(&sum.angular, &symmetric(&angular));
+        }
+    }
+
+    /// Applies the impulses of the last step.
+    ///
+    /// # Safety
+    /// The bodies of the trees are in no other batch of the stage.
+    pub(crate) unsafe fn warm_start(&mut self, motion: &Motion<'_, '_>) {
+        // SAFETY: by the contract.
+        unsafe { self.load(motion) };
+        for i in 0..self.nodes.len() {
+            let Node { impulse, arm_now, .. } = self.nodes[i];
+            let push = [Twist::of(arm_now[0], impulse), Twist::of(arm_now[1], impulse)];
+            self.push(i, push);
+        }
+        // SAFETY: by the contract.
+        unsafe { self.save(motion) };
+    }
+
+    /// Changes velocities by impulses on a body and, the other way round, on its parent.
+    #[inline(always)]
+    fn push(&mut self, i: usize, [own, above]: [Twist<L>; 2]) {
+        let node = &mut self.nodes[i];
+        if !node.jointed {
+            return;
+        }
+        let parent = node.parent;
+        node.velocity.add(node.body_answer(own));
+        if parent != NONE {
+            let parent = &mut self.nodes[parent as usize];
+            let back = Twist { linear: -above.linear, angular: -above.angular };
+            parent.velocity.add(parent.body_answer(back));
+        }
+    }
+
+    /// One exact solution for all joints of the trees.
+    ///
+    /// # Safety
+    /// The bodies of the trees are in no other batch of the stage.
+    pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
+        if pass.relax {
+            // SAFETY: displacements are not written while rows are solved.
+            unsafe { self.follow(motion) };
+        }
+        // SAFETY: by the contract.
+        unsafe { self.load(motion) };
+        if !pass.relax {
+            // Warm starting was an addition to the velocities; what acted at arms that turn has to turn too.
+            for i in 0..self.nodes.len() {
+                let node = &mut self.nodes[i];
+                let moment = [0, 1].map(|side| node.arm_now[side].cross(node.impulse));
+                let more = [0, 1].map(|side| Twist { linear: Vec3::zero(), angular: moment[side] - node.moment[side] });
+                node.moment = moment;
+                self.push(i, more);
+            }
+        }
+        let rate = L::splat(if pass.relax { 0.0 } else { pass.tree_rate });
+        for i in (0..self.nodes.len()).rev() {
+            let node = self.nodes[i];
+            if !node.jointed {
+                continue;
+            }
+            let above = if node.parent == NONE { node.change } else { self.nodes[node.parent as usize].velocity };
+            let slip = node.velocity.at(node.arm_now[0]) - above.at(node.arm_now[1]) + node.apart_now * rate;
+            let carried = |k: usize| {
+                let answer = &node.answer[k];
+                answer.linear.dot(node.carried.linear) + answer.angular.dot(node.carried.angular)
+            };
+            let asked = slip + Vec3::new(carried(0), carried(1), carried(2));
+            self.nodes[i].asked = asked;
+            if node.parent != NONE {
+                let force = node.stiff.mul(asked);
+                self.nodes[node.parent as usize].carried.add(Twist::of(node.arm_now[1], force));
+            }
+        }
+        for i in 0..self.nodes.len() {
+            let node = self.nodes[i];
+            let mut change = node.free.mul(&node.carried);
+            if node.jointed {
+                let above =
+                    if node.parent == NONE { Twist::zero() } else { self.nodes[node.parent as usize].change };
+                let force = -node.stiff.mul(node.asked - above.at(node.arm_now[1]));
+                for (answer, f) in node.answer.iter().zip([force.x, force.y, force.z]) {
+                    change.add(Twist { linear: answer.linear * f, angular: answer.angular * f });
+                }
+                let node = &mut self.nodes[i];
+                node.impulse += force;
+                for side in 0..2 {
+                    node.moment[side] += node.arm_now[side].cross(force);
+                }
+            }
+            let node = &mut self.nodes[i];
+            node.change = change;
+            node.velocity.add(change);
+        }
+        // SAFETY: by the contract.
+        unsafe { self.save(motion) };
+    }
+
+    /// Arms and separations after displacements, and what follows from them.
+    ///
+    /// # Safety
+    /// No thread writes displacements.
+    unsafe fn follow(&mut self, motion: &Motion<'_, '_>) {
+        // SAFETY: by the contract.
+        let read = |i| unsafe { motion.delta.read(i) };
+        for i in 0..self.nodes.len() {
+            let node = &mut self.nodes[i];
+            let (linear, angular) = gather(read, &node.body);
+            node.change = Twist { linear, angular };
+            if !node.jointed {
+                continue;
+            }
+            let above = if node.parent == NONE {
+                let (linear, angular) = gather(read, &node.anchor);
+                Twist { linear, angular }
+            } else {
+                self.nodes[self.nodes[i].parent as usize].change
+            };
+            let node = &mut self.nodes[i];
+            let [arm, other] = node.arm;
+            node.arm_now = [turned(angular, arm), turned(above.angular, other)];
+            let moved = (linear - above.linear) + (node.arm_now[0] - arm) - (node.arm_now[1] - other);
+            node.apart_now = node.apart + moved;
+        }
+        self.factor();
+    }
+
+    /// Velocities; of what a root hangs on into its `change`.
+    ///
+    /// # Safety
+    /// The bodies of the trees are in no other batch of the stage.
+    unsafe fn load(&mut self, motion: &Motion<'_, '_>) {
+        // SAFETY: by the contract. One by one: a slice of all would include those that other threads write.
+        let read = |i| unsafe { motion.velocity.read(i) };
+        for node in &mut self.nodes {
+            let (linear, angular) = gather(read, &node.body);
+            node.velocity = Twist { linear, angular };
+            node.carried = Twist::zero();
+            if node.parent == NONE {
+                let (linear, angular) = gather(read, &node.anchor);
+                node.change = Twist { linear, angular };
+            }
+        }
+    }
+
+    /// # Safety
+    /// The bodies of the trees are in no other batch of the stage.
+    unsafe fn save(&self, motion: &Motion<'_, '_>) {
+        for node in &self.nodes {
+            let out = scatter(node.velocity.linear, node.velocity.angular);
+            for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
+                // SAFETY: by the contract; no body is twice in a batch.
+                unsafe { *motion.velocity.get(node.body[lane] as usize) = out[lane] };
+            }
+        }
+    }
+}
+
+impl<L: Lanes> Node<L> {
+    /// How the body alone answers to an impulse.
+    #[inline(always)]
+    fn body_answer(&self, push: Twist<L>) -> Twist<L> {
+        Twist { linear: push.linear * self.inverse_mass, angular: self.inverse_inertia.mul(push.angular) }
+    }
+}
+
+#[inline(always)]
+fn axes<L: Lanes>() -> (Vec3<L>, Vec3<L>, Vec3<L>) {
+    let (zero, one) = (L::zero(), L::one());
+    (Vec3::new(one, zero, zero), Vec3::new(zero, one, zero), Vec3::new(zero, zero, one))
+}

@@ -1,0 +1,124 @@
+//! Which joints make trees.
+
+use super::joint_ends::NONE;
+use crate::body::Bodies;
+use crate::joint::{Axes, Joints, LockKind};
+
+/// A body of a tree, and the joint between it and its parent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Branch {
+    /// Place of the parent; none of a root.
+    pub(super) parent: u32,
+    /// Which side of the joint the body is.
+    pub(super) side: u8,
+    /// A root may hang on nothing.
+    pub(super) jointed: bool,
+    /// Lock of the joint; of a root without one any lock of its body, on the side `side`.
+    pub(super) lock: u32,
+}
+
+impl Branch {
+    /// What trees have in common that can be solved in the same lanes.
+    fn shape(&self) -> (u32, u8, bool) {
+        (self.parent, self.side, self.jointed)
+    }
+}
+
+/// Parents before children.
+pub(super) type Tree = Vec<Branch>;
+
+/// Trees of two joints and more out of points that are joined, those of the same shape side by side, in groups of at most
+/// eight; and which locks are in them.
+///
+/// What has loops, hangs on two things or has a locked axis is none.
+pub(super) fn find(joints: &Joints, bodies: &Bodies) -> (Vec<Vec<Tree>>, Vec<bool>) {
+    let dynamic = bodies.dynamic();
+    let mut taken = vec![false; joints.locks.len()];
+    let ends = |lock: u32| {
+        let joint = &joints.all[joints.locks[lock as usize].joint as usize];
+        joint.bodies.map(|slot| bodies.slots.dense(slot) as usize)
+    };
+    // Joints of each body, in the order of their locks.
+    let mut of_body: Vec<(u32, u32)> = Vec::new();
+    for (lock, _) in joints.locks.iter().enumerate().filter(|(_, l)| l.kind == LockKind::Linear(Axes::All)) {
+        for body in ends(lock as u32).into_iter().filter(|&b| b < dynamic) {
+            of_body.push((body as u32, lock as u32));
+        }
+    }
+    of_body.sort_unstable();
+    let locks_of = |body: usize| {
+        let start = of_body.partition_point(|e| (e.0 as usize) < body);
+        of_body[start..].iter().take_while(move |e| e.0 as usize == body).map(|e| e.1)
+    };
+    let is_free = |body: usize| {
+        let mass = &bodies.mass[body];
+        mass.inverse > 0.0 && mass.inverse_inertia.min_element() > 0.0 && bodies.traits[body].locks == 0
+    };
+    let mut seen = vec![false; dynamic];
+    let mut trees: Vec<Tree> = Vec::new();
+    for &(first, _) in &of_body {
+        if seen[first as usize] {
+            continue;
+        }
+        // All that hangs together.
+        let mut group = vec![first as usize];
+        seen[first as usize] = true;
+        let (mut between, mut anchor, mut anchors, mut at, mut free) = (0, None, 0, 0, true);
+        while let Some(&body) = group.get(at) {
+            at += 1;
+            free &= is_free(body);
+            for lock in locks_of(body) {
+                let other = ends(lock).into_iter().find(|&b| b != body).unwrap_or(body);
+                if other >= dynamic {
+                    (anchor, anchors) = (Some(body), anchors + 1);
+                } else {
+                    // Seen from both sides.
+                    between += 1;
+                    if !std::mem::replace(&mut seen[other], true) {
+                        group.push(other);
+                    }
+                }
+            }
+        }
+        let joined = between / 2;
+        if !free || joined + 1 != group.len() || anchors > 1 || joined + anchors < 2 {
+            continue;
+        }
+        let most = |&body: &usize| (locks_of(body).count(), std::cmp::Reverse(body));
+        let Some(root) = anchor.or_else(|| group.iter().copied().max_by_key(most)) else { continue };
+        trees.push(grow(root, dynamic, &locks_of, &ends));
+    }
+    for branch in trees.iter().flatten().filter(|branch| branch.jointed) {
+        taken[branch.lock as usize] = true;
+    }
+    trees.sort_by(|a, b| a.iter().map(Branch::shape).cmp(b.iter().map(Branch::shape)));
+    let same = |a: &Tree, b: &Tree| a.iter().map(Branch::shape).eq(b.iter().map(Branch::shape));
+    let groups = trees.chunk_by(same).flat_map(|alike| alike.chunks(8)).map(<[Tree]>::to_vec).collect();
+    (groups, taken)
+}
+
+/// The tree under a root, level by level.
+fn grow<I: Iterator<Item = u32>>(
+    root: usize,
+    dynamic: usize,
+    locks_of: &impl Fn(usize) -> I,
+    ends: &impl Fn(u32) -> [usize; 2],
+) -> Tree {
+    let side_of = |lock: u32, body: usize| u8::from(ends(lock)[1] == body);
+    let anchor = locks_of(root).find(|&lock| ends(lock).iter().any(|&b| b >= dynamic));
+    let lock = anchor.or_else(|| locks_of(root).next()).unwrap_or(NONE);
+    let mut tree =
+        vec![Branch { parent: NONE, side: side_of(lock, root), jointed: anchor.is_some(), lock }];
+    let mut bodies = vec![root];
+    let mut at = 0;
+    while let Some(&body) = bodies.get(at) {
+        let own = tree[at];
+        for lock in locks_of(body).filter(|&lock| !own.jointed || lock != own.lock) {
+            let child = ends(lock)[usize::from(side_of(lock, body) == 0)];
+            tree.push(Branch { parent: at as u32, side: side_of(lock, child), jointed: true, lock });
+            bodies.push(child);
+        }
+        at += 1;
+    }
+    tree
+}
