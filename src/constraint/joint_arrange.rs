@@ -2,16 +2,17 @@
 
 use super::colour::{COLOURS, Colouring, OVERFLOW};
 use super::contact_row::Motion as BodyMotion;
-use super::joint_ends::{Ends, JointPass, NONE};
-use super::joint_lock::{PointBatch, TurnBatch, mobility};
+use super::joint_ends::{JointPass, NONE};
+use super::joint_fill::{point, row, tree, turn};
+use super::joint_lock::{PointBatch, TurnBatch};
 use super::joint_row::RowBatch;
 use super::joint_tree::{Node, TreeBatch};
 use super::joint_trees::{Tree, find};
 use super::order::{Order, RowGroup};
 use crate::body::Bodies;
-use crate::joint::{Axes, Motion};
-use crate::joint::{Joint, Joints, Lock, LockKind, Placed, Row, RowKind};
-use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3, f32x8};
+use crate::joint::Motion;
+use crate::joint::{Joints, Lock, LockKind, Row, RowKind};
+use crate::lanes::{Lanes, Sym3, f32x8};
 use crate::memory::bytes_of;
 use crate::threads::{Crew, Shared, per_block};
 
@@ -87,9 +88,10 @@ impl<B8: Default + Send, B1: Default> Table<B8, B1> {
     ) {
         let (lanes, owners) = (Shared::new(&mut self.lanes), &self.owners);
         crew.run(owners.len().div_ceil(BLOCK), &|block| {
-            for i in block * BLOCK..((block + 1) * BLOCK).min(owners.len()) {
+            let first = block * BLOCK;
+            for (i, owners) in owners.iter().enumerate().skip(first).take(BLOCK) {
                 // SAFETY: each batch is in one block.
-                one(unsafe { lanes.get(i) }, &owners[i]);
+                one(unsafe { lanes.get(i) }, owners);
             }
         });
         for (batch, owner) in self.single.iter_mut().zip(&self.single_owners) {
@@ -391,94 +393,6 @@ fn type_of(lock: &Lock) -> JointType {
     }
 }
 
-fn put<L: Lanes>(v: &mut Vec3<L>, lane: usize, value: glam::Vec3) {
-    v.x.set_lane(lane, value.x);
-    v.y.set_lane(lane, value.y);
-    v.z.set_lane(lane, value.z);
-}
-
-/// Enters a joint's bodies into a lane and says where its frames are.
-fn place<L: Lanes>(
-    ends: &mut Ends<L>,
-    lane: usize,
-    owner: u32,
-    joint: &Joint,
-    input: &JointInput<'_>,
-) -> Placed {
-    let bodies = input.bodies;
-    let (dynamic, movers) = (bodies.dynamic(), bodies.movers());
-    let dense = joint.bodies.map(|slot| bodies.slots.dense(slot) as usize);
-    for (side, &i) in dense.iter().enumerate() {
-        // What stands still has the record after all that move, which is zero.
-        ends.body[side][lane] = i.min(movers) as u32;
-        let pushed = i < dynamic;
-        ends.write[side] |= u32::from(pushed) << lane;
-        ends.inverse_mass[side].set_lane(lane, if pushed { bodies.mass[i].inverse } else { 0.0 });
-        let inertia = if pushed { input.inverse_inertia[i] } else { Sym3::default() };
-        let own = &mut ends.inverse_inertia[side];
-        own.xx.set_lane(lane, inertia.xx);
-        own.yy.set_lane(lane, inertia.yy);
-        own.zz.set_lane(lane, inertia.zz);
-        own.xy.set_lane(lane, inertia.xy);
-        own.xz.set_lane(lane, inertia.xz);
-        own.yz.set_lane(lane, inertia.yz);
-    }
-    ends.owner[lane] = owner;
-    Placed::new(dense.map(|i| &bodies.pose[i]), &joint.frames)
-}
-
-/// Inert lanes repeat the bodies of the first.
-fn close<L: Lanes>(ends: &mut Ends<L>) {
-    for side in 0..2 {
-        for lane in 1..8 {
-            if ends.owner[lane] == NONE {
-                ends.body[side][lane] = ends.body[side][0];
-            }
-        }
-    }
-}
-
-fn point<L: GatherLanes>(batch: &mut PointBatch<L>, owners: &[u32], input: &JointInput<'_>) {
-    *batch = PointBatch::default();
-    let mut projected = [None; 8];
-    for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
-        let lock = &input.joints.locks[owner as usize];
-        let at = place(&mut batch.ends, lane, owner, &input.joints.all[lock.joint as usize], input);
-        put(&mut batch.impulse, lane, lock.impulse * input.warm);
-        let (mut arm_a, mut apart) = (at.arm[0], at.apart);
-        match lock.kind {
-            LockKind::Linear(Axes::Around(axis)) => {
-                let n = at.axis(0, axis);
-                let (t, s) = n.any_orthonormal_pair();
-                // On the first body, the point where the second's is now.
-                let slid = n * n.dot(apart);
-                (arm_a, apart) = (arm_a + slid, apart - slid);
-                projected[lane] = Some([t, s]);
-            }
-            LockKind::Linear(Axes::One(axis)) => {
-                let n = at.axis(0, axis);
-                let slid = apart - n * n.dot(apart);
-                (arm_a, apart) = (arm_a + slid, apart - slid);
-                projected[lane] = Some([n, glam::Vec3::ZERO]);
-            }
-            _ => batch.whole |= 1 << lane,
-        }
-        put(&mut batch.arm[0], lane, arm_a);
-        put(&mut batch.arm[1], lane, at.arm[1]);
-        put(&mut batch.apart, lane, apart);
-    }
-    close(&mut batch.ends);
-    (batch.arm_now, batch.apart_now) = (batch.arm, batch.apart);
-    batch.moment = [0, 1].map(|side| batch.arm[side].cross(batch.impulse));
-    let all = mobility(&batch.ends, &batch.arm);
-    batch.mass = super::joint_ends::inverse(&all);
-    for (lane, axes) in projected.iter().enumerate() {
-        if let Some(axes) = axes {
-            put_sym(&mut batch.mass, lane, &within(&get_sym(&all, lane), axes));
-        }
-    }
-}
-
 fn bytes_of_trees<L>(trees: &Vec<TreeBatch<L>>) -> (usize, usize) {
     trees.iter().map(|tree| bytes_of(&tree.nodes)).fold(bytes_of(trees), |s, b| (s.0 + b.0, s.1 + b.1))
 }
@@ -494,44 +408,7 @@ fn batch_of<L: Lanes>(group: &[Tree]) -> TreeBatch<L> {
         }
         node
     };
-    TreeBatch { nodes: (0..first.len()).map(node).collect() }
-}
-
-fn tree<L: GatherLanes>(batch: &mut TreeBatch<L>, input: &JointInput<'_>) {
-    let bodies = input.bodies;
-    let (dynamic, movers) = (bodies.dynamic(), bodies.movers());
-    for node in &mut batch.nodes {
-        let side = usize::from(node.side);
-        for lane in 0..L::N {
-            let owner = node.owner[lane];
-            if owner == NONE {
-                (node.body[lane], node.anchor[lane]) = (node.body[0], node.anchor[0]);
-                continue;
-            }
-            let lock = &input.joints.locks[owner as usize];
-            let joint = &input.joints.all[lock.joint as usize];
-            let dense = joint.bodies.map(|slot| bodies.slots.dense(slot) as usize);
-            let (own, other) = (dense[side], dense[1 - side]);
-            node.body[lane] = own as u32;
-            // Only a root's is looked at.
-            node.anchor[lane] = if other < dynamic { own } else { other.min(movers) } as u32;
-            node.write |= 1 << lane;
-            let inverse = bodies.mass[own].inverse;
-            node.inverse_mass.set_lane(lane, inverse);
-            node.mass.set_lane(lane, 1.0 / inverse);
-            put_sym(&mut node.inverse_inertia, lane, &input.inverse_inertia[own]);
-            if node.jointed {
-                let at = Placed::new(dense.map(|i| &bodies.pose[i]), &joint.frames);
-                let sign = if side == 1 { 1.0 } else { -1.0 };
-                put(&mut node.arm[0], lane, at.arm[side]);
-                put(&mut node.arm[1], lane, at.arm[1 - side]);
-                put(&mut node.apart, lane, at.apart * sign);
-                put(&mut node.impulse, lane, lock.impulse * (sign * input.warm));
-            }
-        }
-        node.inertia = super::joint_ends::inverse(&node.inverse_inertia);
-    }
-    batch.begin();
+    TreeBatch { nodes: (0..first.len()).map(node).collect(), fresh: false }
 }
 
 /// Calls `f` with each lock of a batch of trees and its impulse.
@@ -542,137 +419,4 @@ fn impulses_of<L: Lanes>(batch: &TreeBatch<L>, f: &mut impl FnMut(u32, glam::Vec
             f(owner, node.impulse.lane(lane) * sign);
         }
     }
-}
-
-fn get_sym<L: Lanes>(m: &Sym3<L>, lane: usize) -> Sym3<f32> {
-    let Sym3 { xx, yy, zz, xy, xz, yz } = *m;
-    let [xx, yy, zz, xy, xz, yz] = [xx, yy, zz, xy, xz, yz].map(|x| x.lane(lane));
-    Sym3 { xx, yy, zz, xy, xz, yz }
-}
-
-fn put_sym<L: Lanes>(m: &mut Sym3<L>, lane: usize, v: &Sym3<f32>) {
-    m.xx.set_lane(lane, v.xx);
-    m.yy.set_lane(lane, v.yy);
-    m.zz.set_lane(lane, v.zz);
-    m.xy.set_lane(lane, v.xy);
-    m.xz.set_lane(lane, v.xz);
-    m.yz.set_lane(lane, v.yz);
-}
-
-/// The inverse of a matrix along one or two axes, zero across them.
-fn within(m: &Sym3<f32>, [t, s]: &[glam::Vec3; 2]) -> Sym3<f32> {
-    let times = |v: glam::Vec3| m.mul(Vec3::new(v.x, v.y, v.z)).lane(0);
-    let (mt, ms) = (times(*t), times(*s));
-    let (a, b, d) = (t.dot(mt), t.dot(ms), s.dot(ms));
-    let (a, b, d) = if *s == glam::Vec3::ZERO {
-        (1.0 / a, 0.0, 0.0)
-    } else {
-        let over = 1.0 / (a * d - b * b);
-        (d * over, -b * over, a * over)
-    };
-    let entry = |i: usize, k: usize| a * t[i] * t[k] + b * (t[i] * s[k] + s[i] * t[k]) + d * s[i] * s[k];
-    Sym3 {
-        xx: entry(0, 0),
-        yy: entry(1, 1),
-        zz: entry(2, 2),
-        xy: entry(0, 1),
-        xz: entry(0, 2),
-        yz: entry(1, 2),
-    }
-}
-
-fn turn<L: GatherLanes, const HINGE: bool>(
-    batch: &mut TurnBatch<L, HINGE>,
-    owners: &[u32],
-    input: &JointInput<'_>,
-) {
-    *batch = TurnBatch::default();
-    for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
-        let lock = &input.joints.locks[owner as usize];
-        let at = place(&mut batch.ends, lane, owner, &input.joints.all[lock.joint as usize], input);
-        put(&mut batch.impulse, lane, lock.impulse * input.warm);
-        let [a, b] = [0, 1].map(|side| get_sym(&batch.ends.inverse_inertia[side], lane));
-        let both = Sym3 {
-            xx: a.xx + b.xx,
-            yy: a.yy + b.yy,
-            zz: a.zz + b.zz,
-            xy: a.xy + b.xy,
-            xz: a.xz + b.xz,
-            yz: a.yz + b.yz,
-        };
-        let (error, mass) = if let LockKind::Hinge(axis) = lock.kind {
-            let axes = [0, 1].map(|side| at.axis(side, axis));
-            put(&mut batch.axis[0], lane, axes[0]);
-            put(&mut batch.axis[1], lane, axes[1]);
-            let (t, s) = axes[0].any_orthonormal_pair();
-            (axes[0].cross(axes[1]), within(&both, &[t, s]))
-        } else {
-            (at.turn(), super::joint_ends::inverse(&both))
-        };
-        put(&mut batch.error, lane, error);
-        put_sym(&mut batch.mass, lane, &mass);
-    }
-    close(&mut batch.ends);
-    batch.error_now = batch.error;
-}
-
-fn row<L: GatherLanes>(batch: &mut RowBatch<L>, owners: &[u32], input: &JointInput<'_>) {
-    *batch = RowBatch::default();
-    let h = input.h;
-    for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
-        let row = &input.joints.rows[owner as usize];
-        let at = place(&mut batch.ends, lane, owner, &input.joints.all[row.joint as usize], input);
-        let Some(displacement) = at.displacement(row.motion, row.axes) else { continue };
-        put(&mut batch.along, lane, displacement.along);
-        put(&mut batch.arm[0], lane, displacement.arm_a);
-        put(&mut batch.arm[1], lane, displacement.arm_b);
-        let ends = &batch.ends;
-        let turns = |side: usize, arm: glam::Vec3| {
-            let inertia = get_sym(&ends.inverse_inertia[side], lane);
-            arm.dot(inertia.mul(Vec3::new(arm.x, arm.y, arm.z)).lane(0))
-        };
-        let slides = displacement.along.length_squared()
-            * (ends.inverse_mass[0].lane(lane) + ends.inverse_mass[1].lane(lane));
-        let mobility = slides + turns(0, displacement.arm_a) + turns(1, displacement.arm_b);
-        if mobility <= 0.0 {
-            continue;
-        }
-        batch.mobility.set_lane(lane, mobility);
-        batch.value.set_lane(lane, displacement.value);
-        let (mut most, mut target) = (f32::INFINITY, 0.0);
-        let (min, max, spring) = match row.kind {
-            RowKind::Limit { min, max } => (min, max, None),
-            RowKind::Yielding { min, max, spring } => (min, max, Some(spring)),
-            RowKind::Drive { position, velocity, spring, max_force } => {
-                (most, target) = (max_force * h, velocity);
-                (position, position, Some(spring))
-            }
-        };
-        let drive = matches!(row.kind, RowKind::Drive { .. });
-        if let Some(spring) = spring {
-            let (mut k, mut c, per_mass) = spring.coefficients();
-            if per_mass {
-                (k, c) = (k / mobility, c / mobility);
-            }
-            let d = h * k + c;
-            if d <= 0.0 {
-                continue;
-            }
-            let rigid = d == f32::INFINITY;
-            batch.pull.set_lane(lane, if rigid { 0.0 } else { k / d });
-            batch.give.set_lane(lane, if rigid { 0.0 } else { 1.0 / (h * d) });
-            batch.speed.set_lane(lane, if rigid { target } else { c / d * target });
-        }
-        batch.most.set_lane(lane, most);
-        batch.min.set_lane(lane, min);
-        batch.max.set_lane(lane, max);
-        batch.drives |= u32::from(drive) << lane;
-        batch.springs |= u32::from(spring.is_some() && !drive) << lane;
-        batch.both |= u32::from(!drive && spring.is_none() && min == max) << lane;
-        for (impulse, old) in batch.impulse.iter_mut().zip(row.impulse) {
-            impulse.set_lane(lane, old * input.warm);
-        }
-    }
-    close(&mut batch.ends);
-    batch.now = batch.value;
 }

@@ -161,9 +161,12 @@ pub(crate) struct Node<L> {
     /// The same after the last substep.
     arm_now: [Vec3<L>; 2],
     apart_now: Vec3<L>,
-    /// On the body, of the last substep [N s], and its moments at the arms at which its parts acted [N m s].
+    /// On the body, of the last substep [N s].
     pub(crate) impulse: Vec3<L>,
-    moment: [Vec3<L>; 2],
+    /// Inertia with what pulls on the body, its inverse, and the angular velocity that the tree gave in the last substep.
+    braced: Sym3<L>,
+    braced_inverse: Sym3<L>,
+    gained: Vec3<L>,
     /// Inverse of the inertia of the body with all that hangs on it.
     free: Sym6<L>,
     /// How the body answers to a unit impulse along each axis at the joint.
@@ -199,7 +202,9 @@ impl<L: Lanes> Default for Node<L> {
             arm_now: [zero; 2],
             apart_now: zero,
             impulse: zero,
-            moment: [zero; 2],
+            braced: Sym3::default(),
+            braced_inverse: Sym3::default(),
+            gained: zero,
             free: Sym6::zero(),
             answer: [Twist::zero(); 3],
             stiff: Sym3::default(),
@@ -216,23 +221,27 @@ impl<L: Lanes> Default for Node<L> {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TreeBatch<L> {
     pub(crate) nodes: Vec<Node<L>>,
+    /// Bodies turned since the last solution.
+    pub(crate) fresh: bool,
 }
 
 impl<L: GatherLanes> TreeBatch<L> {
     /// Takes arms and impulses as they are at the start of a step.
-    pub(crate) fn begin(&mut self) {
+    pub(crate) fn begin(&mut self, h: f32) {
         for node in &mut self.nodes {
             (node.arm_now, node.apart_now) = (node.arm, node.apart);
-            node.moment = [0, 1].map(|side| node.arm[side].cross(node.impulse));
+            node.gained = Vec3::zero();
         }
-        self.factor();
+        self.factor(h);
+        self.fresh = true;
     }
 
     /// From the leaves to the root: what each body is like with all that hangs on it.
-    fn factor(&mut self) {
+    fn factor(&mut self, h: f32) {
+        self.brace(h);
         for node in &mut self.nodes {
             let mass = Sym3 { xx: node.mass, yy: node.mass, zz: node.mass, ..Sym3::default() };
-            node.sum = Sym6 { linear: mass, mixed: [Vec3::zero(); 3], angular: node.inertia };
+            node.sum = Sym6 { linear: mass, mixed: [Vec3::zero(); 3], angular: node.braced };
         }
         for i in (0..self.nodes.len()).rev() {
             let node = &mut self.nodes[i];
@@ -263,6 +272,44 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
+    /// What pulls at an arm turns a body back, the faster the lighter the body is: a chain that bears a thousand times its
+    /// own weight is a string with a note too high for the substep, and would tear itself apart. Where that is so, the
+    /// pull is taken into the inertia, as if it were followed through the substep (Andrews, Teichmann and Kry,
+    /// *Geometric Stiffness for Real-time Constrained Multibody Dynamics*, 2017).
+    fn brace(&mut self, h: f32) {
+        for node in &mut self.nodes {
+            node.braced = Sym3::default();
+            node.asked = Vec3::zero();
+        }
+        let h = L::splat(h);
+        for i in 0..self.nodes.len() {
+            let node = self.nodes[i];
+            if !node.jointed {
+                continue;
+            }
+            self.nodes[i].pull(node.impulse, node.arm_now[0], h);
+            if node.parent != NONE {
+                self.nodes[node.parent as usize].pull(-node.impulse, node.arm_now[1], h);
+            }
+        }
+        for node in &mut self.nodes {
+            let Sym3 { xx, yy, zz, .. } = node.inertia;
+            let (pull, own) = (node.asked.x, L::splat(0.5 * SAFE) * (xx + yy + zz));
+            let share = L::select(pull.gt(own), L::one() - own / pull, L::zero());
+            let b = node.braced;
+            let more = Sym3 {
+                xx: b.xx * share,
+                yy: b.yy * share,
+                zz: b.zz * share,
+                xy: b.xy * share,
+                xz: b.xz * share,
+                yz: b.yz * share,
+            };
+            node.braced = plus(&node.inertia, &more);
+            node.braced_inverse = inverse(&node.braced);
+        }
+    }
+
     /// Applies the impulses of the last step.
     ///
     /// # Safety
@@ -271,27 +318,34 @@ impl<L: GatherLanes> TreeBatch<L> {
         // SAFETY: by the contract.
         unsafe { self.load(motion) };
         for i in 0..self.nodes.len() {
-            let Node { impulse, arm_now, .. } = self.nodes[i];
-            let push = [Twist::of(arm_now[0], impulse), Twist::of(arm_now[1], impulse)];
-            self.push(i, push);
+            let node = self.nodes[i];
+            self.nodes[i].velocity.linear += node.impulse * node.inverse_mass;
+            if node.parent != NONE {
+                let parent = &mut self.nodes[node.parent as usize];
+                parent.velocity.linear -= node.impulse * parent.inverse_mass;
+            }
         }
+        self.turn_along();
+        self.fresh = false;
         // SAFETY: by the contract.
         unsafe { self.save(motion) };
     }
 
-    /// Changes velocities by impulses on a body and, the other way round, on its parent.
-    #[inline(always)]
-    fn push(&mut self, i: usize, [own, above]: [Twist<L>; 2]) {
-        let node = &mut self.nodes[i];
-        if !node.jointed {
-            return;
+    /// The angular velocities that bodies get from the impulses, and from what pulls, at arms as they are now: what warm
+    /// starting adds to the velocities is as if bodies had not turned, and a pendulum would gain energy.
+    fn turn_along(&mut self) {
+        self.nodes.iter_mut().for_each(|node| node.asked = Vec3::zero());
+        for i in 0..self.nodes.len() {
+            let node = self.nodes[i];
+            self.nodes[i].asked += node.arm_now[0].cross(node.impulse);
+            if node.parent != NONE {
+                self.nodes[node.parent as usize].asked += node.impulse.cross(node.arm_now[1]);
+            }
         }
-        let parent = node.parent;
-        node.velocity.add(node.body_answer(own));
-        if parent != NONE {
-            let parent = &mut self.nodes[parent as usize];
-            let back = Twist { linear: -above.linear, angular: -above.angular };
-            parent.velocity.add(parent.body_answer(back));
+        for node in &mut self.nodes {
+            let own = node.velocity.angular - node.gained;
+            node.velocity.angular = node.braced_inverse.mul(node.inertia.mul(own) + node.asked);
+            node.gained = node.velocity.angular - own;
         }
     }
 
@@ -302,19 +356,12 @@ impl<L: GatherLanes> TreeBatch<L> {
     pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
         if pass.relax {
             // SAFETY: displacements are not written while rows are solved.
-            unsafe { self.follow(motion) };
+            unsafe { self.follow(motion, 1.0 / pass.inverse_h) };
         }
         // SAFETY: by the contract.
         unsafe { self.load(motion) };
-        if !pass.relax {
-            // Warm starting was an addition to the velocities; what acted at arms that turn has to turn too.
-            for i in 0..self.nodes.len() {
-                let node = &mut self.nodes[i];
-                let moment = [0, 1].map(|side| node.arm_now[side].cross(node.impulse));
-                let more = [0, 1].map(|side| Twist { linear: Vec3::zero(), angular: moment[side] - node.moment[side] });
-                node.moment = moment;
-                self.push(i, more);
-            }
+        if !pass.relax && std::mem::take(&mut self.fresh) {
+            self.turn_along();
         }
         let rate = L::splat(if pass.relax { 0.0 } else { pass.tree_rate });
         for i in (0..self.nodes.len()).rev() {
@@ -322,7 +369,8 @@ impl<L: GatherLanes> TreeBatch<L> {
             if !node.jointed {
                 continue;
             }
-            let above = if node.parent == NONE { node.change } else { self.nodes[node.parent as usize].velocity };
+            let above =
+                if node.parent == NONE { node.change } else { self.nodes[node.parent as usize].velocity };
             let slip = node.velocity.at(node.arm_now[0]) - above.at(node.arm_now[1]) + node.apart_now * rate;
             let carried = |k: usize| {
                 let answer = &node.answer[k];
@@ -347,12 +395,10 @@ impl<L: GatherLanes> TreeBatch<L> {
                 }
                 let node = &mut self.nodes[i];
                 node.impulse += force;
-                for side in 0..2 {
-                    node.moment[side] += node.arm_now[side].cross(force);
-                }
             }
             let node = &mut self.nodes[i];
             node.change = change;
+            node.gained += change.angular;
             node.velocity.add(change);
         }
         // SAFETY: by the contract.
@@ -363,7 +409,7 @@ impl<L: GatherLanes> TreeBatch<L> {
     ///
     /// # Safety
     /// No thread writes displacements.
-    unsafe fn follow(&mut self, motion: &Motion<'_, '_>) {
+    unsafe fn follow(&mut self, motion: &Motion<'_, '_>, h: f32) {
         // SAFETY: by the contract.
         let read = |i| unsafe { motion.delta.read(i) };
         for i in 0..self.nodes.len() {
@@ -385,7 +431,8 @@ impl<L: GatherLanes> TreeBatch<L> {
             let moved = (linear - above.linear) + (node.arm_now[0] - arm) - (node.arm_now[1] - other);
             node.apart_now = node.apart + moved;
         }
-        self.factor();
+        self.factor(h);
+        self.fresh = true;
     }
 
     /// Velocities; of what a root hangs on into its `change`.
@@ -419,11 +466,25 @@ impl<L: GatherLanes> TreeBatch<L> {
     }
 }
 
+/// The square of the frequency times the substep, of a body that turns on its joints, up to which it is integrated as it is.
+const SAFE: f32 = 0.5;
+
 impl<L: Lanes> Node<L> {
-    /// How the body alone answers to an impulse.
+    /// Adds the stiffness that an impulse at an arm makes, if it pulls.
     #[inline(always)]
-    fn body_answer(&self, push: Twist<L>) -> Twist<L> {
-        Twist { linear: push.linear * self.inverse_mass, angular: self.inverse_inertia.mul(push.angular) }
+    fn pull(&mut self, impulse: Vec3<L>, arm: Vec3<L>, h: L) {
+        let along = impulse.dot(arm);
+        let pulls = along.gt(L::zero());
+        let k = L::select(pulls, along * h, L::zero());
+        let over = k / L::select(pulls, arm.length_squared(), L::one());
+        self.asked.x += k;
+        let b = &mut self.braced;
+        b.xx += k - over * arm.x * arm.x;
+        b.yy += k - over * arm.y * arm.y;
+        b.zz += k - over * arm.z * arm.z;
+        b.xy += -(over * arm.x * arm.y);
+        b.xz += -(over * arm.x * arm.z);
+        b.yz += -(over * arm.y * arm.z);
     }
 }
 

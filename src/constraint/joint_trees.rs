@@ -107,8 +107,7 @@ fn grow<I: Iterator<Item = u32>>(
     let side_of = |lock: u32, body: usize| u8::from(ends(lock)[1] == body);
     let anchor = locks_of(root).find(|&lock| ends(lock).iter().any(|&b| b >= dynamic));
     let lock = anchor.or_else(|| locks_of(root).next()).unwrap_or(NONE);
-    let mut tree =
-        vec![Branch { parent: NONE, side: side_of(lock, root), jointed: anchor.is_some(), lock }];
+    let mut tree = vec![Branch { parent: NONE, side: side_of(lock, root), jointed: anchor.is_some(), lock }];
     let mut bodies = vec![root];
     let mut at = 0;
     while let Some(&body) = bodies.get(at) {

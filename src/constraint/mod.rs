@@ -8,6 +8,7 @@ pub(crate) mod contact_row;
 mod impact_friction;
 mod joint_arrange;
 mod joint_ends;
+mod joint_fill;
 mod joint_lock;
 mod joint_row;
 mod joint_tree;

@@ -112,7 +112,8 @@ impl Passes {
         motion: &Motion<'_, '_>,
     ) {
         let relax = kind == Kind::Relax;
-        let pass = JointPass { inverse_h: self.inverse_h, softness: self.joint, tree_rate: self.tree_rate, relax };
+        let pass =
+            JointPass { inverse_h: self.inverse_h, softness: self.joint, tree_rate: self.tree_rate, relax };
         let pass = match kind {
             Kind::WarmStart => None,
             Kind::Solve | Kind::Relax => Some(&pass),
