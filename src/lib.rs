@@ -84,7 +84,9 @@ pub use error::Error;
 pub use finish::{StageTimes, StepReport};
 pub use glam;
 pub use handle::{BodyHandle, JointHandle, ShapeHandle};
-pub use joint::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
+pub use joint::{
+    Axes, Axis, Bone, BoneJoint, Drive, Frame, JointDesc, Limit, Motion, Ragdoll, Skeleton, Spring,
+};
 pub use memory::{Bytes, Category, MemoryReport};
 pub use shape::{
     Combine, ConvexHull, Filter, Geometry, HeightField, MassProperties, Material, ShapeDesc, TriangleMesh,

@@ -5,8 +5,10 @@
 
 mod desc;
 mod frames;
+mod ragdoll;
 mod store;
 
 pub use desc::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
+pub use ragdoll::{Bone, BoneJoint, Ragdoll, Skeleton};
 pub(crate) use frames::Placed;
 pub(crate) use store::{Joint, Joints, Lock, LockKind, Row, RowKind};

@@ -1,0 +1,240 @@
+//! Ragdolls: bodies and joints out of a skeleton.
+
+use super::desc::{Axes, Axis, Drive, JointDesc, Limit, Motion};
+use crate::body::BodyDesc;
+use crate::error::{Error, finite3, positive, within};
+use crate::handle::{BodyHandle, JointHandle};
+use crate::shape::{Filter, Geometry, Material, ShapeDesc};
+use crate::world::World;
+use glam::{DVec3, Quat, Vec3};
+use std::f32::consts::{FRAC_PI_2, PI};
+
+/// How a bone moves on its parent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum BoneJoint {
+    /// Within a cone around the direction that it has in the skeleton, and with a bounded twist.
+    Ball {
+        /// Half the angle of the cone, 0..=pi [rad].
+        swing: f32,
+        /// To either side, 0..=pi [rad].
+        twist: f32,
+    },
+    /// About an axis, from where it is in the skeleton.
+    Hinge {
+        /// In the skeleton's axes; its length is of no matter.
+        axis: Vec3,
+        /// At most zero [rad].
+        min: f32,
+        /// At least zero [rad].
+        max: f32,
+    },
+    /// Not at all.
+    Fixed,
+}
+
+/// A capsule from its joint to its other end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Bone {
+    /// A bone before this one; none for the root.
+    pub parent: Option<usize>,
+    /// Where it hangs on its parent [m].
+    pub joint_at: Vec3,
+    /// The two ends of the capsule, caps included [m].
+    pub from: Vec3,
+    /// See `from`.
+    pub to: Vec3,
+    /// [m]
+    pub radius: f32,
+    /// How it moves on its parent.
+    pub joint: BoneJoint,
+}
+
+/// Bones in the pose in which no joint is bent, y up, and what they are made of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Skeleton {
+    /// Parents before children.
+    pub bones: Vec<Bone>,
+    /// [kg/m³]. Default 1000.
+    pub density: f32,
+    /// Of all bones.
+    pub material: Material,
+    /// Of all bones. Neighbours never collide.
+    pub filter: Filter,
+    /// What each joint resists turning with [N m]. Default 0.
+    pub friction: f32,
+}
+
+/// A ragdoll in a world: handles in the order of the bones; the root has no joint.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Ragdoll {
+    /// One a bone.
+    pub bodies: Vec<BodyHandle>,
+    /// One for each bone but the roots.
+    pub joints: Vec<JointHandle>,
+}
+
+impl Skeleton {
+    /// A skeleton of ordinary flesh.
+    pub fn new(bones: Vec<Bone>) -> Skeleton {
+        Skeleton {
+            bones,
+            density: 1000.0,
+            material: Material::default(),
+            filter: Filter::default(),
+            friction: 0.0,
+        }
+    }
+
+    /// A figure of 1.85 m with spread arms that stands at the origin and looks along z: pelvis, torso and head, and upper
+    /// and lower arms and legs. Six ball joints and four hinges.
+    pub fn humanoid() -> Skeleton {
+        let lying = |x: f32, y: f32, half: f32| [Vec3::new(x - half, y, 0.0), Vec3::new(x + half, y, 0.0)];
+        let standing = |x: f32, y: f32, half: f32| [Vec3::new(x, y - half, 0.0), Vec3::new(x, y + half, 0.0)];
+        let ball = |swing: f32, twist: f32| BoneJoint::Ball { swing, twist };
+        let mut bones = Vec::new();
+        let mut bone = |parent: Option<usize>, joint_at: Vec3, ends: [Vec3; 2], radius: f32, joint: BoneJoint| {
+            bones.push(Bone { parent, joint_at, from: ends[0], to: ends[1], radius, joint });
+            bones.len() - 1
+        };
+        let pelvis = bone(None, Vec3::Y, lying(0.0, 1.0, 0.2), 0.12, BoneJoint::Fixed);
+        let torso =
+            bone(Some(pelvis), Vec3::new(0.0, 1.14, 0.0), standing(0.0, 1.35, 0.3), 0.15, ball(0.6, 0.5));
+        bone(Some(torso), Vec3::new(0.0, 1.63, 0.0), standing(0.0, 1.78, 0.15), 0.1, ball(0.7, 0.8));
+        for side in [-1.0_f32, 1.0] {
+            let at = |x: f32, y: f32| Vec3::new(side * x, y, 0.0);
+            let upper = bone(Some(torso), at(0.17, 1.45), lying(side * 0.33, 1.45, 0.17), 0.05, ball(1.5, 0.8));
+            // Elbows bend forwards, knees backwards.
+            let elbow = BoneJoint::Hinge { axis: Vec3::new(0.0, -side, 0.0), min: 0.0, max: 2.4 };
+            bone(Some(upper), at(0.48, 1.45), lying(side * 0.63, 1.45, 0.165), 0.045, elbow);
+            let thigh = bone(Some(pelvis), at(0.1, 0.92), standing(side * 0.1, 0.7, 0.22), 0.07, ball(1.2, 0.5));
+            let knee = BoneJoint::Hinge { axis: Vec3::X, min: 0.0, max: 2.4 };
+            bone(Some(thigh), at(0.1, 0.49), standing(side * 0.1, 0.28, 0.21), 0.06, knee);
+        }
+        Skeleton::new(bones)
+    }
+
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// Names the first that is not finite or out of its range; a parent has to come before its children.
+    pub fn validate(&self) -> Result<(), Error> {
+        positive("skeleton density", self.density)?;
+        within("joint friction", self.friction, 0.0, f32::MAX, "at least zero")?;
+        for (i, bone) in self.bones.iter().enumerate() {
+            finite3("bone joint", bone.joint_at)?;
+            finite3("bone end", bone.from)?;
+            finite3("bone end", bone.to)?;
+            positive("bone radius", bone.radius)?;
+            positive("bone length", (bone.to - bone.from).length())?;
+            if let Some(parent) = bone.parent.filter(|&parent| parent >= i) {
+                let value = parent as f64;
+                return Err(Error::OutOfRange { what: "bone parent", expected: "a bone before it", value });
+            }
+            match bone.joint {
+                BoneJoint::Ball { swing, twist } => {
+                    within("bone swing", swing, 0.0, PI, "in 0..=pi")?;
+                    within("bone twist", twist, 0.0, PI, "in 0..=pi")?;
+                }
+                BoneJoint::Hinge { axis, min, max } => {
+                    finite3("bone axis", axis)?;
+                    positive("length of a bone axis", axis.length())?;
+                    within("bone angle", min, -PI, 0.0, "in -pi..=0")?;
+                    within("bone angle", max, 0.0, PI, "in 0..=pi")?;
+                }
+                BoneJoint::Fixed => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds its bodies and joints to a world: all of them, or none.
+    ///
+    /// # Errors
+    /// As for [`Skeleton::validate`], [`World::add_bodies`] and [`World::add_joint`].
+    pub fn add_to(
+        &self,
+        world: &mut World,
+        position: DVec3,
+        rotation: Quat,
+        velocity: Vec3,
+    ) -> Result<Ragdoll, Error> {
+        self.validate()?;
+        let descs: Vec<BodyDesc> = self
+            .bones
+            .iter()
+            .map(|bone| {
+                let along = bone.to - bone.from;
+                let half = (0.5 * along.length() - bone.radius).max(0.01 * bone.radius);
+                let mut shape = ShapeDesc::new(Geometry::capsule(half, bone.radius));
+                (shape.density, shape.material, shape.filter) = (self.density, self.material, self.filter);
+                BodyDesc::dynamic()
+                    .at(position + (rotation * (bone.from + bone.to) * 0.5).as_dvec3())
+                    .rotated(rotation * Quat::from_rotation_arc(Vec3::Y, along.normalize()))
+                    .moving(velocity, Vec3::ZERO)
+                    .with_shape(shape)
+            })
+            .collect();
+        let bodies = world.add_bodies(&descs)?;
+        let mut joints = Vec::new();
+        for (bone, &body) in self.bones.iter().zip(&bodies) {
+            let Some(parent) = bone.parent else { continue };
+            let point = position + (rotation * bone.joint_at).as_dvec3();
+            let added = world
+                .frames_at([bodies[parent], body], point, (rotation * bone.axes()).normalize())
+                .and_then(|frames| world.add_joint(&self.joint(bone, JointDesc::ball([bodies[parent], body], frames))));
+            match added {
+                Ok(joint) => joints.push(joint),
+                Err(error) => {
+                    // With a body go its joints.
+                    for body in bodies {
+                        world.remove_body(body)?;
+                    }
+                    return Err(error);
+                }
+            }
+        }
+        Ok(Ragdoll { bodies, joints })
+    }
+
+    /// With what a bone's joint limits, about the frames' axes.
+    fn joint(&self, bone: &Bone, desc: JointDesc) -> JointDesc {
+        let about_x = Axes::One(Axis::X);
+        let desc = match bone.joint {
+            BoneJoint::Ball { swing, twist } => desc
+                .with_limit(Limit::new(Motion::Angular, Axes::Around(Axis::X), 0.0, swing))
+                .with_limit(Limit::new(Motion::Angular, about_x, -twist, twist)),
+            BoneJoint::Hinge { min, max, .. } => desc
+                .with_limit(Limit::lock(Motion::Angular, Axes::Around(Axis::X)))
+                .with_limit(Limit::new(Motion::Angular, about_x, min, max)),
+            BoneJoint::Fixed => desc.with_limit(Limit::lock(Motion::Angular, Axes::All)),
+        };
+        if self.friction == 0.0 {
+            return desc;
+        }
+        match bone.joint {
+            BoneJoint::Ball { .. } => Axis::ALL
+                .into_iter()
+                .fold(desc, |desc, axis| desc.with_drive(Drive::friction(Motion::Angular, axis, self.friction))),
+            BoneJoint::Hinge { .. } => desc.with_drive(Drive::friction(Motion::Angular, Axis::X, self.friction)),
+            BoneJoint::Fixed => desc,
+        }
+    }
+}
+
+impl Bone {
+    /// The frames' x is the hinge's axis, or the bone.
+    fn axes(&self) -> Quat {
+        let x = match self.joint {
+            BoneJoint::Hinge { axis, .. } => axis.normalize(),
+            _ => {
+                // Away from the joint.
+                let middle = (self.from + self.to) * 0.5;
+                let along = (self.to - self.from).normalize();
+                if along.dot(middle - self.joint_at) < 0.0 { -along } else { along }
+            }
+        };
+        if x.dot(Vec3::X) < -0.999 { Quat::from_rotation_y(2.0 * FRAC_PI_2) } else { Quat::from_rotation_arc(Vec3::X, x) }
+    }
+}
