@@ -47,13 +47,13 @@ fn driven(order: Order, (substeps, iterations): (u32, u32), torque: f32) -> (f32
 #[test]
 fn a_motor_that_is_too_strong_drives_no_door_through_a_wall_unless_joints_come_last() {
     for solver in [(4, 1), (1, 8)] {
-        // A hundred thousand newton metres: the door's weight, hung on its edge, makes two hundred.
-        let (beyond, gap) = driven(Order::default(), solver, 1e5);
+        // The door's weight, hung on its edge, makes two hundred newton metres.
+        let (beyond, gap) = driven(Order::default(), solver, 5e4);
         println!("{solver:?}: {beyond:.4} m beyond, hinge open by {gap:.4}");
         assert!(beyond < 0.001, "{solver:?}: {beyond}");
-        let (beyond, gap) = driven(Order::default().reversed(), solver, 1e5);
+        let (beyond, gap) = driven(Order::default().reversed(), solver, 5e4);
         println!("{solver:?} reversed: {beyond:.4} m beyond, hinge open by {gap:.4}");
-        assert!(beyond > 0.1, "{solver:?}: {beyond}");
+        assert!(beyond > 0.05, "{solver:?}: {beyond}");
     }
 }
 

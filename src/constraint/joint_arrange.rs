@@ -403,8 +403,9 @@ fn batch_of<L: Lanes>(group: &[Tree]) -> TreeBatch<L> {
     let node = |i: usize| {
         let mut node = Node::default();
         (node.side, node.parent, node.jointed) = (first[i].side, first[i].parent, first[i].jointed);
-        for (owner, tree) in node.owner.iter_mut().zip(group) {
-            *owner = tree[i].lock;
+        node.turns = first[i].turns;
+        for (lane, tree) in group.iter().enumerate() {
+            (node.owner[lane], node.turn_owner[lane]) = (tree[i].lock, tree[i].turn);
         }
         node
     };
@@ -417,6 +418,9 @@ fn impulses_of<L: Lanes>(batch: &TreeBatch<L>, f: &mut impl FnMut(u32, glam::Vec
         let sign = if node.side == 1 { 1.0 } else { -1.0 };
         for (lane, owner) in node.owner.into_iter().enumerate().filter(|(_, owner)| *owner != NONE) {
             f(owner, node.impulse.lane(lane) * sign);
+            if node.turn_owner[lane] != NONE {
+                f(node.turn_owner[lane], node.twist.lane(lane) * sign);
+            }
         }
     }
 }

@@ -259,6 +259,18 @@ pub(super) fn tree<L: GatherLanes>(batch: &mut TreeBatch<L>, input: &JointInput<
                 put(&mut node.arm[1], lane, at.arm[1 - side]);
                 put(&mut node.apart, lane, at.apart * sign);
                 put(&mut node.impulse, lane, lock.impulse * (sign * input.warm));
+                if node.turn_owner[lane] != NONE {
+                    let lock = &input.joints.locks[node.turn_owner[lane] as usize];
+                    put(&mut node.twist, lane, lock.impulse * (sign * input.warm));
+                    if let LockKind::Hinge(axis) = lock.kind {
+                        let axes = [at.axis(side, axis), at.axis(1 - side, axis)];
+                        put(&mut node.axis[0], lane, axes[0]);
+                        put(&mut node.axis[1], lane, axes[1]);
+                        put(&mut node.error, lane, axes[1].cross(axes[0]));
+                    } else {
+                        put(&mut node.error, lane, at.turn() * sign);
+                    }
+                }
             }
         }
         node.inertia = inverse(&node.inverse_inertia);

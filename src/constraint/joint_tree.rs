@@ -1,8 +1,8 @@
 //! Trees of joints, solved exactly.
 //!
 //! Row by row, what a heavy load at the end of a chain needs travels up one joint a pass: a ball a thousand times as heavy as
-//! the links tears such a chain apart. But points that join bodies without a loop (chains, ragdolls, cars) are a linear
-//! system that needs no iteration. From the leaves to the root, each body's inertia takes in what hangs on it; then
+//! the links tears such a chain apart. But points that join bodies without a loop (chains, ragdolls, cars), with what is
+//! locked about them, are a linear system that needs no iteration. From the leaves to the root, each body's inertia takes in what hangs on it; then
 //! impulses go back from the root to the leaves (Featherstone 1983; with impulses instead of forces, and in the
 //! coordinates of the bodies, Baraff, *Linear-Time Dynamics using Lagrange Multipliers*, 1996). Up to eight trees of the
 //! same shape share the lanes.
@@ -30,10 +30,10 @@ impl<L: Lanes> Twist<L> {
         self.linear += o.linear;
         self.angular += o.angular;
     }
-    /// Of a force at an arm.
+    /// Of a force and a torque at an arm, those at the centre.
     #[inline(always)]
-    fn of(arm: Vec3<L>, force: Vec3<L>) -> Self {
-        Twist { linear: force, angular: arm.cross(force) }
+    fn moved(self, arm: Vec3<L>) -> Self {
+        Twist { linear: self.linear, angular: self.angular + arm.cross(self.linear) }
     }
     /// Velocity of the point at an arm.
     #[inline(always)]
@@ -96,6 +96,43 @@ fn plus<L: Lanes>(a: &Sym3<L>, b: &Sym3<L>) -> Sym3<L> {
 }
 
 impl<L: Lanes> Sym6<L> {
+    /// An inertia as it is at a point that is at an arm from where this one is: forces act there, and velocities are those
+    /// there.
+    #[inline(always)]
+    fn shifted(&self, arm: Vec3<L>) -> Self {
+        let (x, y, z) = axes::<L>();
+        // v = v at the arm + arm x w
+        let over = [x, y, z].map(|e| arm.cross(e));
+        let mixed: Mat3<L> = std::array::from_fn(|k| self.linear.mul(over[k]) + self.mixed[k]);
+        let own = columns(&self.angular);
+        let angular: Mat3<L> =
+            std::array::from_fn(|k| own[k] + mul_transposed(&self.mixed, over[k]) + mixed[k].cross(arm));
+        Sym6 { linear: self.linear, mixed, angular: symmetric(&angular) }
+    }
+
+    /// Of the inverse of an inertia: what is left of that inertia at a joint that turns freely. By the mobility of the point,
+    /// which loses less to rounding than to take from the inertia what turning takes.
+    #[inline(always)]
+    fn point_at(&self, arm: Vec3<L>) -> Self {
+        let (x, y, z) = axes::<L>();
+        let mobility = [x, y, z].map(|e| self.mul(&Twist { linear: e, angular: arm.cross(e) }).at(arm));
+        Sym6 { linear: inverse(&symmetric(&mobility)), ..Sym6::zero() }
+    }
+
+    /// What is left of an inertia at a joint that turns about an axis only.
+    #[inline(always)]
+    fn without_turning_about(&self, axis: Vec3<L>) -> Self {
+        let (force, torque) = (mul(&self.mixed, axis), self.angular.mul(axis));
+        let over = L::one() / axis.dot(torque);
+        let outer = |a: Vec3<L>, b: Vec3<L>| [a * (b.x * over), a * (b.y * over), a * (b.z * over)];
+        let mixed = outer(force, torque);
+        Sym6 {
+            linear: minus(&self.linear, &symmetric(&outer(force, force))),
+            mixed: std::array::from_fn(|k| self.mixed[k] - mixed[k]),
+            angular: minus(&self.angular, &symmetric(&outer(torque, torque))),
+        }
+    }
+
     fn zero() -> Self {
         Sym6 { linear: Sym3::default(), mixed: [Vec3::zero(); 3], angular: Sym3::default() }
     }
@@ -133,11 +170,23 @@ impl<L: Lanes> Sym6<L> {
     }
 }
 
+/// How a body turns on its parent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Turns {
+    Freely,
+    AboutAxis,
+    Not,
+}
+
 /// A body and the joint between it and its parent.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Node<L> {
-    /// The lock of the joint in each lane; of a root that hangs on nothing, none.
+    /// The lock of the joint's point in each lane, and that of its rotation; of a root that hangs on nothing, a lock of its
+    /// body.
     pub(crate) owner: [u32; 8],
+    pub(crate) turn_owner: [u32; 8],
+    /// What of the rotation is locked.
+    pub(crate) turns: Turns,
     /// Which side of the joint the body is, the same in all lanes.
     pub(crate) side: u8,
     /// The parent's place in the tree; of a root, none.
@@ -158,26 +207,30 @@ pub(crate) struct Node<L> {
     pub(crate) arm: [Vec3<L>; 2],
     /// From the parent's point to the body's [m].
     pub(crate) apart: Vec3<L>,
+    /// Of a hinge, on the body and on its parent; of what is welded, the rotation vector from the parent [rad].
+    pub(crate) axis: [Vec3<L>; 2],
+    pub(crate) error: Vec3<L>,
     /// The same after the last substep.
     arm_now: [Vec3<L>; 2],
     apart_now: Vec3<L>,
-    /// On the body, of the last substep [N s].
+    axis_now: Vec3<L>,
+    error_now: Vec3<L>,
+    /// On the body, of the last substep: at the joint [N s], and about it [N m s].
     pub(crate) impulse: Vec3<L>,
+    pub(crate) twist: Vec3<L>,
     /// Inertia with what pulls on the body, its inverse, and the angular velocity that the tree gave in the last substep.
     braced: Sym3<L>,
     braced_inverse: Sym3<L>,
     gained: Vec3<L>,
     /// Inverse of the inertia of the body with all that hangs on it.
     free: Sym6<L>,
-    /// How the body answers to a unit impulse along each axis at the joint.
-    answer: [Twist<L>; 3],
-    /// Inverse of the mobility of the joint's point.
-    stiff: Sym3<L>,
+    /// Impulse at the joint per velocity that it doesn't allow.
+    stiff: Sym6<L>,
     /// Of one pass.
     sum: Sym6<L>,
     velocity: Twist<L>,
     carried: Twist<L>,
-    asked: Vec3<L>,
+    asked: Twist<L>,
     change: Twist<L>,
 }
 
@@ -186,6 +239,8 @@ impl<L: Lanes> Default for Node<L> {
         let (zero, one) = (Vec3::zero(), L::one());
         Node {
             owner: [NONE; 8],
+            turn_owner: [NONE; 8],
+            turns: Turns::Freely,
             side: 0,
             parent: NONE,
             jointed: false,
@@ -199,19 +254,23 @@ impl<L: Lanes> Default for Node<L> {
             inverse_inertia: Sym3 { xx: one, yy: one, zz: one, ..Sym3::default() },
             arm: [zero; 2],
             apart: zero,
+            axis: [Vec3::new(one, L::zero(), L::zero()); 2],
+            error: zero,
             arm_now: [zero; 2],
             apart_now: zero,
+            axis_now: zero,
+            error_now: zero,
             impulse: zero,
+            twist: zero,
             braced: Sym3::default(),
             braced_inverse: Sym3::default(),
             gained: zero,
             free: Sym6::zero(),
-            answer: [Twist::zero(); 3],
-            stiff: Sym3::default(),
+            stiff: Sym6::zero(),
             sum: Sym6::zero(),
             velocity: Twist::zero(),
             carried: Twist::zero(),
-            asked: zero,
+            asked: Twist::zero(),
             change: Twist::zero(),
         }
     }
@@ -230,6 +289,7 @@ impl<L: GatherLanes> TreeBatch<L> {
     pub(crate) fn begin(&mut self, h: f32) {
         for node in &mut self.nodes {
             (node.arm_now, node.apart_now) = (node.arm, node.apart);
+            (node.axis_now, node.error_now) = (node.axis[0], node.error);
             node.gained = Vec3::zero();
         }
         self.factor(h);
@@ -249,26 +309,23 @@ impl<L: GatherLanes> TreeBatch<L> {
             if !node.jointed {
                 continue;
             }
-            let (x, y, z) = axes::<L>();
             let [arm, above] = node.arm_now;
-            node.answer = [x, y, z].map(|e| node.free.mul(&Twist::of(arm, e)));
-            let mobility = node.answer.map(|answer| answer.at(arm));
-            node.stiff = inverse(&symmetric(&mobility));
-            let (stiff, parent) = (node.stiff, node.parent);
+            node.stiff = match node.turns {
+                Turns::Freely => node.free.point_at(arm),
+                Turns::AboutAxis => node.sum.shifted(arm).without_turning_about(node.axis_now),
+                Turns::Not => node.sum.shifted(arm),
+            };
+            let (stiff, parent) = (node.stiff.shifted(-above), node.parent);
             if parent == NONE {
                 continue;
             }
-            // What the joint makes the parent feel: its stiffness, moved to the parent's centre.
-            let linear = columns(&stiff);
-            // Of the rows of forces at an arm: column k is stiff · (e_k x arm).
-            let mixed = [x, y, z].map(|e| stiff.mul(e.cross(above)));
-            let angular = mixed.map(|column| above.cross(column));
+            // What the joint makes the parent feel.
             let sum = &mut self.nodes[parent as usize].sum;
-            sum.linear = plus(&sum.linear, &symmetric(&linear));
-            for (own, column) in sum.mixed.iter_mut().zip(mixed) {
+            sum.linear = plus(&sum.linear, &stiff.linear);
+            for (own, column) in sum.mixed.iter_mut().zip(stiff.mixed) {
                 *own += column;
             }
-            sum.angular = plus(&sum.angular, &symmetric(&angular));
+            sum.angular = plus(&sum.angular, &stiff.angular);
         }
     }
 
@@ -279,7 +336,7 @@ impl<L: GatherLanes> TreeBatch<L> {
     fn brace(&mut self, h: f32) {
         for node in &mut self.nodes {
             node.braced = Sym3::default();
-            node.asked = Vec3::zero();
+            node.asked = Twist::zero();
         }
         let h = L::splat(h);
         for i in 0..self.nodes.len() {
@@ -294,7 +351,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
         for node in &mut self.nodes {
             let Sym3 { xx, yy, zz, .. } = node.inertia;
-            let (pull, own) = (node.asked.x, L::splat(0.5 * SAFE) * (xx + yy + zz));
+            let (pull, own) = (node.asked.linear.x, L::splat(0.5 * SAFE) * (xx + yy + zz));
             let share = L::select(pull.gt(own), L::one() - own / pull, L::zero());
             let b = node.braced;
             let more = Sym3 {
@@ -334,17 +391,17 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// The angular velocities that bodies get from the impulses, and from what pulls, at arms as they are now: what warm
     /// starting adds to the velocities is as if bodies had not turned, and a pendulum would gain energy.
     fn turn_along(&mut self) {
-        self.nodes.iter_mut().for_each(|node| node.asked = Vec3::zero());
+        self.nodes.iter_mut().for_each(|node| node.asked = Twist::zero());
         for i in 0..self.nodes.len() {
-            let node = self.nodes[i];
-            self.nodes[i].asked += node.arm_now[0].cross(node.impulse);
-            if node.parent != NONE {
-                self.nodes[node.parent as usize].asked += node.impulse.cross(node.arm_now[1]);
+            let Node { impulse, twist, arm_now, parent, .. } = self.nodes[i];
+            self.nodes[i].asked.angular += arm_now[0].cross(impulse) + twist;
+            if parent != NONE {
+                self.nodes[parent as usize].asked.angular -= arm_now[1].cross(impulse) + twist;
             }
         }
         for node in &mut self.nodes {
             let own = node.velocity.angular - node.gained;
-            node.velocity.angular = node.braced_inverse.mul(node.inertia.mul(own) + node.asked);
+            node.velocity.angular = node.braced_inverse.mul(node.inertia.mul(own) + node.asked.angular);
             node.gained = node.velocity.angular - own;
         }
     }
@@ -371,31 +428,35 @@ impl<L: GatherLanes> TreeBatch<L> {
             }
             let above =
                 if node.parent == NONE { node.change } else { self.nodes[node.parent as usize].velocity };
-            let slip = node.velocity.at(node.arm_now[0]) - above.at(node.arm_now[1]) + node.apart_now * rate;
-            let carried = |k: usize| {
-                let answer = &node.answer[k];
-                answer.linear.dot(node.carried.linear) + answer.angular.dot(node.carried.angular)
+            let carried = node.free.mul(&node.carried);
+            let [arm, other] = node.arm_now;
+            let asked = Twist {
+                linear: node.velocity.at(arm) + carried.at(arm) - above.at(other) + node.apart_now * rate,
+                angular: node.velocity.angular + carried.angular - above.angular + node.error_now * rate,
             };
-            let asked = slip + Vec3::new(carried(0), carried(1), carried(2));
             self.nodes[i].asked = asked;
             if node.parent != NONE {
-                let force = node.stiff.mul(asked);
-                self.nodes[node.parent as usize].carried.add(Twist::of(node.arm_now[1], force));
+                let push = node.stiff.mul(&asked);
+                self.nodes[node.parent as usize].carried.add(push.moved(other));
             }
         }
         for i in 0..self.nodes.len() {
             let node = self.nodes[i];
-            let mut change = node.free.mul(&node.carried);
+            let mut push = node.carried;
             if node.jointed {
                 let above =
                     if node.parent == NONE { Twist::zero() } else { self.nodes[node.parent as usize].change };
-                let force = -node.stiff.mul(node.asked - above.at(node.arm_now[1]));
-                for (answer, f) in node.answer.iter().zip([force.x, force.y, force.z]) {
-                    change.add(Twist { linear: answer.linear * f, angular: answer.angular * f });
-                }
+                let [arm, other] = node.arm_now;
+                let mut asked = node.asked;
+                asked.linear -= above.at(other);
+                asked.angular -= above.angular;
+                let force = node.stiff.mul(&asked);
+                push.add(Twist { linear: -force.linear, angular: -force.angular }.moved(arm));
                 let node = &mut self.nodes[i];
-                node.impulse += force;
+                node.impulse -= force.linear;
+                node.twist -= force.angular;
             }
+            let change = node.free.mul(&push);
             let node = &mut self.nodes[i];
             node.change = change;
             node.gained += change.angular;
@@ -430,6 +491,15 @@ impl<L: GatherLanes> TreeBatch<L> {
             node.arm_now = [turned(angular, arm), turned(above.angular, other)];
             let moved = (linear - above.linear) + (node.arm_now[0] - arm) - (node.arm_now[1] - other);
             node.apart_now = node.apart + moved;
+            match node.turns {
+                Turns::Freely => {}
+                Turns::AboutAxis => {
+                    node.axis_now = turned(angular, node.axis[0]);
+                    node.error_now = turned(above.angular, node.axis[1]).cross(node.axis_now);
+                }
+                // What both turn together changes nothing.
+                Turns::Not => node.error_now = node.error + (angular - above.angular),
+            }
         }
         self.factor(h);
         self.fresh = true;
@@ -477,7 +547,7 @@ impl<L: Lanes> Node<L> {
         let pulls = along.gt(L::zero());
         let k = L::select(pulls, along * h, L::zero());
         let over = k / L::select(pulls, arm.length_squared(), L::one());
-        self.asked.x += k;
+        self.asked.linear.x += k;
         let b = &mut self.braced;
         b.xx += k - over * arm.x * arm.x;
         b.yy += k - over * arm.y * arm.y;

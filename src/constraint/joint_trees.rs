@@ -1,6 +1,7 @@
 //! Which joints make trees.
 
 use super::joint_ends::NONE;
+use super::joint_tree::Turns;
 use crate::body::Bodies;
 use crate::joint::{Axes, Joints, LockKind};
 
@@ -13,21 +14,25 @@ pub(super) struct Branch {
     pub(super) side: u8,
     /// A root may hang on nothing.
     pub(super) jointed: bool,
-    /// Lock of the joint; of a root without one any lock of its body, on the side `side`.
+    /// What of its rotation is locked.
+    pub(super) turns: Turns,
+    /// Lock of the joint's point; of a root without one any lock of its body, on the side `side`.
     pub(super) lock: u32,
+    /// Lock of its rotation.
+    pub(super) turn: u32,
 }
 
 impl Branch {
     /// What trees have in common that can be solved in the same lanes.
-    fn shape(&self) -> (u32, u8, bool) {
-        (self.parent, self.side, self.jointed)
+    fn shape(&self) -> (u32, u8, bool, Turns) {
+        (self.parent, self.side, self.jointed, self.turns)
     }
 }
 
 /// Parents before children.
 pub(super) type Tree = Vec<Branch>;
 
-/// Trees of two joints and more out of points that are joined, those of the same shape side by side, in groups of at most
+/// Trees out of points that are joined, with what locks their rotation: of two locks and more. Those of the same shape side by side, in groups of at most
 /// eight; and which locks are in them.
 ///
 /// What has loops, hangs on two things or has a locked axis is none.
@@ -38,6 +43,17 @@ pub(super) fn find(joints: &Joints, bodies: &Bodies) -> (Vec<Vec<Tree>>, Vec<boo
         let joint = &joints.all[joints.locks[lock as usize].joint as usize];
         joint.bodies.map(|slot| bodies.slots.dense(slot) as usize)
     };
+    // The lock of rotation of each joint, if it is one.
+    let mut turn_of = vec![(Turns::Freely, NONE); joints.all.len()];
+    for (i, lock) in joints.locks.iter().enumerate() {
+        let turns = match lock.kind {
+            LockKind::Weld => Turns::Not,
+            LockKind::Hinge(_) => Turns::AboutAxis,
+            LockKind::Linear(_) => continue,
+        };
+        turn_of[lock.joint as usize] = (turns, i as u32);
+    }
+    let turn_of = |lock: u32| turn_of[joints.locks[lock as usize].joint as usize];
     // Joints of each body, in the order of their locks.
     let mut of_body: Vec<(u32, u32)> = Vec::new();
     for (lock, _) in joints.locks.iter().enumerate().filter(|(_, l)| l.kind == LockKind::Linear(Axes::All)) {
@@ -81,15 +97,19 @@ pub(super) fn find(joints: &Joints, bodies: &Bodies) -> (Vec<Vec<Tree>>, Vec<boo
             }
         }
         let joined = between / 2;
-        if !free || joined + 1 != group.len() || anchors > 1 || joined + anchors < 2 {
+        let alone = joined + anchors < 2 && locks_of(group[0]).all(|lock| turn_of(lock).1 == NONE);
+        if !free || joined + 1 != group.len() || anchors > 1 || alone {
             continue;
         }
         let most = |&body: &usize| (locks_of(body).count(), std::cmp::Reverse(body));
         let Some(root) = anchor.or_else(|| group.iter().copied().max_by_key(most)) else { continue };
-        trees.push(grow(root, dynamic, &locks_of, &ends));
+        trees.push(grow(root, dynamic, &locks_of, &ends, &turn_of));
     }
     for branch in trees.iter().flatten().filter(|branch| branch.jointed) {
         taken[branch.lock as usize] = true;
+        if branch.turn != NONE {
+            taken[branch.turn as usize] = true;
+        }
     }
     trees.sort_by(|a, b| a.iter().map(Branch::shape).cmp(b.iter().map(Branch::shape)));
     let same = |a: &Tree, b: &Tree| a.iter().map(Branch::shape).eq(b.iter().map(Branch::shape));
@@ -103,18 +123,37 @@ fn grow<I: Iterator<Item = u32>>(
     dynamic: usize,
     locks_of: &impl Fn(usize) -> I,
     ends: &impl Fn(u32) -> [usize; 2],
+    turn_of: &impl Fn(u32) -> (Turns, u32),
 ) -> Tree {
     let side_of = |lock: u32, body: usize| u8::from(ends(lock)[1] == body);
     let anchor = locks_of(root).find(|&lock| ends(lock).iter().any(|&b| b >= dynamic));
     let lock = anchor.or_else(|| locks_of(root).next()).unwrap_or(NONE);
-    let mut tree = vec![Branch { parent: NONE, side: side_of(lock, root), jointed: anchor.is_some(), lock }];
+    let mut tree = vec![Branch {
+        parent: NONE,
+        side: side_of(lock, root),
+        jointed: anchor.is_some(),
+        turns: Turns::Freely,
+        lock,
+        turn: NONE,
+    }];
+    if let Some(anchor) = anchor {
+        (tree[0].turns, tree[0].turn) = turn_of(anchor);
+    }
     let mut bodies = vec![root];
     let mut at = 0;
     while let Some(&body) = bodies.get(at) {
         let own = tree[at];
         for lock in locks_of(body).filter(|&lock| !own.jointed || lock != own.lock) {
             let child = ends(lock)[usize::from(side_of(lock, body) == 0)];
-            tree.push(Branch { parent: at as u32, side: side_of(lock, child), jointed: true, lock });
+            let (turns, turn) = turn_of(lock);
+            tree.push(Branch {
+                parent: at as u32,
+                side: side_of(lock, child),
+                jointed: true,
+                turns,
+                lock,
+                turn,
+            });
             bodies.push(child);
         }
         at += 1;

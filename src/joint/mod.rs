@@ -9,6 +9,6 @@ mod ragdoll;
 mod store;
 
 pub use desc::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
-pub use ragdoll::{Bone, BoneJoint, Ragdoll, Skeleton};
 pub(crate) use frames::Placed;
+pub use ragdoll::{Bone, BoneJoint, Ragdoll, Skeleton};
 pub(crate) use store::{Joint, Joints, Lock, LockKind, Row, RowKind};

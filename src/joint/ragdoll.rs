@@ -94,21 +94,24 @@ impl Skeleton {
         let standing = |x: f32, y: f32, half: f32| [Vec3::new(x, y - half, 0.0), Vec3::new(x, y + half, 0.0)];
         let ball = |swing: f32, twist: f32| BoneJoint::Ball { swing, twist };
         let mut bones = Vec::new();
-        let mut bone = |parent: Option<usize>, joint_at: Vec3, ends: [Vec3; 2], radius: f32, joint: BoneJoint| {
-            bones.push(Bone { parent, joint_at, from: ends[0], to: ends[1], radius, joint });
-            bones.len() - 1
-        };
+        let mut bone =
+            |parent: Option<usize>, joint_at: Vec3, ends: [Vec3; 2], radius: f32, joint: BoneJoint| {
+                bones.push(Bone { parent, joint_at, from: ends[0], to: ends[1], radius, joint });
+                bones.len() - 1
+            };
         let pelvis = bone(None, Vec3::Y, lying(0.0, 1.0, 0.2), 0.12, BoneJoint::Fixed);
         let torso =
             bone(Some(pelvis), Vec3::new(0.0, 1.14, 0.0), standing(0.0, 1.35, 0.3), 0.15, ball(0.6, 0.5));
         bone(Some(torso), Vec3::new(0.0, 1.63, 0.0), standing(0.0, 1.78, 0.15), 0.1, ball(0.7, 0.8));
         for side in [-1.0_f32, 1.0] {
             let at = |x: f32, y: f32| Vec3::new(side * x, y, 0.0);
-            let upper = bone(Some(torso), at(0.17, 1.45), lying(side * 0.33, 1.45, 0.17), 0.05, ball(1.5, 0.8));
+            let upper =
+                bone(Some(torso), at(0.17, 1.45), lying(side * 0.33, 1.45, 0.17), 0.05, ball(1.5, 0.8));
             // Elbows bend forwards, knees backwards.
             let elbow = BoneJoint::Hinge { axis: Vec3::new(0.0, -side, 0.0), min: 0.0, max: 2.4 };
             bone(Some(upper), at(0.48, 1.45), lying(side * 0.63, 1.45, 0.165), 0.045, elbow);
-            let thigh = bone(Some(pelvis), at(0.1, 0.92), standing(side * 0.1, 0.7, 0.22), 0.07, ball(1.2, 0.5));
+            let thigh =
+                bone(Some(pelvis), at(0.1, 0.92), standing(side * 0.1, 0.7, 0.22), 0.07, ball(1.2, 0.5));
             let knee = BoneJoint::Hinge { axis: Vec3::X, min: 0.0, max: 2.4 };
             bone(Some(thigh), at(0.1, 0.49), standing(side * 0.1, 0.28, 0.21), 0.06, knee);
         }
@@ -183,7 +186,9 @@ impl Skeleton {
             let point = position + (rotation * bone.joint_at).as_dvec3();
             let added = world
                 .frames_at([bodies[parent], body], point, (rotation * bone.axes()).normalize())
-                .and_then(|frames| world.add_joint(&self.joint(bone, JointDesc::ball([bodies[parent], body], frames))));
+                .and_then(|frames| {
+                    world.add_joint(&self.joint(bone, JointDesc::ball([bodies[parent], body], frames)))
+                });
             match added {
                 Ok(joint) => joints.push(joint),
                 Err(error) => {
@@ -214,10 +219,12 @@ impl Skeleton {
             return desc;
         }
         match bone.joint {
-            BoneJoint::Ball { .. } => Axis::ALL
-                .into_iter()
-                .fold(desc, |desc, axis| desc.with_drive(Drive::friction(Motion::Angular, axis, self.friction))),
-            BoneJoint::Hinge { .. } => desc.with_drive(Drive::friction(Motion::Angular, Axis::X, self.friction)),
+            BoneJoint::Ball { .. } => Axis::ALL.into_iter().fold(desc, |desc, axis| {
+                desc.with_drive(Drive::friction(Motion::Angular, axis, self.friction))
+            }),
+            BoneJoint::Hinge { .. } => {
+                desc.with_drive(Drive::friction(Motion::Angular, Axis::X, self.friction))
+            }
             BoneJoint::Fixed => desc,
         }
     }
@@ -235,6 +242,10 @@ impl Bone {
                 if along.dot(middle - self.joint_at) < 0.0 { -along } else { along }
             }
         };
-        if x.dot(Vec3::X) < -0.999 { Quat::from_rotation_y(2.0 * FRAC_PI_2) } else { Quat::from_rotation_arc(Vec3::X, x) }
+        if x.dot(Vec3::X) < -0.999 {
+            Quat::from_rotation_y(2.0 * FRAC_PI_2)
+        } else {
+            Quat::from_rotation_arc(Vec3::X, x)
+        }
     }
 }
