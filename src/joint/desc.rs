@@ -81,9 +81,9 @@ pub enum Spring {
     },
     /// The same by how it moves what is joined, whatever the mass.
     Frequency {
-        /// Undamped [Hz].
+        /// Undamped [Hz], up to 1e9.
         hertz: f32,
-        /// 1 is critical.
+        /// 1 is critical, 1e9 the most.
         ratio: f32,
     },
     /// Acceleration per displacement [1/s²] and per speed [1/s].
@@ -113,7 +113,12 @@ impl Spring {
             Spring::Coefficients { stiffness, damping } | Spring::Acceleration { stiffness, damping } => {
                 (stiffness, damping)
             }
-            Spring::Frequency { hertz, ratio } => (hertz, ratio),
+            Spring::Frequency { hertz, ratio } => {
+                // Their squares and products must be numbers too.
+                within("spring frequency", hertz, 0.0, 1e9, "in 0..=1e9")?;
+                within("spring damping ratio", ratio, 0.0, 1e9, "in 0..=1e9")?;
+                return Ok(());
+            }
         };
         within("spring stiffness", stiffness, 0.0, 1e20, "in 0..=1e20")?;
         if damping != f32::INFINITY {

@@ -11,4 +11,4 @@ mod store;
 pub use desc::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
 pub(crate) use frames::Placed;
 pub use ragdoll::{Bone, BoneJoint, Ragdoll, Skeleton};
-pub(crate) use store::{Joint, Joints, Lock, LockKind, Row, RowKind};
+pub(crate) use store::{Joint, Joints, Lock, LockKind, More, Row, RowKind};

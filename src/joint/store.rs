@@ -2,7 +2,7 @@
 
 use super::desc::{Axes, Drive, Frame, JointDesc, Limit, Motion, Spring};
 use crate::handle::{JointHandle, Slots};
-use crate::memory::bytes_of;
+use crate::memory::{Buffer, bytes_of};
 use glam::Vec3;
 
 /// End of a list of joints.
@@ -79,6 +79,42 @@ pub(crate) struct Row {
     pub(crate) impulse: [f32; 2],
 }
 
+/// What is to be added.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct More {
+    joints: usize,
+    breakable: usize,
+    locks: usize,
+    rows: usize,
+    /// The list of bodies must be this long.
+    bodies: usize,
+}
+
+impl More {
+    pub(crate) fn of(limits: &[Limit], drives: &[Drive]) -> More {
+        let locks = limits.iter().filter(|limit| lock_of(limit).is_some()).count();
+        More { locks, rows: limits.len() - locks + drives.len(), ..More::default() }
+    }
+
+    pub(crate) fn of_joint(desc: &JointDesc) -> More {
+        let breakable = usize::from([desc.break_force, desc.break_torque].iter().any(|s| s.is_finite()));
+        let bodies = desc.bodies[0].slot.max(desc.bodies[1].slot) as usize + 1;
+        More { joints: 1, breakable, bodies, ..More::of(&desc.limits, &desc.drives) }
+    }
+}
+
+/// What a limit locks, if it does.
+fn lock_of(limit: &Limit) -> Option<LockKind> {
+    let locked = limit.min == 0.0 && limit.max == 0.0 && limit.spring.is_none();
+    match (limit.motion, limit.axes) {
+        _ if !locked => None,
+        (Motion::Linear, axes) => Some(LockKind::Linear(axes)),
+        (Motion::Angular, Axes::All) => Some(LockKind::Weld),
+        (Motion::Angular, Axes::Around(axis)) => Some(LockKind::Hinge(axis)),
+        (Motion::Angular, Axes::One(_)) => None,
+    }
+}
+
 /// All joints of a world.
 #[derive(Debug, Default)]
 pub(crate) struct Joints {
@@ -94,6 +130,8 @@ pub(crate) struct Joints {
     pub(crate) changed: bool,
     /// Joints were removed, and their rows are still there.
     stale: bool,
+    /// Locks and rows that came since batches were last arranged.
+    fresh: usize,
     /// How many can break.
     breakable: u32,
     /// Those that broke in the last step.
@@ -105,7 +143,7 @@ impl Joints {
         let next_slot = self.all.len() as u32;
         if self.stale && self.slots.spare() > 0 {
             // The slot will be used again.
-            self.compact();
+            self.drop_stale();
         }
         let (slot, generation) = self.slots.insert(next_slot);
         self.slots.moved(slot, slot);
@@ -137,17 +175,10 @@ impl Joints {
     }
 
     fn add_rows(&mut self, joint: u32, limits: &[Limit], drives: &[Drive]) {
+        self.fresh += limits.len() + drives.len();
         for limit in limits {
             let Limit { motion, axes, min, max, spring } = *limit;
-            let locked = min == 0.0 && max == 0.0 && spring.is_none();
-            let lock = match (motion, axes) {
-                _ if !locked => None,
-                (Motion::Linear, axes) => Some(LockKind::Linear(axes)),
-                (Motion::Angular, Axes::All) => Some(LockKind::Weld),
-                (Motion::Angular, Axes::Around(axis)) => Some(LockKind::Hinge(axis)),
-                (Motion::Angular, Axes::One(_)) => None,
-            };
-            if let Some(kind) = lock {
+            if let Some(kind) = lock_of(limit) {
                 self.locks.push(Lock { joint, kind, impulse: Vec3::ZERO });
             } else if min > f32::NEG_INFINITY || max < f32::INFINITY {
                 let kind = spring.map_or(RowKind::Limit { min, max }, |spring| RowKind::Yielding {
@@ -169,6 +200,9 @@ impl Joints {
         self.locks.retain(|l| l.joint != joint);
         self.rows.retain(|r| r.joint != joint);
         self.add_rows(joint, limits, drives);
+        // A joint that is left without any is not asked any more what it bears.
+        let joint = &mut self.all[joint as usize];
+        (joint.force, joint.torque) = (Vec3::ZERO, Vec3::ZERO);
         self.changed = true;
     }
 
@@ -203,26 +237,55 @@ impl Joints {
         }
     }
 
-    /// Rows of what was removed go; nothing else changes its order.
+    /// Rows of what was removed go, nothing else changes its order; batches are about to be arranged.
     pub(crate) fn compact(&mut self) {
+        self.drop_stale();
+        (self.changed, self.fresh) = (false, 0);
+    }
+
+    fn drop_stale(&mut self) {
         let all = &self.all;
         let there = |joint: u32| all[joint as usize].is_there();
         self.locks.retain(|l| there(l.joint));
         self.rows.retain(|r| there(r.joint));
-        (self.changed, self.stale) = (false, false);
+        self.stale = false;
     }
 
-    /// Bytes that a further joint takes at most: in the columns, and in the batches of a step, of which its rows may each
-    /// have one for themselves.
-    pub(crate) fn cost(&self, desc: &JointDesc) -> usize {
-        let rows = desc.limits.len() + desc.drives.len();
-        let one = |has: (usize, usize), size: usize, more: usize| {
-            if has.0 + size * more > has.1 { has.1.max(4 * size) } else { 0 }
-        };
-        one(bytes_of(&self.all), size_of::<Joint>(), 1)
-            + one(bytes_of(&self.locks), size_of::<Lock>(), rows)
-            + one(bytes_of(&self.rows), size_of::<Row>(), rows)
-            + rows * size_of::<crate::constraint::WidestJointBatch>()
+    /// Bytes that more takes: in the columns, and in the batches of a step, of which each row that none is arranged for
+    /// may have one for itself.
+    pub(crate) fn missing(&mut self, more: More) -> usize {
+        let mut bytes =
+            (self.fresh + more.locks + more.rows) * size_of::<crate::constraint::WidestJointBatch>();
+        self.each(more, &mut |buffer, len| bytes += buffer.missing(len));
+        bytes
+    }
+
+    /// Makes place for it in the columns.
+    pub(crate) fn widen(&mut self, more: More) {
+        self.each(more, &mut |buffer, len| buffer.widen(len));
+    }
+
+    /// Calls `f` with each column and the place that it needs.
+    fn each(&mut self, more: More, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        let joints = self.all.len() + more.joints.saturating_sub(self.slots.spare());
+        let (locks, rows) = (self.locks.len() + more.locks, self.rows.len() + more.rows);
+        let bodies = self.first.len().max(more.bodies);
+        f(&mut self.all, joints);
+        self.slots.each(joints, f);
+        f(&mut self.locks, locks);
+        f(&mut self.rows, rows);
+        f(&mut self.first, bodies);
+        f(&mut self.broken, self.breakable as usize + more.breakable);
+    }
+
+    /// As many again as a quarter of what there is.
+    pub(crate) fn ahead(&self, more: More) -> More {
+        More {
+            joints: more.joints + self.all.len() / 4,
+            locks: more.locks + self.locks.len() / 4,
+            rows: more.rows + self.rows.len() / 4,
+            ..more
+        }
     }
 
     /// The joints of a body.

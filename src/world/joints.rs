@@ -4,7 +4,7 @@ use super::World;
 use crate::body::Cold;
 use crate::error::Error;
 use crate::handle::{BodyHandle, JointHandle};
-use crate::joint::{Drive, Frame, JointDesc, Limit};
+use crate::joint::{Drive, Frame, JointDesc, Limit, More};
 use glam::{DVec3, Quat, Vec3};
 
 impl World {
@@ -19,7 +19,7 @@ impl World {
         if bodies.iter().all(|&i| i >= self.bodies.dynamic()) {
             return Err(Error::JointOfStill);
         }
-        self.make_place_for_joint(desc)?;
+        self.make_place_for_joint(More::of_joint(desc))?;
         let frames = [0, 1].map(|side| {
             let (cold, frame) = (&self.bodies.cold[bodies[side]], &desc.frames[side]);
             Frame {
@@ -67,11 +67,12 @@ impl World {
     /// Replaces what of a joint is limited and driven.
     ///
     /// # Errors
-    /// If the handle is stale or a number out of range.
+    /// If the handle is stale, a number out of range, or the budget does not allow it.
     pub fn set_joint(&mut self, joint: JointHandle, limits: &[Limit], drives: &[Drive]) -> Result<(), Error> {
         let slot = self.joint(joint)?;
         limits.iter().try_for_each(Limit::validate)?;
         drives.iter().try_for_each(Drive::validate)?;
+        self.make_place_for_joint(More::of(limits, drives))?;
         self.joints.replace_rows(slot, limits, drives);
         Ok(())
     }
@@ -178,13 +179,18 @@ impl World {
         }
     }
 
-    fn make_place_for_joint(&mut self, desc: &JointDesc) -> Result<(), Error> {
-        if self.settings.budget.is_some() {
-            let (asked, left) = (self.joints.cost(desc), self.room().left());
-            if asked > left {
-                return Err(Error::Budget { category: crate::memory::Category::Joints, asked, left });
-            }
+    fn make_place_for_joint(&mut self, more: More) -> Result<(), Error> {
+        if self.settings.budget.is_none() {
+            return Ok(());
         }
+        let (asked, left) = (self.joints.missing(more), self.room().left());
+        if asked > left {
+            return Err(Error::Budget { category: crate::memory::Category::Joints, asked, left });
+        }
+        // So that joints added one by one are not all moved each time.
+        let ahead = self.joints.ahead(more);
+        let far = self.joints.missing(ahead) <= left / 8;
+        self.joints.widen(if far { ahead } else { more });
         Ok(())
     }
 }
