@@ -5,7 +5,10 @@ mod common;
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::{Scene, builtin};
-use backstop::{BodyDesc, BodyHandle, Geometry, Material, Settings, World};
+use backstop::{
+    Axes, Axis, BodyDesc, BodyHandle, Drive, Geometry, JointDesc, Limit, Material, Motion, Settings, Spring,
+    World,
+};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -144,10 +147,53 @@ fn a_moving_scene_allocates_nothing() {
     assert_eq!(moving(1), 0);
 }
 
+/// Chains of all kinds of joints that hang from a platform which turns to and fro, clear of each other.
+fn joined(threads: usize) -> usize {
+    let mut world = World::new(settings(threads)).unwrap();
+    let platform = world.add_body(&BodyDesc::kinematic()).unwrap();
+    let spring = Spring::Frequency { hertz: 3.0, ratio: 0.5 };
+    for chain in 0..40 {
+        let mut last = platform;
+        for link in 0..5 {
+            let at = DVec3::new(f64::from(chain) * 2.0 - 39.0, -0.5 * f64::from(link) - 0.5, 0.0);
+            let geometry = Geometry::Sphere { radius: 0.1 };
+            let body = common::dynamic(geometry, Material::default(), at.as_vec3());
+            let body = world.add_body(&body).unwrap();
+            let bodies = [last, body];
+            let frames = world.frames_at(bodies, at + DVec3::Y * 0.25, Quat::IDENTITY).unwrap();
+            let cone = Limit::new(Motion::Angular, Axes::Around(Axis::Y), 0.0, 0.5);
+            let twist = Limit::new(Motion::Angular, Axes::One(Axis::X), -0.5, 0.5);
+            let desc = match (chain + link) % 6 {
+                0 => JointDesc::ball(bodies, frames).with_limit(cone),
+                1 => JointDesc::hinge(bodies, frames).with_limit(twist),
+                2 => JointDesc::fixed(bodies, frames).breaking(1e9, 1e9),
+                3 => JointDesc::distance(bodies, frames, 0.0, 0.1),
+                4 => JointDesc::wheel(bodies, frames, 0.1, spring),
+                _ => {
+                    JointDesc::ball(bodies, frames).with_drive(Drive::friction(Motion::Angular, Axis::Z, 0.1))
+                }
+            };
+            world.add_joint(&desc).unwrap();
+            last = body;
+        }
+    }
+    count(&mut world, 300, |world, step| {
+        let angle = 0.05 * (step as f32 * 0.05).sin();
+        world.move_kinematic(platform, DVec3::ZERO, Quat::from_rotation_x(angle), 1.0 / 60.0).unwrap();
+    })
+}
+
+#[test]
+fn joints_allocate_nothing() {
+    let _alone = ONE_AT_A_TIME.lock().unwrap();
+    assert_eq!(joined(1), 0);
+}
+
 #[cfg(feature = "parallel")]
 #[test]
 fn two_threads_allocate_nothing() {
     let _alone = ONE_AT_A_TIME.lock().unwrap();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+    assert_eq!(pool.install(|| joined(2)), 0);
     assert_eq!(pool.install(|| resting(2)), 0);
 }

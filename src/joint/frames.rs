@@ -110,3 +110,140 @@ fn direction(v: Vec3) -> Option<(f32, Vec3)> {
     let length = v.length();
     (length > 1e-7).then(|| (length, v / length))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::exp_map;
+    use glam::DVec3;
+    use std::f32::consts::PI;
+
+    struct Random(u32);
+
+    impl Random {
+        /// In -1..1.
+        fn next(&mut self) -> f32 {
+            self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (self.0 >> 8) as f32 / (1 << 23) as f32 - 1.0
+        }
+        fn vec3(&mut self) -> Vec3 {
+            Vec3::new(self.next(), self.next(), self.next())
+        }
+        fn quat(&mut self) -> Quat {
+            exp_map(self.vec3() * 1.8)
+        }
+    }
+
+    const ALL: [Axes; 7] = [
+        Axes::One(Axis::X),
+        Axes::One(Axis::Y),
+        Axes::One(Axis::Z),
+        Axes::Around(Axis::X),
+        Axes::Around(Axis::Y),
+        Axes::Around(Axis::Z),
+        Axes::All,
+    ];
+
+    /// How velocities change a displacement, by differences.
+    #[test]
+    fn displacements_change_as_their_rows_say() {
+        let mut random = Random(1);
+        let mut checked = 0;
+        for case in 0..300 {
+            let frames = [0; 2].map(|_| Frame { position: random.vec3(), rotation: random.quat() });
+            // Far out, where a single-precision position would be a millimetre off.
+            let poses = [0; 2].map(|_| Pose {
+                position: random.vec3().as_dvec3() + DVec3::splat(1e4),
+                rotation: random.quat(),
+            });
+            let (v, w) = ([0; 2].map(|_| random.vec3()), [0; 2].map(|_| random.vec3()));
+            let after = |time: f32| {
+                let moved = [0, 1].map(|i| Pose {
+                    position: poses[i].position + (v[i] * time).as_dvec3(),
+                    rotation: exp_map(w[i] * time) * poses[i].rotation,
+                });
+                Placed::new([&moved[0], &moved[1]], &frames)
+            };
+            let now = after(0.0);
+            for motion in [Motion::Linear, Motion::Angular] {
+                for axes in ALL {
+                    let d = now.displacement(motion, axes).unwrap();
+                    // Where an angle turns round, and where small angles are of no direction, it has no slope.
+                    if motion == Motion::Angular && (d.value.abs() > 2.8 || d.value.abs() < 0.05) {
+                        continue;
+                    }
+                    let step = 2e-3;
+                    let value = |t: f32| after(t).displacement(motion, axes).unwrap().value;
+                    let found = (value(step) - value(-step)) / (2.0 * step);
+                    let said = d.along.dot(v[1] - v[0]) + d.arm_b.dot(w[1]) - d.arm_a.dot(w[0]);
+                    let tolerance = 0.01 * (1.0 + d.along.length() + d.arm_a.length() + d.arm_b.length());
+                    // Close to half a turn of tilt the twist runs away.
+                    let tilted = |axis| now.axis(0, axis).dot(now.axis(1, axis)) < -0.9;
+                    if motion == Motion::Linear || !matches!(axes, Axes::One(axis) if tilted(axis)) {
+                        assert!(
+                            (found - said).abs() < tolerance,
+                            "{case} {motion:?} {axes:?}: {found} {said}"
+                        );
+                        checked += 1;
+                    }
+                }
+            }
+        }
+        assert!(checked > 3000, "{checked}");
+    }
+
+    fn turned_by(axis: Vec3, angle: f32) -> Placed {
+        let at = |rotation| Pose { position: DVec3::ZERO, rotation };
+        // The first is turned too: it is the relative rotation that counts.
+        let first = exp_map(Vec3::new(0.3, -1.0, 0.8));
+        let second = first * exp_map(axis * angle);
+        Placed::new([&at(first), &at(second)], &[Frame::default(); 2])
+    }
+
+    #[test]
+    fn angles_are_those_of_the_turn() {
+        for angle in [-3.1_f32, -2.0, -0.5, -1e-3, 0.0, 1e-3, 0.7, 1.6, 3.1] {
+            for (axis, along) in [(Axis::X, Vec3::X), (Axis::Y, Vec3::Y), (Axis::Z, Vec3::Z)] {
+                let placed = turned_by(along, angle);
+                assert!(
+                    (placed.twist(axis) - angle).abs() < 1e-6,
+                    "{axis:?} {angle}: {}",
+                    placed.twist(axis)
+                );
+                assert!((placed.turn().length() - angle.abs()).abs() < 1e-6, "{axis:?} {angle}");
+                for other in Axis::ALL.into_iter().filter(|other| *other != axis) {
+                    assert!(placed.twist(other).abs() < 1e-5, "{axis:?} {other:?} {angle}");
+                    let tilt = placed.displacement(Motion::Angular, Axes::Around(other));
+                    let tilt = tilt.map_or(0.0, |d| d.value);
+                    assert!((tilt - angle.abs()).abs() < 1e-6, "{axis:?} {other:?} {angle}: {tilt}");
+                }
+                // About its own axis it is no tilt.
+                let own = placed.displacement(Motion::Angular, Axes::Around(axis)).map_or(0.0, |d| d.value);
+                assert!(own < 1e-3, "{axis:?} {angle}: {own}");
+            }
+        }
+        // Further than half a turn is less than half a turn the other way.
+        assert!((turned_by(Vec3::X, 4.0).twist(Axis::X) - (4.0 - 2.0 * PI)).abs() < 1e-5);
+    }
+
+    #[test]
+    fn what_coincides_has_no_direction() {
+        let placed = turned_by(Vec3::X, 0.0);
+        for motion in [Motion::Linear, Motion::Angular] {
+            assert!(placed.displacement(motion, Axes::All).is_none());
+            assert!(placed.displacement(motion, Axes::Around(Axis::Y)).is_none());
+            assert!(placed.displacement(motion, Axes::One(Axis::Y)).unwrap().value.abs() < 1e-6);
+        }
+    }
+
+    /// At half a turn of tilt there is no twist to speak of, but there are numbers.
+    #[test]
+    fn opposite_axes_give_numbers() {
+        for axes in ALL {
+            let d = turned_by(Vec3::Y, PI).displacement(Motion::Angular, axes);
+            let Some(d) = d else { continue };
+            let finite = d.value.is_finite() && d.arm_a.is_finite() && d.arm_b.is_finite();
+            assert!(finite && d.arm_a.length() < 2e3, "{axes:?}: {d:?}");
+        }
+    }
+}
