@@ -906,7 +906,7 @@ fn a_long_lever_does_not_sag() {
 
 /// Joints whose frames are metres apart at first pull hard, and swing long levers; they stay numbers.
 #[test]
-#[ignore = "errors are taken back at a speed without bound: sliders far off their line spin up to infinity"]
+#[ignore = "a range that is exceeded by metres, beside the locks of a slider or wheel, spins it up to infinity"]
 fn joints_that_start_far_apart_stay_finite() {
     for seed in 0..200 {
         let mut random = Random(seed);
