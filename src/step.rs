@@ -121,7 +121,8 @@ impl World {
         if self.joints.count == 0 {
             return;
         }
-        self.buffers.joints.store(&mut self.joints, self.settings.substeps as f32 / dt);
+        let hold = (dt / crate::constraint::contact_row::HOLD).min(1.0);
+        self.buffers.joints.store(&mut self.joints, self.settings.substeps as f32 / dt, hold);
         if self.joints.any_breakable() {
             self.break_joints();
         }

@@ -1,7 +1,7 @@
 //! Joints -> batches. Which rows share a batch is settled when joints come or go; what is in them, in every step.
 
 use super::colour::{COLOURS, Colouring, OVERFLOW};
-use super::contact_row::Motion as BodyMotion;
+use super::contact_row::{Motion as BodyMotion, SHARE};
 use super::joint_ends::{JointPass, NONE};
 use super::joint_fill::{point, row, tree, turn};
 use super::joint_lock::{PointBatch, TurnBatch};
@@ -286,8 +286,9 @@ impl JointRows {
         }
     }
 
-    /// Writes impulses back, and what each joint bore. `inverse_h`: 1 / substep [1/s].
-    pub(crate) fn store(&self, joints: &mut Joints, inverse_h: f32) {
+    /// Writes impulses back, and what each joint bore. `inverse_h`: 1 / substep [1/s]; `hold`: share of a load that lasts
+    /// that a step takes for one.
+    pub(crate) fn store(&self, joints: &mut Joints, inverse_h: f32, hold: f32) {
         if self.stages.is_empty() {
             return;
         }
@@ -298,6 +299,10 @@ impl JointRows {
         let mut lock = |owner: u32, impulse: glam::Vec3| {
             let lock = &mut locks[owner as usize];
             lock.impulse = impulse;
+            // A load that is gone is gone at once.
+            let bears = impulse.length() * SHARE;
+            let lasting = lock.held.min(bears);
+            lock.held = lasting + (bears - lasting) * hold;
             let joint = &mut all[lock.joint as usize];
             match lock.kind {
                 LockKind::Linear(_) => joint.force += impulse * inverse_h,
@@ -333,6 +338,10 @@ impl JointRows {
         let mut row = |owner: u32, (impulse, along, about): ([f32; 2], glam::Vec3, glam::Vec3)| {
             let row = &mut rows[owner as usize];
             row.impulse = impulse;
+            let bears = impulse[0] * SHARE;
+            let lasting =
+                if bears * row.held <= 0.0 { 0.0 } else { row.held.clamp(-bears.abs(), bears.abs()) };
+            row.held = lasting + (bears - lasting) * hold;
             let (joint, p) = (&mut all[row.joint as usize], (impulse[0] - impulse[1]) * inverse_h);
             match row.motion {
                 Motion::Linear => joint.force += along * p,

@@ -10,6 +10,8 @@ pub(crate) struct JointPass {
     /// 1 / substep [1/s].
     pub(crate) inverse_h: f32,
     pub(crate) softness: Softness,
+    /// The fastest that an error is taken back [m/s] or [rad/s].
+    pub(crate) push_speed: f32,
     /// Share of an error in a tree, which is solved exactly, that is taken back within a second [1/s].
     pub(crate) tree_rate: f32,
     /// What errors added to the velocities is taken out again.
@@ -108,13 +110,25 @@ pub(super) fn turned<L: Lanes>(by: Vec3<L>, v: Vec3<L>) -> Vec3<L> {
     v + once * sine + by.cross(once) * cosine
 }
 
-/// The inverse of a symmetric matrix that has one.
+impl JointPass {
+    /// The velocity that takes back an error.
+    #[inline(always)]
+    pub(super) fn bias<L: Lanes>(&self, error: Vec3<L>, rate: L) -> Vec3<L> {
+        let most = L::splat(self.push_speed);
+        let speed = error.length() * rate;
+        error * (rate * L::select(speed.gt(most), most / speed, L::one()))
+    }
+}
+
+/// The inverse of a symmetric matrix without negative eigenvalues; zero if it has none, or nearly none.
 #[inline(always)]
 pub(super) fn inverse<L: Lanes>(m: &Sym3<L>) -> Sym3<L> {
     let xx = m.yy * m.zz - m.yz * m.yz;
     let xy = m.xz * m.yz - m.xy * m.zz;
     let xz = m.xy * m.yz - m.xz * m.yy;
-    let scale = L::one() / (m.xx * xx + m.xy * xy + m.xz * xz);
+    let det = m.xx * xx + m.xy * xy + m.xz * xz;
+    let some = det.gt(L::zero());
+    let scale = L::select(some, L::one() / L::select(some, det, L::one()), L::zero());
     Sym3 {
         xx: xx * scale,
         yy: (m.xx * m.zz - m.xz * m.xz) * scale,

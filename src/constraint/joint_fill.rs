@@ -2,11 +2,12 @@
 
 use super::joint_arrange::JointInput;
 use super::joint_ends::{Ends, NONE, inverse};
-use super::joint_lock::{PointBatch, TurnBatch, mobility};
+use super::joint_lock::{PointBatch, TINY, TurnBatch, mobility};
 use super::joint_row::RowBatch;
 use super::joint_tree::TreeBatch;
-use crate::joint::{Axes, Joint, LockKind, Placed, RowKind};
+use crate::joint::{Axes, Joint, LockKind, Motion, Placed, RowKind};
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
+use std::f32::consts::TAU;
 
 fn put<L: Lanes>(v: &mut Vec3<L>, lane: usize, value: glam::Vec3) {
     v.x.set_lane(lane, value.x);
@@ -30,7 +31,9 @@ fn place<L: Lanes>(
         ends.body[side][lane] = i.min(movers) as u32;
         let pushed = i < dynamic;
         ends.write[side] |= u32::from(pushed) << lane;
-        ends.inverse_mass[side].set_lane(lane, if pushed { bodies.mass[i].inverse } else { 0.0 });
+        // Locked in place, it moves for nothing.
+        let slides = pushed && bodies.traits[i].locks & 0b111 != 0b111;
+        ends.inverse_mass[side].set_lane(lane, if slides { bodies.mass[i].inverse } else { 0.0 });
         let inertia = if pushed { input.inverse_inertia[i] } else { Sym3::default() };
         let own = &mut ends.inverse_inertia[side];
         own.xx.set_lane(lane, inertia.xx);
@@ -61,7 +64,7 @@ pub(super) fn point<L: GatherLanes>(batch: &mut PointBatch<L>, owners: &[u32], i
     for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
         let lock = &input.joints.locks[owner as usize];
         let at = place(&mut batch.ends, lane, owner, &input.joints.all[lock.joint as usize], input);
-        put(&mut batch.impulse, lane, lock.impulse * input.warm);
+        let mut impulse = lock.impulse;
         let (mut arm_a, mut apart) = (at.arm[0], at.apart);
         match lock.kind {
             LockKind::Linear(Axes::Around(axis)) => {
@@ -69,17 +72,22 @@ pub(super) fn point<L: GatherLanes>(batch: &mut PointBatch<L>, owners: &[u32], i
                 let (t, s) = n.any_orthonormal_pair();
                 // On the first body, the point where the second's is now.
                 let slid = n * n.dot(apart);
+                // It bears nothing along the line, which has turned since.
+                impulse -= n * n.dot(impulse);
                 (arm_a, apart) = (arm_a + slid, apart - slid);
                 projected[lane] = Some([t, s]);
             }
             LockKind::Linear(Axes::One(axis)) => {
                 let n = at.axis(0, axis);
                 let slid = apart - n * n.dot(apart);
+                impulse = n * n.dot(impulse);
                 (arm_a, apart) = (arm_a + slid, apart - slid);
                 projected[lane] = Some([n, glam::Vec3::ZERO]);
             }
             _ => batch.whole |= 1 << lane,
         }
+        put(&mut batch.impulse, lane, impulse * input.warm);
+        put(&mut batch.held, lane, impulse.normalize_or_zero() * (lock.held * input.warm));
         put(&mut batch.arm[0], lane, arm_a);
         put(&mut batch.arm[1], lane, at.arm[1]);
         put(&mut batch.apart, lane, apart);
@@ -117,9 +125,10 @@ fn within(m: &Sym3<f32>, [t, s]: &[glam::Vec3; 2]) -> Sym3<f32> {
     let (mt, ms) = (times(*t), times(*s));
     let (a, b, d) = (t.dot(mt), t.dot(ms), s.dot(ms));
     let (a, b, d) = if *s == glam::Vec3::ZERO {
-        (1.0 / a, 0.0, 0.0)
+        (if a > 0.0 { 1.0 / a } else { 0.0 }, 0.0, 0.0)
     } else {
-        let over = 1.0 / (a * d - b * b);
+        let det = a * d - b * b;
+        let over = if det > 0.0 { 1.0 / det } else { 0.0 };
         (d * over, -b * over, a * over)
     };
     let entry = |i: usize, k: usize| a * t[i] * t[k] + b * (t[i] * s[k] + s[i] * t[k]) + d * s[i] * s[k];
@@ -142,12 +151,14 @@ pub(super) fn turn<L: GatherLanes, const HINGE: bool>(
     for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
         let lock = &input.joints.locks[owner as usize];
         let at = place(&mut batch.ends, lane, owner, &input.joints.all[lock.joint as usize], input);
-        put(&mut batch.impulse, lane, lock.impulse * input.warm);
+        let mut impulse = lock.impulse;
         let [a, b] = [0, 1].map(|side| get_sym(&batch.ends.inverse_inertia[side], lane));
+        // Of bodies that don't turn some directions may be missing.
+        let tiny = TINY * (a.xx + a.yy + a.zz + b.xx + b.yy + b.zz);
         let both = Sym3 {
-            xx: a.xx + b.xx,
-            yy: a.yy + b.yy,
-            zz: a.zz + b.zz,
+            xx: a.xx + b.xx + tiny,
+            yy: a.yy + b.yy + tiny,
+            zz: a.zz + b.zz + tiny,
             xy: a.xy + b.xy,
             xz: a.xz + b.xz,
             yz: a.yz + b.yz,
@@ -157,10 +168,14 @@ pub(super) fn turn<L: GatherLanes, const HINGE: bool>(
             put(&mut batch.axis[0], lane, axes[0]);
             put(&mut batch.axis[1], lane, axes[1]);
             let (t, s) = axes[0].any_orthonormal_pair();
+            // It bears nothing about its axis, which has turned since.
+            impulse -= axes[0] * axes[0].dot(impulse);
             (axes[0].cross(axes[1]), within(&both, &[t, s]))
         } else {
             (at.turn(), inverse(&both))
         };
+        put(&mut batch.impulse, lane, impulse * input.warm);
+        put(&mut batch.held, lane, impulse.normalize_or_zero() * (lock.held * input.warm));
         put(&mut batch.error, lane, error);
         put_sym(&mut batch.mass, lane, &mass);
     }
@@ -190,7 +205,18 @@ pub(super) fn row<L: GatherLanes>(batch: &mut RowBatch<L>, owners: &[u32], input
             continue;
         }
         batch.mobility.set_lane(lane, mobility);
-        batch.value.set_lane(lane, displacement.value);
+        let mut value = displacement.value;
+        if row.motion == Motion::Angular && matches!(row.axes, Axes::One(_)) {
+            // A turn more or less is the same: the one that is nearest to what is asked for.
+            let middle = match row.kind {
+                RowKind::Limit { min, max } | RowKind::Yielding { min, max, .. } => 0.5 * (min + max),
+                RowKind::Drive { position, .. } => position,
+            };
+            if middle.is_finite() {
+                value -= TAU * ((value - middle) / TAU).round();
+            }
+        }
+        batch.value.set_lane(lane, value);
         let (mut most, mut target) = (f32::INFINITY, 0.0);
         let (min, max, spring) = match row.kind {
             RowKind::Limit { min, max } => (min, max, None),
@@ -221,6 +247,7 @@ pub(super) fn row<L: GatherLanes>(batch: &mut RowBatch<L>, owners: &[u32], input
         batch.drives |= u32::from(drive) << lane;
         batch.springs |= u32::from(spring.is_some() && !drive) << lane;
         batch.both |= u32::from(!drive && spring.is_none() && min == max) << lane;
+        batch.held.set_lane(lane, row.held * input.warm);
         for (impulse, old) in batch.impulse.iter_mut().zip(row.impulse) {
             impulse.set_lane(lane, old * input.warm);
         }

@@ -28,6 +28,8 @@ pub(crate) struct PointBatch<L> {
     pub(crate) whole: u32,
     /// Of the last substep [N s].
     pub(crate) impulse: Vec3<L>,
+    /// The part of it that does not yield.
+    pub(crate) held: Vec3<L>,
 }
 
 impl<L: Lanes> Default for PointBatch<L> {
@@ -43,6 +45,7 @@ impl<L: Lanes> Default for PointBatch<L> {
             mass: Sym3::default(),
             whole: 0,
             impulse: zero,
+            held: zero,
         }
     }
 }
@@ -66,8 +69,16 @@ pub(super) fn mobility<L: Lanes>(ends: &Ends<L>, arm: &[Vec3<L>; 2]) -> Sym3<L> 
         sum.xz += x.dot(iz);
         sum.yz += y.dot(iz);
     }
+    // Of bodies that can't be moved some directions may be missing.
+    let tiny = (sum.xx + sum.yy + sum.zz) * L::splat(TINY);
+    sum.xx += tiny;
+    sum.yy += tiny;
+    sum.zz += tiny;
     sum
 }
+
+/// Of the trace of a matrix: keeps one with missing directions from having no inverse, and changes no other.
+pub(super) const TINY: f32 = 1e-6;
 
 impl<L: GatherLanes> PointBatch<L> {
     /// Applies the impulses of the last step.
@@ -109,7 +120,8 @@ impl<L: GatherLanes> PointBatch<L> {
         }
         let slip = v.vb + v.wb.cross(rb) - v.va - v.wa.cross(ra);
         let (rate, scale, give) = pass.numbers::<L>();
-        let p = -(self.mass.mul(slip + self.apart_now * rate) * scale + self.impulse * give);
+        let p = -(self.mass.mul(slip + pass.bias(self.apart_now, rate)) * scale
+            + (self.impulse - self.held) * give);
         let (ta, tb) = (ra.cross(p), rb.cross(p));
         self.impulse += p;
         self.moment[0] += ta;
@@ -154,6 +166,8 @@ pub(crate) struct TurnBatch<L, const HINGE: bool> {
     pub(crate) mass: Sym3<L>,
     /// Of the last substep [N m s].
     pub(crate) impulse: Vec3<L>,
+    /// The part of it that does not yield.
+    pub(crate) held: Vec3<L>,
 }
 
 impl<L: Lanes, const HINGE: bool> Default for TurnBatch<L, HINGE> {
@@ -166,6 +180,7 @@ impl<L: Lanes, const HINGE: bool> Default for TurnBatch<L, HINGE> {
             error_now: zero,
             mass: Sym3::default(),
             impulse: zero,
+            held: zero,
         }
     }
 }
@@ -204,7 +219,8 @@ impl<L: GatherLanes, const HINGE: bool> TurnBatch<L, HINGE> {
         // SAFETY: by the contract.
         let mut v = unsafe { self.ends.load(motion.velocity) };
         let (rate, scale, give) = pass.numbers::<L>();
-        let t = -(self.mass.mul(v.wb - v.wa + self.error_now * rate) * scale + self.impulse * give);
+        let t = -(self.mass.mul(v.wb - v.wa + pass.bias(self.error_now, rate)) * scale
+            + (self.impulse - self.held) * give);
         self.impulse += t;
         self.ends.turn(&mut v, t);
         // SAFETY: by the contract.

@@ -32,6 +32,8 @@ pub(crate) struct RowBatch<L> {
     pub(crate) most: L,
     /// Of the last substep, at the lower and the upper end; a drive's is the first.
     pub(crate) impulse: [L; 2],
+    /// The part of the impulse of a range without width that does not yield.
+    pub(crate) held: L,
     /// Lanes of drives, of springs, and of ranges without width.
     pub(crate) drives: u32,
     pub(crate) springs: u32,
@@ -55,6 +57,7 @@ impl<L: Lanes> Default for RowBatch<L> {
             give: zero,
             most: zero,
             impulse: [zero; 2],
+            held: zero,
             drives: 0,
             springs: 0,
             both: 0,
@@ -110,16 +113,18 @@ impl<L: GatherLanes> RowBatch<L> {
         // Springs act once a substep.
         let waits = if pass.relax { drives | springs } else { zero.gt(zero) };
         let inverse_h = L::splat(pass.inverse_h);
-        let (rate, _, _) = pass.numbers::<L>();
+        let (rate, scale, yields) = pass.numbers::<L>();
+        let push = L::splat(pass.push_speed);
         // Signs are those of the lower end; the upper one is its mirror image.
         let mut pushed = zero;
         let one = |gap: L, speed: L, asked: L, old: L, (low, high): (L, L)| {
             let open = gap.gt(zero) & !both;
             // Apart from a rigid end only what would pass it within the substep is taken away.
-            let rigid = -(gap * L::select(open, inverse_h, rate));
+            let rigid = L::select(open, -(gap * inverse_h), -(gap * rate).max(-push).min(push));
             let soft = asked - gap * self.pull;
             let target = L::select(drives | springs, soft, rigid);
             let change = (target - speed - self.give * old) / (self.mobility + self.give);
+            let change = L::select(both, change * scale - (old - self.held) * yields, change);
             let mut new = (old + change).max(low).min(high);
             // A spring at the end of a range lets go of what is inside.
             new = L::select(springs & open, zero, new);

@@ -391,6 +391,10 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// The angular velocities that bodies get from the impulses, and from what pulls, at arms as they are now: what warm
     /// starting adds to the velocities is as if bodies had not turned, and a pendulum would gain energy.
     fn turn_along(&mut self) {
+        for node in self.nodes.iter_mut().filter(|node| node.turns == Turns::AboutAxis) {
+            // A hinge bears nothing about its axis, which has turned.
+            node.twist -= node.axis_now * node.axis_now.dot(node.twist);
+        }
         self.nodes.iter_mut().for_each(|node| node.asked = Twist::zero());
         for i in 0..self.nodes.len() {
             let Node { impulse, twist, arm_now, parent, .. } = self.nodes[i];
@@ -431,8 +435,10 @@ impl<L: GatherLanes> TreeBatch<L> {
             let carried = node.free.mul(&node.carried);
             let [arm, other] = node.arm_now;
             let asked = Twist {
-                linear: node.velocity.at(arm) + carried.at(arm) - above.at(other) + node.apart_now * rate,
-                angular: node.velocity.angular + carried.angular - above.angular + node.error_now * rate,
+                linear: node.velocity.at(arm) + carried.at(arm) - above.at(other)
+                    + pass.bias(node.apart_now, rate),
+                angular: node.velocity.angular + carried.angular - above.angular
+                    + pass.bias(node.error_now, rate),
             };
             self.nodes[i].asked = asked;
             if node.parent != NONE {

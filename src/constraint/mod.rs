@@ -22,8 +22,14 @@ pub(crate) use bounce::{BounceInput, BounceScratch, bounce};
 pub(crate) use impact_friction::rub;
 pub(crate) use joint_arrange::{JointInput, JointRows, JointStage, JointViews};
 pub(crate) use joint_ends::JointPass;
-/// The largest of the batches that rows of joints are in.
-pub(crate) type WidestJointBatch = joint_row::RowBatch<crate::lanes::f32x8>;
+/// The most that a row of a joint takes in the batches: a lane of them all to itself, or a node of two trees that are alike.
+pub(crate) const WIDEST_JOINT_BATCH: usize = {
+    let (row, node) = (
+        size_of::<joint_row::RowBatch<crate::lanes::f32x8>>(),
+        size_of::<joint_tree::Node<crate::lanes::f32x8>>() / 2,
+    );
+    if row > node { row } else { node }
+};
 pub(crate) use order::{Group, Stage};
 pub use order::{Order, RowGroup};
 pub(crate) use prepare::{PrepareInput, prepare};

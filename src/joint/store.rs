@@ -44,6 +44,8 @@ pub(crate) struct Lock {
     pub(crate) kind: LockKind,
     /// Of the last substep, in the world [N s] or [N m s].
     pub(crate) impulse: Vec3,
+    /// How much of it does not yield.
+    pub(crate) held: f32,
 }
 
 /// What a row of one direction does.
@@ -77,6 +79,8 @@ pub(crate) struct Row {
     pub(crate) kind: RowKind,
     /// At the lower and the upper end, of the last substep [N s] or [N m s]; a drive's is the first.
     pub(crate) impulse: [f32; 2],
+    /// The part of a lock's that does not yield.
+    pub(crate) held: f32,
 }
 
 /// What is to be added.
@@ -179,19 +183,19 @@ impl Joints {
         for limit in limits {
             let Limit { motion, axes, min, max, spring } = *limit;
             if let Some(kind) = lock_of(limit) {
-                self.locks.push(Lock { joint, kind, impulse: Vec3::ZERO });
+                self.locks.push(Lock { joint, kind, impulse: Vec3::ZERO, held: 0.0 });
             } else if min > f32::NEG_INFINITY || max < f32::INFINITY {
                 let kind = spring.map_or(RowKind::Limit { min, max }, |spring| RowKind::Yielding {
                     min,
                     max,
                     spring,
                 });
-                self.rows.push(Row { joint, motion, axes, kind, impulse: [0.0; 2] });
+                self.rows.push(Row { joint, motion, axes, kind, impulse: [0.0; 2], held: 0.0 });
             }
         }
         for &Drive { motion, axis, position, velocity, spring, max_force } in drives {
             let kind = RowKind::Drive { position, velocity, spring, max_force };
-            self.rows.push(Row { joint, motion, axes: Axes::One(axis), kind, impulse: [0.0; 2] });
+            self.rows.push(Row { joint, motion, axes: Axes::One(axis), kind, impulse: [0.0; 2], held: 0.0 });
         }
     }
 
@@ -254,8 +258,7 @@ impl Joints {
     /// Bytes that more takes: in the columns, and in the batches of a step, of which each row that none is arranged for
     /// may have one for itself.
     pub(crate) fn missing(&mut self, more: More) -> usize {
-        let mut bytes =
-            (self.fresh + more.locks + more.rows) * size_of::<crate::constraint::WidestJointBatch>();
+        let mut bytes = (self.fresh + more.locks + more.rows) * crate::constraint::WIDEST_JOINT_BATCH;
         self.each(more, &mut |buffer, len| bytes += buffer.missing(len));
         bytes
     }

@@ -73,6 +73,7 @@ pub(crate) fn solve(
         friction_box: settings.friction_cone == FrictionCone::Box,
         order: settings.order,
         tree_rate: TREE_RATE / h,
+        joint_push: JOINT_PUSH * settings.length_unit,
         joint: Softness::new(
             JOINT_HERTZ.min(Softness::stiffest(settings.iterations + 1, h)),
             JOINT_DAMPING,
@@ -80,6 +81,7 @@ pub(crate) fn solve(
         ),
     };
     let joint_stages = std::mem::take(&mut joints.stages);
+    let joined_at_all = !joint_stages.is_empty();
     let dynamic = bodies.dynamic();
     let locks = (bodies.locked > 0).then_some(bodies.traits.as_slice());
     // Of what stands still the first is enough: all are zero.
@@ -119,6 +121,9 @@ pub(crate) fn solve(
             if let Some(traits) = locks {
                 traits[i].lock(v);
             }
+            if joined_at_all && lanes(*v).abs().lt(f32x8::splat(RUNAWAY)).bits() & BOTH != BOTH {
+                *v = *b;
+            }
             let (now, before) = (lanes(*v), lanes(*b));
             let same = now.eq(before).bits();
             let mut moved = now * f32x8::splat(h);
@@ -147,6 +152,11 @@ pub(crate) fn solve(
     joints.stages = joint_stages;
 }
 
+/// Joints that contradict each other can drive bodies ever faster. What is faster than this [m/s] or [rad/s], or no number any
+/// more, goes on as if no row had acted in the substep.
+const RUNAWAY: f32 = 1e6;
+/// The fastest that an error of a joint is taken back [length units/s] or [rad/s].
+const JOINT_PUSH: f32 = 40.0;
 /// Share of an error in a tree of joints that is taken back within a substep.
 const TREE_RATE: f32 = 0.2;
 /// Stiffness [Hz] and damping ratio of what joints lock.
