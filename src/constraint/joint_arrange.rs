@@ -338,7 +338,7 @@ impl JointRows {
         let mut row = |owner: u32, (impulse, along, about): ([f32; 2], glam::Vec3, glam::Vec3)| {
             let row = &mut rows[owner as usize];
             row.impulse = impulse;
-            let bears = impulse[0] * SHARE;
+            let bears = (impulse[0] - impulse[1]) * SHARE;
             let lasting =
                 if bears * row.held <= 0.0 { 0.0 } else { row.held.clamp(-bears.abs(), bears.abs()) };
             row.held = lasting + (bears - lasting) * hold;

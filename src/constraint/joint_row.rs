@@ -32,7 +32,7 @@ pub(crate) struct RowBatch<L> {
     pub(crate) most: L,
     /// Of the last substep, at the lower and the upper end; a drive's is the first.
     pub(crate) impulse: [L; 2],
-    /// The part of the impulse of a range without width that does not yield.
+    /// The part of the impulse at the lower end, less that at the upper one, that does not yield.
     pub(crate) held: L,
     /// Lanes of drives, of springs, and of ranges without width.
     pub(crate) drives: u32,
@@ -117,14 +117,14 @@ impl<L: GatherLanes> RowBatch<L> {
         let push = L::splat(pass.push_speed);
         // Signs are those of the lower end; the upper one is its mirror image.
         let mut pushed = zero;
-        let one = |gap: L, speed: L, asked: L, old: L, (low, high): (L, L)| {
+        let one = |gap: L, speed: L, asked: L, (old, held): (L, L), (low, high): (L, L)| {
             let open = gap.gt(zero) & !both;
             // Apart from a rigid end only what would pass it within the substep is taken away.
             let rigid = L::select(open, -(gap * inverse_h), -(gap * rate).max(-push).min(push));
             let soft = asked - gap * self.pull;
             let target = L::select(drives | springs, soft, rigid);
             let change = (target - speed - self.give * old) / (self.mobility + self.give);
-            let change = L::select(both, change * scale - (old - self.held) * yields, change);
+            let change = L::select(drives | springs | open, change, change * scale - (old - held) * yields);
             let mut new = (old + change).max(low).min(high);
             // A spring at the end of a range lets go of what is inside.
             new = L::select(springs & open, zero, new);
@@ -132,15 +132,23 @@ impl<L: GatherLanes> RowBatch<L> {
         };
         let lowest = L::select(drives, -self.most, L::select(both, none, zero));
         let highest = L::select(drives, self.most, L::splat(f32::INFINITY));
+        // A range has one loaded end; what has no width may bear either way.
+        let lower = L::select(both, self.held, self.held.max(zero));
         let finite = |gap: L| L::select(gap.lt(L::splat(f32::MAX)), gap, L::splat(f32::MAX));
-        let new = one(finite(self.now - self.min), speed, self.speed, self.impulse[0], (lowest, highest));
+        let new =
+            one(finite(self.now - self.min), speed, self.speed, (self.impulse[0], lower), (lowest, highest));
         let change = new - self.impulse[0];
         self.impulse[0] = new;
         pushed += change;
         let speed = -(speed + self.mobility * change);
         let idle = drives | both;
-        let new =
-            one(finite(self.max - self.now), speed, zero, self.impulse[1], (zero, L::splat(f32::INFINITY)));
+        let new = one(
+            finite(self.max - self.now),
+            speed,
+            zero,
+            (self.impulse[1], (-self.held).max(zero)),
+            (zero, L::splat(f32::INFINITY)),
+        );
         let new = L::select(idle, zero, new);
         pushed -= new - self.impulse[1];
         self.impulse[1] = new;
