@@ -208,3 +208,43 @@ fn a_limit_stops_and_a_rope_holds() {
     assert!((y + 2.0).abs() < 2e-3, "{y}");
     assert!(world.linear_velocity(ball).unwrap().length() < 1e-2);
 }
+
+/// Locks of single axes are the one lock that they make together: a motor turns a hinge of such round and round, which
+/// each lock of rotation for itself has no direction for at a half turn.
+#[test]
+fn locks_of_single_axes_act_as_one() {
+    let one = |motion, axis| Limit::lock(motion, Axes::One(axis));
+    let single = |desc: JointDesc, linear: &[Axis], angular: &[Axis]| JointDesc {
+        limits: linear
+            .iter()
+            .map(|&a| one(Motion::Linear, a))
+            .chain(angular.iter().map(|&a| one(Motion::Angular, a)))
+            .collect(),
+        ..desc
+    };
+    let [x, y, z] = Axis::ALL;
+    type Make = fn([BodyHandle; 2], [Frame; 2]) -> JointDesc;
+    let cases: [(Make, &[Axis], &[Axis]); 3] = [
+        (JointDesc::hinge, &[x, y, z], &[z, y]),
+        (JointDesc::slider, &[z, y], &[y, z, x]),
+        (JointDesc::fixed, &[y, x, z], &[x, y, z]),
+    ];
+    for (make, linear, angular) in cases {
+        let run = |apart: bool| {
+            let mut world = world();
+            let ground = fixed(&mut world);
+            let plank = body(&mut world, Geometry::cuboid(0.1, 0.4, 0.2), DVec3::new(0.3, 0.2, 0.0));
+            let frames = world.frames_at([ground, plank], DVec3::ZERO, Quat::from_rotation_y(0.3)).unwrap();
+            let mut desc = make([ground, plank], frames);
+            if apart {
+                desc = single(desc, linear, angular);
+            }
+            world.add_joint(&desc.with_drive(Drive::motor(Motion::Angular, x, 3.0, 1e4))).unwrap();
+            for _ in 0..600 {
+                world.step(1.0 / 60.0).unwrap();
+            }
+            world.hash()
+        };
+        assert_eq!(run(true), run(false), "{linear:?} {angular:?}");
+    }
+}

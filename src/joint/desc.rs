@@ -96,6 +96,9 @@ pub enum Spring {
 }
 
 impl Spring {
+    /// The most stiffness or finite damping that is allowed.
+    pub(crate) const MOST: f32 = 1e20;
+
     /// Stiffness and damping, and whether they are per effective mass.
     pub(crate) fn coefficients(self) -> (f32, f32, bool) {
         match self {
@@ -120,9 +123,9 @@ impl Spring {
                 return Ok(());
             }
         };
-        within("spring stiffness", stiffness, 0.0, 1e20, "in 0..=1e20")?;
+        within("spring stiffness", stiffness, 0.0, Self::MOST, "in 0..=1e20")?;
         if damping != f32::INFINITY {
-            within("spring damping", damping, 0.0, 1e20, "in 0..=1e20 or infinite")?;
+            within("spring damping", damping, 0.0, Self::MOST, "in 0..=1e20 or infinite")?;
         }
         Ok(())
     }
@@ -156,6 +159,11 @@ impl Limit {
     /// Yields like a spring beyond its range.
     pub fn with_spring(self, spring: Spring) -> Limit {
         Limit { spring: Some(spring), ..self }
+    }
+
+    /// Whether nothing moves, and nothing yields.
+    pub(crate) fn locks(&self) -> bool {
+        self.min == 0.0 && self.max == 0.0 && self.spring.is_none()
     }
 
     pub(crate) fn validate(&self) -> Result<(), Error> {

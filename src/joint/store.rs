@@ -1,6 +1,6 @@
 //! Joint columns: frames once a joint, and a row for each limit and drive, by type.
 
-use super::desc::{Axes, Drive, Frame, JointDesc, Limit, Motion, Spring};
+use super::desc::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
 use crate::handle::{JointHandle, Slots};
 use crate::memory::{Buffer, bytes_of};
 use glam::Vec3;
@@ -96,6 +96,7 @@ pub(crate) struct More {
 
 impl More {
     pub(crate) fn of(limits: &[Limit], drives: &[Drive]) -> More {
+        let limits = locked_together(limits);
         let locks = limits.iter().filter(|limit| lock_of(limit).is_some()).count();
         More { locks, rows: limits.len() - locks + drives.len(), ..More::default() }
     }
@@ -109,9 +110,8 @@ impl More {
 
 /// What a limit locks, if it does.
 fn lock_of(limit: &Limit) -> Option<LockKind> {
-    let locked = limit.min == 0.0 && limit.max == 0.0 && limit.spring.is_none();
     match (limit.motion, limit.axes) {
-        _ if !locked => None,
+        _ if !limit.locks() => None,
         (Motion::Linear, axes) => Some(LockKind::Linear(axes)),
         (Motion::Angular, Axes::All) => Some(LockKind::Weld),
         (Motion::Angular, Axes::Around(axis)) => Some(LockKind::Hinge(axis)),
@@ -179,10 +179,11 @@ impl Joints {
     }
 
     fn add_rows(&mut self, joint: u32, limits: &[Limit], drives: &[Drive]) {
+        let limits = locked_together(limits);
         self.fresh += limits.len() + drives.len();
         for limit in limits {
-            let Limit { motion, axes, min, max, spring } = *limit;
-            if let Some(kind) = lock_of(limit) {
+            let Limit { motion, axes, min, max, spring } = limit;
+            if let Some(kind) = lock_of(&limit) {
                 self.locks.push(Lock { joint, kind, impulse: Vec3::ZERO, held: 0.0 });
             } else if min > f32::NEG_INFINITY || max < f32::INFINITY {
                 let kind = spring.map_or(RowKind::Limit { min, max }, |spring| RowKind::Yielding {
@@ -329,6 +330,30 @@ impl Joints {
         .into_iter()
         .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
     }
+}
+
+/// Locks of single axes as the one lock that they make: solved as a block they hold better, and two of rotation have no
+/// half turn at which each of them for itself has no direction.
+fn locked_together(limits: &[Limit]) -> Vec<Limit> {
+    let mut out = Vec::with_capacity(limits.len());
+    let mut locked = [[false; 3]; 2];
+    for limit in limits {
+        match limit.axes {
+            Axes::One(axis) if limit.locks() => locked[limit.motion as usize][axis as usize] = true,
+            _ => out.push(*limit),
+        }
+    }
+    for motion in [Motion::Linear, Motion::Angular] {
+        let locked = locked[motion as usize];
+        let axes = |wanted: bool| Axis::ALL.into_iter().filter(move |&axis| locked[axis as usize] == wanted);
+        out.extend(match (axes(true).count(), axes(true).next(), axes(false).next()) {
+            (1, Some(axis), _) => Some(Limit::lock(motion, Axes::One(axis))),
+            (2, _, Some(axis)) => Some(Limit::lock(motion, Axes::Around(axis))),
+            (3, ..) => Some(Limit::lock(motion, Axes::All)),
+            _ => None,
+        });
+    }
+    out
 }
 
 impl Joint {
