@@ -38,7 +38,7 @@ const CASES: &[Case] = &[
 fn warm(scene: &Scene, steps: u32, threads: usize) -> World {
     let settings = Settings { gravity: scene.gravity, threads, ..Settings::default() };
     let mut world = World::new(settings).expect("the default settings are in range");
-    world.add_bodies(&scene.descs()).expect("a builtin scene is valid");
+    scene.add_to(&mut world).expect("a builtin scene is valid");
     advance(&mut world, steps);
     world
 }

@@ -57,7 +57,7 @@ fn wall() -> World {
     let scene = builtin::large_pyramid(24);
     let mut world = World::new(Settings { gravity: scene.gravity, ..Settings::default() })
         .expect("the default settings are in range");
-    world.add_bodies(&scene.descs()).expect("a builtin scene is valid");
+    scene.add_to(&mut world).expect("a builtin scene is valid");
     for _ in 0..8 {
         world.step(1.0 / 60.0).expect("dt is above zero");
     }

@@ -54,7 +54,10 @@ fn refused(arguments: &[&str], code: i32, reason: &str) {
 #[test]
 fn a_run_prints_the_document_that_is_promised() {
     let document = document(&backstop(&["run", "scenes/tower.gltf", "--steps", "10", "--json"]));
-    has_keys(&document, &["scene", "settings", "steps", "bodies", "time_us", "contacts", "memory", "hash"]);
+    has_keys(
+        &document,
+        &["scene", "settings", "steps", "bodies", "joints", "time_us", "contacts", "memory", "hash"],
+    );
     assert_eq!(document["scene"], "tower");
     assert_eq!(document["steps"], 10);
     assert_eq!(document["settings"]["substeps"], 4);
@@ -187,7 +190,7 @@ fn shipped_scenes_are_the_generator_s() {
     let committed = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("scenes");
     // Not byte by byte: in which order the triangles of a mesh are written is the engine's business.
     let bodies = |path: PathBuf| -> Vec<String> {
-        let scene = backstop::scene::load(path, &Default::default()).expect("a scene");
+        let scene = backstop::scene::load(path).expect("a scene");
         let text = |b: &backstop::scene::SceneBody| {
             let d = &b.desc;
             format!("{} {:?} {} {} {}", b.name, d.kind, d.position, d.rotation, d.linear_velocity)

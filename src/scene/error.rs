@@ -47,14 +47,6 @@ pub enum SceneError {
         /// What is wrong.
         what: String,
     },
-    /// Joints, unless [`LoadOptions::skip_joints`](super::LoadOptions::skip_joints).
-    #[error("{}, node {node}: joints are not supported yet", file.display())]
-    Joint {
-        /// Which file.
-        file: PathBuf,
-        /// Its name and index.
-        node: String,
-    },
     /// The engine refuses the shape or body of a node.
     #[error("{}, node {node}: {source}", file.display())]
     Body {

@@ -1,4 +1,4 @@
-//! Scenes: bodies described without an engine, from code or from files, and files made from them.
+//! Scenes: bodies and joints described without an engine, from code or from files, and files made from them.
 //!
 //! [`builtin`] has the scenes that tests, benches and the command share. With the feature `gltf`, `load` reads
 //! glTF 2.0 with `KHR_physics_rigid_bodies` and `KHR_implicit_shapes`, plain glTF and OBJ; `write_scene` writes a scene
@@ -36,6 +36,10 @@ pub use generate::{SHIPPED, shipped, write_shipped};
 pub use gltf_out::{write_animation, write_scene};
 
 use crate::body::{BodyDesc, BodyKind};
+use crate::error::Error;
+use crate::handle::{BodyHandle, JointHandle};
+use crate::joint::{Drive, Frame, JointDesc, Limit};
+use crate::world::World;
 use glam::Vec3;
 use std::path::PathBuf;
 
@@ -48,6 +52,8 @@ pub struct Scene {
     pub gravity: Vec3,
     /// In the order in which a world should add them.
     pub bodies: Vec<SceneBody>,
+    /// Between these bodies.
+    pub joints: Vec<SceneJoint>,
     /// Steps of 1/60 s after which there is nothing new to see.
     pub steps: u32,
     /// The file that it is from.
@@ -67,6 +73,45 @@ pub struct SceneBody {
     pub desc: BodyDesc,
 }
 
+/// A joint of a scene: [`JointDesc`] with bodies by their indices.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneJoint {
+    /// Of the node that has it.
+    pub name: String,
+    /// Indices in [`Scene::bodies`], at least one of them of a dynamic body.
+    pub bodies: [usize; 2],
+    /// Where it sits on each.
+    pub frames: [Frame; 2],
+    /// What is kept within a range.
+    pub limits: Vec<Limit>,
+    /// What is driven.
+    pub drives: Vec<Drive>,
+    /// Whether the two bodies collide with each other.
+    pub collide: bool,
+}
+
+impl SceneJoint {
+    /// What a world adds, given the handles of all bodies of the scene; `None` if an index is beyond them.
+    pub fn desc(&self, bodies: &[BodyHandle]) -> Option<JointDesc> {
+        let [a, b] = self.bodies.map(|i| bodies.get(i).copied());
+        Some(JointDesc {
+            limits: self.limits.clone(),
+            drives: self.drives.clone(),
+            collide: self.collide,
+            ..JointDesc::new([a?, b?], self.frames)
+        })
+    }
+}
+
+/// Handles of what a scene has, in its order.
+#[derive(Clone, Debug, Default)]
+pub struct Added {
+    /// Of [`Scene::bodies`].
+    pub bodies: Vec<BodyHandle>,
+    /// Of [`Scene::joints`].
+    pub joints: Vec<JointHandle>,
+}
+
 impl Scene {
     /// An empty scene with the earth's gravity.
     pub fn new(name: impl Into<String>) -> Self {
@@ -74,6 +119,7 @@ impl Scene {
             name: name.into(),
             gravity: Vec3::new(0.0, -9.81, 0.0),
             bodies: Vec::new(),
+            joints: Vec::new(),
             steps: 300,
             source: None,
             notes: Vec::new(),
@@ -91,17 +137,37 @@ impl Scene {
         self.bodies.iter().filter(|b| b.desc.kind == BodyKind::Dynamic).count()
     }
 
-    /// The descriptions alone, as a world takes them.
+    /// The descriptions of the bodies alone, as a world takes them.
     pub fn descs(&self) -> Vec<BodyDesc> {
         self.bodies.iter().map(|b| b.desc.clone()).collect()
     }
-}
 
-/// What to do with parts of a file that the engine can't simulate.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct LoadOptions {
-    /// Load a scene with joints as if it had none, with a note for each. Default false: refuse it.
-    pub skip_joints: bool,
+    /// Adds all bodies and then all joints to a world, or none of them. Gravity is the world's.
+    ///
+    /// # Errors
+    /// If the world refuses one, or a joint's index is beyond the bodies.
+    pub fn add_to(&self, world: &mut World) -> Result<Added, Error> {
+        let bodies = world.add_bodies(&self.descs())?;
+        let joints = self.joints.iter().map(|joint| match joint.desc(&bodies) {
+            Some(desc) => world.add_joint(&desc),
+            None => {
+                let value = joint.bodies[0].max(joint.bodies[1]) as f64;
+                Err(Error::OutOfRange {
+                    what: "joint body",
+                    expected: "an index of the scene's bodies",
+                    value,
+                })
+            }
+        });
+        match joints.collect() {
+            Ok(joints) => Ok(Added { bodies, joints }),
+            Err(error) => {
+                // Their joints go with them.
+                bodies.into_iter().try_for_each(|body| world.remove_body(body))?;
+                Err(error)
+            }
+        }
+    }
 }
 
 /// Reads a scene: `.gltf` and `.glb` with or without physics, `.obj` as one static mesh.
@@ -109,11 +175,11 @@ pub struct LoadOptions {
 /// # Errors
 /// Names the file, the node if it is about one, and what is wrong with it.
 #[cfg(feature = "gltf")]
-pub fn load(path: impl AsRef<std::path::Path>, options: &LoadOptions) -> Result<Scene, SceneError> {
+pub fn load(path: impl AsRef<std::path::Path>) -> Result<Scene, SceneError> {
     let path = path.as_ref();
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     match ending.as_str() {
-        "gltf" | "glb" => gltf_in::load(path, options),
+        "gltf" | "glb" => gltf_in::load(path),
         "obj" => obj::load(path),
         _ => Err(SceneError::UnknownFormat { file: path.into() }),
     }
@@ -124,10 +190,10 @@ pub fn load(path: impl AsRef<std::path::Path>, options: &LoadOptions) -> Result<
 /// # Errors
 /// As [`load`].
 #[cfg(feature = "gltf")]
-pub fn open(name: &str, options: &LoadOptions) -> Result<Scene, SceneError> {
+pub fn open(name: &str) -> Result<Scene, SceneError> {
     match builtin::build(name) {
         Some(scene) => Ok(scene),
-        None => load(name, options),
+        None => load(name),
     }
 }
 

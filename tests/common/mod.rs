@@ -58,10 +58,10 @@ pub(crate) fn dynamic(geometry: Geometry, material: Material, at: Vec3) -> BodyD
     BodyDesc::dynamic().at(at).with_shape(shape(geometry, material))
 }
 
-/// A world with the scene's bodies in it.
+/// A world with the scene in it.
 pub(crate) fn world_of(scene: &Scene, settings: Settings) -> (World, Vec<BodyHandle>) {
     let mut world = World::new(Settings { gravity: scene.gravity, ..settings }).unwrap();
-    let bodies = world.add_bodies(&scene.descs()).unwrap();
+    let bodies = scene.add_to(&mut world).unwrap().bodies;
     (world, bodies)
 }
 

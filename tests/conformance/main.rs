@@ -4,6 +4,7 @@
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 mod files;
 mod filters;
+mod joints;
 mod materials;
 mod matrix;
 mod motion;
@@ -11,9 +12,9 @@ mod pairs;
 mod rain;
 mod samples;
 
-use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::scene::{LoadOptions, Scene, load};
-use backstop::{BodyHandle, BodyKind, Geometry, Settings, World};
+use backstop::glam::{DQuat, DVec3, Quat, Vec3};
+use backstop::scene::{Added, Scene, load};
+use backstop::{BodyHandle, BodyKind, Geometry, JointHandle, Settings, World};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -52,6 +53,8 @@ struct Run {
     world: World,
     /// In the order of the scene's bodies.
     bodies: Vec<BodyHandle>,
+    /// In the order of the scene's joints.
+    joints: Vec<JointHandle>,
 }
 
 /// A body's state.
@@ -76,12 +79,12 @@ impl Run {
 
     fn with(scene: &Scene, settings: Settings) -> Run {
         let mut world = World::new(Settings { gravity: scene.gravity, ..settings }).unwrap();
-        let bodies = world.add_bodies(&scene.descs()).unwrap();
-        Run { world, bodies }
+        let Added { bodies, joints } = scene.add_to(&mut world).unwrap();
+        Run { world, bodies, joints }
     }
 
     fn file(path: &Path) -> Run {
-        Run::new(&load(path, &LoadOptions::default()).unwrap())
+        Run::new(&load(path).unwrap())
     }
 
     fn for_seconds(&mut self, seconds: f32, dt: f32) {
@@ -140,7 +143,7 @@ fn written(test: &str, nodes: Value, shapes: Value, root: Value) -> Scene {
     std::fs::create_dir_all(&dir).unwrap();
     let path = dir.join(format!("{test}.gltf"));
     std::fs::write(&path, file.to_string()).unwrap();
-    load(&path, &LoadOptions::default()).unwrap()
+    load(&path).unwrap()
 }
 
 /// Asserts |a - b| <= tolerance, in every component.

@@ -31,7 +31,7 @@ fn every_type_rests_on_every_type() {
     let Some(data) = data("gltf/tests") else { return };
     let mut failed = Vec::new();
     for path in family(&data, "ColliderTypeMatrix") {
-        let scene = load(&path, &LoadOptions::default()).unwrap();
+        let scene = load(&path).unwrap();
         let of = |kind| scene.bodies.iter().position(|b| b.desc.kind == kind).unwrap();
         let (ground, faller) = (of(BodyKind::Static), of(BodyKind::Dynamic));
         let geometry = |i: usize| &scene.bodies[i].desc.shapes[0].geometry;
@@ -61,7 +61,7 @@ fn further_types_rest_on_every_type() {
     let Some(data) = data("gltf/tests") else { return };
     let mut failed = Vec::new();
     for path in family(&data, "ColliderTypeMatrix") {
-        let mut scene = load(&path, &LoadOptions::default()).unwrap();
+        let mut scene = load(&path).unwrap();
         let of = |kind| scene.bodies.iter().position(|b| b.desc.kind == kind).unwrap();
         let (ground, faller) = (of(BodyKind::Static), of(BodyKind::Dynamic));
         for further in [

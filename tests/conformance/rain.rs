@@ -106,7 +106,7 @@ fn rolls(shapes: &[ShapeDesc]) -> bool {
 fn rain_on(file: &str, turn: Quat, count: usize, level: bool) {
     let Some(folder) = data("meshes") else { return };
     let path = folder.join(file);
-    let mut scene = load(&path, &LoadOptions::default()).unwrap();
+    let mut scene = load(&path).unwrap();
     scene.bodies[0].desc.rotation = turn;
     scene.rain(count, 7);
     let ground = Ground::read(&path, turn);

@@ -4,7 +4,7 @@ use super::*;
 
 fn sample(name: &str) -> Option<(Scene, Run)> {
     let path = data("gltf/samples")?.join(name);
-    let scene = load(&path, &LoadOptions { skip_joints: true }).unwrap();
+    let scene = load(&path).unwrap();
     let run = Run::new(&scene);
     Some((scene, run))
 }
@@ -85,13 +85,4 @@ fn restitution() {
             assert!(is.at_rest() && (is.position.y - radius - floor).abs() < 2e-3, "{dt}: {is:?}");
         }
     }
-}
-
-/// Without their joints bodies fall; what a static cube is under stays on it.
-#[test]
-fn joint_types_without_joints() {
-    let Some((scene, mut run)) = sample("JointTypes.glb") else { return };
-    run_20_s(&mut run, 1.0 / 60.0);
-    assert!(scene.notes.iter().filter(|n| n.contains("joint")).count() >= 11);
-    assert!(named(&scene, &run, "Cube.019").at_rest());
 }

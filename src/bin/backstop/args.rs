@@ -71,9 +71,6 @@ pub(crate) struct RunOptions {
     /// Seed of the rain.
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub(crate) seed: u64,
-    /// Run a file with joints as if it had none.
-    #[arg(long)]
-    pub(crate) skip_joints: bool,
     /// Write the scene with its motion as a glTF animation.
     #[arg(long, value_name = "FILE.glb")]
     pub(crate) out: Option<PathBuf>,

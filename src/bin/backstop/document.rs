@@ -12,6 +12,7 @@ pub(crate) struct Document {
     pub(crate) settings: RunSettings,
     pub(crate) steps: usize,
     pub(crate) bodies: Vec<Body>,
+    pub(crate) joints: usize,
     pub(crate) time_us: StageTimes,
     pub(crate) contacts: Contacts,
     pub(crate) memory: Memory,
@@ -94,6 +95,7 @@ impl Document {
             },
             steps: trace.reports.len(),
             bodies: bodies(scene, world, handles)?,
+            joints: world.joint_count(),
             time_us: StageTimes {
                 step: trace.step_times(),
                 broad: stage(|r| r.times.broad),

@@ -5,7 +5,7 @@ use crate::document::Document;
 use crate::trace::Trace;
 use crate::{output, page, summary};
 use anyhow::{Context, bail};
-use backstop::scene::{self, LoadOptions, Recorder, Scene};
+use backstop::scene::{self, Recorder, Scene};
 use backstop::{BodyHandle, Settings, World};
 
 /// Simulated time of scenes from files, unless steps are given [s].
@@ -24,7 +24,7 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
     if let Some(folder) = &options.report {
         std::fs::create_dir_all(folder).with_context(|| format!("can't make {}", folder.display()))?;
     }
-    let mut scene = scene::open(&options.scene, &LoadOptions { skip_joints: options.skip_joints })?;
+    let mut scene = scene::open(&options.scene)?;
     // Rain comes from above, and gravity says where that is.
     scene.gravity = options.gravity.unwrap_or(scene.gravity);
     if options.drop > 0 {
@@ -56,9 +56,8 @@ struct Ran {
 
 fn simulate(options: &RunOptions, scene: &Scene) -> anyhow::Result<Ran> {
     let mut world = World::new(settings(options, scene)).context("these settings are refused")?;
-    let descs = scene.descs();
-    let handles = world.add_bodies(&descs).with_context(|| format!("scene {} is refused", scene.name))?;
-    drop(descs);
+    let added = scene.add_to(&mut world).with_context(|| format!("scene {} is refused", scene.name))?;
+    let handles = added.bodies;
 
     let steps = options.steps.unwrap_or_else(|| default_steps(scene, options.dt));
     let every = ((1.0 / FRAME_RATE) / options.dt).round().max(1.0) as u32;

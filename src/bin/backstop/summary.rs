@@ -85,6 +85,10 @@ pub(crate) fn rows(document: &Document, trace: &Trace) -> Vec<(&'static str, Str
             },
         ),
     ];
+    if document.joints > 0 {
+        // Beside the bodies that they join.
+        rows.insert(2, ("joints", count(document.joints as u64)));
+    }
     let shed = trace.total(|r| r.shed);
     if shed > 0 {
         rows.push(("shed", format!("{} points for lack of memory", count(shed))));

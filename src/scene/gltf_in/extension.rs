@@ -79,6 +79,7 @@ pub(super) struct Plane {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub(super) struct Physics {
+    pub(super) physics_joints: Vec<Joint>,
     pub(super) physics_materials: Vec<Material>,
     pub(super) collision_filters: Vec<Filter>,
 }
@@ -122,6 +123,43 @@ pub(super) struct Filter {
     pub(super) not_collide_with_systems: Option<Vec<String>>,
 }
 
+/// What joints limit and drive.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Joint {
+    pub(super) limits: Vec<Limit>,
+    pub(super) drives: Vec<Drive>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Limit {
+    pub(super) min: Option<f32>,
+    pub(super) max: Option<f32>,
+    pub(super) stiffness: Option<f32>,
+    pub(super) damping: f32,
+    pub(super) linear_axes: Option<Vec<usize>>,
+    pub(super) angular_axes: Option<Vec<usize>>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Drive {
+    #[serde(rename = "type")]
+    pub(super) kind: String,
+    pub(super) mode: String,
+    pub(super) axis: usize,
+    pub(super) max_force: Option<f32>,
+    #[serde(default)]
+    pub(super) position_target: f32,
+    #[serde(default)]
+    pub(super) velocity_target: f32,
+    #[serde(default)]
+    pub(super) stiffness: f32,
+    #[serde(default)]
+    pub(super) damping: f32,
+}
+
 /// At a node.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
@@ -129,7 +167,17 @@ pub(super) struct NodePhysics {
     pub(super) motion: Option<Motion>,
     pub(super) collider: Option<Collider>,
     pub(super) trigger: Option<IgnoredAny>,
-    pub(super) joint: Option<IgnoredAny>,
+    pub(super) joint: Option<NodeJoint>,
+}
+
+/// Which joint a node has, and with what.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct NodeJoint {
+    pub(super) connected_node: usize,
+    pub(super) joint: usize,
+    #[serde(default)]
+    pub(super) enable_collision: bool,
 }
 
 #[derive(Debug, Default, Deserialize)]

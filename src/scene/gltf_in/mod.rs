@@ -2,11 +2,16 @@
 //!
 //! A node with `motion` is a body at that node, made of its own collider and those of its descendants up to the next
 //! `motion`. A collider without such an ancestor is a static body. A file without physics is one static mesh.
+//!
+//! A joint is between the bodies of its node and of the connected one. A node without `motion` at or above it stands on
+//! the nearest static body at or above it, so that what the joint holds doesn't collide with what it hangs from, and where
+//! there is none on a body without shapes, the world.
 
 mod accessor;
 pub(super) mod extension;
 pub(super) mod file;
 mod filter;
+mod joints;
 mod motion;
 mod shapes;
 pub(super) mod tree;
@@ -15,19 +20,19 @@ pub(super) mod tree;
 mod tests;
 
 use super::weld::Welded;
-use super::{LoadOptions, Scene, SceneBody, SceneError, assets};
+use super::{Scene, SceneBody, SceneError, assets};
 use crate::body::{BodyDesc, BodyKind};
 use crate::error::Error;
 use crate::shape::{Combine, Filter, Geometry, Material, ShapeDesc};
 use extension::{NodePhysics, Physics, RIGID_BODIES, SHAPES, Shapes};
 use file::Parts;
-use glam::{DMat3, DQuat};
+use glam::{DMat3, DQuat, DVec3};
 use serde::de::DeserializeOwned;
 use shapes::{Placed, Problem};
 use std::path::Path;
 use tree::Tree;
 
-pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene, SceneError> {
+pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
     let parts = Parts::read(path)?;
     let tree = Tree::new(&parts)?;
     let name = path.file_stem().and_then(|s| s.to_str()).unwrap_or("scene");
@@ -47,7 +52,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene, SceneErr
     }
     let mut loader = Loader::new(&parts, &tree, physics, scene)?;
     for &node in &tree.order {
-        loader.visit(node, options)?;
+        loader.visit(node)?;
     }
     loader.finish()
 }
@@ -80,9 +85,12 @@ struct Loader<'a> {
     materials: Vec<Material>,
     filters: Vec<Filter>,
     unfiltered: Filter,
+    joints: Vec<joints::Rows>,
     scene: Scene,
-    /// Per node: the body that it belongs to.
+    /// Per node: the body with `motion` that it belongs to.
     body: Vec<Option<usize>>,
+    /// Per node: the static body at it, or else nearest above it.
+    ground: Vec<Option<usize>>,
 }
 
 impl<'a> Loader<'a> {
@@ -105,8 +113,9 @@ impl<'a> Loader<'a> {
             what: format!("{count} collision systems: at most 64 can be told apart"),
         })?;
         let materials = root.physics_materials.iter().map(|m| material(m, &mut scene.notes)).collect();
+        let joints = joints::rows(parts, &root.physics_joints)?;
         let unfiltered = if filters.is_empty() { Filter::default() } else { filter::UNFILTERED };
-        let body = vec![None; tree.parent.len()];
+        let nobody = vec![None; tree.parent.len()];
         Ok(Loader {
             parts,
             tree,
@@ -115,24 +124,23 @@ impl<'a> Loader<'a> {
             materials,
             filters,
             unfiltered,
+            joints,
             scene,
-            body,
+            body: nobody.clone(),
+            ground: nobody,
         })
     }
 
     /// Bodies first: parents come before children, so a collider's body is there when it is reached.
-    fn visit(&mut self, node: usize, options: &LoadOptions) -> Result<(), SceneError> {
-        self.body[node] = self.tree.parent[node].and_then(|p| self.body[p]);
+    fn visit(&mut self, node: usize) -> Result<(), SceneError> {
+        if let Some(parent) = self.tree.parent[node] {
+            self.body[node] = self.body[parent];
+            self.ground[node] = self.ground[parent];
+        }
         let Some(physics) = self.physics[node].take() else { return Ok(()) };
         if let Some(motion) = &physics.motion {
             let kind = if motion.is_kinematic { BodyKind::Kinematic } else { BodyKind::Dynamic };
             self.body[node] = Some(self.add_body(node, kind));
-        }
-        if physics.joint.is_some() {
-            if !options.skip_joints {
-                return Err(SceneError::Joint { file: self.parts.path.clone(), node: self.label(node) });
-            }
-            self.note(node, "its joint is left out: joints are not supported yet");
         }
         if physics.trigger.is_some() {
             self.note(node, "its trigger is left out: bodies without response are not supported yet");
@@ -147,11 +155,7 @@ impl<'a> Loader<'a> {
     fn add_body(&mut self, node: usize, kind: BodyKind) -> usize {
         let rotation = self.tree.rotation[node].as_quat();
         let desc = BodyDesc::new(kind).at(self.tree.global[node].translation).rotated(rotation);
-        let name = match self.node(node).and_then(|n| n.name().map(str::to_owned)) {
-            Some(name) => name,
-            None => format!("node {node}"),
-        };
-        self.scene.bodies.push(SceneBody { name, node: Some(node), desc });
+        self.scene.bodies.push(SceneBody { name: self.name(node), node: Some(node), desc });
         self.scene.bodies.len() - 1
     }
 
@@ -163,7 +167,11 @@ impl<'a> Loader<'a> {
         }
         let body = match self.body[node] {
             Some(body) => body,
-            None => self.add_body(node, BodyKind::Static),
+            None => {
+                let body = self.add_body(node, BodyKind::Static);
+                self.ground[node] = Some(body);
+                body
+            }
         };
         let kind = self.scene.bodies[body].desc.kind;
         let placed =
@@ -186,11 +194,9 @@ impl<'a> Loader<'a> {
         let home = self.scene.bodies[body].node.unwrap_or(node);
         shape.position = placed.offset;
         if home != node {
-            let back = self.tree.rotation[home].inverse();
-            let turn = back * self.tree.rotation[node];
-            let apart = self.tree.global[node].translation - self.tree.global[home].translation;
+            let (apart, turn) = self.relative(home, node);
             shape.rotation = turn.as_quat();
-            shape.position = (back * apart + turn * placed.offset.as_dvec3()).as_vec3();
+            shape.position = (apart + turn * placed.offset.as_dvec3()).as_vec3();
         }
         shape.validate().map_err(|e| problem(self.parts, node, Problem::Engine(e)))?;
         self.scene.bodies[body].desc.shapes.push(shape);
@@ -221,7 +227,14 @@ impl<'a> Loader<'a> {
         self.physics.get(node).and_then(Option::as_ref).is_some_and(|p| p.motion.is_some())
     }
 
-    /// Mass and velocity, once all shapes are there.
+    /// Where a node is in the frame of another, without scales: position [m] and rotation.
+    fn relative(&self, home: usize, node: usize) -> (DVec3, DQuat) {
+        let back = self.tree.rotation[home].inverse();
+        let apart = self.tree.global[node].translation - self.tree.global[home].translation;
+        (back * apart, back * self.tree.rotation[node])
+    }
+
+    /// Mass and velocity, once all shapes are there; then joints, once it is known what moves.
     fn finish(mut self) -> Result<Scene, SceneError> {
         for index in 0..self.scene.bodies.len() {
             let Some(node) = self.scene.bodies[index].node else { continue };
@@ -235,6 +248,7 @@ impl<'a> Loader<'a> {
             desc.validate().map_err(failed)?;
             notes.into_iter().for_each(|n| self.note(node, n));
         }
+        self.add_joints()?;
         Ok(self.scene)
     }
 
@@ -250,6 +264,11 @@ impl<'a> Loader<'a> {
 
     fn node(&self, node: usize) -> Option<gltf::Node<'a>> {
         self.parts.document.nodes().nth(node)
+    }
+
+    fn name(&self, node: usize) -> String {
+        let name = self.node(node).and_then(|n| n.name().map(str::to_owned));
+        name.unwrap_or_else(|| format!("node {node}"))
     }
 
     fn label(&self, node: usize) -> String {

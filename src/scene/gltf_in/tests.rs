@@ -1,8 +1,9 @@
 //! Scenes written by hand, the conformance scenes if they are at hand, and broken files.
 
 use super::super::testing::{data, scratch};
-use super::super::{LoadOptions, Scene, SceneError, load, rng::Rng};
+use super::super::{Scene, SceneError, SceneJoint, load, rng::Rng};
 use crate::body::BodyKind;
+use crate::joint::{Axes, Axis, Drive, Frame, Motion, Spring};
 use crate::shape::{Combine, Geometry, TriangleMesh};
 use glam::{DVec3, Quat, Vec3};
 use serde_json::{Value, json};
@@ -11,7 +12,7 @@ use std::f32::consts::FRAC_1_SQRT_2;
 fn load_json(test: &str, json: &Value) -> Result<Scene, SceneError> {
     let path = scratch(test).join("scene.gltf");
     std::fs::write(&path, json.to_string()).unwrap();
-    load(&path, &LoadOptions::default())
+    load(&path)
 }
 
 /// A file with the given nodes, shapes and root object of the physics extension.
@@ -145,15 +146,6 @@ fn zero_mass_and_inertia_mean_infinite() {
 
 #[test]
 fn what_is_not_supported_is_refused_or_noted() {
-    let joint = physics(json!({ "joint": { "connectedNode": 1, "joint": 0 } }));
-    let nodes = json!([{ "name": "hinge", "extensions": joint }, {}]);
-    let json = file(nodes, json!([]), json!({ "physicsJoints": [{}] }));
-    let error = load_json("joint", &json).unwrap_err();
-    assert!(error.to_string().contains("\"hinge\" (0): joints are not supported yet"), "{error}");
-    let path = scratch("joint").join("scene.gltf");
-    let scene = load(&path, &LoadOptions { skip_joints: true }).unwrap();
-    assert_eq!(scene.notes.len(), 1);
-
     let trigger = physics(json!({ "trigger": { "geometry": { "shape": 0 } } }));
     let nodes = json!([{ "extensions": trigger }]);
     let scene = load_json("trigger", &file(nodes, json!([{ "type": "box" }]), json!({}))).unwrap();
@@ -221,7 +213,7 @@ fn a_file_without_physics_is_one_static_mesh() {
 }
 
 fn conformance(name: &str) -> Option<Result<Scene, SceneError>> {
-    Some(load(data("gltf")?.join(name), &LoadOptions::default()))
+    Some(load(data("gltf")?.join(name)))
 }
 
 #[test]
@@ -254,23 +246,195 @@ fn conformance_filters_and_materials_are_those_of_the_file() {
 }
 
 #[test]
-fn conformance_scenes_load_unless_they_have_joints() {
+fn conformance_scenes_load() {
     let Some(root) = data("gltf") else { return };
-    let mut loaded = 0;
+    let (mut loaded, mut joints) = (0, 0);
     for folder in ["tests", "samples"] {
         let mut files: Vec<_> =
             std::fs::read_dir(root.join(folder)).unwrap().map(|f| f.unwrap().path()).collect();
         files.sort();
         for path in files.iter().filter(|p| p.extension().is_some_and(|e| e == "gltf" || e == "glb")) {
             let has_joints = path.to_string_lossy().contains("Joint");
-            let result = load(path, &LoadOptions::default());
-            assert_eq!(matches!(result, Err(SceneError::Joint { .. })), has_joints, "{}", path.display());
-            let scene = load(path, &LoadOptions { skip_joints: true }).unwrap();
+            let scene = load(path).unwrap();
             assert!(!scene.bodies.is_empty() && scene.bodies.iter().all(|b| !b.desc.shapes.is_empty()));
-            loaded += 1;
+            assert_eq!(!scene.joints.is_empty(), has_joints, "{}", path.display());
+            (loaded, joints) = (loaded + 1, joints + scene.joints.len());
         }
     }
-    assert!(loaded > 30);
+    assert!(loaded > 30 && joints == 6 + 11, "{loaded} {joints}");
+}
+
+fn limits(joint: &SceneJoint) -> Vec<(Motion, Axes, f32, f32)> {
+    joint.limits.iter().map(|l| (l.motion, l.axes, l.min, l.max)).collect()
+}
+
+/// Two balls with a joint between nodes below them, and a root object with the joint's description.
+fn joined(test: &str, description: Value) -> Result<Scene, SceneError> {
+    let ball = json!({ "geometry": { "shape": 0 } });
+    let nodes = json!([
+        { "name": "a", "extensions": physics(json!({ "motion": {}, "collider": ball })), "children": [1] },
+        { "name": "pin", "extensions": physics(json!({ "joint": { "connectedNode": 2, "joint": 0 } })) },
+        { "name": "b", "translation": [2, 0, 0], "extensions": physics(json!({ "motion": {}, "collider": ball })) }
+    ]);
+    load_json(test, &file(nodes, json!([{ "type": "sphere" }]), json!({ "physicsJoints": [description] })))
+}
+
+#[test]
+fn limits_and_drives_are_those_of_the_file() {
+    let description = json!({
+        "limits": [
+            { "linearAxes": [2, 0, 1], "max": 0.5 },
+            { "linearAxes": [2, 0], "min": 0, "max": 0 },
+            { "angularAxes": [2], "min": -0.5 },
+            { "angularAxes": [2, 1], "max": 1, "stiffness": 3 },
+            { "angularAxes": [0], "stiffness": 3, "damping": 4, "min": -1, "max": -1 },
+            { "angularAxes": [0, 1, 2], "damping": 4 }
+        ],
+        "drives": [
+            { "type": "linear", "mode": "force", "axis": 1, "maxForce": 7, "positionTarget": 1, "stiffness": 2 },
+            { "type": "angular", "mode": "acceleration", "axis": 2, "velocityTarget": -1, "damping": 1e30 }
+        ]
+    });
+    let scene = joined("limits", description).unwrap();
+    assert_eq!(scene.notes, [""; 0]);
+    let joint = &scene.joints[0];
+    assert_eq!((&joint.name[..], joint.bodies, joint.collide), ("pin", [0, 1], false));
+    assert_eq!(joint.frames[1], Frame::default());
+    let none = f32::INFINITY;
+    let expected = [
+        (Motion::Linear, Axes::All, -none, 0.5),
+        (Motion::Linear, Axes::Around(Axis::Y), 0.0, 0.0),
+        (Motion::Angular, Axes::One(Axis::Z), -0.5, none),
+        (Motion::Angular, Axes::Around(Axis::X), -none, 1.0),
+        (Motion::Angular, Axes::One(Axis::X), -1.0, -1.0),
+        (Motion::Angular, Axes::All, -none, none),
+    ];
+    assert_eq!(limits(joint), expected);
+    let springs: Vec<_> = joint.limits.iter().map(|l| l.spring).collect();
+    let soft = |damping| Some(Spring::Coefficients { stiffness: 3.0, damping });
+    // Damping alone does not make a limit soft.
+    assert_eq!(springs, [None, None, None, soft(0.0), soft(4.0), None]);
+    let [pull, turn] = [
+        Drive {
+            motion: Motion::Linear,
+            axis: Axis::Y,
+            position: 1.0,
+            velocity: 0.0,
+            spring: Spring::Coefficients { stiffness: 2.0, damping: 0.0 },
+            max_force: 7.0,
+        },
+        Drive {
+            motion: Motion::Angular,
+            axis: Axis::Z,
+            position: 0.0,
+            velocity: -1.0,
+            spring: Spring::Acceleration { stiffness: 0.0, damping: f32::INFINITY },
+            max_force: f32::INFINITY,
+        },
+    ];
+    assert_eq!(joint.drives, [pull, turn]);
+}
+
+#[test]
+fn joints_that_break_the_rules_are_refused() {
+    let limit = |limit: Value| json!({ "limits": [{ "linearAxes": [0] }, limit] });
+    let drive = |kind: &str, mode: &str, more: Value| {
+        let mut drive = json!({ "type": kind, "mode": mode, "axis": 0 });
+        more.as_object().unwrap().iter().for_each(|(k, v)| drive[k] = v.clone());
+        json!({ "drives": [drive] })
+    };
+    for (description, says) in [
+        (limit(json!({ "linearAxes": [0], "min": 2, "max": 1 })), "joint 0, limit 1: joint limit max"),
+        (limit(json!({ "linearAxes": [0, 1], "max": -1 })), "at least zero"),
+        (limit(json!({ "min": 2, "max": 1 })), "either linearAxes or angularAxes"),
+        (limit(json!({ "linearAxes": [0], "angularAxes": [0] })), "either linearAxes or angularAxes"),
+        (limit(json!({ "linearAxes": [0, 3] })), "no axis 3"),
+        (limit(json!({ "linearAxes": [1, 1] })), "axis 1 is there twice"),
+        (limit(json!({ "linearAxes": [0, 1, 2, 0] })), "axis 0 is there twice"),
+        (limit(json!({ "linearAxes": [] })), "no axes"),
+        (limit(json!({ "linearAxes": [-1] })), "invalid value"),
+        (limit(json!({ "linearAxes": [0], "stiffness": -1 })), "spring stiffness"),
+        (limit(json!({ "linearAxes": [0], "stiffness": 1, "damping": -1 })), "spring damping"),
+        (drive("cubic", "force", json!({})), "joint 0, drive 0: drives of type \"cubic\""),
+        (drive("linear", "impulse", json!({})), "the mode \"impulse\""),
+        (drive("linear", "force", json!({ "axis": 3 })), "no axis 3"),
+        (drive("linear", "force", json!({ "stiffness": -3 })), "spring stiffness"),
+        (drive("linear", "force", json!({ "maxForce": -3 })), "drive force"),
+        (drive("linear", "force", json!({ "positionTarget": 1e39 })), "drive position"),
+        (json!({ "drives": [{ "type": "linear", "mode": "force" }] }), "missing field `axis`"),
+    ] {
+        let error = joined("joint_rules", description).unwrap_err().to_string();
+        assert!(error.contains(says), "{error}");
+    }
+    for (joint, says) in [
+        (json!({ "connectedNode": 1, "joint": 4 }), "\"n\" (0): joint 4 does not exist"),
+        (json!({ "connectedNode": 4, "joint": 0 }), "\"n\" (0): connected node 4 does not exist"),
+        (json!({ "joint": 0 }), "missing field `connectedNode`"),
+    ] {
+        let e = physics(json!({ "joint": joint, "motion": {} }));
+        let json =
+            file(json!([{ "name": "n", "extensions": e }, {}]), json!([]), json!({ "physicsJoints": [{}] }));
+        let error = load_json("joint_of", &json).unwrap_err().to_string();
+        assert!(error.contains(says), "{error}");
+    }
+}
+
+/// Frames are relative to the body, in metres whatever scales the nodes; what has no motion stands on its static body,
+/// and what has neither on the world.
+#[test]
+fn a_joint_sits_where_its_nodes_are() {
+    let turn = [0.0, 0.0, FRAC_1_SQRT_2, FRAC_1_SQRT_2];
+    let ball = json!({ "geometry": { "shape": 0 } });
+    let joint = |to: usize| json!({ "connectedNode": to, "joint": 0, "enableCollision": to == 6 });
+    let nodes = json!([
+        { "translation": [10, 0, 0], "rotation": turn, "scale": [2, 3, 2],
+          "extensions": physics(json!({ "motion": {}, "collider": ball })), "children": [1] },
+        { "translation": [1, 1, 0], "rotation": turn, "extensions": physics(json!({ "joint": joint(3) })) },
+        { "translation": [0, 5, 0], "extensions": physics(json!({ "collider": ball })), "children": [3] },
+        { "translation": [0, 0, 1], "rotation": turn },
+        { "translation": [0, 9, 0], "extensions": physics(json!({ "motion": {}, "collider": ball, "joint": joint(5) })) },
+        { "translation": [0, 0, 2], "rotation": turn, "extensions": physics(json!({ "joint": joint(6) })) },
+        { "translation": [0, 1, 0],
+          "extensions": physics(json!({ "motion": { "isKinematic": true }, "joint": joint(4) })), "children": [] },
+        { "extensions": physics(json!({ "joint": joint(0) })) }
+    ]);
+    let json = file(nodes, json!([{ "type": "sphere" }]), json!({ "physicsJoints": [{}] }));
+    let scene = load_json("frames", &json).unwrap();
+    let kinds: Vec<_> = scene.bodies.iter().map(|b| (&b.name[..], b.desc.kind)).collect();
+    let expected = [
+        ("node 0", BodyKind::Dynamic),
+        ("node 2", BodyKind::Static),
+        ("node 4", BodyKind::Dynamic),
+        ("node 6", BodyKind::Kinematic),
+        ("world", BodyKind::Static),
+    ];
+    assert_eq!(kinds, expected);
+    // The joint of node 5 is between the world and a kinematic body.
+    let bodies: Vec<_> = scene.joints.iter().map(|j| (&j.name[..], j.bodies)).collect();
+    assert_eq!(bodies, [("node 1", [0, 1]), ("node 4", [2, 4]), ("node 6", [3, 2]), ("node 7", [4, 0])]);
+    // The other one is about the ball that its scale makes an egg.
+    let notes: Vec<_> = scene.notes.iter().filter(|n| n.contains("joint")).collect();
+    assert!(notes.len() == 1 && notes[0].contains("node 5: its joint is left out: neither"), "{notes:?}");
+
+    let quarter = Quat::from_array(turn);
+    let near = |frame: Frame, position: Vec3, rotation: Quat| {
+        assert!((frame.position - position).length() < 1e-6, "{frame:?}, {position}");
+        assert!(frame.rotation.dot(rotation).abs() > 1.0 - 1e-6, "{frame:?}, {rotation}");
+    };
+    let frames: Vec<_> = scene.joints.iter().map(|j| j.frames).collect();
+    near(frames[0][0], Vec3::new(2.0, 3.0, 0.0), quarter);
+    near(frames[0][1], Vec3::Z, quarter);
+    near(frames[1][0], Vec3::ZERO, Quat::IDENTITY);
+    near(frames[1][1], Vec3::Z * 2.0, quarter);
+    near(frames[3][1], Vec3::ZERO, Quat::IDENTITY);
+    // A joint of its own body, and one with a node outside the scene.
+    let mut own = json.clone();
+    own["nodes"][1]["extensions"] = physics(json!({ "joint": joint(0) }));
+    let notes = load_json("frames", &own).unwrap().notes.join("\n");
+    assert!(notes.contains("both its nodes are on the same body"), "{notes:?}");
+    own["scenes"] = json!([{ "nodes": [0, 2, 4, 6] }]);
+    let notes = load_json("frames", &own).unwrap().notes.join("\n");
+    assert!(notes.contains("node 4: its joint is left out: the connected node"), "{notes:?}");
 }
 
 /// Every cut and many changed bytes of a valid file: an answer or an error, never a panic.
@@ -288,14 +452,19 @@ fn broken_files_never_panic() {
         |g: Value| json!({ "collider": { "geometry": g, "physicsMaterial": 0, "collisionFilter": 0 } });
     let mut moving = collider(json!({ "node": 0, "convexHull": true }));
     moving["motion"] = json!({ "mass": 2.0, "inertiaDiagonal": [1, 1, 1], "linearVelocity": [1, 2, 3] });
+    let mut hinged = collider(json!({ "shape": 0 }));
+    hinged["joint"] = json!({ "connectedNode": 0, "joint": 0 });
     let mut file = file(
         json!([
             { "mesh": 0, "extensions": physics(collider(json!({ "node": 0 }))) },
             { "rotation": [0, 0, 0, 1], "scale": [1, 2, 1], "extensions": physics(moving), "children": [2] },
-            { "translation": [1, 0, 0], "extensions": physics(collider(json!({ "shape": 0 }))) }
+            { "translation": [1, 0, 0], "extensions": physics(hinged) }
         ]),
         json!([{ "type": "capsule", "capsule": { "height": 1.0 } }]),
-        json!({ "physicsMaterials": [{ "restitution": 0.5 }], "collisionFilters": [{ "collisionSystems": ["a"] }] }),
+        json!({ "physicsJoints": [{
+            "limits": [{ "linearAxes": [0, 1, 2], "min": 0.0, "max": 1.0, "stiffness": 9.0 }, { "angularAxes": [1, 2] }],
+            "drives": [{ "type": "angular", "mode": "force", "axis": 0, "damping": 1.0, "maxForce": 5.0 }] }],
+            "physicsMaterials": [{ "restitution": 0.5 }], "collisionFilters": [{ "collisionSystems": ["a"] }] }),
     );
     file["meshes"] = json!([{ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1 }] }]);
     file["accessors"] = json!([
@@ -319,10 +488,10 @@ fn broken_files_never_panic() {
 
     let try_load = |bytes: &[u8]| {
         std::fs::write(&path, bytes).unwrap();
-        load(&path, &LoadOptions::default())
+        load(&path)
     };
     let scene = try_load(&glb).unwrap();
-    assert_eq!((scene.bodies.len(), scene.bodies[1].desc.shapes.len()), (2, 2));
+    assert_eq!((scene.bodies.len(), scene.bodies[1].desc.shapes.len(), scene.joints.len()), (2, 2, 1));
     assert!(scene.bodies[1].desc.rotation == Quat::IDENTITY);
     for cut in (0..glb.len()).step_by(11) {
         assert!(try_load(&glb[..cut]).is_err(), "cut to {cut} bytes");

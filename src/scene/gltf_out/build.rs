@@ -1,7 +1,7 @@
 //! A scene as nodes: one per body, with a visible mesh for each shape and, if asked for, both physics extensions.
 //!
 //! The extensions have no density (a body whose shapes have another than 1000 kg/m³ gets a mass), no groups of
-//! filters, no locked axes and no gravity; these are not written.
+//! filters, no locked axes and no gravity; these are not written. What they have for joints is in `joints.rs`.
 
 use super::super::gltf_in::extension::{RIGID_BODIES, SHAPES};
 use super::super::{Scene, SceneBody};
@@ -15,13 +15,14 @@ use std::collections::BTreeMap;
 
 /// Adds bodies to a document.
 pub(super) struct Builder<'a> {
-    document: &'a mut Document,
+    pub(super) document: &'a mut Document,
     physics: bool,
     /// Meshes by geometry and colour, so that equal shapes share one.
     meshes: BTreeMap<String, Option<usize>>,
     shapes: Vec<Value>,
     materials: Vec<Value>,
     filters: Vec<Value>,
+    pub(super) joints: Vec<Value>,
 }
 
 /// A document of the whole scene; body `i` is node `nodes[i]`.
@@ -29,6 +30,9 @@ pub(super) fn scene(scene: &Scene, physics: bool) -> (Document, Vec<usize>) {
     let mut document = Document::new();
     let mut builder = Builder::new(&mut document, physics);
     let nodes: Vec<usize> = scene.bodies.iter().map(|b| builder.body(b)).collect();
+    if physics {
+        scene.joints.iter().for_each(|j| builder.joint(j, &scene.bodies, &nodes));
+    }
     builder.finish();
     document.push("scenes", json!({ "name": scene.name, "nodes": nodes }));
     document.json.insert("scene".into(), json!(0));
@@ -37,8 +41,8 @@ pub(super) fn scene(scene: &Scene, physics: bool) -> (Document, Vec<usize>) {
 
 impl<'a> Builder<'a> {
     pub(super) fn new(document: &'a mut Document, physics: bool) -> Self {
-        let (shapes, materials, filters) = (Vec::new(), Vec::new(), Vec::new());
-        Builder { document, physics, meshes: BTreeMap::new(), shapes, materials, filters }
+        let [shapes, materials, filters, joints] = [const { Vec::new() }; 4];
+        Builder { document, physics, meshes: BTreeMap::new(), shapes, materials, filters, joints }
     }
 
     /// Adds a body; returns its node.
@@ -48,8 +52,6 @@ impl<'a> Builder<'a> {
         place(&mut node, desc.position, desc.rotation);
         let index = self.document.push("nodes", node);
         let moves = desc.kind != BodyKind::Static;
-        // One shape at the origin needs no node of its own.
-        let alone = |s: &ShapeDesc| s.position == Vec3::ZERO && s.rotation == Quat::IDENTITY;
         let mut children = Vec::new();
         let mut collider = None;
         match &desc.shapes[..] {
@@ -101,7 +103,12 @@ impl<'a> Builder<'a> {
             return;
         }
         let mut root = json!({ RIGID_BODIES: {} });
-        for (name, list) in [("physicsMaterials", self.materials), ("collisionFilters", self.filters)] {
+        let lists = [
+            ("physicsMaterials", self.materials),
+            ("collisionFilters", self.filters),
+            ("physicsJoints", self.joints),
+        ];
+        for (name, list) in lists {
             if !list.is_empty() {
                 root[RIGID_BODIES][name] = json!(list);
             }
@@ -168,14 +175,19 @@ impl<'a> Builder<'a> {
     }
 }
 
-fn intern(list: &mut Vec<Value>, value: Value) -> usize {
+/// One shape at the origin needs no node of its own.
+pub(super) fn alone(shape: &ShapeDesc) -> bool {
+    shape.position == Vec3::ZERO && shape.rotation == Quat::IDENTITY
+}
+
+pub(super) fn intern(list: &mut Vec<Value>, value: Value) -> usize {
     list.iter().position(|v| *v == value).unwrap_or_else(|| {
         list.push(value);
         list.len() - 1
     })
 }
 
-fn place(node: &mut Value, position: DVec3, rotation: Quat) {
+pub(super) fn place(node: &mut Value, position: DVec3, rotation: Quat) {
     if position != DVec3::ZERO {
         node["translation"] = json!(position.as_vec3().to_array());
     }

@@ -3,6 +3,7 @@
 mod build;
 mod document;
 mod film;
+mod joints;
 mod visual;
 
 #[cfg(test)]

@@ -2,10 +2,13 @@
 
 use super::super::testing::scratch;
 use super::super::{
-    LoadOptions, Recorder, SHIPPED, Scene, assets, load, shipped, write_animation, write_scene,
+    Recorder, SHIPPED, Scene, SceneJoint, assets, load, shipped, write_animation, write_scene,
 };
 use crate::body::{BodyDesc, BodyKind};
+use crate::handle::BodyHandle;
+use crate::joint::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
 use crate::shape::{Geometry, ShapeDesc};
+use crate::{Settings, World};
 use glam::{DQuat, DVec3, Mat4, Quat, Vec3};
 use serde_json::json;
 use std::path::Path;
@@ -49,13 +52,126 @@ fn assert_same(a: &Scene, b: &Scene) {
     }
 }
 
+fn assert_same_joints(a: &Scene, b: &Scene) {
+    assert_eq!(a.joints.len(), b.joints.len());
+    for (a, b) in a.joints.iter().zip(&b.joints) {
+        for (a, b) in a.frames.iter().zip(&b.frames) {
+            assert!((a.position - b.position).length() < 1e-6 * (1.0 + a.position.length()), "{a:?} {b:?}");
+            assert!(a.rotation.dot(b.rotation).abs() > 1.0 - 1e-6, "{a:?} {b:?}");
+        }
+        assert_eq!(*a, SceneJoint { frames: a.frames, ..b.clone() });
+    }
+}
+
+#[test]
+fn joints_load_back_as_they_were() {
+    let mut scene = Scene::new("in");
+    let block =
+        || BodyDesc::new(BodyKind::Dynamic).with_shape(ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5)));
+    let turn = |angle| Quat::from_rotation_y(angle) * Quat::from_rotation_x(2.0 * angle);
+    scene.add(
+        "frame",
+        BodyDesc::fixed().at(DVec3::new(3.0, 1.0, 0.0)).rotated(turn(0.3)).with_shape(ShapeDesc {
+            position: Vec3::new(0.0, 0.5, 0.0),
+            rotation: turn(0.7),
+            ..ShapeDesc::new(Geometry::cuboid(0.1, 2.0, 0.1))
+        }),
+    );
+    for i in 0..3 {
+        let at = DVec3::new(0.0, 2.0 + f64::from(i), 100.0);
+        scene.add(format!("block {i}"), block().at(at).rotated(turn(i as f32)));
+    }
+    scene.add("world", BodyDesc::fixed());
+    let frames = [Frame { position: Vec3::new(0.1, 0.2, 0.3), rotation: turn(0.4) }, Frame::at(Vec3::NEG_Y)];
+    let handles: Vec<_> = {
+        let mut world = World::new(Settings::default()).unwrap();
+        world.add_bodies(&scene.descs()).unwrap()
+    };
+    let mut join = |a: usize, b: usize, desc: fn([BodyHandle; 2], [Frame; 2]) -> JointDesc| {
+        let JointDesc { limits, drives, .. } = desc([handles[a], handles[b]], frames);
+        let name = format!("joint {a} {b}");
+        scene.joints.push(SceneJoint { name, bodies: [a, b], frames, limits, drives, collide: b == 2 });
+    };
+    // In no order of bodies, and the first description twice.
+    join(3, 4, JointDesc::hinge);
+    join(1, 2, JointDesc::slider);
+    join(4, 1, JointDesc::hinge);
+    join(2, 3, |bodies, frames| {
+        let spring = Spring::Coefficients { stiffness: 20.0, damping: f32::INFINITY };
+        JointDesc::new(bodies, frames)
+            .with_limit(
+                Limit::new(Motion::Angular, Axes::One(Axis::Z), f32::NEG_INFINITY, 0.3).with_spring(spring),
+            )
+            .with_limit(Limit::new(Motion::Linear, Axes::All, 0.1, f32::INFINITY))
+            .with_drive(Drive::motor(Motion::Angular, Axis::Y, -2.0, 5.0))
+            .with_drive(Drive::spring(
+                Motion::Linear,
+                Axis::Z,
+                0.2,
+                Spring::Acceleration { stiffness: 5.0, damping: 0.1 },
+            ))
+    });
+    let path = scratch("joints_back").join("in.glb");
+    write_scene(&scene, &path).unwrap();
+    let loaded = load(&path).unwrap();
+    assert_eq!(loaded.notes, [""; 0]);
+    assert_same_joints(&scene, &loaded);
+    let names = |s: &Scene| s.bodies[1..].iter().map(|b| b.name.clone()).collect::<Vec<_>>();
+    assert_eq!(names(&scene), names(&loaded));
+    assert_eq!(gltf::Gltf::open(&path).unwrap().extension_value("KHR_physics_rigid_bodies").unwrap()["physicsJoints"].as_array().unwrap().len(), 3);
+
+    // One that holds on to a part of a static body is on that part.
+    let mut on_part = scene.clone();
+    on_part.joints.truncate(1);
+    on_part.joints[0].bodies = [0, 1];
+    write_scene(&on_part, &path).unwrap();
+    let loaded = load(&path).unwrap();
+    let world_frame = |scene: &Scene| {
+        let (joint, body) = (&scene.joints[0], &scene.bodies[scene.joints[0].bodies[0]].desc);
+        body.position + (body.rotation * joint.frames[0].position).as_dvec3()
+    };
+    assert_eq!((loaded.bodies.len(), loaded.joints[0].bodies), (4, [0, 1]));
+    assert!((world_frame(&on_part) - world_frame(&loaded)).length() < 1e-5);
+    // What is out of range is nobody's.
+    on_part.joints[0].bodies = [0, 9];
+    write_scene(&on_part, &path).unwrap();
+    assert_eq!(load(&path).unwrap().joints.len(), 0);
+}
+
+#[test]
+fn a_scene_is_added_as_a_whole_or_not_at_all() {
+    let mut scene = Scene::new("pair");
+    let ball = || BodyDesc::dynamic().with_shape(ShapeDesc::new(Geometry::Sphere { radius: 0.1 }));
+    scene.add("a", ball());
+    scene.add("b", ball().at(DVec3::X));
+    let frames = [Frame::default(); 2];
+    let joint = |bodies| SceneJoint {
+        name: String::new(),
+        bodies,
+        frames,
+        limits: vec![],
+        drives: vec![],
+        collide: true,
+    };
+    scene.joints = vec![joint([0, 1])];
+    let mut world = World::new(Settings::default()).unwrap();
+    let added = scene.add_to(&mut world).unwrap();
+    assert_eq!(world.joint_bodies(added.joints[0]).unwrap(), [added.bodies[0], added.bodies[1]]);
+    for wrong in [[0, 0], [1, 2]] {
+        scene.joints.push(joint(wrong));
+        assert!(scene.add_to(&mut world).is_err(), "{wrong:?}");
+        assert_eq!((world.bodies().count(), world.joint_count()), (2, 1));
+        scene.joints.pop();
+    }
+}
+
 #[test]
 fn shipped_scenes_load_back_as_they_were() {
     let dir = scratch("shipped");
     for file in SHIPPED {
         let scene = shipped(file).unwrap();
         write_scene(&scene, dir.join(file)).unwrap();
-        let loaded = load(dir.join(file), &LoadOptions::default()).unwrap();
+        let loaded = load(dir.join(file)).unwrap();
         assert_eq!(loaded.notes, [""; 0], "{file}");
         assert_same(&scene, &loaded);
     }
@@ -181,7 +297,7 @@ fn a_film_over_a_file_moves_its_nodes_in_their_parents_frames() {
     });
     let dir = scratch("film_over");
     std::fs::write(dir.join("in.gltf"), file.to_string()).unwrap();
-    let mut scene = load(dir.join("in.gltf"), &LoadOptions::default()).unwrap();
+    let mut scene = load(dir.join("in.gltf")).unwrap();
     let drop = BodyDesc::dynamic().with_shape(ShapeDesc::new(Geometry::Sphere { radius: 0.2 }));
     let added = scene.add("drop", drop);
     let recorder = record(&scene);
@@ -200,7 +316,7 @@ fn a_film_keeps_meshes_materials_and_older_animations() {
     let dir = scratch("film_keeps");
     let mut scene = shipped("tower.gltf").unwrap();
     write_scene(&scene, dir.join("in.gltf")).unwrap();
-    scene = load(dir.join("in.gltf"), &LoadOptions::default()).unwrap();
+    scene = load(dir.join("in.gltf")).unwrap();
     write_animation(&scene, &record(&scene), dir.join("one.glb")).unwrap();
     scene.source = Some(dir.join("one.glb"));
     write_animation(&scene, &record(&scene), dir.join("two.glb")).unwrap();
@@ -242,7 +358,7 @@ fn density_becomes_mass_and_kinematic_stays() {
     scene.add("turning", BodyDesc::kinematic().with_shape(ShapeDesc::new(Geometry::capsule(0.0, 0.5))));
     let path = scratch("density").join("in.glb");
     write_scene(&scene, &path).unwrap();
-    let loaded = load(&path, &LoadOptions::default()).unwrap();
+    let loaded = load(&path).unwrap();
     let mass = loaded.bodies[0].desc.mass.unwrap();
     assert_eq!(mass.mass, 7000.0);
     assert!((mass.inertia.x_axis.x - 7000.0 / 6.0).abs() < 0.01);
@@ -254,7 +370,7 @@ fn density_becomes_mass_and_kinematic_stays() {
 fn films_over_the_sample_scenes_show_the_recorded_poses() {
     let Some(data) = super::super::testing::data("gltf/samples") else { return };
     for file in ["Filtering.glb", "ShapeTypes.glb", "Materials_Restitution.gltf"] {
-        let scene = load(data.join(file), &LoadOptions::default()).unwrap();
+        let scene = load(data.join(file)).unwrap();
         let recorder = record(&scene);
         let path = scratch("film_samples").join("out.glb");
         write_animation(&scene, &recorder, &path).unwrap();
