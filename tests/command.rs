@@ -203,3 +203,34 @@ fn shipped_scenes_are_the_generator_s() {
     let list = String::from_utf8(backstop(&["scenes", "list"]).stdout).expect("UTF-8");
     assert!(list.contains("large_pyramid") && list.contains("talk.glb"));
 }
+
+#[test]
+fn a_file_with_joints_runs_and_is_filmed() {
+    use backstop::glam::{DVec3, Vec3};
+    use backstop::scene::{Scene, SceneJoint};
+    use backstop::{Axes, BodyDesc, Frame, Geometry, Limit, Motion, ShapeDesc};
+    let mut scene = Scene::new("rope");
+    let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.1 });
+    scene.add("ball", BodyDesc::dynamic().at(DVec3::new(0.5, 2.0, 0.0)).with_shape(ball));
+    scene.add("world", BodyDesc::fixed());
+    scene.joints.push(SceneJoint {
+        name: "rope".into(),
+        bodies: [1, 0],
+        frames: [Frame::at(Vec3::new(0.0, 2.0, 0.0)), Frame::default()],
+        limits: vec![Limit::new(Motion::Linear, Axes::All, 0.0, 1.0)],
+        drives: Vec::new(),
+        collide: false,
+    });
+    let [file, film] = ["rope.gltf", "rope-moving.glb"].map(scratch);
+    backstop::scene::write_scene(&scene, &file).expect("a file");
+    let [file, film] = [&file, &film].map(|p| p.to_str().expect("a path of characters"));
+    let document = document(&backstop(&["run", file, "--steps", "600", "--json", "--out", film]));
+    assert_eq!((&document["joints"], &document["bodies"][1]["name"]), (&1.into(), &"world".into()));
+    let place = document["bodies"][0]["position"].as_array().expect("three numbers");
+    let place: Vec<f64> = place.iter().filter_map(Value::as_f64).collect();
+    assert!(DVec3::new(place[0], place[1] - 2.0, place[2]).length() < 1.01, "{place:?}");
+    let output = backstop(&["run", file, "--steps", "1"]);
+    assert!(String::from_utf8_lossy(&output.stdout).contains("\njoints      1\n"));
+    // The film is a scene with its joints, too.
+    assert_eq!(backstop::scene::load(film).expect("a film").joints.len(), 1);
+}
