@@ -31,6 +31,7 @@ const CASES: &[Case] = &[
     Case { name: "pile", scene: builtin::pile, warm: 200, window: None },
     // All eleven hit the terrain between the steps 20 and 33.
     Case { name: "talk", scene: builtin::talk, warm: 10, window: Some(40) },
+    Case { name: "joint_grid", scene: || builtin::joint_grid(100), warm: 0, window: Some(100) },
     // The fastest cross the floor's height in the first steps, the slowest in the twelfth.
     Case { name: "bullets", scene: || builtin::bullets(false), warm: 1, window: Some(20) },
 ];

@@ -195,6 +195,8 @@ impl World {
                 bodies: &self.bodies,
                 inverse_inertia: &self.buffers.forces.inverse_inertia,
                 joints: &self.joints,
+                pairs: &self.broad.pairs,
+                hot: &self.colliders.hot,
                 order: self.settings.order,
                 warm,
                 h,

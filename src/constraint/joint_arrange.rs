@@ -10,10 +10,13 @@ use super::joint_tree::{Node, TreeBatch};
 use super::joint_trees::{Tree, find};
 use super::order::{Order, RowGroup};
 use crate::body::Bodies;
+use crate::broad_phase::Pair;
 use crate::joint::Motion;
 use crate::joint::{Joints, Lock, LockKind, Row, RowKind};
 use crate::lanes::{Lanes, Sym3, f32x8};
 use crate::memory::bytes_of;
+use crate::narrow_phase::NONE as NO_CONTACT;
+use crate::shape::Hot;
 use crate::threads::{Crew, Shared, per_block};
 
 /// A type of row. Within a group they are solved in this order.
@@ -113,6 +116,8 @@ pub(crate) struct JointRows {
     /// Trees of points: one alone, or up to eight alike.
     trees: Vec<TreeBatch<f32x8>>,
     tree: Vec<TreeBatch<f32>>,
+    /// Dynamic bodies that have contacts, if there are trees.
+    touching: Vec<bool>,
     /// Of soft rows, limits, then locks.
     pub(crate) stages: Vec<JointStage>,
 }
@@ -122,6 +127,8 @@ pub(crate) struct JointInput<'a> {
     pub(crate) bodies: &'a Bodies,
     pub(crate) inverse_inertia: &'a [Sym3<f32>],
     pub(crate) joints: &'a Joints,
+    pub(crate) pairs: &'a [Pair],
+    pub(crate) hot: &'a [Hot],
     /// In which order groups of rows are solved.
     pub(crate) order: Order,
     /// Factor on the impulses of the last step.
@@ -141,6 +148,7 @@ impl JointRows {
             bytes_of(&self.stages),
             bytes_of_trees(&self.trees),
             bytes_of_trees(&self.tree),
+            bytes_of(&self.touching),
         ];
         all.into_iter().fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
     }
@@ -231,10 +239,22 @@ impl JointRows {
         self.welds.fill(crew, |b, o| turn(b, o, input), |b, o| turn(b, o, input));
         self.hinges.fill(crew, |b, o| turn(b, o, input), |b, o| turn(b, o, input));
         self.rows.fill(crew, |b, o| row(b, o, input), |b, o| row(b, o, input));
+        if self.trees.is_empty() && self.tree.is_empty() {
+            return;
+        }
+        self.touching.clear();
+        self.touching.resize(input.bodies.dynamic(), false);
+        for pair in input.pairs.iter().filter(|pair| pair.contact != NO_CONTACT) {
+            for c in [pair.a, pair.b] {
+                let body = input.hot[c as usize].body as usize;
+                self.touching.get_mut(body).into_iter().for_each(|touches| *touches = true);
+            }
+        }
+        let touching = self.touching.as_slice();
         let (count, trees) = (self.trees.len(), Shared::new(&mut self.trees));
         // SAFETY: each batch is in one block.
-        crew.run(count, &|i| tree(unsafe { trees.get(i) }, input));
-        self.tree.iter_mut().for_each(|batch| tree(batch, input));
+        crew.run(count, &|i| tree(unsafe { trees.get(i) }, input, touching));
+        self.tree.iter_mut().for_each(|batch| tree(batch, input, touching));
     }
 
     /// Applies the impulses of the last step, for one stage.
@@ -418,7 +438,7 @@ fn batch_of<L: Lanes>(group: &[Tree]) -> TreeBatch<L> {
         }
         node
     };
-    TreeBatch { nodes: (0..first.len()).map(node).collect(), fresh: false }
+    TreeBatch { nodes: (0..first.len()).map(node).collect(), ..TreeBatch::default() }
 }
 
 /// Calls `f` with each lock of a batch of trees and its impulse.

@@ -12,8 +12,7 @@ pub(crate) struct JointPass {
     pub(crate) softness: Softness,
     /// The fastest that an error is taken back [m/s] or [rad/s].
     pub(crate) push_speed: f32,
-    /// Share of an error in a tree, which is solved exactly, that is taken back within a second [1/s].
-    pub(crate) tree_rate: f32,
+
     /// What errors added to the velocities is taken out again.
     pub(crate) relax: bool,
 }

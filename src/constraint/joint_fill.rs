@@ -4,7 +4,7 @@ use super::joint_arrange::JointInput;
 use super::joint_ends::{Ends, NONE, inverse};
 use super::joint_lock::{PointBatch, TINY, TurnBatch, mobility};
 use super::joint_row::RowBatch;
-use super::joint_tree::TreeBatch;
+use super::joint_tree::{ALONE, TOUCHING, TreeBatch};
 use crate::joint::{Axes, Joint, LockKind, Motion, Placed, RowKind};
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
 use std::f32::consts::TAU;
@@ -256,12 +256,14 @@ pub(super) fn row<L: GatherLanes>(batch: &mut RowBatch<L>, owners: &[u32], input
     batch.now = batch.value;
 }
 
-pub(super) fn tree<L: GatherLanes>(batch: &mut TreeBatch<L>, input: &JointInput<'_>) {
+/// `touching`: dynamic bodies that have contacts.
+pub(super) fn tree<L: GatherLanes>(batch: &mut TreeBatch<L>, input: &JointInput<'_>, touching: &[bool]) {
+    let mut share = [ALONE; 8];
     let bodies = input.bodies;
     let (dynamic, movers) = (bodies.dynamic(), bodies.movers());
     for node in &mut batch.nodes {
         let side = usize::from(node.side);
-        for lane in 0..L::N {
+        for (lane, share) in share.iter_mut().enumerate().take(L::N) {
             let owner = node.owner[lane];
             if owner == NONE {
                 (node.body[lane], node.anchor[lane]) = (node.body[0], node.anchor[0]);
@@ -275,6 +277,9 @@ pub(super) fn tree<L: GatherLanes>(batch: &mut TreeBatch<L>, input: &JointInput<
             // Only a root's is looked at.
             node.anchor[lane] = if other < dynamic { own } else { other.min(movers) } as u32;
             node.write |= 1 << lane;
+            if touching[own] {
+                *share = TOUCHING;
+            }
             let inverse = bodies.mass[own].inverse;
             node.inverse_mass.set_lane(lane, inverse);
             node.mass.set_lane(lane, 1.0 / inverse);
@@ -302,5 +307,6 @@ pub(super) fn tree<L: GatherLanes>(batch: &mut TreeBatch<L>, input: &JointInput<
         }
         node.inertia = inverse(&node.inverse_inertia);
     }
+    batch.share = L::load(&share);
     batch.begin(input.h);
 }

@@ -8,6 +8,8 @@
 //! same shape share the lanes.
 
 use super::contact_row::Motion;
+#[allow(unused_imports, reason = "for the documentation")]
+use super::contact_row::Softness;
 use super::joint_ends::{JointPass, NONE, inverse, turned};
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3, gather, scatter};
 
@@ -282,7 +284,15 @@ pub(crate) struct TreeBatch<L> {
     pub(crate) nodes: Vec<Node<L>>,
     /// Bodies turned since the last solution.
     pub(crate) fresh: bool,
+    /// Share of an error that is taken back within a substep.
+    pub(crate) share: L,
 }
+
+/// Share of an error that is taken back within a substep. Contacts see a tree body by body: what both agree on they find
+/// slowly, and an error that is taken back faster makes what they do not agree on grow (see [`Softness::stiffest`], with a
+/// load that does not yield).
+pub(crate) const ALONE: f32 = 0.2;
+pub(crate) const TOUCHING: f32 = 0.05;
 
 impl<L: GatherLanes> TreeBatch<L> {
     /// Takes arms and impulses as they are at the start of a step.
@@ -424,7 +434,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         if !pass.relax && std::mem::take(&mut self.fresh) {
             self.turn_along();
         }
-        let rate = L::splat(if pass.relax { 0.0 } else { pass.tree_rate });
+        let rate = if pass.relax { L::zero() } else { self.share * L::splat(pass.inverse_h) };
         for i in (0..self.nodes.len()).rev() {
             let node = self.nodes[i];
             if !node.jointed {

@@ -3,8 +3,9 @@
 //! All bodies have friction 0.6, restitution 0 and, unless said otherwise, density 1000 kg/m³.
 
 use super::rng::Rng;
-use super::{Scene, Terrain};
-use crate::body::BodyDesc;
+use super::{Scene, SceneJoint, Terrain};
+use crate::body::{BodyDesc, BodyKind};
+use crate::joint::{Axes, Frame, Limit, Motion};
 use crate::shape::{ConvexHull, Geometry, ShapeDesc, TriangleMesh};
 use glam::Vec3;
 use std::f32::consts::TAU;
@@ -22,6 +23,7 @@ pub const NAMES: &[&str] = &[
     "mass_stack_1e4",
     "mass_stack_1e5",
     "tall_stack",
+    "joint_grid",
 ];
 
 /// A scene by its name.
@@ -37,6 +39,7 @@ pub fn build(name: &str) -> Option<Scene> {
         "mass_stack_1e4" => mass_stack(1e4),
         "mass_stack_1e5" => mass_stack(1e5),
         "tall_stack" => tall_stack(),
+        "joint_grid" => joint_grid(100),
         _ => return None,
     };
     scene.name = name.into();
@@ -120,6 +123,46 @@ pub fn bullets(thin_boxes: bool) -> Scene {
         let rotation = rng.rotation();
         let spin = rng.direction() * spin;
         scene.add("bullet", dynamic(shape, position).rotated(rotation).moving(direction * speed, spin));
+    }
+    scene
+}
+
+/// A square net of spheres that are joined to their neighbours, held by seven in the middle of its upper row.
+pub fn joint_grid(side: usize) -> Scene {
+    let mut scene = Scene::new("joint_grid");
+    scene.steps = 100;
+    let held = side / 2 - 3.min(side / 2)..side / 2 + 4;
+    let ball = || ShapeDesc::new(Geometry::Sphere { radius: 0.4 });
+    for k in 0..side {
+        for i in 0..side {
+            let at = Vec3::new(k as f32, -(i as f32), 0.0);
+            let still = i == 0 && held.contains(&k);
+            let desc = if still { BodyDesc::fixed() } else { BodyDesc::dynamic() };
+            scene.add("ball", desc.at(at).with_shape(ball()));
+        }
+    }
+    let mut join = |a: usize, b: usize, half: Vec3| {
+        if [a, b].iter().any(|&i| scene.bodies[i].desc.kind == BodyKind::Dynamic) {
+            scene.joints.push(SceneJoint {
+                name: "joint".into(),
+                bodies: [a, b],
+                frames: [Frame::at(half), Frame::at(-half)],
+                limits: vec![Limit::lock(Motion::Linear, Axes::All)],
+                drives: Vec::new(),
+                collide: false,
+            });
+        }
+    };
+    for k in 0..side {
+        for i in 0..side {
+            let here = k * side + i;
+            if i > 0 {
+                join(here - 1, here, Vec3::Y * -0.5);
+            }
+            if k > 0 {
+                join(here - side, here, Vec3::X * 0.5);
+            }
+        }
     }
     scene
 }
@@ -230,7 +273,8 @@ mod tests {
     #[test]
     fn every_builtin_scene_has_its_bodies() {
         // Counted from the descriptions: a pyramid of 60 has 60 * 61 / 2 boxes.
-        let expected = [11, 1000, 1000, 1830, 5050, 4096, 10, 10, 10, 30];
+        // Of the grid's upper row seven don't move.
+        let expected = [11, 1000, 1000, 1830, 5050, 4096, 10, 10, 10, 30, 9993];
         for (name, count) in NAMES.iter().zip(expected) {
             let scene = build(name).unwrap();
             assert_eq!((scene.name.as_str(), scene.dynamic_bodies()), (*name, count));

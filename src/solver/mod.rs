@@ -72,7 +72,6 @@ pub(crate) fn solve(
         shift: SHIFT * settings.length_unit,
         friction_box: settings.friction_cone == FrictionCone::Box,
         order: settings.order,
-        tree_rate: TREE_RATE / h,
         joint_push: JOINT_PUSH * settings.length_unit,
         joint: Softness::new(
             JOINT_HERTZ.min(Softness::stiffest(settings.iterations + 1, h)),
@@ -157,8 +156,6 @@ pub(crate) fn solve(
 const RUNAWAY: f32 = 1e6;
 /// The fastest that an error of a joint is taken back [length units/s] or [rad/s].
 const JOINT_PUSH: f32 = 40.0;
-/// Share of an error in a tree of joints that is taken back within a substep.
-const TREE_RATE: f32 = 0.05;
 /// Stiffness [Hz] and damping ratio of what joints lock.
 const JOINT_HERTZ: f32 = 240.0;
 const JOINT_DAMPING: f32 = 2.0;

@@ -33,7 +33,6 @@ pub(crate) struct Passes {
     pub(crate) order: Order,
     /// Of what joints lock.
     pub(crate) joint: Softness,
-    pub(crate) tree_rate: f32,
     pub(crate) joint_push: f32,
 }
 
@@ -113,13 +112,8 @@ impl Passes {
         motion: &Motion<'_, '_>,
     ) {
         let relax = kind == Kind::Relax;
-        let pass = JointPass {
-            inverse_h: self.inverse_h,
-            softness: self.joint,
-            push_speed: self.joint_push,
-            tree_rate: self.tree_rate,
-            relax,
-        };
+        let pass =
+            JointPass { inverse_h: self.inverse_h, softness: self.joint, push_speed: self.joint_push, relax };
         let pass = match kind {
             Kind::WarmStart => None,
             Kind::Solve | Kind::Relax => Some(&pass),
