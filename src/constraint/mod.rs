@@ -20,7 +20,7 @@ pub(crate) use arrange::{PrepareScratch, Prepared};
 pub(crate) use batch::{Batch, Rows};
 pub(crate) use bounce::{BounceInput, BounceScratch, bounce};
 pub(crate) use impact_friction::rub;
-pub(crate) use joint_arrange::{JointInput, JointRows, JointStage, JointViews};
+pub(crate) use joint_arrange::{JointInput, JointRows, JointStage, JointType, JointViews};
 pub(crate) use joint_ends::JointPass;
 /// The most that a row of a joint takes in the batches: a lane of them all to itself, or a node of two trees that are alike.
 pub(crate) const WIDEST_JOINT_BATCH: usize = {

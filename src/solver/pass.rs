@@ -4,7 +4,7 @@ use crate::constraint::contact_row::{
     HOLD, Motion, Pass, SHARE, Softness, solve, store as store_batch, warm_start,
 };
 use crate::constraint::{
-    Batch, Group, JointPass, JointRows, JointStage, JointViews, Order, Rows, Stage, rub,
+    Batch, Group, JointPass, JointRows, JointStage, JointType, JointViews, Order, Rows, Stage, rub,
 };
 use crate::lanes::GatherLanes;
 use crate::narrow_phase::{Contact, Point};
@@ -46,6 +46,10 @@ pub(crate) struct Joined<'a> {
 const BLOCK: usize = per_block(8, 1);
 /// The same where impulses go back to their contacts, which is less work.
 const STORED: usize = per_block(16, 1);
+
+/// How often a pass goes over the rows of joints that have loops: a net of 10,000 points of which seven are held stretches by
+/// 1.75 m at one and 0.84 m at two, which costs a fifth more; at three by 0.78 m.
+const JOINT_SWEEPS: u32 = 2;
 
 impl Passes {
     /// Relaxing, says whether potential points push; rubbing, whether that shifts loads.
@@ -119,7 +123,12 @@ impl Passes {
             Kind::Solve | Kind::Relax => Some(&pass),
             Kind::Rub => return,
         };
-        for stage in stages {
+        // Once is enough for trees, which are solved exactly, and the last time is theirs.
+        let sweeps = if pass.is_some() { JOINT_SWEEPS } else { 1 };
+        let swept = (0..sweeps).flat_map(|sweep| {
+            stages.iter().filter(move |stage| stage.kind != JointType::Tree || sweep + 1 == sweeps)
+        });
+        for stage in swept {
             // SAFETY: each batch is in one stage; no dynamic body is twice in it, unless the stage is serial, and then one
             // thread has it all.
             let one = |i: usize| unsafe { JointRows::step(views, stage, i, motion, pass) };
