@@ -2,7 +2,7 @@
 
 use super::colour::{COLOURS, Colouring, OVERFLOW};
 use super::contact_row::{Motion as BodyMotion, SHARE};
-use super::joint_ends::{JointPass, NONE};
+use super::joint_ends::{JointPass, NONE, Owned};
 use super::joint_fill::{point, row, tree, turn};
 use super::joint_lock::{PointBatch, TurnBatch};
 use super::joint_row::RowBatch;
@@ -11,8 +11,7 @@ use super::joint_trees::{Tree, find};
 use super::order::{Order, RowGroup};
 use crate::body::Bodies;
 use crate::broad_phase::Pair;
-use crate::joint::Motion;
-use crate::joint::{Joints, Lock, LockKind, Row, RowKind};
+use crate::joint::{Joints, Lock, LockKind, Motion, Row, RowKind};
 use crate::lanes::{Lanes, Sym3, f32x8};
 use crate::memory::bytes_of;
 use crate::narrow_phase::NONE as NO_CONTACT;
@@ -42,8 +41,8 @@ pub(crate) struct JointStage {
     /// Range of the batches of this type; of the single ones, if it is serial.
     pub(crate) start: u32,
     pub(crate) end: u32,
-    /// Rows that found no colour: one lane, one after another.
-    pub(crate) serial: bool,
+    /// One lane: rows that found no colour, one after another, or trees that have no like.
+    pub(crate) single: bool,
 }
 
 /// Batches of one type.
@@ -100,6 +99,18 @@ impl<B8: Default + Send, B1: Default> Table<B8, B1> {
         for (batch, owner) in self.single.iter_mut().zip(&self.single_owners) {
             alone(batch, std::slice::from_ref(owner));
         }
+    }
+}
+
+impl<T, B8: Owned<Load = T>, B1: Owned<Load = T>> Table<B8, B1> {
+    /// Calls `f` with each owner and what its lane has for it.
+    fn each(&self, f: &mut impl FnMut(u32, T)) {
+        for batch in &self.lanes {
+            for (lane, &own) in batch.owners().iter().enumerate().filter(|(_, own)| **own != NONE) {
+                f(own, batch.load(lane));
+            }
+        }
+        self.single.iter().for_each(|batch| f(batch.owners()[0], batch.load(0)));
     }
 }
 
@@ -201,10 +212,10 @@ impl JointRows {
     fn plant(&mut self, groups: &[Vec<Tree>]) {
         self.trees = groups.iter().filter(|group| group.len() > 1).map(|group| batch_of(group)).collect();
         self.tree = groups.iter().filter(|group| group.len() == 1).map(|group| batch_of(group)).collect();
-        for (count, serial) in [(self.trees.len(), false), (self.tree.len(), true)] {
+        for (count, single) in [(self.trees.len(), false), (self.tree.len(), true)] {
             if count > 0 {
                 let (group, kind) = (RowGroup::Joints, JointType::Tree);
-                self.stages.push(JointStage { group, kind, start: 0, end: count as u32, serial });
+                self.stages.push(JointStage { group, kind, start: 0, end: count as u32, single });
             }
         }
     }
@@ -228,7 +239,13 @@ impl JointRows {
                 );
             }
             let end = if serial { single.len() } else { owners.len() };
-            self.stages.push(JointStage { group, kind, start: start as u32, end: end as u32, serial });
+            self.stages.push(JointStage {
+                group,
+                kind,
+                start: start as u32,
+                end: end as u32,
+                single: serial,
+            });
         }
     }
 
@@ -257,7 +274,7 @@ impl JointRows {
         self.tree.iter_mut().for_each(|batch| tree(batch, input, touching));
     }
 
-    /// Applies the impulses of the last step, for one stage.
+    /// One batch of a stage: solves it or, without a pass, applies the impulses of the last step.
     ///
     /// # Safety
     /// No other thread writes the bodies of the batch.
@@ -272,7 +289,7 @@ impl JointRows {
             ($lanes:expr, $single:expr) => {
                 // SAFETY: by the contract; each batch is in one stage.
                 unsafe {
-                    match (stage.serial, pass) {
+                    match (stage.single, pass) {
                         (false, None) => $lanes.get(i).warm_start(motion),
                         (false, Some(pass)) => $lanes.get(i).solve(motion, pass),
                         (true, None) => $single.get(i).warm_start(motion),
@@ -329,30 +346,9 @@ impl JointRows {
                 _ => joint.torque += impulse * inverse_h,
             }
         };
-        each(
-            &self.points,
-            |b| b.ends.owner,
-            |b| b.ends.owner,
-            |b, i| b.impulse.lane(i),
-            |b, i| b.impulse.lane(i),
-            &mut lock,
-        );
-        each(
-            &self.welds,
-            |b| b.ends.owner,
-            |b| b.ends.owner,
-            |b, i| b.impulse.lane(i),
-            |b, i| b.impulse.lane(i),
-            &mut lock,
-        );
-        each(
-            &self.hinges,
-            |b| b.ends.owner,
-            |b| b.ends.owner,
-            |b, i| b.impulse.lane(i),
-            |b, i| b.impulse.lane(i),
-            &mut lock,
-        );
+        self.points.each(&mut lock);
+        self.welds.each(&mut lock);
+        self.hinges.each(&mut lock);
         self.trees.iter().for_each(|batch| impulses_of(batch, &mut lock));
         self.tree.iter().for_each(|batch| impulses_of(batch, &mut lock));
         let mut row = |owner: u32, (impulse, along, about): ([f32; 2], glam::Vec3, glam::Vec3)| {
@@ -368,28 +364,8 @@ impl JointRows {
                 Motion::Angular => joint.torque += about * p,
             }
         };
-        fn of<L: Lanes>(b: &RowBatch<L>, i: usize) -> ([f32; 2], glam::Vec3, glam::Vec3) {
-            (b.impulse.map(|p| p.lane(i)), b.along.lane(i), b.arm[1].lane(i))
-        }
-        each(&self.rows, |b| b.ends.owner, |b| b.ends.owner, of, of, &mut row);
+        self.rows.each(&mut row);
     }
-}
-
-/// Calls `f` with each owner and what its lane has for it.
-fn each<B8, B1, T>(
-    table: &Table<B8, B1>,
-    owners: impl Fn(&B8) -> [u32; 8],
-    owner: impl Fn(&B1) -> [u32; 8],
-    lanes: impl Fn(&B8, usize) -> T,
-    single: impl Fn(&B1, usize) -> T,
-    f: &mut impl FnMut(u32, T),
-) {
-    for batch in &table.lanes {
-        for (i, own) in owners(batch).into_iter().enumerate().filter(|(_, own)| *own != NONE) {
-            f(own, lanes(batch, i));
-        }
-    }
-    table.single.iter().for_each(|batch| f(owner(batch)[0], single(batch, 0)));
 }
 
 /// All batches, for several threads.

@@ -12,7 +12,8 @@ pub(crate) struct JointPass {
     pub(crate) softness: Softness,
     /// The fastest that an error is taken back [m/s] or [rad/s].
     pub(crate) push_speed: f32,
-
+    /// Bodies were moved since the rows were last looked at.
+    pub(crate) moved: bool,
     /// What errors added to the velocities is taken out again.
     pub(crate) relax: bool,
 }
@@ -26,6 +27,14 @@ impl JointPass {
             if self.relax { (0.0, 1.0, 0.0) } else { (bias_rate, mass_scale, impulse_scale) };
         (L::splat(rate), L::splat(scale), L::splat(give))
     }
+}
+
+/// A batch whose impulses go back to where they came from.
+pub(crate) trait Owned {
+    /// What a lane has to tell.
+    type Load;
+    fn owners(&self) -> &[u32; 8];
+    fn load(&self, lane: usize) -> Self::Load;
 }
 
 /// Instead of an index: an inert lane.

@@ -35,13 +35,7 @@ fn place<L: Lanes>(
         let slides = pushed && bodies.traits[i].locks & 0b111 != 0b111;
         ends.inverse_mass[side].set_lane(lane, if slides { bodies.mass[i].inverse } else { 0.0 });
         let inertia = if pushed { input.inverse_inertia[i] } else { Sym3::default() };
-        let own = &mut ends.inverse_inertia[side];
-        own.xx.set_lane(lane, inertia.xx);
-        own.yy.set_lane(lane, inertia.yy);
-        own.zz.set_lane(lane, inertia.zz);
-        own.xy.set_lane(lane, inertia.xy);
-        own.xz.set_lane(lane, inertia.xz);
-        own.yz.set_lane(lane, inertia.yz);
+        put_sym(&mut ends.inverse_inertia[side], lane, &inertia);
     }
     ends.owner[lane] = owner;
     Placed::new(dense.map(|i| &bodies.pose[i]), &joint.frames)
@@ -263,6 +257,8 @@ pub(super) fn tree<L: GatherLanes>(batch: &mut TreeBatch<L>, input: &JointInput<
     let (dynamic, movers) = (bodies.dynamic(), bodies.movers());
     for node in &mut batch.nodes {
         let side = usize::from(node.side);
+        // Of something, so that an inert lane has numbers too.
+        let mut inverse_inertia = Sym3 { xx: L::one(), yy: L::one(), zz: L::one(), ..Sym3::default() };
         for (lane, share) in share.iter_mut().enumerate().take(L::N) {
             let owner = node.owner[lane];
             if owner == NONE {
@@ -283,7 +279,7 @@ pub(super) fn tree<L: GatherLanes>(batch: &mut TreeBatch<L>, input: &JointInput<
             let inverse = bodies.mass[own].inverse;
             node.inverse_mass.set_lane(lane, inverse);
             node.mass.set_lane(lane, 1.0 / inverse);
-            put_sym(&mut node.inverse_inertia, lane, &input.inverse_inertia[own]);
+            put_sym(&mut inverse_inertia, lane, &input.inverse_inertia[own]);
             if node.jointed {
                 let at = Placed::new(dense.map(|i| &bodies.pose[i]), &joint.frames);
                 let sign = if side == 1 { 1.0 } else { -1.0 };
@@ -305,7 +301,7 @@ pub(super) fn tree<L: GatherLanes>(batch: &mut TreeBatch<L>, input: &JointInput<
                 }
             }
         }
-        node.inertia = inverse(&node.inverse_inertia);
+        node.inertia = inverse(&inverse_inertia);
     }
     batch.share = L::load(&share);
     batch.begin(input.h);

@@ -5,7 +5,7 @@
 //! apart: arms are turned along, and so is the effective mass.
 
 use super::contact_row::{Motion, Pair};
-use super::joint_ends::{Ends, JointPass, inverse, turned};
+use super::joint_ends::{Ends, JointPass, Owned, inverse, turned};
 use crate::lanes::{GatherLanes, Lanes, Mask, Sym3, Vec3};
 
 /// Points that stay together, or, with fewer directions, on a line or a plane.
@@ -47,6 +47,16 @@ impl<L: Lanes> Default for PointBatch<L> {
             impulse: zero,
             held: zero,
         }
+    }
+}
+
+impl<L: Lanes> Owned for PointBatch<L> {
+    type Load = glam::Vec3;
+    fn owners(&self) -> &[u32; 8] {
+        &self.ends.owner
+    }
+    fn load(&self, lane: usize) -> glam::Vec3 {
+        self.impulse.lane(lane)
     }
 }
 
@@ -102,7 +112,7 @@ impl<L: GatherLanes> PointBatch<L> {
     /// The bodies of the batch that it may write are in no other batch of the stage.
     #[inline(always)]
     pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
-        if pass.relax {
+        if pass.moved {
             // SAFETY: displacements are not written while rows are solved.
             let d = unsafe { self.ends.load(motion.delta) };
             self.follow(&d);
@@ -185,6 +195,16 @@ impl<L: Lanes, const HINGE: bool> Default for TurnBatch<L, HINGE> {
     }
 }
 
+impl<L: Lanes, const HINGE: bool> Owned for TurnBatch<L, HINGE> {
+    type Load = glam::Vec3;
+    fn owners(&self) -> &[u32; 8] {
+        &self.ends.owner
+    }
+    fn load(&self, lane: usize) -> glam::Vec3 {
+        self.impulse.lane(lane)
+    }
+}
+
 impl<L: GatherLanes, const HINGE: bool> TurnBatch<L, HINGE> {
     /// Applies the impulses of the last step.
     ///
@@ -206,7 +226,7 @@ impl<L: GatherLanes, const HINGE: bool> TurnBatch<L, HINGE> {
     /// The bodies of the batch that it may write are in no other batch of the stage.
     #[inline(always)]
     pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
-        if pass.relax {
+        if pass.moved {
             // SAFETY: displacements are not written while rows are solved.
             let d = unsafe { self.ends.load(motion.delta) };
             self.error_now = if HINGE {

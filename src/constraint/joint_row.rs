@@ -4,7 +4,7 @@
 //! impulse obeys p = h (c target - k displacement - d speed) for the speed after it acted.
 
 use super::contact_row::{Motion, Pair};
-use super::joint_ends::{Ends, JointPass};
+use super::joint_ends::{Ends, JointPass, Owned};
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
 
 /// Up to eight rows.
@@ -65,6 +65,17 @@ impl<L: Lanes> Default for RowBatch<L> {
     }
 }
 
+impl<L: Lanes> Owned for RowBatch<L> {
+    /// Impulses at both ends, and the directions of force and torque on the second body.
+    type Load = ([f32; 2], glam::Vec3, glam::Vec3);
+    fn owners(&self) -> &[u32; 8] {
+        &self.ends.owner
+    }
+    fn load(&self, lane: usize) -> Self::Load {
+        (self.impulse.map(|p| p.lane(lane)), self.along.lane(lane), self.arm[1].lane(lane))
+    }
+}
+
 impl<L: GatherLanes> RowBatch<L> {
     /// Applies the impulses of the last step.
     ///
@@ -96,7 +107,7 @@ impl<L: GatherLanes> RowBatch<L> {
     /// The bodies of the batch that it may write are in no other batch of the stage.
     #[inline(always)]
     pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
-        if pass.relax {
+        if pass.moved {
             // SAFETY: displacements are not written while rows are solved.
             let d = unsafe { self.ends.load(motion.delta) };
             self.now = self.value + self.rate(&d);

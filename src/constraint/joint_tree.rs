@@ -2,14 +2,12 @@
 //!
 //! Row by row, what a heavy load at the end of a chain needs travels up one joint a pass: a ball a thousand times as heavy as
 //! the links tears such a chain apart. But points that join bodies without a loop (chains, ragdolls, cars), with what is
-//! locked about them, are a linear system that needs no iteration. From the leaves to the root, each body's inertia takes in what hangs on it; then
-//! impulses go back from the root to the leaves (Featherstone 1983; with impulses instead of forces, and in the
+//! locked about them, are a linear system that needs no iteration. From the leaves to the root, each body's inertia takes in
+//! what hangs on it; then impulses go back from the root to the leaves (Featherstone 1983; with impulses instead of forces, and in the
 //! coordinates of the bodies, Baraff, *Linear-Time Dynamics using Lagrange Multipliers*, 1996). Up to eight trees of the
 //! same shape share the lanes.
 
 use super::contact_row::Motion;
-#[allow(unused_imports, reason = "for the documentation")]
-use super::contact_row::Softness;
 use super::joint_ends::{JointPass, NONE, inverse, turned};
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3, gather, scatter};
 
@@ -204,7 +202,6 @@ pub(crate) struct Node<L> {
     pub(crate) mass: L,
     pub(crate) inverse_mass: L,
     pub(crate) inertia: Sym3<L>,
-    pub(crate) inverse_inertia: Sym3<L>,
     /// From the centre of mass to the joint, of the body and of its parent, at the start of the step [m].
     pub(crate) arm: [Vec3<L>; 2],
     /// From the parent's point to the body's [m].
@@ -228,6 +225,8 @@ pub(crate) struct Node<L> {
     free: Sym6<L>,
     /// Impulse at the joint per velocity that it doesn't allow.
     stiff: Sym6<L>,
+    /// How much of that is pulled [kg m²].
+    pulled: L,
     /// Of one pass.
     sum: Sym6<L>,
     velocity: Twist<L>,
@@ -253,7 +252,6 @@ impl<L: Lanes> Default for Node<L> {
             mass: one,
             inverse_mass: one,
             inertia: Sym3 { xx: one, yy: one, zz: one, ..Sym3::default() },
-            inverse_inertia: Sym3 { xx: one, yy: one, zz: one, ..Sym3::default() },
             arm: [zero; 2],
             apart: zero,
             axis: [Vec3::new(one, L::zero(), L::zero()); 2],
@@ -269,6 +267,7 @@ impl<L: Lanes> Default for Node<L> {
             gained: zero,
             free: Sym6::zero(),
             stiff: Sym6::zero(),
+            pulled: L::zero(),
             sum: Sym6::zero(),
             velocity: Twist::zero(),
             carried: Twist::zero(),
@@ -289,12 +288,21 @@ pub(crate) struct TreeBatch<L> {
 }
 
 /// Share of an error that is taken back within a substep. Contacts see a tree body by body: what both agree on they find
-/// slowly, and an error that is taken back faster makes what they do not agree on grow (see [`Softness::stiffest`], with a
-/// load that does not yield).
+/// slowly, and an error that is taken back faster makes what they do not agree on grow (see
+/// [`Softness::stiffest`](super::contact_row::Softness::stiffest), with a load that does not yield).
 pub(crate) const ALONE: f32 = 0.2;
 pub(crate) const TOUCHING: f32 = 0.05;
 
 impl<L: GatherLanes> TreeBatch<L> {
+    /// A node, and its parent, which stands before it.
+    #[inline(always)]
+    fn with_parent(&mut self, i: usize) -> (Option<&mut Node<L>>, &mut Node<L>) {
+        let (before, rest) = self.nodes.split_at_mut(i);
+        let node = &mut rest[0];
+        // Of a root, no place at all.
+        (before.get_mut(node.parent as usize), node)
+    }
+
     /// Takes arms and impulses as they are at the start of a step.
     pub(crate) fn begin(&mut self, h: f32) {
         for node in &mut self.nodes {
@@ -325,11 +333,11 @@ impl<L: GatherLanes> TreeBatch<L> {
                 Turns::AboutAxis => node.sum.shifted(arm).without_turning_about(node.axis_now),
                 Turns::Not => node.sum.shifted(arm),
             };
-            let (stiff, parent) = (node.stiff.shifted(-above), node.parent);
-            if parent == NONE {
+            if node.parent == NONE {
                 continue;
             }
             // What the joint makes the parent feel.
+            let (stiff, parent) = (node.stiff.shifted(-above), node.parent);
             let sum = &mut self.nodes[parent as usize].sum;
             sum.linear = plus(&sum.linear, &stiff.linear);
             for (own, column) in sum.mixed.iter_mut().zip(stiff.mixed) {
@@ -345,23 +353,22 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// *Geometric Stiffness for Real-time Constrained Multibody Dynamics*, 2017).
     fn brace(&mut self, h: f32) {
         for node in &mut self.nodes {
-            node.braced = Sym3::default();
-            node.asked = Twist::zero();
+            (node.braced, node.pulled) = (Sym3::default(), L::zero());
         }
         let h = L::splat(h);
         for i in 0..self.nodes.len() {
-            let node = self.nodes[i];
+            let (parent, node) = self.with_parent(i);
             if !node.jointed {
                 continue;
             }
-            self.nodes[i].pull(node.impulse, node.arm_now[0], h);
-            if node.parent != NONE {
-                self.nodes[node.parent as usize].pull(-node.impulse, node.arm_now[1], h);
+            node.pull(node.impulse, node.arm_now[0], h);
+            if let Some(parent) = parent {
+                parent.pull(-node.impulse, node.arm_now[1], h);
             }
         }
         for node in &mut self.nodes {
             let Sym3 { xx, yy, zz, .. } = node.inertia;
-            let (pull, own) = (node.asked.linear.x, L::splat(0.5 * SAFE) * (xx + yy + zz));
+            let (pull, own) = (node.pulled, L::splat(0.5 * SAFE) * (xx + yy + zz));
             let share = L::select(pull.gt(own), L::one() - own / pull, L::zero());
             let b = node.braced;
             let more = Sym3 {
@@ -385,10 +392,9 @@ impl<L: GatherLanes> TreeBatch<L> {
         // SAFETY: by the contract.
         unsafe { self.load(motion) };
         for i in 0..self.nodes.len() {
-            let node = self.nodes[i];
-            self.nodes[i].velocity.linear += node.impulse * node.inverse_mass;
-            if node.parent != NONE {
-                let parent = &mut self.nodes[node.parent as usize];
+            let (parent, node) = self.with_parent(i);
+            node.velocity.linear += node.impulse * node.inverse_mass;
+            if let Some(parent) = parent {
                 parent.velocity.linear -= node.impulse * parent.inverse_mass;
             }
         }
@@ -407,10 +413,10 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
         self.nodes.iter_mut().for_each(|node| node.asked = Twist::zero());
         for i in 0..self.nodes.len() {
-            let Node { impulse, twist, arm_now, parent, .. } = self.nodes[i];
-            self.nodes[i].asked.angular += arm_now[0].cross(impulse) + twist;
-            if parent != NONE {
-                self.nodes[parent as usize].asked.angular -= arm_now[1].cross(impulse) + twist;
+            let (parent, node) = self.with_parent(i);
+            node.asked.angular += node.arm_now[0].cross(node.impulse) + node.twist;
+            if let Some(parent) = parent {
+                parent.asked.angular -= node.arm_now[1].cross(node.impulse) + node.twist;
             }
         }
         for node in &mut self.nodes {
@@ -425,7 +431,7 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
     pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
-        if pass.relax {
+        if pass.moved {
             // SAFETY: displacements are not written while rows are solved.
             unsafe { self.follow(motion, 1.0 / pass.inverse_h) };
         }
@@ -436,44 +442,38 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
         let rate = if pass.relax { L::zero() } else { self.share * L::splat(pass.inverse_h) };
         for i in (0..self.nodes.len()).rev() {
-            let node = self.nodes[i];
+            let (parent, node) = self.with_parent(i);
             if !node.jointed {
                 continue;
             }
-            let above =
-                if node.parent == NONE { node.change } else { self.nodes[node.parent as usize].velocity };
+            let above = parent.as_ref().map_or(node.change, |parent| parent.velocity);
             let carried = node.free.mul(&node.carried);
             let [arm, other] = node.arm_now;
-            let asked = Twist {
+            node.asked = Twist {
                 linear: node.velocity.at(arm) + carried.at(arm) - above.at(other)
                     + pass.bias(node.apart_now, rate),
                 angular: node.velocity.angular + carried.angular - above.angular
                     + pass.bias(node.error_now, rate),
             };
-            self.nodes[i].asked = asked;
-            if node.parent != NONE {
-                let push = node.stiff.mul(&asked);
-                self.nodes[node.parent as usize].carried.add(push.moved(other));
+            if let Some(parent) = parent {
+                parent.carried.add(node.stiff.mul(&node.asked).moved(other));
             }
         }
         for i in 0..self.nodes.len() {
-            let node = self.nodes[i];
+            let (parent, node) = self.with_parent(i);
             let mut push = node.carried;
             if node.jointed {
-                let above =
-                    if node.parent == NONE { Twist::zero() } else { self.nodes[node.parent as usize].change };
+                let above = parent.map_or(Twist::zero(), |parent| parent.change);
                 let [arm, other] = node.arm_now;
                 let mut asked = node.asked;
                 asked.linear -= above.at(other);
                 asked.angular -= above.angular;
                 let force = node.stiff.mul(&asked);
                 push.add(Twist { linear: -force.linear, angular: -force.angular }.moved(arm));
-                let node = &mut self.nodes[i];
                 node.impulse -= force.linear;
                 node.twist -= force.angular;
             }
             let change = node.free.mul(&push);
-            let node = &mut self.nodes[i];
             node.change = change;
             node.gained += change.angular;
             node.velocity.add(change);
@@ -490,19 +490,19 @@ impl<L: GatherLanes> TreeBatch<L> {
         // SAFETY: by the contract.
         let read = |i| unsafe { motion.delta.read(i) };
         for i in 0..self.nodes.len() {
-            let node = &mut self.nodes[i];
+            let (parent, node) = self.with_parent(i);
             let (linear, angular) = gather(read, &node.body);
             node.change = Twist { linear, angular };
             if !node.jointed {
                 continue;
             }
-            let above = if node.parent == NONE {
-                let (linear, angular) = gather(read, &node.anchor);
-                Twist { linear, angular }
-            } else {
-                self.nodes[self.nodes[i].parent as usize].change
+            let above = match parent {
+                Some(parent) => parent.change,
+                None => {
+                    let (linear, angular) = gather(read, &node.anchor);
+                    Twist { linear, angular }
+                }
             };
-            let node = &mut self.nodes[i];
             let [arm, other] = node.arm;
             node.arm_now = [turned(angular, arm), turned(above.angular, other)];
             let moved = (linear - above.linear) + (node.arm_now[0] - arm) - (node.arm_now[1] - other);
@@ -563,7 +563,7 @@ impl<L: Lanes> Node<L> {
         let pulls = along.gt(L::zero());
         let k = L::select(pulls, along * h, L::zero());
         let over = k / L::select(pulls, arm.length_squared(), L::one());
-        self.asked.linear.x += k;
+        self.pulled += k;
         let b = &mut self.braced;
         b.xx += k - over * arm.x * arm.x;
         b.yy += k - over * arm.y * arm.y;

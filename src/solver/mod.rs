@@ -114,14 +114,20 @@ pub(crate) fn solve(
         for _ in 0..settings.iterations {
             passes.run(crew, Kind::Solve, rows, &joined, &motion);
         }
+        if joined_at_all {
+            all_bodies(crew, movers, |i| {
+                // SAFETY: each body is in one block.
+                let (v, b) = unsafe { (velocity.get(i), base.get(i)) };
+                if lanes(*v).abs().lt(f32x8::splat(RUNAWAY)).bits() & BOTH != BOTH {
+                    *v = *b;
+                }
+            });
+        }
         all_bodies(crew, movers, |i| {
             // SAFETY: each body is in one block.
             let (v, d, b) = unsafe { (velocity.get(i), delta.get(i), base.get(i)) };
             if let Some(traits) = locks {
                 traits[i].lock(v);
-            }
-            if joined_at_all && lanes(*v).abs().lt(f32x8::splat(RUNAWAY)).bits() & BOTH != BOTH {
-                *v = *b;
             }
             let (now, before) = (lanes(*v), lanes(*b));
             let same = now.eq(before).bits();

@@ -9,6 +9,7 @@ use crate::constraint::{
 use crate::lanes::GatherLanes;
 use crate::narrow_phase::{Contact, Point};
 use crate::threads::{Crew, Shared, per_block};
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 /// What a pass does.
@@ -93,15 +94,7 @@ impl Passes {
                     pushes.store(true, Ordering::Relaxed);
                 }
             };
-            let (start, end) = (stage.start as usize, stage.end as usize);
-            if stage.serial || end - start <= BLOCK {
-                (start..end).for_each(one);
-            } else {
-                crew.run((end - start).div_ceil(BLOCK), &|block| {
-                    let first = start + block * BLOCK;
-                    (first..(first + BLOCK).min(end)).for_each(one);
-                });
-            }
+            share_out(crew, stage.start as usize..stage.end as usize, stage.serial, &one);
         }
         self.run_joints(crew, kind, joints, joined.views, motion);
         pushes.into_inner()
@@ -115,32 +108,29 @@ impl Passes {
         views: &JointViews<'_>,
         motion: &Motion<'_, '_>,
     ) {
+        if kind == Kind::Rub {
+            return;
+        }
         let relax = kind == Kind::Relax;
-        let pass =
-            JointPass { inverse_h: self.inverse_h, softness: self.joint, push_speed: self.joint_push, relax };
-        let pass = match kind {
-            Kind::WarmStart => None,
-            Kind::Solve | Kind::Relax => Some(&pass),
-            Kind::Rub => return,
-        };
-        // Once is enough for trees, which are solved exactly, and the last time is theirs.
-        let sweeps = if pass.is_some() { JOINT_SWEEPS } else { 1 };
-        let swept = (0..sweeps).flat_map(|sweep| {
-            stages.iter().filter(move |stage| stage.kind != JointType::Tree || sweep + 1 == sweeps)
-        });
-        for stage in swept {
-            // SAFETY: each batch is in one stage; no dynamic body is twice in it, unless the stage is serial, and then one
-            // thread has it all.
-            let one = |i: usize| unsafe { JointRows::step(views, stage, i, motion, pass) };
-            let (start, end) = (stage.start as usize, stage.end as usize);
-            if stage.serial || end - start <= BLOCK {
-                (start..end).for_each(one);
-            } else {
-                crew.run((end - start).div_ceil(BLOCK), &|block| {
-                    let first = start + block * BLOCK;
-                    (first..(first + BLOCK).min(end)).for_each(one);
-                });
+        let sweeps = if kind == Kind::WarmStart { 1 } else { JOINT_SWEEPS };
+        for (sweep, stage) in (0..sweeps).flat_map(|sweep| stages.iter().map(move |stage| (sweep, stage))) {
+            // Once is enough for trees, which are solved exactly, and the last time is theirs.
+            let is_tree = stage.kind == JointType::Tree;
+            if is_tree && sweep + 1 < sweeps {
+                continue;
             }
+            let pass = JointPass {
+                inverse_h: self.inverse_h,
+                softness: self.joint,
+                push_speed: self.joint_push,
+                moved: relax && (is_tree || sweep == 0),
+                relax,
+            };
+            let pass = (kind != Kind::WarmStart).then_some(&pass);
+            // SAFETY: each batch is in one stage; no dynamic body is twice in it, unless it is of rows that found no
+            // colour, and then one thread has it all.
+            let one = |i: usize| unsafe { JointRows::step(views, stage, i, motion, pass) };
+            share_out(crew, stage.start as usize..stage.end as usize, stage.single && !is_tree, &one);
         }
     }
 
@@ -155,6 +145,19 @@ impl Passes {
             relax: kind == Kind::Relax,
         }
     }
+}
+
+/// Works through the batches of a stage, in blocks for several threads unless they have to go one after another.
+#[inline(always)]
+fn share_out(crew: &Crew<'_>, batches: Range<usize>, serial: bool, one: &(impl Fn(usize) + Sync)) {
+    if serial || batches.len() <= BLOCK {
+        batches.for_each(one);
+        return;
+    }
+    crew.run(batches.len().div_ceil(BLOCK), &|block| {
+        let first = batches.start + block * BLOCK;
+        (first..(first + BLOCK).min(batches.end)).for_each(one);
+    });
 }
 
 /// One pass over one batch, by the kernel of its group. See [`Passes::run`] for the answer.
