@@ -169,6 +169,11 @@ impl World {
         let h = dt / self.settings.substeps as f32;
         let last = self.buffers.last_h;
         let warm = if self.settings.warm_starting && last > 0.0 { h / last } else { 0.0 };
+        if self.joints.changed {
+            self.joints.compact();
+            self.buffers.joints.arrange(&self.joints, &self.bodies);
+        }
+        self.buffers.joints.seat(&self.joints, &self.bodies, self.settings.order);
         let input = PrepareInput {
             bodies: &self.bodies,
             colliders: &self.colliders.all,
@@ -183,13 +188,10 @@ impl World {
             warm,
             stick: STICK * unit,
             order: self.settings.order,
+            seats: &self.buffers.joints.seats,
             per_point: self.settings.friction_model == FrictionModel::Point,
         };
         let prepared = prepare(crew, &input, &mut self.buffers.rows, &mut self.buffers.prepare, &mut room);
-        if self.joints.changed {
-            self.joints.compact();
-            self.buffers.joints.arrange(&self.joints, &self.bodies);
-        }
         if self.joints.count > 0 {
             let input = JointInput {
                 bodies: &self.bodies,
@@ -197,6 +199,7 @@ impl World {
                 joints: &self.joints,
                 pairs: &self.broad.pairs,
                 hot: &self.colliders.hot,
+                seated: &self.buffers.rows.seated,
                 order: self.settings.order,
                 warm,
                 h,

@@ -4,6 +4,7 @@ use super::batch::{BatchRef, Rows};
 use super::colour::{COLOURS, Colouring, OVERFLOW};
 use super::order::{Group, Order, Stage};
 use super::prepare::PrepareInput;
+use super::seats::{Seat, Seated};
 use crate::memory::{Buffer, Room, bytes_of};
 use crate::narrow_phase::{Contact, NONE};
 
@@ -80,8 +81,10 @@ impl PrepareScratch {
     }
 }
 
-/// Sort key: group, colour, then four points before one, so that lanes of a batch are alike.
-const KEYS: usize = Group::ALL.len() * (COLOURS + 1) * 4;
+/// Sort key: group, colour, then four points before one, so that lanes of a batch are alike, and last those of bodies in
+/// trees of joints, which have their lanes by the tree.
+const KEYS: usize = Group::ALL.len() * (COLOURS + 1) * KINDS;
+const KINDS: usize = 5;
 
 /// What parts there are of each key.
 struct Keys {
@@ -96,13 +99,13 @@ impl Keys {
         Keys { ends: [0; KEYS], colours: [0; Group::ALL.len()] }
     }
 
-    /// Counts one part and says its key.
-    fn count(&mut self, group: Group, colour: usize, points: usize) -> u32 {
+    /// Counts one part of so many points, or one with a seat, and says its key.
+    fn count(&mut self, group: Group, colour: usize, points: Option<usize>) -> u32 {
         if colour != OVERFLOW {
             let colours = &mut self.colours[group as usize];
             *colours = (*colours).max(colour + 1);
         }
-        let key = Keys::first(group, colour) + 4 - points;
+        let key = Keys::first(group, colour) + points.map_or(KINDS - 1, |points| 4 - points);
         self.ends[key] += 1;
         key as u32
     }
@@ -117,9 +120,9 @@ impl Keys {
         })
     }
 
-    /// The first of the four keys of a colour.
+    /// The first of the keys of a colour.
     fn first(group: Group, colour: usize) -> usize {
-        (group as usize * (COLOURS + 1) + colour) * 4
+        (group as usize * (COLOURS + 1) + colour) * KINDS
     }
 }
 
@@ -140,7 +143,7 @@ pub(crate) fn arrange(
     let mut keys = Keys::new();
     if room.is_endless() {
         let (prepared, _) = sort(input, scratch, &mut keys, [u32::MAX; 4]);
-        let batches = schedule(rows, scratch, &keys, input.order);
+        let batches = schedule(input, rows, scratch, &keys);
         rows.resize(batches);
         return prepared;
     }
@@ -152,7 +155,7 @@ pub(crate) fn arrange(
     let mut shed = too_few;
     loop {
         let (mut prepared, lost) = sort(input, scratch, &mut keys, quota(parts, shed));
-        let batches = schedule(rows, scratch, &keys, input.order);
+        let batches = schedule(input, rows, scratch, &keys);
         if rows.make_place(batches, room) {
             enough = shed;
             if shed == too_few || enough - too_few <= 1 + total / 64 {
@@ -273,7 +276,8 @@ fn sort(
             }
             *left -= 1;
             let colour = colouring[group as usize].assign(a, b);
-            entries.push((part, keys.count(group, colour, count)));
+            let seated = group.is_static() && colour != OVERFLOW && input.seats.of(a.min(b)).is_some();
+            entries.push((part, keys.count(group, colour, (!seated).then_some(count))));
         };
         if input.per_point {
             (0..contact.count as usize).for_each(|point| enter(Part::point(slot, point), 1));
@@ -284,7 +288,7 @@ fn sort(
     let mut end = 0;
     for (group, colour) in keys.colours(input.order) {
         let first = Keys::first(group, colour);
-        for place in &mut keys.ends[first..first + 4] {
+        for place in &mut keys.ends[first..first + KINDS] {
             end += std::mem::replace(place, end);
         }
     }
@@ -295,6 +299,13 @@ fn sort(
         sorted[*place as usize] = part;
         *place += 1;
     }
+    if !input.seats.is_empty() {
+        for (group, colour) in keys.colours(input.order) {
+            let ends = &keys.ends[Keys::first(group, colour)..][..KINDS];
+            let seated = ends[KINDS - 2] as usize..ends[KINDS - 1] as usize;
+            sorted[seated].sort_unstable_by_key(|part| seat_of(input, *part));
+        }
+    }
     // A lane of a batch each.
     let rows: usize = ahead.iter().zip(Rows::SIZES).map(|(n, size)| n * size / 8).sum();
     scratch.ahead = (ahead.iter().sum::<usize>() * size_of::<Contact>(), rows);
@@ -303,39 +314,65 @@ fn sort(
     (prepared, shed)
 }
 
+/// The seat of the body of a contact with what is static.
+fn seat_of(input: &PrepareInput<'_>, part: Part) -> Option<Seat> {
+    let contact = &input.contacts[part.slot()];
+    let body = |c: u32| input.hot[c as usize].body as usize;
+    input.seats.of(body(contact.a).min(body(contact.b)))
+}
+
 /// Batches of each stage. Says how many batches there are of one to four points, and of one lane.
-fn schedule(rows: &mut Rows, scratch: &mut PrepareScratch, keys: &Keys, order: Order) -> [usize; 5] {
+fn schedule(
+    input: &PrepareInput<'_>,
+    rows: &mut Rows,
+    scratch: &mut PrepareScratch,
+    keys: &Keys,
+) -> [usize; 5] {
     let (mut counts, mut singles) = ([0u32; 4], 0u32);
+    let mut batch = |points: usize| {
+        // Without points: of one lane.
+        let count = points.checked_sub(1).map_or(&mut singles, |i| &mut counts[i]);
+        *count += 1;
+        BatchRef { points: points as u8, index: *count - 1, seated: false }
+    };
     rows.schedule.clear();
     rows.stages.clear();
+    rows.seated.clear();
     scratch.ranges.clear();
     let mut start = 0;
-    for (group, colour) in keys.colours(order) {
+    for (group, colour) in keys.colours(input.order) {
         let first = Keys::first(group, colour);
-        let ends = &keys.ends[first..first + 4];
-        let end = ends[3];
+        let ends = &keys.ends[first..first + KINDS];
+        let (unseated, end) = (ends[KINDS - 2], ends[KINDS - 1]);
         if start == end {
             continue;
         }
         let stage_start = rows.schedule.len() as u32;
         let serial = colour == OVERFLOW;
         let width = if serial { 1 } else { 8 };
-        for at in (start..end).step_by(width) {
+        for at in (start..unseated).step_by(width) {
             // Of its first part, which has most.
-            let points = 4 - ends.iter().filter(|&&end| at >= end).count();
-            let index = if serial {
-                singles += 1;
-                singles - 1
-            } else {
-                counts[points - 1] += 1;
-                counts[points - 1] - 1
-            };
-            let points = if serial { 0 } else { points as u8 };
-            rows.schedule.push(BatchRef { points, index });
-            scratch.ranges.push((at, (width as u32).min(end - at)));
+            let points = 4 - ends[..4].iter().filter(|&&end| at >= end).count();
+            rows.schedule.push(batch(if serial { 0 } else { points }));
+            scratch.ranges.push((at, (width as u32).min(unseated - at)));
+        }
+        let mut at = unseated as usize;
+        let seated = &scratch.sorted[at..end as usize];
+        let place = |part: &Part| seat_of(input, *part).map(Seat::place);
+        for batch_of in seated.chunk_by(|a, b| place(a) == place(b)) {
+            let most =
+                batch_of.iter().map(|part| part.range(&input.contacts[part.slot()]).1).max().unwrap_or(1);
+            let Some((tree, node)) = place(&batch_of[0]) else { continue };
+            let points = if tree.is_single() { 0 } else { most };
+            let contact = BatchRef { seated: true, ..batch(points) };
+            rows.schedule.push(contact);
+            rows.seated.push(Seated { tree, node, potential: group.is_potential(), batch: contact });
+            scratch.ranges.push((at as u32, batch_of.len() as u32));
+            at += batch_of.len();
         }
         rows.stages.push(Stage { group, start: stage_start, end: rows.schedule.len() as u32, serial });
         start = end;
     }
+    rows.seated.sort_by_key(|seated| (seated.tree, seated.node));
     [counts[0], counts[1], counts[2], counts[3], singles].map(|n| n as usize)
 }

@@ -2,6 +2,7 @@
 
 use super::arrange::Part;
 use super::order::Stage;
+use super::seats::Seated;
 use crate::lanes::{Lanes, Sym3, Vec3, f32x8};
 use crate::memory::{Buffer, Room, bytes_of};
 
@@ -113,8 +114,10 @@ pub(crate) const fn couple(i: usize, k: usize) -> usize {
 /// A batch by its number of points and its place among those.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BatchRef {
-    /// 1 to 4.
+    /// 1 to 4; 0 of one lane.
     pub(crate) points: u8,
+    /// Its contacts are those of a node of a batch of trees, each in the lane of its tree.
+    pub(crate) seated: bool,
     pub(crate) index: u32,
 }
 
@@ -129,6 +132,8 @@ pub(crate) struct Rows {
     pub(crate) single: Vec<Batch<f32, 4>>,
     pub(crate) schedule: Vec<BatchRef>,
     pub(crate) stages: Vec<Stage>,
+    /// Batches that go along with trees, sorted by these and their nodes.
+    pub(crate) seated: Vec<Seated>,
 }
 
 impl Rows {
@@ -193,6 +198,7 @@ impl Rows {
             bytes_of(&self.single),
             bytes_of(&self.schedule),
             bytes_of(&self.stages),
+            bytes_of(&self.seated),
         ]
         .into_iter()
         .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))

@@ -179,32 +179,164 @@ pub(crate) unsafe fn warm_start<L: GatherLanes, const P: usize, const TWO: bool,
     unsafe { v.save::<TWO>([&batch.a, &batch.b], [batch.write_a, batch.write_b], velocity) };
 }
 
-/// One Gauss-Seidel step over the rows of a batch. Overlap is pushed apart softly, or, to relax, what the push added to
-/// the velocities is taken out again: the same code with other numbers, since in a small scene each kernel runs once a
-/// pass, and what it takes to fetch it is a third of its time.
-///
-/// Says whether potential points push.
+/// By how much impulses of a batch change the velocities of its bodies.
+pub(super) trait Response<L: Lanes, const P: usize> {
+    /// Pushes are only added: what is there bears the rest.
+    const ADDS: bool = false;
+    /// Effective mass of a point's row [kg]; zero without a point.
+    fn mass(&self, batch: &Batch<L, P>, i: usize) -> L {
+        batch.points[i].mass
+    }
+    /// By how much a unit impulse at one point changes the normal velocity of another [1/kg].
+    fn stiffness(&self, batch: &Batch<L, P>, i: usize, k: usize) -> L {
+        if i == k { batch.points[i].stiffness } else { batch.coupling[couple(i.min(k), i.max(k))] }
+    }
+    /// Inverse of the matrix of the tangential rows, its smaller eigenvalue [kg], and the mass against twist [kg m²].
+    fn friction(&self, batch: &Batch<L, P>) -> ([L; 3], L, L) {
+        let f = &batch.friction;
+        (f.mass, f.slide_mass, f.twist_mass)
+    }
+    /// Applies an impulse `p` on `b` and `-p` on `a`, with angular impulses `ta` (taken from `a`) and `tb`.
+    fn apply<const TWO: bool>(
+        &mut self,
+        batch: &Batch<L, P>,
+        v: &mut Pair<L>,
+        p: Vec3<L>,
+        ta: Vec3<L>,
+        tb: Vec3<L>,
+    );
+}
+
+/// Two bodies that nothing else holds.
+struct Free;
+
+impl<L: GatherLanes, const P: usize> Response<L, P> for Free {
+    #[inline(always)]
+    fn apply<const TWO: bool>(
+        &mut self,
+        batch: &Batch<L, P>,
+        v: &mut Pair<L>,
+        p: Vec3<L>,
+        ta: Vec3<L>,
+        tb: Vec3<L>,
+    ) {
+        v.apply::<P, TWO>(batch, p, ta, tb);
+    }
+}
+
+/// A body whose contacts were solved along with its tree of joints: what came since must not push it in, but what they
+/// agreed on stands.
+struct Guarded;
+
+impl<L: GatherLanes, const P: usize> Response<L, P> for Guarded {
+    const ADDS: bool = true;
+    #[inline(always)]
+    fn apply<const TWO: bool>(
+        &mut self,
+        batch: &Batch<L, P>,
+        v: &mut Pair<L>,
+        p: Vec3<L>,
+        ta: Vec3<L>,
+        tb: Vec3<L>,
+    ) {
+        v.apply::<P, TWO>(batch, p, ta, tb);
+    }
+}
+
+/// One Gauss-Seidel step over the rows of a batch. Says whether potential points push.
 ///
 /// # Safety
 /// The bodies of the batch that it may write are in no other batch of the stage.
 #[inline(always)]
-#[allow(clippy::needless_range_loop, reason = "several arrays by point")]
 pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const TWO: bool, const FRICTION: bool>(
     batch: &mut Batch<L, P>,
     motion: &Motion<'_, '_>,
     pass: &Pass,
 ) -> bool {
     // SAFETY: by the contract.
+    unsafe { solve_with::<L, P, TWO, FRICTION, _>(batch, motion, pass, &mut Free) }
+}
+
+/// The same for contacts with what is static that were solved along with a tree of joints.
+///
+/// # Safety
+/// As for [`solve`].
+#[inline(always)]
+pub(crate) unsafe fn guard<L: GatherLanes, const P: usize>(
+    batch: &mut Batch<L, P>,
+    motion: &Motion<'_, '_>,
+    pass: &Pass,
+) -> bool {
+    // SAFETY: by the contract.
+    unsafe { solve_with::<L, P, false, false, _>(batch, motion, pass, &mut Guarded) }
+}
+
+/// # Safety
+/// As for [`solve`].
+#[inline(always)]
+unsafe fn solve_with<
+    L: GatherLanes,
+    const P: usize,
+    const TWO: bool,
+    const FRICTION: bool,
+    R: Response<L, P>,
+>(
+    batch: &mut Batch<L, P>,
+    motion: &Motion<'_, '_>,
+    pass: &Pass,
+    response: &mut R,
+) -> bool {
+    // SAFETY: by the contract.
     let mut v = unsafe { Pair::load::<TWO>([&batch.a, &batch.b], motion.velocity) };
-    // Bodies are moved before the rows relax, and not again before they are solved in the next substep.
     if pass.relax {
         // SAFETY: displacements are not written while rows are solved.
-        let d = unsafe { Pair::load::<TWO>([&batch.a, &batch.b], motion.delta) };
-        let gap = relative::<L, TWO>(batch.normal, &d);
-        for point in &mut batch.points {
-            point.now = point.separation + gap + row::<L, TWO>(&d, point);
-        }
+        unsafe { follow::<L, P, TWO>(batch, motion) };
     }
+    if !sweep::<L, P, TWO, FRICTION, R>(batch, &mut v, pass, response) {
+        return false;
+    }
+    // SAFETY: by the contract.
+    unsafe { v.save::<TWO>([&batch.a, &batch.b], [batch.write_a, batch.write_b], motion.velocity) };
+    pass.relax && potential_load(batch).0.gt(L::zero()).any()
+}
+
+/// Separations after displacements. Bodies are moved before the rows relax, and not again before they are solved in the
+/// next substep.
+///
+/// # Safety
+/// No thread writes displacements.
+#[inline(always)]
+pub(super) unsafe fn follow<L: GatherLanes, const P: usize, const TWO: bool>(
+    batch: &mut Batch<L, P>,
+    motion: &Motion<'_, '_>,
+) {
+    // SAFETY: by the contract.
+    let d = unsafe { Pair::load::<TWO>([&batch.a, &batch.b], motion.delta) };
+    let gap = relative::<L, TWO>(batch.normal, &d);
+    for point in &mut batch.points {
+        point.now = point.separation + gap + row::<L, TWO>(&d, point);
+    }
+}
+
+/// Overlap is pushed apart softly, or, to relax, what the push added to the velocities is taken out again: the same code
+/// with other numbers, since in a small scene each kernel runs once a pass, and what it takes to fetch it is a third of
+/// its time.
+///
+/// Says whether anything could change.
+#[inline(always)]
+#[allow(clippy::needless_range_loop, reason = "several arrays by point")]
+pub(super) fn sweep<
+    L: GatherLanes,
+    const P: usize,
+    const TWO: bool,
+    const FRICTION: bool,
+    R: Response<L, P>,
+>(
+    batch: &mut Batch<L, P>,
+    v: &mut Pair<L>,
+    pass: &Pass,
+    response: &mut R,
+) -> bool {
     // To relax, nothing is so deep that it is not borne rigidly, and nothing is pushed.
     let slop = L::splat(if pass.relax { f32::INFINITY } else { pass.slop });
     let pushes = L::splat(if pass.relax { 0.0 } else { 1.0 }).gt(L::zero());
@@ -214,6 +346,7 @@ pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const TWO: bool, cons
         let t2 = n.cross(batch.friction.tangent);
         let limit =
             batch.points.iter().fold(L::zero(), |s, p| s + p.impulse * p.real) * batch.friction.coefficient;
+        let (tangential, slide_mass, twist_mass) = response.friction(batch);
         let f = &mut batch.friction;
         let mut u = -(v.va + v.wa.cross(f.arm_a));
         let mut spin = -v.wa;
@@ -223,8 +356,7 @@ pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const TWO: bool, cons
         }
         let (u1, u2) = (u.dot(f.tangent), u.dot(t2));
         let old = f.impulse;
-        let mut new =
-            [old[0] - (f.mass[0] * u1 + f.mass[1] * u2), old[1] - (f.mass[1] * u1 + f.mass[2] * u2)];
+        let mut new = [0, 1].map(|i| old[i] - (tangential[i] * u1 + tangential[i + 1] * u2));
         if pass.friction_box {
             new = new.map(|x| x.clamp(-limit, limit));
         } else {
@@ -232,23 +364,23 @@ pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const TWO: bool, cons
             // impulse, cut to the cone, would point elsewhere unless the mass is the same in all directions.
             let sticks = (new[0] * new[0] + new[1] * new[1]).le(limit * limit);
             if (!sticks).any() {
-                let slid = [old[0] - f.slide_mass * u1, old[1] - f.slide_mass * u2];
+                let slid = [old[0] - slide_mass * u1, old[1] - slide_mass * u2];
                 let length = (slid[0] * slid[0] + slid[1] * slid[1]).sqrt();
                 let scale = L::select(length.gt(limit), limit / length, L::one());
                 new = std::array::from_fn(|i| L::select(sticks, new[i], slid[i] * scale));
             }
         }
         let bound = limit * f.radius;
-        let twist = (f.twist - f.twist_mass * spin.dot(n)).clamp(-bound, bound);
+        let twist = (f.twist - twist_mass * spin.dot(n)).clamp(-bound, bound);
         let q = f.tangent * (new[0] - old[0]) + t2 * (new[1] - old[1]);
         let w = n * (twist - f.twist);
         (f.impulse, f.twist) = (new, twist);
         let ta = f.arm_a.cross(q) + w;
         let tb = if TWO { f.arm_b.cross(q) + w } else { ta };
-        v.apply::<P, TWO>(batch, q, ta, tb);
+        response.apply::<TWO>(batch, v, q, ta, tb);
     }
 
-    let speed = relative::<L, TWO>(n, &v);
+    let speed = relative::<L, TWO>(n, v);
     let (mut sum, mut ta, mut tb) = (L::zero(), Vec3::zero(), Vec3::zero());
     let mut u = [L::zero(); P];
     let mut bias = [L::zero(); P];
@@ -259,16 +391,24 @@ pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const TWO: bool, cons
     for i in 0..P {
         let point = batch.points[i];
         let s = point.now;
-        u[i] = speed + row::<L, TWO>(&v, &point);
+        u[i] = speed + row::<L, TWO>(v, &point);
         impulse[i] = point.impulse;
         // Apart: only what would close the gap within this substep is taken away, and rigidly so.
         let speculative = s * L::splat(pass.inverse_h);
         let deep = s + slop;
         let rigid = deep.ge(L::zero());
-        let push = (deep * L::splat(pass.softness.bias_rate)).max(L::splat(-pass.push_speed));
+        let push = if R::ADDS {
+            L::zero()
+        } else {
+            (deep * L::splat(pass.softness.bias_rate)).max(L::splat(-pass.push_speed))
+        };
         bias[i] = L::select(rigid, speculative.max(L::zero()), push);
-        mass[i] = point.mass * L::select(rigid, L::one(), L::splat(pass.softness.mass_scale));
-        yielding[i] = L::select(rigid, L::zero(), L::splat(pass.softness.impulse_scale));
+        let own = response.mass(batch, i);
+        (mass[i], yielding[i]) = (own, L::zero());
+        if !R::ADDS {
+            mass[i] = own * L::select(rigid, L::one(), L::splat(pass.softness.mass_scale));
+            yielding[i] = L::select(rigid, L::zero(), L::splat(pass.softness.impulse_scale));
+        }
         touches = touches | (point.mass.gt(L::zero()) & (s.le(L::zero()) | point.impulse.gt(L::zero())));
     }
     // Relaxing, a manifold that is apart, and did not have to push, waits for the next substep: its gaps at the end of
@@ -286,13 +426,13 @@ pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const TWO: bool, cons
             return false;
         }
     }
-    if P > 1 {
-        let (push, on) = level::<L, P>(batch, &u, &bias, &impulse, (&mass, &yielding));
+    if P > 1 && !R::ADDS {
+        let (push, on) = level::<L, P, R>(batch, response, &u, &bias, &impulse, (&mass, &yielding));
         for i in 0..P {
             let change = push * on[i];
             impulse[i] += change;
             for k in 0..P {
-                u[k] += stiffness(batch, i, k) * change;
+                u[k] += response.stiffness(batch, i, k) * change;
             }
         }
     }
@@ -301,11 +441,11 @@ pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const TWO: bool, cons
         let mut new = impulse[i] - mass[i] * (u[i] + bias[i]);
         new -= (impulse[i] - point.held) * yielding[i];
         // An inert lane has an infinite separation; of 0 * inf, which is no number, the larger one is zero.
-        let new = new.max(L::zero());
+        let new = new.max(if R::ADDS { impulse[i] } else { L::zero() });
         let change = new - impulse[i];
         impulse[i] = new;
         for k in 0..P {
-            u[k] += stiffness(batch, i, k) * change;
+            u[k] += response.stiffness(batch, i, k) * change;
         }
     }
     for i in 0..P {
@@ -320,10 +460,8 @@ pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const TWO: bool, cons
             tb += batch.points[i].arm_b * change;
         }
     }
-    v.apply::<P, TWO>(batch, n * sum, ta, tb);
-    // SAFETY: by the contract.
-    unsafe { v.save::<TWO>([&batch.a, &batch.b], [batch.write_a, batch.write_b], motion.velocity) };
-    pass.relax && potential_load(batch).0.gt(L::zero()).any()
+    response.apply::<TWO>(batch, v, n * sum, ta, tb);
+    true
 }
 
 /// Speed of `b` away from `a` along the normal, and what their spins add to it at a point.
@@ -338,12 +476,6 @@ fn row<L: Lanes, const TWO: bool>(p: &Pair<L>, point: &super::batch::PointRow<L>
     if TWO { point.arm_b.dot(p.wb) - a } else { -a }
 }
 
-/// By how much a unit impulse at one point changes the normal velocity of another [1/kg].
-#[inline(always)]
-fn stiffness<L: Lanes, const P: usize>(batch: &Batch<L, P>, i: usize, k: usize) -> L {
-    if i == k { batch.points[i].stiffness } else { batch.coupling[couple(i.min(k), i.max(k))] }
-}
-
 /// The one impulse that, given to every point that bears load or is closing, leaves them no velocity error on average;
 /// and which points these are (1 or 0).
 ///
@@ -351,8 +483,9 @@ fn stiffness<L: Lanes, const P: usize>(batch: &Batch<L, P>, i: usize, k: usize) 
 /// others would turn it back, never quite: a tower that stands straight would learn to lean. After this step a body
 /// that lies flat and evenly loaded has nothing left for the sweep.
 #[inline(always)]
-fn level<L: Lanes, const P: usize>(
+fn level<L: Lanes, const P: usize, R: Response<L, P>>(
     batch: &Batch<L, P>,
+    response: &R,
     u: &[L; P],
     bias: &[L; P],
     impulse: &[L; P],
@@ -366,15 +499,16 @@ fn level<L: Lanes, const P: usize>(
         let acts = mass[i].gt(L::zero()) & (impulse[i].gt(L::zero()) | rest.lt(L::zero()));
         on[i] = L::select(acts, L::one(), L::zero());
         // A row that yields is one that is less stiff: (k + soft) impulse = -error.
-        let soft = point.stiffness * yielding[i] / (L::one() - yielding[i]);
-        let own = point.stiffness + soft;
+        let rigid = response.stiffness(batch, i, i);
+        let soft = rigid * yielding[i] / (L::one() - yielding[i]);
+        let own = rigid + soft;
         let missing = rest + soft * (impulse[i] - point.held);
         // Not a product: an inert lane has an infinite bias.
         error += L::select(acts, missing, L::zero());
         least = L::select(acts, least.min(impulse[i]), least);
         sum += on[i] * own;
         for k in 0..i {
-            let both = on[i] * on[k] * stiffness(batch, i, k);
+            let both = on[i] * on[k] * response.stiffness(batch, i, k);
             sum += both + both;
         }
     }

@@ -6,9 +6,11 @@ use super::joint_ends::{JointPass, NONE, Owned};
 use super::joint_fill::{point, row, tree, turn};
 use super::joint_lock::{PointBatch, TurnBatch};
 use super::joint_row::RowBatch;
+use super::joint_tour::{Along, Toured};
 use super::joint_tree::{Node, TreeBatch};
 use super::joint_trees::{Tree, find};
 use super::order::{Order, RowGroup};
+use super::seats::{Seat, Seated, Seats, TreeRef};
 use crate::body::Bodies;
 use crate::broad_phase::Pair;
 use crate::joint::{Joints, Lock, LockKind, Motion, Row, RowKind};
@@ -129,6 +131,8 @@ pub(crate) struct JointRows {
     tree: Vec<TreeBatch<f32>>,
     /// Dynamic bodies that have contacts, if there are trees.
     touching: Vec<bool>,
+    /// Bodies whose contacts with what is static go along with trees.
+    pub(crate) seats: Seats,
     /// Of soft rows, limits, then locks.
     pub(crate) stages: Vec<JointStage>,
 }
@@ -140,6 +144,8 @@ pub(crate) struct JointInput<'a> {
     pub(crate) joints: &'a Joints,
     pub(crate) pairs: &'a [Pair],
     pub(crate) hot: &'a [Hot],
+    /// Contacts that go along with trees.
+    pub(crate) seated: &'a [Seated],
     /// In which order groups of rows are solved.
     pub(crate) order: Order,
     /// Factor on the impulses of the last step.
@@ -160,6 +166,7 @@ impl JointRows {
             bytes_of_trees(&self.trees),
             bytes_of_trees(&self.tree),
             bytes_of(&self.touching),
+            self.seats.bytes(),
         ];
         all.into_iter().fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
     }
@@ -249,6 +256,32 @@ impl JointRows {
         }
     }
 
+    /// Gives the bodies of trees their seats, if contacts with what is static are more important than joints.
+    pub(crate) fn seat(&mut self, joints: &Joints, bodies: &Bodies, order: Order) {
+        self.seats.clear();
+        let rank = |group| order.rank(group);
+        let first = rank(RowGroup::StaticContacts).min(rank(RowGroup::PotentialStaticContacts));
+        if self.trees.is_empty() && self.tree.is_empty() || first < rank(RowGroup::Joints) {
+            return;
+        }
+        self.seats.reset(bodies.dynamic());
+        let mut put = |owner: u32, side: u8, seat: Seat| {
+            let joint = &joints.all[joints.locks[owner as usize].joint as usize];
+            let body = bodies.slots.dense(joint.bodies[usize::from(side)]) as usize;
+            self.seats.put(body, seat);
+        };
+        let lanes =
+            self.trees.iter().enumerate().map(|(i, batch)| (TreeRef::new(i, false), placed(&batch.nodes)));
+        for (tree, nodes) in lanes {
+            nodes.for_each(|(node, lane, owner, side)| put(owner, side, Seat::new(tree, node, lane)));
+        }
+        let single =
+            self.tree.iter().enumerate().map(|(i, batch)| (TreeRef::new(i, true), placed(&batch.nodes)));
+        for (tree, nodes) in single {
+            nodes.for_each(|(node, lane, owner, side)| put(owner, side, Seat::new(tree, node, lane)));
+        }
+    }
+
     /// Fills all batches.
     pub(crate) fn fill(&mut self, crew: &Crew<'_>, input: &JointInput<'_>) {
         self.stages.sort_by_key(|stage| input.order.rank(stage.group));
@@ -270,8 +303,9 @@ impl JointRows {
         let touching = self.touching.as_slice();
         let (count, trees) = (self.trees.len(), Shared::new(&mut self.trees));
         // SAFETY: each batch is in one block.
-        crew.run(count, &|i| tree(unsafe { trees.get(i) }, input, touching));
-        self.tree.iter_mut().for_each(|batch| tree(batch, input, touching));
+        crew.run(count, &|i| tree(unsafe { trees.get(i) }, TreeRef::new(i, false), input, touching));
+        let single = self.tree.iter_mut().enumerate();
+        single.for_each(|(i, batch)| tree(batch, TreeRef::new(i, true), input, touching));
     }
 
     /// One batch of a stage: solves it or, without a pass, applies the impulses of the last step.
@@ -284,6 +318,7 @@ impl JointRows {
         i: usize,
         motion: &BodyMotion<'_, '_>,
         pass: Option<&JointPass>,
+        along: &Along<'_, '_>,
     ) {
         macro_rules! go {
             ($lanes:expr, $single:expr) => {
@@ -303,7 +338,27 @@ impl JointRows {
             JointType::Weld => go!(views.welds, views.weld),
             JointType::Hinge => go!(views.hinges, views.hinge),
             JointType::Row => go!(views.rows, views.row),
-            JointType::Tree => go!(views.trees, views.tree),
+            JointType::Tree => {
+                // SAFETY: by the contract; each batch is in one stage, and contacts go along with one.
+                unsafe {
+                    match (stage.single, pass) {
+                        (false, None) => views.trees.get(i).warm_start(motion),
+                        (false, Some(pass)) => {
+                            let touch = |seated: &Seated, body: &mut Toured<'_, f32x8>| {
+                                along.lanes(seated, body, motion)
+                            };
+                            views.trees.get(i).solve(motion, pass, along.seated, touch);
+                        }
+                        (true, None) => views.tree.get(i).warm_start(motion),
+                        (true, Some(pass)) => {
+                            let touch = |seated: &Seated, body: &mut Toured<'_, f32>| {
+                                along.single(seated, body, motion)
+                            };
+                            views.tree.get(i).solve(motion, pass, along.seated, touch);
+                        }
+                    }
+                }
+            }
         }
     }
 
@@ -380,6 +435,14 @@ pub(crate) struct JointViews<'a> {
     row: Shared<'a, RowBatch<f32>>,
     trees: Shared<'a, TreeBatch<f32x8>>,
     tree: Shared<'a, TreeBatch<f32>>,
+}
+
+/// Place, lane, lock and side of all that have a body.
+fn placed<L>(nodes: &[Node<L>]) -> impl Iterator<Item = (usize, usize, u32, u8)> {
+    nodes.iter().enumerate().flat_map(|(i, node)| {
+        let owners = node.owner.iter().enumerate().filter(|(_, owner)| **owner != NONE);
+        owners.map(move |(lane, &owner)| (i, lane, owner, node.side))
+    })
 }
 
 fn group_of(row: &Row) -> RowGroup {

@@ -5,6 +5,7 @@ use super::joint_ends::{Ends, NONE, inverse};
 use super::joint_lock::{PointBatch, TINY, TurnBatch, mobility};
 use super::joint_row::RowBatch;
 use super::joint_tree::{ALONE, TOUCHING, TreeBatch};
+use super::seats::TreeRef;
 use crate::joint::{Axes, Joint, LockKind, Motion, Placed, RowKind};
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
 use std::f32::consts::TAU;
@@ -251,7 +252,14 @@ pub(super) fn row<L: GatherLanes>(batch: &mut RowBatch<L>, owners: &[u32], input
 }
 
 /// `touching`: dynamic bodies that have contacts.
-pub(super) fn tree<L: GatherLanes>(batch: &mut TreeBatch<L>, input: &JointInput<'_>, touching: &[bool]) {
+pub(super) fn tree<L: GatherLanes>(
+    batch: &mut TreeBatch<L>,
+    own: TreeRef,
+    input: &JointInput<'_>,
+    touching: &[bool],
+) {
+    let end = |before: &dyn Fn(TreeRef) -> bool| input.seated.partition_point(|s| before(s.tree)) as u32;
+    batch.contacts = (end(&|tree| tree < own), end(&|tree| tree <= own));
     let mut share = [ALONE; 8];
     let bodies = input.bodies;
     let (dynamic, movers) = (bodies.dynamic(), bodies.movers());

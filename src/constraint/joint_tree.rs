@@ -9,166 +9,10 @@
 
 use super::contact_row::Motion;
 use super::joint_ends::{JointPass, NONE, inverse, turned};
+use super::joint_tour::Toured;
+use super::seats::Seated;
+use super::spatial::{Sym6, Twist, plus};
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3, gather, scatter};
-
-/// Columns.
-type Mat3<L> = [Vec3<L>; 3];
-
-/// A linear and an angular part.
-#[derive(Clone, Copy, Debug)]
-struct Twist<L> {
-    linear: Vec3<L>,
-    angular: Vec3<L>,
-}
-
-impl<L: Lanes> Twist<L> {
-    fn zero() -> Self {
-        Twist { linear: Vec3::zero(), angular: Vec3::zero() }
-    }
-    #[inline(always)]
-    fn add(&mut self, o: Twist<L>) {
-        self.linear += o.linear;
-        self.angular += o.angular;
-    }
-    /// Of a force and a torque at an arm, those at the centre.
-    #[inline(always)]
-    fn moved(self, arm: Vec3<L>) -> Self {
-        Twist { linear: self.linear, angular: self.angular + arm.cross(self.linear) }
-    }
-    /// Velocity of the point at an arm.
-    #[inline(always)]
-    fn at(&self, arm: Vec3<L>) -> Vec3<L> {
-        self.linear + self.angular.cross(arm)
-    }
-}
-
-/// A symmetric 6x6 matrix: linear, mixed (linear rows, angular columns) and angular blocks.
-#[derive(Clone, Copy, Debug)]
-struct Sym6<L> {
-    linear: Sym3<L>,
-    mixed: Mat3<L>,
-    angular: Sym3<L>,
-}
-
-#[inline(always)]
-fn mul<L: Lanes>(m: &Mat3<L>, v: Vec3<L>) -> Vec3<L> {
-    m[0] * v.x + m[1] * v.y + m[2] * v.z
-}
-
-#[inline(always)]
-fn mul_transposed<L: Lanes>(m: &Mat3<L>, v: Vec3<L>) -> Vec3<L> {
-    Vec3::new(m[0].dot(v), m[1].dot(v), m[2].dot(v))
-}
-
-#[inline(always)]
-fn columns<L: Lanes>(m: &Sym3<L>) -> Mat3<L> {
-    [Vec3::new(m.xx, m.xy, m.xz), Vec3::new(m.xy, m.yy, m.yz), Vec3::new(m.xz, m.yz, m.zz)]
-}
-
-/// The symmetric part of what is symmetric but for rounding.
-#[inline(always)]
-fn symmetric<L: Lanes>(m: &Mat3<L>) -> Sym3<L> {
-    Sym3 { xx: m[0].x, yy: m[1].y, zz: m[2].z, xy: m[1].x, xz: m[2].x, yz: m[2].y }
-}
-
-#[inline(always)]
-fn minus<L: Lanes>(a: &Sym3<L>, b: &Sym3<L>) -> Sym3<L> {
-    Sym3 {
-        xx: a.xx - b.xx,
-        yy: a.yy - b.yy,
-        zz: a.zz - b.zz,
-        xy: a.xy - b.xy,
-        xz: a.xz - b.xz,
-        yz: a.yz - b.yz,
-    }
-}
-
-#[inline(always)]
-fn plus<L: Lanes>(a: &Sym3<L>, b: &Sym3<L>) -> Sym3<L> {
-    Sym3 {
-        xx: a.xx + b.xx,
-        yy: a.yy + b.yy,
-        zz: a.zz + b.zz,
-        xy: a.xy + b.xy,
-        xz: a.xz + b.xz,
-        yz: a.yz + b.yz,
-    }
-}
-
-impl<L: Lanes> Sym6<L> {
-    /// An inertia as it is at a point that is at an arm from where this one is: forces act there, and velocities are those
-    /// there.
-    #[inline(always)]
-    fn shifted(&self, arm: Vec3<L>) -> Self {
-        let (x, y, z) = axes::<L>();
-        // v = v at the arm + arm x w
-        let over = [x, y, z].map(|e| arm.cross(e));
-        let mixed: Mat3<L> = std::array::from_fn(|k| self.linear.mul(over[k]) + self.mixed[k]);
-        let own = columns(&self.angular);
-        let angular: Mat3<L> =
-            std::array::from_fn(|k| own[k] + mul_transposed(&self.mixed, over[k]) + mixed[k].cross(arm));
-        Sym6 { linear: self.linear, mixed, angular: symmetric(&angular) }
-    }
-
-    /// Of the inverse of an inertia: what is left of that inertia at a joint that turns freely. By the mobility of the point,
-    /// which loses less to rounding than to take from the inertia what turning takes.
-    #[inline(always)]
-    fn point_at(&self, arm: Vec3<L>) -> Self {
-        let (x, y, z) = axes::<L>();
-        let mobility = [x, y, z].map(|e| self.mul(&Twist { linear: e, angular: arm.cross(e) }).at(arm));
-        Sym6 { linear: inverse(&symmetric(&mobility)), ..Sym6::zero() }
-    }
-
-    /// What is left of an inertia at a joint that turns about an axis only.
-    #[inline(always)]
-    fn without_turning_about(&self, axis: Vec3<L>) -> Self {
-        let (force, torque) = (mul(&self.mixed, axis), self.angular.mul(axis));
-        let over = L::one() / axis.dot(torque);
-        let outer = |a: Vec3<L>, b: Vec3<L>| [a * (b.x * over), a * (b.y * over), a * (b.z * over)];
-        let mixed = outer(force, torque);
-        Sym6 {
-            linear: minus(&self.linear, &symmetric(&outer(force, force))),
-            mixed: std::array::from_fn(|k| self.mixed[k] - mixed[k]),
-            angular: minus(&self.angular, &symmetric(&outer(torque, torque))),
-        }
-    }
-
-    fn zero() -> Self {
-        Sym6 { linear: Sym3::default(), mixed: [Vec3::zero(); 3], angular: Sym3::default() }
-    }
-
-    #[inline(always)]
-    fn mul(&self, t: &Twist<L>) -> Twist<L> {
-        Twist {
-            linear: self.linear.mul(t.linear) + mul(&self.mixed, t.angular),
-            angular: mul_transposed(&self.mixed, t.linear) + self.angular.mul(t.angular),
-        }
-    }
-
-    /// By the Schur complement of the angular block.
-    #[inline(always)]
-    fn inverse(&self) -> Self {
-        let r = inverse(&self.angular);
-        // mixed · r, column by column.
-        let qr = columns(&r).map(|column| mul(&self.mixed, column));
-        let taken = self.transposed_mixed().map(|row| mul(&qr, row));
-        let linear = inverse(&minus(&self.linear, &symmetric(&taken)));
-        let mixed = qr.map(|column| -linear.mul(column));
-        // r + (mixed r)ᵀ linear (mixed r)
-        let more: Mat3<L> = std::array::from_fn(|k| -mul_transposed(&qr, mixed[k]));
-        Sym6 { linear, mixed, angular: plus(&r, &symmetric(&more)) }
-    }
-
-    #[inline(always)]
-    fn transposed_mixed(&self) -> Mat3<L> {
-        let m = &self.mixed;
-        [
-            Vec3::new(m[0].x, m[1].x, m[2].x),
-            Vec3::new(m[0].y, m[1].y, m[2].y),
-            Vec3::new(m[0].z, m[1].z, m[2].z),
-        ]
-    }
-}
 
 /// How a body turns on its parent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -210,7 +54,7 @@ pub(crate) struct Node<L> {
     pub(crate) axis: [Vec3<L>; 2],
     pub(crate) error: Vec3<L>,
     /// The same after the last substep.
-    arm_now: [Vec3<L>; 2],
+    pub(super) arm_now: [Vec3<L>; 2],
     apart_now: Vec3<L>,
     axis_now: Vec3<L>,
     error_now: Vec3<L>,
@@ -222,17 +66,22 @@ pub(crate) struct Node<L> {
     braced_inverse: Sym3<L>,
     gained: Vec3<L>,
     /// Inverse of the inertia of the body with all that hangs on it.
-    free: Sym6<L>,
+    pub(super) free: Sym6<L>,
     /// Impulse at the joint per velocity that it doesn't allow.
-    stiff: Sym6<L>,
+    pub(super) stiff: Sym6<L>,
+    /// Velocity of the body per impulse on it, with the whole tree: if it has contacts that go along.
+    pub(super) whole: Sym6<L>,
     /// How much of that is pulled [kg m²].
     pulled: L,
     /// Of one pass.
     sum: Sym6<L>,
-    velocity: Twist<L>,
-    carried: Twist<L>,
-    asked: Twist<L>,
-    change: Twist<L>,
+    pub(super) velocity: Twist<L>,
+    pub(super) carried: Twist<L>,
+    pub(super) asked: Twist<L>,
+    pub(super) change: Twist<L>,
+    pub(super) pending: Twist<L>,
+    /// What contacts that go along turn the body by.
+    pub(super) pushed: Vec3<L>,
 }
 
 impl<L: Lanes> Default for Node<L> {
@@ -267,6 +116,9 @@ impl<L: Lanes> Default for Node<L> {
             gained: zero,
             free: Sym6::zero(),
             stiff: Sym6::zero(),
+            whole: Sym6::zero(),
+            pending: Twist::zero(),
+            pushed: zero,
             pulled: L::zero(),
             sum: Sym6::zero(),
             velocity: Twist::zero(),
@@ -285,6 +137,8 @@ pub(crate) struct TreeBatch<L> {
     pub(crate) fresh: bool,
     /// Share of an error that is taken back within a substep.
     pub(crate) share: L,
+    /// Contacts that go along with the trees: their range among all such.
+    pub(crate) contacts: (u32, u32),
 }
 
 /// Share of an error that is taken back within a substep. Contacts see a tree body by body: what both agree on they find
@@ -296,7 +150,7 @@ pub(crate) const TOUCHING: f32 = 0.05;
 impl<L: GatherLanes> TreeBatch<L> {
     /// A node, and its parent, which stands before it.
     #[inline(always)]
-    fn with_parent(&mut self, i: usize) -> (Option<&mut Node<L>>, &mut Node<L>) {
+    pub(super) fn with_parent(&mut self, i: usize) -> (Option<&mut Node<L>>, &mut Node<L>) {
         let (before, rest) = self.nodes.split_at_mut(i);
         let node = &mut rest[0];
         // Of a root, no place at all.
@@ -344,6 +198,9 @@ impl<L: GatherLanes> TreeBatch<L> {
                 *own += column;
             }
             sum.angular = plus(&sum.angular, &stiff.angular);
+        }
+        if self.contacts.0 < self.contacts.1 {
+            self.answer();
         }
     }
 
@@ -426,11 +283,17 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
-    /// One exact solution for all joints of the trees.
+    /// One exact solution for all joints of the trees; `touch` solves what contacts of a body go along.
     ///
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
-    pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
+    pub(crate) unsafe fn solve(
+        &mut self,
+        motion: &Motion<'_, '_>,
+        pass: &JointPass,
+        contacts: &[Seated],
+        touch: impl FnMut(&Seated, &mut Toured<'_, L>),
+    ) {
         if pass.moved {
             // SAFETY: displacements are not written while rows are solved.
             unsafe { self.follow(motion, 1.0 / pass.inverse_h) };
@@ -459,23 +322,17 @@ impl<L: GatherLanes> TreeBatch<L> {
                 parent.carried.add(node.stiff.mul(&node.asked).moved(other));
             }
         }
+        let own = &contacts[self.contacts.0 as usize..self.contacts.1 as usize];
+        if !own.is_empty() {
+            self.tour(own, touch);
+        }
         for i in 0..self.nodes.len() {
             let (parent, node) = self.with_parent(i);
-            let mut push = node.carried;
-            if node.jointed {
-                let above = parent.map_or(Twist::zero(), |parent| parent.change);
-                let [arm, other] = node.arm_now;
-                let mut asked = node.asked;
-                asked.linear -= above.at(other);
-                asked.angular -= above.angular;
-                let force = node.stiff.mul(&asked);
-                push.add(Twist { linear: -force.linear, angular: -force.angular }.moved(arm));
-                node.impulse -= force.linear;
-                node.twist -= force.angular;
-            }
-            let change = node.free.mul(&push);
+            let (change, force) = node.answered(parent.map_or(Twist::zero(), |parent| parent.change));
+            node.impulse -= force.linear;
+            node.twist -= force.angular;
             node.change = change;
-            node.gained += change.angular;
+            node.gained += change.angular - node.braced_inverse.mul(node.pushed);
             node.velocity.add(change);
         }
         // SAFETY: by the contract.
@@ -531,7 +388,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         for node in &mut self.nodes {
             let (linear, angular) = gather(read, &node.body);
             node.velocity = Twist { linear, angular };
-            node.carried = Twist::zero();
+            (node.carried, node.pushed) = (Twist::zero(), Vec3::zero());
             if node.parent == NONE {
                 let (linear, angular) = gather(read, &node.anchor);
                 node.change = Twist { linear, angular };
@@ -572,10 +429,4 @@ impl<L: Lanes> Node<L> {
         b.xz += -(over * arm.x * arm.z);
         b.yz += -(over * arm.y * arm.z);
     }
-}
-
-#[inline(always)]
-fn axes<L: Lanes>() -> (Vec3<L>, Vec3<L>, Vec3<L>) {
-    let (zero, one) = (L::zero(), L::one());
-    (Vec3::new(one, zero, zero), Vec3::new(zero, one, zero), Vec3::new(zero, zero, one))
 }

@@ -117,7 +117,7 @@ pub(super) fn find(joints: &Joints, bodies: &Bodies) -> (Vec<Vec<Tree>>, Vec<boo
     (groups, taken)
 }
 
-/// The tree under a root, level by level.
+/// The tree under a root, parents before children.
 fn grow<I: Iterator<Item = u32>>(
     root: usize,
     dynamic: usize,
@@ -139,24 +139,22 @@ fn grow<I: Iterator<Item = u32>>(
     if let Some(anchor) = anchor {
         (tree[0].turns, tree[0].turn) = turn_of(anchor);
     }
-    let mut bodies = vec![root];
-    let mut at = 0;
-    while let Some(&body) = bodies.get(at) {
-        let own = tree[at];
-        for lock in locks_of(body).filter(|&lock| !own.jointed || lock != own.lock) {
-            let child = ends(lock)[usize::from(side_of(lock, body) == 0)];
-            let (turns, turn) = turn_of(lock);
-            tree.push(Branch {
-                parent: at as u32,
-                side: side_of(lock, child),
-                jointed: true,
-                turns,
-                lock,
-                turn,
-            });
-            bodies.push(child);
-        }
-        at += 1;
+    // Place and body of those whose joints are still to be followed: depth first, so that what hangs on a body stands
+    // together.
+    let mut open: Vec<(u32, usize, u32)> = Vec::new();
+    let follow = |at: usize, body: usize, own: Branch, open: &mut Vec<(u32, usize, u32)>| {
+        let first = open.len();
+        let on = locks_of(body).filter(|&lock| !own.jointed || lock != own.lock);
+        open.extend(on.map(|lock| (lock, body, at as u32)));
+        open[first..].reverse();
+    };
+    follow(0, root, tree[0], &mut open);
+    while let Some((lock, body, parent)) = open.pop() {
+        let child = ends(lock)[usize::from(side_of(lock, body) == 0)];
+        let (turns, turn) = turn_of(lock);
+        let branch = Branch { parent, side: side_of(lock, child), jointed: true, turns, lock, turn };
+        tree.push(branch);
+        follow(tree.len() - 1, child, branch, &mut open);
     }
     tree
 }

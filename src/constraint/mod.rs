@@ -11,10 +11,13 @@ mod joint_ends;
 mod joint_fill;
 mod joint_lock;
 mod joint_row;
+mod joint_tour;
 mod joint_tree;
 mod joint_trees;
 mod order;
 mod prepare;
+mod seats;
+mod spatial;
 
 pub(crate) use arrange::{PrepareScratch, Prepared};
 pub(crate) use batch::{Batch, Rows};
@@ -30,6 +33,7 @@ pub(crate) const WIDEST_JOINT_BATCH: usize = {
     );
     if row > node { row } else { node }
 };
+pub(crate) use joint_tour::Along;
 pub(crate) use order::{Group, Stage};
 pub use order::{Order, RowGroup};
 pub(crate) use prepare::{PrepareInput, prepare};

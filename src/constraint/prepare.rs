@@ -3,6 +3,7 @@
 use super::arrange::{Part, PrepareScratch, Prepared, arrange};
 use super::batch::{Batch, BatchRef, Rows, couple};
 use super::order::{Group, Order};
+use super::seats::{Seat, Seats};
 use crate::body::{Bodies, Pose};
 use crate::broad_phase::Pair;
 use crate::lanes::{GatherLanes, Lanes, Record, Sym3, Vec3, gather};
@@ -33,6 +34,8 @@ pub(crate) struct PrepareInput<'a> {
     pub(crate) stick: f32,
     /// In which order groups of rows are solved.
     pub(crate) order: Order,
+    /// Bodies whose contacts with what is static go along with their trees of joints.
+    pub(crate) seats: &'a Seats,
     /// Friction at every point: each point then is a manifold of its own.
     pub(crate) per_point: bool,
 }
@@ -50,7 +53,7 @@ pub(crate) fn prepare(
     room: &mut Room,
 ) -> Prepared {
     let prepared = arrange(input, rows, scratch, room);
-    let Rows { p1, p2, p3, p4, single, schedule, stages } = rows;
+    let Rows { p1, p2, p3, p4, single, schedule, stages, .. } = rows;
     let (p1, p2, p3, p4) = (Shared::new(p1), Shared::new(p2), Shared::new(p3), Shared::new(p4));
     let single = Shared::new(single);
     let (schedule, stages, scratch) = (&*schedule, &*stages, &*scratch);
@@ -63,16 +66,17 @@ pub(crate) fn prepare(
             let group = stages[stage].group;
             let (first, count) = scratch.ranges[index];
             let contacts = &scratch.sorted[first as usize..(first + count) as usize];
-            let BatchRef { points, index } = schedule[index];
+            let BatchRef { points, index, seated } = schedule[index];
             let i = index as usize;
+            let seats = seated.then_some(input.seats);
             // SAFETY: each batch stands in the schedule once, so no other block fills it.
             unsafe {
                 match points {
-                    1 => fill(p1.get(i), contacts, group, input),
-                    2 => fill(p2.get(i), contacts, group, input),
-                    3 => fill(p3.get(i), contacts, group, input),
-                    4 => fill(p4.get(i), contacts, group, input),
-                    _ => fill(single.get(i), contacts, group, input),
+                    1 => fill(p1.get(i), contacts, group, seats, input),
+                    2 => fill(p2.get(i), contacts, group, seats, input),
+                    3 => fill(p3.get(i), contacts, group, seats, input),
+                    4 => fill(p4.get(i), contacts, group, seats, input),
+                    _ => fill(single.get(i), contacts, group, seats, input),
                 }
             }
         }
@@ -122,6 +126,7 @@ fn gather_columns<L: GatherLanes, const P: usize>(
     batch: &mut Batch<L, P>,
     parts: &[Part],
     friction: bool,
+    seats: Option<&Seats>,
     input: &PrepareInput<'_>,
 ) -> Columns<P> {
     let mut out = Columns {
@@ -144,13 +149,18 @@ fn gather_columns<L: GatherLanes, const P: usize>(
     let (dynamic, movers) = (input.bodies.dynamic() as u32, input.bodies.movers() as u32);
     (batch.write_a, batch.write_b, batch.swapped) = (0, 0, 0);
     batch.contact = [Part::NONE; 8];
-    for (lane, &part) in parts.iter().enumerate() {
+    let mut first = 0;
+    for (place, &part) in parts.iter().enumerate() {
         let contact = &input.contacts[part.slot()];
         let (shape_a, shape_b) = (&input.colliders[contact.a as usize], &input.colliders[contact.b as usize]);
         let pose = &input.poses[contact.a as usize];
         // `a` of the batch is a body that can be pushed.
         let swap = shape_a.body >= dynamic;
         let (a, b) = if swap { (shape_b.body, shape_a.body) } else { (shape_a.body, shape_b.body) };
+        let lane = seats.and_then(|seats| seats.of(a as usize)).map_or(place, Seat::lane);
+        if place == 0 {
+            first = lane;
+        }
         batch.contact[lane] = part;
         batch.swapped |= u32::from(swap) << lane;
         batch.write_a |= u32::from(a < dynamic) << lane;
@@ -182,8 +192,8 @@ fn gather_columns<L: GatherLanes, const P: usize>(
                 }
             }
         }
-        let (first, count) = part.range(contact);
-        for (i, point) in contact.points[first..first + count].iter().enumerate().take(P) {
+        let (start, count) = part.range(contact);
+        for (i, point) in contact.points[start..start + count].iter().enumerate().take(P) {
             put3(&mut out.position[i], lane, point.position);
             out.separation[i][lane] = point.separation;
             out.impulse[i][lane] = point.impulse * input.warm;
@@ -202,8 +212,8 @@ fn gather_columns<L: GatherLanes, const P: usize>(
         let (sticking, sliding) = shape_a.material.friction_with(&shape_b.material);
         (out.coefficient[0][lane], out.coefficient[1][lane]) = (sticking, sliding);
     }
-    for lane in parts.len()..8 {
-        (batch.a[lane], batch.b[lane]) = (batch.a[0], batch.b[0]);
+    for lane in (0..8).filter(|&lane| batch.contact[lane] == Part::NONE) {
+        (batch.a[lane], batch.b[lane]) = (batch.a[first], batch.b[first]);
     }
     out
 }
@@ -213,9 +223,10 @@ fn fill<L: GatherLanes, const P: usize>(
     batch: &mut Batch<L, P>,
     parts: &[Part],
     group: Group,
+    seats: Option<&Seats>,
     input: &PrepareInput<'_>,
 ) {
-    let columns = gather_columns(batch, parts, !group.is_potential(), input);
+    let columns = gather_columns(batch, parts, !group.is_potential(), seats, input);
     let turn = crate::lanes::Quat {
         v: Vec3::new(
             L::load(&columns.rotation[0]),

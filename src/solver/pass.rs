@@ -1,10 +1,10 @@
 //! One pass over all batches, in the order of their importance.
 
 use crate::constraint::contact_row::{
-    HOLD, Motion, Pass, SHARE, Softness, solve, store as store_batch, warm_start,
+    HOLD, Motion, Pass, SHARE, Softness, guard, solve, store as store_batch, warm_start,
 };
 use crate::constraint::{
-    Batch, Group, JointPass, JointRows, JointStage, JointType, JointViews, Order, Rows, Stage, rub,
+    Along, Batch, Group, JointPass, JointRows, JointStage, JointType, JointViews, Order, Rows, Stage, rub,
 };
 use crate::lanes::GatherLanes;
 use crate::narrow_phase::{Contact, Point};
@@ -63,16 +63,25 @@ impl Passes {
         motion: &Motion<'_, '_>,
     ) -> bool {
         let pushes = AtomicBool::new(false);
-        let Rows { p1, p2, p3, p4, single, schedule, stages } = rows;
+        let Rows { p1, p2, p3, p4, single, schedule, stages, seated } = rows;
         let (p1, p2, p3, p4) = (Shared::new(p1), Shared::new(p2), Shared::new(p3), Shared::new(p4));
         let single = Shared::new(single);
         let schedule = &*schedule;
+        let along = Along {
+            seated,
+            p1: &p1,
+            p2: &p2,
+            p3: &p3,
+            p4: &p4,
+            single: &single,
+            pass: self.of(Group::Static, kind),
+        };
         let mut joints = joined.stages;
         for stage in stages.iter() {
             if !joints.is_empty() {
                 let rank = self.order.rank(stage.group.named());
                 let before = joints.partition_point(|joint| self.order.rank(joint.group) < rank);
-                self.run_joints(crew, kind, &joints[..before], joined.views, motion);
+                self.run_joints(crew, kind, &joints[..before], joined.views, motion, &along);
                 joints = &joints[before..];
             }
             let pass = self.of(stage.group, kind);
@@ -83,11 +92,11 @@ impl Passes {
                 // is serial, and then one thread has it all.
                 let pushed = unsafe {
                     match batch.points {
-                        1 => step(kind, stage.group, p1.get(i), motion, &pass),
-                        2 => step(kind, stage.group, p2.get(i), motion, &pass),
-                        3 => step(kind, stage.group, p3.get(i), motion, &pass),
-                        4 => step(kind, stage.group, p4.get(i), motion, &pass),
-                        _ => step(kind, stage.group, single.get(i), motion, &pass),
+                        1 => step(kind, stage.group, batch.seated, p1.get(i), motion, &pass),
+                        2 => step(kind, stage.group, batch.seated, p2.get(i), motion, &pass),
+                        3 => step(kind, stage.group, batch.seated, p3.get(i), motion, &pass),
+                        4 => step(kind, stage.group, batch.seated, p4.get(i), motion, &pass),
+                        _ => step(kind, stage.group, batch.seated, single.get(i), motion, &pass),
                     }
                 };
                 if pushed {
@@ -96,7 +105,7 @@ impl Passes {
             };
             share_out(crew, stage.start as usize..stage.end as usize, stage.serial, &one);
         }
-        self.run_joints(crew, kind, joints, joined.views, motion);
+        self.run_joints(crew, kind, joints, joined.views, motion, &along);
         pushes.into_inner()
     }
 
@@ -107,6 +116,7 @@ impl Passes {
         stages: &[JointStage],
         views: &JointViews<'_>,
         motion: &Motion<'_, '_>,
+        along: &Along<'_, '_>,
     ) {
         if kind == Kind::Rub {
             return;
@@ -129,7 +139,7 @@ impl Passes {
             let pass = (kind != Kind::WarmStart).then_some(&pass);
             // SAFETY: each batch is in one stage; no dynamic body is twice in it, unless it is of rows that found no
             // colour, and then one thread has it all.
-            let one = |i: usize| unsafe { JointRows::step(views, stage, i, motion, pass) };
+            let one = |i: usize| unsafe { JointRows::step(views, stage, i, motion, pass, along) };
             share_out(crew, stage.start as usize..stage.end as usize, stage.single && !is_tree, &one);
         }
     }
@@ -168,6 +178,7 @@ fn share_out(crew: &Crew<'_>, batches: Range<usize>, serial: bool, one: &(impl F
 unsafe fn step<L: GatherLanes, const P: usize>(
     kind: Kind,
     group: Group,
+    seated: bool,
     batch: &mut Batch<L, P>,
     motion: &Motion<'_, '_>,
     pass: &Pass,
@@ -184,6 +195,7 @@ unsafe fn step<L: GatherLanes, const P: usize>(
                 }
                 false
             }
+            Kind::Solve | Kind::Relax if seated => guard(batch, motion, pass),
             Kind::Solve | Kind::Relax => match group {
                 Group::Dynamic => solve::<L, P, true, true>(batch, motion, pass),
                 Group::PotentialDynamic => solve::<L, P, true, false>(batch, motion, pass),

@@ -1,0 +1,269 @@
+//! Contacts of a tree of joints with what is static, solved along with the tree.
+//!
+//! A foot that lands at 30 m/s is stopped at once by what the foot alone can bear; what hangs on it comes along a joint and a
+//! pass later, and opens the joints by decimetres meanwhile. So while a tree is solved, its contacts push what they would push
+//! in truth: a body with all that hangs on it. From the leaves to the root it is known how each body answers an impulse
+//! (`Node::whole`), and a walk along the tree hands on what the contacts of one body change to the next, so that each of them
+//! sees velocities that all joints allow: Gauss-Seidel in the coordinates of the joints, at the cost of one more solution.
+
+use super::batch::Batch;
+use super::contact_row::{Motion, Pair, Pass, Response, follow, sweep};
+use super::joint_ends::NONE;
+use super::joint_tree::{Node, TreeBatch};
+use super::seats::Seated;
+use super::spatial::{Sym6, Twist};
+use crate::lanes::{GatherLanes, Lanes, Vec3, f32x8};
+use crate::threads::Shared;
+
+/// Walks a pass. TODO
+const TOURS: u32 = 2;
+
+/// All contacts that go along with trees, for several threads.
+pub(crate) struct Along<'a, 'b> {
+    pub(crate) seated: &'a [Seated],
+    pub(crate) p1: &'a Shared<'b, Batch<f32x8, 1>>,
+    pub(crate) p2: &'a Shared<'b, Batch<f32x8, 2>>,
+    pub(crate) p3: &'a Shared<'b, Batch<f32x8, 3>>,
+    pub(crate) p4: &'a Shared<'b, Batch<f32x8, 4>>,
+    pub(crate) single: &'a Shared<'b, Batch<f32, 4>>,
+    pub(crate) pass: Pass,
+}
+
+impl Along<'_, '_> {
+    /// Solves contacts of one body of each of up to eight trees.
+    ///
+    /// # Safety
+    /// No other thread works on the trees, and none writes displacements.
+    pub(super) unsafe fn lanes(
+        &self,
+        seated: &Seated,
+        body: &mut Toured<'_, f32x8>,
+        motion: &Motion<'_, '_>,
+    ) {
+        let (i, free) = (seated.batch.index as usize, seated.potential);
+        // SAFETY: by the contract; a batch has the contacts of one batch of trees.
+        unsafe {
+            match seated.batch.points {
+                1 => touch(self.p1.get(i), free, body, motion, &self.pass),
+                2 => touch(self.p2.get(i), free, body, motion, &self.pass),
+                3 => touch(self.p3.get(i), free, body, motion, &self.pass),
+                _ => touch(self.p4.get(i), free, body, motion, &self.pass),
+            }
+        }
+    }
+
+    /// Solves contacts of one body of one tree.
+    ///
+    /// # Safety
+    /// As for [`Along::lanes`].
+    pub(super) unsafe fn single(&self, seated: &Seated, body: &mut Toured<'_, f32>, motion: &Motion<'_, '_>) {
+        let i = seated.batch.index as usize;
+        // SAFETY: by the contract; a batch has the contacts of one tree.
+        unsafe { touch(self.single.get(i), seated.potential, body, motion, &self.pass) }
+    }
+}
+
+/// A body of a tree while its contacts are solved.
+pub(crate) struct Toured<'a, L> {
+    velocity: Twist<L>,
+    whole: &'a Sym6<L>,
+    /// What its contacts gave it.
+    push: Twist<L>,
+}
+
+impl<L: GatherLanes> TreeBatch<L> {
+    /// How each body answers an impulse on it, with the whole tree.
+    pub(super) fn answer(&mut self) {
+        for i in 0..self.nodes.len() {
+            let (parent, node) = self.with_parent(i);
+            let column = |unit: Twist<L>| {
+                let mut push = unit;
+                if node.jointed {
+                    let [arm, other] = node.arm_now;
+                    let mut asked = node.free.mul(&unit).seen_at(arm);
+                    if let Some(parent) = &parent {
+                        asked.subtract(parent.whole.mul(&node.stiff.mul(&asked).moved(other)).seen_at(other));
+                    }
+                    push.subtract(node.stiff.mul(&asked).moved(arm));
+                }
+                node.free.mul(&push)
+            };
+            node.whole = Sym6::by_columns(column);
+        }
+    }
+
+    /// Lets `solve` have the contacts of each body in turn, with the velocity that it has then.
+    pub(super) fn tour(&mut self, contacts: &[Seated], mut solve: impl FnMut(&Seated, &mut Toured<'_, L>)) {
+        for _ in 0..TOURS {
+            self.nodes.iter_mut().for_each(|node| node.pending = Twist::zero());
+            let (mut at, mut left) = (NONE, contacts);
+            for i in 0..self.nodes.len() {
+                while at != self.nodes[i].parent {
+                    at = self.climb(at);
+                }
+                let (parent, node) = self.with_parent(i);
+                node.change = node.answered(parent.map_or(Twist::zero(), |parent| parent.change)).0;
+                let here = left.partition_point(|seated| seated.node as usize == i);
+                for seated in &left[..here] {
+                    let mut velocity = node.velocity;
+                    velocity.add(node.change);
+                    let mut body = Toured { velocity, whole: &node.whole, push: Twist::zero() };
+                    solve(seated, &mut body);
+                    let push = body.push;
+                    node.change.add(node.whole.mul(&push));
+                    node.pending.add(push);
+                    node.pushed += push.angular;
+                }
+                left = &left[here..];
+                at = i as u32;
+            }
+            while at != NONE {
+                at = self.climb(at);
+            }
+        }
+    }
+
+    /// Hands what came on a body on the walk to its parent, which it names.
+    fn climb(&mut self, from: u32) -> u32 {
+        let (parent, node) = self.with_parent(from as usize);
+        node.carried.add(node.pending);
+        if node.jointed {
+            let [arm, other] = node.arm_now;
+            let asked = node.free.mul(&node.pending).seen_at(arm);
+            node.asked.add(asked);
+            if let Some(parent) = parent {
+                let push = node.stiff.mul(&asked).moved(other);
+                parent.pending.add(push);
+                parent.change.add(parent.whole.mul(&push));
+            }
+        }
+        node.parent
+    }
+}
+
+impl<L: Lanes> Node<L> {
+    /// The change of velocity that answers what is carried and asked for, and the impulse of the joint, which is taken from
+    /// the body at its arm.
+    #[inline(always)]
+    pub(super) fn answered(&self, above: Twist<L>) -> (Twist<L>, Twist<L>) {
+        let (mut push, mut force) = (self.carried, Twist::zero());
+        if self.jointed {
+            let [arm, other] = self.arm_now;
+            let mut asked = self.asked;
+            asked.subtract(above.seen_at(other));
+            force = self.stiff.mul(&asked);
+            push.subtract(force.moved(arm));
+        }
+        (self.free.mul(&push), force)
+    }
+}
+
+/// How a body of a tree answers.
+struct Whole<'a, L, const P: usize> {
+    whole: &'a Sym6<L>,
+    push: Twist<L>,
+    mass: [L; P],
+    stiffness: [[L; P]; P],
+    friction: ([L; 3], L, L),
+}
+
+/// Of what a row is to a body alone, the least that the whole tree may make of it: less is rounding.
+const LEAST: f32 = 1e-4;
+
+impl<'a, L: Lanes, const P: usize> Whole<'a, L, P> {
+    #[inline(always)]
+    fn new<const FRICTION: bool>(whole: &'a Sym6<L>, batch: &Batch<L, P>) -> Self {
+        let n = batch.normal;
+        let (zero, one) = (L::zero(), L::one());
+        let mut stiffness = [[zero; P]; P];
+        let mut mass = [zero; P];
+        for i in 0..P {
+            let point = &batch.points[i];
+            let answer = whole.mul(&Twist { linear: n, angular: point.arm_a });
+            for k in 0..P {
+                stiffness[i][k] = n.dot(answer.linear) + batch.points[k].arm_a.dot(answer.angular);
+            }
+            stiffness[i][i] = stiffness[i][i].max(point.stiffness * L::splat(LEAST));
+            mass[i] = L::select(point.mass.gt(zero), one / stiffness[i][i], zero);
+        }
+        let mut friction = ([zero; 3], zero, zero);
+        if FRICTION {
+            let f = &batch.friction;
+            let along =
+                [f.tangent, n.cross(f.tangent)].map(|t| Twist { linear: t, angular: f.arm_a.cross(t) });
+            let answers = [whole.mul(&along[0]), whole.mul(&along[1])];
+            let (k11, k12, k22) =
+                (along[0].dot(&answers[0]), along[0].dot(&answers[1]), along[1].dot(&answers[1]));
+            let det = k11 * k22 - k12 * k12;
+            let some = det.gt(zero) & f.slide_mass.gt(zero);
+            let over = L::select(some, one / L::select(some, det, one), zero);
+            let masses = [k22 * over, -(k12 * over), k11 * over];
+            let (half, apart) =
+                ((masses[0] + masses[2]) * L::splat(0.5), (masses[0] - masses[2]) * L::splat(0.5));
+            let slide = (half - (apart * apart + masses[1] * masses[1]).sqrt()).max(zero);
+            let kt = n.dot(whole.angular.mul(n));
+            let turns = kt.gt(zero) & f.twist_mass.gt(zero);
+            friction = (masses, slide, L::select(turns, one / L::select(turns, kt, one), zero));
+        }
+        Whole { whole, push: Twist::zero(), mass, stiffness, friction }
+    }
+}
+
+impl<L: GatherLanes, const P: usize> Response<L, P> for Whole<'_, L, P> {
+    #[inline(always)]
+    fn mass(&self, _: &Batch<L, P>, i: usize) -> L {
+        self.mass[i]
+    }
+    #[inline(always)]
+    fn stiffness(&self, _: &Batch<L, P>, i: usize, k: usize) -> L {
+        self.stiffness[i][k]
+    }
+    #[inline(always)]
+    fn friction(&self, _: &Batch<L, P>) -> ([L; 3], L, L) {
+        self.friction
+    }
+    #[inline(always)]
+    fn apply<const TWO: bool>(
+        &mut self,
+        _: &Batch<L, P>,
+        v: &mut Pair<L>,
+        p: Vec3<L>,
+        ta: Vec3<L>,
+        _: Vec3<L>,
+    ) {
+        let push = Twist { linear: -p, angular: -ta };
+        self.push.add(push);
+        let change = self.whole.mul(&push);
+        v.va += change.linear;
+        v.wa += change.angular;
+    }
+}
+
+/// One Gauss-Seidel step over the contacts of a body of each tree.
+///
+/// # Safety
+/// The batch is no other thread's, and no thread writes displacements.
+#[inline(always)]
+pub(super) unsafe fn touch<L: GatherLanes, const P: usize>(
+    batch: &mut Batch<L, P>,
+    potential: bool,
+    body: &mut Toured<'_, L>,
+    motion: &Motion<'_, '_>,
+    pass: &Pass,
+) {
+    if pass.relax {
+        // SAFETY: by the contract.
+        unsafe { follow::<L, P, false>(batch, motion) };
+    }
+    let (zero, v) = (Vec3::zero(), body.velocity);
+    let mut v = Pair { va: v.linear, wa: v.angular, vb: zero, wb: zero };
+    if potential {
+        let mut whole = Whole::new::<false>(body.whole, batch);
+        sweep::<L, P, false, false, _>(batch, &mut v, pass, &mut whole);
+        body.push = whole.push;
+    } else {
+        let mut whole = Whole::new::<true>(body.whole, batch);
+        sweep::<L, P, false, true, _>(batch, &mut v, pass, &mut whole);
+        body.push = whole.push;
+    }
+}

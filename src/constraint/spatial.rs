@@ -1,0 +1,197 @@
+//! Velocities and impulses of bodies as one: a linear and an angular part, and the inertias between them.
+
+use super::joint_ends::inverse;
+use crate::lanes::{Lanes, Sym3, Vec3};
+
+/// Columns.
+pub(super) type Mat3<L> = [Vec3<L>; 3];
+
+/// A linear and an angular part.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Twist<L> {
+    pub(super) linear: Vec3<L>,
+    pub(super) angular: Vec3<L>,
+}
+
+impl<L: Lanes> Twist<L> {
+    pub(super) fn zero() -> Self {
+        Twist { linear: Vec3::zero(), angular: Vec3::zero() }
+    }
+    #[inline(always)]
+    pub(super) fn add(&mut self, o: Twist<L>) {
+        self.linear += o.linear;
+        self.angular += o.angular;
+    }
+    #[inline(always)]
+    pub(super) fn subtract(&mut self, o: Twist<L>) {
+        self.linear -= o.linear;
+        self.angular -= o.angular;
+    }
+    #[inline(always)]
+    pub(super) fn dot(&self, o: &Twist<L>) -> L {
+        self.linear.dot(o.linear) + self.angular.dot(o.angular)
+    }
+    /// Of a force and a torque at an arm, those at the centre.
+    #[inline(always)]
+    pub(super) fn moved(self, arm: Vec3<L>) -> Self {
+        Twist { linear: self.linear, angular: self.angular + arm.cross(self.linear) }
+    }
+    /// Of a velocity of a body, that of a point of it at an arm.
+    #[inline(always)]
+    pub(super) fn seen_at(&self, arm: Vec3<L>) -> Self {
+        Twist { linear: self.at(arm), angular: self.angular }
+    }
+    /// Velocity of the point at an arm.
+    #[inline(always)]
+    pub(super) fn at(&self, arm: Vec3<L>) -> Vec3<L> {
+        self.linear + self.angular.cross(arm)
+    }
+}
+
+/// A symmetric 6x6 matrix: linear, mixed (linear rows, angular columns) and angular blocks.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sym6<L> {
+    pub(super) linear: Sym3<L>,
+    pub(super) mixed: Mat3<L>,
+    pub(super) angular: Sym3<L>,
+}
+
+#[inline(always)]
+fn mul<L: Lanes>(m: &Mat3<L>, v: Vec3<L>) -> Vec3<L> {
+    m[0] * v.x + m[1] * v.y + m[2] * v.z
+}
+
+#[inline(always)]
+fn mul_transposed<L: Lanes>(m: &Mat3<L>, v: Vec3<L>) -> Vec3<L> {
+    Vec3::new(m[0].dot(v), m[1].dot(v), m[2].dot(v))
+}
+
+#[inline(always)]
+fn columns<L: Lanes>(m: &Sym3<L>) -> Mat3<L> {
+    [Vec3::new(m.xx, m.xy, m.xz), Vec3::new(m.xy, m.yy, m.yz), Vec3::new(m.xz, m.yz, m.zz)]
+}
+
+/// The symmetric part of what is symmetric but for rounding.
+#[inline(always)]
+fn symmetric<L: Lanes>(m: &Mat3<L>) -> Sym3<L> {
+    Sym3 { xx: m[0].x, yy: m[1].y, zz: m[2].z, xy: m[1].x, xz: m[2].x, yz: m[2].y }
+}
+
+#[inline(always)]
+fn minus<L: Lanes>(a: &Sym3<L>, b: &Sym3<L>) -> Sym3<L> {
+    Sym3 {
+        xx: a.xx - b.xx,
+        yy: a.yy - b.yy,
+        zz: a.zz - b.zz,
+        xy: a.xy - b.xy,
+        xz: a.xz - b.xz,
+        yz: a.yz - b.yz,
+    }
+}
+
+#[inline(always)]
+pub(super) fn plus<L: Lanes>(a: &Sym3<L>, b: &Sym3<L>) -> Sym3<L> {
+    Sym3 {
+        xx: a.xx + b.xx,
+        yy: a.yy + b.yy,
+        zz: a.zz + b.zz,
+        xy: a.xy + b.xy,
+        xz: a.xz + b.xz,
+        yz: a.yz + b.yz,
+    }
+}
+
+impl<L: Lanes> Sym6<L> {
+    /// An inertia as it is at a point that is at an arm from where this one is: forces act there, and velocities are those
+    /// there.
+    #[inline(always)]
+    pub(super) fn shifted(&self, arm: Vec3<L>) -> Self {
+        let (x, y, z) = axes::<L>();
+        // v = v at the arm + arm x w
+        let over = [x, y, z].map(|e| arm.cross(e));
+        let mixed: Mat3<L> = std::array::from_fn(|k| self.linear.mul(over[k]) + self.mixed[k]);
+        let own = columns(&self.angular);
+        let angular: Mat3<L> =
+            std::array::from_fn(|k| own[k] + mul_transposed(&self.mixed, over[k]) + mixed[k].cross(arm));
+        Sym6 { linear: self.linear, mixed, angular: symmetric(&angular) }
+    }
+
+    /// Of the inverse of an inertia: what is left of that inertia at a joint that turns freely. By the mobility of the point,
+    /// which loses less to rounding than to take from the inertia what turning takes.
+    #[inline(always)]
+    pub(super) fn point_at(&self, arm: Vec3<L>) -> Self {
+        let (x, y, z) = axes::<L>();
+        let mobility = [x, y, z].map(|e| self.mul(&Twist { linear: e, angular: arm.cross(e) }).at(arm));
+        Sym6 { linear: inverse(&symmetric(&mobility)), ..Sym6::zero() }
+    }
+
+    /// What is left of an inertia at a joint that turns about an axis only.
+    #[inline(always)]
+    pub(super) fn without_turning_about(&self, axis: Vec3<L>) -> Self {
+        let (force, torque) = (mul(&self.mixed, axis), self.angular.mul(axis));
+        let over = L::one() / axis.dot(torque);
+        let outer = |a: Vec3<L>, b: Vec3<L>| [a * (b.x * over), a * (b.y * over), a * (b.z * over)];
+        let mixed = outer(force, torque);
+        Sym6 {
+            linear: minus(&self.linear, &symmetric(&outer(force, force))),
+            mixed: std::array::from_fn(|k| self.mixed[k] - mixed[k]),
+            angular: minus(&self.angular, &symmetric(&outer(torque, torque))),
+        }
+    }
+
+    /// Out of what it makes of each unit vector.
+    #[inline(always)]
+    pub(super) fn by_columns(mut column: impl FnMut(Twist<L>) -> Twist<L>) -> Self {
+        let (x, y, z) = axes::<L>();
+        let zero = Vec3::zero();
+        let linear = [x, y, z].map(|e| column(Twist { linear: e, angular: zero }).linear);
+        let turned = [x, y, z].map(|e| column(Twist { linear: zero, angular: e }));
+        Sym6 {
+            linear: symmetric(&linear),
+            mixed: turned.map(|t| t.linear),
+            angular: symmetric(&turned.map(|t| t.angular)),
+        }
+    }
+
+    pub(super) fn zero() -> Self {
+        Sym6 { linear: Sym3::default(), mixed: [Vec3::zero(); 3], angular: Sym3::default() }
+    }
+
+    #[inline(always)]
+    pub(super) fn mul(&self, t: &Twist<L>) -> Twist<L> {
+        Twist {
+            linear: self.linear.mul(t.linear) + mul(&self.mixed, t.angular),
+            angular: mul_transposed(&self.mixed, t.linear) + self.angular.mul(t.angular),
+        }
+    }
+
+    /// By the Schur complement of the angular block.
+    #[inline(always)]
+    pub(super) fn inverse(&self) -> Self {
+        let r = inverse(&self.angular);
+        // mixed · r, column by column.
+        let qr = columns(&r).map(|column| mul(&self.mixed, column));
+        let taken = self.transposed_mixed().map(|row| mul(&qr, row));
+        let linear = inverse(&minus(&self.linear, &symmetric(&taken)));
+        let mixed = qr.map(|column| -linear.mul(column));
+        // r + (mixed r)ᵀ linear (mixed r)
+        let more: Mat3<L> = std::array::from_fn(|k| -mul_transposed(&qr, mixed[k]));
+        Sym6 { linear, mixed, angular: plus(&r, &symmetric(&more)) }
+    }
+
+    #[inline(always)]
+    fn transposed_mixed(&self) -> Mat3<L> {
+        let m = &self.mixed;
+        [
+            Vec3::new(m[0].x, m[1].x, m[2].x),
+            Vec3::new(m[0].y, m[1].y, m[2].y),
+            Vec3::new(m[0].z, m[1].z, m[2].z),
+        ]
+    }
+}
+
+#[inline(always)]
+fn axes<L: Lanes>() -> (Vec3<L>, Vec3<L>, Vec3<L>) {
+    let (zero, one) = (L::zero(), L::one());
+    (Vec3::new(one, zero, zero), Vec3::new(zero, one, zero), Vec3::new(zero, zero, one))
+}
