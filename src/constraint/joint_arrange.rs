@@ -390,6 +390,7 @@ impl JointRows {
         let Joints { all, locks, rows, .. } = joints;
         let mut lock = |owner: u32, impulse: glam::Vec3| {
             let lock = &mut locks[owner as usize];
+            lock.steady = impulse.length().min(lock.impulse.length());
             lock.impulse = impulse;
             // A load that is gone is gone at once.
             let bears = impulse.length() * SHARE;

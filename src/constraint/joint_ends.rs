@@ -103,19 +103,21 @@ impl<L: GatherLanes> Ends<L> {
     }
 }
 
-/// A vector turned by a rotation vector of up to half a turn: what the substeps of one step make.
+/// A vector turned by a rotation vector of up to a whole turn: what the substeps of one step make.
 #[inline(always)]
 pub(super) fn turned<L: Lanes>(by: Vec3<L>, v: Vec3<L>) -> Vec3<L> {
-    // Rodrigues' formula, its two functions of the angle as series.
-    let x = by.length_squared().min(L::splat(10.0));
+    // Twice by half the angle: of that, the sine and the cosine as series.
+    let half = by * L::splat(0.5);
+    let x = half.length_squared().min(L::splat(10.0));
     let series = |c: [f32; 5]| {
         let [c0, c1, c2, c3, c4] = c.map(L::splat);
         c0 + x * (c1 + x * (c2 + x * (c3 + x * c4)))
     };
-    let sine = series([1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0]);
-    let cosine = series([0.5, -1.0 / 24.0, 1.0 / 720.0, -1.0 / 40_320.0, 1.0 / 3_628_800.0]);
-    let once = by.cross(v);
-    v + once * sine + by.cross(once) * cosine
+    let sine = half * series([1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0]);
+    let cosine = L::one() - x * series([0.5, -1.0 / 24.0, 1.0 / 720.0, -1.0 / 40_320.0, 1.0 / 3_628_800.0]);
+    let once = sine.cross(v);
+    let once = once + once;
+    v + once * cosine + sine.cross(once)
 }
 
 impl JointPass {

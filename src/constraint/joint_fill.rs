@@ -295,6 +295,7 @@ pub(super) fn tree<L: GatherLanes>(
                 put(&mut node.arm[1], lane, at.arm[1 - side]);
                 put(&mut node.apart, lane, at.apart * sign);
                 put(&mut node.impulse, lane, lock.impulse * (sign * input.warm));
+                node.steady.set_lane(lane, lock.steady * input.warm);
                 if node.turn_owner[lane] != NONE {
                     let lock = &input.joints.locks[node.turn_owner[lane] as usize];
                     put(&mut node.twist, lane, lock.impulse * (sign * input.warm));

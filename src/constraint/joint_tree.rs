@@ -61,6 +61,8 @@ pub(crate) struct Node<L> {
     /// On the body, of the last substep: at the joint [N s], and about it [N m s].
     pub(crate) impulse: Vec3<L>,
     pub(crate) twist: Vec3<L>,
+    /// How much of the impulse at the joint is no blow [N s].
+    pub(crate) steady: L,
     /// Inertia with what pulls on the body, its inverse, and the angular velocity that the tree gave in the last substep.
     braced: Sym3<L>,
     braced_inverse: Sym3<L>,
@@ -111,6 +113,7 @@ impl<L: Lanes> Default for Node<L> {
             error_now: zero,
             impulse: zero,
             twist: zero,
+            steady: L::zero(),
             braced: Sym3::default(),
             braced_inverse: Sym3::default(),
             gained: zero,
@@ -218,9 +221,13 @@ impl<L: GatherLanes> TreeBatch<L> {
             if !node.jointed {
                 continue;
             }
-            node.pull(node.impulse, node.arm_now[0], h);
+            let size = node.impulse.length();
+            let blow = size.gt(node.steady);
+            let steady = L::select(blow, node.steady / L::select(blow, size, L::one()), L::one());
+            let impulse = node.impulse * steady;
+            node.pull(impulse, node.arm_now[0], h);
             if let Some(parent) = parent {
-                parent.pull(-node.impulse, node.arm_now[1], h);
+                parent.pull(-impulse, node.arm_now[1], h);
             }
         }
         for node in &mut self.nodes {
