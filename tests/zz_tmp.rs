@@ -1,42 +1,56 @@
-use std::f32::consts::*;
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::*;
+use std::f32::consts::*;
 use std::sync::Arc;
 fn ground(world: &mut World) {
     let s = 50.0;
-    let v = vec![Vec3::new(-s,0.,-s),Vec3::new(-s,0.,s),Vec3::new(s,0.,s),Vec3::new(s,0.,-s)];
-    let g = Geometry::Mesh(Arc::new(TriangleMesh::new(v, vec![[0,1,2],[0,2,3]]).unwrap()));
+    let v = vec![Vec3::new(-s, 0., -s), Vec3::new(-s, 0., s), Vec3::new(s, 0., s), Vec3::new(s, 0., -s)];
+    let g = Geometry::Mesh(Arc::new(TriangleMesh::new(v, vec![[0, 1, 2], [0, 2, 3]]).unwrap()));
     world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(g))).unwrap();
 }
-fn gap(world: &World, j: JointHandle) -> f64 { let [(a,_),(b,_)] = world.joint_frames(j).unwrap(); (b-a).length() }
+fn gap(world: &World, j: JointHandle) -> f64 {
+    let [(a, _), (b, _)] = world.joint_frames(j).unwrap();
+    (b - a).length()
+}
 fn chain(sub: u32, it: u32, tilt: f32, n: usize) {
-    let mut w = World::new(Settings{substeps: sub, iterations: it, ..Settings::default()}).unwrap();
+    let mut w = World::new(Settings { substeps: sub, iterations: it, ..Settings::default() }).unwrap();
     ground(&mut w);
     let turn = Quat::from_rotation_z(tilt);
     let dir = turn * Vec3::Y;
-    let mut js = vec![]; let mut last=None;
+    let mut js = vec![];
+    let mut last = None;
     for i in 0..n {
-        let at = DVec3::Y*1.0 + (dir*(0.25+0.5*i as f32)).as_dvec3();
-        let d = BodyDesc { linear_velocity: Vec3::NEG_Y*30.0, rotation: turn, ..BodyDesc::dynamic().at(at) }.with_shape(ShapeDesc::new(Geometry::capsule(0.15,0.1)));
+        let at = DVec3::Y * 1.0 + (dir * (0.25 + 0.5 * i as f32)).as_dvec3();
+        let d =
+            BodyDesc { linear_velocity: Vec3::NEG_Y * 30.0, rotation: turn, ..BodyDesc::dynamic().at(at) }
+                .with_shape(ShapeDesc::new(Geometry::capsule(0.15, 0.1)));
         let b = w.add_body(&d).unwrap();
-        if let Some(l)=last {
-            let p = DVec3::Y*1.0 + (dir*(0.5*i as f32)).as_dvec3();
-            let f = w.frames_at([l,b], p, turn).unwrap();
-            js.push(w.add_joint(&JointDesc::ball([l,b], f)).unwrap());
+        if let Some(l) = last {
+            let p = DVec3::Y * 1.0 + (dir * (0.5 * i as f32)).as_dvec3();
+            let f = w.frames_at([l, b], p, turn).unwrap();
+            js.push(w.add_joint(&JointDesc::ball([l, b], f)).unwrap());
         }
-        last=Some(b);
+        last = Some(b);
     }
     println!("{sub}x{it} tilt {tilt} n {n}");
     for step in 0..12 {
-        w.step(1.0/60.0).unwrap();
-        let g: Vec<String> = js.iter().map(|&j| format!("{:.1}", gap(&w,j)*1e3)).collect();
+        w.step(1.0 / 60.0).unwrap();
+        let g: Vec<String> = js.iter().map(|&j| format!("{:.1}", gap(&w, j) * 1e3)).collect();
         println!("{step}: {} mm", g.join(" "));
     }
 }
 #[test]
-fn two() { driven2(Order::default(),(1,8),5e4); }
+fn two() {
+    driven2(Order::default(), (1, 8), 5e4);
+}
 #[test]
-fn one() { chain(4,1,0.0,2); chain(4,1,0.3,2); chain(4,1,0.3,5); chain(1,8,0.3,5); chain(4,1,1.57,5); }
+fn one() {
+    chain(4, 1, 0.0, 2);
+    chain(4, 1, 0.3, 2);
+    chain(4, 1, 0.3, 5);
+    chain(1, 8, 0.3, 5);
+    chain(4, 1, 1.57, 5);
+}
 /// A door of 2 cm, 1 m wide, that turns about the y axis, driven at 5 rad/s by a motor against a mesh without thickness
 /// that stands in its way at 45 degrees. How far its outer edge gets beyond the mesh, and the widest gap in the hinge [m].
 fn driven2(order: Order, (substeps, iterations): (u32, u32), torque: f32) -> (f32, f64) {
@@ -62,15 +76,21 @@ fn driven2(order: Order, (substeps, iterations): (u32, u32), torque: f32) -> (f3
     let normal = along.cross(Vec3::Y);
     let (mut beyond, mut widest) = (0.0_f32, 0.0_f64);
     for k in 0..60 {
-        let r = world.step(1.0 / 60.0).unwrap(); let (re,po)=(r.real, r.potential);
+        let r = world.step(1.0 / 60.0).unwrap();
+        let (re, po) = (r.real, r.potential);
         let (at, turn) = (world.position(door).unwrap().as_vec3(), world.rotation(door).unwrap());
         for y in [-1.0, 1.0] {
             beyond = beyond.max(-normal.dot(at + turn * Vec3::new(0.5, y, 0.0)));
         }
-        let f=world.joint_force(joint).unwrap(); println!("{k}: real {re} pot {po} pos {at:.3} w {:.2} v {:.2} force {:.0?}", world.angular_velocity(door).unwrap(), world.linear_velocity(door).unwrap(), f);
+        let f = world.joint_force(joint).unwrap();
+        println!(
+            "{k}: real {re} pot {po} pos {at:.3} w {:.2} v {:.2} force {:.0?}",
+            world.angular_velocity(door).unwrap(),
+            world.linear_velocity(door).unwrap(),
+            f
+        );
         let [(a, _), (b, _)] = world.joint_frames(joint).unwrap();
         widest = widest.max((b - a).length());
     }
     (beyond, widest)
 }
-

@@ -466,12 +466,12 @@ pub(super) fn sweep<
 
 /// Speed of `b` away from `a` along the normal, and what their spins add to it at a point.
 #[inline(always)]
-fn relative<L: Lanes, const TWO: bool>(n: Vec3<L>, p: &Pair<L>) -> L {
+pub(super) fn relative<L: Lanes, const TWO: bool>(n: Vec3<L>, p: &Pair<L>) -> L {
     if TWO { n.dot(p.vb - p.va) } else { -n.dot(p.va) }
 }
 
 #[inline(always)]
-fn row<L: Lanes, const TWO: bool>(p: &Pair<L>, point: &super::batch::PointRow<L>) -> L {
+pub(super) fn row<L: Lanes, const TWO: bool>(p: &Pair<L>, point: &super::batch::PointRow<L>) -> L {
     let a = point.arm_a.dot(p.wa);
     if TWO { point.arm_b.dot(p.wb) - a } else { -a }
 }

@@ -2,6 +2,7 @@
 
 use super::colour::{COLOURS, Colouring, OVERFLOW};
 use super::contact_row::{Motion as BodyMotion, SHARE};
+use super::joint_close::Closing;
 use super::joint_ends::{JointPass, NONE, Owned};
 use super::joint_fill::{point, row, tree, turn};
 use super::joint_lock::{PointBatch, TurnBatch};
@@ -358,6 +359,32 @@ impl JointRows {
                         }
                     }
                 }
+            }
+        }
+    }
+
+    /// Closes the joints of a batch of trees.
+    ///
+    /// # Safety
+    /// No other thread works on its bodies, and none writes their displacements.
+    pub(crate) unsafe fn close(
+        views: &JointViews<'_>,
+        stage: &JointStage,
+        i: usize,
+        motion: &BodyMotion<'_, '_>,
+        closing: &Closing,
+        along: &Along<'_, '_>,
+    ) {
+        // SAFETY: by the contract; contacts go along with one batch.
+        unsafe {
+            if stage.single {
+                views.tree.get(i).close(motion, closing, along.seated, |seated, ask, body, share| {
+                    along.close_single(seated, ask, body, share, motion);
+                });
+            } else {
+                views.trees.get(i).close(motion, closing, along.seated, |seated, ask, body, share| {
+                    along.close_lanes(seated, ask, body, share, motion);
+                });
             }
         }
     }

@@ -71,6 +71,21 @@ pub(crate) struct Toured<'a, L> {
     push: Twist<L>,
 }
 
+impl<'a, L: Lanes> Toured<'a, L> {
+    pub(super) fn new(velocity: Twist<L>, whole: &'a Sym6<L>) -> Self {
+        Toured { velocity, whole, push: Twist::zero() }
+    }
+    pub(super) fn velocity(&self) -> Twist<L> {
+        self.velocity
+    }
+    pub(super) fn whole(&self) -> &'a Sym6<L> {
+        self.whole
+    }
+    pub(super) fn push(&mut self, push: Twist<L>) {
+        self.push.add(push);
+    }
+}
+
 impl<L: GatherLanes> TreeBatch<L> {
     /// How each body answers an impulse on it, with the whole tree.
     pub(super) fn answer(&mut self) {
@@ -107,7 +122,7 @@ impl<L: GatherLanes> TreeBatch<L> {
                 for seated in &left[..here] {
                     let mut velocity = node.velocity;
                     velocity.add(node.change);
-                    let mut body = Toured { velocity, whole: &node.whole, push: Twist::zero() };
+                    let mut body = Toured::new(velocity, &node.whole);
                     solve(seated, &mut body);
                     let push = body.push;
                     node.change.add(node.whole.mul(&push));
@@ -159,7 +174,7 @@ impl<L: Lanes> Node<L> {
 }
 
 /// How a body of a tree answers.
-struct Whole<'a, L, const P: usize> {
+pub(super) struct Whole<'a, L, const P: usize> {
     whole: &'a Sym6<L>,
     push: Twist<L>,
     mass: [L; P],
@@ -172,7 +187,7 @@ const LEAST: f32 = 1e-4;
 
 impl<'a, L: Lanes, const P: usize> Whole<'a, L, P> {
     #[inline(always)]
-    fn new<const FRICTION: bool>(whole: &'a Sym6<L>, batch: &Batch<L, P>) -> Self {
+    pub(super) fn new<const FRICTION: bool>(whole: &'a Sym6<L>, batch: &Batch<L, P>) -> Self {
         let n = batch.normal;
         let (zero, one) = (L::zero(), L::one());
         let mut stiffness = [[zero; P]; P];
@@ -206,6 +221,9 @@ impl<'a, L: Lanes, const P: usize> Whole<'a, L, P> {
             friction = (masses, slide, L::select(turns, one / L::select(turns, kt, one), zero));
         }
         Whole { whole, push: Twist::zero(), mass, stiffness, friction }
+    }
+    pub(super) fn push(&self) -> Twist<L> {
+        self.push
     }
 }
 

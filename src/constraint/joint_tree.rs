@@ -55,17 +55,17 @@ pub(crate) struct Node<L> {
     pub(crate) error: Vec3<L>,
     /// The same after the last substep.
     pub(super) arm_now: [Vec3<L>; 2],
-    apart_now: Vec3<L>,
+    pub(super) apart_now: Vec3<L>,
     axis_now: Vec3<L>,
-    error_now: Vec3<L>,
+    pub(super) error_now: Vec3<L>,
     /// On the body, of the last substep: at the joint [N s], and about it [N m s].
     pub(crate) impulse: Vec3<L>,
     pub(crate) twist: Vec3<L>,
     /// How much of the impulse at the joint is no blow [N s].
     pub(crate) steady: L,
     /// Inertia with what pulls on the body, its inverse, and the angular velocity that the tree gave in the last substep.
-    braced: Sym3<L>,
-    braced_inverse: Sym3<L>,
+    pub(super) braced: Sym3<L>,
+    pub(super) braced_inverse: Sym3<L>,
     gained: Vec3<L>,
     /// Inverse of the inertia of the body with all that hangs on it.
     pub(super) free: Sym6<L>,
@@ -167,13 +167,13 @@ impl<L: GatherLanes> TreeBatch<L> {
             (node.axis_now, node.error_now) = (node.axis[0], node.error);
             node.gained = Vec3::zero();
         }
-        self.factor(h);
+        self.brace(h);
+        self.factor();
         self.fresh = true;
     }
 
     /// From the leaves to the root: what each body is like with all that hangs on it.
-    fn factor(&mut self, h: f32) {
-        self.brace(h);
+    pub(super) fn factor(&mut self) {
         for node in &mut self.nodes {
             let mass = Sym3 { xx: node.mass, yy: node.mass, zz: node.mass, ..Sym3::default() };
             node.sum = Sym6 { linear: mass, mixed: [Vec3::zero(); 3], angular: node.braced };
@@ -303,7 +303,10 @@ impl<L: GatherLanes> TreeBatch<L> {
     ) {
         if pass.moved {
             // SAFETY: displacements are not written while rows are solved.
-            unsafe { self.follow(motion, 1.0 / pass.inverse_h) };
+            unsafe { self.follow(motion) };
+            self.brace(1.0 / pass.inverse_h);
+            self.factor();
+            self.fresh = true;
         }
         // SAFETY: by the contract.
         unsafe { self.load(motion) };
@@ -311,24 +314,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             self.turn_along();
         }
         let rate = if pass.relax { L::zero() } else { self.share * L::splat(pass.inverse_h) };
-        for i in (0..self.nodes.len()).rev() {
-            let (parent, node) = self.with_parent(i);
-            if !node.jointed {
-                continue;
-            }
-            let above = parent.as_ref().map_or(node.change, |parent| parent.velocity);
-            let carried = node.free.mul(&node.carried);
-            let [arm, other] = node.arm_now;
-            node.asked = Twist {
-                linear: node.velocity.at(arm) + carried.at(arm) - above.at(other)
-                    + pass.bias(node.apart_now, rate),
-                angular: node.velocity.angular + carried.angular - above.angular
-                    + pass.bias(node.error_now, rate),
-            };
-            if let Some(parent) = parent {
-                parent.carried.add(node.stiff.mul(&node.asked).moved(other));
-            }
-        }
+        self.gather_up(|error| pass.bias(error, rate));
         let own = &contacts[self.contacts.0 as usize..self.contacts.1 as usize];
         if !own.is_empty() {
             self.tour(own, touch);
@@ -346,11 +332,32 @@ impl<L: GatherLanes> TreeBatch<L> {
         unsafe { self.save(motion) };
     }
 
-    /// Arms and separations after displacements, and what follows from them.
+    /// From the leaves to the root: what velocities, and what errors ask for beside them, leave to each joint.
+    #[inline(always)]
+    pub(super) fn gather_up(&mut self, bias: impl Fn(Vec3<L>) -> Vec3<L>) {
+        for i in (0..self.nodes.len()).rev() {
+            let (parent, node) = self.with_parent(i);
+            if !node.jointed {
+                continue;
+            }
+            let above = parent.as_ref().map_or(node.change, |parent| parent.velocity);
+            let carried = node.free.mul(&node.carried);
+            let [arm, other] = node.arm_now;
+            node.asked = Twist {
+                linear: node.velocity.at(arm) + carried.at(arm) - above.at(other) + bias(node.apart_now),
+                angular: node.velocity.angular + carried.angular - above.angular + bias(node.error_now),
+            };
+            if let Some(parent) = parent {
+                parent.carried.add(node.stiff.mul(&node.asked).moved(other));
+            }
+        }
+    }
+
+    /// Arms and separations after displacements.
     ///
     /// # Safety
-    /// No thread writes displacements.
-    unsafe fn follow(&mut self, motion: &Motion<'_, '_>, h: f32) {
+    /// No thread writes displacements of the trees.
+    pub(super) unsafe fn follow(&mut self, motion: &Motion<'_, '_>) {
         // SAFETY: by the contract.
         let read = |i| unsafe { motion.delta.read(i) };
         for i in 0..self.nodes.len() {
@@ -381,8 +388,6 @@ impl<L: GatherLanes> TreeBatch<L> {
                 Turns::Not => node.error_now = node.error + (angular - above.angular),
             }
         }
-        self.factor(h);
-        self.fresh = true;
     }
 
     /// Velocities; of what a root hangs on into its `change`.

@@ -7,6 +7,7 @@ mod colour;
 pub(crate) mod contact_row;
 mod impact_friction;
 mod joint_arrange;
+mod joint_close;
 mod joint_ends;
 mod joint_fill;
 mod joint_lock;
@@ -33,6 +34,7 @@ pub(crate) const WIDEST_JOINT_BATCH: usize = {
     );
     if row > node { row } else { node }
 };
+pub(crate) use joint_close::Closing;
 pub(crate) use joint_tour::Along;
 pub(crate) use order::{Group, Stage};
 pub use order::{Order, RowGroup};

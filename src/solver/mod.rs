@@ -9,7 +9,7 @@ mod pass;
 use crate::body::Bodies;
 use crate::config::{FrictionCone, Settings};
 use crate::constraint::contact_row::{Motion, Softness};
-use crate::constraint::{JointRows, Rows};
+use crate::constraint::{Closing, JointRows, Rows};
 use crate::forces::Forces;
 use crate::lanes::{Lanes, Mask, Record, f32x8};
 use crate::memory::{Buffer, bytes_of};
@@ -142,6 +142,10 @@ pub(crate) fn solve(
             let touched = if same & BOTH == BOTH { 0.0 } else { 1.0 };
             *d = record(lanes(*d) + (moved + f32x8::new(PAD) * f32x8::splat(touched)));
         });
+        if joined_at_all && std::env::var("NOCLOSE").is_err() {
+            let closing = Closing { tolerance: JOINT_OPEN * settings.length_unit };
+            passes.close(crew, rows, &joined, &motion, &closing);
+        }
         if passes.run(crew, Kind::Relax, rows, &joined, &motion) {
             // What was pushed before it touched has its friction now; if that is much, the points share the load that it
             // shifts.
@@ -165,6 +169,9 @@ const JOINT_PUSH: f32 = 40.0;
 /// Stiffness [Hz] and damping ratio of what joints lock.
 const JOINT_HERTZ: f32 = 240.0;
 const JOINT_DAMPING: f32 = 2.0;
+
+/// Trees whose joints are open by more are closed after bodies moved [length units] or [rad].
+const JOINT_OPEN: f32 = 0.0005;
 
 /// Friction of an impact that changes the slip by more than this shifts the load [length units/s].
 const SHIFT: f32 = 0.25;

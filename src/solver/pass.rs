@@ -4,7 +4,8 @@ use crate::constraint::contact_row::{
     HOLD, Motion, Pass, SHARE, Softness, guard, solve, store as store_batch, warm_start,
 };
 use crate::constraint::{
-    Along, Batch, Group, JointPass, JointRows, JointStage, JointType, JointViews, Order, Rows, Stage, rub,
+    Along, Batch, Closing, Group, JointPass, JointRows, JointStage, JointType, JointViews, Order, Rows,
+    Stage, rub,
 };
 use crate::lanes::GatherLanes;
 use crate::narrow_phase::{Contact, Point};
@@ -144,6 +145,27 @@ impl Passes {
         }
     }
 
+    /// Closes the joints of trees that came apart.
+    pub(crate) fn close(
+        &self,
+        crew: &Crew<'_>,
+        rows: &mut Rows,
+        joined: &Joined<'_>,
+        motion: &Motion<'_, '_>,
+        closing: &Closing,
+    ) {
+        let Rows { p1, p2, p3, p4, single, seated, .. } = rows;
+        let (p1, p2, p3, p4) = (Shared::new(p1), Shared::new(p2), Shared::new(p3), Shared::new(p4));
+        let single = Shared::new(single);
+        let pass = self.of(Group::Static, Kind::Solve);
+        let along = Along { seated, p1: &p1, p2: &p2, p3: &p3, p4: &p4, single: &single, pass };
+        for stage in joined.stages.iter().filter(|stage| stage.kind == JointType::Tree) {
+            // SAFETY: each batch is in one stage, and no body that can be moved is in two.
+            let one = |i: usize| unsafe { JointRows::close(joined.views, stage, i, motion, closing, &along) };
+            share_out(crew, stage.start as usize..stage.end as usize, false, &one);
+        }
+    }
+
     fn of(&self, group: Group, kind: Kind) -> Pass {
         Pass {
             inverse_h: self.inverse_h,
@@ -195,7 +217,9 @@ unsafe fn step<L: GatherLanes, const P: usize>(
                 }
                 false
             }
-            Kind::Solve | Kind::Relax if seated => std::env::var("NOGUARD").is_err() && guard(batch, motion, pass),
+            Kind::Solve | Kind::Relax if seated => {
+                std::env::var("NOGUARD").is_err() && guard(batch, motion, pass)
+            }
             Kind::Solve | Kind::Relax => match group {
                 Group::Dynamic => solve::<L, P, true, true>(batch, motion, pass),
                 Group::PotentialDynamic => solve::<L, P, true, false>(batch, motion, pass),

@@ -1,0 +1,197 @@
+//! Joints of trees that came apart within a substep, closed again.
+//!
+//! Velocities know of a substep's end only what is linear: a leg that turns by half a radian in it leaves its joint by
+//! centimetres, and after an impact by more. So after bodies moved, trees whose joints are open are put together by Newton's
+//! method, with the same exact solution as for velocities but of displacements: two or three rounds. Contacts with what is
+//! static go along as far as they must not be crossed; where both can't be had, the joint stays open.
+
+use super::batch::Batch;
+use super::contact_row::{Motion, Pair, Pass, Response, follow, relative, row};
+use super::joint_tour::{Along, Toured, Whole};
+use super::joint_tree::TreeBatch;
+use super::seats::Seated;
+use super::spatial::Twist;
+use crate::lanes::{GatherLanes, Mask, Vec3, f32x8, scatter};
+
+/// The most rounds of a substep.
+const ROUNDS: u32 = 4;
+
+/// What closing trees needs to know.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Closing {
+    /// Errors up to this are left to the velocities [m] or [rad].
+    pub(crate) tolerance: f32,
+}
+
+/// What is done with contacts of a body.
+pub(super) enum Ask {
+    /// They may push it.
+    Push,
+    /// How much of its displacement do they let pass?
+    Share,
+}
+
+impl<L: GatherLanes> TreeBatch<L> {
+    /// Closes what is open.
+    ///
+    /// # Safety
+    /// No other thread works on the bodies of the trees, and none writes their displacements.
+    pub(super) unsafe fn close(
+        &mut self,
+        motion: &Motion<'_, '_>,
+        closing: &Closing,
+        contacts: &[Seated],
+        mut touch: impl FnMut(&Seated, Ask, &mut Toured<'_, L>, &mut L),
+    ) {
+        let own = &contacts[self.contacts.0 as usize..self.contacts.1 as usize];
+        for _ in 0..ROUNDS {
+            // SAFETY: by the contract.
+            unsafe { self.follow(motion) };
+            if !self.is_open(closing.tolerance) {
+                return;
+            }
+            for node in &mut self.nodes {
+                (node.braced, node.velocity, node.carried) = (node.inertia, Twist::zero(), Twist::zero());
+                (node.change, node.pushed) = (Twist::zero(), Vec3::zero());
+            }
+            self.factor();
+            self.gather_up(|error| error);
+            let mut share = L::one();
+            if !own.is_empty() {
+                self.tour(own, |seated, body| touch(seated, Ask::Push, body, &mut share));
+            }
+            for i in 0..self.nodes.len() {
+                let (parent, node) = self.with_parent(i);
+                node.change = node.answered(parent.map_or(Twist::zero(), |parent| parent.change)).0;
+            }
+            for seated in own {
+                let node = &self.nodes[seated.node as usize];
+                let mut body = Toured::new(node.change, &node.whole);
+                touch(seated, Ask::Share, &mut body, &mut share);
+            }
+            // SAFETY: by the contract.
+            unsafe { self.shift(motion, share) };
+        }
+    }
+
+    /// Whether any joint is.
+    fn is_open(&self, tolerance: f32) -> bool {
+        let most = L::splat(tolerance * tolerance);
+        self.nodes.iter().filter(|node| node.jointed).any(|node| {
+            let open = node.apart_now.length_squared().max(node.error_now.length_squared()).gt(most);
+            open.bits() & node.write != 0
+        })
+    }
+
+    /// Adds a share of what each body is to move by to its displacement.
+    ///
+    /// # Safety
+    /// As for [`TreeBatch::close`].
+    unsafe fn shift(&mut self, motion: &Motion<'_, '_>, share: L) {
+        for node in &self.nodes {
+            let out = scatter(node.change.linear * share, node.change.angular * share);
+            for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
+                // SAFETY: by the contract; no body is twice in a batch.
+                let delta = unsafe { motion.delta.get(node.body[lane] as usize) };
+                delta.linear += out[lane].linear;
+                delta.angular = turned_on(delta.angular, out[lane].angular);
+            }
+        }
+    }
+}
+
+/// The rotation vector of a rotation and then a further small one: to first order in that, by the inverse of the left
+/// Jacobian of the rotations, as a series that serves up to half a turn.
+fn turned_on(by: glam::Vec3, more: glam::Vec3) -> glam::Vec3 {
+    let x = by.length_squared().min(10.0);
+    let c = 1.0 / 12.0 + x * (1.0 / 720.0 + x * (1.0 / 30_240.0 + x * (1.0 / 1_209_600.0)));
+    let once = by.cross(more);
+    by + more - 0.5 * once + c * by.cross(once)
+}
+
+impl Along<'_, '_> {
+    /// Contacts of one body of each of up to eight trees, while these are closed.
+    ///
+    /// # Safety
+    /// No other thread works on the trees.
+    pub(super) unsafe fn close_lanes(
+        &self,
+        seated: &Seated,
+        ask: Ask,
+        body: &mut Toured<'_, f32x8>,
+        share: &mut f32x8,
+        motion: &Motion<'_, '_>,
+    ) {
+        let i = seated.batch.index as usize;
+        // SAFETY: by the contract; a batch has the contacts of one batch of trees.
+        unsafe {
+            match seated.batch.points {
+                1 => touch(self.p1.get(i), ask, body, share, motion, &self.pass),
+                2 => touch(self.p2.get(i), ask, body, share, motion, &self.pass),
+                3 => touch(self.p3.get(i), ask, body, share, motion, &self.pass),
+                _ => touch(self.p4.get(i), ask, body, share, motion, &self.pass),
+            }
+        }
+    }
+
+    /// Contacts of one body of one tree.
+    ///
+    /// # Safety
+    /// As for [`Along::close_lanes`].
+    pub(super) unsafe fn close_single(
+        &self,
+        seated: &Seated,
+        ask: Ask,
+        body: &mut Toured<'_, f32>,
+        share: &mut f32,
+        motion: &Motion<'_, '_>,
+    ) {
+        let i = seated.batch.index as usize;
+        // SAFETY: by the contract; a batch has the contacts of one tree.
+        unsafe { touch(self.single.get(i), ask, body, share, motion, &self.pass) }
+    }
+}
+
+/// Contacts of a body of each tree: what they push it back by, or how much of its displacement does not cross them.
+///
+/// # Safety
+/// The batch is no other thread's, and no thread writes the displacements of its bodies.
+#[inline(always)]
+unsafe fn touch<L: GatherLanes, const P: usize>(
+    batch: &mut Batch<L, P>,
+    ask: Ask,
+    body: &mut Toured<'_, L>,
+    share: &mut L,
+    motion: &Motion<'_, '_>,
+    pass: &Pass,
+) {
+    // SAFETY: by the contract.
+    unsafe { follow::<L, P, false>(batch, motion) };
+    let (zero, moved) = (Vec3::zero(), body.velocity());
+    let mut v = Pair { va: moved.linear, wa: moved.angular, vb: zero, wb: zero };
+    // What is left of the way.
+    let room = |batch: &Batch<L, P>, i: usize| (batch.points[i].now + L::splat(pass.slop)).max(L::zero());
+    match ask {
+        Ask::Push => {
+            let mut whole = Whole::new::<false>(body.whole(), batch);
+            for i in 0..P {
+                let point = batch.points[i];
+                let u = relative::<L, false>(batch.normal, &v) + row::<L, false>(&v, &point);
+                let mass: L = whole.mass(batch, i);
+                let over = u + room(batch, i);
+                let p = L::select(mass.gt(L::zero()), (-(over * mass)).max(L::zero()), L::zero());
+                whole.apply::<false>(batch, &mut v, batch.normal * p, point.arm_a * p, zero);
+            }
+            body.push(whole.push());
+        }
+        Ask::Share => {
+            for i in 0..P {
+                let point = batch.points[i];
+                let u = relative::<L, false>(batch.normal, &v) + row::<L, false>(&v, &point);
+                let crosses = point.mass.gt(L::zero()) & (u + room(batch, i)).lt(L::zero());
+                let most = room(batch, i) / L::select(crosses, -u, L::one());
+                *share = L::select(crosses, share.min(most), *share);
+            }
+        }
+    }
+}
