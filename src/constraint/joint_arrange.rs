@@ -378,12 +378,12 @@ impl JointRows {
         // SAFETY: by the contract; contacts go along with one batch.
         unsafe {
             if stage.single {
-                views.tree.get(i).close(motion, closing, along.seated, |seated, ask, body, share| {
-                    along.close_single(seated, ask, body, share, motion);
+                views.tree.get(i).close(motion, closing, along.seated, |seated, ask, body| {
+                    along.close_single(seated, ask, body, motion);
                 });
             } else {
-                views.trees.get(i).close(motion, closing, along.seated, |seated, ask, body, share| {
-                    along.close_lanes(seated, ask, body, share, motion);
+                views.trees.get(i).close(motion, closing, along.seated, |seated, ask, body| {
+                    along.close_lanes(seated, ask, body, motion);
                 });
             }
         }

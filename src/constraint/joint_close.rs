@@ -7,10 +7,12 @@
 
 use super::batch::Batch;
 use super::contact_row::{Motion, Pair, Pass, Response, follow, relative, row};
+use super::joint_ends::NONE;
 use super::joint_tour::{Along, Toured, Whole};
 use super::joint_tree::TreeBatch;
 use super::seats::Seated;
 use super::spatial::Twist;
+use crate::lanes::Lanes;
 use crate::lanes::{GatherLanes, Mask, Vec3, f32x8, scatter};
 
 /// The most rounds of a substep.
@@ -21,14 +23,16 @@ const ROUNDS: u32 = 4;
 pub(crate) struct Closing {
     /// Errors up to this are left to the velocities [m] or [rad].
     pub(crate) tolerance: f32,
+    /// Substep [s].
+    pub(crate) h: f32,
 }
 
 /// What is done with contacts of a body.
 pub(super) enum Ask {
     /// They may push it.
     Push,
-    /// How much of its displacement do they let pass?
-    Share,
+    /// They stop it, alone, where it would cross them.
+    Stop,
 }
 
 impl<L: GatherLanes> TreeBatch<L> {
@@ -41,36 +45,71 @@ impl<L: GatherLanes> TreeBatch<L> {
         motion: &Motion<'_, '_>,
         closing: &Closing,
         contacts: &[Seated],
-        mut touch: impl FnMut(&Seated, Ask, &mut Toured<'_, L>, &mut L),
+        mut touch: impl FnMut(&Seated, Ask, &mut Toured<'_, L>),
     ) {
         let own = &contacts[self.contacts.0 as usize..self.contacts.1 as usize];
-        for _ in 0..ROUNDS {
+        for round in 0..ROUNDS + 1 {
             // SAFETY: by the contract.
             unsafe { self.follow(motion) };
+            if std::env::var("DBG").is_ok() {
+                for (i, n) in self.nodes.iter().enumerate() {
+                    for lane in (0..L::N).filter(|l| n.write >> l & 1 != 0) {
+                        if n.jointed {
+                            let (a, e) = (n.apart_now.lane(lane).length(), n.error_now.lane(lane).length());
+                            if a.max(e) > 0.03 {
+                                println!(
+                                    "DBG round {round} node {i} lane {lane} body {} apart {a:.3} err {e:.3} {:?} d {:.2} par d {:.2}",
+                                    n.body[lane],
+                                    n.turns,
+                                    unsafe { motion.delta.read(n.body[lane] as usize) }.angular,
+                                    if n.parent != NONE {
+                                        unsafe {
+                                            motion
+                                                .delta
+                                                .read(self.nodes[n.parent as usize].body[lane] as usize)
+                                        }
+                                        .angular
+                                    } else {
+                                        glam::Vec3::ZERO
+                                    }
+                                );
+                            }
+                        }
+                    }
+                }
+            }
+            if round == ROUNDS {
+                return;
+            }
             if !self.is_open(closing.tolerance) {
                 return;
             }
             for node in &mut self.nodes {
-                (node.braced, node.velocity, node.carried) = (node.inertia, Twist::zero(), Twist::zero());
-                (node.change, node.pushed) = (Twist::zero(), Vec3::zero());
+                (node.velocity, node.carried, node.change) = (Twist::zero(), Twist::zero(), Twist::zero());
             }
+            self.brace(closing.h);
             self.factor();
             self.gather_up(|error| error);
-            let mut share = L::one();
             if !own.is_empty() {
-                self.tour(own, |seated, body| touch(seated, Ask::Push, body, &mut share));
+                self.tour(own, |seated, body| touch(seated, Ask::Push, body));
             }
+            let mut most = L::one();
             for i in 0..self.nodes.len() {
                 let (parent, node) = self.with_parent(i);
                 node.change = node.answered(parent.map_or(Twist::zero(), |parent| parent.change)).0;
+                most = most.max(node.change.angular.length_squared());
             }
+            // By no more than a radian: beyond, what is linear says nothing.
+            let share = L::one() / most.sqrt();
+            self.nodes.iter_mut().for_each(|node| node.change = node.change.scaled(share));
             for seated in own {
-                let node = &self.nodes[seated.node as usize];
+                let node = &mut self.nodes[seated.node as usize];
                 let mut body = Toured::new(node.change, &node.whole);
-                touch(seated, Ask::Share, &mut body, &mut share);
+                touch(seated, Ask::Stop, &mut body);
+                node.change = body.velocity();
             }
             // SAFETY: by the contract.
-            unsafe { self.shift(motion, share) };
+            unsafe { self.shift(motion) };
         }
     }
 
@@ -83,13 +122,13 @@ impl<L: GatherLanes> TreeBatch<L> {
         })
     }
 
-    /// Adds a share of what each body is to move by to its displacement.
+    /// Adds what each body is to move by to its displacement.
     ///
     /// # Safety
     /// As for [`TreeBatch::close`].
-    unsafe fn shift(&mut self, motion: &Motion<'_, '_>, share: L) {
+    unsafe fn shift(&mut self, motion: &Motion<'_, '_>) {
         for node in &self.nodes {
-            let out = scatter(node.change.linear * share, node.change.angular * share);
+            let out = scatter(node.change.linear, node.change.angular);
             for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
                 // SAFETY: by the contract; no body is twice in a batch.
                 let delta = unsafe { motion.delta.get(node.body[lane] as usize) };
@@ -119,17 +158,16 @@ impl Along<'_, '_> {
         seated: &Seated,
         ask: Ask,
         body: &mut Toured<'_, f32x8>,
-        share: &mut f32x8,
         motion: &Motion<'_, '_>,
     ) {
         let i = seated.batch.index as usize;
         // SAFETY: by the contract; a batch has the contacts of one batch of trees.
         unsafe {
             match seated.batch.points {
-                1 => touch(self.p1.get(i), ask, body, share, motion, &self.pass),
-                2 => touch(self.p2.get(i), ask, body, share, motion, &self.pass),
-                3 => touch(self.p3.get(i), ask, body, share, motion, &self.pass),
-                _ => touch(self.p4.get(i), ask, body, share, motion, &self.pass),
+                1 => touch(self.p1.get(i), ask, body, motion, &self.pass),
+                2 => touch(self.p2.get(i), ask, body, motion, &self.pass),
+                3 => touch(self.p3.get(i), ask, body, motion, &self.pass),
+                _ => touch(self.p4.get(i), ask, body, motion, &self.pass),
             }
         }
     }
@@ -143,12 +181,11 @@ impl Along<'_, '_> {
         seated: &Seated,
         ask: Ask,
         body: &mut Toured<'_, f32>,
-        share: &mut f32,
         motion: &Motion<'_, '_>,
     ) {
         let i = seated.batch.index as usize;
         // SAFETY: by the contract; a batch has the contacts of one tree.
-        unsafe { touch(self.single.get(i), ask, body, share, motion, &self.pass) }
+        unsafe { touch(self.single.get(i), ask, body, motion, &self.pass) }
     }
 }
 
@@ -161,7 +198,6 @@ unsafe fn touch<L: GatherLanes, const P: usize>(
     batch: &mut Batch<L, P>,
     ask: Ask,
     body: &mut Toured<'_, L>,
-    share: &mut L,
     motion: &Motion<'_, '_>,
     pass: &Pass,
 ) {
@@ -171,27 +207,19 @@ unsafe fn touch<L: GatherLanes, const P: usize>(
     let mut v = Pair { va: moved.linear, wa: moved.angular, vb: zero, wb: zero };
     // What is left of the way.
     let room = |batch: &Batch<L, P>, i: usize| (batch.points[i].now + L::splat(pass.slop)).max(L::zero());
-    match ask {
-        Ask::Push => {
-            let mut whole = Whole::new::<false>(body.whole(), batch);
-            for i in 0..P {
-                let point = batch.points[i];
-                let u = relative::<L, false>(batch.normal, &v) + row::<L, false>(&v, &point);
-                let mass: L = whole.mass(batch, i);
-                let over = u + room(batch, i);
-                let p = L::select(mass.gt(L::zero()), (-(over * mass)).max(L::zero()), L::zero());
-                whole.apply::<false>(batch, &mut v, batch.normal * p, point.arm_a * p, zero);
-            }
-            body.push(whole.push());
-        }
-        Ask::Share => {
-            for i in 0..P {
-                let point = batch.points[i];
-                let u = relative::<L, false>(batch.normal, &v) + row::<L, false>(&v, &point);
-                let crosses = point.mass.gt(L::zero()) & (u + room(batch, i)).lt(L::zero());
-                let most = room(batch, i) / L::select(crosses, -u, L::one());
-                *share = L::select(crosses, share.min(most), *share);
-            }
+    let mut whole = Whole::new::<false>(body.whole(), batch);
+    for i in 0..P {
+        let point = batch.points[i];
+        let over = relative::<L, false>(batch.normal, &v) + row::<L, false>(&v, &point) + room(batch, i);
+        let mass = match ask {
+            Ask::Push => whole.mass(batch, i),
+            Ask::Stop => point.mass,
+        };
+        let p = L::select(mass.gt(L::zero()), (-(over * mass)).max(L::zero()), L::zero());
+        match ask {
+            Ask::Push => whole.apply::<false>(batch, &mut v, batch.normal * p, point.arm_a * p, zero),
+            Ask::Stop => v.apply::<P, false>(batch, batch.normal * p, point.arm_a * p, zero),
         }
     }
+    body.moved(Twist { linear: v.va, angular: v.wa }, whole.push());
 }

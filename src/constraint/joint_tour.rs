@@ -81,7 +81,9 @@ impl<'a, L: Lanes> Toured<'a, L> {
     pub(super) fn whole(&self) -> &'a Sym6<L> {
         self.whole
     }
-    pub(super) fn push(&mut self, push: Twist<L>) {
+    /// By a push, at the velocity that it has now.
+    pub(super) fn moved(&mut self, velocity: Twist<L>, push: Twist<L>) {
+        self.velocity = velocity;
         self.push.add(push);
     }
 }

@@ -211,7 +211,7 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// own weight is a string with a note too high for the substep, and would tear itself apart. Where that is so, the
     /// pull is taken into the inertia, as if it were followed through the substep (Andrews, Teichmann and Kry,
     /// *Geometric Stiffness for Real-time Constrained Multibody Dynamics*, 2017).
-    fn brace(&mut self, h: f32) {
+    pub(super) fn brace(&mut self, h: f32) {
         for node in &mut self.nodes {
             (node.braced, node.pulled) = (Sym3::default(), L::zero());
         }

@@ -28,6 +28,10 @@ impl<L: Lanes> Twist<L> {
         self.angular -= o.angular;
     }
     #[inline(always)]
+    pub(super) fn scaled(self, by: L) -> Self {
+        Twist { linear: self.linear * by, angular: self.angular * by }
+    }
+    #[inline(always)]
     pub(super) fn dot(&self, o: &Twist<L>) -> L {
         self.linear.dot(o.linear) + self.angular.dot(o.angular)
     }

@@ -143,7 +143,7 @@ pub(crate) fn solve(
             *d = record(lanes(*d) + (moved + f32x8::new(PAD) * f32x8::splat(touched)));
         });
         if joined_at_all && std::env::var("NOCLOSE").is_err() {
-            let closing = Closing { tolerance: JOINT_OPEN * settings.length_unit };
+            let closing = Closing { tolerance: JOINT_OPEN * settings.length_unit, h };
             passes.close(crew, rows, &joined, &motion, &closing);
         }
         if passes.run(crew, Kind::Relax, rows, &joined, &motion) {
