@@ -78,16 +78,24 @@ fn thrown(substeps: u32, iterations: u32, count: usize) -> (f64, f64, usize) {
     let steps = 420;
     let (mut widest, mut resting, mut below) = (0.0_f64, 0.0_f64, 0);
     for step in 0..steps {
-        let held = world.step(1.0 / 60.0).unwrap().held; let mut now=0.0f64; let mut over=0;
+        let held = world.step(1.0 / 60.0).unwrap().held;
+        let mut now = 0.0f64;
+        let mut over = 0;
         for ragdoll in &ragdolls {
             for &joint in &ragdoll.joints {
                 let gap = gap(&world, joint);
-                widest = widest.max(gap); now = now.max(gap); if gap>0.05 {over+=1;}
+                widest = widest.max(gap);
+                now = now.max(gap);
+                if gap > 0.05 {
+                    over += 1;
+                }
                 if step >= steps - 60 {
                     resting = resting.max(gap);
                 }
             }
-            if std::ptr::eq(ragdoll, ragdolls.last().unwrap()) && now > 0.01 { println!("step {step}: {:.1} over {over} held {held}", now*1e3); }
+            if std::ptr::eq(ragdoll, ragdolls.last().unwrap()) && now > 0.01 {
+                println!("step {step}: {:.1} over {over} held {held}", now * 1e3);
+            }
             for &body in &ragdoll.bodies {
                 let at = world.centre_of_mass(body).unwrap().as_vec3();
                 // What slid over its edge may hang below it.

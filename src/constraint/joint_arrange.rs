@@ -1,7 +1,7 @@
 //! Joints -> batches. Which rows share a batch is settled when joints come or go; what is in them, in every step.
 
 use super::colour::{COLOURS, Colouring, OVERFLOW};
-use super::contact_row::{Motion as BodyMotion, SHARE};
+use super::contact_row::{Motion as BodyMotion, Pass, SHARE};
 use super::joint_close::Closing;
 use super::joint_ends::{JointPass, NONE, Owned};
 use super::joint_fill::{point, row, tree, turn};
@@ -319,7 +319,7 @@ impl JointRows {
         i: usize,
         motion: &BodyMotion<'_, '_>,
         pass: Option<&JointPass>,
-        along: &Along<'_, '_>,
+        (along, touching): (&Along<'_, '_>, &Pass),
     ) {
         macro_rules! go {
             ($lanes:expr, $single:expr) => {
@@ -346,14 +346,14 @@ impl JointRows {
                         (false, None) => views.trees.get(i).warm_start(motion),
                         (false, Some(pass)) => {
                             let touch = |seated: &Seated, body: &mut Toured<'_, f32x8>| {
-                                along.lanes(seated, body, motion)
+                                along.lanes(seated, body, motion, touching)
                             };
                             views.trees.get(i).solve(motion, pass, along.seated, touch);
                         }
                         (true, None) => views.tree.get(i).warm_start(motion),
                         (true, Some(pass)) => {
                             let touch = |seated: &Seated, body: &mut Toured<'_, f32>| {
-                                along.single(seated, body, motion)
+                                along.single(seated, body, motion, touching)
                             };
                             views.tree.get(i).solve(motion, pass, along.seated, touch);
                         }
@@ -369,24 +369,35 @@ impl JointRows {
     /// No other thread works on its bodies, and none writes their displacements.
     pub(crate) unsafe fn close(
         views: &JointViews<'_>,
-        stage: &JointStage,
-        i: usize,
+        tree: TreeRef,
         motion: &BodyMotion<'_, '_>,
         closing: &Closing,
         along: &Along<'_, '_>,
     ) {
         // SAFETY: by the contract; contacts go along with one batch.
         unsafe {
-            if stage.single {
-                views.tree.get(i).close(motion, closing, along.seated, |seated, ask, body| {
-                    along.close_single(seated, ask, body, motion);
+            if tree.is_single() {
+                views.tree.get(tree.index()).close(motion, closing, along.seated, |seated, ask, body| {
+                    along.close_single(seated, ask, body, motion, closing);
                 });
             } else {
-                views.trees.get(i).close(motion, closing, along.seated, |seated, ask, body| {
-                    along.close_lanes(seated, ask, body, motion);
+                views.trees.get(tree.index()).close(motion, closing, along.seated, |seated, ask, body| {
+                    along.close_lanes(seated, ask, body, motion, closing);
                 });
             }
         }
+    }
+
+    /// The bodies of a tree.
+    pub(crate) fn bodies_of(&self, seat: Seat) -> impl Iterator<Item = usize> + '_ {
+        let (tree, lane) = (seat.place().0, seat.lane());
+        let (lanes, single) = if tree.is_single() {
+            (&[][..], self.tree[tree.index()].nodes.as_slice())
+        } else {
+            (self.trees[tree.index()].nodes.as_slice(), &[][..])
+        };
+        let of_lanes = lanes.iter().map(move |node| node.body[lane] as usize);
+        of_lanes.chain(single.iter().map(move |node| node.body[lane] as usize))
     }
 
     /// For several threads.

@@ -6,13 +6,11 @@
 //! static go along as far as they must not be crossed; where both can't be had, the joint stays open.
 
 use super::batch::Batch;
-use super::contact_row::{Motion, Pair, Pass, Response, follow, relative, row};
-use super::joint_ends::NONE;
+use super::contact_row::{Motion, Pair, Response, follow, relative, row};
 use super::joint_tour::{Along, Toured, Whole};
 use super::joint_tree::TreeBatch;
 use super::seats::Seated;
 use super::spatial::Twist;
-use crate::lanes::Lanes;
 use crate::lanes::{GatherLanes, Mask, Vec3, f32x8, scatter};
 
 /// The most rounds of a substep.
@@ -23,6 +21,8 @@ const ROUNDS: u32 = 4;
 pub(crate) struct Closing {
     /// Errors up to this are left to the velocities [m] or [rad].
     pub(crate) tolerance: f32,
+    /// Overlap that contacts leave alone [m].
+    pub(crate) slop: f32,
     /// Substep [s].
     pub(crate) h: f32,
 }
@@ -48,39 +48,9 @@ impl<L: GatherLanes> TreeBatch<L> {
         mut touch: impl FnMut(&Seated, Ask, &mut Toured<'_, L>),
     ) {
         let own = &contacts[self.contacts.0 as usize..self.contacts.1 as usize];
-        for round in 0..ROUNDS + 1 {
+        for _ in 0..ROUNDS {
             // SAFETY: by the contract.
             unsafe { self.follow(motion) };
-            if std::env::var("DBG").is_ok() {
-                for (i, n) in self.nodes.iter().enumerate() {
-                    for lane in (0..L::N).filter(|l| n.write >> l & 1 != 0) {
-                        if n.jointed {
-                            let (a, e) = (n.apart_now.lane(lane).length(), n.error_now.lane(lane).length());
-                            if a.max(e) > 0.03 {
-                                println!(
-                                    "DBG round {round} node {i} lane {lane} body {} apart {a:.3} err {e:.3} {:?} d {:.2} par d {:.2}",
-                                    n.body[lane],
-                                    n.turns,
-                                    unsafe { motion.delta.read(n.body[lane] as usize) }.angular,
-                                    if n.parent != NONE {
-                                        unsafe {
-                                            motion
-                                                .delta
-                                                .read(self.nodes[n.parent as usize].body[lane] as usize)
-                                        }
-                                        .angular
-                                    } else {
-                                        glam::Vec3::ZERO
-                                    }
-                                );
-                            }
-                        }
-                    }
-                }
-            }
-            if round == ROUNDS {
-                return;
-            }
             if !self.is_open(closing.tolerance) {
                 return;
             }
@@ -159,15 +129,16 @@ impl Along<'_, '_> {
         ask: Ask,
         body: &mut Toured<'_, f32x8>,
         motion: &Motion<'_, '_>,
+        closing: &Closing,
     ) {
         let i = seated.batch.index as usize;
         // SAFETY: by the contract; a batch has the contacts of one batch of trees.
         unsafe {
             match seated.batch.points {
-                1 => touch(self.p1.get(i), ask, body, motion, &self.pass),
-                2 => touch(self.p2.get(i), ask, body, motion, &self.pass),
-                3 => touch(self.p3.get(i), ask, body, motion, &self.pass),
-                _ => touch(self.p4.get(i), ask, body, motion, &self.pass),
+                1 => touch(self.p1.get(i), ask, body, motion, closing),
+                2 => touch(self.p2.get(i), ask, body, motion, closing),
+                3 => touch(self.p3.get(i), ask, body, motion, closing),
+                _ => touch(self.p4.get(i), ask, body, motion, closing),
             }
         }
     }
@@ -182,10 +153,11 @@ impl Along<'_, '_> {
         ask: Ask,
         body: &mut Toured<'_, f32>,
         motion: &Motion<'_, '_>,
+        closing: &Closing,
     ) {
         let i = seated.batch.index as usize;
         // SAFETY: by the contract; a batch has the contacts of one tree.
-        unsafe { touch(self.single.get(i), ask, body, motion, &self.pass) }
+        unsafe { touch(self.single.get(i), ask, body, motion, closing) }
     }
 }
 
@@ -199,14 +171,14 @@ unsafe fn touch<L: GatherLanes, const P: usize>(
     ask: Ask,
     body: &mut Toured<'_, L>,
     motion: &Motion<'_, '_>,
-    pass: &Pass,
+    closing: &Closing,
 ) {
     // SAFETY: by the contract.
     unsafe { follow::<L, P, false>(batch, motion) };
     let (zero, moved) = (Vec3::zero(), body.velocity());
     let mut v = Pair { va: moved.linear, wa: moved.angular, vb: zero, wb: zero };
     // What is left of the way.
-    let room = |batch: &Batch<L, P>, i: usize| (batch.points[i].now + L::splat(pass.slop)).max(L::zero());
+    let room = |batch: &Batch<L, P>, i: usize| (batch.points[i].now + L::splat(closing.slop)).max(L::zero());
     let mut whole = Whole::new::<false>(body.whole(), batch);
     for i in 0..P {
         let point = batch.points[i];

@@ -26,7 +26,6 @@ pub(crate) struct Along<'a, 'b> {
     pub(crate) p3: &'a Shared<'b, Batch<f32x8, 3>>,
     pub(crate) p4: &'a Shared<'b, Batch<f32x8, 4>>,
     pub(crate) single: &'a Shared<'b, Batch<f32, 4>>,
-    pub(crate) pass: Pass,
 }
 
 impl Along<'_, '_> {
@@ -39,15 +38,16 @@ impl Along<'_, '_> {
         seated: &Seated,
         body: &mut Toured<'_, f32x8>,
         motion: &Motion<'_, '_>,
+        pass: &Pass,
     ) {
         let (i, free) = (seated.batch.index as usize, seated.potential);
         // SAFETY: by the contract; a batch has the contacts of one batch of trees.
         unsafe {
             match seated.batch.points {
-                1 => touch(self.p1.get(i), free, body, motion, &self.pass),
-                2 => touch(self.p2.get(i), free, body, motion, &self.pass),
-                3 => touch(self.p3.get(i), free, body, motion, &self.pass),
-                _ => touch(self.p4.get(i), free, body, motion, &self.pass),
+                1 => touch(self.p1.get(i), free, body, motion, pass),
+                2 => touch(self.p2.get(i), free, body, motion, pass),
+                3 => touch(self.p3.get(i), free, body, motion, pass),
+                _ => touch(self.p4.get(i), free, body, motion, pass),
             }
         }
     }
@@ -56,10 +56,16 @@ impl Along<'_, '_> {
     ///
     /// # Safety
     /// As for [`Along::lanes`].
-    pub(super) unsafe fn single(&self, seated: &Seated, body: &mut Toured<'_, f32>, motion: &Motion<'_, '_>) {
+    pub(super) unsafe fn single(
+        &self,
+        seated: &Seated,
+        body: &mut Toured<'_, f32>,
+        motion: &Motion<'_, '_>,
+        pass: &Pass,
+    ) {
         let i = seated.batch.index as usize;
         // SAFETY: by the contract; a batch has the contacts of one tree.
-        unsafe { touch(self.single.get(i), seated.potential, body, motion, &self.pass) }
+        unsafe { touch(self.single.get(i), seated.potential, body, motion, pass) }
     }
 }
 

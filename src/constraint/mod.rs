@@ -39,3 +39,4 @@ pub(crate) use joint_tour::Along;
 pub(crate) use order::{Group, Stage};
 pub use order::{Order, RowGroup};
 pub(crate) use prepare::{PrepareInput, prepare};
+pub(crate) use seats::{Seat, Seats, TreeRef};

@@ -14,6 +14,9 @@ impl TreeRef {
     pub(crate) fn new(index: usize, single: bool) -> TreeRef {
         TreeRef(index as u32 | if single { TreeRef::SINGLE } else { 0 })
     }
+    pub(crate) fn index(self) -> usize {
+        (self.0 & !TreeRef::SINGLE) as usize
+    }
     /// Whether it is one tree, and its contacts stand in batches of one lane.
     pub(crate) fn is_single(self) -> bool {
         self.0 & TreeRef::SINGLE != 0
@@ -33,6 +36,10 @@ impl Seat {
 
     pub(crate) fn new(tree: TreeRef, node: usize, lane: usize) -> Seat {
         Seat { tree, node: node as u32, lane: lane as u32 }
+    }
+    /// What the bodies of a tree have in common.
+    pub(crate) fn of_tree(self) -> (TreeRef, u32) {
+        (self.tree, self.lane)
     }
     /// What the contacts of a batch have in common.
     pub(crate) fn place(self) -> (TreeRef, u32) {

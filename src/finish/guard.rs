@@ -18,6 +18,7 @@
 use crate::body::{Bodies, Pose, Traits};
 use crate::broad_phase::{Aabb, BroadPhase, Pair, Whom};
 use crate::config::Continuous;
+use crate::constraint::{Seat, Seats};
 use crate::lanes::Record;
 use crate::narrow_phase::{Relative, Support, distance, from_triangle};
 use crate::query::segment_hits;
@@ -304,14 +305,27 @@ const PASSES: usize = 4;
 
 impl Guard<'_> {
     /// Centre of mass of a collider's body at the start of the step.
-    fn centre_before(&self, collider: u32) -> DVec3 {
+    pub(super) fn centre_before(&self, collider: u32) -> DVec3 {
         let (c, pose) = (&self.colliders[collider as usize], &self.poses[collider as usize]);
         pose.position - (pose.rotation * c.rotation.conjugate() * c.position).as_dvec3()
     }
 
+    /// How its body was turned then.
+    pub(super) fn turn_before(&self, collider: u32) -> Quat {
+        let (c, pose) = (&self.colliders[collider as usize], &self.poses[collider as usize]);
+        pose.rotation * c.rotation.conjugate()
+    }
+
     /// Keeps fast dynamic bodies from passing through each other's centres: both stop on their ways, and lose what
-    /// speed they have towards each other. Says how often it had to.
-    pub(crate) fn hold_movers(&self, pairs: &[Pair], bodies: &mut Bodies) -> u32 {
+    /// speed they have towards each other. Says how often it had to, and of trees which share of their ways was left.
+    /// Bodies of one tree pass: better one through the other than a joint torn.
+    pub(crate) fn hold_movers(
+        &self,
+        pairs: &[Pair],
+        bodies: &mut Bodies,
+        seats: &Seats,
+        cut: &mut Vec<(Seat, f32)>,
+    ) -> u32 {
         let dynamic = bodies.dynamic();
         let mut held = 0;
         for _ in 0..PASSES {
@@ -319,7 +333,8 @@ impl Guard<'_> {
             for pair in pairs.iter().filter(|pair| pair.fast) {
                 let body = |c: u32| self.colliders[c as usize].body as usize;
                 let (i, k) = (body(pair.a), body(pair.b));
-                if i >= dynamic || k >= dynamic {
+                let tree = |i: usize| seats.of(i).map(Seat::of_tree);
+                if i >= dynamic || k >= dynamic || tree(i).is_some() && tree(i) == tree(k) {
                     continue;
                 }
                 // Either centre through the other shape.
@@ -335,6 +350,7 @@ impl Guard<'_> {
                     let from = self.centre_before(c);
                     let pose = &mut bodies.pose[i];
                     pose.position = from + (pose.position - from) * f64::from(stop);
+                    cut.extend(seats.of(i).map(|seat| (seat, stop)));
                 }
                 let (ma, mb) = (bodies.mass[i].inverse, bodies.mass[k].inverse);
                 let speed = (bodies.velocity[i].linear - bodies.velocity[k].linear).dot(normal);

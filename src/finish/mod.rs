@@ -2,16 +2,20 @@
 
 mod guard;
 mod report;
+mod trees;
 
 use guard::{Clear, Guard};
 pub use report::{StageTimes, StepReport};
+use trees::Trees;
 
 use crate::body::{carry_spin, exp_map, tumble, wobble};
 use crate::broad_phase::{Pair, STACK};
 use crate::config::Continuous;
+use crate::constraint::Seat;
 use crate::forces::spins_freely;
 use crate::memory::{Buffer, Made, bytes_of};
 use crate::shape::Collider;
+use crate::solver::closing;
 use crate::threads::{Crew, Shared, per_block};
 use crate::world::World;
 use std::sync::Mutex;
@@ -24,6 +28,8 @@ pub(crate) struct Buffers {
     clear: Vec<Clear>,
     /// Of each dynamic body, if there are fast ones: something static is near its predicted path.
     beside: Vec<bool>,
+    /// Bodies of trees that were cut short, and the share of their ways that they went.
+    cut: Mutex<Vec<(Seat, f32)>>,
 }
 
 impl Buffers {
@@ -41,8 +47,9 @@ impl Buffers {
     pub(crate) fn bytes(&self) -> (usize, usize) {
         let stacks =
             self.stacks.iter().filter_map(|s| s.lock().ok().map(|s| s.capacity() * 4)).sum::<usize>();
+        let cut = self.cut.lock().map_or((0, 0), |cut| bytes_of(&cut));
         let own = self.stacks.capacity() * size_of::<Mutex<Vec<u32>>>();
-        [bytes_of(&self.clear), bytes_of(&self.beside)]
+        [bytes_of(&self.clear), bytes_of(&self.beside), cut]
             .into_iter()
             .fold((own, own + stacks), |s, b| (s.0 + b.0, s.1 + b.1))
     }
@@ -99,7 +106,7 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
     let (movers, dynamic) = (world.bodies.movers(), world.bodies.dynamic());
     let blocks = movers.div_ceil(BLOCK);
     let held = std::sync::atomic::AtomicU32::new(0);
-    let Buffers { stacks, clear, beside } = &mut world.buffers.finish;
+    let Buffers { stacks, clear, beside, cut } = &mut world.buffers.finish;
     stacks_of(stacks).widen(blocks);
     let guard = Guard {
         broad: &world.broad,
@@ -120,6 +127,7 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
     let pose = Shared::new(&mut bodies.pose);
     let stacks = &*stacks;
     let clear = Shared::new(clear);
+    let seats = &world.buffers.joints.seats;
     crew.run(blocks, &|block| {
         let Ok(mut stack) = stacks[block].lock() else { return };
         for i in block * BLOCK..((block + 1) * BLOCK).min(movers) {
@@ -153,6 +161,9 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
                     && guard.hold(&mut stack, own, from, &mut moved, velocity)
                 {
                     held.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+                    if let (Some(seat), Ok(mut cut)) = (seats.of(i), cut.lock()) {
+                        cut.push((seat, moved.length() / d.linear.length()));
+                    }
                 }
             }
             pose.position += moved.as_dvec3();
@@ -165,8 +176,19 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
         }
     });
     let mut held = held.into_inner();
+    let Ok(cut) = cut.get_mut() else { return Ended { held } };
     if guard.mode != Continuous::Discrete {
-        held += guard.hold_movers(&world.broad.pairs, bodies);
+        held += guard.hold_movers(&world.broad.pairs, bodies, seats, cut);
+    }
+    if !cut.is_empty()
+        && let Some(Ok(mut stack)) = stacks.first().map(|s| s.lock())
+    {
+        let settings = &world.settings;
+        let closing = closing(settings, dt / settings.substeps as f32);
+        let delta = &mut world.buffers.solver.delta;
+        let (rows, joints) = (&mut world.buffers.rows, &mut world.buffers.joints);
+        Trees { bodies, delta, rows, joints, closing }.mend(&guard, cut, &mut stack);
+        cut.clear();
     }
     if movers > dynamic
         && guard.mode != Continuous::Discrete

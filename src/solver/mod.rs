@@ -14,8 +14,8 @@ use crate::forces::Forces;
 use crate::lanes::{Lanes, Mask, Record, f32x8};
 use crate::memory::{Buffer, bytes_of};
 use crate::threads::{Crew, Shared, per_block};
-pub(crate) use pass::store;
-use pass::{Joined, Kind, Passes};
+use pass::Kind;
+pub(crate) use pass::{Joined, Passes, store};
 
 /// Solver state of the bodies that can move.
 #[derive(Debug, Default)]
@@ -142,9 +142,8 @@ pub(crate) fn solve(
             let touched = if same & BOTH == BOTH { 0.0 } else { 1.0 };
             *d = record(lanes(*d) + (moved + f32x8::new(PAD) * f32x8::splat(touched)));
         });
-        if joined_at_all && std::env::var("NOCLOSE").is_err() {
-            let closing = Closing { tolerance: JOINT_OPEN * settings.length_unit, h };
-            passes.close(crew, rows, &joined, &motion, &closing);
+        if joined_at_all {
+            Passes::close(crew, rows, &joined, &motion, &closing(settings, h));
         }
         if passes.run(crew, Kind::Relax, rows, &joined, &motion) {
             // What was pushed before it touched has its friction now; if that is much, the points share the load that it
@@ -159,6 +158,12 @@ pub(crate) fn solve(
         all_bodies(crew, movers, |i| traits[i].lock(unsafe { velocity.get(i) }));
     }
     joints.stages = joint_stages;
+}
+
+/// How far trees may be open, for a substep of `h` seconds.
+pub(crate) fn closing(settings: &Settings, h: f32) -> Closing {
+    let unit = settings.length_unit;
+    Closing { tolerance: JOINT_OPEN * unit, slop: settings.slop * unit, h }
 }
 
 /// Joints that contradict each other can drive bodies ever faster. What is faster than this [m/s] or [rad/s], or no number any

@@ -5,7 +5,7 @@ use crate::constraint::contact_row::{
 };
 use crate::constraint::{
     Along, Batch, Closing, Group, JointPass, JointRows, JointStage, JointType, JointViews, Order, Rows,
-    Stage, rub,
+    Stage, TreeRef, rub,
 };
 use crate::lanes::GatherLanes;
 use crate::narrow_phase::{Contact, Point};
@@ -68,21 +68,14 @@ impl Passes {
         let (p1, p2, p3, p4) = (Shared::new(p1), Shared::new(p2), Shared::new(p3), Shared::new(p4));
         let single = Shared::new(single);
         let schedule = &*schedule;
-        let along = Along {
-            seated,
-            p1: &p1,
-            p2: &p2,
-            p3: &p3,
-            p4: &p4,
-            single: &single,
-            pass: self.of(Group::Static, kind),
-        };
+        let along = Along { seated, p1: &p1, p2: &p2, p3: &p3, p4: &p4, single: &single };
+        let along = (&along, &self.of(Group::Static, kind));
         let mut joints = joined.stages;
         for stage in stages.iter() {
             if !joints.is_empty() {
                 let rank = self.order.rank(stage.group.named());
                 let before = joints.partition_point(|joint| self.order.rank(joint.group) < rank);
-                self.run_joints(crew, kind, &joints[..before], joined.views, motion, &along);
+                self.run_joints(crew, kind, &joints[..before], joined.views, motion, along);
                 joints = &joints[before..];
             }
             let pass = self.of(stage.group, kind);
@@ -106,7 +99,7 @@ impl Passes {
             };
             share_out(crew, stage.start as usize..stage.end as usize, stage.serial, &one);
         }
-        self.run_joints(crew, kind, joints, joined.views, motion, &along);
+        self.run_joints(crew, kind, joints, joined.views, motion, along);
         pushes.into_inner()
     }
 
@@ -117,7 +110,7 @@ impl Passes {
         stages: &[JointStage],
         views: &JointViews<'_>,
         motion: &Motion<'_, '_>,
-        along: &Along<'_, '_>,
+        along: (&Along<'_, '_>, &Pass),
     ) {
         if kind == Kind::Rub {
             return;
@@ -147,7 +140,6 @@ impl Passes {
 
     /// Closes the joints of trees that came apart.
     pub(crate) fn close(
-        &self,
         crew: &Crew<'_>,
         rows: &mut Rows,
         joined: &Joined<'_>,
@@ -157,11 +149,12 @@ impl Passes {
         let Rows { p1, p2, p3, p4, single, seated, .. } = rows;
         let (p1, p2, p3, p4) = (Shared::new(p1), Shared::new(p2), Shared::new(p3), Shared::new(p4));
         let single = Shared::new(single);
-        let pass = self.of(Group::Static, Kind::Solve);
-        let along = Along { seated, p1: &p1, p2: &p2, p3: &p3, p4: &p4, single: &single, pass };
+        let along = Along { seated, p1: &p1, p2: &p2, p3: &p3, p4: &p4, single: &single };
         for stage in joined.stages.iter().filter(|stage| stage.kind == JointType::Tree) {
             // SAFETY: each batch is in one stage, and no body that can be moved is in two.
-            let one = |i: usize| unsafe { JointRows::close(joined.views, stage, i, motion, closing, &along) };
+            let one = |i: usize| unsafe {
+                JointRows::close(joined.views, TreeRef::new(i, stage.single), motion, closing, &along);
+            };
             share_out(crew, stage.start as usize..stage.end as usize, false, &one);
         }
     }

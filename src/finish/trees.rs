@@ -1,0 +1,78 @@
+//! Trees of joints of which the guard held a body: all of a tree stops with it.
+//!
+//! A body that is cut short alone leaves its joints by what it is cut, which may be half a metre. So the bodies of its tree go
+//! no further on their ways than it, whatever is open then is closed, and each way is looked at once more.
+
+use super::guard::Guard;
+use crate::body::{Bodies, Pose, exp_map};
+use crate::constraint::contact_row::Motion;
+use crate::constraint::{Along, Closing, JointRows, Rows, Seat};
+use crate::lanes::Record;
+use crate::threads::Shared;
+use glam::Vec3;
+
+/// What mending trees changes.
+pub(super) struct Trees<'a> {
+    pub(super) bodies: &'a mut Bodies,
+    pub(super) delta: &'a mut [Record],
+    pub(super) rows: &'a mut Rows,
+    pub(super) joints: &'a mut JointRows,
+    pub(super) closing: Closing,
+}
+
+impl Trees<'_> {
+    /// Takes all bodies of the trees in `cut` back to the least share of their ways that one of the tree could go.
+    pub(super) fn mend(&mut self, guard: &Guard<'_>, cut: &mut [(Seat, f32)], stack: &mut Vec<u32>) {
+        cut.sort_unstable_by(|(a, s), (b, t)| a.of_tree().cmp(&b.of_tree()).then(s.total_cmp(t)));
+        for alike in cut.chunk_by(|(a, _), (b, _)| a.of_tree() == b.of_tree()) {
+            let (seat, share) = alike[0];
+            for i in self.joints.bodies_of(seat) {
+                self.bodies.pose[i] = guard.before(i, self.bodies, &self.delta[i]);
+                let d = &mut self.delta[i];
+                (d.linear, d.angular) = (d.linear * share, d.angular * share);
+            }
+            self.close(seat);
+            for i in self.joints.bodies_of(seat) {
+                let (d, own) = (self.delta[i], self.bodies.colliders[i].as_slice());
+                let (from, mut moved) = (self.bodies.pose[i].position, d.linear);
+                if moved != Vec3::ZERO && guard.wants(&self.bodies.traits[i], own) {
+                    guard.hold(stack, own, from, &mut moved, &mut self.bodies.velocity[i]);
+                }
+                let pose = &mut self.bodies.pose[i];
+                pose.position += moved.as_dvec3();
+                pose.rotation = (exp_map(d.angular) * pose.rotation).normalize();
+                if let Some(previous) = self.bodies.previous.get_mut(i) {
+                    previous.moved = moved;
+                }
+            }
+        }
+    }
+
+    fn close(&mut self, seat: Seat) {
+        let Rows { p1, p2, p3, p4, single, seated, .. } = &mut *self.rows;
+        let (p1, p2, p3, p4) = (Shared::new(p1), Shared::new(p2), Shared::new(p3), Shared::new(p4));
+        let single = Shared::new(single);
+        let along = Along { seated, p1: &p1, p2: &p2, p3: &p3, p4: &p4, single: &single };
+        // Of the solver's state only displacements are looked at.
+        let (velocity, base) = (&mut [][..], &mut [][..]);
+        let (velocity, base, delta) = (Shared::new(velocity), Shared::new(base), Shared::new(self.delta));
+        let motion = Motion { velocity: &velocity, delta: &delta, base: &base };
+        let views = self.joints.views();
+        // SAFETY: there is no other thread.
+        unsafe { JointRows::close(&views, seat.place().0, &motion, &self.closing, &along) };
+    }
+}
+
+impl Guard<'_> {
+    /// Where a body was at the start of the step.
+    fn before(&self, i: usize, bodies: &Bodies, d: &Record) -> Pose {
+        let pose = &bodies.pose[i];
+        match bodies.colliders[i].as_slice() {
+            [] => Pose {
+                position: pose.position - d.linear.as_dvec3(),
+                rotation: (exp_map(-d.angular) * pose.rotation).normalize(),
+            },
+            [first, ..] => Pose { position: self.centre_before(*first), rotation: self.turn_before(*first) },
+        }
+    }
+}
