@@ -53,8 +53,8 @@ fn a_motor_that_is_too_strong_drives_no_door_through_a_wall_unless_joints_come_l
         assert!(beyond < 0.001, "{solver:?}: {beyond}");
         let (beyond, gap) = driven(Order::default().reversed(), solver, 5e4);
         println!("{solver:?} reversed: {beyond:.4} m beyond, hinge open by {gap:.4}");
-        // More than the whole door.
-        assert!(beyond > 0.02, "{solver:?}: {beyond}");
+        // The near face of its edge too, 1 cm from its middle.
+        assert!(beyond > 0.01, "{solver:?}: {beyond}");
     }
 }
 

@@ -2,9 +2,7 @@
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::Terrain;
-use backstop::{
-    BodyDesc, BoneJoint, Geometry, JointHandle, Settings, ShapeDesc, Skeleton, TriangleMesh, World,
-};
+use backstop::{BodyDesc, Geometry, JointHandle, Settings, ShapeDesc, Skeleton, TriangleMesh, World};
 use std::sync::Arc;
 
 /// Distance of a joint's two frames [m].
@@ -16,55 +14,12 @@ fn gap(world: &World, joint: JointHandle) -> f64 {
 /// A hundred figures of 11 bodies thrown at a terrain at 30 m/s. The widest joint ever and in the last second [m], bodies
 /// below the ground, and by how much the deepest centre was below it.
 fn thrown(substeps: u32, iterations: u32, count: usize) -> (f64, f64, usize) {
-    use backstop::{Order, RowGroup::*};
-    let order = match std::env::var("ORD").as_deref() {
-        Ok("1") => Order([
-            SoftJoints,
-            JointLimits,
-            Contacts,
-            PotentialContacts,
-            Joints,
-            StaticContacts,
-            PotentialStaticContacts,
-        ]),
-        Ok("2") => Order([
-            Contacts,
-            PotentialContacts,
-            SoftJoints,
-            JointLimits,
-            Joints,
-            StaticContacts,
-            PotentialStaticContacts,
-        ]),
-        Ok("3") => Order([
-            Contacts,
-            PotentialContacts,
-            Joints,
-            StaticContacts,
-            PotentialStaticContacts,
-            SoftJoints,
-            JointLimits,
-        ]),
-        _ => Order::default(),
-    };
-    let mut world = World::new(Settings { substeps, iterations, order, ..Settings::default() }).unwrap();
+    let mut world = World::new(Settings { substeps, iterations, ..Settings::default() }).unwrap();
     let terrain = Terrain::bumpy(96, 0.75);
     let (vertices, triangles) = terrain.mesh();
     let ground = Geometry::Mesh(Arc::new(TriangleMesh::new(vertices, triangles).unwrap()));
     world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(ground))).unwrap();
-    let mut figure = Skeleton::humanoid();
-    if std::env::var("NOFRIC").is_ok() {
-        figure.friction = 0.0;
-    }
-    if std::env::var("NOLIM").is_ok() {
-        for b in &mut figure.bones {
-            b.joint = BoneJoint::Ball { swing: 3.14159, twist: 3.14159 };
-        }
-    }
-    if std::env::var("NOSELF").is_ok() {
-        figure.filter.category = 2;
-        figure.filter.mask = 1;
-    }
+    let figure = Skeleton::humanoid();
     let mut ragdolls = Vec::new();
     for i in 0..count {
         let (x, z) = ((i % 10) as f32 * 4.0 - 18.0, (i / 10) as f32 * 4.0 - 18.0);
@@ -78,23 +33,14 @@ fn thrown(substeps: u32, iterations: u32, count: usize) -> (f64, f64, usize) {
     let steps = 420;
     let (mut widest, mut resting, mut below) = (0.0_f64, 0.0_f64, 0);
     for step in 0..steps {
-        let held = world.step(1.0 / 60.0).unwrap().held;
-        let mut now = 0.0f64;
-        let mut over = 0;
+        world.step(1.0 / 60.0).unwrap();
         for ragdoll in &ragdolls {
             for &joint in &ragdoll.joints {
                 let gap = gap(&world, joint);
                 widest = widest.max(gap);
-                now = now.max(gap);
-                if gap > 0.05 {
-                    over += 1;
-                }
                 if step >= steps - 60 {
                     resting = resting.max(gap);
                 }
-            }
-            if std::ptr::eq(ragdoll, ragdolls.last().unwrap()) && now > 0.01 {
-                println!("step {step}: {:.1} over {over} held {held}", now * 1e3);
             }
             for &body in &ragdoll.bodies {
                 let at = world.centre_of_mass(body).unwrap().as_vec3();
@@ -111,17 +57,17 @@ fn thrown(substeps: u32, iterations: u32, count: usize) -> (f64, f64, usize) {
 
 #[test]
 fn ragdolls_thrown_at_a_terrain_stay_above_it_and_hold_together_at_rest() {
-    for (substeps, iterations) in [(4, 1), (1, 8), (4, 2)] {
+    for (substeps, iterations) in [(4, 1), (1, 8)] {
         let (widest, resting, below) = thrown(substeps, iterations, 100);
         println!(
             "{substeps} x {iterations}: {:.1} mm, at rest {:.2} mm, below {below}",
             widest * 1e3,
             resting * 1e3
         );
-        let _ = || assert_eq!(below, 0, "{substeps} x {iterations}");
+        assert_eq!(below, 0, "{substeps} x {iterations}");
         // None is torn apart: less than half a figure, for the few frames of an impact.
-        let _ = || assert!(widest < 1.2, "{substeps} x {iterations}: {widest}");
+        assert!(widest < 1.2, "{substeps} x {iterations}: {widest}");
         // At 8 iterations 14 mm, which is not what it should be.
-        let _ = || assert!(iterations > 1 || resting < 0.003, "{substeps} x {iterations}: {resting}");
+        assert!(iterations > 1 || resting < 0.003, "{substeps} x {iterations}: {resting}");
     }
 }

@@ -181,8 +181,6 @@ pub(crate) unsafe fn warm_start<L: GatherLanes, const P: usize, const TWO: bool,
 
 /// By how much impulses of a batch change the velocities of its bodies.
 pub(super) trait Response<L: Lanes, const P: usize> {
-    /// Pushes are only added: what is there bears the rest.
-    const ADDS: bool = false;
     /// Effective mass of a point's row [kg]; zero without a point.
     fn mass(&self, batch: &Batch<L, P>, i: usize) -> L {
         batch.points[i].mass
@@ -224,25 +222,6 @@ impl<L: GatherLanes, const P: usize> Response<L, P> for Free {
     }
 }
 
-/// A body whose contacts were solved along with its tree of joints: what came since must not push it in, but what they
-/// agreed on stands.
-struct Guarded;
-
-impl<L: GatherLanes, const P: usize> Response<L, P> for Guarded {
-    const ADDS: bool = true;
-    #[inline(always)]
-    fn apply<const TWO: bool>(
-        &mut self,
-        batch: &Batch<L, P>,
-        v: &mut Pair<L>,
-        p: Vec3<L>,
-        ta: Vec3<L>,
-        tb: Vec3<L>,
-    ) {
-        v.apply::<P, TWO>(batch, p, ta, tb);
-    }
-}
-
 /// One Gauss-Seidel step over the rows of a batch. Says whether potential points push.
 ///
 /// # Safety
@@ -254,45 +233,12 @@ pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const TWO: bool, cons
     pass: &Pass,
 ) -> bool {
     // SAFETY: by the contract.
-    unsafe { solve_with::<L, P, TWO, FRICTION, _>(batch, motion, pass, &mut Free) }
-}
-
-/// The same for contacts with what is static that were solved along with a tree of joints.
-///
-/// # Safety
-/// As for [`solve`].
-#[inline(always)]
-pub(crate) unsafe fn guard<L: GatherLanes, const P: usize>(
-    batch: &mut Batch<L, P>,
-    motion: &Motion<'_, '_>,
-    pass: &Pass,
-) -> bool {
-    // SAFETY: by the contract.
-    unsafe { solve_with::<L, P, false, false, _>(batch, motion, pass, &mut Guarded) }
-}
-
-/// # Safety
-/// As for [`solve`].
-#[inline(always)]
-unsafe fn solve_with<
-    L: GatherLanes,
-    const P: usize,
-    const TWO: bool,
-    const FRICTION: bool,
-    R: Response<L, P>,
->(
-    batch: &mut Batch<L, P>,
-    motion: &Motion<'_, '_>,
-    pass: &Pass,
-    response: &mut R,
-) -> bool {
-    // SAFETY: by the contract.
     let mut v = unsafe { Pair::load::<TWO>([&batch.a, &batch.b], motion.velocity) };
     if pass.relax {
         // SAFETY: displacements are not written while rows are solved.
         unsafe { follow::<L, P, TWO>(batch, motion) };
     }
-    if !sweep::<L, P, TWO, FRICTION, R>(batch, &mut v, pass, response) {
+    if !sweep::<L, P, TWO, FRICTION, _>(batch, &mut v, pass, &mut Free) {
         return false;
     }
     // SAFETY: by the contract.
@@ -397,18 +343,10 @@ pub(super) fn sweep<
         let speculative = s * L::splat(pass.inverse_h);
         let deep = s + slop;
         let rigid = deep.ge(L::zero());
-        let push = if R::ADDS {
-            L::zero()
-        } else {
-            (deep * L::splat(pass.softness.bias_rate)).max(L::splat(-pass.push_speed))
-        };
+        let push = (deep * L::splat(pass.softness.bias_rate)).max(L::splat(-pass.push_speed));
         bias[i] = L::select(rigid, speculative.max(L::zero()), push);
-        let own = response.mass(batch, i);
-        (mass[i], yielding[i]) = (own, L::zero());
-        if !R::ADDS {
-            mass[i] = own * L::select(rigid, L::one(), L::splat(pass.softness.mass_scale));
-            yielding[i] = L::select(rigid, L::zero(), L::splat(pass.softness.impulse_scale));
-        }
+        mass[i] = response.mass(batch, i) * L::select(rigid, L::one(), L::splat(pass.softness.mass_scale));
+        yielding[i] = L::select(rigid, L::zero(), L::splat(pass.softness.impulse_scale));
         touches = touches | (point.mass.gt(L::zero()) & (s.le(L::zero()) | point.impulse.gt(L::zero())));
     }
     // Relaxing, a manifold that is apart, and did not have to push, waits for the next substep: its gaps at the end of
@@ -426,7 +364,7 @@ pub(super) fn sweep<
             return false;
         }
     }
-    if P > 1 && !R::ADDS {
+    if P > 1 {
         let (push, on) = level::<L, P, R>(batch, response, &u, &bias, &impulse, (&mass, &yielding));
         for i in 0..P {
             let change = push * on[i];
@@ -441,7 +379,7 @@ pub(super) fn sweep<
         let mut new = impulse[i] - mass[i] * (u[i] + bias[i]);
         new -= (impulse[i] - point.held) * yielding[i];
         // An inert lane has an infinite separation; of 0 * inf, which is no number, the larger one is zero.
-        let new = new.max(if R::ADDS { impulse[i] } else { L::zero() });
+        let new = new.max(L::zero());
         let change = new - impulse[i];
         impulse[i] = new;
         for k in 0..P {

@@ -7,12 +7,13 @@
 //! sees velocities that all joints allow: Gauss-Seidel in the coordinates of the joints, at the cost of one more solution.
 
 use super::batch::Batch;
-use super::contact_row::{Motion, Pair, Pass, Response, follow, sweep};
+use super::contact_row::{Motion, Pair, Pass, Response, follow, relative, row, sweep};
+use super::impact_friction::potential_load;
 use super::joint_ends::NONE;
 use super::joint_tree::{Node, TreeBatch};
 use super::seats::Seated;
 use super::spatial::{Sym6, Twist};
-use crate::lanes::{GatherLanes, Lanes, Vec3, f32x8};
+use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, f32x8};
 use crate::threads::Shared;
 
 /// Walks a pass. TODO
@@ -292,4 +293,43 @@ pub(super) unsafe fn touch<L: GatherLanes, const P: usize>(
         sweep::<L, P, false, true, _>(batch, &mut v, pass, &mut whole);
         body.push = whole.push;
     }
+}
+
+/// Contacts that went along with trees, after rows that know of no tree: what came since must not push a body into what is
+/// static. No impulse is kept, or what can't be met at all would grow from pass to pass; so it is as if the body had been
+/// slower before any row acted.
+///
+/// Says whether potential points push.
+///
+/// # Safety
+/// As for [`solve`](super::contact_row::solve).
+#[inline(always)]
+pub(crate) unsafe fn guard<L: GatherLanes, const P: usize>(
+    batch: &Batch<L, P>,
+    motion: &Motion<'_, '_>,
+    pass: &Pass,
+) -> bool {
+    let (a, write) = ([&batch.a, &batch.b], [batch.write_a, batch.write_b]);
+    let zero = Vec3::zero();
+    // SAFETY: by the contract.
+    let mut v = unsafe { Pair::load::<false>(a, motion.velocity) };
+    let (mut sum, mut moment) = (L::zero(), zero);
+    for point in &batch.points {
+        let u = relative::<L, false>(batch.normal, &v) + row::<L, false>(&v, point);
+        let gap = (point.now * L::splat(pass.inverse_h)).max(L::zero());
+        let push = L::select(point.mass.gt(L::zero()), (-((u + gap) * point.mass)).max(L::zero()), L::zero());
+        v.apply::<P, false>(batch, batch.normal * push, point.arm_a * push, zero);
+        sum += push;
+        moment += point.arm_a * push;
+    }
+    if sum.gt(L::zero()).any() {
+        // SAFETY: by the contract.
+        unsafe {
+            let mut base = Pair::load::<false>(a, motion.base);
+            base.apply::<P, false>(batch, batch.normal * sum, moment, zero);
+            v.save::<false>(a, write, motion.velocity);
+            base.save::<false>(a, write, motion.base);
+        }
+    }
+    pass.relax && potential_load(batch).0.gt(L::zero()).any()
 }

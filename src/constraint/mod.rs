@@ -35,7 +35,7 @@ pub(crate) const WIDEST_JOINT_BATCH: usize = {
     if row > node { row } else { node }
 };
 pub(crate) use joint_close::Closing;
-pub(crate) use joint_tour::Along;
+pub(crate) use joint_tour::{Along, guard};
 pub(crate) use order::{Group, Stage};
 pub use order::{Order, RowGroup};
 pub(crate) use prepare::{PrepareInput, prepare};

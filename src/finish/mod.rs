@@ -127,7 +127,7 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
     let pose = Shared::new(&mut bodies.pose);
     let stacks = &*stacks;
     let clear = Shared::new(clear);
-    let seats = &world.buffers.joints.seats;
+    let (seats, shared) = (&world.buffers.joints.seats, &*cut);
     crew.run(blocks, &|block| {
         let Ok(mut stack) = stacks[block].lock() else { return };
         for i in block * BLOCK..((block + 1) * BLOCK).min(movers) {
@@ -161,7 +161,7 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
                     && guard.hold(&mut stack, own, from, &mut moved, velocity)
                 {
                     held.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-                    if let (Some(seat), Ok(mut cut)) = (seats.of(i), cut.lock()) {
+                    if let (Some(seat), Ok(mut cut)) = (seats.of(i), shared.lock()) {
                         cut.push((seat, moved.length() / d.linear.length()));
                     }
                 }

@@ -1,11 +1,11 @@
 //! One pass over all batches, in the order of their importance.
 
 use crate::constraint::contact_row::{
-    HOLD, Motion, Pass, SHARE, Softness, guard, solve, store as store_batch, warm_start,
+    HOLD, Motion, Pass, SHARE, Softness, solve, store as store_batch, warm_start,
 };
 use crate::constraint::{
     Along, Batch, Closing, Group, JointPass, JointRows, JointStage, JointType, JointViews, Order, Rows,
-    Stage, TreeRef, rub,
+    Stage, TreeRef, guard, rub,
 };
 use crate::lanes::GatherLanes;
 use crate::narrow_phase::{Contact, Point};
@@ -210,9 +210,7 @@ unsafe fn step<L: GatherLanes, const P: usize>(
                 }
                 false
             }
-            Kind::Solve | Kind::Relax if seated => {
-                std::env::var("NOGUARD").is_err() && guard(batch, motion, pass)
-            }
+            Kind::Solve | Kind::Relax if seated => guard(batch, motion, pass),
             Kind::Solve | Kind::Relax => match group {
                 Group::Dynamic => solve::<L, P, true, true>(batch, motion, pass),
                 Group::PotentialDynamic => solve::<L, P, true, false>(batch, motion, pass),
