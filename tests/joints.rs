@@ -103,9 +103,9 @@ fn a_double_pendulum_keeps_its_energy() {
 }
 
 /// The largest distance of two frames within 5 s [m].
-fn chain_gap(along: Vec3, substeps: u32, iterations: u32) -> f64 {
+fn chain_gap(level: bool, substeps: u32, iterations: u32) -> f64 {
     let mut world = World::new(Settings { substeps, iterations, ..Settings::default() }).unwrap();
-    let joints = builtin::chain(along).add_to(&mut world).unwrap().joints;
+    let joints = builtin::chain(level).add_to(&mut world).unwrap().joints;
     let mut widest = 0.0_f64;
     for _ in 0..300 {
         world.step(1.0 / 60.0).unwrap();
@@ -118,8 +118,8 @@ fn chain_gap(along: Vec3, substeps: u32, iterations: u32) -> f64 {
 #[test]
 fn a_chain_bears_a_ball_a_thousand_times_as_heavy_as_its_links() {
     for (substeps, iterations) in [(4, 1), (1, 8)] {
-        let hanging = chain_gap(Vec3::NEG_Y, substeps, iterations);
-        let swinging = chain_gap(Vec3::X, substeps, iterations);
+        let hanging = chain_gap(false, substeps, iterations);
+        let swinging = chain_gap(true, substeps, iterations);
         println!("{substeps} x {iterations}: hanging {hanging:.5} swinging {swinging:.5}");
         assert!(hanging < 0.005 && swinging < 0.02, "{substeps} x {iterations}: {hanging} {swinging}");
     }

@@ -8,7 +8,7 @@ use crate::body::{BodyDesc, BodyKind};
 use crate::joint::{Axes, Frame, Limit, Motion};
 use crate::shape::{ConvexHull, Geometry, ShapeDesc, TriangleMesh};
 use glam::{Quat, Vec3};
-use std::f32::consts::TAU;
+use std::f32::consts::{FRAC_1_SQRT_2, TAU};
 use std::sync::Arc;
 
 /// The names that [`build`] knows, in the order in which reports list them.
@@ -41,7 +41,7 @@ pub fn build(name: &str) -> Option<Scene> {
         "mass_stack_1e5" => mass_stack(1e5),
         "tall_stack" => tall_stack(),
         "joint_grid" => joint_grid(100),
-        "chain" => chain(Vec3::X),
+        "chain" => chain(true),
         _ => return None,
     };
     scene.name = name.into();
@@ -162,11 +162,16 @@ pub fn joint_grid(side: usize) -> Scene {
     scene
 }
 
-/// A chain that hangs at the origin, straight `along` a direction: twenty links of 0.4 m, and at its end a ball a thousand
-/// times as heavy as a link.
-pub fn chain(along: Vec3) -> Scene {
+/// A chain at the origin, hanging or held out level: twenty links of 0.4 m, and at its end a ball a thousand times as heavy
+/// as a link.
+pub fn chain(level: bool) -> Scene {
     let (half, radius, ball) = (0.15_f32, 0.05_f32, 0.5_f32);
-    let (pitch, turn) = (2.0 * (half + radius), Quat::from_rotation_arc(Vec3::Y, along));
+    let pitch = 2.0 * (half + radius);
+    let (along, turn) = if level {
+        (Vec3::X, Quat::from_xyzw(0.0, 0.0, FRAC_1_SQRT_2, FRAC_1_SQRT_2))
+    } else {
+        (Vec3::NEG_Y, Quat::IDENTITY)
+    };
     let mut scene = Scene::new("chain");
     scene.add("hook", BodyDesc::fixed());
     for i in 0..20 {
@@ -178,9 +183,9 @@ pub fn chain(along: Vec3) -> Scene {
     end.shapes[0].density *= 1000.0 * volume / (4.0 / 3.0 * ball * ball * ball);
     scene.add("ball", end);
     for i in 0..21 {
-        let from = if i == 0 { 0.0 } else { 0.5 * pitch };
-        let to = if i == 20 { ball } else { 0.5 * pitch };
-        scene.joints.push(ball_joint([i, i + 1], [Vec3::Y * from, Vec3::Y * -to]));
+        let under = if i == 0 { 0.0 } else { -0.5 * pitch };
+        let over = if i == 20 { ball } else { 0.5 * pitch };
+        scene.joints.push(ball_joint([i, i + 1], [Vec3::Y * under, Vec3::Y * over]));
     }
     scene
 }
