@@ -6,9 +6,12 @@
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 mod common;
 
-use backstop::glam::{DVec3, Vec3};
-use backstop::scene::{Scene, builtin};
-use backstop::{BodyDesc, FrictionModel, Geometry, Material, Settings, World};
+use backstop::glam::{DVec3, Quat, Vec3};
+use backstop::scene::{Scene, Terrain, builtin};
+use backstop::{
+    BodyDesc, FrictionModel, Geometry, Material, Settings, ShapeDesc, Skeleton, TriangleMesh, World,
+};
+use std::sync::Arc;
 
 /// A third of a thousand bodies of every shape fall into a heap.
 fn small_pile() -> Scene {
@@ -110,6 +113,43 @@ fn points_without_a_colour_give_the_same_bits() {
     };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
     assert_eq!(pool.install(|| run(3)), run(1));
+}
+
+/// Ragdolls fall on a mesh and on each other, beside a chain with a heavy ball, and joints of every kind swing above it.
+fn joints_after(steps: u32, threads: usize) -> u64 {
+    let mut world = World::new(Settings { threads, ..Settings::default() }).unwrap();
+    let (vertices, triangles) = Terrain::bumpy(32, 0.5).mesh();
+    let ground = Geometry::Mesh(Arc::new(TriangleMesh::new(vertices, triangles).unwrap()));
+    world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(ground))).unwrap();
+    let figure = Skeleton { friction: 1.0, ..Skeleton::humanoid() };
+    for i in 0..20 {
+        let at = DVec3::new(f64::from(i % 4) * 1.2 - 2.0, 3.0 + f64::from(i), f64::from(i % 5) - 2.0);
+        // Of no sine that a platform may have in its own way.
+        let turn = Quat::from_xyzw(0.1 * i as f32, 0.7, 0.3, 1.0).normalize();
+        figure.add_to(&mut world, at, turn, Vec3::NEG_Y * 10.0).unwrap();
+    }
+    builtin::chain(true).add_to(&mut world).unwrap();
+    for i in 0..10 {
+        common::joints_of_every_kind(&mut world, Vec3::new(0.0, 6.0, i as f32 - 5.0));
+    }
+    common::joints_without_colour(&mut world, Vec3::new(0.0, 8.0, 0.0));
+    common::steps(&mut world, steps, 1.0 / 60.0);
+    assert!(common::all_finite(&world));
+    world.hash()
+}
+
+const JOINTS: u64 = 0x65DC_E697_5341_0C71;
+
+#[test]
+fn every_build_and_any_number_of_threads_give_the_pinned_hash_of_joints() {
+    let hash = joints_after(120, 1);
+    println!("joints: 0x{hash:016X}");
+    #[cfg(feature = "parallel")]
+    for threads in [2, 3, 8] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        assert_eq!(pool.install(|| joints_after(120, threads)), hash, "{threads} threads");
+    }
+    assert_eq!(hash, JOINTS, "0x{hash:016X}");
 }
 
 /// What was added first or last, removed and added again must not show: the same calls give the same bits.

@@ -8,8 +8,8 @@ mod common;
 
 use backstop::glam::{Vec2, Vec3};
 use backstop::{
-    BodyDesc, Continuous, ConvexHull, FrictionModel, Geometry, HeightField, Material, Settings, ShapeDesc,
-    World,
+    BodyDesc, BodyHandle, Continuous, ConvexHull, FrictionModel, Geometry, HeightField, Material, Settings,
+    ShapeDesc, World,
 };
 use std::sync::Arc;
 
@@ -25,13 +25,19 @@ fn settings() -> Settings {
 
 /// Steps the copies of a scene by one thread and by two: no bit may differ.
 fn alone_and_shared(settings: &Settings, scene: &[BodyDesc]) {
+    alone_and_shared_with(settings, &|world, beside| {
+        let moved = scene.iter().map(|desc| desc.clone().at(desc.position + beside.as_dvec3()));
+        world.add_bodies(&moved.collect::<Vec<_>>()).unwrap()
+    });
+}
+
+/// The same for what `add` adds at a place.
+fn alone_and_shared_with(settings: &Settings, add: &(dyn Fn(&mut World, Vec3) -> Vec<BodyHandle> + Sync)) {
     let run = |threads: usize| {
         let mut world = World::new(Settings { threads, ..settings.clone() }).unwrap();
         let mut bodies = Vec::new();
         for copy in 0..COPIES {
-            let beside = Vec3::X * (APART * copy as f32);
-            let moved = scene.iter().map(|desc| desc.clone().at(desc.position + beside.as_dvec3()));
-            bodies.extend(world.add_bodies(&moved.collect::<Vec<_>>()).unwrap());
+            bodies.extend(add(&mut world, Vec3::X * (APART * copy as f32)));
         }
         let mut met = 0;
         for step in 0..STEPS {
@@ -158,4 +164,17 @@ fn a_slab_with_more_points_than_colours() {
     scene.push(dynamic(Geometry::cuboid(2.0, 0.1, 2.0), Vec3::NEG_Y * 0.001));
     let per_point = Settings { friction_model: FrictionModel::Point, ..settings() };
     alone_and_shared(&per_point, &scene);
+}
+
+/// Joints by every kernel, beside contacts with what hangs on them.
+#[test]
+fn joints_of_every_kind() {
+    alone_and_shared_with(&settings(), &|world, at| {
+        let mut bodies = common::joints_of_every_kind(world, at);
+        bodies.extend(common::joints_without_colour(world, at + Vec3::Y * 3.0));
+        // Under the balls of the trees that are alike.
+        let plank = fixed(Geometry::cuboid(2.0, 0.1, 0.2), at + Vec3::new(1.75, -1.199, 0.0));
+        bodies.push(world.add_body(&plank).unwrap());
+        bodies
+    });
 }

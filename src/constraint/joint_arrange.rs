@@ -531,3 +531,7 @@ fn impulses_of<L: Lanes>(batch: &TreeBatch<L>, f: &mut impl FnMut(u32, glam::Vec
         }
     }
 }
+
+#[cfg(test)]
+#[path = "joint_bytes_tests.rs"]
+mod bytes_tests;

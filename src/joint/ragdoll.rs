@@ -7,7 +7,7 @@ use crate::handle::{BodyHandle, JointHandle};
 use crate::shape::{Filter, Geometry, Material, ShapeDesc};
 use crate::world::World;
 use glam::{DVec3, Quat, Vec3};
-use std::f32::consts::{FRAC_PI_2, PI};
+use std::f32::consts::PI;
 
 /// How a bone moves on its parent.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -174,7 +174,7 @@ impl Skeleton {
                 (shape.density, shape.material, shape.filter) = (self.density, self.material, self.filter);
                 BodyDesc::dynamic()
                     .at(position + (rotation * (bone.from + bone.to) * 0.5).as_dvec3())
-                    .rotated(rotation * Quat::from_rotation_arc(Vec3::Y, along.normalize()))
+                    .rotated(rotation * arc(Vec3::Y, along.normalize()))
                     .moving(velocity, Vec3::ZERO)
                     .with_shape(shape)
             })
@@ -242,10 +242,30 @@ impl Bone {
                 if along.dot(middle - self.joint_at) < 0.0 { -along } else { along }
             }
         };
-        if x.dot(Vec3::X) < -0.999 {
-            Quat::from_rotation_y(2.0 * FRAC_PI_2)
-        } else {
-            Quat::from_rotation_arc(Vec3::X, x)
+        arc(Vec3::X, x)
+    }
+}
+
+/// A rotation of one direction to another. Against each other glam would ask the platform for the sine of a right angle.
+fn arc(from: Vec3, to: Vec3) -> Quat {
+    if from.dot(to) >= 0.0 {
+        return Quat::from_rotation_arc(from, to);
+    }
+    let half_turn = Quat::from_vec4(from.any_orthonormal_vector().extend(0.0));
+    Quat::from_rotation_arc(-from, to) * half_turn
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_arc_leads_from_one_direction_to_the_other() {
+        for from in [Vec3::X, Vec3::Y] {
+            for to in [Vec3::X, Vec3::NEG_X, Vec3::NEG_Y, Vec3::new(-0.9999, 0.014, 0.002), Vec3::ONE] {
+                let (to, turned) = (to.normalize(), arc(from, to.normalize()));
+                assert!((turned * from - to).length() < 1e-6 && turned.is_normalized(), "{from} {to}");
+            }
         }
     }
 }

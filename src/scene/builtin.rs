@@ -7,8 +7,8 @@ use super::{Scene, SceneJoint, Terrain};
 use crate::body::{BodyDesc, BodyKind};
 use crate::joint::{Axes, Frame, Limit, Motion};
 use crate::shape::{ConvexHull, Geometry, ShapeDesc, TriangleMesh};
-use glam::Vec3;
-use std::f32::consts::TAU;
+use glam::{Quat, Vec3};
+use std::f32::consts::{FRAC_1_SQRT_2, TAU};
 use std::sync::Arc;
 
 /// The names that [`build`] knows, in the order in which reports list them.
@@ -24,6 +24,7 @@ pub const NAMES: &[&str] = &[
     "mass_stack_1e5",
     "tall_stack",
     "joint_grid",
+    "chain",
 ];
 
 /// A scene by its name.
@@ -40,6 +41,7 @@ pub fn build(name: &str) -> Option<Scene> {
         "mass_stack_1e5" => mass_stack(1e5),
         "tall_stack" => tall_stack(),
         "joint_grid" => joint_grid(100),
+        "chain" => chain(true),
         _ => return None,
     };
     scene.name = name.into();
@@ -143,14 +145,7 @@ pub fn joint_grid(side: usize) -> Scene {
     }
     let mut join = |a: usize, b: usize, half: Vec3| {
         if [a, b].iter().any(|&i| scene.bodies[i].desc.kind == BodyKind::Dynamic) {
-            scene.joints.push(SceneJoint {
-                name: "joint".into(),
-                bodies: [a, b],
-                frames: [Frame::at(half), Frame::at(-half)],
-                limits: vec![Limit::lock(Motion::Linear, Axes::All)],
-                drives: Vec::new(),
-                collide: false,
-            });
+            scene.joints.push(ball_joint([a, b], [half, -half]));
         }
     };
     for k in 0..side {
@@ -163,6 +158,34 @@ pub fn joint_grid(side: usize) -> Scene {
                 join(here - side, here, Vec3::X * 0.5);
             }
         }
+    }
+    scene
+}
+
+/// A chain at the origin, hanging or held out level: twenty links of 0.4 m, and at its end a ball a thousand times as heavy
+/// as a link.
+pub fn chain(level: bool) -> Scene {
+    let (half, radius, ball) = (0.15_f32, 0.05_f32, 0.5_f32);
+    let pitch = 2.0 * (half + radius);
+    let (along, turn) = if level {
+        (Vec3::X, Quat::from_xyzw(0.0, 0.0, FRAC_1_SQRT_2, FRAC_1_SQRT_2))
+    } else {
+        (Vec3::NEG_Y, Quat::IDENTITY)
+    };
+    let mut scene = Scene::new("chain");
+    scene.add("hook", BodyDesc::fixed());
+    for i in 0..20 {
+        let at = along * (pitch * (i as f32 + 0.5));
+        scene.add("link", dynamic(Geometry::capsule(half, radius), at).rotated(turn));
+    }
+    let mut end = dynamic(Geometry::Sphere { radius: ball }, along * (pitch * 20.0 + ball)).rotated(turn);
+    let volume = 2.0 * half * radius * radius + 4.0 / 3.0 * radius * radius * radius;
+    end.shapes[0].density *= 1000.0 * volume / (4.0 / 3.0 * ball * ball * ball);
+    scene.add("ball", end);
+    for i in 0..21 {
+        let under = if i == 0 { 0.0 } else { -0.5 * pitch };
+        let over = if i == 20 { ball } else { 0.5 * pitch };
+        scene.joints.push(ball_joint([i, i + 1], [Vec3::Y * under, Vec3::Y * over]));
     }
     scene
 }
@@ -240,6 +263,17 @@ pub fn tall_stack() -> Scene {
     scene
 }
 
+fn ball_joint(bodies: [usize; 2], at: [Vec3; 2]) -> SceneJoint {
+    SceneJoint {
+        name: "joint".into(),
+        bodies,
+        frames: at.map(Frame::at),
+        limits: vec![Limit::lock(Motion::Linear, Axes::All)],
+        drives: Vec::new(),
+        collide: false,
+    }
+}
+
 pub(super) fn dynamic(geometry: Geometry, position: Vec3) -> BodyDesc {
     BodyDesc::dynamic().at(position).with_shape(ShapeDesc::new(geometry))
 }
@@ -274,7 +308,7 @@ mod tests {
     fn every_builtin_scene_has_its_bodies() {
         // Counted from the descriptions: a pyramid of 60 has 60 * 61 / 2 boxes.
         // Of the grid's upper row seven don't move.
-        let expected = [11, 1000, 1000, 1830, 5050, 4096, 10, 10, 10, 30, 9993];
+        let expected = [11, 1000, 1000, 1830, 5050, 4096, 10, 10, 10, 30, 9993, 21];
         for (name, count) in NAMES.iter().zip(expected) {
             let scene = build(name).unwrap();
             assert_eq!((scene.name.as_str(), scene.dynamic_bodies()), (*name, count));

@@ -3,7 +3,10 @@
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::Scene;
-use backstop::{BodyDesc, BodyHandle, Geometry, Material, Settings, ShapeDesc, TriangleMesh, World};
+use backstop::{
+    Axes, Axis, BodyDesc, BodyHandle, Drive, Frame, Geometry, JointDesc, Limit, Material, Motion, Settings,
+    ShapeDesc, Spring, TriangleMesh, World,
+};
 use std::sync::Arc;
 
 /// Standard gravity of every world here [m/s²].
@@ -89,4 +92,85 @@ pub(crate) fn all_finite(world: &World) -> bool {
 /// Horizontal length.
 pub(crate) fn sideways(v: DVec3) -> f64 {
     v.x.hypot(v.z)
+}
+
+/// Balls that hang on a post, and on each other.
+struct Hung<'a> {
+    world: &'a mut World,
+    post: Vec3,
+    bodies: Vec<BodyHandle>,
+}
+
+impl Hung<'_> {
+    fn balls<const N: usize>(&mut self, places: [[f32; 2]; N]) -> [usize; N] {
+        places.map(|[x, y]| {
+            let at = self.post + Vec3::new(x, y, 0.0);
+            let ball = dynamic(Geometry::Sphere { radius: 0.1 }, Material::default(), at);
+            // Each starts with a push of its own.
+            let ball = ball.moving(Vec3::new(0.3 * y, 0.2, 0.5 - 0.1 * x), Vec3::ZERO);
+            self.bodies.push(self.world.add_body(&ball).unwrap());
+            self.bodies.len() - 1
+        })
+    }
+    /// Joins two bodies in the middle between them.
+    fn join(&mut self, a: usize, b: usize, make: impl Fn([BodyHandle; 2], [Frame; 2]) -> JointDesc) {
+        let bodies = [self.bodies[a], self.bodies[b]];
+        let [p, q] = bodies.map(|body| self.world.position(body).unwrap());
+        let frames = self.world.frames_at(bodies, 0.5 * (p + q), Quat::IDENTITY).unwrap();
+        self.world.add_joint(&make(bodies, frames)).unwrap();
+    }
+}
+
+/// Every kind of joint, by every kernel that there is for them: eight trees alike and one unlike, a loop of points with a
+/// hinge and a weld, and single rows. Returns the bodies, the post first.
+pub(crate) fn joints_of_every_kind(world: &mut World, post: Vec3) -> Vec<BodyHandle> {
+    use {Axes::*, Axis::*, Motion::*};
+    let bodies = vec![world.add_body(&BodyDesc::fixed().at(post)).unwrap()];
+    let mut hung = Hung { world, post, bodies };
+    const POST: usize = 0;
+    for i in 0..8 {
+        let x = 0.5 * i as f32;
+        let [a, b] = hung.balls([[x, -0.5], [x, -1.0]]);
+        hung.join(POST, a, JointDesc::ball);
+        hung.join(a, b, JointDesc::hinge);
+    }
+    let [a, b, c] = hung.balls([[-0.5, -0.5], [-0.5, -1.0], [-0.9, -1.0]]);
+    hung.join(POST, a, JointDesc::fixed);
+    hung.join(a, b, |b, f| JointDesc::hinge(b, f).with_drive(Drive::motor(Angular, X, 2.0, 30.0)));
+    hung.join(b, c, |b, f| {
+        let cone = Limit::new(Angular, Around(X), 0.0, 0.4);
+        let ball = JointDesc::ball(b, f).with_limit(cone).with_limit(Limit::new(Angular, One(X), -0.3, 0.2));
+        ball.with_drive(Drive::friction(Angular, Y, 0.1))
+    });
+    let [a, b, c] = hung.balls([[-1.5, -0.5], [-1.8, -1.0], [-1.3, -1.0]]);
+    hung.join(POST, a, |b, f| JointDesc::distance(b, f, 0.0, 0.3));
+    hung.join(a, b, JointDesc::hinge);
+    hung.join(b, c, JointDesc::fixed);
+    hung.join(c, a, JointDesc::ball);
+    let [a, b, c] = hung.balls([[-2.5, -0.5], [-2.5, -1.0], [-2.9, -1.0]]);
+    let spring = Spring::Frequency { hertz: 3.0, ratio: 0.5 };
+    hung.join(POST, a, |b, f| {
+        let slider = JointDesc::slider(b, f).with_limit(Limit::new(Linear, One(X), -0.1, 0.2));
+        slider.with_drive(Drive::motor(Linear, X, 1.0, 40.0))
+    });
+    hung.join(a, b, |b, f| JointDesc::wheel(b, f, 0.1, spring));
+    hung.join(b, c, |b, f| {
+        let yielding = Limit::new(Linear, All, 0.0, 0.1).with_spring(spring);
+        JointDesc::new(b, f).with_limit(yielding).with_drive(Drive::spring(Angular, Z, 0.2, spring))
+    });
+    hung.bodies
+}
+
+/// A ball on so many welds, hinges and motors that some of each find no colour, of which there are 31. Returns the bodies,
+/// what it hangs on first.
+pub(crate) fn joints_without_colour(world: &mut World, post: Vec3) -> Vec<BodyHandle> {
+    let bodies = vec![world.add_body(&BodyDesc::fixed().at(post)).unwrap()];
+    let mut hung = Hung { world, post, bodies };
+    let [ball] = hung.balls([[0.0, -0.5]]);
+    for _ in 0..40 {
+        hung.join(0, ball, JointDesc::fixed);
+        let motor = Drive::motor(Motion::Angular, Axis::X, 1.0, 1.0);
+        hung.join(0, ball, |b, f| JointDesc::hinge(b, f).with_drive(motor));
+    }
+    hung.bodies
 }

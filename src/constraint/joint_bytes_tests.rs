@@ -1,0 +1,82 @@
+//! A kind of joint that a scene does not have takes no bytes.
+
+use super::{JointRows, bytes_of_trees};
+use crate::{
+    Axis, BodyDesc, BodyHandle, Drive, Frame, Geometry, JointDesc, MassProperties, Motion, Settings,
+    ShapeDesc, World,
+};
+use glam::{Mat3, Vec3};
+
+/// What a table is for, and its live and reserved bytes.
+fn tables(rows: &JointRows) -> [(&'static str, (usize, usize)); 6] {
+    [
+        ("points", rows.points.bytes()),
+        ("welds", rows.welds.bytes()),
+        ("hinges", rows.hinges.bytes()),
+        ("rows", rows.rows.bytes()),
+        ("trees", bytes_of_trees(&rows.trees)),
+        ("single trees", bytes_of_trees(&rows.tree)),
+    ]
+}
+
+type Make = fn([BodyHandle; 2], [Frame; 2]) -> JointDesc;
+type Pairs = &'static [[usize; 2]];
+/// What joins which of three balls, and the tables that take bytes then.
+type Case = (Make, Pairs, &'static [&'static str]);
+
+/// The tables that take bytes after a step of three balls joined in pairs: to make a chain, or a ring, which is no tree.
+fn taken(make: Make, pairs: Pairs) -> Vec<&'static str> {
+    let mut world = World::new(Settings::default()).unwrap();
+    let mut ball = BodyDesc::dynamic().with_shape(ShapeDesc::new(Geometry::Sphere { radius: 0.1 }));
+    ball.mass = Some(MassProperties { mass: 1.0, center: Vec3::ZERO, inertia: Mat3::IDENTITY });
+    let bodies: Vec<BodyHandle> =
+        (0..3).map(|i| world.add_body(&ball.clone().at(Vec3::X * i as f32)).unwrap()).collect();
+    for &[a, b] in pairs {
+        let frames = [Frame::at(Vec3::X * 0.5), Frame::at(Vec3::X * -0.5)];
+        world.add_joint(&make([bodies[a], bodies[b]], frames)).unwrap();
+    }
+    world.step(1.0 / 60.0).unwrap();
+    let tables = tables(&world.buffers.joints);
+    assert!(tables.iter().all(|(_, (live, reserved))| (*live == 0) == (*reserved == 0)), "{tables:?}");
+    tables.iter().filter(|table| table.1.1 > 0).map(|table| table.0).collect()
+}
+
+#[test]
+fn a_kind_of_joint_that_is_not_there_takes_no_bytes() {
+    let drive: Make = |bodies, frames| {
+        JointDesc::new(bodies, frames).with_drive(Drive::motor(Motion::Angular, Axis::X, 1.0, 1.0))
+    };
+    let rod: Make = |bodies, frames| JointDesc::distance(bodies, frames, 1.0, 1.0);
+    let chain: Pairs = &[[0, 1], [1, 2]];
+    let ring: Pairs = &[[0, 1], [1, 2], [2, 0]];
+    let cases: [Case; 10] = [
+        (JointDesc::ball, &[], &[]),
+        (JointDesc::ball, &[[0, 1]], &["points"]),
+        (JointDesc::ball, chain, &["single trees"]),
+        (JointDesc::ball, ring, &["points"]),
+        (JointDesc::hinge, chain, &["single trees"]),
+        (JointDesc::hinge, ring, &["points", "hinges"]),
+        (JointDesc::fixed, ring, &["points", "welds"]),
+        (JointDesc::slider, chain, &["points", "welds"]),
+        (drive, chain, &["rows"]),
+        (rod, chain, &["rows"]),
+    ];
+    for (i, (make, pairs, expected)) in cases.into_iter().enumerate() {
+        assert_eq!(taken(make, pairs), expected, "case {i}");
+    }
+}
+
+/// A scene that has no joints any more is like one that never had any, but for what it keeps for the next.
+#[test]
+fn joints_that_are_gone_are_not_live() {
+    let mut world = World::new(Settings::default()).unwrap();
+    let ball = BodyDesc::dynamic().with_shape(ShapeDesc::new(Geometry::Sphere { radius: 0.1 }));
+    let [a, b] = [0.0, 1.0].map(|x| world.add_body(&ball.clone().at(Vec3::X * x)).unwrap());
+    let joint = world.add_joint(&JointDesc::slider([a, b], [Frame::default(); 2])).unwrap();
+    world.step(1.0 / 60.0).unwrap();
+    assert!(tables(&world.buffers.joints).iter().any(|table| table.1.0 > 0));
+    world.remove_joint(joint).unwrap();
+    world.step(1.0 / 60.0).unwrap();
+    let left = tables(&world.buffers.joints);
+    assert!(left.iter().all(|table| table.1.0 == 0), "{left:?}");
+}
