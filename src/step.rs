@@ -173,7 +173,22 @@ impl World {
             self.joints.compact();
             self.buffers.joints.arrange(&self.joints, &self.bodies);
         }
-        self.buffers.joints.seat(&self.joints, &self.bodies, self.settings.order);
+        if self.joints.count > 0 || !self.buffers.joints.seats.is_empty() {
+            let Buffers { joints, forces, .. } = &mut self.buffers;
+            let input = JointInput {
+                bodies: &self.bodies,
+                inverse_inertia: &[],
+                joints: &self.joints,
+                pairs: &self.broad.pairs,
+                hot: &self.colliders.hot,
+                seated: &[],
+                order: self.settings.order,
+                warm,
+                h,
+            };
+            joints.fill_trees(crew, &input, &mut forces.inverse_inertia);
+        }
+        let forces = &self.buffers.forces;
         let input = PrepareInput {
             bodies: &self.bodies,
             colliders: &self.colliders.all,

@@ -4,7 +4,7 @@ use super::colour::{COLOURS, Colouring, OVERFLOW};
 use super::contact_row::{Motion as BodyMotion, Pass, SHARE};
 use super::joint_close::Closing;
 use super::joint_ends::{JointPass, NONE, Owned};
-use super::joint_fill::{point, row, tree, turn};
+use super::joint_fill::{get_sym, point, row, tree, turn};
 use super::joint_lock::{PointBatch, TurnBatch};
 use super::joint_row::RowBatch;
 use super::joint_tour::{Along, Toured};
@@ -257,39 +257,15 @@ impl JointRows {
         }
     }
 
-    /// Gives the bodies of trees their seats, if contacts with what is static are more important than joints.
-    pub(crate) fn seat(&mut self, joints: &Joints, bodies: &Bodies, order: Order) {
+    /// Fills the batches of trees, gives their bodies seats, if contacts with what is static are more important than
+    /// joints, and gives all that is prepared after the inertia of what is braced.
+    pub(crate) fn fill_trees(
+        &mut self,
+        crew: &Crew<'_>,
+        input: &JointInput<'_>,
+        inverse_inertia: &mut [Sym3<f32>],
+    ) {
         self.seats.clear();
-        let rank = |group| order.rank(group);
-        let first = rank(RowGroup::StaticContacts).min(rank(RowGroup::PotentialStaticContacts));
-        if self.trees.is_empty() && self.tree.is_empty() || first < rank(RowGroup::Joints) {
-            return;
-        }
-        self.seats.reset(bodies.dynamic());
-        let mut put = |owner: u32, side: u8, seat: Seat| {
-            let joint = &joints.all[joints.locks[owner as usize].joint as usize];
-            let body = bodies.slots.dense(joint.bodies[usize::from(side)]) as usize;
-            self.seats.put(body, seat);
-        };
-        let lanes =
-            self.trees.iter().enumerate().map(|(i, batch)| (TreeRef::new(i, false), placed(&batch.nodes)));
-        for (tree, nodes) in lanes {
-            nodes.for_each(|(node, lane, owner, side)| put(owner, side, Seat::new(tree, node, lane)));
-        }
-        let single =
-            self.tree.iter().enumerate().map(|(i, batch)| (TreeRef::new(i, true), placed(&batch.nodes)));
-        for (tree, nodes) in single {
-            nodes.for_each(|(node, lane, owner, side)| put(owner, side, Seat::new(tree, node, lane)));
-        }
-    }
-
-    /// Fills all batches.
-    pub(crate) fn fill(&mut self, crew: &Crew<'_>, input: &JointInput<'_>) {
-        self.stages.sort_by_key(|stage| input.order.rank(stage.group));
-        self.points.fill(crew, |b, o| point(b, o, input), |b, o| point(b, o, input));
-        self.welds.fill(crew, |b, o| turn(b, o, input), |b, o| turn(b, o, input));
-        self.hinges.fill(crew, |b, o| turn(b, o, input), |b, o| turn(b, o, input));
-        self.rows.fill(crew, |b, o| row(b, o, input), |b, o| row(b, o, input));
         if self.trees.is_empty() && self.tree.is_empty() {
             return;
         }
@@ -301,12 +277,47 @@ impl JointRows {
                 self.touching.get_mut(body).into_iter().for_each(|touches| *touches = true);
             }
         }
-        let touching = self.touching.as_slice();
+        let (touching, inertia) = (self.touching.as_slice(), &*inverse_inertia);
         let (count, trees) = (self.trees.len(), Shared::new(&mut self.trees));
         // SAFETY: each batch is in one block.
-        crew.run(count, &|i| tree(unsafe { trees.get(i) }, TreeRef::new(i, false), input, touching));
+        crew.run(count, &|i| tree(unsafe { trees.get(i) }, input, inertia, touching));
+        self.tree.iter_mut().for_each(|batch| tree(batch, input, inertia, touching));
+        let rank = |group| input.order.rank(group);
+        let first = rank(RowGroup::StaticContacts).min(rank(RowGroup::PotentialStaticContacts));
+        let along = first > rank(RowGroup::Joints);
+        if along {
+            self.seats.reset(input.bodies.dynamic());
+        }
+        let seats = &mut self.seats;
+        let mut put = |seat: Seat, body: u32, inverse: Sym3<f32>| {
+            inverse_inertia[body as usize] = inverse;
+            if along {
+                seats.put(body as usize, seat);
+            }
+        };
+        let lanes = self.trees.iter().enumerate();
+        lanes.for_each(|(i, batch)| each_body(batch, TreeRef::new(i, false), &mut put));
+        let single = self.tree.iter().enumerate();
+        single.for_each(|(i, batch)| each_body(batch, TreeRef::new(i, true), &mut put));
+    }
+
+    /// Fills all batches.
+    pub(crate) fn fill(&mut self, crew: &Crew<'_>, input: &JointInput<'_>) {
+        self.stages.sort_by_key(|stage| input.order.rank(stage.group));
+        self.points.fill(crew, |b, o| point(b, o, input), |b, o| point(b, o, input));
+        self.welds.fill(crew, |b, o| turn(b, o, input), |b, o| turn(b, o, input));
+        self.hinges.fill(crew, |b, o| turn(b, o, input), |b, o| turn(b, o, input));
+        self.rows.fill(crew, |b, o| row(b, o, input), |b, o| row(b, o, input));
+        let range = |tree: TreeRef| {
+            let end =
+                |before: &dyn Fn(TreeRef) -> bool| input.seated.partition_point(|s| before(s.tree)) as u32;
+            (end(&|other| other < tree), end(&|other| other <= tree))
+        };
+        let (count, trees) = (self.trees.len(), Shared::new(&mut self.trees));
+        // SAFETY: each batch is in one block.
+        crew.run(count, &|i| unsafe { trees.get(i) }.take_along(range(TreeRef::new(i, false))));
         let single = self.tree.iter_mut().enumerate();
-        single.for_each(|(i, batch)| tree(batch, TreeRef::new(i, true), input, touching));
+        single.for_each(|(i, batch)| batch.take_along(range(TreeRef::new(i, true))));
     }
 
     /// One batch of a stage: solves it or, without a pass, applies the impulses of the last step.
@@ -476,12 +487,13 @@ pub(crate) struct JointViews<'a> {
     tree: Shared<'a, TreeBatch<f32>>,
 }
 
-/// Place, lane, lock and side of all that have a body.
-fn placed<L>(nodes: &[Node<L>]) -> impl Iterator<Item = (usize, usize, u32, u8)> {
-    nodes.iter().enumerate().flat_map(|(i, node)| {
-        let owners = node.owner.iter().enumerate().filter(|(_, owner)| **owner != NONE);
-        owners.map(move |(lane, &owner)| (i, lane, owner, node.side))
-    })
+/// Calls `f` with each body of a batch of trees, its seat and the inverse of its inertia as it is braced.
+fn each_body<L: Lanes>(batch: &TreeBatch<L>, tree: TreeRef, f: &mut impl FnMut(Seat, u32, Sym3<f32>)) {
+    for (i, node) in batch.nodes.iter().enumerate() {
+        for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
+            f(Seat::new(tree, i, lane), node.body[lane], get_sym(&node.braced_inverse, lane));
+        }
+    }
 }
 
 fn group_of(row: &Row) -> RowGroup {

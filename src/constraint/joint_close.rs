@@ -23,8 +23,6 @@ pub(crate) struct Closing {
     pub(crate) tolerance: f32,
     /// Overlap that contacts leave alone [m].
     pub(crate) slop: f32,
-    /// Substep [s].
-    pub(crate) h: f32,
 }
 
 /// What is done with contacts of a body.
@@ -57,7 +55,6 @@ impl<L: GatherLanes> TreeBatch<L> {
             for node in &mut self.nodes {
                 (node.velocity, node.carried, node.change) = (Twist::zero(), Twist::zero(), Twist::zero());
             }
-            self.brace(closing.h);
             self.factor();
             self.gather_up(|error| error);
             if !own.is_empty() {

@@ -5,7 +5,6 @@ use super::joint_ends::{Ends, NONE, inverse};
 use super::joint_lock::{PointBatch, TINY, TurnBatch, mobility};
 use super::joint_row::RowBatch;
 use super::joint_tree::{ALONE, TOUCHING, TreeBatch};
-use super::seats::TreeRef;
 use crate::joint::{Axes, Joint, LockKind, Motion, Placed, RowKind};
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
 use std::f32::consts::TAU;
@@ -99,7 +98,7 @@ pub(super) fn point<L: GatherLanes>(batch: &mut PointBatch<L>, owners: &[u32], i
     }
 }
 
-fn get_sym<L: Lanes>(m: &Sym3<L>, lane: usize) -> Sym3<f32> {
+pub(super) fn get_sym<L: Lanes>(m: &Sym3<L>, lane: usize) -> Sym3<f32> {
     let Sym3 { xx, yy, zz, xy, xz, yz } = *m;
     let [xx, yy, zz, xy, xz, yz] = [xx, yy, zz, xy, xz, yz].map(|x| x.lane(lane));
     Sym3 { xx, yy, zz, xy, xz, yz }
@@ -254,19 +253,17 @@ pub(super) fn row<L: GatherLanes>(batch: &mut RowBatch<L>, owners: &[u32], input
 /// `touching`: dynamic bodies that have contacts.
 pub(super) fn tree<L: GatherLanes>(
     batch: &mut TreeBatch<L>,
-    own: TreeRef,
     input: &JointInput<'_>,
+    inverse_inertia: &[Sym3<f32>],
     touching: &[bool],
 ) {
-    let end = |before: &dyn Fn(TreeRef) -> bool| input.seated.partition_point(|s| before(s.tree)) as u32;
-    batch.contacts = (end(&|tree| tree < own), end(&|tree| tree <= own));
     let mut share = [ALONE; 8];
     let bodies = input.bodies;
     let (dynamic, movers) = (bodies.dynamic(), bodies.movers());
     for node in &mut batch.nodes {
         let side = usize::from(node.side);
         // Of something, so that an inert lane has numbers too.
-        let mut inverse_inertia = Sym3 { xx: L::one(), yy: L::one(), zz: L::one(), ..Sym3::default() };
+        let mut own_inverse = Sym3 { xx: L::one(), yy: L::one(), zz: L::one(), ..Sym3::default() };
         for (lane, share) in share.iter_mut().enumerate().take(L::N) {
             let owner = node.owner[lane];
             if owner == NONE {
@@ -287,7 +284,7 @@ pub(super) fn tree<L: GatherLanes>(
             let inverse = bodies.mass[own].inverse;
             node.inverse_mass.set_lane(lane, inverse);
             node.mass.set_lane(lane, 1.0 / inverse);
-            put_sym(&mut inverse_inertia, lane, &input.inverse_inertia[own]);
+            put_sym(&mut own_inverse, lane, &inverse_inertia[own]);
             if node.jointed {
                 let at = Placed::new(dense.map(|i| &bodies.pose[i]), &joint.frames);
                 let sign = if side == 1 { 1.0 } else { -1.0 };
@@ -310,7 +307,7 @@ pub(super) fn tree<L: GatherLanes>(
                 }
             }
         }
-        node.inertia = inverse(&inverse_inertia);
+        node.inertia = inverse(&own_inverse);
     }
     batch.share = L::load(&share);
     batch.begin(input.h);

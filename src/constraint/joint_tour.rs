@@ -204,9 +204,8 @@ impl<'a, L: Lanes, const P: usize> Whole<'a, L, P> {
         for i in 0..P {
             let point = &batch.points[i];
             let answer = whole.mul(&Twist { linear: n, angular: point.arm_a });
-            stiffness[i] = std::array::from_fn(|k| {
-                n.dot(answer.linear) + batch.points[k].arm_a.dot(answer.angular)
-            });
+            stiffness[i] =
+                std::array::from_fn(|k| n.dot(answer.linear) + batch.points[k].arm_a.dot(answer.angular));
             stiffness[i][i] = stiffness[i][i].max(point.stiffness * L::splat(LEAST));
             mass[i] = L::select(point.mass.gt(zero), one / stiffness[i][i], zero);
         }

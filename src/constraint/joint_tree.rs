@@ -168,6 +168,11 @@ impl<L: GatherLanes> TreeBatch<L> {
             node.gained = Vec3::zero();
         }
         self.brace(h);
+    }
+
+    /// Takes contacts along, and is ready to be solved.
+    pub(crate) fn take_along(&mut self, contacts: (u32, u32)) {
+        self.contacts = contacts;
         self.factor();
         self.fresh = true;
     }
@@ -211,7 +216,7 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// own weight is a string with a note too high for the substep, and would tear itself apart. Where that is so, the
     /// pull is taken into the inertia, as if it were followed through the substep (Andrews, Teichmann and Kry,
     /// *Geometric Stiffness for Real-time Constrained Multibody Dynamics*, 2017).
-    pub(super) fn brace(&mut self, h: f32) {
+    fn brace(&mut self, h: f32) {
         for node in &mut self.nodes {
             (node.braced, node.pulled) = (Sym3::default(), L::zero());
         }
@@ -304,7 +309,6 @@ impl<L: GatherLanes> TreeBatch<L> {
         if pass.moved {
             // SAFETY: displacements are not written while rows are solved.
             unsafe { self.follow(motion) };
-            self.brace(1.0 / pass.inverse_h);
             self.factor();
             self.fresh = true;
         }

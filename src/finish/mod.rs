@@ -183,8 +183,7 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
     if !cut.is_empty()
         && let Some(Ok(mut stack)) = stacks.first().map(|s| s.lock())
     {
-        let settings = &world.settings;
-        let closing = closing(settings, dt / settings.substeps as f32);
+        let closing = closing(&world.settings);
         let delta = &mut world.buffers.solver.delta;
         let (rows, joints) = (&mut world.buffers.rows, &mut world.buffers.joints);
         Trees { bodies, delta, rows, joints, closing }.mend(&guard, cut, &mut stack);

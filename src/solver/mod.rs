@@ -143,7 +143,7 @@ pub(crate) fn solve(
             *d = record(lanes(*d) + (moved + f32x8::new(PAD) * f32x8::splat(touched)));
         });
         if joined_at_all {
-            Passes::close(crew, rows, &joined, &motion, &closing(settings, h));
+            Passes::close(crew, rows, &joined, &motion, &closing(settings));
         }
         if passes.run(crew, Kind::Relax, rows, &joined, &motion) {
             // What was pushed before it touched has its friction now; if that is much, the points share the load that it
@@ -160,10 +160,10 @@ pub(crate) fn solve(
     joints.stages = joint_stages;
 }
 
-/// How far trees may be open, for a substep of `h` seconds.
-pub(crate) fn closing(settings: &Settings, h: f32) -> Closing {
+/// How far trees may be open.
+pub(crate) fn closing(settings: &Settings) -> Closing {
     let unit = settings.length_unit;
-    Closing { tolerance: JOINT_OPEN * unit, slop: settings.slop * unit, h }
+    Closing { tolerance: JOINT_OPEN * unit, slop: settings.slop * unit }
 }
 
 /// Joints that contradict each other can drive bodies ever faster. What is faster than this [m/s] or [rad/s], or no number any
