@@ -41,7 +41,7 @@ pub(crate) struct Clear {
 }
 
 /// Share of the inner ball that a centre keeps from a surface when it is held.
-const KEEP: f32 = 0.25;
+pub(super) const KEEP: f32 = 0.25;
 /// Share of that distance that it keeps when it runs along a surface.
 const GRAZE: f32 = 0.25;
 /// A shape whose origin is outside of it has no inner ball there: this share of its size stands in.
@@ -49,7 +49,7 @@ const HOLLOW: f32 = 1e-3;
 
 impl Guard<'_> {
     /// Radius of a ball that fits into the body [m].
-    fn inner(&self, own: &[u32]) -> f32 {
+    pub(super) fn inner(&self, own: &[u32]) -> f32 {
         own.iter().fold(0.0, |r, &c| r.max(self.inner_of(c)))
     }
 
@@ -219,7 +219,13 @@ impl Guard<'_> {
     }
 
     /// Where a way first enters static geometry: how far along it, and the normal there.
-    fn first_static(&self, stack: &mut Vec<u32>, own: &[u32], from: DVec3, way: Vec3) -> Option<(f32, Vec3)> {
+    pub(super) fn first_static(
+        &self,
+        stack: &mut Vec<u32>,
+        own: &[u32],
+        from: DVec3,
+        way: Vec3,
+    ) -> Option<(f32, Vec3)> {
         let mut first: Option<(f32, Vec3)> = None;
         let (start, end) = (from.as_vec3(), (from + way.as_dvec3()).as_vec3());
         let slack = Vec3::splat(1e-6 * start.abs().max(end.abs()).max_element());
@@ -403,7 +409,7 @@ impl Guard<'_> {
 
 /// How much of `reach`, which is `length` and `keep` more, a centre may go that would enter a surface at `fraction`:
 /// it ends `keep` above it, and never goes backwards. None: as far as it wants.
-fn stop(reach: Vec3, length: f32, keep: f32, fraction: f32, normal: Vec3) -> Option<f32> {
+pub(super) fn stop(reach: Vec3, length: f32, keep: f32, fraction: f32, normal: Vec3) -> Option<f32> {
     let into = -reach.dot(normal);
     let stop = if into > 0.0 { fraction - keep / into } else { fraction };
     let stop = stop.clamp(0.0, length / (length + keep));

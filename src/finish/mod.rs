@@ -1,9 +1,11 @@
 //! Displacements -> poses; nothing may have crossed static geometry on the way; then the report.
 
+mod ends;
 mod guard;
 mod report;
 mod trees;
 
+use ends::Crossing;
 use guard::{Clear, Guard};
 pub use report::{StageTimes, StepReport};
 use trees::Trees;
@@ -13,6 +15,7 @@ use crate::broad_phase::{Pair, STACK};
 use crate::config::Continuous;
 use crate::constraint::Seat;
 use crate::forces::spins_freely;
+use crate::lanes::{self, Record, Sym3};
 use crate::memory::{Buffer, Made, bytes_of};
 use crate::shape::Collider;
 use crate::solver::closing;
@@ -128,6 +131,12 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
     let stacks = &*stacks;
     let clear = Shared::new(clear);
     let (seats, shared) = (&world.buffers.joints.seats, &*cut);
+    let inverse_inertia = &world.buffers.forces.inverse_inertia;
+    let note = |seat: Option<Seat>, share: f32| {
+        if let (Some(seat), Ok(mut cut)) = (seat, shared.lock()) {
+            cut.push((seat, share));
+        }
+    };
     crew.run(blocks, &|block| {
         let Ok(mut stack) = stacks[block].lock() else { return };
         for i in block * BLOCK..((block + 1) * BLOCK).min(movers) {
@@ -135,6 +144,8 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
             // SAFETY: each body is in one block.
             let (pose, velocity) = unsafe { (pose.get(i), velocity.get(i)) };
             let touched = d.pad0 != 0.0;
+            let seat = seats.of(i);
+            let before = seat.map(|_| pose.clone());
             if i < dynamic && !touched && spins_freely(&mass[i], &traits[i], start[i].angular, dt) {
                 let spin = start[i].angular;
                 let parts = (wobble(spin, mass[i].inertia) * dt / TURN).ceil().clamp(1.0, 16.0);
@@ -161,12 +172,18 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
                     && guard.hold(&mut stack, own, from, &mut moved, velocity)
                 {
                     held.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-                    if let (Some(seat), Ok(mut cut)) = (seats.of(i), shared.lock()) {
-                        cut.push((seat, moved.length() / d.linear.length()));
-                    }
+                    note(seat, moved.length() / d.linear.length());
                 }
             }
             pose.position += moved.as_dvec3();
+            if let Some(before) = before
+                && guard.wants(&traits[i], colliders[i].as_slice())
+                && let Some(crossing) = guard.crossing(&mut stack, colliders[i].as_slice(), &before, pose)
+            {
+                held.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+                stop_end(velocity, &crossing, mass[i].inverse, &inverse_inertia[i]);
+                note(seat, crossing.share);
+            }
             if keep {
                 // SAFETY: each body is in one block.
                 let previous = unsafe { previous.get(i) };
@@ -196,4 +213,18 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
         held += guard.hold_kinematic(&world.broad.pairs, bodies, &mut stack, dt);
     }
     Ended { held }
+}
+
+/// Takes away the speed with which an end of a body goes into something.
+fn stop_end(velocity: &mut Record, crossing: &Crossing, inverse_mass: f32, inverse_inertia: &Sym3<f32>) {
+    let Crossing { arm, normal, .. } = *crossing;
+    let speed = normal.dot(velocity.linear + velocity.angular.cross(arm));
+    let lever = arm.cross(normal);
+    let turned = inverse_inertia.mul(lanes::Vec3::new(lever.x, lever.y, lever.z)).lane(0);
+    let mobility = inverse_mass + lever.dot(turned);
+    if speed < 0.0 && mobility > 0.0 {
+        let impulse = -speed / mobility;
+        velocity.linear += normal * (impulse * inverse_mass);
+        velocity.angular += turned * impulse;
+    }
 }

@@ -32,17 +32,20 @@ impl Trees<'_> {
                 (d.linear, d.angular) = (d.linear * share, d.angular * share);
             }
             self.close(seat);
-            for i in self.joints.bodies_of(seat) {
-                let (d, own) = (self.delta[i], self.bodies.colliders[i].as_slice());
-                let (from, mut moved) = (self.bodies.pose[i].position, d.linear);
-                if moved != Vec3::ZERO && guard.wants(&self.bodies.traits[i], own) {
-                    guard.hold(stack, own, from, &mut moved, &mut self.bodies.velocity[i]);
+            // From where all were at the start of the step nothing has crossed anything.
+            let Trees { bodies, delta, joints, .. } = &mut *self;
+            if joints.bodies_of(seat).any(|i| crosses(guard, stack, bodies, &mut delta[i], i)) {
+                for i in self.joints.bodies_of(seat) {
+                    (self.delta[i].linear, self.delta[i].angular) = (Vec3::ZERO, Vec3::ZERO);
                 }
+            }
+            for i in self.joints.bodies_of(seat) {
+                let d = &self.delta[i];
                 let pose = &mut self.bodies.pose[i];
-                pose.position += moved.as_dvec3();
+                pose.position += d.linear.as_dvec3();
                 pose.rotation = (exp_map(d.angular) * pose.rotation).normalize();
                 if let Some(previous) = self.bodies.previous.get_mut(i) {
-                    previous.moved = moved;
+                    previous.moved = d.linear;
                 }
             }
         }
@@ -61,6 +64,28 @@ impl Trees<'_> {
         // SAFETY: there is no other thread.
         unsafe { JointRows::close(&views, seat.place().0, &motion, &self.closing, &along) };
     }
+}
+
+/// A centre that is in the way by so much of its body's inner ball is moved out of it alone.
+const ASIDE: f32 = 0.1;
+
+/// Whether a body would cross something static on its way; of what is hardly more than a graze its centre is kept off.
+fn crosses(guard: &Guard<'_>, stack: &mut Vec<u32>, bodies: &mut Bodies, d: &mut Record, i: usize) -> bool {
+    let own = bodies.colliders[i].as_slice();
+    if d.linear == Vec3::ZERO || !guard.wants(&bodies.traits[i], own) {
+        return false;
+    }
+    let (before, mut moved) = (&bodies.pose[i], d.linear);
+    guard.hold(stack, own, before.position, &mut moved, &mut bodies.velocity[i]);
+    if (moved - d.linear).length() > ASIDE * guard.inner(own) {
+        return true;
+    }
+    d.linear = moved;
+    let after = Pose {
+        position: before.position + d.linear.as_dvec3(),
+        rotation: (exp_map(d.angular) * before.rotation).normalize(),
+    };
+    guard.crossing(stack, own, before, &after).is_some()
 }
 
 impl Guard<'_> {
