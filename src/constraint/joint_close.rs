@@ -14,7 +14,7 @@ use super::spatial::Twist;
 use crate::lanes::{GatherLanes, Mask, Vec3, f32x8, scatter};
 
 /// The most rounds of a substep.
-const ROUNDS: u32 = 4;
+const ROUNDS: u32 = 8;
 
 /// What closing trees needs to know.
 #[derive(Clone, Copy, Debug)]

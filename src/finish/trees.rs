@@ -6,7 +6,7 @@
 use super::guard::Guard;
 use crate::body::{Bodies, Pose, exp_map};
 use crate::constraint::contact_row::Motion;
-use crate::constraint::{Along, Closing, JointRows, Rows, Seat};
+use crate::constraint::{Along, Closing, JointRows, Rows, Seat, TreeRef};
 use crate::lanes::Record;
 use crate::threads::Shared;
 use glam::Vec3;
@@ -18,12 +18,18 @@ pub(super) struct Trees<'a> {
     pub(super) rows: &'a mut Rows,
     pub(super) joints: &'a mut JointRows,
     pub(super) closing: Closing,
+    /// Trees that stood still in the last step, so as not to cross anything.
+    pub(super) stood: &'a mut Vec<(TreeRef, u32)>,
 }
 
 impl Trees<'_> {
     /// Takes all bodies of the trees in `cut` back to the least share of their ways that one of the tree could go.
     pub(super) fn mend(&mut self, guard: &Guard<'_>, cut: &mut [(Seat, f32)], stack: &mut Vec<u32>) {
         cut.sort_unstable_by(|(a, s), (b, t)| a.of_tree().cmp(&b.of_tree()).then(s.total_cmp(t)));
+        // Nobody stands still twice: what is wedged has to get out again.
+        let mut before = std::mem::take(self.stood);
+        before.sort_unstable();
+        let known = before.len();
         for alike in cut.chunk_by(|(a, _), (b, _)| a.of_tree() == b.of_tree()) {
             let (seat, share) = alike[0];
             for i in self.joints.bodies_of(seat) {
@@ -34,7 +40,12 @@ impl Trees<'_> {
             self.close(seat);
             // From where all were at the start of the step nothing has crossed anything.
             let Trees { bodies, delta, joints, .. } = &mut *self;
-            if joints.bodies_of(seat).any(|i| crosses(guard, stack, bodies, &mut delta[i], i)) {
+            let mut any = false;
+            for i in joints.bodies_of(seat) {
+                any |= crosses(guard, stack, bodies, &mut delta[i], i);
+            }
+            if any && before[..known].binary_search(&seat.of_tree()).is_err() {
+                before.push(seat.of_tree());
                 for i in self.joints.bodies_of(seat) {
                     (self.delta[i].linear, self.delta[i].angular) = (Vec3::ZERO, Vec3::ZERO);
                 }
@@ -49,6 +60,8 @@ impl Trees<'_> {
                 }
             }
         }
+        before.drain(..known);
+        *self.stood = before;
     }
 
     fn close(&mut self, seat: Seat) {
@@ -66,10 +79,11 @@ impl Trees<'_> {
     }
 }
 
-/// A centre that is in the way by so much of its body's inner ball is moved out of it alone.
+/// A centre that is in the way by no more than this of its body's inner ball is moved aside alone.
 const ASIDE: f32 = 0.1;
 
-/// Whether a body would cross something static on its way; of what is hardly more than a graze its centre is kept off.
+/// Keeps a body's centre from crossing something static; says whether an end of it still would, or the centre had to be moved
+/// far.
 fn crosses(guard: &Guard<'_>, stack: &mut Vec<u32>, bodies: &mut Bodies, d: &mut Record, i: usize) -> bool {
     let own = bodies.colliders[i].as_slice();
     if d.linear == Vec3::ZERO || !guard.wants(&bodies.traits[i], own) {
@@ -77,15 +91,13 @@ fn crosses(guard: &Guard<'_>, stack: &mut Vec<u32>, bodies: &mut Bodies, d: &mut
     }
     let (before, mut moved) = (&bodies.pose[i], d.linear);
     guard.hold(stack, own, before.position, &mut moved, &mut bodies.velocity[i]);
-    if (moved - d.linear).length() > ASIDE * guard.inner(own) {
-        return true;
-    }
+    let aside = (moved - d.linear).length() > ASIDE * guard.inner(own);
     d.linear = moved;
     let after = Pose {
         position: before.position + d.linear.as_dvec3(),
         rotation: (exp_map(d.angular) * before.rotation).normalize(),
     };
-    guard.crossing(stack, own, before, &after).is_some()
+    aside || guard.crossing(stack, own, before, &after).is_some()
 }
 
 impl Guard<'_> {
