@@ -107,9 +107,12 @@ impl<L: GatherLanes> TreeBatch<L> {
 }
 
 /// The rotation vector of a rotation and then a further small one: to first order in that, by the inverse of the left
-/// Jacobian of the rotations, as a series that serves up to half a turn.
+/// Jacobian of the rotations as a series, which serves up to half a turn.
 fn turned_on(by: glam::Vec3, more: glam::Vec3) -> glam::Vec3 {
-    let x = by.length_squared().min(10.0);
+    let x = by.length_squared();
+    if x > 10.0 {
+        return by + more;
+    }
     let c = 1.0 / 12.0 + x * (1.0 / 720.0 + x * (1.0 / 30_240.0 + x * (1.0 / 1_209_600.0)));
     let once = by.cross(more);
     by + more - 0.5 * once + c * by.cross(once)

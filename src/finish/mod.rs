@@ -136,7 +136,8 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
     let inverse_inertia = &world.buffers.forces.inverse_inertia;
     let note = |seat: Option<Seat>, share: f32| {
         if let (Some(seat), Ok(mut cut)) = (seat, shared.lock()) {
-            cut.push((seat, share));
+            // Lifted off something, it may have gone further than it wanted.
+            cut.push((seat, share.min(1.0).max(0.0)));
         }
     };
     crew.run(blocks, &|block| {
