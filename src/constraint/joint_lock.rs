@@ -5,10 +5,10 @@
 //! apart: arms are turned along, and so is the effective mass.
 
 use super::contact_row::{Motion, Pair};
-use super::joint_ends::{Ends, JointPass, Owned, inverse, turned};
-use crate::lanes::{GatherLanes, Lanes, Mask, Sym3, Vec3};
+use super::joint_ends::{Ends, JointPass, Owned, TINY, across, inverse, mean, swerve, turned};
+use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
 
-/// Points that stay together, or, with fewer directions, on a line or a plane.
+/// Points that stay together.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(crate) struct PointBatch<L> {
@@ -22,10 +22,8 @@ pub(crate) struct PointBatch<L> {
     /// Moments of the impulse, at the arms at which its parts acted [N m s].
     pub(crate) moment: [Vec3<L>; 2],
     pub(crate) apart_now: Vec3<L>,
-    /// Impulse per velocity error [kg]; of fewer than three directions, only along these.
+    /// Impulse per velocity error [kg].
     pub(crate) mass: Sym3<L>,
-    /// Lanes of three directions, whose mass follows the arms.
-    pub(crate) whole: u32,
     /// Of the last substep [N s].
     pub(crate) impulse: Vec3<L>,
     /// The part of it that does not yield.
@@ -43,7 +41,6 @@ impl<L: Lanes> Default for PointBatch<L> {
             moment: [zero; 2],
             apart_now: zero,
             mass: Sym3::default(),
-            whole: 0,
             impulse: zero,
             held: zero,
         }
@@ -87,9 +84,6 @@ pub(super) fn mobility<L: Lanes>(ends: &Ends<L>, arm: &[Vec3<L>; 2]) -> Sym3<L> 
     sum
 }
 
-/// Of the trace of a matrix: keeps one with missing directions from having no inverse, and changes no other.
-pub(super) const TINY: f32 = 1e-6;
-
 impl<L: GatherLanes> PointBatch<L> {
     /// Applies the impulses of the last step.
     ///
@@ -128,7 +122,8 @@ impl<L: GatherLanes> PointBatch<L> {
             v.wb += self.ends.inverse_inertia[1].mul(moment[1] - self.moment[1]);
             self.moment = moment;
         }
-        let slip = v.vb + v.wb.cross(rb) - v.va - v.wa.cross(ra);
+        let h = pass.ahead();
+        let slip = mean(v.vb, v.wb, rb, h) - mean(v.va, v.wa, ra, h);
         let (rate, scale, give) = pass.numbers::<L>();
         let p = -(self.mass.mul(slip + pass.bias(self.apart_now, rate)) * scale
             + (self.impulse - self.held) * give);
@@ -148,17 +143,7 @@ impl<L: GatherLanes> PointBatch<L> {
         self.arm_now = [turned(d.wa, ra), turned(d.wb, rb)];
         let [now_a, now_b] = self.arm_now;
         self.apart_now = self.apart + (d.vb - d.va) + (now_b - rb) - (now_a - ra);
-        let whole = L::Mask::from_bits(self.whole);
-        let now = inverse(&mobility(&self.ends, &self.arm_now));
-        let old = self.mass;
-        self.mass = Sym3 {
-            xx: L::select(whole, now.xx, old.xx),
-            yy: L::select(whole, now.yy, old.yy),
-            zz: L::select(whole, now.zz, old.zz),
-            xy: L::select(whole, now.xy, old.xy),
-            xz: L::select(whole, now.xz, old.xz),
-            yz: L::select(whole, now.yz, old.yz),
-        };
+        self.mass = inverse(&mobility(&self.ends, &self.arm_now));
     }
 }
 
@@ -169,6 +154,8 @@ pub(crate) struct TurnBatch<L, const HINGE: bool> {
     pub(crate) ends: Ends<L>,
     /// The axis on each body at the start of the step, if there is one.
     pub(crate) axis: [Vec3<L>; 2],
+    /// The first body's after the last substep.
+    pub(crate) axis_now: Vec3<L>,
     /// Rotation vector from the first to the second at the start of the step, and after the last substep [rad].
     pub(crate) error: Vec3<L>,
     pub(crate) error_now: Vec3<L>,
@@ -186,6 +173,7 @@ impl<L: Lanes, const HINGE: bool> Default for TurnBatch<L, HINGE> {
         TurnBatch {
             ends: Ends::default(),
             axis: [zero; 2],
+            axis_now: zero,
             error: zero,
             error_now: zero,
             mass: Sym3::default(),
@@ -229,17 +217,30 @@ impl<L: GatherLanes, const HINGE: bool> TurnBatch<L, HINGE> {
         if pass.moved {
             // SAFETY: displacements are not written while rows are solved.
             let d = unsafe { self.ends.load(motion.delta) };
-            self.error_now = if HINGE {
-                turned(d.wa, self.axis[0]).cross(turned(d.wb, self.axis[1]))
+            if HINGE {
+                self.axis_now = turned(d.wa, self.axis[0]);
+                self.error_now = self.axis_now.cross(turned(d.wb, self.axis[1]));
+                self.mass = across(&self.ends.turning(), self.axis_now);
             } else {
                 // What both turn together changes nothing.
-                self.error + (d.wb - d.wa)
-            };
+                self.error_now = self.error + (d.wb - d.wa);
+            }
         }
         // SAFETY: by the contract.
         let mut v = unsafe { self.ends.load(motion.velocity) };
+        if HINGE && !pass.relax {
+            // It bears nothing about its axis, which has turned.
+            let about = self.axis_now * self.axis_now.dot(self.impulse);
+            self.impulse -= about;
+            self.ends.turn(&mut v, -about);
+            self.held -= self.axis_now * self.axis_now.dot(self.held);
+        }
+        let mut slip = v.wb - v.wa;
+        if HINGE {
+            slip += swerve(v.wb, self.axis_now, pass.ahead()) - swerve(v.wa, self.axis_now, pass.ahead());
+        }
         let (rate, scale, give) = pass.numbers::<L>();
-        let t = -(self.mass.mul(v.wb - v.wa + pass.bias(self.error_now, rate)) * scale
+        let t = -(self.mass.mul(slip + pass.bias(self.error_now, rate)) * scale
             + (self.impulse - self.held) * give);
         self.impulse += t;
         self.ends.turn(&mut v, t);

@@ -29,8 +29,10 @@ pub(crate) struct Joint {
 /// What a lock keeps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LockKind {
-    /// Points together, or on a line or a plane.
-    Linear(Axes),
+    /// Points together.
+    Point,
+    /// The second body's point on a line of the first.
+    Line(super::Axis),
     /// All rotation.
     Weld,
     /// An axis.
@@ -112,10 +114,12 @@ impl More {
 fn lock_of(limit: &Limit) -> Option<LockKind> {
     match (limit.motion, limit.axes) {
         _ if !limit.locks() => None,
-        (Motion::Linear, axes) => Some(LockKind::Linear(axes)),
+        (Motion::Linear, Axes::All) => Some(LockKind::Point),
+        (Motion::Linear, Axes::Around(axis)) => Some(LockKind::Line(axis)),
         (Motion::Angular, Axes::All) => Some(LockKind::Weld),
         (Motion::Angular, Axes::Around(axis)) => Some(LockKind::Hinge(axis)),
-        (Motion::Angular, Axes::One(_)) => None,
+        // One direction is a row.
+        (_, Axes::One(_)) => None,
     }
 }
 
@@ -181,7 +185,7 @@ impl Joints {
     fn add_rows(&mut self, joint: u32, limits: &[Limit], drives: &[Drive]) {
         let limits = locked_together(limits);
         self.fresh += limits.len() + drives.len();
-        for limit in limits {
+        for &limit in &limits {
             let Limit { motion, axes, min, max, spring } = limit;
             if let Some(kind) = lock_of(&limit) {
                 self.locks.push(Lock { joint, kind, impulse: Vec3::ZERO, held: 0.0 });
