@@ -16,6 +16,9 @@ pub(crate) struct RowBatch<L, M> {
     pub(crate) measure: M,
     /// From each centre of mass to the second body's point, at the start of the step [m].
     pub(crate) arm: [Vec3<L>; 2],
+    /// What of an impulse the joint's own locks bear, so that it does not move what they hold: force and torque, at the start
+    /// of the step.
+    pub(crate) borne: [Vec3<L>; 2],
     /// How velocities change the displacement, after the last substep.
     pub(crate) lever: Lever<L>,
     /// Speed per impulse [1/kg] or [1/(kg m²)].
@@ -53,6 +56,7 @@ impl<L: Lanes, M: Default> Default for RowBatch<L, M> {
             ends: Ends::default(),
             measure: M::default(),
             arm: [Vec3::zero(); 2],
+            borne: [Vec3::zero(); 2],
             lever: Lever::zero(),
             mobility: L::one(),
             value: zero,
@@ -124,6 +128,9 @@ impl<L: GatherLanes, M: Measure<L>> RowBatch<L, M> {
         let now = turned(d.wb, rb);
         self.lever.arm = [at + (d.vb - d.va) + (now - rb), now];
         self.now = self.measure.follow(d, &mut self.lever, self.value);
+        let [force, torque] = self.borne.map(|borne| turned(d.wa, borne));
+        self.lever.force += force;
+        self.lever.torque += torque;
         let mobility = self.ends.mobility(&self.lever);
         self.mobility = L::select(mobility.gt(L::zero()), mobility, L::one());
     }

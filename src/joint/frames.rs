@@ -1,6 +1,7 @@
 //! The two frames of a joint in the world, and how far apart they are.
 
 use super::desc::{Axes, Axis, Frame};
+use super::store::LockKind;
 use crate::body::Pose;
 use glam::{Mat3, Quat, Vec3};
 
@@ -52,6 +53,15 @@ impl Placed {
     pub(crate) fn twist(&self, axis: Axis) -> f32 {
         let q = if self.relative.w < 0.0 { -self.relative } else { self.relative };
         2.0 * libm::atan2f(Vec3::new(q.x, q.y, q.z)[axis as usize], q.w)
+    }
+
+    /// By how much a lock of rotation is off, about [rad].
+    pub(crate) fn turned_by(&self, lock: Option<LockKind>) -> f32 {
+        match lock {
+            Some(LockKind::Weld) => self.turn().length(),
+            Some(LockKind::Hinge(axis)) => (self.axis(1, axis) - self.axis(0, axis)).length(),
+            _ => 0.0,
+        }
     }
 
     /// The direction of a displacement of zero, which has none of its own: a distance that has a least one opens all the same.
