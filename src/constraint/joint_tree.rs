@@ -8,7 +8,7 @@
 //! same shape share the lanes.
 
 use super::contact_row::Motion;
-use super::joint_ends::{JointPass, NONE, inverse, turned};
+use super::joint_ends::{JointPass, NONE, inverse, mean_of, swerve, turned};
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3, gather, scatter};
 
 /// Columns.
@@ -214,6 +214,8 @@ pub(crate) struct Node<L> {
     apart_now: Vec3<L>,
     axis_now: Vec3<L>,
     error_now: Vec3<L>,
+    /// How much faster the body leaves its parent in the mean over the next substep than it does at its start.
+    bend: Twist<L>,
     /// On the body, of the last substep: at the joint [N s], and about it [N m s].
     pub(crate) impulse: Vec3<L>,
     pub(crate) twist: Vec3<L>,
@@ -260,6 +262,7 @@ impl<L: Lanes> Default for Node<L> {
             apart_now: zero,
             axis_now: zero,
             error_now: zero,
+            bend: Twist::zero(),
             impulse: zero,
             twist: zero,
             braced: Sym3::default(),
@@ -285,6 +288,8 @@ pub(crate) struct TreeBatch<L> {
     pub(crate) fresh: bool,
     /// Share of an error that is taken back within a substep.
     pub(crate) share: L,
+    /// Substep [s].
+    pub(crate) h: f32,
 }
 
 /// Share of an error that is taken back within a substep. Contacts see a tree body by body: what both agree on they find
@@ -310,6 +315,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             (node.axis_now, node.error_now) = (node.axis[0], node.error);
             node.gained = Vec3::zero();
         }
+        self.h = h;
         self.factor(h);
         self.fresh = true;
     }
@@ -389,8 +395,11 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
     pub(crate) unsafe fn warm_start(&mut self, motion: &Motion<'_, '_>) {
-        // SAFETY: by the contract.
-        unsafe { self.load(motion) };
+        // SAFETY: by the contract; what velocities were is not written while rows are solved.
+        unsafe {
+            self.foresee(motion, self.h);
+            self.load(motion);
+        }
         for i in 0..self.nodes.len() {
             let (parent, node) = self.with_parent(i);
             node.velocity.linear += node.impulse * node.inverse_mass;
@@ -435,9 +444,14 @@ impl<L: GatherLanes> TreeBatch<L> {
             // SAFETY: displacements are not written while rows are solved.
             unsafe { self.follow(motion, 1.0 / pass.inverse_h) };
         }
+        let fresh = !pass.relax && std::mem::take(&mut self.fresh);
+        if fresh {
+            // SAFETY: these velocities are not written while rows are solved.
+            unsafe { self.foresee(motion, 1.0 / pass.inverse_h) };
+        }
         // SAFETY: by the contract.
         unsafe { self.load(motion) };
-        if !pass.relax && std::mem::take(&mut self.fresh) {
+        if fresh {
             self.turn_along();
         }
         let rate = if pass.relax { L::zero() } else { self.share * L::splat(pass.inverse_h) };
@@ -455,6 +469,9 @@ impl<L: GatherLanes> TreeBatch<L> {
                 angular: node.velocity.angular + carried.angular - above.angular
                     + pass.bias(node.error_now, rate),
             };
+            if !pass.relax {
+                node.asked.add(node.bend);
+            }
             if let Some(parent) = parent {
                 parent.carried.add(node.stiff.mul(&node.asked).moved(other));
             }
@@ -480,6 +497,34 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
         // SAFETY: by the contract.
         unsafe { self.save(motion) };
+    }
+
+    /// Where bodies go in a substep as they turn at its start. Not as the rows before want them to turn: what can't have what
+    /// it wants, and light links under a load, would turn any way within it.
+    ///
+    /// # Safety
+    /// No thread writes these velocities.
+    unsafe fn foresee(&mut self, motion: &Motion<'_, '_>, h: f32) {
+        // SAFETY: by the contract.
+        let read = |i| unsafe { motion.base.read(i) };
+        for i in 0..self.nodes.len() {
+            let (parent, node) = self.with_parent(i);
+            let own = gather(read, &node.body).1;
+            node.change.angular = own;
+            if !node.jointed {
+                continue;
+            }
+            let above = match parent {
+                Some(parent) => parent.change.angular,
+                // SAFETY: what stands still or is moved by the caller is written by no row.
+                None => gather(|i| unsafe { motion.velocity.read(i) }, &node.anchor).1,
+            };
+            let ([arm, other], h) = (node.arm_now, L::splat(h));
+            node.bend.linear = bend(own, arm, h) - bend(above, other, h);
+            if node.turns == Turns::AboutAxis {
+                node.bend.angular = swerve(own, node.axis_now, h) - swerve(above, node.axis_now, h);
+            }
+        }
     }
 
     /// Arms and separations after displacements, and what follows from them.
@@ -572,6 +617,14 @@ impl<L: Lanes> Node<L> {
         b.xz += -(over * arm.x * arm.z);
         b.yz += -(over * arm.y * arm.z);
     }
+}
+
+/// What the velocity of a point at an arm has in the mean over a time beside what it has now, of a body that goes on turning.
+#[inline(always)]
+fn bend<L: Lanes>(w: Vec3<L>, arm: Vec3<L>, h: L) -> Vec3<L> {
+    let (sine, cosine) = mean_of(w, h);
+    let round = w.cross(arm);
+    round * (sine - L::one()) + w.cross(round) * cosine
 }
 
 #[inline(always)]
