@@ -319,7 +319,8 @@ impl JointRows {
         self.tree.iter_mut().for_each(|batch| tree(batch, input, touching));
     }
 
-    /// One batch of a stage: solves it or, without a pass, applies the impulses of the last step.
+    /// One batch of a stage: solves it or, without a pass, applies the impulses of the last step. Each kernel is a function of
+    /// its own: two dozen of them in one is more than the compiler inlines helpers into (12 % of a net's step).
     ///
     /// # Safety
     /// No other thread writes the bodies of the batch.

@@ -14,6 +14,8 @@ pub(crate) struct JointPass {
     pub(crate) push_speed: f32,
     /// Bodies were moved since the rows were last looked at.
     pub(crate) moved: bool,
+    /// Nothing was solved since: what acted turns along.
+    pub(crate) fresh: bool,
     /// What errors added to the velocities is taken out again.
     pub(crate) relax: bool,
 }
@@ -56,6 +58,7 @@ pub(crate) struct Ends<L> {
 }
 
 impl<L: Lanes> Default for Ends<L> {
+    #[inline(always)]
     fn default() -> Self {
         Ends {
             // Of something, so that an inert lane has numbers too.
@@ -173,12 +176,20 @@ pub(super) fn mean_of<L: Lanes>(w: Vec3<L>, h: L) -> (L, L) {
     (sine, cosine * h)
 }
 
+/// What the velocity of a point at an arm has in the mean over a time beside what it has now, of a body that goes on turning.
+#[inline(always)]
+pub(super) fn bend<L: Lanes>(w: Vec3<L>, arm: Vec3<L>, h: L) -> Vec3<L> {
+    let (sine, cosine) = mean_of(w, h);
+    let round = w.cross(arm);
+    round * (sine - L::one()) + w.cross(round * cosine)
+}
+
 /// The velocity of a point at an arm in the mean over a time.
 #[inline(always)]
 pub(super) fn mean<L: Lanes>(v: Vec3<L>, w: Vec3<L>, arm: Vec3<L>, h: L) -> Vec3<L> {
     let (sine, cosine) = mean_of(w, h);
     let round = w.cross(arm);
-    v + round * sine + w.cross(round) * cosine
+    v + round * sine + w.cross(round * cosine)
 }
 
 /// The velocity of the second body's point as seen from the first, which turns, in the mean over a time in which both go on
@@ -189,7 +200,7 @@ pub(super) fn seen<L: GatherLanes>(v: &Pair<L>, [at, rb]: &[Vec3<L>; 2], h: L) -
     let speed = mean(v.vb, v.wb, *rb, h) - v.va;
     // From where the point will be: back by what the first body turns.
     let (before, way) = (v.wa.cross(*at), v.wa.cross(speed * h));
-    speed - (before + way) * sine + v.wa.cross(before + way) * cosine
+    speed - (before + way) * sine + v.wa.cross((before + way) * cosine)
 }
 
 /// What an axis does beside turning with its body's angular velocity, in the mean over a time: about itself a body spins, and two that share an axis at different spins would
@@ -204,14 +215,16 @@ pub(super) fn swerve<L: Lanes>(w: Vec3<L>, axis: Vec3<L>, h: L) -> Vec3<L> {
 pub(super) fn turned<L: Lanes>(by: Vec3<L>, v: Vec3<L>) -> Vec3<L> {
     // Rodrigues' formula, its two functions of the angle as series.
     let x = by.length_squared().min(L::splat(10.0));
-    let series = |c: [f32; 5]| {
-        let [c0, c1, c2, c3, c4] = c.map(L::splat);
-        c0 + x * (c1 + x * (c2 + x * (c3 + x * c4)))
-    };
-    let sine = series([1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0]);
-    let cosine = series([0.5, -1.0 / 24.0, 1.0 / 720.0, -1.0 / 40_320.0, 1.0 / 3_628_800.0]);
+    let sine = series(x, [1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0]);
+    let cosine = series(x, [0.5, -1.0 / 24.0, 1.0 / 720.0, -1.0 / 40_320.0, 1.0 / 3_628_800.0]);
     let once = by.cross(v);
     v + once * sine + by.cross(once) * cosine
+}
+
+#[inline(always)]
+fn series<L: Lanes>(x: L, [c0, c1, c2, c3, c4]: [f32; 5]) -> L {
+    let rest = L::splat(c2) + x * (L::splat(c3) + x * L::splat(c4));
+    L::splat(c0) + x * (L::splat(c1) + x * rest)
 }
 
 impl JointPass {

@@ -32,6 +32,7 @@ pub(crate) struct LineBatch<L> {
 }
 
 impl<L: Lanes> Default for LineBatch<L> {
+    #[inline(always)]
     fn default() -> Self {
         let zero = Vec3::zero();
         LineBatch {
@@ -82,7 +83,7 @@ impl<L: GatherLanes> LineBatch<L> {
     ///
     /// # Safety
     /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(always)]
+    #[inline(never)]
     pub(crate) unsafe fn warm_start(&self, motion: &Motion<'_, '_>) {
         // SAFETY: by the contract.
         unsafe {
@@ -96,7 +97,7 @@ impl<L: GatherLanes> LineBatch<L> {
     ///
     /// # Safety
     /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(always)]
+    #[inline(never)] // See `JointRows::step`.
     pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
         if pass.moved {
             // SAFETY: displacements are not written while rows are solved.

@@ -5,7 +5,7 @@
 //! apart: arms are turned along, and so is the effective mass.
 
 use super::contact_row::{Motion, Pair};
-use super::joint_ends::{Ends, JointPass, Owned, TINY, across, inverse, mean, swerve, turned};
+use super::joint_ends::{Ends, JointPass, Owned, TINY, across, bend, inverse, swerve, turned};
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
 
 /// Points that stay together.
@@ -22,6 +22,8 @@ pub(crate) struct PointBatch<L> {
     /// Moments of the impulse, at the arms at which its parts acted [N m s].
     pub(crate) moment: [Vec3<L>; 2],
     pub(crate) apart_now: Vec3<L>,
+    /// How much faster they part in the mean over the substep than at its start [m/s].
+    bend: Vec3<L>,
     /// Impulse per velocity error [kg].
     pub(crate) mass: Sym3<L>,
     /// Of the last substep [N s].
@@ -31,6 +33,7 @@ pub(crate) struct PointBatch<L> {
 }
 
 impl<L: Lanes> Default for PointBatch<L> {
+    #[inline(always)]
     fn default() -> Self {
         let zero = Vec3::zero();
         PointBatch {
@@ -40,6 +43,7 @@ impl<L: Lanes> Default for PointBatch<L> {
             arm_now: [zero; 2],
             moment: [zero; 2],
             apart_now: zero,
+            bend: zero,
             mass: Sym3::default(),
             impulse: zero,
             held: zero,
@@ -89,7 +93,7 @@ impl<L: GatherLanes> PointBatch<L> {
     ///
     /// # Safety
     /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(always)]
+    #[inline(never)]
     pub(crate) unsafe fn warm_start(&self, motion: &Motion<'_, '_>) {
         // SAFETY: by the contract.
         unsafe {
@@ -104,7 +108,7 @@ impl<L: GatherLanes> PointBatch<L> {
     ///
     /// # Safety
     /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(always)]
+    #[inline(never)] // See `JointRows::step`.
     pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
         if pass.moved {
             // SAFETY: displacements are not written while rows are solved.
@@ -114,16 +118,22 @@ impl<L: GatherLanes> PointBatch<L> {
         // SAFETY: by the contract.
         let mut v = unsafe { self.ends.load(motion.velocity) };
         let [ra, rb] = self.arm_now;
-        if !pass.relax {
+        if pass.fresh {
             // Warm starting was an addition to the velocities, as if bodies had not turned. What acted at arms that turn
             // has to turn too, or a pendulum gains energy.
             let moment = [ra.cross(self.impulse), rb.cross(self.impulse)];
             v.wa -= self.ends.inverse_inertia[0].mul(moment[0] - self.moment[0]);
             v.wb += self.ends.inverse_inertia[1].mul(moment[1] - self.moment[1]);
             self.moment = moment;
+            // As bodies turned before any row acted: what rows ask for that can't be met turns them any way within a pass.
+            // SAFETY: these velocities are not written while rows are solved.
+            let (before, h) = (unsafe { self.ends.load(motion.base) }, pass.ahead());
+            self.bend = bend(before.wb, rb, h) - bend(before.wa, ra, h);
         }
-        let h = pass.ahead();
-        let slip = mean(v.vb, v.wb, rb, h) - mean(v.va, v.wa, ra, h);
+        let mut slip = v.vb + v.wb.cross(rb) - v.va - v.wa.cross(ra);
+        if !pass.relax {
+            slip += self.bend;
+        }
         let (rate, scale, give) = pass.numbers::<L>();
         let p = -(self.mass.mul(slip + pass.bias(self.apart_now, rate)) * scale
             + (self.impulse - self.held) * give);
@@ -168,6 +178,7 @@ pub(crate) struct TurnBatch<L, const HINGE: bool> {
 }
 
 impl<L: Lanes, const HINGE: bool> Default for TurnBatch<L, HINGE> {
+    #[inline(always)]
     fn default() -> Self {
         let zero = Vec3::zero();
         TurnBatch {
@@ -198,7 +209,7 @@ impl<L: GatherLanes, const HINGE: bool> TurnBatch<L, HINGE> {
     ///
     /// # Safety
     /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(always)]
+    #[inline(never)]
     pub(crate) unsafe fn warm_start(&self, motion: &Motion<'_, '_>) {
         // SAFETY: by the contract.
         unsafe {
@@ -212,7 +223,7 @@ impl<L: GatherLanes, const HINGE: bool> TurnBatch<L, HINGE> {
     ///
     /// # Safety
     /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(always)]
+    #[inline(never)] // See `JointRows::step`.
     pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
         if pass.moved {
             // SAFETY: displacements are not written while rows are solved.
@@ -228,7 +239,7 @@ impl<L: GatherLanes, const HINGE: bool> TurnBatch<L, HINGE> {
         }
         // SAFETY: by the contract.
         let mut v = unsafe { self.ends.load(motion.velocity) };
-        if HINGE && !pass.relax {
+        if HINGE && pass.fresh {
             // It bears nothing about its axis, which has turned.
             let about = self.axis_now * self.axis_now.dot(self.impulse);
             self.impulse -= about;

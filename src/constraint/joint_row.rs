@@ -50,6 +50,7 @@ pub(crate) struct RowBatch<L, M> {
 }
 
 impl<L: Lanes, M: Default> Default for RowBatch<L, M> {
+    #[inline(always)]
     fn default() -> Self {
         let zero = L::zero();
         RowBatch {
@@ -105,7 +106,7 @@ impl<L: GatherLanes, M: Measure<L>> RowBatch<L, M> {
     ///
     /// # Safety
     /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(always)]
+    #[inline(never)]
     pub(crate) unsafe fn warm_start(&self, motion: &Motion<'_, '_>) {
         // SAFETY: by the contract.
         unsafe {
@@ -139,7 +140,7 @@ impl<L: GatherLanes, M: Measure<L>> RowBatch<L, M> {
     ///
     /// # Safety
     /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(always)]
+    #[inline(never)] // See `JointRows::step`.
     pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
         if pass.moved {
             // SAFETY: displacements are not written while rows are solved.
@@ -161,7 +162,10 @@ impl<L: GatherLanes, M: Measure<L>> RowBatch<L, M> {
             self.ends.apply(&mut v, force - self.acted, turn[0], turn[1]);
             (self.acted, self.moment) = (force, [ta, tb]);
         }
-        let speed = self.lever.speed(&v) + self.measure.bend(&v, &self.lever, pass.ahead());
+        let mut speed = self.lever.speed(&v);
+        if !pass.relax {
+            speed += self.measure.bend(&v, &self.lever, pass.ahead());
+        }
         // Springs act once a substep.
         let waits = if pass.relax { drives | springs } else { zero.gt(zero) };
         let inverse_h = L::splat(pass.inverse_h);

@@ -8,7 +8,7 @@
 //! same shape share the lanes.
 
 use super::contact_row::Motion;
-use super::joint_ends::{JointPass, NONE, inverse, mean_of, swerve, turned};
+use super::joint_ends::{JointPass, NONE, bend, inverse, swerve, turned};
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3, gather, scatter};
 
 /// Columns.
@@ -617,14 +617,6 @@ impl<L: Lanes> Node<L> {
         b.xz += -(over * arm.x * arm.z);
         b.yz += -(over * arm.y * arm.z);
     }
-}
-
-/// What the velocity of a point at an arm has in the mean over a time beside what it has now, of a body that goes on turning.
-#[inline(always)]
-fn bend<L: Lanes>(w: Vec3<L>, arm: Vec3<L>, h: L) -> Vec3<L> {
-    let (sine, cosine) = mean_of(w, h);
-    let round = w.cross(arm);
-    round * (sine - L::one()) + w.cross(round) * cosine
 }
 
 #[inline(always)]
