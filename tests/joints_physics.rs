@@ -310,7 +310,6 @@ fn narrow_and_wide_cones_hold() {
 
 /// On a line that turns, without friction: r = r0 cosh(w t).
 #[test]
-#[ignore = "the line of a slider does not turn within a step: 16 mm off at 4 rad/s"]
 fn a_slider_stays_on_its_line_when_the_first_body_turns() {
     let mut wrong = Vec::new();
     for speed in [1.0_f32, 4.0] {
@@ -600,12 +599,94 @@ fn momentum(world: &World, bodies: &[(BodyHandle, Vec3)]) -> (DVec3, DVec3) {
     sum
 }
 
-/// A weld makes one rigid body, which tumbles with constant angular momentum.
+/// Four rods in a ring, which is a loop: its points are solved row by row.
 #[test]
-#[ignore = "a lock at arms of 0.5 m that turn 0.17 rad a step is 5 mm open and loses 4 % of the momentum in 5 s"]
-fn a_weld_tumbles_as_one_body() {
+#[ignore = "points in loops are soft: 4 mm open at 4 substeps, 12 mm at 8 iterations, and 3 and 4 % of the momentum in 5 s"]
+fn a_ring_spins_and_stays_closed() {
     let mut wrong = Vec::new();
-    for spin in [Vec3::X * 10.0, Vec3::Z * 10.0, Vec3::new(6.0, 7.0, -4.0)] {
+    for solver in SOLVERS {
+        let mut world = world_with(Vec3::ZERO, solver);
+        let (inertia, spin) = (Vec3::splat(0.1), Vec3::Z * 10.0);
+        let at = |i: usize| Quat::from_rotation_z(i as f32 * FRAC_PI_2) * Vec3::X * 0.5;
+        let bodies: Vec<(BodyHandle, Vec3)> = (0..4)
+            .map(|i| lump(1.0 + i as f32, inertia).at(at(i).as_dvec3()).moving(spin.cross(at(i)), spin))
+            .map(|desc| (world.add_body(&desc).unwrap(), inertia))
+            .collect();
+        let joints: Vec<JointHandle> = (0..4)
+            .map(|i| {
+                let pair = [bodies[i].0, bodies[(i + 1) % 4].0];
+                let corner = (at(i) + at(i + 1)).as_dvec3();
+                let frames = world.frames_at(pair, corner, Quat::IDENTITY).unwrap();
+                world.add_joint(&JointDesc::ball(pair, frames)).unwrap()
+            })
+            .collect();
+        let (start, energy) = (momentum(&world, &bodies).1, world.energy());
+        let (mut open, mut lost, mut last) = (0.0_f64, 0.0_f64, 0.0_f64);
+        for step in 0..300 {
+            world.step(1.0 / 60.0).unwrap();
+            lost = lost.max((momentum(&world, &bodies).1 - start).length() / start.length());
+            let gap = joints.iter().map(|&j| seen(&world, j).0.length()).fold(0.0, f64::max);
+            open = open.max(gap);
+            last = if step >= 240 { last.max(gap) } else { 0.0 };
+        }
+        let gained = world.energy() / energy - 1.0;
+        let text =
+            format!("{solver:?}: L {lost:.2e} E {gained:.2e}, open {open:.2e} m, at the end {last:.2e} m");
+        println!("{text}");
+        if lost > 1e-3 || gained.abs() > 0.02 || open > 4.0 * MILLIMETRE || last > MILLIMETRE {
+            wrong.push(text);
+        }
+    }
+    none(&wrong);
+}
+
+/// Frames that coincide are at no distance in any direction: they part all the same, to the least that is allowed.
+#[test]
+fn what_must_be_apart_opens_from_nothing() {
+    for (motion, axes) in [
+        (Motion::Linear, Axes::All),
+        (Motion::Linear, Axes::Around(Axis::X)),
+        (Motion::Angular, Axes::Around(Axis::X)),
+        (Motion::Angular, Axes::All),
+    ] {
+        for solver in SOLVERS {
+            let mut world = world_with(Vec3::ZERO, solver);
+            let ground = ground(&mut world);
+            let body = world.add_body(&lump(2.0, Vec3::splat(0.05))).unwrap();
+            let limit = Limit::new(motion, axes, 0.4, 0.8);
+            let joint = JointDesc::new([ground, body], [Frame::default(); 2]).with_limit(limit);
+            let joint = world.add_joint(&joint).unwrap();
+            run(&mut world, 2.0, 1.0 / 60.0);
+            let (at, q) = seen(&world, joint);
+            let value = match (motion, axes) {
+                (Motion::Linear, Axes::Around(_)) => at.y.hypot(at.z),
+                (Motion::Linear, _) => at.length(),
+                (Motion::Angular, Axes::Around(_)) => tilt(q),
+                (Motion::Angular, _) => whole(q),
+            };
+            println!("{motion:?} {axes:?} {solver:?}: {value:.4}");
+            assert!((0.4 - MILLIMETRE..0.8 + MILLIMETRE).contains(&value), "{motion:?} {axes:?}: {value}");
+            assert!(world.linear_velocity(body).unwrap().length() < 0.2);
+        }
+    }
+}
+
+/// A weld makes one rigid body, which spins with constant angular momentum.
+#[test]
+fn a_weld_spins_as_one_body() {
+    welded(&[Vec3::X * 10.0, Vec3::Z * 10.0]);
+}
+
+/// About no principal axis.
+#[test]
+#[ignore = "gyroscopic torque is that of each body, once a step: 0.8 % of the momentum and 5 % of the energy in 5 s"]
+fn a_weld_tumbles_as_one_body() {
+    welded(&[Vec3::new(6.0, 7.0, -4.0)]);
+}
+
+fn welded(spins: &[Vec3]) {
+    let mut wrong = Vec::new();
+    for &spin in spins {
         let mut world = world(Vec3::ZERO);
         let parts = [
             (2.0, Vec3::new(0.2, 0.3, 0.35), Vec3::new(0.0, 0.0, 0.6)),
@@ -640,7 +721,6 @@ fn a_weld_tumbles_as_one_body() {
 
 /// Two masses that circle each other on a rope.
 #[test]
-#[ignore = "the direction of a distance does not turn within a step: at 5 rad/s a rope loses 43 % of the momentum in 5 s"]
 fn a_rope_keeps_angular_momentum() {
     let mut wrong = Vec::new();
     for (dt, min) in [(1.0 / 60.0, 0.0), (1.0 / 60.0, 1.0), (1.0 / 240.0, 0.0)] {
@@ -664,6 +744,38 @@ fn a_rope_keeps_angular_momentum() {
         let text = format!("{dt:.4} {min}: L {lost:.2e}, longest {longest:.5}");
         println!("{text}");
         if longest > 1.0 + MILLIMETRE || lost > 1e-2 {
+            wrong.push(text);
+        }
+    }
+    none(&wrong);
+}
+
+/// What circles at the edge of a cone is turned by it, across its motion, and keeps its speed.
+#[test]
+fn a_cone_does_not_brake_what_circles_in_it() {
+    let mut wrong = Vec::new();
+    for (solver, cone) in [(SOLVERS[0], 0.5_f32), (SOLVERS[0], 1.5), (SOLVERS[1], 0.5)] {
+        let mut world = world_with(Vec3::ZERO, solver);
+        let ground = ground(&mut world);
+        let turn = Quat::from_rotation_z(cone);
+        // Across its axis, about the plane in which that is tilted: the axis sets out along the edge.
+        let spin = turn * Vec3::Y * 4.0;
+        let body = lump(1.0, Vec3::splat(0.1)).moving(Vec3::ZERO, spin);
+        let body = world.add_body(&BodyDesc { rotation: turn, ..body }).unwrap();
+        let cone_limit = Limit::new(Motion::Angular, Axes::Around(Axis::X), 0.0, cone);
+        let desc = JointDesc::ball([ground, body], [Frame::default(); 2]).with_limit(cone_limit);
+        let joint = world.add_joint(&desc).unwrap();
+        let start = world.energy();
+        let (mut widest, mut least) = (0.0_f64, f64::INFINITY);
+        for _ in 0..300 {
+            world.step(1.0 / 60.0).unwrap();
+            let angle = tilt(seen(&world, joint).1);
+            (widest, least) = (widest.max(angle), least.min(angle));
+        }
+        let lost = 1.0 - world.energy() / start;
+        let text = format!("{solver:?} {cone}: {lost:.2e} of the energy, {least:.4} to {widest:.4} rad");
+        println!("{text}");
+        if lost.abs() > 0.02 || widest > f64::from(cone) + 2e-3 {
             wrong.push(text);
         }
     }
@@ -728,7 +840,6 @@ fn an_articulated_body_keeps_its_momentum() {
 }
 
 #[test]
-#[ignore = "the direction of a distance does not turn within a step: a pendulum on a rod loses a third of its height in 10 s"]
 fn a_rod_keeps_its_length_while_it_swings() {
     let mut wrong = Vec::new();
     for (solver, dt) in [(SOLVERS[0], 1.0 / 60.0), (SOLVERS[0], 1.0 / 240.0), (SOLVERS[1], 1.0 / 240.0)] {
@@ -752,6 +863,39 @@ fn a_rod_keeps_its_length_while_it_swings() {
         println!("{text}");
         // It swings as high as it came from, and not much less after four swings.
         if widest > MILLIMETRE || most > 0.01 || end < -0.1 {
+            wrong.push(text);
+        }
+    }
+    none(&wrong);
+}
+
+/// A wheel that spins on its axle while the axle turns: what the hinge bears turns the wheel, and brakes nothing. Without
+/// outer torque the angular momentum stays; the axle stays in the hinge.
+#[test]
+#[ignore = "gyroscopic torque is that of each body, once a step: the hinge opens by 5 mrad and 39 % of the energy is lost"]
+fn a_gyroscope_stays_in_its_hinge() {
+    let mut wrong = Vec::new();
+    for spin in [50.0_f32, 200.0] {
+        let mut world = world(Vec3::ZERO);
+        let parts = [(2.0, Vec3::new(0.2, 0.3, 0.35)), (1.0, Vec3::new(0.04, 0.02, 0.02))];
+        let yaw = Vec3::Y * 3.0;
+        let frame = world.add_body(&lump(parts[0].0, parts[0].1).moving(Vec3::ZERO, yaw)).unwrap();
+        let wheel = lump(parts[1].0, parts[1].1).moving(Vec3::ZERO, yaw + Vec3::X * spin);
+        let wheel = world.add_body(&wheel).unwrap();
+        let joint = JointDesc::hinge([frame, wheel], [Frame::default(); 2]);
+        let joint = world.add_joint(&joint).unwrap();
+        let bodies = [(frame, parts[0].1), (wheel, parts[1].1)];
+        let (start, energy) = (momentum(&world, &bodies).1, world.energy());
+        let (mut lost, mut open, mut gained) = (0.0_f64, 0.0_f64, 0.0_f64);
+        for _ in 0..300 {
+            world.step(1.0 / 60.0).unwrap();
+            lost = lost.max((momentum(&world, &bodies).1 - start).length() / start.length());
+            gained = gained.max((world.energy() / energy - 1.0).abs());
+            open = open.max(tilt(seen(&world, joint).1));
+        }
+        let text = format!("{spin}: L {lost:.2e}, E {gained:.2e}, open by {open:.2e} rad");
+        println!("{text}");
+        if open > MILLIRADIANS || lost > 0.01 || gained > 0.02 {
             wrong.push(text);
         }
     }

@@ -4,8 +4,10 @@ use super::colour::{COLOURS, Colouring, OVERFLOW};
 use super::contact_row::{Motion as BodyMotion, Pass, SHARE};
 use super::joint_close::Closing;
 use super::joint_ends::{JointPass, NONE, Owned};
-use super::joint_fill::{get_sym, point, row, tree, turn};
+use super::joint_fill::{get_sym, line, point, row, tree, turn};
+use super::joint_line::LineBatch;
 use super::joint_lock::{PointBatch, TurnBatch};
+use super::joint_measure::{Distance, Slide, Tilt, Turn, Twist};
 use super::joint_row::RowBatch;
 use super::joint_tour::{Along, Toured};
 use super::joint_tree::{Node, TreeBatch};
@@ -14,7 +16,7 @@ use super::order::{Order, RowGroup};
 use super::seats::{Seat, Seated, Seats, TreeRef};
 use crate::body::Bodies;
 use crate::broad_phase::Pair;
-use crate::joint::{Joints, Lock, LockKind, Motion, Row, RowKind};
+use crate::joint::{Axes, Joints, Lock, LockKind, Motion, Row, RowKind};
 use crate::lanes::{Lanes, Sym3, f32x8};
 use crate::memory::bytes_of;
 use crate::narrow_phase::NONE as NO_CONTACT;
@@ -24,16 +26,31 @@ use crate::threads::{Crew, Shared, per_block};
 /// A type of row. Within a group they are solved in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum JointType {
-    Row,
+    Slide,
+    Distance,
+    Twist,
+    Tilt,
+    Turn,
     Weld,
     Hinge,
+    Line,
     Point,
     Tree,
 }
 
 impl JointType {
     /// Those that are coloured.
-    const ROWS: [JointType; 4] = [JointType::Row, JointType::Weld, JointType::Hinge, JointType::Point];
+    const ROWS: [JointType; 9] = [
+        JointType::Slide,
+        JointType::Distance,
+        JointType::Twist,
+        JointType::Tilt,
+        JointType::Turn,
+        JointType::Weld,
+        JointType::Hinge,
+        JointType::Line,
+        JointType::Point,
+    ];
 }
 
 /// Batches of one type that may be solved at the same time: one colour of one group.
@@ -120,13 +137,21 @@ impl<T, B8: Owned<Load = T>, B1: Owned<Load = T>> Table<B8, B1> {
 /// Batches a block.
 const BLOCK: usize = per_block(8, 1);
 
+/// Rows of one direction that measure the same.
+type Measured<M8, M1> = Table<RowBatch<f32x8, M8>, RowBatch<f32, M1>>;
+
 /// All rows of joints of a step.
 #[derive(Debug, Default)]
 pub(crate) struct JointRows {
-    pub(crate) points: Table<PointBatch<f32x8>, PointBatch<f32>>,
-    pub(crate) welds: Table<TurnBatch<f32x8, false>, TurnBatch<f32, false>>,
-    pub(crate) hinges: Table<TurnBatch<f32x8, true>, TurnBatch<f32, true>>,
-    pub(crate) rows: Table<RowBatch<f32x8>, RowBatch<f32>>,
+    points: Table<PointBatch<f32x8>, PointBatch<f32>>,
+    lines: Table<LineBatch<f32x8>, LineBatch<f32>>,
+    welds: Table<TurnBatch<f32x8, false>, TurnBatch<f32, false>>,
+    hinges: Table<TurnBatch<f32x8, true>, TurnBatch<f32, true>>,
+    slides: Measured<Slide<f32x8>, Slide<f32>>,
+    distances: Measured<Distance<f32x8>, Distance<f32>>,
+    twists: Measured<Twist<f32x8>, Twist<f32>>,
+    tilts: Measured<Tilt<f32x8>, Tilt<f32>>,
+    turns: Measured<Turn<f32x8>, Turn<f32>>,
     /// Trees of points: one alone, or up to eight alike.
     trees: Vec<TreeBatch<f32x8>>,
     tree: Vec<TreeBatch<f32>>,
@@ -162,7 +187,12 @@ impl JointRows {
             self.points.bytes(),
             self.welds.bytes(),
             self.hinges.bytes(),
-            self.rows.bytes(),
+            self.lines.bytes(),
+            self.slides.bytes(),
+            self.distances.bytes(),
+            self.twists.bytes(),
+            self.tilts.bytes(),
+            self.turns.bytes(),
             bytes_of(&self.stages),
             bytes_of_trees(&self.trees),
             bytes_of_trees(&self.tree),
@@ -177,7 +207,12 @@ impl JointRows {
         self.points.clear();
         self.welds.clear();
         self.hinges.clear();
-        self.rows.clear();
+        self.lines.clear();
+        self.slides.clear();
+        self.distances.clear();
+        self.twists.clear();
+        self.tilts.clear();
+        self.turns.clear();
         self.stages.clear();
         let (trees, taken) = find(joints, bodies);
         let mut colouring = Colouring::default();
@@ -193,15 +228,10 @@ impl JointRows {
                     // What found no colour comes first.
                     parts.push(((colour + 1) % (COLOURS + 1), owner as u32));
                 };
-                if kind == JointType::Row {
-                    let own = |row: &&Row| group_of(row) == group;
-                    joints
-                        .rows
-                        .iter()
-                        .enumerate()
-                        .filter(|(_, r)| own(r))
-                        .for_each(|(i, r)| enter(i, r.joint));
-                } else if group == RowGroup::Joints {
+                let rows = joints.rows.iter().enumerate();
+                rows.filter(|(_, r)| group_of(r) == group && type_of_row(r) == kind)
+                    .for_each(|(i, r)| enter(i, r.joint));
+                if group == RowGroup::Joints {
                     let own = |(i, lock): &(usize, &Lock)| type_of(lock) == kind && !taken[*i];
                     joints.locks.iter().enumerate().filter(own).for_each(|(i, l)| enter(i, l.joint));
                 }
@@ -213,7 +243,12 @@ impl JointRows {
         self.points.resize();
         self.welds.resize();
         self.hinges.resize();
-        self.rows.resize();
+        self.lines.resize();
+        self.slides.resize();
+        self.distances.resize();
+        self.twists.resize();
+        self.tilts.resize();
+        self.turns.resize();
     }
 
     /// Batches of trees, and their stages: no two share a body that they can move.
@@ -233,7 +268,12 @@ impl JointRows {
             JointType::Point => (&mut self.points.owners, &mut self.points.single_owners),
             JointType::Weld => (&mut self.welds.owners, &mut self.welds.single_owners),
             JointType::Hinge => (&mut self.hinges.owners, &mut self.hinges.single_owners),
-            JointType::Row => (&mut self.rows.owners, &mut self.rows.single_owners),
+            JointType::Line => (&mut self.lines.owners, &mut self.lines.single_owners),
+            JointType::Slide => (&mut self.slides.owners, &mut self.slides.single_owners),
+            JointType::Distance => (&mut self.distances.owners, &mut self.distances.single_owners),
+            JointType::Twist => (&mut self.twists.owners, &mut self.twists.single_owners),
+            JointType::Tilt => (&mut self.tilts.owners, &mut self.tilts.single_owners),
+            JointType::Turn => (&mut self.turns.owners, &mut self.turns.single_owners),
             JointType::Tree => return,
         };
         for colour in parts.chunk_by(|a, b| a.0 == b.0) {
@@ -307,7 +347,12 @@ impl JointRows {
         self.points.fill(crew, |b, o| point(b, o, input), |b, o| point(b, o, input));
         self.welds.fill(crew, |b, o| turn(b, o, input), |b, o| turn(b, o, input));
         self.hinges.fill(crew, |b, o| turn(b, o, input), |b, o| turn(b, o, input));
-        self.rows.fill(crew, |b, o| row(b, o, input), |b, o| row(b, o, input));
+        self.lines.fill(crew, |b, o| line(b, o, input), |b, o| line(b, o, input));
+        self.slides.fill(crew, |b, o| row(b, o, input), |b, o| row(b, o, input));
+        self.distances.fill(crew, |b, o| row(b, o, input), |b, o| row(b, o, input));
+        self.twists.fill(crew, |b, o| row(b, o, input), |b, o| row(b, o, input));
+        self.tilts.fill(crew, |b, o| row(b, o, input), |b, o| row(b, o, input));
+        self.turns.fill(crew, |b, o| row(b, o, input), |b, o| row(b, o, input));
         let range = |tree: TreeRef| {
             let end =
                 |before: &dyn Fn(TreeRef) -> bool| input.seated.partition_point(|s| before(s.tree)) as u32;
@@ -320,7 +365,8 @@ impl JointRows {
         single.for_each(|(i, batch)| batch.take_along(range(TreeRef::new(i, true))));
     }
 
-    /// One batch of a stage: solves it or, without a pass, applies the impulses of the last step.
+    /// One batch of a stage: solves it or, without a pass, applies the impulses of the last step. Each kernel is a function of
+    /// its own: two dozen of them in one is more than the compiler inlines helpers into (12 % of a net's step).
     ///
     /// # Safety
     /// No other thread writes the bodies of the batch.
@@ -349,7 +395,12 @@ impl JointRows {
             JointType::Point => go!(views.points, views.point),
             JointType::Weld => go!(views.welds, views.weld),
             JointType::Hinge => go!(views.hinges, views.hinge),
-            JointType::Row => go!(views.rows, views.row),
+            JointType::Line => go!(views.lines, views.line),
+            JointType::Slide => go!(views.slides, views.slide),
+            JointType::Distance => go!(views.distances, views.distance),
+            JointType::Twist => go!(views.twists, views.twist),
+            JointType::Tilt => go!(views.tilts, views.tilt),
+            JointType::Turn => go!(views.turns, views.turn),
             JointType::Tree => {
                 // SAFETY: by the contract; each batch is in one stage, and contacts go along with one.
                 unsafe {
@@ -420,8 +471,18 @@ impl JointRows {
             weld: Shared::new(&mut self.welds.single),
             hinges: Shared::new(&mut self.hinges.lanes),
             hinge: Shared::new(&mut self.hinges.single),
-            rows: Shared::new(&mut self.rows.lanes),
-            row: Shared::new(&mut self.rows.single),
+            lines: Shared::new(&mut self.lines.lanes),
+            line: Shared::new(&mut self.lines.single),
+            slides: Shared::new(&mut self.slides.lanes),
+            slide: Shared::new(&mut self.slides.single),
+            distances: Shared::new(&mut self.distances.lanes),
+            distance: Shared::new(&mut self.distances.single),
+            twists: Shared::new(&mut self.twists.lanes),
+            twist: Shared::new(&mut self.twists.single),
+            tilts: Shared::new(&mut self.tilts.lanes),
+            tilt: Shared::new(&mut self.tilts.single),
+            turns: Shared::new(&mut self.turns.lanes),
+            turn: Shared::new(&mut self.turns.single),
             trees: Shared::new(&mut self.trees),
             tree: Shared::new(&mut self.tree),
         }
@@ -447,11 +508,12 @@ impl JointRows {
             lock.held = lasting + (bears - lasting) * hold;
             let joint = &mut all[lock.joint as usize];
             match lock.kind {
-                LockKind::Linear(_) => joint.force += impulse * inverse_h,
+                LockKind::Point | LockKind::Line(_) => joint.force += impulse * inverse_h,
                 _ => joint.torque += impulse * inverse_h,
             }
         };
         self.points.each(&mut lock);
+        self.lines.each(&mut lock);
         self.welds.each(&mut lock);
         self.hinges.each(&mut lock);
         self.trees.iter().for_each(|batch| impulses_of(batch, &mut lock));
@@ -464,12 +526,14 @@ impl JointRows {
                 if bears * row.held <= 0.0 { 0.0 } else { row.held.clamp(-bears.abs(), bears.abs()) };
             row.held = lasting + (bears - lasting) * hold;
             let (joint, p) = (&mut all[row.joint as usize], (impulse[0] - impulse[1]) * inverse_h);
-            match row.motion {
-                Motion::Linear => joint.force += along * p,
-                Motion::Angular => joint.torque += about * p,
-            }
+            joint.force += along * p;
+            joint.torque += about * p;
         };
-        self.rows.each(&mut row);
+        self.slides.each(&mut row);
+        self.distances.each(&mut row);
+        self.twists.each(&mut row);
+        self.tilts.each(&mut row);
+        self.turns.each(&mut row);
     }
 }
 
@@ -481,8 +545,18 @@ pub(crate) struct JointViews<'a> {
     weld: Shared<'a, TurnBatch<f32, false>>,
     hinges: Shared<'a, TurnBatch<f32x8, true>>,
     hinge: Shared<'a, TurnBatch<f32, true>>,
-    rows: Shared<'a, RowBatch<f32x8>>,
-    row: Shared<'a, RowBatch<f32>>,
+    lines: Shared<'a, LineBatch<f32x8>>,
+    line: Shared<'a, LineBatch<f32>>,
+    slides: Shared<'a, RowBatch<f32x8, Slide<f32x8>>>,
+    slide: Shared<'a, RowBatch<f32, Slide<f32>>>,
+    distances: Shared<'a, RowBatch<f32x8, Distance<f32x8>>>,
+    distance: Shared<'a, RowBatch<f32, Distance<f32>>>,
+    twists: Shared<'a, RowBatch<f32x8, Twist<f32x8>>>,
+    twist: Shared<'a, RowBatch<f32, Twist<f32>>>,
+    tilts: Shared<'a, RowBatch<f32x8, Tilt<f32x8>>>,
+    tilt: Shared<'a, RowBatch<f32, Tilt<f32>>>,
+    turns: Shared<'a, RowBatch<f32x8, Turn<f32x8>>>,
+    turn: Shared<'a, RowBatch<f32, Turn<f32>>>,
     trees: Shared<'a, TreeBatch<f32x8>>,
     tree: Shared<'a, TreeBatch<f32>>,
 }
@@ -504,9 +578,20 @@ fn group_of(row: &Row) -> RowGroup {
     }
 }
 
+fn type_of_row(row: &Row) -> JointType {
+    match (row.motion, row.axes) {
+        (Motion::Linear, Axes::One(_)) => JointType::Slide,
+        (Motion::Linear, _) => JointType::Distance,
+        (Motion::Angular, Axes::One(_)) => JointType::Twist,
+        (Motion::Angular, Axes::Around(_)) => JointType::Tilt,
+        (Motion::Angular, Axes::All) => JointType::Turn,
+    }
+}
+
 fn type_of(lock: &Lock) -> JointType {
     match lock.kind {
-        LockKind::Linear(_) => JointType::Point,
+        LockKind::Point => JointType::Point,
+        LockKind::Line(_) => JointType::Line,
         LockKind::Weld => JointType::Weld,
         LockKind::Hinge(_) => JointType::Hinge,
     }

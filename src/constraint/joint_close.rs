@@ -56,7 +56,7 @@ impl<L: GatherLanes> TreeBatch<L> {
                 (node.velocity, node.carried, node.change) = (Twist::zero(), Twist::zero(), Twist::zero());
             }
             self.factor();
-            self.gather_up(|error| error);
+            self.gather_up(|node| Twist { linear: node.apart_now, angular: node.error_now });
             if !own.is_empty() {
                 self.tour(own, |seated, body| touch(seated, Ask::Push, body));
             }

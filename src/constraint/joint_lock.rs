@@ -5,10 +5,10 @@
 //! apart: arms are turned along, and so is the effective mass.
 
 use super::contact_row::{Motion, Pair};
-use super::joint_ends::{Ends, JointPass, Owned, inverse, turned};
-use crate::lanes::{GatherLanes, Lanes, Mask, Sym3, Vec3};
+use super::joint_ends::{Ends, JointPass, Owned, TINY, across, bend, inverse, swerve, turned};
+use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
 
-/// Points that stay together, or, with fewer directions, on a line or a plane.
+/// Points that stay together.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(crate) struct PointBatch<L> {
@@ -22,10 +22,10 @@ pub(crate) struct PointBatch<L> {
     /// Moments of the impulse, at the arms at which its parts acted [N m s].
     pub(crate) moment: [Vec3<L>; 2],
     pub(crate) apart_now: Vec3<L>,
-    /// Impulse per velocity error [kg]; of fewer than three directions, only along these.
+    /// How much faster they part in the mean over the substep than at its start [m/s].
+    bend: Vec3<L>,
+    /// Impulse per velocity error [kg].
     pub(crate) mass: Sym3<L>,
-    /// Lanes of three directions, whose mass follows the arms.
-    pub(crate) whole: u32,
     /// Of the last substep [N s].
     pub(crate) impulse: Vec3<L>,
     /// The part of it that does not yield.
@@ -33,6 +33,7 @@ pub(crate) struct PointBatch<L> {
 }
 
 impl<L: Lanes> Default for PointBatch<L> {
+    #[inline(always)]
     fn default() -> Self {
         let zero = Vec3::zero();
         PointBatch {
@@ -42,8 +43,8 @@ impl<L: Lanes> Default for PointBatch<L> {
             arm_now: [zero; 2],
             moment: [zero; 2],
             apart_now: zero,
+            bend: zero,
             mass: Sym3::default(),
-            whole: 0,
             impulse: zero,
             held: zero,
         }
@@ -87,15 +88,12 @@ pub(super) fn mobility<L: Lanes>(ends: &Ends<L>, arm: &[Vec3<L>; 2]) -> Sym3<L> 
     sum
 }
 
-/// Of the trace of a matrix: keeps one with missing directions from having no inverse, and changes no other.
-pub(super) const TINY: f32 = 1e-6;
-
 impl<L: GatherLanes> PointBatch<L> {
     /// Applies the impulses of the last step.
     ///
     /// # Safety
     /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(always)]
+    #[inline(never)]
     pub(crate) unsafe fn warm_start(&self, motion: &Motion<'_, '_>) {
         // SAFETY: by the contract.
         unsafe {
@@ -110,7 +108,7 @@ impl<L: GatherLanes> PointBatch<L> {
     ///
     /// # Safety
     /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(always)]
+    #[inline(never)] // See `JointRows::step`.
     pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
         if pass.moved {
             // SAFETY: displacements are not written while rows are solved.
@@ -120,15 +118,22 @@ impl<L: GatherLanes> PointBatch<L> {
         // SAFETY: by the contract.
         let mut v = unsafe { self.ends.load(motion.velocity) };
         let [ra, rb] = self.arm_now;
-        if !pass.relax {
+        if pass.fresh {
             // Warm starting was an addition to the velocities, as if bodies had not turned. What acted at arms that turn
             // has to turn too, or a pendulum gains energy.
             let moment = [ra.cross(self.impulse), rb.cross(self.impulse)];
             v.wa -= self.ends.inverse_inertia[0].mul(moment[0] - self.moment[0]);
             v.wb += self.ends.inverse_inertia[1].mul(moment[1] - self.moment[1]);
             self.moment = moment;
+            // As bodies turned before any row acted: what rows ask for that can't be met turns them any way within a pass.
+            // SAFETY: these velocities are not written while rows are solved.
+            let (before, h) = (unsafe { self.ends.load(motion.base) }, pass.ahead());
+            self.bend = bend(before.wb, rb, h) - bend(before.wa, ra, h);
         }
-        let slip = v.vb + v.wb.cross(rb) - v.va - v.wa.cross(ra);
+        let mut slip = v.vb + v.wb.cross(rb) - v.va - v.wa.cross(ra);
+        if !pass.relax {
+            slip += self.bend;
+        }
         let (rate, scale, give) = pass.numbers::<L>();
         let p = -(self.mass.mul(slip + pass.bias(self.apart_now, rate)) * scale
             + (self.impulse - self.held) * give);
@@ -148,17 +153,7 @@ impl<L: GatherLanes> PointBatch<L> {
         self.arm_now = [turned(d.wa, ra), turned(d.wb, rb)];
         let [now_a, now_b] = self.arm_now;
         self.apart_now = self.apart + (d.vb - d.va) + (now_b - rb) - (now_a - ra);
-        let whole = L::Mask::from_bits(self.whole);
-        let now = inverse(&mobility(&self.ends, &self.arm_now));
-        let old = self.mass;
-        self.mass = Sym3 {
-            xx: L::select(whole, now.xx, old.xx),
-            yy: L::select(whole, now.yy, old.yy),
-            zz: L::select(whole, now.zz, old.zz),
-            xy: L::select(whole, now.xy, old.xy),
-            xz: L::select(whole, now.xz, old.xz),
-            yz: L::select(whole, now.yz, old.yz),
-        };
+        self.mass = inverse(&mobility(&self.ends, &self.arm_now));
     }
 }
 
@@ -169,6 +164,8 @@ pub(crate) struct TurnBatch<L, const HINGE: bool> {
     pub(crate) ends: Ends<L>,
     /// The axis on each body at the start of the step, if there is one.
     pub(crate) axis: [Vec3<L>; 2],
+    /// The first body's after the last substep.
+    pub(crate) axis_now: Vec3<L>,
     /// Rotation vector from the first to the second at the start of the step, and after the last substep [rad].
     pub(crate) error: Vec3<L>,
     pub(crate) error_now: Vec3<L>,
@@ -181,11 +178,13 @@ pub(crate) struct TurnBatch<L, const HINGE: bool> {
 }
 
 impl<L: Lanes, const HINGE: bool> Default for TurnBatch<L, HINGE> {
+    #[inline(always)]
     fn default() -> Self {
         let zero = Vec3::zero();
         TurnBatch {
             ends: Ends::default(),
             axis: [zero; 2],
+            axis_now: zero,
             error: zero,
             error_now: zero,
             mass: Sym3::default(),
@@ -210,7 +209,7 @@ impl<L: GatherLanes, const HINGE: bool> TurnBatch<L, HINGE> {
     ///
     /// # Safety
     /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(always)]
+    #[inline(never)]
     pub(crate) unsafe fn warm_start(&self, motion: &Motion<'_, '_>) {
         // SAFETY: by the contract.
         unsafe {
@@ -224,22 +223,35 @@ impl<L: GatherLanes, const HINGE: bool> TurnBatch<L, HINGE> {
     ///
     /// # Safety
     /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(always)]
+    #[inline(never)] // See `JointRows::step`.
     pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
         if pass.moved {
             // SAFETY: displacements are not written while rows are solved.
             let d = unsafe { self.ends.load(motion.delta) };
-            self.error_now = if HINGE {
-                turned(d.wa, self.axis[0]).cross(turned(d.wb, self.axis[1]))
+            if HINGE {
+                self.axis_now = turned(d.wa, self.axis[0]);
+                self.error_now = self.axis_now.cross(turned(d.wb, self.axis[1]));
+                self.mass = across(&self.ends.turning(), self.axis_now);
             } else {
                 // What both turn together changes nothing.
-                self.error + (d.wb - d.wa)
-            };
+                self.error_now = self.error + (d.wb - d.wa);
+            }
         }
         // SAFETY: by the contract.
         let mut v = unsafe { self.ends.load(motion.velocity) };
+        if HINGE && pass.fresh {
+            // It bears nothing about its axis, which has turned.
+            let about = self.axis_now * self.axis_now.dot(self.impulse);
+            self.impulse -= about;
+            self.ends.turn(&mut v, -about);
+            self.held -= self.axis_now * self.axis_now.dot(self.held);
+        }
+        let mut slip = v.wb - v.wa;
+        if HINGE {
+            slip += swerve(v.wb, self.axis_now, pass.ahead()) - swerve(v.wa, self.axis_now, pass.ahead());
+        }
         let (rate, scale, give) = pass.numbers::<L>();
-        let t = -(self.mass.mul(v.wb - v.wa + pass.bias(self.error_now, rate)) * scale
+        let t = -(self.mass.mul(slip + pass.bias(self.error_now, rate)) * scale
             + (self.impulse - self.held) * give);
         self.impulse += t;
         self.ends.turn(&mut v, t);

@@ -4,17 +4,23 @@
 //! impulse obeys p = h (c target - k displacement - d speed) for the speed after it acted.
 
 use super::contact_row::{Motion, Pair};
-use super::joint_ends::{Ends, JointPass, Owned};
+use super::joint_ends::{Ends, JointPass, Lever, Owned, turned};
+use super::joint_measure::Measure;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
 
 /// Up to eight rows.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
-pub(crate) struct RowBatch<L> {
+pub(crate) struct RowBatch<L, M> {
     pub(crate) ends: Ends<L>,
-    /// How velocities change the displacement: by along · (vb - va) + arm_b · wb - arm_a · wa.
-    pub(crate) along: Vec3<L>,
+    pub(crate) measure: M,
+    /// From each centre of mass to the second body's point, at the start of the step [m].
     pub(crate) arm: [Vec3<L>; 2],
+    /// What of an impulse the joint's own locks bear, so that it does not move what they hold: force and torque, at the start
+    /// of the step.
+    pub(crate) borne: [Vec3<L>; 2],
+    /// How velocities change the displacement, after the last substep.
+    pub(crate) lever: Lever<L>,
     /// Speed per impulse [1/kg] or [1/(kg m²)].
     pub(crate) mobility: L,
     /// At the start of the step, and after the last substep [m] or [rad].
@@ -32,6 +38,9 @@ pub(crate) struct RowBatch<L> {
     pub(crate) most: L,
     /// Of the last substep, at the lower and the upper end; a drive's is the first.
     pub(crate) impulse: [L; 2],
+    /// The impulse as it acted, part by part, while directions turned: its force, and the moments [N s], [N m s].
+    acted: Vec3<L>,
+    moment: [Vec3<L>; 2],
     /// The part of the impulse at the lower end, less that at the upper one, that does not yield.
     pub(crate) held: L,
     /// Lanes of drives, of springs, and of ranges without width.
@@ -40,13 +49,16 @@ pub(crate) struct RowBatch<L> {
     pub(crate) both: u32,
 }
 
-impl<L: Lanes> Default for RowBatch<L> {
+impl<L: Lanes, M: Default> Default for RowBatch<L, M> {
+    #[inline(always)]
     fn default() -> Self {
         let zero = L::zero();
         RowBatch {
             ends: Ends::default(),
-            along: Vec3::zero(),
+            measure: M::default(),
             arm: [Vec3::zero(); 2],
+            borne: [Vec3::zero(); 2],
+            lever: Lever::zero(),
             mobility: L::one(),
             value: zero,
             now: zero,
@@ -57,6 +69,8 @@ impl<L: Lanes> Default for RowBatch<L> {
             give: zero,
             most: zero,
             impulse: [zero; 2],
+            acted: Vec3::zero(),
+            moment: [Vec3::zero(); 2],
             held: zero,
             drives: 0,
             springs: 0,
@@ -65,52 +79,73 @@ impl<L: Lanes> Default for RowBatch<L> {
     }
 }
 
-impl<L: Lanes> Owned for RowBatch<L> {
-    /// Impulses at both ends, and the directions of force and torque on the second body.
+impl<L: Lanes, M> Owned for RowBatch<L, M> {
+    /// Impulses at both ends, and the directions of force and torque on the second body at its point.
     type Load = ([f32; 2], glam::Vec3, glam::Vec3);
     fn owners(&self) -> &[u32; 8] {
         &self.ends.owner
     }
     fn load(&self, lane: usize) -> Self::Load {
-        (self.impulse.map(|p| p.lane(lane)), self.along.lane(lane), self.arm[1].lane(lane))
+        (self.impulse.map(|p| p.lane(lane)), self.lever.force.lane(lane), self.lever.torque.lane(lane))
     }
 }
 
-impl<L: GatherLanes> RowBatch<L> {
+impl<L: GatherLanes, M: Measure<L>> RowBatch<L, M> {
+    /// Takes directions as they are at the start of a step.
+    pub(crate) fn begin(&mut self) {
+        let zero = Vec3::zero();
+        self.follow(&Pair { va: zero, wa: zero, vb: zero, wb: zero });
+    }
+
+    /// Takes the impulses of the last step.
+    pub(crate) fn resume(&mut self) {
+        (self.acted, self.moment) = self.parts(self.impulse[0] - self.impulse[1]);
+    }
+
     /// Applies the impulses of the last step.
     ///
     /// # Safety
     /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(always)]
+    #[inline(never)]
     pub(crate) unsafe fn warm_start(&self, motion: &Motion<'_, '_>) {
         // SAFETY: by the contract.
         unsafe {
             let mut v = self.ends.load(motion.velocity);
-            self.push(&mut v, self.impulse[0] - self.impulse[1]);
+            self.ends.apply(&mut v, self.acted, self.moment[0], self.moment[1]);
             self.ends.save(&v, motion);
         }
     }
 
+    /// Force and moments of an impulse.
     #[inline(always)]
-    fn push(&self, v: &mut Pair<L>, p: L) {
-        self.ends.apply(v, self.along * p, self.arm[0] * p, self.arm[1] * p);
+    fn parts(&self, p: L) -> (Vec3<L>, [Vec3<L>; 2]) {
+        (self.lever.force * p, self.lever.moments().map(|moment| moment * p))
     }
 
+    /// Directions, mobility and displacement after displacements of the bodies.
     #[inline(always)]
-    fn rate(&self, v: &Pair<L>) -> L {
-        self.along.dot(v.vb - v.va) + self.arm[1].dot(v.wb) - self.arm[0].dot(v.wa)
+    fn follow(&mut self, d: &Pair<L>) {
+        let [at, rb] = self.arm;
+        let now = turned(d.wb, rb);
+        self.lever.arm = [at + (d.vb - d.va) + (now - rb), now];
+        self.now = self.measure.follow(d, &mut self.lever, self.value);
+        let [force, torque] = self.borne.map(|borne| turned(d.wa, borne));
+        self.lever.force += force;
+        self.lever.torque += torque;
+        let mobility = self.ends.mobility(&self.lever);
+        self.mobility = L::select(mobility.gt(L::zero()), mobility, L::one());
     }
 
     /// One Gauss-Seidel step: the lower end, then the upper one.
     ///
     /// # Safety
     /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(always)]
+    #[inline(never)] // See `JointRows::step`.
     pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
         if pass.moved {
             // SAFETY: displacements are not written while rows are solved.
             let d = unsafe { self.ends.load(motion.delta) };
-            self.now = self.value + self.rate(&d);
+            self.follow(&d);
         }
         // SAFETY: by the contract.
         let mut v = unsafe { self.ends.load(motion.velocity) };
@@ -120,7 +155,17 @@ impl<L: GatherLanes> RowBatch<L> {
             L::Mask::from_bits(self.springs),
             L::Mask::from_bits(self.both),
         );
-        let speed = self.rate(&v);
+        if !pass.relax {
+            // As for locks: what acted turns too.
+            let (force, [ta, tb]) = self.parts(self.impulse[0] - self.impulse[1]);
+            let turn = [ta - self.moment[0], tb - self.moment[1]];
+            self.ends.apply(&mut v, force - self.acted, turn[0], turn[1]);
+            (self.acted, self.moment) = (force, [ta, tb]);
+        }
+        let mut speed = self.lever.speed(&v);
+        if !pass.relax {
+            speed += self.measure.bend(&v, &self.lever, pass.ahead());
+        }
         // Springs act once a substep.
         let waits = if pass.relax { drives | springs } else { zero.gt(zero) };
         let inverse_h = L::splat(pass.inverse_h);
@@ -163,7 +208,11 @@ impl<L: GatherLanes> RowBatch<L> {
         let new = L::select(idle, zero, new);
         pushed -= new - self.impulse[1];
         self.impulse[1] = new;
-        self.push(&mut v, pushed);
+        let (force, [ta, tb]) = self.parts(pushed);
+        self.acted += force;
+        self.moment[0] += ta;
+        self.moment[1] += tb;
+        self.ends.apply(&mut v, force, ta, tb);
         // SAFETY: by the contract.
         unsafe { self.ends.save(&v, motion) };
     }

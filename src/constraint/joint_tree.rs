@@ -8,7 +8,7 @@
 //! same shape share the lanes.
 
 use super::contact_row::Motion;
-use super::joint_ends::{JointPass, NONE, inverse, turned};
+use super::joint_ends::{JointPass, NONE, bend, inverse, swerve, turned};
 use super::joint_tour::Toured;
 use super::seats::Seated;
 use super::spatial::{Sym6, Twist, plus};
@@ -58,6 +58,8 @@ pub(crate) struct Node<L> {
     pub(super) apart_now: Vec3<L>,
     axis_now: Vec3<L>,
     pub(super) error_now: Vec3<L>,
+    /// How much faster the body leaves its parent in the mean over the next substep than it does at its start.
+    bend: Twist<L>,
     /// On the body, of the last substep: at the joint [N s], and about it [N m s].
     pub(crate) impulse: Vec3<L>,
     pub(crate) twist: Vec3<L>,
@@ -111,6 +113,7 @@ impl<L: Lanes> Default for Node<L> {
             apart_now: zero,
             axis_now: zero,
             error_now: zero,
+            bend: Twist::zero(),
             impulse: zero,
             twist: zero,
             steady: L::zero(),
@@ -142,6 +145,8 @@ pub(crate) struct TreeBatch<L> {
     pub(crate) share: L,
     /// Contacts that go along with the trees: their range among all such.
     pub(crate) contacts: (u32, u32),
+    /// Substep [s].
+    pub(crate) h: f32,
 }
 
 /// Share of an error that is taken back within a substep. Contacts see a tree body by body: what both agree on they find
@@ -167,6 +172,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             (node.axis_now, node.error_now) = (node.axis[0], node.error);
             node.gained = Vec3::zero();
         }
+        self.h = h;
         self.brace(h);
     }
 
@@ -258,8 +264,11 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
     pub(crate) unsafe fn warm_start(&mut self, motion: &Motion<'_, '_>) {
-        // SAFETY: by the contract.
-        unsafe { self.load(motion) };
+        // SAFETY: by the contract; what velocities were is not written while rows are solved.
+        unsafe {
+            self.foresee(motion, self.h);
+            self.load(motion);
+        }
         for i in 0..self.nodes.len() {
             let (parent, node) = self.with_parent(i);
             node.velocity.linear += node.impulse * node.inverse_mass;
@@ -312,13 +321,25 @@ impl<L: GatherLanes> TreeBatch<L> {
             self.factor();
             self.fresh = true;
         }
+        let fresh = !pass.relax && std::mem::take(&mut self.fresh);
+        if fresh {
+            // SAFETY: these velocities are not written while rows are solved.
+            unsafe { self.foresee(motion, 1.0 / pass.inverse_h) };
+        }
         // SAFETY: by the contract.
         unsafe { self.load(motion) };
-        if !pass.relax && std::mem::take(&mut self.fresh) {
+        if fresh {
             self.turn_along();
         }
         let rate = if pass.relax { L::zero() } else { self.share * L::splat(pass.inverse_h) };
-        self.gather_up(|error| pass.bias(error, rate));
+        self.gather_up(|node| {
+            let mut beside =
+                Twist { linear: pass.bias(node.apart_now, rate), angular: pass.bias(node.error_now, rate) };
+            if !pass.relax {
+                beside.add(node.bend);
+            }
+            beside
+        });
         let own = &contacts[self.contacts.0 as usize..self.contacts.1 as usize];
         if !own.is_empty() {
             self.tour(own, touch);
@@ -336,9 +357,9 @@ impl<L: GatherLanes> TreeBatch<L> {
         unsafe { self.save(motion) };
     }
 
-    /// From the leaves to the root: what velocities, and what errors ask for beside them, leave to each joint.
+    /// From the leaves to the root: what velocities, and what is asked for beside them, leave to each joint.
     #[inline(always)]
-    pub(super) fn gather_up(&mut self, bias: impl Fn(Vec3<L>) -> Vec3<L>) {
+    pub(super) fn gather_up(&mut self, beside: impl Fn(&Node<L>) -> Twist<L>) {
         for i in (0..self.nodes.len()).rev() {
             let (parent, node) = self.with_parent(i);
             if !node.jointed {
@@ -348,11 +369,40 @@ impl<L: GatherLanes> TreeBatch<L> {
             let carried = node.free.mul(&node.carried);
             let [arm, other] = node.arm_now;
             node.asked = Twist {
-                linear: node.velocity.at(arm) + carried.at(arm) - above.at(other) + bias(node.apart_now),
-                angular: node.velocity.angular + carried.angular - above.angular + bias(node.error_now),
+                linear: node.velocity.at(arm) + carried.at(arm) - above.at(other),
+                angular: node.velocity.angular + carried.angular - above.angular,
             };
+            node.asked.add(beside(node));
             if let Some(parent) = parent {
                 parent.carried.add(node.stiff.mul(&node.asked).moved(other));
+            }
+        }
+    }
+
+    /// Where bodies go in a substep as they turn at its start. Not as the rows before want them to turn: what can't have what
+    /// it wants, and light links under a load, would turn any way within it.
+    ///
+    /// # Safety
+    /// No thread writes these velocities.
+    unsafe fn foresee(&mut self, motion: &Motion<'_, '_>, h: f32) {
+        // SAFETY: by the contract.
+        let read = |i| unsafe { motion.base.read(i) };
+        for i in 0..self.nodes.len() {
+            let (parent, node) = self.with_parent(i);
+            let own = gather(read, &node.body).1;
+            node.change.angular = own;
+            if !node.jointed {
+                continue;
+            }
+            let above = match parent {
+                Some(parent) => parent.change.angular,
+                // SAFETY: what stands still or is moved by the caller is written by no row.
+                None => gather(|i| unsafe { motion.velocity.read(i) }, &node.anchor).1,
+            };
+            let ([arm, other], h) = (node.arm_now, L::splat(h));
+            node.bend.linear = bend(own, arm, h) - bend(above, other, h);
+            if node.turns == Turns::AboutAxis {
+                node.bend.angular = swerve(own, node.axis_now, h) - swerve(above, node.axis_now, h);
             }
         }
     }

@@ -3,7 +3,7 @@
 use super::joint_ends::NONE;
 use super::joint_tree::Turns;
 use crate::body::Bodies;
-use crate::joint::{Axes, Joints, LockKind};
+use crate::joint::{Joints, LockKind};
 
 /// A body of a tree, and the joint between it and its parent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -49,14 +49,14 @@ pub(super) fn find(joints: &Joints, bodies: &Bodies) -> (Vec<Vec<Tree>>, Vec<boo
         let turns = match lock.kind {
             LockKind::Weld => Turns::Not,
             LockKind::Hinge(_) => Turns::AboutAxis,
-            LockKind::Linear(_) => continue,
+            LockKind::Point | LockKind::Line(_) => continue,
         };
         turn_of[lock.joint as usize] = (turns, i as u32);
     }
     let turn_of = |lock: u32| turn_of[joints.locks[lock as usize].joint as usize];
     // Joints of each body, in the order of their locks.
     let mut of_body: Vec<(u32, u32)> = Vec::new();
-    for (lock, _) in joints.locks.iter().enumerate().filter(|(_, l)| l.kind == LockKind::Linear(Axes::All)) {
+    for (lock, _) in joints.locks.iter().enumerate().filter(|(_, l)| l.kind == LockKind::Point) {
         for body in ends(lock as u32).into_iter().filter(|&b| b < dynamic) {
             of_body.push((body as u32, lock as u32));
         }

@@ -10,7 +10,9 @@ mod joint_arrange;
 mod joint_close;
 mod joint_ends;
 mod joint_fill;
+mod joint_line;
 mod joint_lock;
+mod joint_measure;
 mod joint_row;
 mod joint_tour;
 mod joint_tree;
@@ -29,7 +31,7 @@ pub(crate) use joint_ends::JointPass;
 /// The most that a row of a joint takes in the batches: a lane of them all to itself, or a node of two trees that are alike.
 pub(crate) const WIDEST_JOINT_BATCH: usize = {
     let (row, node) = (
-        size_of::<joint_row::RowBatch<crate::lanes::f32x8>>(),
+        size_of::<joint_row::RowBatch<crate::lanes::f32x8, joint_measure::Tilt<crate::lanes::f32x8>>>(),
         size_of::<joint_tree::Node<crate::lanes::f32x8>>() / 2,
     );
     if row > node { row } else { node }

@@ -29,8 +29,10 @@ pub(crate) struct Joint {
 /// What a lock keeps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum LockKind {
-    /// Points together, or on a line or a plane.
-    Linear(Axes),
+    /// Points together.
+    Point,
+    /// The second body's point on a line of the first.
+    Line(super::Axis),
     /// All rotation.
     Weld,
     /// An axis.
@@ -79,6 +81,8 @@ pub(crate) struct Row {
     pub(crate) motion: Motion,
     pub(crate) axes: Axes,
     pub(crate) kind: RowKind,
+    /// What else the joint locks, which leaves the row less to move.
+    pub(crate) beside: [Option<LockKind>; 2],
     /// At the lower and the upper end, of the last substep [N s] or [N m s]; a drive's is the first.
     pub(crate) impulse: [f32; 2],
     /// The part of a lock's that does not yield.
@@ -114,10 +118,12 @@ impl More {
 fn lock_of(limit: &Limit) -> Option<LockKind> {
     match (limit.motion, limit.axes) {
         _ if !limit.locks() => None,
-        (Motion::Linear, axes) => Some(LockKind::Linear(axes)),
+        (Motion::Linear, Axes::All) => Some(LockKind::Point),
+        (Motion::Linear, Axes::Around(axis)) => Some(LockKind::Line(axis)),
         (Motion::Angular, Axes::All) => Some(LockKind::Weld),
         (Motion::Angular, Axes::Around(axis)) => Some(LockKind::Hinge(axis)),
-        (Motion::Angular, Axes::One(_)) => None,
+        // One direction is a row.
+        (_, Axes::One(_)) => None,
     }
 }
 
@@ -183,7 +189,10 @@ impl Joints {
     fn add_rows(&mut self, joint: u32, limits: &[Limit], drives: &[Drive]) {
         let limits = locked_together(limits);
         self.fresh += limits.len() + drives.len();
-        for limit in limits {
+        let locks = || limits.iter().filter_map(lock_of);
+        let turns = |kind: &LockKind| matches!(kind, LockKind::Weld | LockKind::Hinge(_));
+        let beside = [locks().find(|kind| !turns(kind)), locks().find(turns)];
+        for &limit in &limits {
             let Limit { motion, axes, min, max, spring } = limit;
             if let Some(kind) = lock_of(&limit) {
                 self.locks.push(Lock { joint, kind, impulse: Vec3::ZERO, held: 0.0, steady: 0.0 });
@@ -193,12 +202,20 @@ impl Joints {
                     max,
                     spring,
                 });
-                self.rows.push(Row { joint, motion, axes, kind, impulse: [0.0; 2], held: 0.0 });
+                self.rows.push(Row { joint, motion, axes, kind, beside, impulse: [0.0; 2], held: 0.0 });
             }
         }
         for &Drive { motion, axis, position, velocity, spring, max_force } in drives {
             let kind = RowKind::Drive { position, velocity, spring, max_force };
-            self.rows.push(Row { joint, motion, axes: Axes::One(axis), kind, impulse: [0.0; 2], held: 0.0 });
+            self.rows.push(Row {
+                joint,
+                motion,
+                axes: Axes::One(axis),
+                kind,
+                beside,
+                impulse: [0.0; 2],
+                held: 0.0,
+            });
         }
     }
 
@@ -356,6 +373,14 @@ fn locked_together(limits: &[Limit]) -> Vec<Limit> {
         });
     }
     out
+}
+
+impl Row {
+    /// Whether it is of a way in a direction that can't turn.
+    pub(crate) fn is_guided(&self) -> bool {
+        let way = self.motion == Motion::Linear && matches!(self.axes, Axes::One(_));
+        way && self.beside[1].is_some()
+    }
 }
 
 impl Joint {

@@ -30,7 +30,7 @@ impl State {
     /// Calls `f` with each buffer and the place that it needs for so many bodies that can move.
     pub(crate) fn each(&mut self, movers: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
         f(&mut self.delta, movers + 1);
-        f(&mut self.base, movers);
+        f(&mut self.base, movers + 1);
     }
 
     pub(crate) fn bytes(&self) -> (usize, usize) {
@@ -59,7 +59,7 @@ pub(crate) fn solve(
     // One more for all that stands still, which joints may be fixed to.
     state.delta.resize(movers + 1, Record::default());
     state.base.clear();
-    state.base.resize(movers, Record::default());
+    state.base.resize(movers + 1, Record::default());
 
     let hertz = settings.contact_hertz.min(Softness::stiffest(settings.iterations + 1, h));
     let soft = |hertz: f32| Softness::new(hertz, settings.contact_damping, h);
@@ -94,7 +94,7 @@ pub(crate) fn solve(
     for substep in 0..settings.substeps {
         // Velocities take gravity and forces. From the second substep on, warm starting is one addition a body: rows
         // keep their directions within a step, so the impulses of the substep before change the velocities by just
-        // what they did then.
+        // what they did then. Those of joints turn, and see to it themselves.
         all_bodies(crew, movers, |i| {
             // SAFETY: each body is in one block.
             let (v, b, d) = unsafe { (velocity.get(i), base.get(i), delta.get(i)) };

@@ -128,6 +128,7 @@ impl Passes {
                 softness: self.joint,
                 push_speed: self.joint_push,
                 moved: relax && (is_tree || sweep == 0),
+                fresh: !relax && sweep == 0,
                 relax,
             };
             let pass = (kind != Kind::WarmStart).then_some(&pass);
