@@ -13,7 +13,7 @@ use trees::Trees;
 use crate::body::{carry_spin, exp_map, tumble, wobble};
 use crate::broad_phase::{Pair, STACK};
 use crate::config::Continuous;
-use crate::constraint::{Seat, TreeRef};
+use crate::constraint::Seat;
 use crate::forces::spins_freely;
 use crate::lanes::{self, Record, Sym3};
 use crate::memory::{Buffer, Made, bytes_of};
@@ -33,8 +33,6 @@ pub(crate) struct Buffers {
     beside: Vec<bool>,
     /// Bodies of trees that were cut short, and the share of their ways that they went.
     cut: Mutex<Vec<(Seat, f32)>>,
-    /// Trees that stood still in the last step, so as not to cross anything.
-    stood: Vec<(TreeRef, u32)>,
 }
 
 impl Buffers {
@@ -54,7 +52,7 @@ impl Buffers {
             self.stacks.iter().filter_map(|s| s.lock().ok().map(|s| s.capacity() * 4)).sum::<usize>();
         let cut = self.cut.lock().map_or((0, 0), |cut| bytes_of(&cut));
         let own = self.stacks.capacity() * size_of::<Mutex<Vec<u32>>>();
-        [bytes_of(&self.clear), bytes_of(&self.beside), bytes_of(&self.stood), cut]
+        [bytes_of(&self.clear), bytes_of(&self.beside), cut]
             .into_iter()
             .fold((own, own + stacks), |s, b| (s.0 + b.0, s.1 + b.1))
     }
@@ -111,7 +109,7 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
     let (movers, dynamic) = (world.bodies.movers(), world.bodies.dynamic());
     let blocks = movers.div_ceil(BLOCK);
     let held = std::sync::atomic::AtomicU32::new(0);
-    let Buffers { stacks, clear, beside, cut, stood } = &mut world.buffers.finish;
+    let Buffers { stacks, clear, beside, cut } = &mut world.buffers.finish;
     stacks_of(stacks).widen(blocks);
     let guard = Guard {
         broad: &world.broad,
@@ -206,10 +204,8 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
         let closing = closing(&world.settings);
         let delta = &mut world.buffers.solver.delta;
         let (rows, joints) = (&mut world.buffers.rows, &mut world.buffers.joints);
-        Trees { bodies, delta, rows, joints, closing, stood }.mend(&guard, cut, &mut stack);
+        Trees { bodies, delta, rows, joints, closing }.mend(&guard, cut, &mut stack);
         cut.clear();
-    } else {
-        stood.clear();
     }
     if movers > dynamic
         && guard.mode != Continuous::Discrete

@@ -6,7 +6,7 @@
 use super::guard::Guard;
 use crate::body::{Bodies, Pose, exp_map};
 use crate::constraint::contact_row::Motion;
-use crate::constraint::{Along, Closing, JointRows, Rows, Seat, TreeRef};
+use crate::constraint::{Along, Closing, JointRows, Rows, Seat};
 use crate::lanes::Record;
 use crate::threads::Shared;
 use glam::Vec3;
@@ -18,18 +18,12 @@ pub(super) struct Trees<'a> {
     pub(super) rows: &'a mut Rows,
     pub(super) joints: &'a mut JointRows,
     pub(super) closing: Closing,
-    /// Trees that stood still in the last step, so as not to cross anything.
-    pub(super) stood: &'a mut Vec<(TreeRef, u32)>,
 }
 
 impl Trees<'_> {
     /// Takes all bodies of the trees in `cut` back to the least share of their ways that one of the tree could go.
     pub(super) fn mend(&mut self, guard: &Guard<'_>, cut: &mut [(Seat, f32)], stack: &mut Vec<u32>) {
         cut.sort_unstable_by(|(a, s), (b, t)| a.of_tree().cmp(&b.of_tree()).then(s.total_cmp(t)));
-        // Nobody stands still twice: what is wedged has to get out again.
-        let mut before = std::mem::take(self.stood);
-        before.sort_unstable();
-        let known = before.len();
         for alike in cut.chunk_by(|(a, _), (b, _)| a.of_tree() == b.of_tree()) {
             let (seat, share) = alike[0];
             for i in self.joints.bodies_of(seat) {
@@ -44,10 +38,12 @@ impl Trees<'_> {
             for i in joints.bodies_of(seat) {
                 any |= crosses(guard, stack, bodies, &mut delta[i], i);
             }
-            if any && before[..known].binary_search(&seat.of_tree()).is_err() {
-                before.push(seat.of_tree());
-                for i in self.joints.bodies_of(seat) {
-                    (self.delta[i].linear, self.delta[i].angular) = (Vec3::ZERO, Vec3::ZERO);
+            if any {
+                for i in joints.bodies_of(seat) {
+                    (delta[i].linear, delta[i].angular) = (Vec3::ZERO, Vec3::ZERO);
+                    // Or it would stand there for ever.
+                    let v = &mut bodies.velocity[i];
+                    (v.linear, v.angular) = (v.linear * SLOWED, v.angular * SLOWED);
                 }
             }
             for i in self.joints.bodies_of(seat) {
@@ -60,8 +56,6 @@ impl Trees<'_> {
                 }
             }
         }
-        before.drain(..known);
-        *self.stood = before;
     }
 
     fn close(&mut self, seat: Seat) {
@@ -79,6 +73,8 @@ impl Trees<'_> {
     }
 }
 
+/// What is left of the speed of a tree that could not move at all.
+const SLOWED: f32 = 0.5;
 /// A centre that is in the way by no more than this of its body's inner ball is moved aside alone.
 const ASIDE: f32 = 0.1;
 
