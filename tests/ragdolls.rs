@@ -15,8 +15,10 @@ use std::sync::Arc;
 
 /// Substeps and iterations: small steps, and sequential impulses.
 const SOLVERS: [(u32, u32); 2] = [(4, 1), (1, 8)];
-/// What a joint should open by at most in the frame of an impact [m]; at rest it should be 3 mm.
-const IN_IMPACT: f64 = 0.050;
+/// What a joint may open by at most, in the frame of an impact or in any other, and at rest [m]. Of other engines, measured with
+/// the same figures, 190 to 500 mm and 3 to 50 mm.
+const WIDEST: f64 = 0.050;
+const AT_REST: f64 = 0.003;
 
 fn world((substeps, iterations): (u32, u32)) -> World {
     World::new(Settings { substeps, iterations, ..Settings::default() }).unwrap()
@@ -114,13 +116,13 @@ impl Fall {
     }
 
     fn print(&self, what: &str) {
-        let wide = self.gaps.iter().filter(|gap| **gap > IN_IMPACT).count();
+        let wide = self.gaps.iter().filter(|gap| **gap > WIDEST).count();
         println!(
             "{what}: {:.1} mm in the frame of an impact, {:.1} at most, above {:.0} in {wide} steps, {:.2} at rest; \
              energy up to {:.3} of the start; {} times held by the guard",
             self.in_impact() * 1e3,
             self.widest() * 1e3,
-            IN_IMPACT * 1e3,
+            WIDEST * 1e3,
             self.resting() * 1e3,
             self.energy,
             self.held
@@ -243,64 +245,34 @@ fn thrown_at_walls(solver: (u32, u32), walls: Walls, figures: Range<usize>, othe
     })
 }
 
-/// What it does now, and a little more. Gaps should be `IN_IMPACT` and 3 mm, and nothing left on a wrong side. What falls
-/// in a heap is chaos: a change in the last bit of a number moves each of these by as much again.
-struct Bounds {
-    widest: f64,
-    resting: f64,
-    /// Cores on the wrong side in the end.
-    left: usize,
-}
-
-fn check(what: &str, fall: &Fall, bounds: &Bounds) {
+fn check(what: &str, fall: &Fall) {
     fall.print(what);
     assert_eq!(fall.centres, [], "{what}");
-    assert!(fall.left(&fall.cores) <= bounds.left, "{what}");
-    assert!(fall.cores.iter().all(|core| core.3 < 0.15), "{what}");
-    assert!(fall.widest() < bounds.widest, "{what}: {}", fall.widest());
-    assert!(fall.resting() < bounds.resting, "{what}: {}", fall.resting());
+    assert_eq!(fall.cores, [], "{what}");
+    assert!(fall.widest() < WIDEST, "{what}: {}", fall.widest());
+    assert!(fall.resting() < AT_REST, "{what}: {}", fall.resting());
     assert!(fall.energy < 1.001, "{what}: {}", fall.energy);
 }
 
 #[test]
 fn ragdolls_thrown_at_a_terrain_stay_above_it() {
-    for (solver, resting) in SOLVERS.into_iter().zip([0.010, 0.030]) {
-        let bounds = Bounds { widest: 1.2, resting, left: 0 };
-        check(&format!("terrain {solver:?}"), &thrown_at_a_terrain(solver, 0.0), &bounds);
-    }
-}
-
-const WALLS: [Walls; 3] = [Walls::Mesh, Walls::Boxes(0.02), Walls::Boxes(0.05)];
-
-fn check_walls(solver: (u32, u32), figures: Range<usize>, bounds: &Bounds) {
-    for walls in WALLS {
-        let fall = thrown_at_walls(solver, walls, figures.clone(), 0.0);
-        check(&format!("{walls:?} {solver:?}"), &fall, bounds);
+    for solver in SOLVERS {
+        check(&format!("terrain {solver:?}"), &thrown_at_a_terrain(solver, 0.0));
     }
 }
 
 #[test]
 fn ragdolls_thrown_at_walls_stay_in_their_rooms() {
-    // An arm stays stuck in a wall of 2 cm.
-    check_walls((4, 1), CROWD, &Bounds { widest: 1.0, resting: 0.05, left: 2 });
+    for (solver, walls) in SOLVERS.into_iter().flat_map(|solver| WALLS.map(|walls| (solver, walls))) {
+        check(&format!("{walls:?} {solver:?}"), &thrown_at_walls(solver, walls, CROWD, 0.0));
+    }
 }
 
-#[test]
-#[ignore = "becomes NaN, see the test below"]
-fn ragdolls_thrown_at_walls_stay_in_their_rooms_without_substeps() {
-    check_walls((1, 8), CROWD, &Bounds { widest: 1.2, resting: 0.05, left: 2 });
-}
-
-/// One that hits a wall with its arm first, two steps before the rest of it.
-#[test]
-#[ignore = "its limits feed each other: 12 kJ after step 7, 23 MJ after step 8, NaN after step 11; without limits it is calm"]
-fn a_ragdoll_that_hits_a_wall_without_substeps_gains_no_energy() {
-    check_walls((1, 8), 11..12, &Bounds { widest: 1.2, resting: 0.05, left: 0 });
-}
+const WALLS: [Walls; 3] = [Walls::Mesh, Walls::Boxes(0.02), Walls::Boxes(0.05)];
 
 /// Ten throws of each kind, to tell what a change of the solver does from chance.
 #[test]
-#[ignore = "prints the worst of many throws: takes two minutes in release"]
+#[ignore = "prints the worst of many throws: takes three minutes in release"]
 fn many_throws() {
     let settings = |walls| SOLVERS.map(|solver| (solver, walls));
     let cases = [None, Some(Walls::Mesh), Some(Walls::Boxes(0.02))].map(settings);
