@@ -8,12 +8,18 @@ use crate::{
 use glam::{Mat3, Vec3};
 
 /// What a table is for, and its live and reserved bytes.
-fn tables(rows: &JointRows) -> [(&'static str, (usize, usize)); 6] {
+fn tables(rows: &JointRows) -> [(&'static str, (usize, usize)); 12] {
     [
         ("points", rows.points.bytes()),
         ("welds", rows.welds.bytes()),
         ("hinges", rows.hinges.bytes()),
-        ("rows", rows.rows.bytes()),
+        ("lines", rows.lines.bytes()),
+        ("slides", rows.slides.bytes()),
+        ("distances", rows.distances.bytes()),
+        ("twists", rows.twists.bytes()),
+        ("tilts", rows.tilts.bytes()),
+        ("turns", rows.turns.bytes()),
+        ("seats", rows.seats.bytes()),
         ("trees", bytes_of_trees(&rows.trees)),
         ("single trees", bytes_of_trees(&rows.tree)),
     ]
@@ -52,14 +58,14 @@ fn a_kind_of_joint_that_is_not_there_takes_no_bytes() {
     let cases: [Case; 10] = [
         (JointDesc::ball, &[], &[]),
         (JointDesc::ball, &[[0, 1]], &["points"]),
-        (JointDesc::ball, chain, &["single trees"]),
+        (JointDesc::ball, chain, &["seats", "single trees"]),
         (JointDesc::ball, ring, &["points"]),
-        (JointDesc::hinge, chain, &["single trees"]),
+        (JointDesc::hinge, chain, &["seats", "single trees"]),
         (JointDesc::hinge, ring, &["points", "hinges"]),
         (JointDesc::fixed, ring, &["points", "welds"]),
-        (JointDesc::slider, chain, &["points", "welds"]),
-        (drive, chain, &["rows"]),
-        (rod, chain, &["rows"]),
+        (JointDesc::slider, chain, &["welds", "lines"]),
+        (drive, chain, &["twists"]),
+        (rod, chain, &["distances"]),
     ];
     for (i, (make, pairs, expected)) in cases.into_iter().enumerate() {
         assert_eq!(taken(make, pairs), expected, "case {i}");
