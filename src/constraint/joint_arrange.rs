@@ -329,9 +329,9 @@ impl JointRows {
             self.seats.reset(input.bodies.dynamic());
         }
         let seats = &mut self.seats;
-        let mut put = |seat: Seat, body: u32, inverse: Sym3<f32>| {
+        let mut put = |loops: bool, seat: Seat, body: u32, inverse: Sym3<f32>| {
             inverse_inertia[body as usize] = inverse;
-            if along {
+            if along && !loops {
                 seats.put(body as usize, seat);
             }
         };
@@ -562,10 +562,10 @@ pub(crate) struct JointViews<'a> {
 }
 
 /// Calls `f` with each body of a batch of trees, its seat and the inverse of its inertia as it is braced.
-fn each_body<L: Lanes>(batch: &TreeBatch<L>, tree: TreeRef, f: &mut impl FnMut(Seat, u32, Sym3<f32>)) {
+fn each_body<L: Lanes>(batch: &TreeBatch<L>, tree: TreeRef, f: &mut impl FnMut(bool, Seat, u32, Sym3<f32>)) {
     for (i, node) in batch.nodes.iter().enumerate() {
         for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
-            f(Seat::new(tree, i, lane), node.body[lane], get_sym(&node.braced_inverse, lane));
+            f(batch.loops, Seat::new(tree, i, lane), node.body[lane], get_sym(&node.braced_inverse, lane));
         }
     }
 }
@@ -613,7 +613,8 @@ fn batch_of<L: Lanes>(group: &[Tree]) -> TreeBatch<L> {
         }
         node
     };
-    TreeBatch { nodes: (0..first.len()).map(node).collect(), ..TreeBatch::default() }
+    let loops = first.iter().any(|branch| branch.collides);
+    TreeBatch { nodes: (0..first.len()).map(node).collect(), loops, ..TreeBatch::default() }
 }
 
 /// Calls `f` with each lock of a batch of trees and its impulse.

@@ -45,6 +45,9 @@ impl<L: GatherLanes> TreeBatch<L> {
         contacts: &[Seated],
         mut touch: impl FnMut(&Seated, Ask, &mut Toured<'_, L>),
     ) {
+        if self.loops {
+            return;
+        }
         let own = &contacts[self.contacts.0 as usize..self.contacts.1 as usize];
         for _ in 0..ROUNDS {
             // SAFETY: by the contract.

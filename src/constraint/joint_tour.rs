@@ -191,7 +191,7 @@ pub(super) struct Whole<'a, L, const P: usize> {
     friction: ([L; 3], L, L),
 }
 
-/// Of what a row is to a body alone, the least that the whole tree may make of it: less is rounding.
+/// How much of a body's own mobility has to be left in the tree: less is rounding, of what its joints hold where it is.
 const LEAST: f32 = 1e-4;
 
 impl<'a, L: Lanes, const P: usize> Whole<'a, L, P> {
@@ -206,8 +206,8 @@ impl<'a, L: Lanes, const P: usize> Whole<'a, L, P> {
             let answer = whole.mul(&Twist { linear: n, angular: point.arm_a });
             stiffness[i] =
                 std::array::from_fn(|k| n.dot(answer.linear) + batch.points[k].arm_a.dot(answer.angular));
-            stiffness[i][i] = stiffness[i][i].max(point.stiffness * L::splat(LEAST));
-            mass[i] = L::select(point.mass.gt(zero), one / stiffness[i][i], zero);
+            let gives = stiffness[i][i].gt(point.stiffness * L::splat(LEAST)) & point.mass.gt(zero);
+            mass[i] = L::select(gives, one / L::select(gives, stiffness[i][i], one), zero);
         }
         let mut friction = ([zero; 3], zero, zero);
         if FRICTION {

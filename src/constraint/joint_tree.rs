@@ -143,6 +143,9 @@ pub(crate) struct TreeBatch<L> {
     pub(crate) fresh: bool,
     /// Share of an error that is taken back within a substep.
     pub(crate) share: L,
+    /// A joint lets its bodies collide: a loop with their contact, of which the tree knows nothing. Contacts don't go along,
+    /// and what is open is left to the velocities.
+    pub(crate) loops: bool,
     /// Contacts that go along with the trees: their range among all such.
     pub(crate) contacts: (u32, u32),
     /// Substep [s].

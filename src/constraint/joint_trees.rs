@@ -20,12 +20,14 @@ pub(super) struct Branch {
     pub(super) lock: u32,
     /// Lock of its rotation.
     pub(super) turn: u32,
+    /// The joint lets the two collide.
+    pub(super) collides: bool,
 }
 
 impl Branch {
     /// What trees have in common that can be solved in the same lanes.
-    fn shape(&self) -> (u32, u8, bool, Turns) {
-        (self.parent, self.side, self.jointed, self.turns)
+    fn shape(&self) -> (u32, u8, bool, Turns, bool) {
+        (self.parent, self.side, self.jointed, self.turns, self.collides)
     }
 }
 
@@ -103,7 +105,8 @@ pub(super) fn find(joints: &Joints, bodies: &Bodies) -> (Vec<Vec<Tree>>, Vec<boo
         }
         let most = |&body: &usize| (locks_of(body).count(), std::cmp::Reverse(body));
         let Some(root) = anchor.or_else(|| group.iter().copied().max_by_key(most)) else { continue };
-        trees.push(grow(root, dynamic, &locks_of, &ends, &turn_of));
+        let collides = |lock: u32| joints.all[joints.locks[lock as usize].joint as usize].collide;
+        trees.push(grow(root, dynamic, &locks_of, &ends, &turn_of, &collides));
     }
     for branch in trees.iter().flatten().filter(|branch| branch.jointed) {
         taken[branch.lock as usize] = true;
@@ -124,6 +127,7 @@ fn grow<I: Iterator<Item = u32>>(
     locks_of: &impl Fn(usize) -> I,
     ends: &impl Fn(u32) -> [usize; 2],
     turn_of: &impl Fn(u32) -> (Turns, u32),
+    collides: &impl Fn(u32) -> bool,
 ) -> Tree {
     let side_of = |lock: u32, body: usize| u8::from(ends(lock)[1] == body);
     let anchor = locks_of(root).find(|&lock| ends(lock).iter().any(|&b| b >= dynamic));
@@ -135,6 +139,7 @@ fn grow<I: Iterator<Item = u32>>(
         turns: Turns::Freely,
         lock,
         turn: NONE,
+        collides: anchor.is_some_and(collides),
     }];
     if let Some(anchor) = anchor {
         (tree[0].turns, tree[0].turn) = turn_of(anchor);
@@ -152,7 +157,15 @@ fn grow<I: Iterator<Item = u32>>(
     while let Some((lock, body, parent)) = open.pop() {
         let child = ends(lock)[usize::from(side_of(lock, body) == 0)];
         let (turns, turn) = turn_of(lock);
-        let branch = Branch { parent, side: side_of(lock, child), jointed: true, turns, lock, turn };
+        let branch = Branch {
+            parent,
+            side: side_of(lock, child),
+            jointed: true,
+            turns,
+            lock,
+            turn,
+            collides: collides(lock),
+        };
         tree.push(branch);
         follow(tree.len() - 1, child, branch, &mut open);
     }
