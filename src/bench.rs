@@ -134,6 +134,7 @@ pub fn preparing() -> Kernel {
             warm: 1.0,
             stick: 0.01,
             order: crate::constraint::Order::default(),
+            seats: &crate::constraint::Seats::default(),
             per_point: false,
         };
         prepare(&Crew::alone(), &input, &mut rows, &mut scratch, &mut Room::default());

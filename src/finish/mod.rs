@@ -134,8 +134,8 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
     let inverse_inertia = &world.buffers.forces.inverse_inertia;
     let note = |seat: Option<Seat>, share: f32| {
         if let (Some(seat), Ok(mut cut)) = (seat, shared.lock()) {
-            // Lifted off something, it may have gone further than it wanted.
-            cut.push((seat, share.min(1.0).max(0.0)));
+            // Lifted off something, it may have gone further than it wanted, or where it wanted nowhere.
+            cut.push((seat, if share < 1.0 { share.max(0.0) } else { 1.0 }));
         }
     };
     crew.run(blocks, &|block| {
@@ -146,7 +146,7 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
             let (pose, velocity) = unsafe { (pose.get(i), velocity.get(i)) };
             let touched = d.pad0 != 0.0;
             let seat = seats.of(i);
-            let before = seat.map(|_| pose.clone());
+            let before = seat.map(|_| *pose);
             if i < dynamic && !touched && spins_freely(&mass[i], &traits[i], start[i].angular, dt) {
                 let spin = start[i].angular;
                 let parts = (wobble(spin, mass[i].inertia) * dt / TURN).ceil().clamp(1.0, 16.0);
