@@ -16,7 +16,7 @@ use super::spatial::{Sym6, Twist};
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, f32x8};
 use crate::threads::Shared;
 
-/// Walks a pass. TODO
+/// Walks a pass: the second finds what contacts of one body left to those of another.
 const TOURS: u32 = 2;
 
 /// All contacts that go along with trees, for several threads.
