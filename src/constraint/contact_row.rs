@@ -180,35 +180,24 @@ pub(crate) unsafe fn warm_start<L: GatherLanes, const P: usize, const TWO: bool,
 }
 
 /// By how much impulses of a batch change the velocities of its bodies.
-pub(super) trait Response<L: Lanes, const P: usize> {
+pub(super) trait Response<L: GatherLanes, const P: usize> {
     /// Effective mass of a point's row [kg]; zero without a point.
+    #[inline(always)]
     fn mass(&self, batch: &Batch<L, P>, i: usize) -> L {
         batch.points[i].mass
     }
     /// By how much a unit impulse at one point changes the normal velocity of another [1/kg].
+    #[inline(always)]
     fn stiffness(&self, batch: &Batch<L, P>, i: usize, k: usize) -> L {
         if i == k { batch.points[i].stiffness } else { batch.coupling[couple(i.min(k), i.max(k))] }
     }
     /// Inverse of the matrix of the tangential rows, its smaller eigenvalue [kg], and the mass against twist [kg m²].
+    #[inline(always)]
     fn friction(&self, batch: &Batch<L, P>) -> ([L; 3], L, L) {
         let f = &batch.friction;
         (f.mass, f.slide_mass, f.twist_mass)
     }
     /// Applies an impulse `p` on `b` and `-p` on `a`, with angular impulses `ta` (taken from `a`) and `tb`.
-    fn apply<const TWO: bool>(
-        &mut self,
-        batch: &Batch<L, P>,
-        v: &mut Pair<L>,
-        p: Vec3<L>,
-        ta: Vec3<L>,
-        tb: Vec3<L>,
-    );
-}
-
-/// Two bodies that nothing else holds.
-struct Free;
-
-impl<L: GatherLanes, const P: usize> Response<L, P> for Free {
     #[inline(always)]
     fn apply<const TWO: bool>(
         &mut self,
@@ -221,6 +210,11 @@ impl<L: GatherLanes, const P: usize> Response<L, P> for Free {
         v.apply::<P, TWO>(batch, p, ta, tb);
     }
 }
+
+/// Two bodies that nothing else holds.
+pub(super) struct Free;
+
+impl<L: GatherLanes, const P: usize> Response<L, P> for Free {}
 
 /// One Gauss-Seidel step over the rows of a batch. Says whether potential points push.
 ///
@@ -421,7 +415,7 @@ pub(super) fn row<L: Lanes, const TWO: bool>(p: &Pair<L>, point: &super::batch::
 /// others would turn it back, never quite: a tower that stands straight would learn to lean. After this step a body
 /// that lies flat and evenly loaded has nothing left for the sweep.
 #[inline(always)]
-fn level<L: Lanes, const P: usize, R: Response<L, P>>(
+fn level<L: GatherLanes, const P: usize, R: Response<L, P>>(
     batch: &Batch<L, P>,
     response: &R,
     u: &[L; P],

@@ -1,15 +1,13 @@
 //! Joints -> batches. Which rows share a batch is settled when joints come or go; what is in them, in every step.
 
 use super::colour::{COLOURS, Colouring, OVERFLOW};
-use super::contact_row::{Motion as BodyMotion, Pass, SHARE};
-use super::joint_close::Closing;
-use super::joint_ends::{JointPass, NONE, Owned};
+use super::contact_row::SHARE;
+use super::joint_ends::{NONE, Owned};
 use super::joint_fill::{get_sym, line, point, row, tree, turn};
 use super::joint_line::LineBatch;
 use super::joint_lock::{PointBatch, TurnBatch};
 use super::joint_measure::{Distance, Slide, Tilt, Turn, Twist};
 use super::joint_row::RowBatch;
-use super::joint_tour::{Along, Toured};
 use super::joint_tree::{Node, TreeBatch};
 use super::joint_trees::{Tree, find};
 use super::order::{Order, RowGroup};
@@ -143,18 +141,18 @@ type Measured<M8, M1> = Table<RowBatch<f32x8, M8>, RowBatch<f32, M1>>;
 /// All rows of joints of a step.
 #[derive(Debug, Default)]
 pub(crate) struct JointRows {
-    points: Table<PointBatch<f32x8>, PointBatch<f32>>,
-    lines: Table<LineBatch<f32x8>, LineBatch<f32>>,
-    welds: Table<TurnBatch<f32x8, false>, TurnBatch<f32, false>>,
-    hinges: Table<TurnBatch<f32x8, true>, TurnBatch<f32, true>>,
-    slides: Measured<Slide<f32x8>, Slide<f32>>,
-    distances: Measured<Distance<f32x8>, Distance<f32>>,
-    twists: Measured<Twist<f32x8>, Twist<f32>>,
-    tilts: Measured<Tilt<f32x8>, Tilt<f32>>,
-    turns: Measured<Turn<f32x8>, Turn<f32>>,
+    pub(super) points: Table<PointBatch<f32x8>, PointBatch<f32>>,
+    pub(super) lines: Table<LineBatch<f32x8>, LineBatch<f32>>,
+    pub(super) welds: Table<TurnBatch<f32x8, false>, TurnBatch<f32, false>>,
+    pub(super) hinges: Table<TurnBatch<f32x8, true>, TurnBatch<f32, true>>,
+    pub(super) slides: Measured<Slide<f32x8>, Slide<f32>>,
+    pub(super) distances: Measured<Distance<f32x8>, Distance<f32>>,
+    pub(super) twists: Measured<Twist<f32x8>, Twist<f32>>,
+    pub(super) tilts: Measured<Tilt<f32x8>, Tilt<f32>>,
+    pub(super) turns: Measured<Turn<f32x8>, Turn<f32>>,
     /// Trees of points: one alone, or up to eight alike.
-    trees: Vec<TreeBatch<f32x8>>,
-    tree: Vec<TreeBatch<f32>>,
+    pub(super) trees: Vec<TreeBatch<f32x8>>,
+    pub(super) tree: Vec<TreeBatch<f32>>,
     /// Dynamic bodies that have contacts, if there are trees.
     touching: Vec<bool>,
     /// Bodies whose contacts with what is static go along with trees.
@@ -365,91 +363,6 @@ impl JointRows {
         single.for_each(|(i, batch)| batch.take_along(range(TreeRef::new(i, true))));
     }
 
-    /// One batch of a stage: solves it or, without a pass, applies the impulses of the last step. Each kernel is a function of
-    /// its own: two dozen of them in one is more than the compiler inlines helpers into (12 % of a net's step).
-    ///
-    /// # Safety
-    /// No other thread writes the bodies of the batch.
-    pub(crate) unsafe fn step(
-        views: &JointViews<'_>,
-        stage: &JointStage,
-        i: usize,
-        motion: &BodyMotion<'_, '_>,
-        pass: Option<&JointPass>,
-        (along, touching): (&Along<'_, '_>, &Pass),
-    ) {
-        macro_rules! go {
-            ($lanes:expr, $single:expr) => {
-                // SAFETY: by the contract; each batch is in one stage.
-                unsafe {
-                    match (stage.single, pass) {
-                        (false, None) => $lanes.get(i).warm_start(motion),
-                        (false, Some(pass)) => $lanes.get(i).solve(motion, pass),
-                        (true, None) => $single.get(i).warm_start(motion),
-                        (true, Some(pass)) => $single.get(i).solve(motion, pass),
-                    }
-                }
-            };
-        }
-        match stage.kind {
-            JointType::Point => go!(views.points, views.point),
-            JointType::Weld => go!(views.welds, views.weld),
-            JointType::Hinge => go!(views.hinges, views.hinge),
-            JointType::Line => go!(views.lines, views.line),
-            JointType::Slide => go!(views.slides, views.slide),
-            JointType::Distance => go!(views.distances, views.distance),
-            JointType::Twist => go!(views.twists, views.twist),
-            JointType::Tilt => go!(views.tilts, views.tilt),
-            JointType::Turn => go!(views.turns, views.turn),
-            JointType::Tree => {
-                // SAFETY: by the contract; each batch is in one stage, and contacts go along with one.
-                unsafe {
-                    match (stage.single, pass) {
-                        (false, None) => views.trees.get(i).warm_start(motion),
-                        (false, Some(pass)) => {
-                            let touch = |seated: &Seated, body: &mut Toured<'_, f32x8>| {
-                                along.lanes(seated, body, motion, touching)
-                            };
-                            views.trees.get(i).solve(motion, pass, along.seated, touch);
-                        }
-                        (true, None) => views.tree.get(i).warm_start(motion),
-                        (true, Some(pass)) => {
-                            let touch = |seated: &Seated, body: &mut Toured<'_, f32>| {
-                                along.single(seated, body, motion, touching)
-                            };
-                            views.tree.get(i).solve(motion, pass, along.seated, touch);
-                        }
-                    }
-                }
-            }
-        }
-    }
-
-    /// Closes the joints of a batch of trees.
-    ///
-    /// # Safety
-    /// No other thread works on its bodies, and none writes their displacements.
-    pub(crate) unsafe fn close(
-        views: &JointViews<'_>,
-        tree: TreeRef,
-        motion: &BodyMotion<'_, '_>,
-        closing: &Closing,
-        along: &Along<'_, '_>,
-    ) {
-        // SAFETY: by the contract; contacts go along with one batch.
-        unsafe {
-            if tree.is_single() {
-                views.tree.get(tree.index()).close(motion, closing, along.seated, |seated, ask, body| {
-                    along.close_single(seated, ask, body, motion, closing);
-                });
-            } else {
-                views.trees.get(tree.index()).close(motion, closing, along.seated, |seated, ask, body| {
-                    along.close_lanes(seated, ask, body, motion, closing);
-                });
-            }
-        }
-    }
-
     /// The bodies of a tree.
     pub(crate) fn bodies_of(&self, seat: Seat) -> impl Iterator<Item = usize> + '_ {
         let (tree, lane) = (seat.place().0, seat.lane());
@@ -460,32 +373,6 @@ impl JointRows {
         };
         let of_lanes = lanes.iter().map(move |node| node.body[lane] as usize);
         of_lanes.chain(single.iter().map(move |node| node.body[lane] as usize))
-    }
-
-    /// For several threads.
-    pub(crate) fn views(&mut self) -> JointViews<'_> {
-        JointViews {
-            points: Shared::new(&mut self.points.lanes),
-            point: Shared::new(&mut self.points.single),
-            welds: Shared::new(&mut self.welds.lanes),
-            weld: Shared::new(&mut self.welds.single),
-            hinges: Shared::new(&mut self.hinges.lanes),
-            hinge: Shared::new(&mut self.hinges.single),
-            lines: Shared::new(&mut self.lines.lanes),
-            line: Shared::new(&mut self.lines.single),
-            slides: Shared::new(&mut self.slides.lanes),
-            slide: Shared::new(&mut self.slides.single),
-            distances: Shared::new(&mut self.distances.lanes),
-            distance: Shared::new(&mut self.distances.single),
-            twists: Shared::new(&mut self.twists.lanes),
-            twist: Shared::new(&mut self.twists.single),
-            tilts: Shared::new(&mut self.tilts.lanes),
-            tilt: Shared::new(&mut self.tilts.single),
-            turns: Shared::new(&mut self.turns.lanes),
-            turn: Shared::new(&mut self.turns.single),
-            trees: Shared::new(&mut self.trees),
-            tree: Shared::new(&mut self.tree),
-        }
     }
 
     /// Writes impulses back, and what each joint bore. `inverse_h`: 1 / substep [1/s]; `hold`: share of a load that lasts
@@ -535,30 +422,6 @@ impl JointRows {
         self.tilts.each(&mut row);
         self.turns.each(&mut row);
     }
-}
-
-/// All batches, for several threads.
-pub(crate) struct JointViews<'a> {
-    points: Shared<'a, PointBatch<f32x8>>,
-    point: Shared<'a, PointBatch<f32>>,
-    welds: Shared<'a, TurnBatch<f32x8, false>>,
-    weld: Shared<'a, TurnBatch<f32, false>>,
-    hinges: Shared<'a, TurnBatch<f32x8, true>>,
-    hinge: Shared<'a, TurnBatch<f32, true>>,
-    lines: Shared<'a, LineBatch<f32x8>>,
-    line: Shared<'a, LineBatch<f32>>,
-    slides: Shared<'a, RowBatch<f32x8, Slide<f32x8>>>,
-    slide: Shared<'a, RowBatch<f32, Slide<f32>>>,
-    distances: Shared<'a, RowBatch<f32x8, Distance<f32x8>>>,
-    distance: Shared<'a, RowBatch<f32, Distance<f32>>>,
-    twists: Shared<'a, RowBatch<f32x8, Twist<f32x8>>>,
-    twist: Shared<'a, RowBatch<f32, Twist<f32>>>,
-    tilts: Shared<'a, RowBatch<f32x8, Tilt<f32x8>>>,
-    tilt: Shared<'a, RowBatch<f32, Tilt<f32>>>,
-    turns: Shared<'a, RowBatch<f32x8, Turn<f32x8>>>,
-    turn: Shared<'a, RowBatch<f32, Turn<f32>>>,
-    trees: Shared<'a, TreeBatch<f32x8>>,
-    tree: Shared<'a, TreeBatch<f32>>,
 }
 
 /// Calls `f` with each body of a batch of trees, its seat and the inverse of its inertia as it is braced.

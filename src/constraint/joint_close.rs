@@ -6,12 +6,12 @@
 //! static go along as far as they must not be crossed; where both can't be had, the joint stays open.
 
 use super::batch::Batch;
-use super::contact_row::{Motion, Pair, Response, follow, relative, row};
-use super::joint_tour::{Along, Toured, Whole};
+use super::contact_row::{Motion, Pair, Response, relative, row};
+use super::joint_tour::{Ask, Toured};
 use super::joint_tree::TreeBatch;
 use super::seats::Seated;
 use super::spatial::Twist;
-use crate::lanes::{GatherLanes, Mask, Vec3, f32x8, scatter};
+use crate::lanes::{GatherLanes, Mask, Vec3, scatter};
 
 /// The most rounds of a substep.
 const ROUNDS: u32 = 8;
@@ -25,14 +25,6 @@ pub(crate) struct Closing {
     pub(crate) slop: f32,
 }
 
-/// What is done with contacts of a body.
-pub(super) enum Ask {
-    /// They may push it.
-    Push,
-    /// They stop it, alone, where it would cross them.
-    Stop,
-}
-
 impl<L: GatherLanes> TreeBatch<L> {
     /// Closes what is open.
     ///
@@ -43,7 +35,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         motion: &Motion<'_, '_>,
         closing: &Closing,
         contacts: &[Seated],
-        mut touch: impl FnMut(&Seated, Ask, &mut Toured<'_, L>),
+        mut touch: impl FnMut(&Seated, Ask<'_>, &mut Toured<'_, L>),
     ) {
         if self.loops {
             return;
@@ -61,7 +53,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             self.factor();
             self.gather_up(|node| Twist { linear: node.apart_now, angular: node.error_now });
             if !own.is_empty() {
-                self.tour(own, |seated, body| touch(seated, Ask::Push, body));
+                self.tour(own, |seated, body| touch(seated, Ask::Push(closing), body));
             }
             let mut most = L::one();
             for i in 0..self.nodes.len() {
@@ -75,7 +67,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             for seated in own {
                 let node = &mut self.nodes[seated.node as usize];
                 let mut body = Toured::new(node.change, &node.whole);
-                touch(seated, Ask::Stop, &mut body);
+                touch(seated, Ask::Stop(closing), &mut body);
                 node.change = body.velocity();
             }
             // SAFETY: by the contract.
@@ -121,80 +113,19 @@ fn turned_on(by: glam::Vec3, more: glam::Vec3) -> glam::Vec3 {
     by + more - 0.5 * once + c * by.cross(once)
 }
 
-impl Along<'_, '_> {
-    /// Contacts of one body of each of up to eight trees, while these are closed.
-    ///
-    /// # Safety
-    /// No other thread works on the trees.
-    pub(super) unsafe fn close_lanes(
-        &self,
-        seated: &Seated,
-        ask: Ask,
-        body: &mut Toured<'_, f32x8>,
-        motion: &Motion<'_, '_>,
-        closing: &Closing,
-    ) {
-        let i = seated.batch.index as usize;
-        // SAFETY: by the contract; a batch has the contacts of one batch of trees.
-        unsafe {
-            match seated.batch.points {
-                1 => touch(self.p1.get(i), ask, body, motion, closing),
-                2 => touch(self.p2.get(i), ask, body, motion, closing),
-                3 => touch(self.p3.get(i), ask, body, motion, closing),
-                _ => touch(self.p4.get(i), ask, body, motion, closing),
-            }
-        }
-    }
-
-    /// Contacts of one body of one tree.
-    ///
-    /// # Safety
-    /// As for [`Along::close_lanes`].
-    pub(super) unsafe fn close_single(
-        &self,
-        seated: &Seated,
-        ask: Ask,
-        body: &mut Toured<'_, f32>,
-        motion: &Motion<'_, '_>,
-        closing: &Closing,
-    ) {
-        let i = seated.batch.index as usize;
-        // SAFETY: by the contract; a batch has the contacts of one tree.
-        unsafe { touch(self.single.get(i), ask, body, motion, closing) }
-    }
-}
-
-/// Contacts of a body of each tree: what they push it back by, or how much of its displacement does not cross them.
-///
-/// # Safety
-/// The batch is no other thread's, and no thread writes the displacements of its bodies.
+/// Keeps a displacement of body `a` of each lane from crossing contacts any further than overlap that is left alone.
 #[inline(always)]
-unsafe fn touch<L: GatherLanes, const P: usize>(
-    batch: &mut Batch<L, P>,
-    ask: Ask,
-    body: &mut Toured<'_, L>,
-    motion: &Motion<'_, '_>,
+pub(super) fn keep_out<L: GatherLanes, const P: usize>(
+    batch: &Batch<L, P>,
+    moved: &mut Pair<L>,
     closing: &Closing,
+    response: &mut impl Response<L, P>,
 ) {
-    // SAFETY: by the contract.
-    unsafe { follow::<L, P, false>(batch, motion) };
-    let (zero, moved) = (Vec3::zero(), body.velocity());
-    let mut v = Pair { va: moved.linear, wa: moved.angular, vb: zero, wb: zero };
-    // What is left of the way.
-    let room = |batch: &Batch<L, P>, i: usize| (batch.points[i].now + L::splat(closing.slop)).max(L::zero());
-    let mut whole = Whole::new::<false>(body.whole(), batch);
-    for i in 0..P {
-        let point = batch.points[i];
-        let over = relative::<L, false>(batch.normal, &v) + row::<L, false>(&v, &point) + room(batch, i);
-        let mass = match ask {
-            Ask::Push => whole.mass(batch, i),
-            Ask::Stop => point.mass,
-        };
+    for (i, point) in batch.points.iter().enumerate() {
+        let room = (point.now + L::splat(closing.slop)).max(L::zero());
+        let over = relative::<L, false>(batch.normal, moved) + row::<L, false>(moved, point) + room;
+        let mass = response.mass(batch, i);
         let p = L::select(mass.gt(L::zero()), (-(over * mass)).max(L::zero()), L::zero());
-        match ask {
-            Ask::Push => whole.apply::<false>(batch, &mut v, batch.normal * p, point.arm_a * p, zero),
-            Ask::Stop => v.apply::<P, false>(batch, batch.normal * p, point.arm_a * p, zero),
-        }
+        response.apply::<false>(batch, moved, batch.normal * p, point.arm_a * p, Vec3::zero());
     }
-    body.moved(Twist { linear: v.va, angular: v.wa }, whole.push());
 }

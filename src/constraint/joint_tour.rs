@@ -6,11 +6,13 @@
 //! (`Node::whole`), and a walk along the tree hands on what the contacts of one body change to the next, so that each of them
 //! sees velocities that all joints allow: Gauss-Seidel in the coordinates of the joints, at the cost of one more solution.
 
-use super::batch::Batch;
-use super::contact_row::{Motion, Pair, Pass, Response, follow, relative, row, sweep};
+use super::batch::{Batch, BatchRef, Rows};
+use super::contact_row::{Free, Motion, Pair, Pass, Response, follow, relative, row, sweep};
 use super::impact_friction::potential_load;
+use super::joint_close::{Closing, keep_out};
 use super::joint_ends::NONE;
 use super::joint_tree::{Node, TreeBatch};
+use super::order::Stage;
 use super::seats::Seated;
 use super::spatial::{Sym6, Twist};
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, f32x8};
@@ -19,54 +21,71 @@ use crate::threads::Shared;
 /// Walks a pass: the second finds what contacts of one body left to those of another.
 const TOURS: u32 = 2;
 
-/// All contacts that go along with trees, for several threads.
-pub(crate) struct Along<'a, 'b> {
+/// All batches of contacts, for several threads, and which of them go along with trees.
+pub(crate) struct Along<'a> {
     pub(crate) seated: &'a [Seated],
-    pub(crate) p1: &'a Shared<'b, Batch<f32x8, 1>>,
-    pub(crate) p2: &'a Shared<'b, Batch<f32x8, 2>>,
-    pub(crate) p3: &'a Shared<'b, Batch<f32x8, 3>>,
-    pub(crate) p4: &'a Shared<'b, Batch<f32x8, 4>>,
-    pub(crate) single: &'a Shared<'b, Batch<f32, 4>>,
+    pub(crate) p1: Shared<'a, Batch<f32x8, 1>>,
+    pub(crate) p2: Shared<'a, Batch<f32x8, 2>>,
+    pub(crate) p3: Shared<'a, Batch<f32x8, 3>>,
+    pub(crate) p4: Shared<'a, Batch<f32x8, 4>>,
+    pub(crate) single: Shared<'a, Batch<f32, 4>>,
 }
 
-impl Along<'_, '_> {
-    /// Solves contacts of one body of each of up to eight trees.
+/// What is asked of the contacts of a body on a walk along its tree.
+#[derive(Clone, Copy)]
+pub(super) enum Ask<'a> {
+    /// One Gauss-Seidel step.
+    Solve(&'a Pass),
+    /// Of a displacement: to push back what would cross them.
+    Push(&'a Closing),
+    /// The same, each body for itself.
+    Stop(&'a Closing),
+}
+
+impl<'a> Along<'a> {
+    pub(crate) fn of(rows: &'a mut Rows) -> (Along<'a>, &'a [BatchRef], &'a [Stage]) {
+        let Rows { p1, p2, p3, p4, single, schedule, stages, seated } = rows;
+        let (p1, p2, p3, p4) = (Shared::new(p1), Shared::new(p2), Shared::new(p3), Shared::new(p4));
+        (Along { seated, p1, p2, p3, p4, single: Shared::new(single) }, schedule, stages)
+    }
+
+    /// Contacts of one body of each of up to eight trees.
     ///
     /// # Safety
     /// No other thread works on the trees, and none writes displacements.
     pub(super) unsafe fn lanes(
         &self,
         seated: &Seated,
+        ask: Ask<'_>,
         body: &mut Toured<'_, f32x8>,
         motion: &Motion<'_, '_>,
-        pass: &Pass,
     ) {
         let (i, free) = (seated.batch.index as usize, seated.potential);
         // SAFETY: by the contract; a batch has the contacts of one batch of trees.
         unsafe {
             match seated.batch.points {
-                1 => touch(self.p1.get(i), free, body, motion, pass),
-                2 => touch(self.p2.get(i), free, body, motion, pass),
-                3 => touch(self.p3.get(i), free, body, motion, pass),
-                _ => touch(self.p4.get(i), free, body, motion, pass),
+                1 => touch(self.p1.get(i), free, ask, body, motion),
+                2 => touch(self.p2.get(i), free, ask, body, motion),
+                3 => touch(self.p3.get(i), free, ask, body, motion),
+                _ => touch(self.p4.get(i), free, ask, body, motion),
             }
         }
     }
 
-    /// Solves contacts of one body of one tree.
+    /// Contacts of one body of one tree.
     ///
     /// # Safety
     /// As for [`Along::lanes`].
     pub(super) unsafe fn single(
         &self,
         seated: &Seated,
+        ask: Ask<'_>,
         body: &mut Toured<'_, f32>,
         motion: &Motion<'_, '_>,
-        pass: &Pass,
     ) {
         let i = seated.batch.index as usize;
         // SAFETY: by the contract; a batch has the contacts of one tree.
-        unsafe { touch(self.single.get(i), seated.potential, body, motion, pass) }
+        unsafe { touch(self.single.get(i), seated.potential, ask, body, motion) }
     }
 }
 
@@ -84,14 +103,6 @@ impl<'a, L: Lanes> Toured<'a, L> {
     }
     pub(super) fn velocity(&self) -> Twist<L> {
         self.velocity
-    }
-    pub(super) fn whole(&self) -> &'a Sym6<L> {
-        self.whole
-    }
-    /// By a push, at the velocity that it has now.
-    pub(super) fn moved(&mut self, velocity: Twist<L>, push: Twist<L>) {
-        self.velocity = velocity;
-        self.push.add(push);
     }
 }
 
@@ -183,7 +194,7 @@ impl<L: Lanes> Node<L> {
 }
 
 /// How a body of a tree answers.
-pub(super) struct Whole<'a, L, const P: usize> {
+struct Whole<'a, L, const P: usize> {
     whole: &'a Sym6<L>,
     push: Twist<L>,
     mass: [L; P],
@@ -196,7 +207,7 @@ const LEAST: f32 = 1e-4;
 
 impl<'a, L: Lanes, const P: usize> Whole<'a, L, P> {
     #[inline(always)]
-    pub(super) fn new<const FRICTION: bool>(whole: &'a Sym6<L>, batch: &Batch<L, P>) -> Self {
+    fn new<const FRICTION: bool>(whole: &'a Sym6<L>, batch: &Batch<L, P>) -> Self {
         let n = batch.normal;
         let (zero, one) = (L::zero(), L::one());
         let mut stiffness = [[zero; P]; P];
@@ -230,9 +241,6 @@ impl<'a, L: Lanes, const P: usize> Whole<'a, L, P> {
         }
         Whole { whole, push: Twist::zero(), mass, stiffness, friction }
     }
-    pub(super) fn push(&self) -> Twist<L> {
-        self.push
-    }
 }
 
 impl<L: GatherLanes, const P: usize> Response<L, P> for Whole<'_, L, P> {
@@ -265,33 +273,46 @@ impl<L: GatherLanes, const P: usize> Response<L, P> for Whole<'_, L, P> {
     }
 }
 
-/// One Gauss-Seidel step over the contacts of a body of each tree.
+/// The contacts of a body of each tree.
 ///
 /// # Safety
 /// The batch is no other thread's, and no thread writes displacements.
 #[inline(always)]
-pub(super) unsafe fn touch<L: GatherLanes, const P: usize>(
+unsafe fn touch<L: GatherLanes, const P: usize>(
     batch: &mut Batch<L, P>,
     potential: bool,
+    ask: Ask<'_>,
     body: &mut Toured<'_, L>,
     motion: &Motion<'_, '_>,
-    pass: &Pass,
 ) {
-    if pass.relax {
+    if !matches!(ask, Ask::Solve(Pass { relax: false, .. })) {
         // SAFETY: by the contract.
         unsafe { follow::<L, P, false>(batch, motion) };
     }
     let (zero, v) = (Vec3::zero(), body.velocity);
     let mut v = Pair { va: v.linear, wa: v.angular, vb: zero, wb: zero };
-    if potential {
-        let mut whole = Whole::new::<false>(body.whole, batch);
-        sweep::<L, P, false, false, _>(batch, &mut v, pass, &mut whole);
-        body.push = whole.push;
-    } else {
-        let mut whole = Whole::new::<true>(body.whole, batch);
-        sweep::<L, P, false, true, _>(batch, &mut v, pass, &mut whole);
-        body.push = whole.push;
-    }
+    body.push = match ask {
+        Ask::Solve(pass) if potential => {
+            let mut whole = Whole::new::<false>(body.whole, batch);
+            sweep::<L, P, false, false, _>(batch, &mut v, pass, &mut whole);
+            whole.push
+        }
+        Ask::Solve(pass) => {
+            let mut whole = Whole::new::<true>(body.whole, batch);
+            sweep::<L, P, false, true, _>(batch, &mut v, pass, &mut whole);
+            whole.push
+        }
+        Ask::Push(closing) => {
+            let mut whole = Whole::new::<false>(body.whole, batch);
+            keep_out(batch, &mut v, closing, &mut whole);
+            whole.push
+        }
+        Ask::Stop(closing) => {
+            keep_out(batch, &mut v, closing, &mut Free);
+            Twist::zero()
+        }
+    };
+    body.velocity = Twist { linear: v.va, angular: v.wa };
 }
 
 /// Contacts that went along with trees, after rows that know of no tree: what came since must not push a body into what is

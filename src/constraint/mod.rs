@@ -14,6 +14,7 @@ mod joint_line;
 mod joint_lock;
 mod joint_measure;
 mod joint_row;
+mod joint_run;
 mod joint_tour;
 mod joint_tree;
 mod joint_trees;
@@ -26,8 +27,9 @@ pub(crate) use arrange::{PrepareScratch, Prepared};
 pub(crate) use batch::{Batch, Rows};
 pub(crate) use bounce::{BounceInput, BounceScratch, bounce};
 pub(crate) use impact_friction::rub;
-pub(crate) use joint_arrange::{JointInput, JointRows, JointStage, JointType, JointViews};
+pub(crate) use joint_arrange::{JointInput, JointRows, JointStage, JointType};
 pub(crate) use joint_ends::JointPass;
+pub(crate) use joint_run::JointViews;
 /// The most that a row of a joint takes in the batches: a lane of them all to itself, or a node of two trees that are alike.
 pub(crate) const WIDEST_JOINT_BATCH: usize = {
     let (row, node) = (

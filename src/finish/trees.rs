@@ -59,10 +59,7 @@ impl Trees<'_> {
     }
 
     fn close(&mut self, seat: Seat) {
-        let Rows { p1, p2, p3, p4, single, seated, .. } = &mut *self.rows;
-        let (p1, p2, p3, p4) = (Shared::new(p1), Shared::new(p2), Shared::new(p3), Shared::new(p4));
-        let single = Shared::new(single);
-        let along = Along { seated, p1: &p1, p2: &p2, p3: &p3, p4: &p4, single: &single };
+        let (along, ..) = Along::of(self.rows);
         // Of the solver's state only displacements are looked at.
         let (velocity, base) = (&mut [][..], &mut [][..]);
         let (velocity, base, delta) = (Shared::new(velocity), Shared::new(base), Shared::new(self.delta));

@@ -14,8 +14,8 @@ use crate::forces::Forces;
 use crate::lanes::{Lanes, Mask, Record, f32x8};
 use crate::memory::{Buffer, bytes_of};
 use crate::threads::{Crew, Shared, per_block};
-use pass::Kind;
-pub(crate) use pass::{Joined, Passes, store};
+pub(crate) use pass::store;
+use pass::{Joined, Kind, Passes};
 
 /// Solver state of the bodies that can move.
 #[derive(Debug, Default)]

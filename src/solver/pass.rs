@@ -64,14 +64,11 @@ impl Passes {
         motion: &Motion<'_, '_>,
     ) -> bool {
         let pushes = AtomicBool::new(false);
-        let Rows { p1, p2, p3, p4, single, schedule, stages, seated } = rows;
-        let (p1, p2, p3, p4) = (Shared::new(p1), Shared::new(p2), Shared::new(p3), Shared::new(p4));
-        let single = Shared::new(single);
-        let schedule = &*schedule;
-        let along = Along { seated, p1: &p1, p2: &p2, p3: &p3, p4: &p4, single: &single };
+        let (along, schedule, stages) = Along::of(rows);
+        let Along { p1, p2, p3, p4, single, .. } = &along;
         let along = (&along, &self.of(Group::Static, kind));
         let mut joints = joined.stages;
-        for stage in stages.iter() {
+        for stage in stages {
             if !joints.is_empty() {
                 let rank = self.order.rank(stage.group.named());
                 let before = joints.partition_point(|joint| self.order.rank(joint.group) < rank);
@@ -110,7 +107,7 @@ impl Passes {
         stages: &[JointStage],
         views: &JointViews<'_>,
         motion: &Motion<'_, '_>,
-        along: (&Along<'_, '_>, &Pass),
+        along: (&Along<'_>, &Pass),
     ) {
         if kind == Kind::Rub {
             return;
@@ -147,10 +144,7 @@ impl Passes {
         motion: &Motion<'_, '_>,
         closing: &Closing,
     ) {
-        let Rows { p1, p2, p3, p4, single, seated, .. } = rows;
-        let (p1, p2, p3, p4) = (Shared::new(p1), Shared::new(p2), Shared::new(p3), Shared::new(p4));
-        let single = Shared::new(single);
-        let along = Along { seated, p1: &p1, p2: &p2, p3: &p3, p4: &p4, single: &single };
+        let (along, ..) = Along::of(rows);
         for stage in joined.stages.iter().filter(|stage| stage.kind == JointType::Tree) {
             // SAFETY: each batch is in one stage, and no body that can be moved is in two.
             let one = |i: usize| unsafe {

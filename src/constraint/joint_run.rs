@@ -1,0 +1,152 @@
+//! What the passes over batches of joints call: which kernel works on which batch, on several threads.
+
+use super::contact_row::{Motion, Pass};
+use super::joint_arrange::{JointRows, JointStage, JointType};
+use super::joint_close::Closing;
+use super::joint_ends::JointPass;
+use super::joint_line::LineBatch;
+use super::joint_lock::{PointBatch, TurnBatch};
+use super::joint_measure::{Distance, Slide, Tilt, Turn, Twist};
+use super::joint_row::RowBatch;
+use super::joint_tour::{Along, Ask, Toured};
+use super::joint_tree::TreeBatch;
+use super::seats::{Seated, TreeRef};
+use crate::lanes::f32x8;
+use crate::threads::Shared;
+
+/// All batches, for several threads.
+pub(crate) struct JointViews<'a> {
+    points: Shared<'a, PointBatch<f32x8>>,
+    point: Shared<'a, PointBatch<f32>>,
+    welds: Shared<'a, TurnBatch<f32x8, false>>,
+    weld: Shared<'a, TurnBatch<f32, false>>,
+    hinges: Shared<'a, TurnBatch<f32x8, true>>,
+    hinge: Shared<'a, TurnBatch<f32, true>>,
+    lines: Shared<'a, LineBatch<f32x8>>,
+    line: Shared<'a, LineBatch<f32>>,
+    slides: Shared<'a, RowBatch<f32x8, Slide<f32x8>>>,
+    slide: Shared<'a, RowBatch<f32, Slide<f32>>>,
+    distances: Shared<'a, RowBatch<f32x8, Distance<f32x8>>>,
+    distance: Shared<'a, RowBatch<f32, Distance<f32>>>,
+    twists: Shared<'a, RowBatch<f32x8, Twist<f32x8>>>,
+    twist: Shared<'a, RowBatch<f32, Twist<f32>>>,
+    tilts: Shared<'a, RowBatch<f32x8, Tilt<f32x8>>>,
+    tilt: Shared<'a, RowBatch<f32, Tilt<f32>>>,
+    turns: Shared<'a, RowBatch<f32x8, Turn<f32x8>>>,
+    turn: Shared<'a, RowBatch<f32, Turn<f32>>>,
+    trees: Shared<'a, TreeBatch<f32x8>>,
+    tree: Shared<'a, TreeBatch<f32>>,
+}
+
+impl JointRows {
+    /// For several threads.
+    pub(crate) fn views(&mut self) -> JointViews<'_> {
+        JointViews {
+            points: Shared::new(&mut self.points.lanes),
+            point: Shared::new(&mut self.points.single),
+            welds: Shared::new(&mut self.welds.lanes),
+            weld: Shared::new(&mut self.welds.single),
+            hinges: Shared::new(&mut self.hinges.lanes),
+            hinge: Shared::new(&mut self.hinges.single),
+            lines: Shared::new(&mut self.lines.lanes),
+            line: Shared::new(&mut self.lines.single),
+            slides: Shared::new(&mut self.slides.lanes),
+            slide: Shared::new(&mut self.slides.single),
+            distances: Shared::new(&mut self.distances.lanes),
+            distance: Shared::new(&mut self.distances.single),
+            twists: Shared::new(&mut self.twists.lanes),
+            twist: Shared::new(&mut self.twists.single),
+            tilts: Shared::new(&mut self.tilts.lanes),
+            tilt: Shared::new(&mut self.tilts.single),
+            turns: Shared::new(&mut self.turns.lanes),
+            turn: Shared::new(&mut self.turns.single),
+            trees: Shared::new(&mut self.trees),
+            tree: Shared::new(&mut self.tree),
+        }
+    }
+
+    /// One batch of a stage: solves it or, without a pass, applies the impulses of the last step. Each kernel is a function of
+    /// its own: two dozen of them in one is more than the compiler inlines helpers into (12 % of a net's step).
+    ///
+    /// # Safety
+    /// No other thread writes the bodies of the batch.
+    pub(crate) unsafe fn step(
+        views: &JointViews<'_>,
+        stage: &JointStage,
+        i: usize,
+        motion: &Motion<'_, '_>,
+        pass: Option<&JointPass>,
+        (along, touching): (&Along<'_>, &Pass),
+    ) {
+        macro_rules! go {
+            ($lanes:expr, $single:expr) => {
+                // SAFETY: by the contract; each batch is in one stage.
+                unsafe {
+                    match (stage.single, pass) {
+                        (false, None) => $lanes.get(i).warm_start(motion),
+                        (false, Some(pass)) => $lanes.get(i).solve(motion, pass),
+                        (true, None) => $single.get(i).warm_start(motion),
+                        (true, Some(pass)) => $single.get(i).solve(motion, pass),
+                    }
+                }
+            };
+        }
+        match stage.kind {
+            JointType::Point => go!(views.points, views.point),
+            JointType::Weld => go!(views.welds, views.weld),
+            JointType::Hinge => go!(views.hinges, views.hinge),
+            JointType::Line => go!(views.lines, views.line),
+            JointType::Slide => go!(views.slides, views.slide),
+            JointType::Distance => go!(views.distances, views.distance),
+            JointType::Twist => go!(views.twists, views.twist),
+            JointType::Tilt => go!(views.tilts, views.tilt),
+            JointType::Turn => go!(views.turns, views.turn),
+            JointType::Tree => {
+                // SAFETY: by the contract; each batch is in one stage, and contacts go along with one.
+                unsafe {
+                    match (stage.single, pass) {
+                        (false, None) => views.trees.get(i).warm_start(motion),
+                        (false, Some(pass)) => {
+                            let touch = |seated: &Seated, body: &mut Toured<'_, f32x8>| {
+                                along.lanes(seated, Ask::Solve(touching), body, motion)
+                            };
+                            views.trees.get(i).solve(motion, pass, along.seated, touch);
+                        }
+                        (true, None) => views.tree.get(i).warm_start(motion),
+                        (true, Some(pass)) => {
+                            let touch = |seated: &Seated, body: &mut Toured<'_, f32>| {
+                                along.single(seated, Ask::Solve(touching), body, motion)
+                            };
+                            views.tree.get(i).solve(motion, pass, along.seated, touch);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Closes the joints of a batch of trees.
+    ///
+    /// # Safety
+    /// No other thread works on its bodies, and none writes their displacements.
+    pub(crate) unsafe fn close(
+        views: &JointViews<'_>,
+        tree: TreeRef,
+        motion: &Motion<'_, '_>,
+        closing: &Closing,
+        along: &Along<'_>,
+    ) {
+        // SAFETY: by the contract; contacts go along with one batch.
+        unsafe {
+            if tree.is_single() {
+                views.tree.get(tree.index()).close(motion, closing, along.seated, |seated, ask, body| {
+                    along.single(seated, ask, body, motion);
+                });
+            } else {
+                views.trees.get(tree.index()).close(motion, closing, along.seated, |seated, ask, body| {
+                    along.lanes(seated, ask, body, motion);
+                });
+            }
+        }
+    }
+}
