@@ -55,6 +55,9 @@ struct Fall {
     held: u32,
     /// The most energy there was, over that at the start.
     energy: f64,
+    /// The most by which hips move otherwise than their velocity says, in the last step [m/s]: what hangs somewhere, held by
+    /// the guard, falls ever faster without moving.
+    hanging: f64,
 }
 
 impl Fall {
@@ -92,6 +95,15 @@ impl Fall {
                 }
             }
             fall.gaps.push(widest);
+        }
+        let hips = |world: &World| -> Vec<DVec3> {
+            ragdolls.iter().map(|r| world.centre_of_mass(r.bodies[0]).unwrap()).collect()
+        };
+        let before = hips(world);
+        world.step(1.0 / 60.0).unwrap();
+        for ((ragdoll, was), is) in ragdolls.iter().zip(before).zip(hips(world)) {
+            let velocity = world.linear_velocity(ragdoll.bodies[0]).unwrap().as_dvec3();
+            fall.hanging = fall.hanging.max((velocity - (is - was) * 60.0).length());
         }
         assert!(common::all_finite(world));
         // Each has hit something, or it is no test.
@@ -252,6 +264,8 @@ fn check(what: &str, fall: &Fall) {
     assert!(fall.widest() < WIDEST, "{what}: {}", fall.widest());
     assert!(fall.resting() < AT_REST, "{what}: {}", fall.resting());
     assert!(fall.energy < 1.001, "{what}: {}", fall.energy);
+    // A step of gravity is 0.16 m/s.
+    assert!(fall.hanging < 0.5, "{what}: {}", fall.hanging);
 }
 
 #[test]

@@ -41,7 +41,11 @@ impl Trees<'_> {
             if any {
                 for i in joints.bodies_of(seat) {
                     (delta[i].linear, delta[i].angular) = (Vec3::ZERO, Vec3::ZERO);
-                    // Or it would stand there for ever.
+                }
+            }
+            if any || share < STUCK {
+                // Or it would hang there, ever faster. What is slow enough is not looked at, and slips off.
+                for i in joints.bodies_of(seat) {
                     let v = &mut bodies.velocity[i];
                     (v.linear, v.angular) = (v.linear * SLOWED, v.angular * SLOWED);
                 }
@@ -70,7 +74,8 @@ impl Trees<'_> {
     }
 }
 
-/// What is left of the speed of a tree that could not move at all.
+/// A tree that goes no more than this share of its way is as good as stuck, and what is left of its speed then.
+const STUCK: f32 = 0.25;
 const SLOWED: f32 = 0.5;
 /// A centre that is in the way by no more than this of its body's inner ball is moved aside alone.
 const ASIDE: f32 = 0.1;
