@@ -171,7 +171,7 @@ impl World {
         let warm = if self.settings.warm_starting && last > 0.0 { h / last } else { 0.0 };
         if self.joints.changed {
             self.joints.compact();
-            self.buffers.joints.arrange(&self.joints, &self.bodies);
+            self.buffers.joints.arrange(&self.joints, &self.bodies, self.settings.order);
         }
         if self.joints.count > 0 || !self.buffers.joints.seats.is_empty() {
             let Buffers { joints, forces, .. } = &mut self.buffers;

@@ -6,6 +6,7 @@ mod joints;
 use crate::body::{Bodies, BodyDesc, BodyKind, Cold, Mass, NewBody, Pose, Previous, Traits};
 use crate::broad_phase::{BroadPhase, Pair, aabb_of};
 use crate::config::{Continuous, Settings};
+use crate::constraint::RowGroup;
 use crate::error::{Error, finite, finite3};
 use crate::finish::StepReport;
 use crate::forces::world_inertia;
@@ -131,6 +132,7 @@ impl World {
     /// If a setting is out of range.
     pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
         settings.validate()?;
+        self.joints.changed |= settings.order != self.settings.order;
         self.settings = settings;
         Ok(())
     }
@@ -529,6 +531,18 @@ impl World {
         Ok(())
     }
 
+    /// Has the rows of a body solved right after those of a group, or in their own places again; see [`BodyDesc::raised`].
+    ///
+    /// # Errors
+    /// If the handle is stale or the budget does not allow it.
+    pub fn raise_body(&mut self, body: BodyHandle, above: Option<RowGroup>) -> Result<(), Error> {
+        let index = self.index(body)?;
+        self.make_place_for_raised(above.is_some())?;
+        self.bodies.raise(index, above);
+        self.joints.changed = true;
+        Ok(())
+    }
+
     /// Replaces the mass of a body; from now on it does not follow from the shapes.
     ///
     /// # Errors
@@ -620,7 +634,12 @@ impl World {
                 ..Record::default()
             },
             mass,
-            traits: Traits { gravity_scale: desc.gravity_scale, continuous: desc.continuous, locks },
+            traits: Traits {
+                gravity_scale: desc.gravity_scale,
+                continuous: desc.continuous,
+                locks,
+                raised: desc.raised,
+            },
             cold,
         };
         let shapes = &mut self.colliders;

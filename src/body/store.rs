@@ -3,6 +3,7 @@
 
 use super::BodyKind;
 use crate::config::Continuous;
+use crate::constraint::{Order, RowGroup};
 use crate::handle::Slots;
 use crate::lanes::Record;
 use crate::memory::{Buffer, bytes_of};
@@ -44,6 +45,8 @@ pub(crate) struct Traits {
     pub(crate) continuous: Continuous,
     /// Bits 0-2: translation along x, y, z is locked; 3-5: rotation about x, y, z.
     pub(crate) locks: u8,
+    /// Which rows its own come after.
+    pub(crate) raised: Option<RowGroup>,
 }
 
 impl Traits {
@@ -85,6 +88,8 @@ pub(crate) struct Bodies {
     pub(crate) previous: Vec<Previous>,
     /// How many bodies have a locked axis.
     pub(crate) locked: u32,
+    /// How many are raised above each group.
+    raised: [u32; Order::LEN],
     dynamic: u32,
     kinematic: u32,
     /// Bytes of the lists in `colliders`, live and reserved.
@@ -230,6 +235,7 @@ impl Bodies {
     pub(crate) fn insert(&mut self, body: NewBody, mut moved: impl FnMut(&Colliders, u32)) -> (u32, u32) {
         let last = self.len() as u32;
         self.locked += u32::from(body.traits.locks != 0);
+        self.count_raised(body.traits.raised, 1);
         let handle = self.slots.insert(last);
         self.slot.push(handle.0);
         self.kind.push(body.kind);
@@ -265,6 +271,7 @@ impl Bodies {
     pub(crate) fn remove(&mut self, index: u32, mut moved: impl FnMut(&Colliders, u32)) {
         let mut hole = index;
         self.locked -= u32::from(self.traits[index as usize].locks != 0);
+        self.count_raised(self.traits[index as usize].raised, -1);
         if self.kind[index as usize] == BodyKind::Dynamic {
             self.dynamic -= 1;
             self.swap(hole, self.dynamic, &mut moved);
@@ -289,6 +296,25 @@ impl Bodies {
         self.colliders.pop();
         self.force.pop();
         self.previous.pop();
+    }
+
+    /// Raises a body's rows above a group, or no longer.
+    pub(crate) fn raise(&mut self, index: usize, above: Option<RowGroup>) {
+        let old = std::mem::replace(&mut self.traits[index].raised, above);
+        self.count_raised(old, -1);
+        self.count_raised(above, 1);
+    }
+
+    fn count_raised(&mut self, above: Option<RowGroup>, change: i32) {
+        if let Some(above) = above {
+            let count = &mut self.raised[above as usize];
+            *count = count.wrapping_add_signed(change);
+        }
+    }
+
+    /// The groups that bodies are raised above.
+    pub(crate) fn raises(&self) -> impl Iterator<Item = RowGroup> + Clone + '_ {
+        Order::default().0.into_iter().filter(|&above| self.raised[above as usize] > 0)
     }
 
     fn swap(&mut self, i: u32, k: u32, moved: &mut impl FnMut(&Colliders, u32)) {

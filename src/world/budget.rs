@@ -16,6 +16,7 @@ struct Counts {
     dynamic: usize,
     colliders: Population,
     previous: bool,
+    raised: bool,
     /// Bytes of compounds' lists and of geometry that the world doesn't have yet.
     lists: usize,
     assets: usize,
@@ -76,6 +77,7 @@ impl World {
             more.movers += usize::from(moves);
             more.dynamic += usize::from(pushed);
             more.lists += list_bytes(0, desc.shapes.len());
+            more.raised |= desc.raised.is_some();
             desc.shapes.iter().for_each(|shape| more.add_shape(desc.kind, shape));
         }
         self.make_place_for(more)
@@ -98,6 +100,14 @@ impl World {
         };
         more.add_shape(kind, shape);
         self.make_place_for(more)
+    }
+
+    /// Makes place for the order of contacts of raised bodies.
+    pub(super) fn make_place_for_raised(&mut self, raised: bool) -> Result<(), Error> {
+        if self.settings.budget.is_none() {
+            return Ok(());
+        }
+        self.make_place_for(Counts { raised, ..Counts::default() })
     }
 
     /// Makes the column of forces, which exists only once one was applied.
@@ -165,6 +175,7 @@ impl World {
                 endless: now.endless + more.colliders.endless,
             },
             previous: more.previous || self.needs.restitution > 0,
+            raised: more.raised || self.bodies.raises().next().is_some(),
             ..more
         }
     }
@@ -181,7 +192,7 @@ impl World {
         let buffers = &mut self.buffers;
         buffers.forces.each((n.movers, n.dynamic), f);
         buffers.broad.each((n.movers, n.colliders.moving), f);
-        buffers.prepare.each(n.dynamic, f);
+        buffers.prepare.each(n.dynamic, n.raised, f);
         buffers.solver.each(n.movers, f);
         buffers.finish.each((n.movers, n.dynamic), f);
     }

@@ -2,6 +2,7 @@
 
 use super::World;
 use crate::body::Cold;
+use crate::constraint::RowGroup;
 use crate::error::Error;
 use crate::handle::{BodyHandle, JointHandle};
 use crate::joint::{Drive, Frame, JointDesc, Limit, More};
@@ -74,6 +75,18 @@ impl World {
         drives.iter().try_for_each(Drive::validate)?;
         self.make_place_for_joint(More::of(limits, drives))?;
         self.joints.replace_rows(slot, limits, drives);
+        Ok(())
+    }
+
+    /// Has the rows of a joint solved right after those of a group, or in their own places again; see
+    /// [`JointDesc::raised`].
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn raise_joint(&mut self, joint: JointHandle, above: Option<RowGroup>) -> Result<(), Error> {
+        let slot = self.joint(joint)?;
+        self.joints.all[slot as usize].raised = above;
+        self.joints.changed = true;
         Ok(())
     }
 
