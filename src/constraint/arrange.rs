@@ -114,7 +114,7 @@ pub(crate) fn arrange(
     }
     let parts = count(input);
     let total: u32 = parts.iter().sum();
-    let place = scratch.make_place(total as usize, rows, room) as u32;
+    let place = scratch.make_place(total as usize, !input.seats.is_empty(), rows, room) as u32;
     // The least number of parts to give up for which the rest fits, to within a 64th of them.
     let (mut too_few, mut enough) = (total - place, total);
     let mut shed = too_few;
@@ -177,7 +177,7 @@ fn group_of(input: &PrepareInput<'_>, contact: &Contact) -> Group {
 
 impl PrepareScratch {
     /// Makes place for so many parts, as far as there is room; says for how many.
-    fn make_place(&mut self, parts: usize, rows: &mut Rows, room: &mut Room) -> usize {
+    fn make_place(&mut self, parts: usize, seated: bool, rows: &mut Rows, room: &mut Room) -> usize {
         let most_stages = self.keys.most_stages();
         if room.fit(&mut rows.stages, most_stages) < most_stages {
             return 0;
@@ -187,6 +187,7 @@ impl PrepareScratch {
                 + scratch.sorted.missing(parts)
                 + scratch.ranges.missing(parts)
                 + rows.schedule.missing(parts)
+                + rows.seated.missing(if seated { parts } else { 0 })
         };
         let (mut place, mut too_many) = (0, parts + 1);
         while too_many - place > 1 {
@@ -201,6 +202,7 @@ impl PrepareScratch {
         self.sorted.widen(place);
         self.ranges.widen(place);
         rows.schedule.widen(place);
+        rows.seated.widen(if seated { place } else { 0 });
         place
     }
 }

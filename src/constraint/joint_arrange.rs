@@ -16,7 +16,7 @@ use crate::body::Bodies;
 use crate::broad_phase::Pair;
 use crate::joint::{Axes, Joints, Lock, LockKind, Motion, Row, RowKind};
 use crate::lanes::{Lanes, Sym3, f32x8};
-use crate::memory::bytes_of;
+use crate::memory::{Buffer, bytes_of};
 use crate::narrow_phase::NONE as NO_CONTACT;
 use crate::shape::Hot;
 use crate::threads::{Crew, Shared, per_block};
@@ -164,6 +164,12 @@ pub(crate) struct JointInput<'a> {
 }
 
 impl JointRows {
+    /// Calls `f` with each buffer that has an entry for each body that can be pushed.
+    pub(crate) fn each(&mut self, dynamic: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        f(&mut self.touching, dynamic);
+        f(self.seats.buffer(), dynamic);
+    }
+
     /// Live and reserved bytes.
     pub(crate) fn bytes(&self) -> (usize, usize) {
         let all = [

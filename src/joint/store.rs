@@ -405,7 +405,6 @@ impl Joint {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::constraint::RowGroup;
     use crate::handle::BodyHandle;
     use crate::joint::Axis;
 

@@ -4,6 +4,7 @@ use super::World;
 use crate::body::{BodyDesc, BodyKind};
 use crate::broad_phase::Population;
 use crate::error::Error;
+use crate::joint::More;
 use crate::lanes::Record;
 use crate::memory::{Buffer, Category, MemoryReport, Room, bytes_of};
 use crate::shape::{Geometry, ShapeDesc};
@@ -17,6 +18,8 @@ struct Counts {
     colliders: Population,
     previous: bool,
     raised: bool,
+    /// Whether there are joints.
+    joined: bool,
     /// Bytes of compounds' lists and of geometry that the world doesn't have yet.
     lists: usize,
     assets: usize,
@@ -135,17 +138,12 @@ impl World {
     fn make_place_for(&mut self, more: Counts) -> Result<(), Error> {
         let left = self.room().left();
         let mut counts = self.counts(more);
-        let mut lacking = |counts: Counts| {
-            let mut bytes = 0;
-            self.each_buffer(counts, &mut |buffer, len| bytes += buffer.missing(len));
-            bytes
-        };
         let (rest, mut asked) = (more.lists + more.assets, 0);
         // Place for a quarter more while that takes a small part of what is left, so that bodies added one by one are
         // not all moved each time.
         for ahead in [4, usize::MAX] {
             let wider = counts.with_more(ahead);
-            asked = lacking(wider);
+            asked = self.lacking(wider);
             if ahead == usize::MAX || asked + rest <= left / 8 {
                 counts = wider;
                 break;
@@ -158,6 +156,33 @@ impl World {
         if asked > 0 {
             self.each_buffer(counts, &mut |buffer, len| buffer.widen(len));
         }
+        Ok(())
+    }
+
+    /// Bytes that are missing for so many.
+    fn lacking(&mut self, counts: Counts) -> usize {
+        let mut bytes = 0;
+        self.each_buffer(counts, &mut |buffer, len| bytes += buffer.missing(len));
+        bytes
+    }
+
+    /// Makes place for a joint: in its columns, in the batches of steps, and in what steps keep of each body that may be
+    /// joined.
+    pub(super) fn make_place_for_joint(&mut self, more: More) -> Result<(), Error> {
+        if self.settings.budget.is_none() {
+            return Ok(());
+        }
+        let counts = self.counts(Counts { joined: true, ..Counts::default() });
+        let of_bodies = self.lacking(counts);
+        let (asked, left) = (self.joints.missing(more) + of_bodies, self.room().left());
+        if asked > left {
+            return Err(Error::Budget { category: Category::Joints, asked, left });
+        }
+        self.each_buffer(counts, &mut |buffer, len| buffer.widen(len));
+        // So that joints added one by one are not all moved each time.
+        let ahead = self.joints.ahead(more);
+        let far = self.joints.missing(ahead) + of_bodies <= left / 8;
+        self.joints.widen(if far { ahead } else { more });
         Ok(())
     }
 
@@ -175,6 +200,7 @@ impl World {
                 endless: now.endless + more.colliders.endless,
             },
             previous: more.previous || self.needs.restitution > 0,
+            joined: more.joined || self.joints.count > 0,
             raised: more.raised || self.bodies.raises().next().is_some(),
             ..more
         }
@@ -194,7 +220,10 @@ impl World {
         buffers.broad.each((n.movers, n.colliders.moving), f);
         buffers.prepare.each(n.dynamic, n.raised, f);
         buffers.solver.each(n.movers, f);
-        buffers.finish.each((n.movers, n.dynamic), f);
+        buffers.finish.each((n.movers, n.dynamic), n.joined, f);
+        if n.joined {
+            buffers.joints.each(n.dynamic, f);
+        }
     }
 }
 

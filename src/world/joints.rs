@@ -191,19 +191,4 @@ impl World {
             frame.rotation = (new.axes.conjugate() * old.axes * frame.rotation).normalize();
         }
     }
-
-    fn make_place_for_joint(&mut self, more: More) -> Result<(), Error> {
-        if self.settings.budget.is_none() {
-            return Ok(());
-        }
-        let (asked, left) = (self.joints.missing(more), self.room().left());
-        if asked > left {
-            return Err(Error::Budget { category: crate::memory::Category::Joints, asked, left });
-        }
-        // So that joints added one by one are not all moved each time.
-        let ahead = self.joints.ahead(more);
-        let far = self.joints.missing(ahead) <= left / 8;
-        self.joints.widen(if far { ahead } else { more });
-        Ok(())
-    }
 }
