@@ -48,6 +48,8 @@ pub struct BodyDesc {
     /// Has its rows, those of its contacts and joints, solved right after those of this group, unless their own place is
     /// later: what is solved later wins. Default none.
     pub raised: Option<RowGroup>,
+    /// Whether it may fall asleep, and its island with it. Default true.
+    pub can_sleep: bool,
     /// Free for the caller.
     pub user_data: u64,
 }
@@ -67,6 +69,7 @@ impl Default for BodyDesc {
             lock_rotation: [false; 3],
             continuous: Continuous::Segment,
             raised: None,
+            can_sleep: true,
             user_data: 0,
         }
     }

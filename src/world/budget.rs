@@ -44,6 +44,9 @@ impl World {
         report.add(Category::Continuous, self.broad.continuous_bytes());
         report.add(Category::Continuous, bytes_of(&self.bodies.previous));
         report.add(Category::Joints, self.joints.bytes());
+        let [islands, kept] = self.sleep.bytes();
+        report.add(Category::Bodies, islands);
+        report.add(Category::BroadPhase, kept);
         self.buffers.report(&mut report);
         let (manifolds, rows) = self.buffers.prepare.ahead_bytes();
         report.shift(Category::Manifolds, Category::Continuous, manifolds);
@@ -191,8 +194,9 @@ impl World {
         let spare = self.colliders.slots.spare();
         Counts {
             bodies: self.bodies.len() + more.bodies,
-            movers: self.bodies.movers() + more.movers,
-            dynamic: self.bodies.dynamic() + more.dynamic,
+            // Who sleeps may wake.
+            movers: self.bodies.asleep().end + more.movers,
+            dynamic: self.bodies.all_dynamic().count() + more.dynamic,
             colliders: Population {
                 slots: self.colliders.all.len() + more.colliders.slots.saturating_sub(spare),
                 moving: now.moving + more.colliders.moving,
@@ -220,6 +224,9 @@ impl World {
         buffers.broad.each((n.movers, n.colliders.moving), f);
         buffers.prepare.each(n.dynamic, n.raised, f);
         buffers.solver.each(n.movers, f);
+        if self.bodies.rests {
+            self.sleep.each(n.bodies, n.dynamic, f);
+        }
         buffers.finish.each((n.movers, n.dynamic), n.joined, f);
         if n.joined {
             buffers.joints.each(n.dynamic, f);

@@ -1,7 +1,7 @@
 //! Joints of the world: add, remove, change, look up.
 
 use super::World;
-use crate::body::Cold;
+use crate::body::{BodyKind, Cold};
 use crate::constraint::RowGroup;
 use crate::error::Error;
 use crate::handle::{BodyHandle, JointHandle};
@@ -17,10 +17,12 @@ impl World {
     pub fn add_joint(&mut self, desc: &JointDesc) -> Result<JointHandle, Error> {
         let bodies = [self.index(desc.bodies[0])?, self.index(desc.bodies[1])?];
         desc.validate()?;
-        if bodies.iter().all(|&i| i >= self.bodies.dynamic()) {
+        if bodies.iter().all(|&i| self.bodies.kind[i] != BodyKind::Dynamic) {
             return Err(Error::JointOfStill);
         }
         self.make_place_for_joint(More::of_joint(desc))?;
+        self.wake_joined(desc.bodies.map(|body| body.slot));
+        let bodies = desc.bodies.map(|body| self.bodies.slots.dense(body.slot) as usize);
         let frames = [0, 1].map(|side| {
             let (cold, frame) = (&self.bodies.cold[bodies[side]], &desc.frames[side]);
             Frame {
@@ -74,6 +76,7 @@ impl World {
         limits.iter().try_for_each(Limit::validate)?;
         drives.iter().try_for_each(Drive::validate)?;
         self.make_place_for_joint(More::of(limits, drives))?;
+        self.wake_joined(self.joints.all[slot as usize].bodies);
         self.joints.replace_rows(slot, limits, drives);
         Ok(())
     }
@@ -150,7 +153,9 @@ impl World {
     }
 
     fn drop_joint(&mut self, slot: u32) {
-        let body = self.joints.all[slot as usize].bodies[0];
+        let bodies = self.joints.all[slot as usize].bodies;
+        self.wake_joined(bodies);
+        let body = bodies[0];
         self.joints.remove(slot);
         self.look_up_pairs_of(self.bodies.slots.dense(body) as usize);
     }
@@ -170,6 +175,12 @@ impl World {
                 self.joints.broken.push(JointHandle { slot, generation });
                 self.drop_joint(slot);
             }
+        }
+    }
+
+    fn wake_joined(&mut self, slots: [u32; 2]) {
+        for slot in slots {
+            self.wake_body(self.bodies.slots.dense(slot) as usize);
         }
     }
 
