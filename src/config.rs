@@ -96,7 +96,8 @@ pub struct Settings {
     /// Whether bodies at rest fall asleep, in islands that hang together; until something wakes them they take no time.
     /// Default false.
     pub sleeping: bool,
-    /// No point of a body at rest is faster [m/s per length unit]. Default 0.05.
+    /// A body counts as at rest while neither its centre nor, by its rotation alone, any point of it is faster [m/s per
+    /// length unit]. Default 0.05.
     pub sleep_speed: f32,
     /// How long all bodies of an island must be at rest before it falls asleep [s]. Default 0.5.
     pub sleep_time: f32,

@@ -121,7 +121,7 @@ impl World {
         times.step = (end - start).as_secs_f32() * 1e6;
         self.buffers.last_h = dt / self.settings.substeps as f32;
         self.report = StepReport::new(self, times, broad, narrow, prepared, pushed, ended);
-        self.sleep.woke = 0;
+        (self.sleep.woke, self.sleep.slept) = (0, 0);
         self.note_peaks();
     }
 

@@ -171,7 +171,7 @@ impl BroadPhase {
         let mut quota = [usize::MAX; 2];
         if !room.is_endless() {
             let most = self.most_pairs(before + found, rules, room);
-            let granted = most - before;
+            let granted = most.saturating_sub(before);
             let of_static = self.blocks[..count].iter().map(|block| {
                 let block = lock(block);
                 block.found.iter().filter(|pair| self.has_static(pair)).count()

@@ -59,11 +59,11 @@ pub struct StepReport {
     pub uncoloured: u32,
     /// Bodies whose centre would have crossed static geometry, had the guard not held them.
     pub held: u32,
-    /// Bodies that are asleep; that fell asleep at the end of the step; and that woke in it, or since the one before.
+    /// Bodies that are asleep.
     pub asleep: u32,
-    /// See `asleep`.
+    /// Bodies that fell asleep in the step, or since the one before.
     pub slept: u32,
-    /// See `asleep`.
+    /// Bodies that woke in the step, or since the one before.
     pub woke: u32,
     /// What was left out because memory was not allowed to grow: points of contacts, and pairs, of which it is not known
     /// how many points they have.

@@ -130,7 +130,6 @@ pub(super) fn touches(contacts: &Contacts, pair: &Pair, real: f32) -> bool {
 impl World {
     /// Counts how long bodies have been at rest, and puts islands to sleep that have been for long enough.
     pub(crate) fn rest(&mut self, crew: &Crew<'_>, dt: f32) {
-        self.sleep.slept = 0;
         if !self.settings.sleeping {
             return;
         }
@@ -147,8 +146,7 @@ impl World {
                     let still = if i < dynamic {
                         let reach = |r: f32, &c: &u32| r.max(hot[c as usize].lever + hot[c as usize].radius);
                         let arm = colliders[i].as_slice().iter().fold(0.0, reach);
-                        // The fastest point, at most.
-                        v.linear.length() + v.angular.length() * arm < speed
+                        v.linear.length().max(v.angular.length() * arm) < speed
                     } else {
                         v.linear == Vec3::ZERO && v.angular == Vec3::ZERO
                     };
