@@ -143,7 +143,7 @@ impl World {
             return;
         }
         let hold = (dt / crate::constraint::contact_row::HOLD).min(1.0);
-        self.buffers.joints.store(&mut self.joints, self.settings.substeps as f32 / dt, hold);
+        self.buffers.joints.store(&mut self.joints, &self.bodies, self.settings.substeps as f32 / dt, hold);
         if self.joints.any_breakable() {
             self.break_joints();
         }

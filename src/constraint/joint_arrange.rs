@@ -378,11 +378,12 @@ impl JointRows {
 
     /// Writes impulses back, and what each joint bore. `inverse_h`: 1 / substep [1/s]; `hold`: share of a load that lasts
     /// that a step takes for one.
-    pub(crate) fn store(&self, joints: &mut Joints, inverse_h: f32, hold: f32) {
+    pub(crate) fn store(&self, joints: &mut Joints, bodies: &Bodies, inverse_h: f32, hold: f32) {
         if self.stages.is_empty() {
             return;
         }
-        for joint in &mut joints.all {
+        let awake = |slot: &u32| *slot != NONE && (bodies.slots.dense(*slot) as usize) < bodies.dynamic();
+        for joint in joints.all.iter_mut().filter(|joint| joint.bodies.iter().any(awake)) {
             (joint.force, joint.torque) = (glam::Vec3::ZERO, glam::Vec3::ZERO);
         }
         let Joints { all, locks, rows, .. } = joints;
