@@ -152,6 +152,7 @@ impl World {
     fn narrow(&mut self, crew: &Crew<'_>) -> crate::narrow_phase::NarrowStats {
         let unit = self.settings.length_unit;
         let mut room = self.room();
+        let (joints, slots) = (&self.joints, &self.bodies.slot);
         let input = Input {
             colliders: &self.colliders.all,
             hot: &self.colliders.hot,
@@ -163,6 +164,7 @@ impl World {
             fast: FAST * unit,
             recycle: if self.settings.recycling { RECYCLE * unit } else { -1.0 },
             mode: self.settings.continuous,
+            has_joints: &|body| joints.has_any(slots[body as usize]),
         };
         let scratch = &mut self.buffers.narrow;
         collide(crew, &input, &mut self.broad.pairs, &mut self.contacts, scratch, &mut room)

@@ -327,6 +327,11 @@ impl Joints {
         })
     }
 
+    /// Whether a body, by its slot, has joints.
+    pub(crate) fn has_any(&self, body: u32) -> bool {
+        self.count > 0 && self.of_body(body).next().is_some()
+    }
+
     /// Whether a joint keeps two bodies, by slots, from colliding.
     pub(crate) fn keep_apart(&self, a: u32, b: u32) -> bool {
         self.count > 0
