@@ -95,6 +95,7 @@ fn pass<const FRICTION: bool>(name: &str, relax: bool) -> Kernel {
         shift: 0.25,
         friction_box: false,
         relax,
+        surfaces: &[],
     };
     let contacts: u32 = batches.iter().map(|b| (b.write_a | b.write_b).count_ones()).sum();
     Kernel::new(name, contacts as usize, move || {
@@ -135,6 +136,7 @@ pub fn preparing() -> Kernel {
             stick: 0.01,
             order: crate::constraint::Order::default(),
             seats: &crate::constraint::Seats::default(),
+            tweaks: &[],
             per_point: false,
         };
         prepare(&Crew::alone(), &input, &mut rows, &mut scratch, &mut Room::default());

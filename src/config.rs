@@ -101,6 +101,11 @@ pub struct Settings {
     pub sleep_speed: f32,
     /// How long all bodies of an island must be at rest before it falls asleep [s]. Default 0.5.
     pub sleep_time: f32,
+    /// Contacts that come together at least so fast are heard of as hits [m/s per length unit]. Default 1.
+    pub hit_speed: f32,
+    /// Most events of each sort that a step keeps; what is beyond is counted in
+    /// [`StepReport::events_lost`](crate::StepReport::events_lost). Default 4096.
+    pub event_capacity: u32,
     /// Bytes that the world may reserve; `None` for no limit. What is added beyond is refused, and a step leaves out the
     /// contacts that don't fit ([`StepReport::shed`](crate::StepReport::shed)). Default `None`.
     pub budget: Option<usize>,
@@ -128,6 +133,8 @@ impl Default for Settings {
             sleeping: false,
             sleep_speed: 0.05,
             sleep_time: 0.5,
+            hit_speed: 1.0,
+            event_capacity: 4096,
             budget: None,
         }
     }
@@ -149,6 +156,7 @@ impl Settings {
         positive("contact_hertz", self.contact_hertz)?;
         positive("contact_damping", self.contact_damping)?;
         positive("push_speed", self.push_speed)?;
+        within("hit_speed", self.hit_speed, 0.0, f32::MAX, "at least zero")?;
         within("sleep_speed", self.sleep_speed, 0.0, f32::MAX, "at least zero")?;
         within("sleep_time", self.sleep_time, 0.0, f32::MAX, "at least zero")?;
         if !self.order.is_complete() {

@@ -97,11 +97,16 @@ pub(crate) fn pairs(crew: &Crew<'_>, world: &mut World) -> (BroadStats, u32) {
         let (a, b) = (&all[a as usize], &all[b as usize]);
         let dynamic = |c: &Collider| bodies.kind[c.body as usize] == BodyKind::Dynamic;
         let awake = |c: &Collider| (c.body as usize) < count;
+        let moves = |c: &Collider| bodies.kind[c.body as usize] != BodyKind::Static;
         a.body != b.body
-            && (dynamic(a) || dynamic(b))
             && (awake(a) || awake(b))
             && a.filter.allows(&b.filter)
-            && !joints.keep_apart(bodies.slot[a.body as usize], bodies.slot[b.body as usize])
+            && if a.is_sensor() || b.is_sensor() {
+                a.is_sensor() != b.is_sensor() && (moves(a) || a.is_sensor()) && (moves(b) || b.is_sensor())
+            } else {
+                (dynamic(a) || dynamic(b))
+                    && !joints.keep_apart(bodies.slot[a.body as usize], bodies.slot[b.body as usize])
+            }
     };
     let order = |a: u32, b: u32| {
         let kind = |c: u32| all[c as usize].kind;
@@ -112,10 +117,14 @@ pub(crate) fn pairs(crew: &Crew<'_>, world: &mut World) -> (BroadStats, u32) {
     let rules = Rules { may_collide: &may_collide, order: &order, missing: &|pairs| narrow.missing(pairs) };
     let stats = world.broad.update_within(crew, movers, margin, &rules, removed, &mut room);
     let mut ghosts = 0;
-    for pair in removed.iter() {
+    let mut removed = std::mem::take(removed);
+    for pair in &removed {
+        world.part(pair);
         ghosts += world.contacts.count_pushed(pair.contact);
         world.contacts.remove_chain(pair.contact);
     }
+    removed.clear();
+    world.buffers.broad.removed = removed;
     (stats, ghosts)
 }
 

@@ -7,6 +7,7 @@ use crate::constraint::{
     prepare,
 };
 use crate::error::{Error, positive};
+use crate::events::{ContactHooks, NoHooks};
 use crate::finish::{StageTimes, StepReport};
 use crate::forces::Forces;
 use crate::lanes::Record;
@@ -29,6 +30,8 @@ pub(crate) struct Buffers {
     pub(crate) joints: JointRows,
     pub(crate) solver: solver::State,
     pub(crate) finish: finish::Buffers,
+    /// Length of the step [s].
+    pub(crate) dt: f32,
     /// Length of the last substep [s]: impulses are warm-started in proportion.
     pub(crate) last_h: f32,
 }
@@ -69,19 +72,29 @@ impl World {
     /// # Errors
     /// If `dt` is not a number above zero.
     pub fn step(&mut self, dt: f32) -> Result<&StepReport, Error> {
+        self.step_with(dt, &NoHooks)
+    }
+
+    /// The same with a word on contacts before they are solved.
+    ///
+    /// # Errors
+    /// If `dt` is not a number above zero.
+    pub fn step_with(&mut self, dt: f32, hooks: &dyn ContactHooks) -> Result<&StepReport, Error> {
         positive("dt", dt)?;
         let threads = if self.bodies.movers() < WORTH_THREADS { 1 } else { self.settings.threads };
-        with_crew(threads, |crew| self.run(&crew, dt));
+        with_crew(threads, |crew| self.run(&crew, dt, hooks));
         Ok(&self.report)
     }
 
     /// The stages by name, in order, timed.
-    fn run(&mut self, crew: &Crew<'_>, dt: f32) {
+    fn run(&mut self, crew: &Crew<'_>, dt: f32, hooks: &dyn ContactHooks) {
         let start = Instant::now();
         let mut times = StageTimes::default();
         self.make_place_for_step();
         self.keep_previous();
         self.keep_rest();
+        self.events.start();
+        self.buffers.dt = dt;
 
         forces::predict(crew, self, dt);
         let mut broad = movers::pairs(crew, self);
@@ -93,14 +106,17 @@ impl World {
         let mut clock = lap(start, &mut times.broad);
 
         let narrow = self.narrow(crew);
+        self.ask_hooks(hooks);
         clock = lap(clock, &mut times.narrow);
 
+        self.listen();
         let prepared = self.prepare(crew, dt);
         clock = lap(clock, &mut times.prepare);
 
         let buffers = &mut self.buffers;
         let (rows, state) = ((&mut buffers.rows, &mut buffers.joints), &mut buffers.solver);
-        solver::solve(crew, &self.settings, dt, &mut self.bodies, &buffers.forces, rows, state);
+        let impulses = &mut self.events.impulses;
+        solver::solve(crew, &self.settings, dt, &mut self.bodies, &buffers.forces, rows, impulses, state);
         self.store_joints(dt);
         let pushed = {
             if self.settings.friction_model == FrictionModel::Point {
@@ -111,11 +127,14 @@ impl World {
             let contacts = Shared::new(&mut self.contacts.all);
             solver::store(crew, &self.buffers.rows, dt, &contacts, &|c| poses[c as usize].rotation)
         };
+        self.hear_contacts();
         clock = lap(clock, &mut times.solve);
 
         // Where pairs were shed, to have none says nothing.
         let fast = if broad.0.shed > 0 { 0 } else { broad.0.fast };
         let ended = finish::finish(crew, self, fast, dt);
+        self.hear_sensors();
+        self.events.finish(self.settings.event_capacity as usize);
         self.rest(crew, dt);
         let end = lap(clock, &mut times.finish);
         times.step = (end - start).as_secs_f32() * 1e6;
@@ -185,9 +204,11 @@ impl World {
                 real: REAL * unit,
                 threshold: self.settings.restitution_threshold * unit,
                 iterations: IMPACT_SWEEPS,
+                tweaks: &self.events.tweaks,
             };
             let scratch = &mut self.buffers.bounce;
-            (impacts, lost) = bounce(&input, &mut self.contacts.all, &mut self.bodies, scratch, &mut room);
+            let bodies = (&mut self.bodies, self.events.impulses.as_mut_slice());
+            (impacts, lost) = bounce(&input, &mut self.contacts.all, bodies, scratch, &mut room);
         }
         let h = dt / self.settings.substeps as f32;
         let last = self.buffers.last_h;
@@ -227,6 +248,7 @@ impl World {
             stick: STICK * unit,
             order: self.settings.order,
             seats: &self.buffers.joints.seats,
+            tweaks: &self.events.tweaks,
             per_point: self.settings.friction_model == FrictionModel::Point,
         };
         let prepared = prepare(crew, &input, &mut self.buffers.rows, &mut self.buffers.prepare, &mut room);

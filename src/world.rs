@@ -9,6 +9,7 @@ use crate::broad_phase::{Aabb, BroadPhase, Pair, aabb_of};
 use crate::config::{Continuous, Settings};
 use crate::constraint::RowGroup;
 use crate::error::{Error, finite, finite3};
+use crate::events::Events;
 use crate::finish::StepReport;
 use crate::forces::world_inertia;
 use crate::handle::{BodyHandle, ShapeHandle, Slots};
@@ -16,7 +17,10 @@ use crate::joint::Joints;
 use crate::lanes::Record;
 use crate::memory::{Category, MemoryReport};
 use crate::narrow_phase::Contacts;
-use crate::shape::{Collider, Filter, Geometry, Hot, Kind, MassProperties, Material, ShapeDesc, unit_quat};
+use crate::shape::{
+    Collider, EVENTS, Filter, Geometry, HOOKS, Hot, Kind, MassProperties, Material, SENSOR, ShapeDesc,
+    unit_quat,
+};
 use crate::sleep::Sleep;
 use crate::step::Buffers;
 use glam::{DVec3, Quat, Vec3};
@@ -41,13 +45,34 @@ pub struct World {
     peaks: MemoryReport,
     removed: Vec<Pair>,
     pub(crate) sleep: Sleep,
+    pub(crate) events: Events,
 }
 
 /// What the content of the world requires of a step; what nothing requires costs nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Needs {
-    /// Shapes with restitution.
+    /// Shapes with restitution, or with hooks, which may give them some.
     pub(crate) restitution: u32,
+    /// Shapes that are listened to, are sensors, or have hooks.
+    pub(crate) events: u32,
+    pub(crate) sensors: u32,
+    pub(crate) hooks: u32,
+}
+
+impl Needs {
+    /// Counts a collider that comes (1) or goes (-1).
+    fn count(&mut self, collider: &Collider, change: i32) {
+        let has = |flag: u8| collider.flags & flag != 0;
+        let add = |count: &mut u32, set: bool| {
+            if set {
+                *count = count.wrapping_add_signed(change);
+            }
+        };
+        add(&mut self.restitution, collider.material.restitution > 0.0 || has(HOOKS));
+        add(&mut self.events, has(EVENTS));
+        add(&mut self.sensors, has(SENSOR));
+        add(&mut self.hooks, has(HOOKS));
+    }
 }
 
 /// Colliders by stable index, with their world poses.
@@ -289,9 +314,10 @@ impl World {
         material.validate()?;
         let index = self.collider(shape)? as usize;
         self.disturb(self.colliders.all[index].body as usize);
-        let old = std::mem::replace(&mut self.colliders.all[index].material, material);
-        self.needs.restitution -= u32::from(old.restitution > 0.0);
-        self.needs.restitution += u32::from(material.restitution > 0.0);
+        let collider = &mut self.colliders.all[index];
+        self.needs.count(collider, -1);
+        collider.material = material;
+        self.needs.count(collider, 1);
         Ok(())
     }
 
@@ -305,6 +331,42 @@ impl World {
         self.colliders.all[index as usize].filter = filter;
         self.broad.touch(index);
         self.disturb_box(&self.bounds(index));
+        Ok(())
+    }
+
+    /// Sets whether contacts of a shape are heard of, and whether they are shown to hooks.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn set_listening(&mut self, shape: ShapeHandle, events: bool, hooks: bool) -> Result<(), Error> {
+        let index = self.collider(shape)? as usize;
+        let collider = &mut self.colliders.all[index];
+        self.needs.count(collider, -1);
+        collider.flags =
+            collider.flags & SENSOR | if events { EVENTS } else { 0 } | if hooks { HOOKS } else { 0 };
+        self.needs.count(collider, 1);
+        self.colliders.hot[index].flags = collider.flags;
+        Ok(())
+    }
+
+    /// Makes a shape a sensor, or solid again.
+    ///
+    /// # Errors
+    /// If the handle is stale, or a sensor would not be convex nor a plane.
+    pub fn set_sensor(&mut self, shape: ShapeHandle, sensor: bool) -> Result<(), Error> {
+        let index = self.collider(shape)?;
+        let geometry = &self.colliders.all[index as usize].geometry;
+        if sensor && !matches!(geometry, Geometry::Plane) {
+            geometry.require_convex()?;
+        }
+        self.disturb(self.colliders.all[index as usize].body as usize);
+        self.leave_broad(index);
+        let collider = &mut self.colliders.all[index as usize];
+        self.needs.count(collider, -1);
+        collider.flags = collider.flags & !SENSOR | if sensor { SENSOR } else { 0 };
+        self.needs.count(collider, 1);
+        self.colliders.hot[index as usize].flags = collider.flags;
+        self.enter_broad(index);
         Ok(())
     }
 
@@ -616,12 +678,17 @@ impl World {
         self.bodies.slots.get(body.slot, body.generation).map(|i| i as usize).ok_or(Error::StaleBody)
     }
 
-    fn collider(&self, shape: ShapeHandle) -> Result<u32, Error> {
+    pub(crate) fn collider(&self, shape: ShapeHandle) -> Result<u32, Error> {
         // A collider's slot is its index: it never moves.
         self.colliders.slots.get(shape.slot, shape.generation).ok_or(Error::StaleShape)
     }
 
-    fn shape_handle(&self, collider: u32) -> ShapeHandle {
+    pub(crate) fn handle_of(&self, index: usize) -> BodyHandle {
+        let slot = self.bodies.slot[index];
+        BodyHandle { slot, generation: self.bodies.slots.generation(slot) }
+    }
+
+    pub(crate) fn shape_handle(&self, collider: u32) -> ShapeHandle {
         ShapeHandle { slot: collider, generation: self.colliders.slots.generation(collider) }
     }
 
@@ -690,11 +757,12 @@ impl World {
             material: shape.material,
             filter: shape.filter,
             density: shape.density,
+            flags: shape.flags(),
             user_data: shape.user_data,
         };
         let mode = self.bodies.mode(body);
         self.assets.add(geometry);
-        self.needs.restitution += u32::from(shape.material.restitution > 0.0);
+        self.needs.count(&collider, 1);
         let next = self.colliders.all.len() as u32;
         let (slot, _) = self.colliders.slots.insert(next);
         if slot == next {
@@ -715,7 +783,7 @@ impl World {
     fn drop_collider(&mut self, collider: u32) {
         self.leave_broad(collider);
         let old = &mut self.colliders.all[collider as usize];
-        self.needs.restitution -= u32::from(old.material.restitution > 0.0);
+        self.needs.count(old, -1);
         self.assets.remove(&old.geometry);
         old.body = u32::MAX;
         old.geometry = Geometry::Plane;
@@ -739,7 +807,9 @@ impl World {
     fn leave_broad(&mut self, collider: u32) {
         self.removed.clear();
         self.broad.remove(collider, &mut self.removed);
-        for pair in &self.removed {
+        for place in 0..self.removed.len() {
+            let pair = self.removed[place];
+            self.part(&pair);
             self.contacts.remove_chain(pair.contact);
         }
     }

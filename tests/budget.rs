@@ -132,7 +132,8 @@ fn ragdolls_keep_to_the_budget_and_above_the_ground() {
                 assert!(at.y > -0.001, "{at}: {more:?}");
             }
         }
-        (world.memory().total() - first, shed)
+        // What the least important rows gave up may be less than there was.
+        (world.memory().total().saturating_sub(first), shed)
     };
     let (wanted, shed) = run(None);
     assert_eq!(shed, 0);

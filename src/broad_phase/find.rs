@@ -151,7 +151,8 @@ impl BroadPhase {
                         && may_collide(c, other)
                     {
                         let (a, b) = order(c, other);
-                        let pair = Pair { a, b, contact: NONE, fast: this.is_fast(c, other) };
+                        let pair =
+                            Pair { a, b, contact: NONE, fast: this.is_fast(c, other), touching: false };
                         block.shed += u32::from(!block.room.push(&mut block.found, pair));
                     }
                 }

@@ -109,6 +109,8 @@ pub(crate) struct Pair {
     pub(crate) contact: u32,
     /// Set while the relative motion of this step outruns the margin: the narrow phase casts.
     pub(crate) fast: bool,
+    /// The listeners' own: the two touched in the last step.
+    pub(crate) touching: bool,
 }
 
 /// What one update did.

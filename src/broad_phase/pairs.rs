@@ -167,7 +167,10 @@ mod tests {
                 }
                 None => {
                     assert!(set.insert((i, j)));
-                    table.push(&mut pairs, Pair { a: i, b: j, contact: u32::MAX, fast: false });
+                    table.push(
+                        &mut pairs,
+                        Pair { a: i, b: j, contact: u32::MAX, fast: false, touching: false },
+                    );
                 }
             }
             assert_eq!(pairs.len(), set.len());

@@ -81,6 +81,10 @@ pub(crate) struct Batch<L, const P: usize> {
     pub(crate) write_b: u32,
     /// Bit per lane: the contact's `a` is this batch's `b`.
     pub(crate) swapped: u32,
+    /// Bit per lane: someone listens to the contact.
+    pub(crate) heard: u32,
+    /// Place in [`Rows::surfaces`], or beyond them.
+    pub(crate) surface: u32,
 }
 
 impl<L: Lanes, const P: usize> Default for Batch<L, P> {
@@ -101,6 +105,8 @@ impl<L: Lanes, const P: usize> Default for Batch<L, P> {
             write_a: 0,
             write_b: 0,
             swapped: 0,
+            heard: 0,
+            surface: u32::MAX,
         }
     }
 }
@@ -134,6 +140,9 @@ pub(crate) struct Rows {
     pub(crate) stages: Vec<Stage>,
     /// Batches that go along with trees, sorted by these and their nodes.
     pub(crate) seated: Vec<Seated>,
+    /// By which surfaces of a batch's lanes move past each other along the two tangents, for each batch of the schedule;
+    /// empty unless some do [m/s].
+    pub(crate) surfaces: Vec<[[f32; 8]; 2]>,
 }
 
 impl Rows {
@@ -199,6 +208,7 @@ impl Rows {
             bytes_of(&self.schedule),
             bytes_of(&self.stages),
             bytes_of(&self.seated),
+            bytes_of(&self.surfaces),
         ]
         .into_iter()
         .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))

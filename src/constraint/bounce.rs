@@ -8,6 +8,7 @@
 
 use crate::body::{Bodies, Pose};
 use crate::broad_phase::Pair;
+use crate::events::{Tweak, tweak_of};
 use crate::lanes::{Record, Sym3};
 use crate::memory::Room;
 use crate::narrow_phase::{Contact, NONE};
@@ -19,6 +20,8 @@ use glam::Vec3;
 struct Impact {
     a: u32,
     b: u32,
+    /// Of the contact.
+    slot: u32,
     normal: Vec3,
     /// From the bodies' centres [m].
     ra: Vec3,
@@ -59,13 +62,16 @@ pub(crate) struct BounceInput<'a> {
     /// Approach speeds below this don't bounce [m/s].
     pub(crate) threshold: f32,
     pub(crate) iterations: u32,
+    /// What hooks said of each contact; empty if there are none.
+    pub(crate) tweaks: &'a [Tweak],
 }
 
-/// Finds the impacts of this step and applies their impulses. Returns how many, and how many there was no room for.
+/// Finds the impacts of this step and applies their impulses; adds these to those of their contacts, where these are kept.
+/// Returns how many, and how many there was no room for.
 pub(crate) fn bounce(
     input: &BounceInput<'_>,
     contacts: &mut [Contact],
-    bodies: &mut Bodies,
+    (bodies, impulses): (&mut Bodies, &mut [f32]),
     scratch: &mut BounceScratch,
     room: &mut Room,
 ) -> (usize, u32) {
@@ -77,15 +83,18 @@ pub(crate) fn bounce(
         }
         let material = |c: u32| &input.colliders[c as usize].material;
         let restitution = material(pair.a).restitution_with(material(pair.b));
-        if restitution <= 0.0 {
+        if restitution <= 0.0 && input.tweaks.is_empty() {
             continue;
         }
-        let (_, friction) = material(pair.a).friction_with(material(pair.b));
+        let friction = material(pair.a).friction_with(material(pair.b));
         let mut slot = pair.contact;
         while slot != NONE {
             let contact = &mut contacts[slot as usize];
             let next = contact.next;
-            find(input, contact, (restitution, friction), bodies, |impact| {
+            let tweak = tweak_of(input.tweaks, slot as usize);
+            let (restitution, friction) = (tweak.restitution_or(restitution), tweak.friction_or(friction).1);
+            let found = (restitution, friction, slot);
+            find(input, contact, found, bodies, |impact| {
                 let fits = room.push(&mut scratch.impacts, impact);
                 shed += u32::from(!fits);
                 fits
@@ -102,6 +111,9 @@ pub(crate) fn bounce(
     }
     for impact in &scratch.impacts {
         rub(impact, input, bodies);
+        if let Some(sum) = impulses.get_mut(impact.slot as usize) {
+            *sum += impact.impulse;
+        }
     }
     (scratch.impacts.len(), shed)
 }
@@ -109,10 +121,13 @@ pub(crate) fn bounce(
 fn find(
     input: &BounceInput<'_>,
     contact: &mut Contact,
-    (restitution, friction): (f32, f32),
+    (restitution, friction, slot): (f32, f32, u32),
     bodies: &Bodies,
     mut add: impl FnMut(Impact) -> bool,
 ) {
+    if restitution <= 0.0 {
+        return;
+    }
     let (a, b) = (input.colliders[contact.a as usize].body, input.colliders[contact.b as usize].body);
     let shape = &input.poses[contact.a as usize];
     let (pose_a, pose_b) = (&bodies.pose[a as usize], &bodies.pose[b as usize]);
@@ -148,7 +163,9 @@ fn find(
         if k > 0.0 {
             let mass = 1.0 / k;
             let target = restitution * approach;
-            if add(Impact { a, b, normal, ra, rb, arm_a, arm_b, friction, mass, target, impulse: 0.0 }) {
+            let impact =
+                Impact { a, b, slot, normal, ra, rb, arm_a, arm_b, friction, mass, target, impulse: 0.0 };
+            if add(impact) {
                 (point.impulse, point.held) = (0.0, 0.0);
                 bounced = true;
             }

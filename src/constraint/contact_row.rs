@@ -55,7 +55,7 @@ impl Softness {
 
 /// What a pass over the rows uses.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pass {
+pub(crate) struct Pass<'a> {
     /// 1 / substep [1/s].
     pub(crate) inverse_h: f32,
     pub(crate) softness: Softness,
@@ -69,6 +69,8 @@ pub(crate) struct Pass {
     pub(crate) friction_box: bool,
     /// What pushing overlap apart added to the velocities is taken out again.
     pub(crate) relax: bool,
+    /// See [`Rows::surfaces`](super::batch::Rows::surfaces).
+    pub(crate) surfaces: &'a [[[f32; 8]; 2]],
 }
 
 /// The bodies' solver state: velocities, displacements since the start of the step, and velocities of the substep before
@@ -224,7 +226,7 @@ impl<L: GatherLanes, const P: usize> Response<L, P> for Free {}
 pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const TWO: bool, const FRICTION: bool>(
     batch: &mut Batch<L, P>,
     motion: &Motion<'_, '_>,
-    pass: &Pass,
+    pass: &Pass<'_>,
 ) -> bool {
     // SAFETY: by the contract.
     let mut v = unsafe { Pair::load::<TWO>([&batch.a, &batch.b], motion.velocity) };
@@ -274,7 +276,7 @@ pub(super) fn sweep<
 >(
     batch: &mut Batch<L, P>,
     v: &mut Pair<L>,
-    pass: &Pass,
+    pass: &Pass<'_>,
     response: &mut R,
 ) -> bool {
     // To relax, nothing is so deep that it is not borne rigidly, and nothing is pushed.
@@ -294,7 +296,11 @@ pub(super) fn sweep<
             u += v.vb + v.wb.cross(f.arm_b);
             spin += v.wb;
         }
-        let (u1, u2) = (u.dot(f.tangent), u.dot(t2));
+        let (mut u1, mut u2) = (u.dot(f.tangent), u.dot(t2));
+        if let Some(surface) = pass.surfaces.get(batch.surface as usize) {
+            u1 += L::load(&surface[0]);
+            u2 += L::load(&surface[1]);
+        }
         let old = f.impulse;
         let mut new = [0, 1].map(|i| old[i] - (tangential[i] * u1 + tangential[i + 1] * u2));
         if pass.friction_box {

@@ -17,7 +17,7 @@ use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
 pub(crate) unsafe fn rub<L: GatherLanes, const P: usize, const TWO: bool>(
     batch: &Batch<L, P>,
     motion: &Motion<'_, '_>,
-    pass: &Pass,
+    pass: &Pass<'_>,
 ) -> bool {
     let (load, arm) = potential_load(batch);
     let pushed = load.gt(L::zero());

@@ -76,7 +76,7 @@ impl JointRows {
         i: usize,
         motion: &Motion<'_, '_>,
         pass: Option<&JointPass>,
-        (along, touching): (&Along<'_>, &Pass),
+        (along, touching): (&Along<'_>, &Pass<'_>),
     ) {
         macro_rules! go {
             ($lanes:expr, $single:expr) => {

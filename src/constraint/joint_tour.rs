@@ -35,7 +35,7 @@ pub(crate) struct Along<'a> {
 #[derive(Clone, Copy)]
 pub(super) enum Ask<'a> {
     /// One Gauss-Seidel step.
-    Solve(&'a Pass),
+    Solve(&'a Pass<'a>),
     /// Of a displacement: to push back what would cross them.
     Push(&'a Closing),
     /// The same, each body for itself.
@@ -44,7 +44,7 @@ pub(super) enum Ask<'a> {
 
 impl<'a> Along<'a> {
     pub(crate) fn of(rows: &'a mut Rows) -> (Along<'a>, &'a [BatchRef], &'a [Stage]) {
-        let Rows { p1, p2, p3, p4, single, schedule, stages, seated } = rows;
+        let Rows { p1, p2, p3, p4, single, schedule, stages, seated, .. } = rows;
         let (p1, p2, p3, p4) = (Shared::new(p1), Shared::new(p2), Shared::new(p3), Shared::new(p4));
         (Along { seated, p1, p2, p3, p4, single: Shared::new(single) }, schedule, stages)
     }
@@ -327,7 +327,7 @@ unsafe fn touch<L: GatherLanes, const P: usize>(
 pub(crate) unsafe fn guard<L: GatherLanes, const P: usize>(
     batch: &Batch<L, P>,
     motion: &Motion<'_, '_>,
-    pass: &Pass,
+    pass: &Pass<'_>,
 ) -> bool {
     let (a, write) = ([&batch.a, &batch.b], [batch.write_a, batch.write_b]);
     let zero = Vec3::zero();

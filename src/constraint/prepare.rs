@@ -6,10 +6,11 @@ use super::order::{Group, Order};
 use super::seats::{Seat, Seats};
 use crate::body::{Bodies, Pose};
 use crate::broad_phase::Pair;
+use crate::events::{Tweak, tweak_of};
 use crate::lanes::{GatherLanes, Lanes, Record, Sym3, Vec3, gather};
 use crate::memory::Room;
 use crate::narrow_phase::Contact;
-use crate::shape::{Collider, Hot};
+use crate::shape::{Collider, EVENTS, Hot};
 use crate::threads::{Crew, Shared, per_block};
 
 /// What preparing reads.
@@ -36,6 +37,8 @@ pub(crate) struct PrepareInput<'a> {
     pub(crate) order: Order,
     /// Bodies whose contacts with what is static go along with their trees of joints.
     pub(crate) seats: &'a Seats,
+    /// What hooks said of each contact; empty if there are none.
+    pub(crate) tweaks: &'a [Tweak],
     /// Friction at every point: each point then is a manifold of its own.
     pub(crate) per_point: bool,
 }
@@ -53,30 +56,39 @@ pub(crate) fn prepare(
     room: &mut Room,
 ) -> Prepared {
     let prepared = arrange(input, rows, scratch, room);
-    let Rows { p1, p2, p3, p4, single, schedule, stages, .. } = rows;
+    rows.surfaces.clear();
+    if input.tweaks.iter().any(|tweak| tweak.surface != glam::Vec3::ZERO)
+        && room.fit(&mut rows.surfaces, rows.schedule.len()) == rows.schedule.len()
+    {
+        rows.surfaces.resize(rows.schedule.len(), [[0.0; 8]; 2]);
+    }
+    let Rows { p1, p2, p3, p4, single, schedule, stages, surfaces, .. } = rows;
+    let (moving, surfaces) = (!surfaces.is_empty(), Shared::new(surfaces));
     let (p1, p2, p3, p4) = (Shared::new(p1), Shared::new(p2), Shared::new(p3), Shared::new(p4));
     let single = Shared::new(single);
     let (schedule, stages, scratch) = (&*schedule, &*stages, &*scratch);
     crew.run(schedule.len().div_ceil(BLOCK), &|block| {
         let mut stage = stages.partition_point(|s| s.end as usize <= block * BLOCK);
-        for index in block * BLOCK..((block + 1) * BLOCK).min(schedule.len()) {
-            while stages[stage].end as usize <= index {
+        for place in block * BLOCK..((block + 1) * BLOCK).min(schedule.len()) {
+            while stages[stage].end as usize <= place {
                 stage += 1;
             }
             let group = stages[stage].group;
-            let (first, count) = scratch.ranges[index];
+            let (first, count) = scratch.ranges[place];
             let contacts = &scratch.sorted[first as usize..(first + count) as usize];
-            let BatchRef { points, index, seated } = schedule[index];
+            let BatchRef { points, index, seated } = schedule[place];
             let i = index as usize;
             let seats = seated.then_some(input.seats);
+            // SAFETY: as below.
+            let surface = moving.then(|| (place, unsafe { surfaces.get(place) }));
             // SAFETY: each batch stands in the schedule once, so no other block fills it.
             unsafe {
                 match points {
-                    1 => fill(p1.get(i), contacts, group, seats, input),
-                    2 => fill(p2.get(i), contacts, group, seats, input),
-                    3 => fill(p3.get(i), contacts, group, seats, input),
-                    4 => fill(p4.get(i), contacts, group, seats, input),
-                    _ => fill(single.get(i), contacts, group, seats, input),
+                    1 => fill(p1.get(i), contacts, group, (seats, surface), input),
+                    2 => fill(p2.get(i), contacts, group, (seats, surface), input),
+                    3 => fill(p3.get(i), contacts, group, (seats, surface), input),
+                    4 => fill(p4.get(i), contacts, group, (seats, surface), input),
+                    _ => fill(single.get(i), contacts, group, (seats, surface), input),
                 }
             }
         }
@@ -149,6 +161,7 @@ fn gather_columns<L: GatherLanes, const P: usize>(
     let (dynamic, movers) = (input.bodies.dynamic() as u32, input.bodies.movers() as u32);
     (batch.write_a, batch.write_b, batch.swapped) = (0, 0, 0);
     batch.contact = [Part::NONE; 8];
+    (batch.heard, batch.surface) = (0, u32::MAX);
     let mut first = 0;
     for (place, &part) in parts.iter().enumerate() {
         let contact = &input.contacts[part.slot()];
@@ -209,7 +222,12 @@ fn gather_columns<L: GatherLanes, const P: usize>(
             put3(&mut out.friction, lane, contact.friction * (share * input.warm));
             out.twist[lane] = contact.twist * input.warm;
         }
-        let (sticking, sliding) = shape_a.material.friction_with(&shape_b.material);
+        batch.heard |= u32::from((shape_a.flags | shape_b.flags) & EVENTS != 0) << lane;
+        let mut friction = shape_a.material.friction_with(&shape_b.material);
+        if !input.tweaks.is_empty() {
+            friction = tweak_of(input.tweaks, part.slot()).friction_or(friction);
+        }
+        let (sticking, sliding) = friction;
         (out.coefficient[0][lane], out.coefficient[1][lane]) = (sticking, sliding);
     }
     for lane in (0..8).filter(|&lane| batch.contact[lane] == Part::NONE) {
@@ -223,7 +241,7 @@ fn fill<L: GatherLanes, const P: usize>(
     batch: &mut Batch<L, P>,
     parts: &[Part],
     group: Group,
-    seats: Option<&Seats>,
+    (seats, surface): (Option<&Seats>, Option<(usize, &mut [[f32; 8]; 2])>),
     input: &PrepareInput<'_>,
 ) {
     let columns = gather_columns(batch, parts, !group.is_potential(), seats, input);
@@ -308,7 +326,22 @@ fn fill<L: GatherLanes, const P: usize>(
     let record = |i: usize| velocity[i];
     let ((va, wa), (vb, wb)) = (gather::<L>(record, &batch.a), gather::<L>(record, &batch.b));
     let at_b = if group.is_static() { Vec3::zero() } else { vb + wb.cross(fb) };
-    let slip = at_b - (va + wa.cross(fa));
+    let mut slip = at_b - (va + wa.cross(fa));
+    if let Some((place, surface)) = surface {
+        let past = Vec3::<L>::from_fn(|lane| {
+            let part = batch.contact[lane];
+            let past = if part == Part::NONE {
+                glam::Vec3::ZERO
+            } else {
+                tweak_of(input.tweaks, part.slot()).surface
+            };
+            if batch.swapped >> lane & 1 != 0 { -past } else { past }
+        });
+        slip += past;
+        past.dot(t1).store(&mut surface[0]);
+        past.dot(t2).store(&mut surface[1]);
+        batch.surface = place as u32;
+    }
     let slip = slip - n * slip.dot(n);
     let stick = slip.length_squared().lt(L::splat(input.stick * input.stick));
     f.coefficient = L::select(stick, sticking, sliding);

@@ -35,7 +35,7 @@ impl Guard<'_> {
         for &c in own {
             let collider = &self.colliders[c as usize];
             let keep = KEEP * collider.inner_radius;
-            let Some(core) = core(&collider.geometry) else { continue };
+            let Some(core) = core(&collider.geometry).filter(|_| !collider.is_sensor()) else { continue };
             for end in [-core, core] {
                 let end = collider.position + collider.rotation * end;
                 let from = before.position + (before.rotation * end).as_dvec3();

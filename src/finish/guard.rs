@@ -31,6 +31,8 @@ pub(crate) struct Guard<'a> {
     pub(crate) colliders: &'a [Collider],
     pub(crate) poses: &'a [Pose],
     pub(crate) mode: Continuous,
+    /// Pairs that hooks let pass through each other, sorted.
+    pub(crate) vetoed: &'a [(u32, u32)],
 }
 
 /// A ball without static geometry, from some time before.
@@ -55,12 +57,16 @@ impl Guard<'_> {
 
     fn inner_of(&self, collider: u32) -> f32 {
         let c = &self.colliders[collider as usize];
+        if c.is_sensor() {
+            return 0.0;
+        }
         if c.inner_radius > 0.0 { c.inner_radius } else { HOLLOW * c.radius }
     }
 
     /// Whether a body is one to be looked at.
     pub(crate) fn wants(&self, traits: &Traits, own: &[u32]) -> bool {
-        !own.is_empty() && self.mode.of(traits.continuous) != Continuous::Discrete
+        own.iter().any(|&c| !self.colliders[c as usize].is_sensor())
+            && self.mode.of(traits.continuous) != Continuous::Discrete
     }
 
     /// Whether a body may move so far unseen, because nothing static is that near to its centre.
@@ -99,7 +105,7 @@ impl Guard<'_> {
         let (mut least, mut away) = (most, Vec3::ZERO);
         self.broad.statics_on_path(stack, at, at, Vec3::splat(most), |c| {
             let (collider, pose) = (&self.colliders[c as usize], &self.poses[c as usize]);
-            if !self.may_meet(own, collider) {
+            if !self.may_meet(own, c) {
                 return;
             }
             let point = pose.rotation.conjugate() * (centre - pose.position).as_vec3();
@@ -182,7 +188,7 @@ impl Guard<'_> {
         let mut any = false;
         self.broad.in_box(stack, Whom::Statics, &around(middle.as_vec3(), half), |c| {
             let (collider, pose) = (&self.colliders[c as usize], &self.poses[c as usize]);
-            if any || !self.may_meet(own, collider) {
+            if any || !self.may_meet(own, c) {
                 return;
             }
             any = match &collider.geometry {
@@ -213,9 +219,24 @@ impl Guard<'_> {
         true
     }
 
-    /// Whether all shapes of a body collide with another.
-    fn may_meet(&self, own: &[u32], other: &Collider) -> bool {
-        own.iter().all(|&o| self.colliders[o as usize].filter.allows(&other.filter))
+    /// Whether all solid shapes of a body collide with another, now.
+    fn may_meet(&self, own: &[u32], other: u32) -> bool {
+        let collider = |c: u32| &self.colliders[c as usize];
+        let other_filter = &collider(other).filter;
+        let meets = |&o: &u32| {
+            collider(o).is_sensor() || collider(o).filter.allows(other_filter) && !self.is_vetoed(o, other)
+        };
+        !collider(other).is_sensor() && own.iter().all(meets)
+    }
+
+    fn is_vetoed(&self, one: u32, other: u32) -> bool {
+        !self.vetoed.is_empty() && self.vetoed.binary_search(&(one.min(other), one.max(other))).is_ok()
+    }
+
+    /// Whether the two of a pair are to be kept apart.
+    fn parts(&self, pair: &Pair) -> bool {
+        let sensor = |c: u32| self.colliders[c as usize].is_sensor();
+        !(sensor(pair.a) || sensor(pair.b) || self.is_vetoed(pair.a, pair.b))
     }
 
     /// Where a way first enters static geometry: how far along it, and the normal there.
@@ -231,7 +252,7 @@ impl Guard<'_> {
         let slack = Vec3::splat(1e-6 * start.abs().max(end.abs()).max_element());
         self.broad.statics_on_path(stack, start, end, slack, |c| {
             let (collider, pose) = (&self.colliders[c as usize], &self.poses[c as usize]);
-            if !self.may_meet(own, collider) {
+            if !self.may_meet(own, c) {
                 return;
             }
             let back = pose.rotation.conjugate();
@@ -261,7 +282,7 @@ impl Guard<'_> {
             let body = |c: u32| self.colliders[c as usize].body as usize;
             let (mover, other) = if body(pair.a) < dynamic { (pair.a, pair.b) } else { (pair.b, pair.a) };
             let (i, k) = (body(mover), body(other));
-            if i >= dynamic || k < dynamic || k >= movers {
+            if i >= dynamic || k < dynamic || k >= movers || !self.parts(pair) {
                 continue;
             }
             let wall = &self.colliders[other as usize];
@@ -336,7 +357,7 @@ impl Guard<'_> {
         let mut held = 0;
         for _ in 0..PASSES {
             let before = held;
-            for pair in pairs.iter().filter(|pair| pair.fast) {
+            for pair in pairs.iter().filter(|pair| pair.fast && self.parts(pair)) {
                 let body = |c: u32| self.colliders[c as usize].body as usize;
                 let (i, k) = (body(pair.a), body(pair.b));
                 let tree = |i: usize| seats.of(i).map(Seat::of_tree);

@@ -122,6 +122,7 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
         colliders: &world.colliders.all,
         poses: &world.colliders.poses,
         mode: world.settings.continuous,
+        vetoed: &world.events.vetoed,
     };
     clear.resize(dynamic, Clear::default());
     mark_beside(beside, fast, movers, dynamic, &world.broad.pairs, &world.colliders.all);

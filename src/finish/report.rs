@@ -65,6 +65,8 @@ pub struct StepReport {
     pub slept: u32,
     /// Bodies that woke in the step, or since the one before.
     pub woke: u32,
+    /// Events that there was no place for.
+    pub events_lost: u32,
     /// What was left out because memory was not allowed to grow: points of contacts, and pairs, of which it is not known
     /// how many points they have.
     pub shed: u32,
@@ -98,6 +100,7 @@ impl StepReport {
             asleep: world.bodies.asleep().len() as u32,
             slept: world.sleep.slept,
             woke: world.sleep.woke,
+            events_lost: world.events.lost,
             uncoloured: world.buffers.rows.single.len() as u32,
             batches: world.buffers.rows.schedule.len() as u32,
         }

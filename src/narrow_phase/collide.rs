@@ -61,6 +61,11 @@ impl Input<'_> {
         self.is_static(pair) && (self.has_joints)(if (a as usize) < self.dynamic { a } else { b })
     }
 
+    /// Whether a pair only says who is in a sensor.
+    fn is_sensor(&self, pair: &Pair) -> bool {
+        [pair.a, pair.b].iter().any(|&c| self.hot[c as usize].is_sensor())
+    }
+
     /// How a pair may close within the step.
     pub(crate) fn approach(&self, pair: &Pair) -> Approach {
         let (a, b) = (self.motion_of(pair.a), self.motion_of(pair.b));
@@ -218,7 +223,7 @@ fn place(crew: &Crew<'_>, input: &Input<'_>, pairs: &[Pair], contacts: &mut Cont
                     *relative.get(first + i) = now;
                     *bin_of.get(first + i) = if recycle(input, pair, &now, &all) {
                         KEPT
-                    } else if far(input, pair, &now) {
+                    } else if far(input, pair, &now) || input.is_sensor(pair) {
                         FAR
                     } else {
                         let kind = |c: u32| &input.hot[c as usize];

@@ -49,11 +49,13 @@ mod sphere_sphere;
 mod support;
 mod touched;
 
+pub(crate) use cast::{cast_convex, cast_plane, tolerance};
 pub(crate) use cast_mesh::Triangles;
 pub(crate) use collide::{Input, NarrowStats, Scratch, collide};
 pub(crate) use contact::{Contact, Contacts, NONE, Point};
 pub(crate) use gjk::distance;
 pub(crate) use manifold::{MAX_POINTS, RawManifold, RawPoint};
+pub(crate) use motion::{BodyPath, Motion};
 pub(crate) use simplex::from_triangle;
 pub(crate) use support::Support;
 

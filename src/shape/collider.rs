@@ -52,9 +52,34 @@ pub(crate) struct Hot {
     pub(crate) kind: Kind,
     /// Of its body; `Discrete` if that is static, which never needs to be kept from anything.
     pub(crate) mode: Continuous,
+    pub(crate) flags: u8,
+}
+
+/// Bits of [`Hot::flags`]: a sensor; someone listens; hooks are asked.
+pub(crate) const SENSOR: u8 = 1;
+pub(crate) const EVENTS: u8 = 2;
+pub(crate) const HOOKS: u8 = 4;
+
+impl Hot {
+    #[inline]
+    pub(crate) fn is_sensor(&self) -> bool {
+        self.flags & SENSOR != 0
+    }
+    #[inline]
+    pub(crate) fn has_events(&self) -> bool {
+        self.flags & EVENTS != 0
+    }
+    #[inline]
+    pub(crate) fn has_hooks(&self) -> bool {
+        self.flags & HOOKS != 0
+    }
 }
 
 impl Collider {
+    pub(crate) fn is_sensor(&self) -> bool {
+        self.flags & SENSOR != 0
+    }
+
     pub(crate) fn hot(&self, mode: Continuous) -> Hot {
         Hot {
             size: self.size,
@@ -63,6 +88,7 @@ impl Collider {
             body: self.body,
             kind: self.kind,
             mode,
+            flags: self.flags,
         }
     }
 }
@@ -87,5 +113,7 @@ pub(crate) struct Collider {
     pub(crate) material: Material,
     pub(crate) filter: Filter,
     pub(crate) density: f32,
+    /// See [`Hot::flags`].
+    pub(crate) flags: u8,
     pub(crate) user_data: u64,
 }

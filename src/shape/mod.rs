@@ -16,7 +16,7 @@ mod mesh_bvh;
 mod mesh_edges;
 mod segment_triangle;
 
-pub(crate) use collider::{Collider, Hot, Kind};
+pub(crate) use collider::{Collider, EVENTS, HOOKS, Hot, Kind, SENSOR};
 pub(crate) use corners::Corners;
 pub use height_field::HeightField;
 pub use hull::ConvexHull;
@@ -277,6 +277,14 @@ pub struct ShapeDesc {
     pub material: Material,
     /// Which shapes it collides with.
     pub filter: Filter,
+    /// It pushes nothing, and notices what comes into it: [`World::sensor_begins`](crate::World::sensor_begins). Convex or a
+    /// plane; it notices convex shapes of bodies that move, of other bodies than its own, that its filter allows and that
+    /// are no sensors. Default no.
+    pub sensor: bool,
+    /// Contacts of it are heard of: [`World::contact_begins`](crate::World::contact_begins). Default no.
+    pub events: bool,
+    /// Contacts of it are shown to [`ContactHooks`](crate::ContactHooks). Default no.
+    pub hooks: bool,
     /// Free for the caller.
     pub user_data: u64,
 }
@@ -291,17 +299,43 @@ impl ShapeDesc {
             density: 1000.0,
             material: Material::default(),
             filter: Filter::default(),
+            sensor: false,
+            events: false,
+            hooks: false,
             user_data: 0,
         }
+    }
+
+    /// Pushes nothing, and notices what comes into it.
+    pub fn sensing(self) -> Self {
+        ShapeDesc { sensor: true, ..self }
+    }
+    /// Contacts of it are heard of.
+    pub fn with_events(self) -> Self {
+        ShapeDesc { events: true, ..self }
+    }
+    /// Contacts of it are shown to hooks.
+    pub fn with_hooks(self) -> Self {
+        ShapeDesc { hooks: true, ..self }
+    }
+
+    pub(crate) fn flags(&self) -> u8 {
+        [(self.sensor, SENSOR), (self.events, EVENTS), (self.hooks, HOOKS)]
+            .into_iter()
+            .map(|(set, bit)| if set { bit } else { 0 })
+            .sum()
     }
 
     /// Checks every range.
     ///
     /// # Errors
-    /// Names the first number that is out of range.
+    /// Names the first number that is out of range, or a sensor that is not convex.
     pub fn validate(&self) -> Result<(), Error> {
         self.geometry.validate()?;
         self.material.validate()?;
+        if self.sensor && !matches!(self.geometry, Geometry::Plane) {
+            self.geometry.require_convex()?;
+        }
         finite3("shape position", self.position)?;
         unit_quat("shape rotation", self.rotation)?;
         within("density", self.density, 0.0, f32::MAX, "at least zero").map(drop)

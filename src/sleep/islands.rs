@@ -78,8 +78,8 @@ impl Groups {
                 *rest = rest.min(bodies.rest[k as usize]);
             }
         };
-        for pair in pairs.iter().filter(|pair| pair.contact != NONE) {
-            if touches(contacts, pair, real) {
+        for pair in pairs.iter().filter(|pair| pair.contact != NONE || pair.touching) {
+            if pair.touching || touches(contacts, pair, real) {
                 link(self, hot[pair.a as usize].body, hot[pair.b as usize].body);
             }
         }

@@ -129,7 +129,7 @@ impl Sleep {
     }
 
     /// Pairs of all that sleeps.
-    fn kept_pairs(&self) -> impl Iterator<Item = &Pair> {
+    pub(crate) fn kept_pairs(&self) -> impl Iterator<Item = &Pair> {
         let lists = self.islands.iter().map(|island| island.pair);
         lists.flat_map(|first| {
             let of = |&place: &u32| Some(self.pairs[place as usize].1).filter(|&next| next != NONE);

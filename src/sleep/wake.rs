@@ -28,7 +28,8 @@ impl World {
                 (false, true) => (pair.b, pair.a),
                 _ => continue,
             };
-            if self.reaches(comer, sleeper, pair) {
+            let sensor = |c: u32| self.colliders.hot[c as usize].is_sensor();
+            if !(sensor(comer) || sensor(sleeper)) && self.reaches(comer, sleeper, pair) {
                 let body = self.colliders.hot[sleeper as usize].body as usize;
                 waking.extend(self.sleep.island_of(self.bodies.slot[body]));
             }

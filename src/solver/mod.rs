@@ -15,7 +15,7 @@ use crate::lanes::{Lanes, Mask, Record, f32x8};
 use crate::memory::{Buffer, bytes_of};
 use crate::threads::{Crew, Shared, per_block};
 pub(crate) use pass::store;
-use pass::{Joined, Kind, Passes};
+use pass::{Joined, Kind, Passes, add_impulses};
 
 /// Solver state of the bodies that can move.
 #[derive(Debug, Default)]
@@ -42,7 +42,8 @@ impl State {
 /// Bodies a block.
 const BLOCK: usize = per_block(256, 1);
 
-/// Solves the rows over a step of `dt` seconds.
+/// Solves the rows over a step of `dt` seconds. `impulses`: those of contacts that someone listens to are added, or nothing if
+/// it is empty.
 pub(crate) fn solve(
     crew: &Crew<'_>,
     settings: &Settings,
@@ -50,6 +51,7 @@ pub(crate) fn solve(
     bodies: &mut Bodies,
     forces: &Forces,
     (rows, joints): (&mut Rows, &mut JointRows),
+    impulses: &mut [f32],
     state: &mut State,
 ) {
     let movers = bodies.movers();
@@ -150,6 +152,9 @@ pub(crate) fn solve(
             if passes.run(crew, Kind::Rub, rows, &joined, &motion) {
                 passes.run(crew, Kind::Relax, rows, &joined, &motion);
             }
+        }
+        if !impulses.is_empty() {
+            add_impulses(rows, impulses);
         }
     }
     if let Some(traits) = locks {

@@ -63,9 +63,10 @@ impl Passes {
         motion: &Motion<'_, '_>,
     ) -> bool {
         let pushes = AtomicBool::new(false);
+        let surfaces = std::mem::take(&mut rows.surfaces);
         let (along, schedule, stages) = Along::of(rows);
         let Along { p1, p2, p3, p4, single, .. } = &along;
-        let along = (&along, &self.of(Group::Static, kind));
+        let along = (&along, &self.of(Group::Static, kind, &surfaces));
         let mut joints = joined.stages;
         for stage in stages {
             if !joints.is_empty() {
@@ -73,7 +74,7 @@ impl Passes {
                 self.run_joints(crew, kind, &joints[..before], joined.views, motion, along);
                 joints = &joints[before..];
             }
-            let pass = self.of(stage.group, kind);
+            let pass = self.of(stage.group, kind, &surfaces);
             let one = |index: usize| {
                 let batch = schedule[index];
                 let i = batch.index as usize;
@@ -95,6 +96,7 @@ impl Passes {
             share_out(crew, stage.start as usize..stage.end as usize, stage.serial, &one);
         }
         self.run_joints(crew, kind, joints, joined.views, motion, along);
+        rows.surfaces = surfaces;
         pushes.into_inner()
     }
 
@@ -105,7 +107,7 @@ impl Passes {
         stages: &[JointStage],
         views: &JointViews<'_>,
         motion: &Motion<'_, '_>,
-        along: (&Along<'_>, &Pass),
+        along: (&Along<'_>, &Pass<'_>),
     ) {
         if kind == Kind::Rub {
             return;
@@ -152,7 +154,7 @@ impl Passes {
         }
     }
 
-    fn of(&self, group: Group, kind: Kind) -> Pass {
+    fn of<'a>(&self, group: Group, kind: Kind, surfaces: &'a [[[f32; 8]; 2]]) -> Pass<'a> {
         Pass {
             inverse_h: self.inverse_h,
             softness: if group.is_static() { self.fixed } else { self.dynamic },
@@ -161,6 +163,7 @@ impl Passes {
             shift: self.shift,
             friction_box: self.friction_box,
             relax: kind == Kind::Relax,
+            surfaces,
         }
     }
 }
@@ -189,7 +192,7 @@ unsafe fn step<L: GatherLanes, const P: usize>(
     seated: bool,
     batch: &mut Batch<L, P>,
     motion: &Motion<'_, '_>,
-    pass: &Pass,
+    pass: &Pass<'_>,
 ) -> bool {
     // SAFETY: by the contract.
     unsafe {
@@ -212,6 +215,26 @@ unsafe fn step<L: GatherLanes, const P: usize>(
             },
             Kind::Rub if group.is_static() => rub::<L, P, false>(batch, motion, pass),
             Kind::Rub => rub::<L, P, true>(batch, motion, pass),
+        }
+    }
+}
+
+/// Adds the normal impulses of the substep to those of the contacts that someone listens to.
+pub(crate) fn add_impulses(rows: &Rows, impulses: &mut [f32]) {
+    fn of<L: GatherLanes, const P: usize>(batch: &Batch<L, P>, impulses: &mut [f32]) {
+        for lane in (0..L::N).filter(|lane| batch.heard >> lane & 1 != 0) {
+            let sum: f32 = batch.points.iter().map(|p| p.impulse.lane(lane)).sum();
+            impulses[batch.contact[lane].slot()] += sum;
+        }
+    }
+    for batch in &rows.schedule {
+        let i = batch.index as usize;
+        match batch.points {
+            1 => of(&rows.p1[i], impulses),
+            2 => of(&rows.p2[i], impulses),
+            3 => of(&rows.p3[i], impulses),
+            4 => of(&rows.p4[i], impulses),
+            _ => of(&rows.single[i], impulses),
         }
     }
 }

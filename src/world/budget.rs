@@ -44,6 +44,7 @@ impl World {
         report.add(Category::Continuous, self.broad.continuous_bytes());
         report.add(Category::Continuous, bytes_of(&self.bodies.previous));
         report.add(Category::Joints, self.joints.bytes());
+        report.add(Category::Events, self.events.bytes());
         let [islands, kept] = self.sleep.bytes();
         report.add(Category::Bodies, islands);
         report.add(Category::BroadPhase, kept);

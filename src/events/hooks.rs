@@ -1,0 +1,222 @@
+//! Hooks: a caller's word on contacts before they are solved.
+
+use crate::error::{Error, finite3, within};
+use crate::handle::{BodyHandle, ShapeHandle};
+use crate::narrow_phase::{Contact, NONE};
+use crate::world::World;
+use glam::{DVec3, Vec3};
+
+/// [`Sync`] where steps may run on threads (feature `parallel`), nothing where they don't.
+#[cfg(feature = "parallel")]
+pub trait MaybeSync: Sync {}
+#[cfg(feature = "parallel")]
+impl<T: Sync + ?Sized> MaybeSync for T {}
+/// [`Sync`] where steps may run on threads (feature `parallel`), nothing where they don't.
+#[cfg(not(feature = "parallel"))]
+pub trait MaybeSync {}
+#[cfg(not(feature = "parallel"))]
+impl<T: ?Sized> MaybeSync for T {}
+
+/// What a game has to say about contacts, for [`World::step_with`](crate::World::step_with).
+///
+/// Called for each manifold of a pair of which one shape has [`hooks`](crate::ShapeDesc::hooks), after contacts are found
+/// and before anything is solved: by the thread that steps, one after another, always in the same order.
+pub trait ContactHooks: MaybeSync {
+    /// May veto a contact, or change its friction, restitution and surface velocity, for this step.
+    fn contact(&self, contact: &mut ContactHook<'_>);
+}
+
+/// None.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoHooks;
+
+impl ContactHooks for NoHooks {
+    fn contact(&self, _: &mut ContactHook<'_>) {}
+}
+
+/// What hooks said of a contact; no number where they said nothing.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tweak {
+    pub(crate) friction: [f32; 2],
+    pub(crate) restitution: f32,
+    /// By which the surface of b moves past that of a, in the world [m/s].
+    pub(crate) surface: Vec3,
+}
+
+impl Tweak {
+    pub(crate) const NONE: Tweak =
+        Tweak { friction: [f32::NAN; 2], restitution: f32::NAN, surface: Vec3::ZERO };
+
+    pub(crate) fn friction_or(&self, own: (f32, f32)) -> (f32, f32) {
+        if self.friction[0].is_nan() { own } else { self.friction.into() }
+    }
+    pub(crate) fn restitution_or(&self, own: f32) -> f32 {
+        if self.restitution.is_nan() { own } else { self.restitution }
+    }
+}
+
+/// What hooks said of a contact.
+#[inline]
+pub(crate) fn tweak_of(tweaks: &[Tweak], slot: usize) -> Tweak {
+    tweaks.get(slot).copied().unwrap_or(Tweak::NONE)
+}
+
+/// A manifold that is about to be solved, in the hands of [`ContactHooks`].
+#[derive(Debug)]
+pub struct ContactHook<'a> {
+    world: &'a World,
+    contact: &'a Contact,
+    tweak: Tweak,
+    vetoed: bool,
+}
+
+impl ContactHook<'_> {
+    /// The two shapes. The normal points from the first to the second.
+    pub fn shapes(&self) -> [ShapeHandle; 2] {
+        [self.contact.a, self.contact.b].map(|c| self.world.shape_handle(c))
+    }
+
+    /// Their bodies.
+    pub fn bodies(&self) -> [BodyHandle; 2] {
+        self.indices().map(|i| self.world.handle_of(i))
+    }
+
+    /// The caller's numbers of the two shapes.
+    pub fn user_data(&self) -> [u64; 2] {
+        [self.contact.a, self.contact.b].map(|c| self.world.colliders.all[c as usize].user_data)
+    }
+
+    /// Which of the two is this shape: 0 or 1.
+    pub fn side_of(&self, shape: ShapeHandle) -> Option<usize> {
+        self.shapes().iter().position(|&s| s == shape)
+    }
+
+    /// Unit, from the first shape to the second, in the world.
+    pub fn normal(&self) -> Vec3 {
+        self.world.colliders.poses[self.contact.a as usize].rotation * self.contact.normal
+    }
+
+    /// The points: midway between the surfaces [m], and how far these are apart there, negative in overlap [m].
+    pub fn points(&self) -> impl Iterator<Item = (DVec3, f32)> + '_ {
+        let pose = &self.world.colliders.poses[self.contact.a as usize];
+        let place = move |at: Vec3| pose.position + (pose.rotation * at).as_dvec3();
+        self.contact.points().iter().map(move |p| (place(p.position), p.separation))
+    }
+
+    /// How fast the two come together, at the point where that is fastest [m/s]; negative if they part.
+    pub fn approach_speed(&self) -> f32 {
+        let speed = |p| self.world.impact(self.contact, p).2;
+        self.contact.points().iter().map(speed).fold(f32::NEG_INFINITY, f32::max)
+    }
+
+    /// The impulse that would stop the approach at its fastest point, were the two alone [N s]: an estimate of what
+    /// [`ContactEvent::impulse`](super::ContactEvent::impulse) will be.
+    pub fn estimated_impulse(&self) -> f32 {
+        let world = self.world;
+        let one = |p| {
+            let (normal, at, speed) = world.impact(self.contact, p);
+            let mobility: f32 = self.indices().iter().map(|&i| world.mobility(i, at, normal)).sum();
+            if mobility > 0.0 { speed.max(0.0) / mobility } else { 0.0 }
+        };
+        self.contact.points().iter().map(one).fold(0.0, f32::max)
+    }
+
+    /// Where bodies are and how fast they move may decide: the world, as it was at the start of the step.
+    pub fn world(&self) -> &World {
+        self.world
+    }
+
+    /// The two pass through each other in this step: a one-way platform.
+    pub fn veto(&mut self) {
+        self.vetoed = true;
+    }
+
+    /// Sets the coefficients of static and of dynamic friction.
+    ///
+    /// # Errors
+    /// If one is below zero or no number.
+    pub fn set_friction(&mut self, of_rest: f32, of_motion: f32) -> Result<(), Error> {
+        within("static friction", of_rest, 0.0, f32::MAX, "at least zero")?;
+        within("dynamic friction", of_motion, 0.0, f32::MAX, "at least zero")?;
+        self.tweak.friction = [of_rest, of_motion];
+        Ok(())
+    }
+
+    /// Sets the share of the approach speed that comes back.
+    ///
+    /// # Errors
+    /// If it is not in 0..=1.
+    pub fn set_restitution(&mut self, restitution: f32) -> Result<(), Error> {
+        within("restitution", restitution, 0.0, 1.0, "in 0..=1")?;
+        self.tweak.restitution = restitution;
+        Ok(())
+    }
+
+    /// Has the surface of one of the two shapes (0 or 1) move at so many metres a second in the world, as a belt does: what
+    /// is on it is carried along by friction. What of it goes along the normal has no effect.
+    ///
+    /// # Errors
+    /// If a number is not finite, or there is no such side.
+    pub fn set_surface_velocity(&mut self, side: usize, velocity: Vec3) -> Result<(), Error> {
+        finite3("surface velocity", velocity)?;
+        within("side of a contact", side as f32, 0.0, 1.0, "0 or 1")?;
+        self.tweak.surface = if side == 1 { velocity } else { -velocity };
+        Ok(())
+    }
+
+    fn indices(&self) -> [usize; 2] {
+        [self.contact.a, self.contact.b].map(|c| self.world.colliders.hot[c as usize].body as usize)
+    }
+}
+
+impl World {
+    /// Asks the hooks about all contacts that have any.
+    pub(crate) fn ask_hooks(&mut self, hooks: &dyn ContactHooks) {
+        self.events.vetoed.clear();
+        if self.needs.hooks == 0 {
+            self.events.tweaks.clear();
+            return;
+        }
+        let mut tweaks = std::mem::take(&mut self.events.tweaks);
+        let mut vetoed = std::mem::take(&mut self.events.vetoed);
+        tweaks.clear();
+        tweaks.resize(self.contacts.all.len(), Tweak::NONE);
+        for place in 0..self.broad.pairs.len() {
+            let pair = self.broad.pairs[place];
+            let asks = |c: u32| self.colliders.hot[c as usize].has_hooks();
+            if pair.contact == NONE || !(asks(pair.a) || asks(pair.b)) {
+                continue;
+            }
+            let (mut slot, mut passes) = (pair.contact, false);
+            while slot != NONE {
+                let contact = &self.contacts.all[slot as usize];
+                if contact.count > 0 {
+                    let mut hook = ContactHook { world: self, contact, tweak: Tweak::NONE, vetoed: false };
+                    hooks.contact(&mut hook);
+                    passes |= hook.vetoed;
+                    tweaks[slot as usize] = hook.tweak;
+                }
+                slot = contact.next;
+            }
+            if passes {
+                vetoed.push((pair.a.min(pair.b), pair.a.max(pair.b)));
+                let mut slot = pair.contact;
+                while slot != NONE {
+                    let contact = &mut self.contacts.all[slot as usize];
+                    (contact.count, contact.pushed) = (0, false);
+                    slot = contact.next;
+                }
+            }
+        }
+        vetoed.sort_unstable();
+        (self.events.tweaks, self.events.vetoed) = (tweaks, vetoed);
+    }
+
+    /// By how much an impulse along a direction at a point changes the speed of a body there [1/kg].
+    fn mobility(&self, i: usize, at: DVec3, direction: Vec3) -> f32 {
+        let Some(inertia) = self.buffers.forces.inverse_inertia.get(i) else { return 0.0 };
+        let arm = (at - self.bodies.pose[i].position).as_vec3().cross(direction);
+        let turned = inertia.mul(crate::lanes::Vec3::new(arm.x, arm.y, arm.z)).lane(0);
+        self.bodies.mass[i].inverse + arm.dot(turned)
+    }
+}

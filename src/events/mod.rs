@@ -1,0 +1,190 @@
+//! What a caller hears of contacts: begins, ends and hits, what crosses sensors, and hooks that may change contacts before
+//! they are solved.
+//!
+//! Nothing of it costs anything for shapes that don't ask for it ([`ShapeDesc::events`](crate::ShapeDesc::events),
+//! [`sensor`](crate::ShapeDesc::sensor), [`hooks`](crate::ShapeDesc::hooks)). Events are those of the last step, in slices
+//! that are the same at any number of threads.
+
+mod contacts;
+mod hooks;
+mod sensors;
+
+pub use hooks::{ContactHook, ContactHooks, MaybeSync, NoHooks};
+pub(crate) use hooks::{Tweak, tweak_of};
+
+use crate::broad_phase::Pair;
+use crate::handle::{BodyHandle, ShapeHandle};
+use crate::memory::bytes_of;
+use crate::world::World;
+use glam::{DVec3, Vec3};
+
+/// Two shapes that began to touch, or hit each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactEvent {
+    /// The shapes, the one with the lower handle first.
+    pub shapes: [ShapeHandle; 2],
+    /// Their bodies.
+    pub bodies: [BodyHandle; 2],
+    /// Midway between the surfaces, where they bore most, at the start of the step [m].
+    pub point: DVec3,
+    /// Unit, from the first shape to the second.
+    pub normal: Vec3,
+    /// How fast they came together there before anything was solved [m/s]; negative if they part.
+    pub approach_speed: f32,
+    /// Normal impulse of the whole step, over all points, as it was solved [N s].
+    pub impulse: f32,
+}
+
+/// Two shapes that no longer touch. Of a shape that was removed the handles are stale.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct ContactEnd {
+    /// The shapes, the one with the lower handle first.
+    pub shapes: [ShapeHandle; 2],
+}
+
+/// A shape that came into a sensor, or left it. Of what was removed the handles are stale.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SensorEvent {
+    /// The sensor.
+    pub sensor: ShapeHandle,
+    /// What crossed its surface.
+    pub visitor: ShapeHandle,
+    /// When, as a fraction of the step. Who leaves within the step in which it came leaves at 1.
+    pub fraction: f32,
+}
+
+/// Events of the last step, and what it takes to find them.
+#[derive(Debug, Default)]
+pub(crate) struct Events {
+    begins: Vec<ContactEvent>,
+    ends: Vec<ContactEnd>,
+    hits: Vec<ContactEvent>,
+    entered: Vec<SensorEvent>,
+    left: Vec<SensorEvent>,
+    /// Pairs that ended while they touched, since the last step.
+    gone: Vec<(ShapeHandle, ShapeHandle, bool)>,
+    /// Normal impulse of each contact over the step; empty if nobody listens [N s].
+    pub(crate) impulses: Vec<f32>,
+    /// What hooks said of each contact; empty if there are none.
+    pub(crate) tweaks: Vec<Tweak>,
+    /// Pairs of colliders that hooks let pass through each other in this step, sorted.
+    pub(crate) vetoed: Vec<(u32, u32)>,
+    /// Events that there was no room for.
+    pub(crate) lost: u32,
+}
+
+impl Events {
+    /// Forgets the events of the step before.
+    pub(crate) fn start(&mut self) {
+        self.begins.clear();
+        self.ends.clear();
+        self.hits.clear();
+        self.entered.clear();
+        self.left.clear();
+        self.lost = 0;
+    }
+
+    /// Live and reserved bytes.
+    pub(crate) fn bytes(&self) -> (usize, usize) {
+        let all = [
+            bytes_of(&self.begins),
+            bytes_of(&self.ends),
+            bytes_of(&self.hits),
+            bytes_of(&self.entered),
+            bytes_of(&self.left),
+            bytes_of(&self.gone),
+            bytes_of(&self.impulses),
+            bytes_of(&self.tweaks),
+            bytes_of(&self.vetoed),
+        ];
+        all.into_iter().fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
+    }
+
+    /// Adds the ends of pairs that are gone, and sorts: the same for all who read whatever the order of pairs.
+    pub(crate) fn finish(&mut self, most: usize) {
+        let Events { gone, ends, left, lost, .. } = self;
+        for (a, b, sensor) in gone.drain(..) {
+            if sensor {
+                push(left, SensorEvent { sensor: a, visitor: b, fraction: 0.0 }, most, lost);
+            } else {
+                push(ends, ContactEnd { shapes: [a.min(b), a.max(b)] }, most, lost);
+            }
+        }
+        self.begins.sort_by_key(|event| event.shapes);
+        self.hits.sort_by_key(|event| event.shapes);
+        self.ends.sort_unstable();
+        let order = |event: &SensorEvent| (event.sensor, event.visitor);
+        self.entered.sort_by_key(order);
+        self.left.sort_by_key(order);
+    }
+}
+
+fn push<T>(events: &mut Vec<T>, event: T, most: usize, lost: &mut u32) {
+    if events.len() < most {
+        events.push(event);
+    } else {
+        *lost += 1;
+    }
+}
+
+impl World {
+    /// Shapes that began to touch in the last step, of pairs of which one asks for [`events`](crate::ShapeDesc::events);
+    /// sorted by their handles. What touched within the step and was thrown off again counts as touching, if it was pushed.
+    pub fn contact_begins(&self) -> &[ContactEvent] {
+        &self.events.begins
+    }
+
+    /// Shapes that no longer touch since the last step, or that were removed while they did.
+    pub fn contact_ends(&self) -> &[ContactEnd] {
+        &self.events.ends
+    }
+
+    /// Shapes that hit each other in the last step, at [`Settings::hit_speed`](crate::Settings::hit_speed) or faster.
+    pub fn contact_hits(&self) -> &[ContactEvent] {
+        &self.events.hits
+    }
+
+    /// What came into sensors in the last step, however fast. What crossed one within the step is here and in
+    /// [`World::sensor_ends`].
+    pub fn sensor_begins(&self) -> &[SensorEvent] {
+        &self.events.entered
+    }
+
+    /// What left sensors in the last step, or was removed while it was in one.
+    pub fn sensor_ends(&self) -> &[SensorEvent] {
+        &self.events.left
+    }
+
+    /// Shapes that are in a sensor, in the order of their handles, as of the last step; written into `into`.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn visitors(
+        &self,
+        sensor: ShapeHandle,
+        into: &mut Vec<ShapeHandle>,
+    ) -> Result<(), crate::error::Error> {
+        let collider = self.collider(sensor)?;
+        into.clear();
+        for pair in self.broad.pairs.iter().chain(self.sleep.kept_pairs()).filter(|pair| pair.touching) {
+            let other = match collider {
+                c if c == pair.a => pair.b,
+                c if c == pair.b => pair.a,
+                _ => continue,
+            };
+            into.push(self.shape_handle(other));
+        }
+        into.sort_unstable();
+        Ok(())
+    }
+
+    /// Pairs that end are heard of, if anyone listens to them.
+    pub(crate) fn part(&mut self, pair: &Pair) {
+        if pair.touching {
+            let [a, b] = [pair.a, pair.b].map(|c| self.shape_handle(c));
+            let sensor = |c: u32| self.colliders.hot[c as usize].is_sensor();
+            let gone = if sensor(pair.b) { (b, a, true) } else { (a, b, sensor(pair.a)) };
+            self.events.gone.push(gone);
+        }
+    }
+}

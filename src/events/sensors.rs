@@ -1,0 +1,94 @@
+//! Sensors: shapes that push nothing and notice what comes into them.
+//!
+//! A pair of a sensor is a pair like any other, swept where something is fast, but has no contact. Once bodies have moved,
+//! it is looked at along the way that they really went: a ball that crosses a sensor within a step is seen to come and to
+//! leave.
+
+use super::{SensorEvent, push};
+use crate::broad_phase::Pair;
+use crate::narrow_phase::{BodyPath, Motion, cast_convex, cast_plane, tolerance};
+use crate::shape::Kind;
+use crate::world::World;
+use glam::Vec3;
+
+impl World {
+    /// Who came into sensors and who left them in this step. Shapes are where they were at its start, bodies where they are
+    /// at its end.
+    pub(crate) fn hear_sensors(&mut self) {
+        if self.needs.sensors == 0 {
+            return;
+        }
+        let mut events = std::mem::take(&mut self.events);
+        let mut pairs = std::mem::take(&mut self.broad.pairs);
+        let most = self.settings.event_capacity as usize;
+        for pair in &mut pairs {
+            let sensor = |c: u32| self.colliders.hot[c as usize].is_sensor();
+            let (own, visitor) = match (sensor(pair.a), sensor(pair.b)) {
+                (true, false) => (pair.a, pair.b),
+                (false, true) => (pair.b, pair.a),
+                _ => continue,
+            };
+            let event = |fraction| SensorEvent {
+                sensor: self.shape_handle(own),
+                visitor: self.shape_handle(visitor),
+                fraction,
+            };
+            let inside = self.meet(pair, true).is_some();
+            if pair.touching {
+                if !inside {
+                    push(&mut events.left, event(1.0), most, &mut events.lost);
+                }
+            } else if let Some(fraction) = self.meet(pair, false).or(inside.then_some(1.0)) {
+                push(&mut events.entered, event(fraction), most, &mut events.lost);
+                if !inside {
+                    push(&mut events.left, event(1.0), most, &mut events.lost);
+                }
+            }
+            pair.touching = inside;
+        }
+        self.broad.pairs = pairs;
+        self.events = events;
+    }
+
+    /// When the two first touch on their ways, if they do; or whether they do where they are at the end of them.
+    fn meet(&self, pair: &Pair, at_end: bool) -> Option<f32> {
+        let [a, b] = [pair.a, pair.b].map(|c| &self.colliders.all[c as usize]);
+        let path = |c: u32| if at_end { self.place_now(c) } else { self.way_of(c) };
+        let motion = Motion::new(a, &path(pair.a), b, &path(pair.b));
+        let close = tolerance(a, b);
+        let touch = if b.kind == Kind::Plane {
+            cast_plane(a, b, &motion, close)
+        } else {
+            cast_convex(a, b, &motion, close)
+        };
+        touch.map(|touch| touch.fraction)
+    }
+
+    /// A collider's body at the end of the step, at rest.
+    fn place_now(&self, collider: u32) -> BodyPath {
+        let pose = &self.bodies.pose[self.colliders.hot[collider as usize].body as usize];
+        BodyPath {
+            centre: pose.position,
+            rotation: pose.rotation,
+            displacement: Vec3::ZERO,
+            spin: Vec3::ZERO,
+        }
+    }
+
+    /// The way that a collider's body went.
+    fn way_of(&self, collider: u32) -> BodyPath {
+        let shape = &self.colliders.all[collider as usize];
+        let (end, placed) =
+            (&self.bodies.pose[shape.body as usize], &self.colliders.poses[collider as usize]);
+        let rotation = (placed.rotation * shape.rotation.conjugate()).normalize();
+        let centre = placed.position - (rotation * shape.position).as_dvec3();
+        let mut turn = end.rotation * rotation.conjugate();
+        if turn.w < 0.0 {
+            turn = -turn;
+        }
+        let part = turn.xyz();
+        let sine = part.length();
+        let angle = if sine > 0.0 { 2.0 * libm::atan2f(sine, turn.w) / sine } else { 2.0 };
+        BodyPath { centre, rotation, displacement: (end.position - centre).as_vec3(), spin: part * angle }
+    }
+}
