@@ -77,6 +77,9 @@ impl World {
     fn run(&mut self, crew: &Crew<'_>, dt: f32) {
         let start = Instant::now();
         let mut times = StageTimes::default();
+        if let Some(now) = self.now.change() {
+            now.step();
+        }
         self.make_place_for_step();
         self.keep_previous();
 

@@ -4,7 +4,7 @@ mod budget;
 mod joints;
 
 use crate::body::{Bodies, BodyDesc, BodyKind, Cold, Mass, NewBody, Pose, Previous, Traits};
-use crate::broad_phase::{BroadPhase, Pair, aabb_of};
+use crate::broad_phase::{BroadPhase, Now, Pair, aabb_of};
 use crate::config::{Continuous, Settings};
 use crate::error::{Error, finite, finite3};
 use crate::finish::StepReport;
@@ -28,6 +28,8 @@ pub struct World {
     pub(crate) bodies: Bodies,
     pub(crate) colliders: Colliders,
     pub(crate) broad: BroadPhase,
+    /// Where what moves is now, for queries.
+    pub(crate) now: Now,
     pub(crate) joints: Joints,
     pub(crate) contacts: Contacts,
     pub(crate) buffers: Buffers,
@@ -309,10 +311,7 @@ impl World {
 
     /// All bodies: dynamic ones first, then kinematic, then static.
     pub fn bodies(&self) -> impl Iterator<Item = BodyHandle> + '_ {
-        self.bodies
-            .slot
-            .iter()
-            .map(|&slot| BodyHandle { slot, generation: self.bodies.slots.generation(slot) })
+        (0..self.bodies.len()).map(|index| self.handle_of(index))
     }
 
     /// Whether the handle still names a body.
@@ -410,6 +409,7 @@ impl World {
             rotation: (rotation * cold.axes).normalize(),
         };
         self.place_colliders(index);
+        self.note_move(index);
         if self.bodies.kind[index] == BodyKind::Static {
             for c in 0..self.bodies.colliders[index].as_slice().len() {
                 let collider = self.bodies.colliders[index].as_slice()[c];
@@ -582,12 +582,17 @@ impl World {
         self.bodies.slots.get(body.slot, body.generation).map(|i| i as usize).ok_or(Error::StaleBody)
     }
 
-    fn collider(&self, shape: ShapeHandle) -> Result<u32, Error> {
+    pub(crate) fn handle_of(&self, index: usize) -> BodyHandle {
+        let slot = self.bodies.slot[index];
+        BodyHandle { slot, generation: self.bodies.slots.generation(slot) }
+    }
+
+    pub(crate) fn collider(&self, shape: ShapeHandle) -> Result<u32, Error> {
         // A collider's slot is its index: it never moves.
         self.colliders.slots.get(shape.slot, shape.generation).ok_or(Error::StaleShape)
     }
 
-    fn shape_handle(&self, collider: u32) -> ShapeHandle {
+    pub(crate) fn shape_handle(&self, collider: u32) -> ShapeHandle {
         ShapeHandle { slot: collider, generation: self.colliders.slots.generation(collider) }
     }
 
@@ -683,6 +688,7 @@ impl World {
     }
 
     fn enter_broad(&mut self, collider: u32) {
+        self.note_change(collider);
         let c = &self.colliders.all[collider as usize];
         let body = c.body as usize;
         if self.bodies.kind[body] == BodyKind::Static {
@@ -695,10 +701,25 @@ impl World {
     }
 
     fn leave_broad(&mut self, collider: u32) {
+        self.note_change(collider);
         self.removed.clear();
         self.broad.remove(collider, &mut self.removed);
         for pair in &self.removed {
             self.contacts.remove_chain(pair.contact);
+        }
+    }
+
+    /// Queries are to look where a collider is.
+    fn note_change(&mut self, collider: u32) {
+        if let Some(now) = self.now.change() {
+            now.touch(collider);
+        }
+    }
+
+    /// The same for all colliders of a body.
+    fn note_move(&mut self, index: usize) {
+        if let Some(now) = self.now.change() {
+            self.bodies.colliders[index].as_slice().iter().for_each(|&c| now.touch(c));
         }
     }
 
@@ -736,6 +757,7 @@ impl World {
         self.bodies.cold[index] = cold;
         self.bodies.mass[index] = columns;
         self.recentre_joints(index, &old);
+        self.note_move(index);
         for &c in self.bodies.colliders[index].as_slice() {
             let c = &mut self.colliders.all[c as usize];
             c.position = cold.axes.conjugate() * (old.centre + old.axes * c.position - cold.centre);
@@ -776,7 +798,7 @@ impl Colliders {
     }
 }
 
-fn finite_position(position: DVec3) -> Result<(), Error> {
+pub(crate) fn finite_position(position: DVec3) -> Result<(), Error> {
     match position.to_array().into_iter().find(|v| !v.is_finite()) {
         Some(value) => Err(Error::NotFinite { what: "position", value }),
         None => Ok(()),
