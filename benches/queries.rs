@@ -9,7 +9,9 @@
 #![allow(clippy::disallowed_methods, reason = "the other library is the other library's matter")]
 
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::{BodyDesc, Geometry, QueryFilter, Ray, RayHit, Settings, ShapeCast, ShapeDesc, TriangleMesh, World};
+use backstop::{
+    BodyDesc, Geometry, QueryFilter, Ray, RayHit, Settings, ShapeCast, ShapeDesc, TriangleMesh, World,
+};
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::{Pose, Rotation, Vector};
 use parry3d::partitioning::{Bvh, BvhBuildStrategy};
@@ -93,12 +95,11 @@ fn rays(kind: &str, count: usize) -> Vec<Ray> {
             let (from, path) = match kind {
                 "down" => (over, Vec3::NEG_Y * 30.0),
                 "slanting" => (over, Vec3::new(random.range(-60.0, 60.0), -30.0, random.range(-60.0, 60.0))),
-                "level" => {
-                    (over * Vec3::new(1.0, 0.2, 1.0), random.cube() * Vec3::new(100.0, 2.0, 100.0))
-                }
+                "level" => (over * Vec3::new(1.0, 0.2, 1.0), random.cube() * Vec3::new(100.0, 2.0, 100.0)),
                 _ => {
                     let side = (count as f32).sqrt() as usize;
-                    let (u, v) = ((i % side) as f32 / side as f32 - 0.5, (i / side) as f32 / side as f32 - 0.5);
+                    let (u, v) =
+                        ((i % side) as f32 / side as f32 - 0.5, (i / side) as f32 / side as f32 - 0.5);
                     (Vec3::new(0.0, 12.0, -50.0), Vec3::new(u * 100.0, -20.0 + v * 60.0, 100.0))
                 }
             };
@@ -128,7 +129,8 @@ fn mesh() {
     compare_casts("mesh, balls slanting", &world, &ball, &casts, |from, path| {
         let to = Pose::from_parts(from, Rotation::IDENTITY);
         let options = ShapeCastOptions::with_max_time_of_impact(1.0);
-        cast_shapes(&to, path, &*parry_ball, &Pose::IDENTITY, Vector::ZERO, &theirs, options).is_ok_and(|h| h.is_some())
+        cast_shapes(&to, path, &*parry_ball, &Pose::IDENTITY, Vector::ZERO, &theirs, options)
+            .is_ok_and(|h| h.is_some())
     });
 }
 
@@ -136,9 +138,8 @@ fn compare_rays(name: &str, world: &World, rays: &[Ray], theirs: impl Fn(&ParryR
     let filter = QueryFilter::new();
     let converted: Vec<ParryRay> =
         rays.iter().map(|r| ParryRay::new(vector(r.from.as_vec3()), vector(r.path))).collect();
-    let single = || {
-        rays.iter().filter(|ray| world.cast_ray(ray, &filter).is_ok_and(|hit| hit.is_some())).count()
-    };
+    let single =
+        || rays.iter().filter(|ray| world.cast_ray(ray, &filter).is_ok_and(|hit| hit.is_some())).count();
     let all = || converted.iter().filter(|ray| theirs(ray)).count();
     beside(name, rays.len(), single, all);
     let hits = RefCell::new(vec![None::<RayHit>; rays.len()]);
@@ -227,7 +228,9 @@ fn bodies(name: &str, extent: Vec3, kind: impl Fn() -> BodyDesc) {
     });
     let filter = QueryFilter::new();
     let points: Vec<DVec3> = rays.iter().map(|r| r.from).collect();
-    let ours = || points.iter().filter(|p| world.closest_point(**p, 10.0, &filter).is_ok_and(|h| h.is_some())).count();
+    let ours = || {
+        points.iter().filter(|p| world.closest_point(**p, 10.0, &filter).is_ok_and(|h| h.is_some())).count()
+    };
     let other = || {
         let near = |p: &&DVec3| {
             let at = vector(p.as_vec3());

@@ -63,11 +63,12 @@ pub(super) fn first_touch(
         };
         let room = gap.lower - radii;
         let closing = course.path.dot(gap.normal);
-        if room <= course.tolerance && (step > 0 || closing > 0.0) {
-            return Some(touch);
-        }
-        if closing <= 0.0 {
+        // A gap that outlasts the path: however near it gets, it touches nothing.
+        if closing <= 0.0 || t + room / closing > 1.0 {
             return None;
+        }
+        if room <= course.tolerance {
+            return Some(touch);
         }
         // Short of the tolerance, so that the last step is not the limit of infinitely many.
         t += (room - 0.5 * course.tolerance) / closing;
@@ -109,7 +110,12 @@ pub(super) fn over_plane(a: &Support, pose: &SupportPose) -> (f64, DVec3, DVec3)
 }
 
 /// [`first_touch`] with the half-space below a plane.
-pub(super) fn first_touch_plane(a: &Support, pose: &SupportPose, course: &Course, most: f64) -> Option<Touch> {
+pub(super) fn first_touch_plane(
+    a: &Support,
+    pose: &SupportPose,
+    course: &Course,
+    most: f64,
+) -> Option<Touch> {
     let (height, up, lowest) = over_plane(a, pose);
     let closing = -up.dot(course.path);
     if height <= 0.0 {
@@ -118,7 +124,7 @@ pub(super) fn first_touch_plane(a: &Support, pose: &SupportPose, course: &Course
         return stays.then_some(Touch { fraction: 0.0, normal: -up, point, depth: -height });
     }
     let t = ((height - 0.5 * course.tolerance) / closing).max(0.0);
-    (closing > 0.0 && t <= most).then(|| {
+    (closing > 0.0 && height / closing <= 1.0 && t <= most).then(|| {
         let point = lowest + course.path * t;
         Touch { fraction: t, normal: -up, point: point - up * up.dot(point - pose.position), depth: 0.0 }
     })

@@ -38,11 +38,11 @@ pub(super) fn holds(shape: &Collider, at: DVec3) -> bool {
         Kind::Box => at.abs().cmplt(DVec3::new(x, y, z)).all(),
         Kind::Plane => at.y < 0.0,
         Kind::Capsule => Capsule::new(x, y, z).above(at).0 < 0.0,
-        Kind::Cylinder => {
-            at.y.abs() < x && across(at) < 0.5 * (y + z) - 0.5 * (y - z) * at.y / x
-        }
+        Kind::Cylinder => at.y.abs() < x && across(at) < 0.5 * (y + z) - 0.5 * (y - z) * at.y / x,
         Kind::Hull => match &shape.geometry {
-            Geometry::Hull(hull) => hull.planes.iter().all(|(n, offset)| n.as_dvec3().dot(at) < f64::from(*offset)),
+            Geometry::Hull(hull) => {
+                hull.planes.iter().all(|(n, offset)| n.as_dvec3().dot(at) < f64::from(*offset))
+            }
             _ => false,
         },
         Kind::Mesh | Kind::HeightField => false,

@@ -77,7 +77,8 @@ impl<'a> Polytope<'a> {
 
     /// The point of b - a that is furthest along `n`.
     fn furthest(&self, n: DVec3) -> Corner {
-        let on_b = self.pose.rotation * self.b.support(self.pose.rotation.transpose() * n) + self.pose.position;
+        let on_b =
+            self.pose.rotation * self.b.support(self.pose.rotation.transpose() * n) + self.pose.position;
         Corner { at: on_b - self.a.support(-n), on_b }
     }
 

@@ -4,7 +4,7 @@ use super::candidates::{Candidate, turn, turn_back};
 use super::ray::check_start;
 use crate::error::{Error, within};
 use crate::narrow_phase::{Support, SupportPose};
-use crate::shape::{Geometry, unit_quat};
+use crate::shape::{Collider, Geometry, unit_quat};
 use glam::{DMat3, DVec3, Quat, Vec3};
 
 /// See the module.
@@ -19,11 +19,7 @@ pub(super) struct Probe<'a> {
 }
 
 impl<'a> Probe<'a> {
-    pub(super) fn new(
-        geometry: &'a Geometry,
-        position: DVec3,
-        rotation: Quat,
-    ) -> Result<Probe<'a>, Error> {
+    pub(super) fn new(geometry: &'a Geometry, position: DVec3, rotation: Quat) -> Result<Probe<'a>, Error> {
         geometry.validate()?;
         let Some(support) = Support::of_geometry(geometry) else {
             return Err(Error::NotConvex { shape: geometry.kind_name() });
@@ -54,12 +50,12 @@ impl<'a> Probe<'a> {
         turn(self.rotation, v)
     }
 
-    /// How near counts as a touch [m]: a ten-thousandth of the smaller shape, at most 0.05 mm, and no less than `f32`
-    /// resolves over the larger.
-    pub(super) fn tolerance(&self, other: f32) -> f64 {
-        let other = if other.is_finite() { other } else { self.radius };
+    /// How near counts as a touch [m]: a hundred-thousandth of the smaller shape, at most 5 µm, and no less than the `f32`
+    /// corners of a large hull ask for.
+    pub(super) fn tolerance(&self, other: &Collider) -> f64 {
+        let other = if other.kind.is_convex() { other.radius } else { self.radius };
         let (small, large) = (self.radius.min(other), self.radius.max(other));
-        f64::from((1e-4 * small).min(5e-5).max(f32::EPSILON * large))
+        f64::from((1e-5 * small).min(5e-6).max(f32::EPSILON * large))
     }
 
     /// Half extents of a box around the probe in the axes of a shape [m].

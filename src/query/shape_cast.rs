@@ -77,20 +77,25 @@ impl Found {
 impl World {
     /// The first shape that a moving one touches.
     ///
-    /// The fraction is early by at most a ten-thousandth of the smaller shape and at most 0.05 mm (but not less than
-    /// `f32` resolves over the larger shape), and never late: moved up to there, the shape overlaps nothing that it did
-    /// not overlap at the start. What it overlaps at the start it touches at the fraction 0, with [`ShapeHit::depth`] and
-    /// the direction out, wherever it goes; with [`QueryFilter::skip_inside`] only if it goes deeper. What it touches at
-    /// the start without overlap counts if the path leads towards it. Triangles of meshes and height fields are touched
-    /// from both sides; of several that overlap at the start the deepest is reported. Of shapes at the same fraction the
-    /// one of the lower [`ShapeHandle`] is reported, of triangles that of the lower index.
+    /// The fraction is early, by a gap of at most a hundred-thousandth of the smaller shape and at most 5 µm (of the
+    /// larger: what `f32` resolves over it), and never late: moved up to there, the shape overlaps nothing that it did not
+    /// overlap at the start. What it overlaps at the start it touches at the fraction 0, with [`ShapeHit::depth`] and the
+    /// direction out, wherever it goes; with [`QueryFilter::skip_inside`] only if it goes deeper. What it is next to
+    /// without overlap counts if the path leads into it, not along it. Triangles of meshes and height fields are touched
+    /// from both sides, each for itself: whatever is said of an overlap here is said of single triangles. Of several that
+    /// overlap at the start the deepest is reported. Of shapes at the same fraction the one of the lower [`ShapeHandle`]
+    /// is reported, of triangles that of the lower index.
     ///
     /// When, where and how often it may be asked: as [`World::cast_ray`].
     ///
     /// # Errors
     /// The shape is not convex or has no size, the rotation is not a unit quaternion, or a number is not finite or beyond
     /// 1e15.
-    pub fn cast_shape(&self, cast: &ShapeCast<'_>, filter: &QueryFilter<'_>) -> Result<Option<ShapeHit>, Error> {
+    pub fn cast_shape(
+        &self,
+        cast: &ShapeCast<'_>,
+        filter: &QueryFilter<'_>,
+    ) -> Result<Option<ShapeHit>, Error> {
         let probe = check(cast)?;
         let mut first: Option<(f32, u32, Found)> = None;
         self.on_way(&probe, cast.path, filter, false, |candidate, found, fraction| {
@@ -149,12 +154,10 @@ impl World {
         mut f: impl FnMut(&Candidate<'a>, &Found, f32) -> f32,
     ) {
         let local = probe.local(path);
-        // What comes within the tolerance counts, so boxes are as much wider.
-        let half = probe.half + probe.tolerance(f32::INFINITY) as f32;
-        self.along((probe.position, path, half), filter, 1.0, |candidate, most| {
+        self.along((probe.position, path, probe.half), filter, 1.0, |candidate, most| {
             let course = Course {
                 path: local,
-                tolerance: probe.tolerance(candidate.shape.radius),
+                tolerance: probe.tolerance(candidate.shape),
                 skip_inside: filter.skip_inside,
             };
             match touch(probe, candidate, &course, most, any) {
@@ -195,7 +198,13 @@ fn limit(most: f32) -> f64 {
     (f64::from(most) * (1.0 + 1e-6)).min(1.0)
 }
 
-fn touch(probe: &Probe<'_>, candidate: &Candidate<'_>, course: &Course, most: f32, any: bool) -> Option<Found> {
+fn touch(
+    probe: &Probe<'_>,
+    candidate: &Candidate<'_>,
+    course: &Course,
+    most: f32,
+    any: bool,
+) -> Option<Found> {
     let pose = probe.pose_of(candidate);
     let touch = match candidate.shape.kind {
         Kind::Plane => first_touch_plane(&probe.support, &pose, course, limit(most)),
@@ -228,9 +237,8 @@ fn touch_triangles(
         };
         let fraction = round_down(touch.fraction);
         // Deeper before shallower before the lower index.
-        let better = |other: &(f32, u32, Touch)| {
-            (fraction, -touch.depth, index) < (other.0, -other.2.depth, other.1)
-        };
+        let better =
+            |other: &(f32, u32, Touch)| (fraction, -touch.depth, index) < (other.0, -other.2.depth, other.1);
         if fraction <= most && best.as_ref().is_none_or(better) {
             best = Some((fraction, index, touch));
         }

@@ -198,7 +198,8 @@ fn moving_shapes_touch_where_dense_samples_do() {
     let (mut hits, mut misses, mut inside) = (0, 0, 0);
     for i in 0..many(4000) {
         let (a, b) = (random.shape(CONVEX[i % 5], 1.0), random.shape(CONVEX[i / 5 % 5], 1.0));
-        let (position, rotation) = (random.direction() * random.range(0.0, 6.0), random.rotation_or_aligned());
+        let (position, rotation) =
+            (random.direction() * random.range(0.0, 6.0), random.rotation_or_aligned());
         let path = (position + random.cube() * 1.5) * random.range(0.5, 1.5);
         let mut world = World::new(Settings::default()).unwrap();
         let shape = ShapeDesc::new(b.geometry.clone());
@@ -208,7 +209,7 @@ fn moving_shapes_touch_where_dense_samples_do() {
         let hit = world.cast_shape(&cast, &QueryFilter::new()).unwrap();
         let gap = |t: f64| gap_at(&a, &b, (position, rotation), path, t);
         let end = hit.map_or(1.0, |h| f64::from(h.fraction));
-        let (tolerance, scale) = (6e-5, f64::from(a.radius + b.radius));
+        let (tolerance, scale) = (6e-6, f64::from(a.radius + b.radius));
         if gap(0.0) <= 0.0 {
             inside += 1;
             let hit = hit.unwrap();
@@ -262,7 +263,8 @@ fn the_way_out_of_an_overlap_is_the_shortest() {
             worst = worst.max((found.depth - other) / scale);
             assert!(found.depth <= other + 3e-3 * scale, "{} {other} {a:?} {b:?} {pose:?}", found.depth);
         }
-        let out = SupportPose { position: pose.position + found.normal * (found.depth + 1e-5 * scale), ..pose };
+        let out =
+            SupportPose { position: pose.position + found.normal * (found.depth + 1e-5 * scale), ..pose };
         assert!(!overlaps(&sa, &sb, &out, found.normal));
     }
     println!("{deep} overlaps, {worst:e} too deep at most");

@@ -431,7 +431,12 @@ impl HeightField {
     }
 
     /// Whether `f` says yes to any triangle whose bounding box meets a box.
-    pub(crate) fn any_in_box(&self, min: Vec3, max: Vec3, f: &mut impl FnMut(u32, [Vec3; 3]) -> bool) -> bool {
+    pub(crate) fn any_in_box(
+        &self,
+        min: Vec3,
+        max: Vec3,
+        f: &mut impl FnMut(u32, [Vec3; 3]) -> bool,
+    ) -> bool {
         let mut any = false;
         self.visit_box(min, max, &mut |i, corners| any = any || f(i, corners));
         any

@@ -286,11 +286,17 @@ impl TriangleMesh {
     }
 
     /// Whether `f` says yes to any triangle whose bounding box meets a box.
-    pub(crate) fn any_in_box(&self, min: Vec3, max: Vec3, f: &mut impl FnMut(u32, [Vec3; 3]) -> bool) -> bool {
+    pub(crate) fn any_in_box(
+        &self,
+        min: Vec3,
+        max: Vec3,
+        f: &mut impl FnMut(u32, [Vec3; 3]) -> bool,
+    ) -> bool {
         self.tree.any_in_box(min, max, |first, count| {
             let leaf = self.leaf(first, count);
             let bits = leaf.corners.meeting(min, max) & leaf.lanes;
-            (0..count).any(|lane| bits >> lane & 1 != 0 && f(first + lane, leaf.corners.triangle(lane as usize)))
+            (0..count)
+                .any(|lane| bits >> lane & 1 != 0 && f(first + lane, leaf.corners.triangle(lane as usize)))
         })
     }
 

@@ -156,7 +156,9 @@ mod tests {
                 let near = Near::<f32>::new(from).squared(&min, &max);
                 let nearest = from.clamp(bounds.min.as_dvec3(), bounds.max.as_dvec3());
                 let expected = (from - nearest).length_squared();
-                assert!(f64::from(near) <= expected && f64::from(near) >= expected * 0.999 - 0.2 * slack * 1e3);
+                assert!(
+                    f64::from(near) <= expected && f64::from(near) >= expected * 0.999 - 0.2 * slack * 1e3
+                );
             }
             assert!(cfg!(miri) || (hits > 5_000 && misses > 5_000), "{hits} {misses}");
         }
