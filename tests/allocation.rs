@@ -209,7 +209,7 @@ fn queries_allocate_nothing() {
         world.closest_point_all(at, 1.0, &filter, &mut points).unwrap();
         found += rays.len() + casts.len() + overlaps.len() + points.len();
         // By hand, too: one body there and back.
-        let (body, lift) = (bodies[bodies.len() - 1], if step % 2 == 0 { 0.1 } else { -0.1 });
+        let (body, lift) = (bodies[bodies.len() - 1], if step.is_multiple_of(2) { 0.1 } else { -0.1 });
         let to = world.position(body).unwrap() + DVec3::Y * lift;
         world.set_pose(body, to, world.rotation(body).unwrap()).unwrap();
     };

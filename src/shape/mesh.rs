@@ -249,8 +249,8 @@ impl TriangleMesh {
                 let leaf = self.leaf(first, count);
                 let (low, high) = leaf.corners.bounds();
                 let enter = eight.enter(&low, &high, most).to_array();
-                for lane in 0..count as usize {
-                    if enter[lane] <= most {
+                for (lane, &enter) in enter.iter().enumerate().take(count as usize) {
+                    if enter <= most {
                         most = f(first + lane as u32, leaf.corners.triangle(lane), most);
                     }
                 }
@@ -275,8 +275,8 @@ impl TriangleMesh {
                 let leaf = self.leaf(first, count);
                 let (low, high) = leaf.corners.bounds();
                 let far = eight.squared(&low, &high).to_array();
-                for lane in 0..count as usize {
-                    if far[lane] <= most {
+                for (lane, &far) in far.iter().enumerate().take(count as usize) {
+                    if far <= most {
                         most = f(first + lane as u32, leaf.corners.triangle(lane), most);
                     }
                 }
