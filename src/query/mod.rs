@@ -25,5 +25,10 @@ pub use ray::{Ray, RayHit};
 pub(crate) use segment::segment_hits;
 pub use shape_cast::{ShapeCast, ShapeHit};
 
+/// Its example is run with the tests of the documentation.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/queries.md")]
+struct Docs;
+
 #[cfg(test)]
 mod tests;
