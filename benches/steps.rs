@@ -22,25 +22,51 @@ struct Case {
     warm: u32,
     /// Steps that a sample takes, from a new world each time; `None` for a scene that runs on.
     window: Option<u32>,
+    /// All that can is sent to sleep.
+    asleep: bool,
 }
 
 const CASES: &[Case] = &[
-    Case { name: "large_pyramid_30", scene: || builtin::large_pyramid(30), warm: 60, window: None },
-    Case { name: "large_pyramid_60", scene: || builtin::large_pyramid(60), warm: 60, window: None },
-    Case { name: "tall_stack", scene: builtin::tall_stack, warm: 60, window: None },
-    Case { name: "pile", scene: builtin::pile, warm: 200, window: None },
+    Case {
+        name: "large_pyramid_30",
+        scene: || builtin::large_pyramid(30),
+        warm: 60,
+        window: None,
+        asleep: false,
+    },
+    Case {
+        name: "large_pyramid_60",
+        scene: || builtin::large_pyramid(60),
+        warm: 60,
+        window: None,
+        asleep: false,
+    },
+    Case { name: "tall_stack", scene: builtin::tall_stack, warm: 60, window: None, asleep: false },
+    Case { name: "pile", scene: builtin::pile, warm: 200, window: None, asleep: false },
+    Case { name: "pile_asleep", scene: builtin::pile, warm: 200, window: None, asleep: true },
     // All eleven hit the terrain between the steps 20 and 33.
-    Case { name: "talk", scene: builtin::talk, warm: 10, window: Some(40) },
-    Case { name: "joint_grid", scene: || builtin::joint_grid(100), warm: 0, window: Some(100) },
+    Case { name: "talk", scene: builtin::talk, warm: 10, window: Some(40), asleep: false },
+    Case {
+        name: "joint_grid",
+        scene: || builtin::joint_grid(100),
+        warm: 0,
+        window: Some(100),
+        asleep: false,
+    },
     // The fastest cross the floor's height in the first steps, the slowest in the twelfth.
-    Case { name: "bullets", scene: || builtin::bullets(false), warm: 1, window: Some(20) },
+    Case { name: "bullets", scene: || builtin::bullets(false), warm: 1, window: Some(20), asleep: false },
 ];
 
-fn warm(scene: &Scene, steps: u32, threads: usize) -> World {
-    let settings = Settings { gravity: scene.gravity, threads, ..Settings::default() };
+fn warm(scene: &Scene, case: &Case, threads: usize) -> World {
+    let settings = Settings { gravity: scene.gravity, threads, sleeping: case.asleep, ..Settings::default() };
     let mut world = World::new(settings).expect("the default settings are in range");
     scene.add_to(&mut world).expect("a builtin scene is valid");
-    advance(&mut world, steps);
+    advance(&mut world, case.warm);
+    if case.asleep {
+        for body in world.bodies().collect::<Vec<_>>() {
+            world.send_to_sleep(body).expect("the body is there");
+        }
+    }
     world
 }
 
@@ -63,11 +89,11 @@ fn steps(c: &mut Criterion) {
             group.bench_function(BenchmarkId::from_parameter(threads), |b| {
                 pool.install(|| match case.window {
                     None => {
-                        let world = running.get_or_insert_with(|| warm(&scene, case.warm, threads));
+                        let world = running.get_or_insert_with(|| warm(&scene, case, threads));
                         b.iter(|| advance(world, 1));
                     }
                     Some(window) => b.iter_batched_ref(
-                        || warm(&scene, case.warm, threads),
+                        || warm(&scene, case, threads),
                         |world| advance(world, window),
                         BatchSize::PerIteration,
                     ),

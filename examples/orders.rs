@@ -55,7 +55,9 @@ fn press(order: Order, (substeps, iterations): (u32, u32), force: f32) -> Result
     let motor = Drive::motor(Motion::Linear, Axis::X, 1.0, force);
     // On a rail: neither up nor aside.
     let rail = Limit::lock(Motion::Linear, Axes::Around(Axis::X));
-    world.add_joint(&JointDesc::new([wall, hips], frames).with_drive(motor).with_limit(rail))?;
+    let pusher = JointDesc::new([wall, hips], frames).with_drive(motor).with_limit(rail);
+    // Or the wall that holds the rail would not stop the hips.
+    world.add_joint(&pusher.colliding(true))?;
 
     let mut worst = Worst::default();
     for _ in 0..300 {

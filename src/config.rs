@@ -93,6 +93,14 @@ pub struct Settings {
     /// In which order groups of rows are solved: what comes last is obeyed best. Default: joints before contacts, static
     /// geometry last.
     pub order: Order,
+    /// Whether bodies at rest fall asleep, in islands that hang together; until something wakes them they take no time.
+    /// Default false.
+    pub sleeping: bool,
+    /// A body counts as at rest while neither its centre nor, by its rotation alone, any point of it is faster [m/s per
+    /// length unit]. Default 0.05.
+    pub sleep_speed: f32,
+    /// How long all bodies of an island must be at rest before it falls asleep [s]. Default 0.5.
+    pub sleep_time: f32,
     /// Bytes that the world may reserve; `None` for no limit. What is added beyond is refused, and a step leaves out the
     /// contacts that don't fit ([`StepReport::shed`](crate::StepReport::shed)). Default `None`.
     pub budget: Option<usize>,
@@ -117,6 +125,9 @@ impl Default for Settings {
             warm_starting: true,
             recycling: true,
             order: Order::default(),
+            sleeping: false,
+            sleep_speed: 0.05,
+            sleep_time: 0.5,
             budget: None,
         }
     }
@@ -138,6 +149,8 @@ impl Settings {
         positive("contact_hertz", self.contact_hertz)?;
         positive("contact_damping", self.contact_damping)?;
         positive("push_speed", self.push_speed)?;
+        within("sleep_speed", self.sleep_speed, 0.0, f32::MAX, "at least zero")?;
+        within("sleep_time", self.sleep_time, 0.0, f32::MAX, "at least zero")?;
         if !self.order.is_complete() {
             return Err(Error::Incomplete { what: "the order of rows", expected: "each group once" });
         }

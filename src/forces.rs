@@ -86,7 +86,6 @@ pub(crate) fn predict(crew: &Crew<'_>, world: &mut World, dt: f32) {
             }
         });
     }
-    world.bodies.force.iter_mut().for_each(|f| *f = Record::default());
 }
 
 fn accelerate(bodies: &Bodies, i: usize, gravity: Vec3, inverse: &Sym3<f32>) -> Record {

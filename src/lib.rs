@@ -73,6 +73,7 @@ mod narrow_phase;
 mod query;
 pub mod scene;
 mod shape;
+mod sleep;
 mod solver;
 mod step;
 mod threads;

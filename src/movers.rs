@@ -96,8 +96,10 @@ pub(crate) fn pairs(crew: &Crew<'_>, world: &mut World) -> (BroadStats, u32) {
     let may_collide = |a: u32, b: u32| {
         let (a, b) = (&all[a as usize], &all[b as usize]);
         let dynamic = |c: &Collider| bodies.kind[c.body as usize] == BodyKind::Dynamic;
+        let awake = |c: &Collider| (c.body as usize) < count;
         a.body != b.body
             && (dynamic(a) || dynamic(b))
+            && (awake(a) || awake(b))
             && a.filter.allows(&b.filter)
             && !joints.keep_apart(bodies.slot[a.body as usize], bodies.slot[b.body as usize])
     };

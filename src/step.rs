@@ -1,5 +1,6 @@
 //! One step on one screen.
 
+use crate::broad_phase::BroadStats;
 use crate::config::FrictionModel;
 use crate::constraint::{
     BounceInput, BounceScratch, JointInput, JointRows, PrepareInput, PrepareScratch, Prepared, Rows, bounce,
@@ -8,6 +9,7 @@ use crate::constraint::{
 use crate::error::{Error, positive};
 use crate::finish::{StageTimes, StepReport};
 use crate::forces::Forces;
+use crate::lanes::Record;
 use crate::memory::{Category, MemoryReport, bytes_of};
 use crate::narrow_phase::{Input, Scratch, collide};
 use crate::threads::{Crew, Shared, with_crew};
@@ -82,9 +84,15 @@ impl World {
         }
         self.make_place_for_step();
         self.keep_previous();
+        self.keep_rest();
 
         forces::predict(crew, self, dt);
-        let broad = movers::pairs(crew, self);
+        let mut broad = movers::pairs(crew, self);
+        if self.wake_what_is_reached() {
+            forces::predict(crew, self, dt);
+            broad = sum(broad, movers::pairs(crew, self));
+        }
+        self.bodies.force.iter_mut().for_each(|f| *f = Record::default());
         let mut clock = lap(start, &mut times.broad);
 
         let narrow = self.narrow(crew);
@@ -98,11 +106,11 @@ impl World {
         solver::solve(crew, &self.settings, dt, &mut self.bodies, &buffers.forces, rows, state);
         self.store_joints(dt);
         let pushed = {
-            let poses = &self.colliders.poses;
             if self.settings.friction_model == FrictionModel::Point {
                 // Each point adds its share.
-                self.contacts.all.iter_mut().for_each(|c| c.friction = glam::Vec3::ZERO);
+                self.forget_friction();
             }
+            let poses = &self.colliders.poses;
             let contacts = Shared::new(&mut self.contacts.all);
             solver::store(crew, &self.buffers.rows, dt, &contacts, &|c| poses[c as usize].rotation)
         };
@@ -111,11 +119,24 @@ impl World {
         // Where pairs were shed, to have none says nothing.
         let fast = if broad.0.shed > 0 { 0 } else { broad.0.fast };
         let ended = finish::finish(crew, self, fast, dt);
+        self.rest(crew, dt);
         let end = lap(clock, &mut times.finish);
         times.step = (end - start).as_secs_f32() * 1e6;
         self.buffers.last_h = dt / self.settings.substeps as f32;
         self.report = StepReport::new(self, times, broad, narrow, prepared, pushed, ended);
+        (self.sleep.woke, self.sleep.slept) = (0, 0);
         self.note_peaks();
+    }
+
+    /// Of all contacts of the step.
+    fn forget_friction(&mut self) {
+        for pair in &self.broad.pairs {
+            let mut slot = pair.contact;
+            while let Some(contact) = self.contacts.all.get_mut(slot as usize) {
+                contact.friction = glam::Vec3::ZERO;
+                slot = contact.next;
+            }
+        }
     }
 
     /// What joints bore, and which of them broke.
@@ -125,7 +146,7 @@ impl World {
             return;
         }
         let hold = (dt / crate::constraint::contact_row::HOLD).min(1.0);
-        self.buffers.joints.store(&mut self.joints, self.settings.substeps as f32 / dt, hold);
+        self.buffers.joints.store(&mut self.joints, &self.bodies, self.settings.substeps as f32 / dt, hold);
         if self.joints.any_breakable() {
             self.break_joints();
         }
@@ -134,6 +155,7 @@ impl World {
     fn narrow(&mut self, crew: &Crew<'_>) -> crate::narrow_phase::NarrowStats {
         let unit = self.settings.length_unit;
         let mut room = self.room();
+        let (joints, slots) = (&self.joints, &self.bodies.slot);
         let input = Input {
             colliders: &self.colliders.all,
             hot: &self.colliders.hot,
@@ -145,6 +167,7 @@ impl World {
             fast: FAST * unit,
             recycle: if self.settings.recycling { RECYCLE * unit } else { -1.0 },
             mode: self.settings.continuous,
+            has_joints: &|body| joints.has_any(slots[body as usize]),
         };
         let scratch = &mut self.buffers.narrow;
         collide(crew, &input, &mut self.broad.pairs, &mut self.contacts, scratch, &mut room)
@@ -174,7 +197,7 @@ impl World {
         let warm = if self.settings.warm_starting && last > 0.0 { h / last } else { 0.0 };
         if self.joints.changed {
             self.joints.compact();
-            self.buffers.joints.arrange(&self.joints, &self.bodies);
+            self.buffers.joints.arrange(&self.joints, &self.bodies, self.settings.order);
         }
         if self.joints.count > 0 || !self.buffers.joints.seats.is_empty() {
             let Buffers { joints, forces, .. } = &mut self.buffers;
@@ -226,6 +249,18 @@ impl World {
         }
         Prepared { impacts: impacts as u32, shed: prepared.shed + lost, ..prepared }
     }
+}
+
+/// What two looks for pairs did in all.
+fn sum((one, ghosts): (BroadStats, u32), (two, more): (BroadStats, u32)) -> (BroadStats, u32) {
+    let stats = BroadStats {
+        moved: one.moved + two.moved,
+        added: one.added + two.added,
+        removed: one.removed + two.removed,
+        built: one.built + two.built,
+        ..two
+    };
+    (stats, ghosts + more)
 }
 
 /// Adds the time since `start` to a stage [us] and returns now.

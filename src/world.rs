@@ -2,10 +2,12 @@
 
 mod budget;
 mod joints;
+mod sleep;
 
 use crate::body::{Bodies, BodyDesc, BodyKind, Cold, Mass, NewBody, Pose, Previous, Traits};
-use crate::broad_phase::{BroadPhase, Now, Pair, aabb_of};
+use crate::broad_phase::{Aabb, BroadPhase, Now, Pair, aabb_of};
 use crate::config::{Continuous, Settings};
+use crate::constraint::RowGroup;
 use crate::error::{Error, finite, finite3};
 use crate::finish::StepReport;
 use crate::forces::world_inertia;
@@ -15,6 +17,7 @@ use crate::lanes::Record;
 use crate::memory::{Category, MemoryReport};
 use crate::narrow_phase::Contacts;
 use crate::shape::{Collider, Filter, Geometry, Hot, Kind, MassProperties, Material, ShapeDesc, unit_quat};
+use crate::sleep::Sleep;
 use crate::step::Buffers;
 use glam::{DVec3, Quat, Vec3};
 
@@ -39,6 +42,7 @@ pub struct World {
     assets: Assets,
     peaks: MemoryReport,
     removed: Vec<Pair>,
+    pub(crate) sleep: Sleep,
 }
 
 /// What the content of the world requires of a step; what nothing requires costs nothing.
@@ -133,6 +137,10 @@ impl World {
     /// If a setting is out of range.
     pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
         settings.validate()?;
+        if settings.gravity != self.settings.gravity || !settings.sleeping {
+            self.wake_all();
+        }
+        self.joints.changed |= settings.order != self.settings.order;
         self.settings = settings;
         Ok(())
     }
@@ -185,6 +193,7 @@ impl World {
     /// If the handle is stale.
     pub fn remove_body(&mut self, body: BodyHandle) -> Result<(), Error> {
         let index = self.index(body)?;
+        let index = self.disturb(index);
         self.remove_joints_of(body);
         let colliders = self.bodies.take_colliders(index);
         for &collider in colliders.as_slice() {
@@ -217,6 +226,7 @@ impl World {
             shape,
             self.bodies.colliders[index].as_slice().len(),
         )?;
+        let index = self.disturb(index);
         let collider = self.new_collider(index, shape);
         if self.bodies.cold[index].mass_from_shapes && mass.mass > 0.0 {
             self.refresh_mass(index);
@@ -239,6 +249,7 @@ impl World {
                 return Err(Error::NoMass);
             }
         }
+        let index = self.disturb(index);
         self.bodies.detach(index, collider);
         self.drop_collider(collider);
         if from_shapes {
@@ -279,6 +290,7 @@ impl World {
     pub fn set_material(&mut self, shape: ShapeHandle, material: Material) -> Result<(), Error> {
         material.validate()?;
         let index = self.collider(shape)? as usize;
+        self.disturb(self.colliders.all[index].body as usize);
         let old = std::mem::replace(&mut self.colliders.all[index].material, material);
         self.needs.restitution -= u32::from(old.restitution > 0.0);
         self.needs.restitution += u32::from(material.restitution > 0.0);
@@ -291,8 +303,10 @@ impl World {
     /// If the handle is stale.
     pub fn set_filter(&mut self, shape: ShapeHandle, filter: Filter) -> Result<(), Error> {
         let index = self.collider(shape)?;
+        self.disturb(self.colliders.all[index as usize].body as usize);
         self.colliders.all[index as usize].filter = filter;
         self.broad.touch(index);
+        self.disturb_box(&self.bounds(index));
         Ok(())
     }
 
@@ -309,7 +323,7 @@ impl World {
         self.bodies.len()
     }
 
-    /// All bodies: dynamic ones first, then kinematic, then static.
+    /// All bodies: dynamic ones first, then kinematic, then dynamic ones that are asleep, then static.
     pub fn bodies(&self) -> impl Iterator<Item = BodyHandle> + '_ {
         (0..self.bodies.len()).map(|index| self.handle_of(index))
     }
@@ -403,6 +417,7 @@ impl World {
         let index = self.index(body)?;
         finite_position(position)?;
         let rotation = unit_quat("rotation", rotation)?;
+        let index = self.disturb(index);
         let cold = &self.bodies.cold[index];
         self.bodies.pose[index] = Pose {
             position: position + (rotation * cold.centre).as_dvec3(),
@@ -429,6 +444,7 @@ impl World {
         finite3("linear velocity", linear)?;
         finite3("angular velocity", angular)?;
         if self.bodies.kind[index] != BodyKind::Static {
+            let index = self.wake_body(index);
             let velocity = &mut self.bodies.velocity[index];
             (velocity.linear, velocity.angular) = (linear, angular);
         }
@@ -473,6 +489,7 @@ impl World {
         finite3("force", force)?;
         finite3("torque", torque)?;
         self.make_place_for_forces()?;
+        let index = self.wake_body(index);
         let sum = &mut self.bodies.force[index];
         sum.linear += force;
         sum.angular += torque;
@@ -488,6 +505,7 @@ impl World {
         finite3("impulse", impulse)?;
         finite_position(point)?;
         if self.bodies.kind[index] == BodyKind::Dynamic {
+            let index = self.wake_body(index);
             let (mass, pose) = (&self.bodies.mass[index], &self.bodies.pose[index]);
             let t = (point - pose.position).as_vec3().cross(impulse);
             let inverse = world_inertia(&self.bodies, index);
@@ -510,7 +528,9 @@ impl World {
     /// If the handle is stale or the number is not finite.
     pub fn set_gravity_scale(&mut self, body: BodyHandle, scale: f32) -> Result<(), Error> {
         let index = self.index(body)?;
-        self.bodies.traits[index].gravity_scale = finite("gravity scale", scale)?;
+        let scale = finite("gravity scale", scale)?;
+        let index = self.wake_body(index);
+        self.bodies.traits[index].gravity_scale = scale;
         Ok(())
     }
 
@@ -529,6 +549,18 @@ impl World {
         Ok(())
     }
 
+    /// Has the rows of a body solved right after those of a group, or in their own places again; see [`BodyDesc::raised`].
+    ///
+    /// # Errors
+    /// If the handle is stale or the budget does not allow it.
+    pub fn raise_body(&mut self, body: BodyHandle, above: Option<RowGroup>) -> Result<(), Error> {
+        let index = self.index(body)?;
+        self.make_place_for_raised(above.is_some())?;
+        self.bodies.raise(index, above);
+        self.joints.changed = true;
+        Ok(())
+    }
+
     /// Replaces the mass of a body; from now on it does not follow from the shapes.
     ///
     /// # Errors
@@ -536,6 +568,7 @@ impl World {
     pub fn set_mass(&mut self, body: BodyHandle, mass: MassProperties) -> Result<(), Error> {
         let index = self.index(body)?;
         mass.validate()?;
+        let index = self.wake_body(index);
         self.bodies.cold[index].mass_from_shapes = false;
         self.replace_mass(index, &mass);
         Ok(())
@@ -565,7 +598,8 @@ impl World {
     /// Kinetic energy of all dynamic bodies plus their potential energy in the world's gravity, relative to the
     /// world's zero [J].
     pub fn energy(&self) -> f64 {
-        (0..self.bodies.dynamic())
+        self.bodies
+            .all_dynamic()
             .map(|i| {
                 let (mass, pose, v) = (&self.bodies.mass[i], &self.bodies.pose[i], &self.bodies.velocity[i]);
                 let m = f64::from(self.bodies.cold[i].mass);
@@ -625,7 +659,13 @@ impl World {
                 ..Record::default()
             },
             mass,
-            traits: Traits { gravity_scale: desc.gravity_scale, continuous: desc.continuous, locks },
+            traits: Traits {
+                gravity_scale: desc.gravity_scale,
+                continuous: desc.continuous,
+                locks,
+                raised: desc.raised,
+                sleepless: !desc.can_sleep,
+            },
             cold,
         };
         let shapes = &mut self.colliders;
@@ -693,8 +733,10 @@ impl World {
         let body = c.body as usize;
         if self.bodies.kind[body] == BodyKind::Static {
             let pose = &self.bodies.pose[body];
-            self.broad.insert_static(collider, aabb_of(c, pose.position, pose.rotation));
+            let bounds = aabb_of(c, pose.position, pose.rotation);
+            self.broad.insert_static(collider, bounds);
             self.buffers.finish.statics_changed();
+            self.disturb_box(&bounds);
         } else {
             self.broad.insert_mover(collider);
         }
@@ -721,6 +763,13 @@ impl World {
         if let Some(now) = self.now.change() {
             self.bodies.colliders[index].as_slice().iter().for_each(|&c| now.touch(c));
         }
+    }
+
+    /// Box of a collider where its body is.
+    pub(crate) fn bounds(&self, collider: u32) -> Aabb {
+        let collider = &self.colliders.all[collider as usize];
+        let pose = &self.bodies.pose[collider.body as usize];
+        aabb_of(collider, pose.position, pose.rotation)
     }
 
     fn place_colliders(&mut self, body: usize) {
@@ -769,6 +818,20 @@ impl World {
         }
     }
 
+    /// Makes the column that tells how long bodies have been at rest, if they may sleep.
+    pub(crate) fn keep_rest(&mut self) {
+        let wanted = if self.settings.sleeping { self.bodies.len() } else { 0 };
+        self.bodies.rests = self.settings.sleeping;
+        if self.bodies.rest.len() != wanted {
+            self.bodies.rest.clear();
+            self.bodies.rest.resize(wanted, 0.0);
+            if wanted == 0 {
+                self.bodies.rest.shrink_to_fit();
+                self.sleep = Sleep::default();
+            }
+        }
+    }
+
     pub(crate) fn keep_previous(&mut self) {
         let wanted = if self.needs.restitution > 0 { self.bodies.len() } else { 0 };
         if self.bodies.previous.len() != wanted {
@@ -783,7 +846,7 @@ impl World {
 
 impl Colliders {
     /// The collider's body has a new index.
-    fn follow(&mut self, collider: u32, body: u32) {
+    pub(crate) fn follow(&mut self, collider: u32, body: u32) {
         self.all[collider as usize].body = body;
         self.hot[collider as usize].body = body;
     }

@@ -2,8 +2,9 @@
 
 mod common;
 
+use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::{Scene, builtin};
-use backstop::{Category, Settings, World};
+use backstop::{BodyDesc, Category, Geometry, Settings, ShapeDesc, Skeleton, World};
 
 const DT: f32 = 1.0 / 60.0;
 const STEPS: u32 = 150;
@@ -102,6 +103,43 @@ fn bullets_on_a_mesh_keep_to_the_budget_and_to_their_side() {
         });
         println!("{share}: {budget} of {} bytes, {} shed", wide.most, total(&tight));
         assert!(total(&tight) > 0, "{share}");
+    }
+}
+
+#[test]
+fn ragdolls_keep_to_the_budget_and_above_the_ground() {
+    let run = |more: Option<usize>| {
+        let mut world = World::new(settings(Some(1 << 30), 1)).unwrap();
+        let ground = BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Plane));
+        world.add_body(&ground).unwrap();
+        for i in 0..30 {
+            let at = DVec3::new(f64::from(i % 6) * 1.5, 2.0, f64::from(i / 6) * 1.5);
+            let figure = Skeleton::humanoid();
+            figure.add_to(&mut world, at, Quat::from_rotation_x(i as f32), Vec3::Y * -20.0).unwrap();
+        }
+        // In its first step the batches of joints get what adding them reckoned with.
+        world.step(DT).unwrap();
+        let first = world.memory().total();
+        let budget = more.map_or(1 << 30, |more| first + more);
+        world.set_settings(settings(Some(budget), 1)).unwrap();
+        let mut shed = 0;
+        for _ in 0..STEPS {
+            shed += world.step(DT).unwrap().shed;
+            let used = world.memory().total();
+            assert!(used <= budget, "{used} of {budget}: {more:?}");
+            for body in world.bodies() {
+                let at = world.centre_of_mass(body).unwrap();
+                assert!(at.y > -0.001, "{at}: {more:?}");
+            }
+        }
+        (world.memory().total() - first, shed)
+    };
+    let (wanted, shed) = run(None);
+    assert_eq!(shed, 0);
+    for share in [0.0, 0.1, 0.4, 0.7] {
+        let (_, shed) = run(Some((wanted as f64 * share) as usize));
+        println!("{share} of {wanted} bytes: {shed} shed");
+        assert!(shed > 0, "{share}");
     }
 }
 

@@ -408,6 +408,41 @@ fn queries_see_the_world_as_it_is_now() {
     assert!(world.contains(lift));
 }
 
+/// Asleep or not, everything is where it is.
+#[test]
+fn what_sleeps_is_seen_as_well() {
+    let mut world = World::new(Settings { sleeping: true, ..Settings::default() }).unwrap();
+    let floor = add(&mut world, BodyDesc::fixed().at(DVec3::Y * -0.5), Geometry::cuboid(50.0, 0.5, 5.0));
+    let balls: Vec<BodyHandle> = (0..5)
+        .map(|i| add(&mut world, BodyDesc::dynamic().at(DVec3::new(f64::from(i) * 4.0, 1.0, 0.0)), ball(0.5)))
+        .collect();
+    for step in 0..400 {
+        world.step(1.0 / 60.0).unwrap();
+        // Asked now and then, so that many step between two questions.
+        if step % 70 == 0 || world.asleep() > 0 {
+            for (i, &ball) in balls.iter().enumerate() {
+                assert_eq!(below(&world, i as f64 * 4.0), [ball, floor]);
+                let top = world.position(ball).unwrap().y + 0.5;
+                let hit = world.cast_ray(&ray([i as f64 * 4.0, 9.0, 0.0], [0.0, -9.0, 0.0]), &ALL());
+                assert!((hit.unwrap().unwrap().point.y - top).abs() < 1e-9);
+            }
+        }
+    }
+    assert_eq!(world.asleep(), balls.len());
+    assert_eq!(
+        world
+            .cast_ray(&ray([0.0, 9.0, 0.0], [0.0, -9.0, 0.0]), &QueryFilter::only_dynamic())
+            .unwrap()
+            .unwrap()
+            .body,
+        balls[0]
+    );
+    world.remove_body(balls[0]).unwrap();
+    world.set_pose(balls[1], DVec3::new(-4.0, 0.5, 0.0), Quat::IDENTITY).unwrap();
+    let lines = [0.0, 4.0, -4.0, 8.0].map(|x| below(&world, x));
+    assert_eq!(lines, [vec![floor], vec![floor], vec![balls[1], floor], vec![balls[2], floor]]);
+}
+
 /// SplitMix64.
 struct Random(u64);
 impl Random {

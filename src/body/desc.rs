@@ -1,6 +1,7 @@
 //! What a caller says of a body.
 
 use crate::config::Continuous;
+use crate::constraint::RowGroup;
 use crate::error::{Error, finite, finite3};
 use crate::shape::{MassProperties, ShapeDesc, unit_quat};
 use glam::{DVec3, Quat, Vec3};
@@ -44,6 +45,11 @@ pub struct BodyDesc {
     /// How it is kept from passing through others: two collide by the greater of their modes, save that what is static
     /// has none. Default [`Continuous::Segment`].
     pub continuous: Continuous,
+    /// Has its rows, those of its contacts and joints, solved right after those of this group, unless their own place is
+    /// later: what is solved later wins. Default none.
+    pub raised: Option<RowGroup>,
+    /// Whether it may fall asleep, and its island with it. Default true.
+    pub can_sleep: bool,
     /// Free for the caller.
     pub user_data: u64,
 }
@@ -62,6 +68,8 @@ impl Default for BodyDesc {
             lock_translation: [false; 3],
             lock_rotation: [false; 3],
             continuous: Continuous::Segment,
+            raised: None,
+            can_sleep: true,
             user_data: 0,
         }
     }
@@ -102,6 +110,12 @@ impl BodyDesc {
     /// One more shape.
     pub fn with_shape(mut self, shape: ShapeDesc) -> Self {
         self.shapes.push(shape);
+        self
+    }
+
+    /// Rows right after those of a group, if that is later.
+    pub fn raised(mut self, above: RowGroup) -> Self {
+        self.raised = Some(above);
         self
     }
 

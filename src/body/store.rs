@@ -1,8 +1,9 @@
-//! Body columns. Dense: dynamic bodies first, then kinematic, then static ones, so that every loop over what
-//! moves is a loop over a prefix.
+//! Body columns. Dense: dynamic bodies first, then kinematic, then dynamic ones that are asleep, then static ones, so that
+//! every loop over what moves is a loop over a prefix, and what sleeps is as static as can be.
 
 use super::BodyKind;
 use crate::config::Continuous;
+use crate::constraint::{Order, RowGroup};
 use crate::handle::Slots;
 use crate::lanes::Record;
 use crate::memory::{Buffer, bytes_of};
@@ -44,6 +45,10 @@ pub(crate) struct Traits {
     pub(crate) continuous: Continuous,
     /// Bits 0-2: translation along x, y, z is locked; 3-5: rotation about x, y, z.
     pub(crate) locks: u8,
+    /// Which rows its own come after.
+    pub(crate) raised: Option<RowGroup>,
+    /// It never sleeps.
+    pub(crate) sleepless: bool,
 }
 
 impl Traits {
@@ -63,6 +68,19 @@ impl Traits {
     pub(crate) fn lock_bits(translation: [bool; 3], rotation: [bool; 3]) -> u8 {
         (0..3).map(|i| (translation[i] as u8) << i | (rotation[i] as u8) << (i + 3)).sum()
     }
+}
+
+/// Parts of the columns, in their order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Part {
+    Awake,
+    Kinematic,
+    Asleep,
+    Static,
+}
+
+impl Part {
+    const ALL: [Part; 4] = [Part::Awake, Part::Kinematic, Part::Asleep, Part::Static];
 }
 
 /// All bodies. A column's index is the body's dense index.
@@ -85,8 +103,14 @@ pub(crate) struct Bodies {
     pub(crate) previous: Vec<Previous>,
     /// How many bodies have a locked axis.
     pub(crate) locked: u32,
-    dynamic: u32,
-    kinematic: u32,
+    /// How many are raised above each group.
+    raised: [u32; Order::LEN],
+    /// How many there are of each part of the columns, but the last.
+    parts: [u32; 3],
+    /// Since when each body is at rest [s]; empty unless bodies may sleep.
+    pub(crate) rest: Vec<f32>,
+    /// Whether bodies may sleep.
+    pub(crate) rests: bool,
     /// Bytes of the lists in `colliders`, live and reserved.
     lists: (usize, usize),
 }
@@ -151,13 +175,34 @@ impl Bodies {
     pub(crate) fn len(&self) -> usize {
         self.slot.len()
     }
-    /// How many bodies are dynamic: those with an index below.
+    /// How many bodies are dynamic and awake: those with an index below.
     pub(crate) fn dynamic(&self) -> usize {
-        self.dynamic as usize
+        self.end(Part::Awake) as usize
     }
     /// How many bodies can move: those with an index below.
     pub(crate) fn movers(&self) -> usize {
-        (self.dynamic + self.kinematic) as usize
+        self.end(Part::Kinematic) as usize
+    }
+    /// Dynamic bodies that are asleep.
+    pub(crate) fn asleep(&self) -> std::ops::Range<usize> {
+        self.movers()..self.end(Part::Asleep) as usize
+    }
+    /// All dynamic bodies.
+    pub(crate) fn all_dynamic(&self) -> impl Iterator<Item = usize> + use<> {
+        (0..self.dynamic()).chain(self.asleep())
+    }
+
+    fn end(&self, part: Part) -> u32 {
+        self.parts.iter().take(part as usize + 1).sum()
+    }
+
+    fn part_of(&self, index: u32) -> Part {
+        match self.kind[index as usize] {
+            BodyKind::Static => Part::Static,
+            BodyKind::Kinematic => Part::Kinematic,
+            BodyKind::Dynamic if index < self.end(Part::Awake) => Part::Awake,
+            BodyKind::Dynamic => Part::Asleep,
+        }
     }
 
     /// How a body takes part in continuous collision: a static one not of itself.
@@ -209,6 +254,9 @@ impl Bodies {
         if previous {
             f(&mut self.previous, n);
         }
+        if self.rests {
+            f(&mut self.rest, n);
+        }
     }
 
     pub(crate) fn reserve(&mut self, more: usize) {
@@ -230,6 +278,7 @@ impl Bodies {
     pub(crate) fn insert(&mut self, body: NewBody, mut moved: impl FnMut(&Colliders, u32)) -> (u32, u32) {
         let last = self.len() as u32;
         self.locked += u32::from(body.traits.locks != 0);
+        self.count_raised(body.traits.raised, 1);
         let handle = self.slots.insert(last);
         self.slot.push(handle.0);
         self.kind.push(body.kind);
@@ -245,37 +294,23 @@ impl Bodies {
         if !self.previous.is_empty() {
             self.previous.push(Previous::default());
         }
-        let kinematic_end = self.dynamic + self.kinematic;
-        match body.kind {
-            BodyKind::Static => {}
-            BodyKind::Kinematic => {
-                self.swap(last, kinematic_end, &mut moved);
-                self.kinematic += 1;
-            }
-            BodyKind::Dynamic => {
-                self.swap(last, kinematic_end, &mut moved);
-                self.swap(kinematic_end, self.dynamic, &mut moved);
-                self.dynamic += 1;
-            }
+        if self.rests {
+            self.rest.push(0.0);
         }
+        let part = match body.kind {
+            BodyKind::Static => Part::Static,
+            BodyKind::Kinematic => Part::Kinematic,
+            BodyKind::Dynamic => Part::Awake,
+        };
+        self.inwards(last, Part::Static, part, &mut moved);
         handle
     }
 
     /// Removes the body at `index`.
     pub(crate) fn remove(&mut self, index: u32, mut moved: impl FnMut(&Colliders, u32)) {
-        let mut hole = index;
         self.locked -= u32::from(self.traits[index as usize].locks != 0);
-        if self.kind[index as usize] == BodyKind::Dynamic {
-            self.dynamic -= 1;
-            self.swap(hole, self.dynamic, &mut moved);
-            hole = self.dynamic;
-            self.swap(hole, self.dynamic + self.kinematic, &mut moved);
-            hole = self.dynamic + self.kinematic;
-        } else if self.kind[index as usize] == BodyKind::Kinematic {
-            self.kinematic -= 1;
-            self.swap(hole, self.dynamic + self.kinematic, &mut moved);
-            hole = self.dynamic + self.kinematic;
-        }
+        self.count_raised(self.traits[index as usize].raised, -1);
+        let hole = self.outwards(index, self.part_of(index), Part::Static, &mut moved);
         self.swap(hole, self.len() as u32 - 1, &mut moved);
         if let Some(slot) = self.slot.pop() {
             self.slots.remove(slot);
@@ -289,6 +324,78 @@ impl Bodies {
         self.colliders.pop();
         self.force.pop();
         self.previous.pop();
+        self.rest.pop();
+    }
+
+    /// Takes an awake body out of all that steps look at; returns its new index.
+    pub(crate) fn send_to_sleep(&mut self, index: u32, mut moved: impl FnMut(&Colliders, u32)) -> u32 {
+        self.outwards(index, Part::Awake, Part::Asleep, &mut moved)
+    }
+
+    /// Takes a sleeping body back; returns its new index.
+    pub(crate) fn wake(&mut self, index: u32, mut moved: impl FnMut(&Colliders, u32)) -> u32 {
+        self.inwards(index, Part::Asleep, Part::Awake, &mut moved)
+    }
+
+    /// Moves a body to an earlier part: the first of each part between goes to its end.
+    fn inwards(
+        &mut self,
+        mut index: u32,
+        from: Part,
+        to: Part,
+        moved: &mut impl FnMut(&Colliders, u32),
+    ) -> u32 {
+        self.count(from, -1);
+        for &part in Part::ALL[to as usize..from as usize].iter().rev() {
+            let first_after = self.end(part);
+            self.swap(index, first_after, moved);
+            index = first_after;
+        }
+        self.count(to, 1);
+        index
+    }
+
+    /// Moves a body to a later part: the last of each part between goes to its start.
+    fn outwards(
+        &mut self,
+        mut index: u32,
+        from: Part,
+        to: Part,
+        moved: &mut impl FnMut(&Colliders, u32),
+    ) -> u32 {
+        self.count(from, -1);
+        for &part in &Part::ALL[from as usize..to as usize] {
+            let last = self.end(part);
+            self.swap(index, last, moved);
+            index = last;
+        }
+        self.count(to, 1);
+        index
+    }
+
+    fn count(&mut self, part: Part, change: i32) {
+        if let Some(count) = self.parts.get_mut(part as usize) {
+            *count = count.wrapping_add_signed(change);
+        }
+    }
+
+    /// Raises a body's rows above a group, or no longer.
+    pub(crate) fn raise(&mut self, index: usize, above: Option<RowGroup>) {
+        let old = std::mem::replace(&mut self.traits[index].raised, above);
+        self.count_raised(old, -1);
+        self.count_raised(above, 1);
+    }
+
+    fn count_raised(&mut self, above: Option<RowGroup>, change: i32) {
+        if let Some(above) = above {
+            let count = &mut self.raised[above as usize];
+            *count = count.wrapping_add_signed(change);
+        }
+    }
+
+    /// The groups that bodies are raised above.
+    pub(crate) fn raises(&self) -> impl Iterator<Item = RowGroup> + Clone + '_ {
+        Order::default().0.into_iter().filter(|&above| self.raised[above as usize] > 0)
     }
 
     fn swap(&mut self, i: u32, k: u32, moved: &mut impl FnMut(&Colliders, u32)) {
@@ -310,6 +417,9 @@ impl Bodies {
         if !self.previous.is_empty() {
             self.previous.swap(a, b);
         }
+        if !self.rest.is_empty() {
+            self.rest.swap(a, b);
+        }
         for index in [i, k] {
             self.slots.moved(self.slot[index as usize], index);
             moved(&self.colliders[index as usize], index);
@@ -329,6 +439,7 @@ impl Bodies {
             bytes_of(&self.cold),
             bytes_of(&self.colliders),
             bytes_of(&self.force),
+            bytes_of(&self.rest),
             self.lists,
         ]
         .into_iter()

@@ -166,11 +166,12 @@ impl BroadPhase {
     /// Appends what the blocks found, as far as there is room for it: first the pairs with what doesn't move.
     fn take_in(&mut self, count: usize, rules: &Rules, room: &mut Room) -> u32 {
         let found: usize = self.blocks[..count].iter().map(|block| lock(block).found.len()).sum();
-        let before = self.pairs.len();
+        // Those that were taken out come back.
+        let before = self.pairs.len() + self.away;
         let mut quota = [usize::MAX; 2];
         if !room.is_endless() {
             let most = self.most_pairs(before + found, rules, room);
-            let granted = most - before;
+            let granted = most.saturating_sub(before);
             let of_static = self.blocks[..count].iter().map(|block| {
                 let block = lock(block);
                 block.found.iter().filter(|pair| self.has_static(pair)).count()

@@ -156,6 +156,8 @@ pub(crate) struct BroadPhase {
     /// The pairs, in an order that only what happened depends on. The owner may write `contact`, nothing else.
     pub(crate) pairs: Vec<Pair>,
     table: PairTable,
+    /// Pairs that were taken out and may come back.
+    away: usize,
     /// By collider: what it is here, its box in the tree, and what changed.
     roles: Vec<Role>,
     proxies: Vec<Proxy>,
@@ -244,6 +246,30 @@ impl BroadPhase {
     pub(crate) fn touch(&mut self, collider: u32) {
         if self.roles.get(collider as usize).is_some_and(|&role| role != Role::Absent) {
             self.mark(collider, MOVED | FILTER);
+        }
+    }
+
+    /// Takes pairs out of the list: `leaves` says which, and whether they will be put back.
+    pub(crate) fn take_pairs(&mut self, mut leaves: impl FnMut(&Pair) -> Option<bool>) {
+        // From the end: what moves to a freed place is one that stays.
+        for place in (0..self.pairs.len()).rev() {
+            if let Some(comes_back) = leaves(&self.pairs[place]) {
+                self.table.swap_remove(&mut self.pairs, place);
+                self.away += usize::from(comes_back);
+            }
+        }
+    }
+
+    /// Puts a pair back that was taken out.
+    pub(crate) fn put_back(&mut self, pair: Pair) {
+        self.away -= 1;
+        self.table.push(&mut self.pairs, pair);
+    }
+
+    /// Has the pairs of a mover looked up in the next update.
+    pub(crate) fn look_again(&mut self, collider: u32) {
+        if self.roles[collider as usize] >= Role::Slow {
+            self.mark(collider, MOVED);
         }
     }
 

@@ -1,8 +1,9 @@
 //! Which contacts get rows, in which order: by importance, colour and size.
 
 use super::batch::{BatchRef, Rows};
-use super::colour::{COLOURS, Colouring, OVERFLOW};
-use super::order::{Group, Order, Stage};
+use super::colour::{Colouring, OVERFLOW};
+use super::keys::{KINDS, Keys};
+use super::order::{Group, Stage};
 use super::prepare::PrepareInput;
 use super::seats::{Seat, Seated};
 use crate::memory::{Buffer, Room, bytes_of};
@@ -53,6 +54,7 @@ impl Part {
 #[derive(Debug, Default)]
 pub(crate) struct PrepareScratch {
     colouring: [Colouring; 4],
+    keys: Keys,
     /// Contact and sort key.
     entries: Vec<(Part, u32)>,
     pub(crate) sorted: Vec<Part>,
@@ -64,8 +66,15 @@ pub(crate) struct PrepareScratch {
 }
 
 impl PrepareScratch {
-    /// Calls `f` with each buffer and the place that it needs for so many bodies that can be pushed.
-    pub(crate) fn each(&mut self, dynamic: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+    /// Calls `f` with each buffer and the place that it needs for so many bodies that can be pushed, of which
+    /// some may be raised.
+    pub(crate) fn each(
+        &mut self,
+        dynamic: usize,
+        any_raised: bool,
+        f: &mut dyn FnMut(&mut dyn Buffer, usize),
+    ) {
+        self.keys.each(any_raised, f);
         self.colouring.iter_mut().for_each(|c| f(c.buffer(), dynamic));
     }
 
@@ -75,54 +84,10 @@ impl PrepareScratch {
     }
 
     pub(crate) fn bytes(&self) -> (usize, usize) {
-        let lists = [bytes_of(&self.entries), bytes_of(&self.sorted), bytes_of(&self.ranges)];
+        let lists =
+            [bytes_of(&self.entries), bytes_of(&self.sorted), bytes_of(&self.ranges), self.keys.bytes()];
         let colours = self.colouring.iter().map(Colouring::bytes);
         lists.into_iter().chain(colours).fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
-    }
-}
-
-/// Sort key: group, colour, then four points before one, so that lanes of a batch are alike, and last those of bodies in
-/// trees of joints, which have their lanes by the tree.
-const KEYS: usize = Group::ALL.len() * (COLOURS + 1) * KINDS;
-const KINDS: usize = 5;
-
-/// What parts there are of each key.
-struct Keys {
-    /// How many; once they are sorted, where they end.
-    ends: [u32; KEYS],
-    /// How many colours each group uses: of hundreds of keys a small scene has a handful.
-    colours: [usize; Group::ALL.len()],
-}
-
-impl Keys {
-    fn new() -> Keys {
-        Keys { ends: [0; KEYS], colours: [0; Group::ALL.len()] }
-    }
-
-    /// Counts one part of so many points, or one with a seat, and says its key.
-    fn count(&mut self, group: Group, colour: usize, points: Option<usize>) -> u32 {
-        if colour != OVERFLOW {
-            let colours = &mut self.colours[group as usize];
-            *colours = (*colours).max(colour + 1);
-        }
-        let key = Keys::first(group, colour) + points.map_or(KINDS - 1, |points| 4 - points);
-        self.ends[key] += 1;
-        key as u32
-    }
-
-    /// Groups and colours in the order in which they are solved. Contacts without a colour come first in their group:
-    /// what is solved later wins.
-    fn colours(&self, order: Order) -> impl Iterator<Item = (Group, usize)> + use<> {
-        let colours = self.colours;
-        order.contacts().into_iter().flat_map(move |group| {
-            let colours = colours[group as usize];
-            std::iter::once(OVERFLOW).chain(0..colours).map(move |colour| (group, colour))
-        })
-    }
-
-    /// The first of the keys of a colour.
-    fn first(group: Group, colour: usize) -> usize {
-        (group as usize * (COLOURS + 1) + colour) * KINDS
     }
 }
 
@@ -140,22 +105,22 @@ pub(crate) fn arrange(
     scratch: &mut PrepareScratch,
     room: &mut Room,
 ) -> Prepared {
-    let mut keys = Keys::new();
+    scratch.keys.reset(input.order, input.bodies.raises());
     if room.is_endless() {
-        let (prepared, _) = sort(input, scratch, &mut keys, [u32::MAX; 4]);
-        let batches = schedule(input, rows, scratch, &keys);
+        let (prepared, _) = sort(input, scratch, [u32::MAX; 4]);
+        let batches = schedule(input, rows, scratch);
         rows.resize(batches);
         return prepared;
     }
     let parts = count(input);
     let total: u32 = parts.iter().sum();
-    let place = scratch.make_place(total as usize, rows, room) as u32;
+    let place = scratch.make_place(total as usize, !input.seats.is_empty(), rows, room) as u32;
     // The least number of parts to give up for which the rest fits, to within a 64th of them.
     let (mut too_few, mut enough) = (total - place, total);
     let mut shed = too_few;
     loop {
-        let (mut prepared, lost) = sort(input, scratch, &mut keys, quota(parts, shed));
-        let batches = schedule(input, rows, scratch, &keys);
+        let (mut prepared, lost) = sort(input, scratch, quota(parts, shed));
+        let batches = schedule(input, rows, scratch);
         if rows.make_place(batches, room) {
             enough = shed;
             if shed == too_few || enough - too_few <= 1 + total / 64 {
@@ -212,8 +177,8 @@ fn group_of(input: &PrepareInput<'_>, contact: &Contact) -> Group {
 
 impl PrepareScratch {
     /// Makes place for so many parts, as far as there is room; says for how many.
-    fn make_place(&mut self, parts: usize, rows: &mut Rows, room: &mut Room) -> usize {
-        let most_stages = Group::ALL.len() * (COLOURS + 1);
+    fn make_place(&mut self, parts: usize, seated: bool, rows: &mut Rows, room: &mut Room) -> usize {
+        let most_stages = self.keys.most_stages();
         if room.fit(&mut rows.stages, most_stages) < most_stages {
             return 0;
         }
@@ -222,6 +187,7 @@ impl PrepareScratch {
                 + scratch.sorted.missing(parts)
                 + scratch.ranges.missing(parts)
                 + rows.schedule.missing(parts)
+                + rows.seated.missing(if seated { parts } else { 0 })
         };
         let (mut place, mut too_many) = (0, parts + 1);
         while too_many - place > 1 {
@@ -236,24 +202,20 @@ impl PrepareScratch {
         self.sorted.widen(place);
         self.ranges.widen(place);
         rows.schedule.widen(place);
+        rows.seated.widen(if seated { place } else { 0 });
         place
     }
 }
 
 /// Contacts by group, colour and number of points, and what they count. Parts beyond the quota are left out; says how many
 /// points those have.
-fn sort(
-    input: &PrepareInput<'_>,
-    scratch: &mut PrepareScratch,
-    keys: &mut Keys,
-    mut quota: Quota,
-) -> (Prepared, u32) {
-    let PrepareScratch { colouring, entries, sorted, .. } = scratch;
+fn sort(input: &PrepareInput<'_>, scratch: &mut PrepareScratch, mut quota: Quota) -> (Prepared, u32) {
+    let PrepareScratch { colouring, keys, entries, sorted, .. } = scratch;
     let dynamic = input.bodies.dynamic();
     colouring.iter_mut().for_each(|c| c.reset(dynamic));
     entries.clear();
-    *keys = Keys::new();
-    let movers = input.bodies.movers();
+    keys.reset(input.order, input.bodies.raises());
+    let (movers, any_raised) = (input.bodies.movers(), keys.any_raised());
     let (mut prepared, mut shed) = (Prepared::default(), 0);
     // By number of points.
     let mut ahead = [0usize; 4];
@@ -268,6 +230,12 @@ fn sort(
         if touching == 0 && contact.points().iter().all(|p| p.separation > input.near) {
             ahead[contact.count as usize - 1] += 1;
         }
+        let raised = if any_raised {
+            let raised = |body: usize| input.bodies.traits[body].raised;
+            input.order.higher(raised(a), raised(b))
+        } else {
+            None
+        };
         let mut enter = |part: Part, count: usize| {
             let left = &mut quota[group as usize];
             if *left == 0 {
@@ -277,7 +245,7 @@ fn sort(
             *left -= 1;
             let colour = colouring[group as usize].assign(a, b);
             let seated = group.is_static() && colour != OVERFLOW && input.seats.of(a.min(b)).is_some();
-            entries.push((part, keys.count(group, colour, (!seated).then_some(count))));
+            entries.push((part, keys.count((group, raised), colour, (!seated).then_some(count))));
         };
         if input.per_point {
             (0..contact.count as usize).for_each(|point| enter(Part::point(slot, point), 1));
@@ -285,23 +253,15 @@ fn sort(
             enter(Part::whole(slot), contact.count as usize);
         }
     });
-    let mut end = 0;
-    for (group, colour) in keys.colours(input.order) {
-        let first = Keys::first(group, colour);
-        for place in &mut keys.ends[first..first + KINDS] {
-            end += std::mem::replace(place, end);
-        }
-    }
+    keys.line_up();
     sorted.clear();
     sorted.resize(entries.len(), Part::NONE);
     for &(part, key) in entries.iter() {
-        let place = &mut keys.ends[key as usize];
-        sorted[*place as usize] = part;
-        *place += 1;
+        sorted[keys.place_of(key)] = part;
     }
     if !input.seats.is_empty() {
-        for (group, colour) in keys.colours(input.order) {
-            let ends = &keys.ends[Keys::first(group, colour)..][..KINDS];
+        for (layer, colour) in keys.colours() {
+            let ends = keys.ends(layer, colour);
             let seated = ends[KINDS - 2] as usize..ends[KINDS - 1] as usize;
             sorted[seated].sort_unstable_by_key(|part| seat_of(input, *part));
         }
@@ -322,12 +282,8 @@ fn seat_of(input: &PrepareInput<'_>, part: Part) -> Option<Seat> {
 }
 
 /// Batches of each stage. Says how many batches there are of one to four points, and of one lane.
-fn schedule(
-    input: &PrepareInput<'_>,
-    rows: &mut Rows,
-    scratch: &mut PrepareScratch,
-    keys: &Keys,
-) -> [usize; 5] {
+fn schedule(input: &PrepareInput<'_>, rows: &mut Rows, scratch: &mut PrepareScratch) -> [usize; 5] {
+    let PrepareScratch { keys, sorted, ranges, .. } = scratch;
     let (mut counts, mut singles) = ([0u32; 4], 0u32);
     let mut batch = |points: usize| {
         // Without points: of one lane.
@@ -338,11 +294,10 @@ fn schedule(
     rows.schedule.clear();
     rows.stages.clear();
     rows.seated.clear();
-    scratch.ranges.clear();
+    ranges.clear();
     let mut start = 0;
-    for (group, colour) in keys.colours(input.order) {
-        let first = Keys::first(group, colour);
-        let ends = &keys.ends[first..first + KINDS];
+    for (layer, colour) in keys.colours() {
+        let ends = keys.ends(layer, colour);
         let (unseated, end) = (ends[KINDS - 2], ends[KINDS - 1]);
         if start == end {
             continue;
@@ -354,10 +309,10 @@ fn schedule(
             // Of its first part, which has most.
             let points = 4 - ends[..4].iter().filter(|&&end| at >= end).count();
             rows.schedule.push(batch(if serial { 0 } else { points }));
-            scratch.ranges.push((at, (width as u32).min(unseated - at)));
+            ranges.push((at, (width as u32).min(unseated - at)));
         }
         let mut at = unseated as usize;
-        let seated = &scratch.sorted[at..end as usize];
+        let seated = &sorted[at..end as usize];
         let place = |part: &Part| seat_of(input, *part).map(Seat::place);
         for batch_of in seated.chunk_by(|a, b| place(a) == place(b)) {
             let most =
@@ -366,11 +321,17 @@ fn schedule(
             let points = if tree.is_single() { 0 } else { most };
             let contact = BatchRef { seated: true, ..batch(points) };
             rows.schedule.push(contact);
-            rows.seated.push(Seated { tree, node, potential: group.is_potential(), batch: contact });
-            scratch.ranges.push((at as u32, batch_of.len() as u32));
+            rows.seated.push(Seated { tree, node, potential: layer.group.is_potential(), batch: contact });
+            ranges.push((at as u32, batch_of.len() as u32));
             at += batch_of.len();
         }
-        rows.stages.push(Stage { group, start: stage_start, end: rows.schedule.len() as u32, serial });
+        rows.stages.push(Stage {
+            group: layer.group,
+            place: layer.place,
+            start: stage_start,
+            end: rows.schedule.len() as u32,
+            serial,
+        });
         start = end;
     }
     rows.seated.sort_by_key(|seated| (seated.tree, seated.node));

@@ -10,18 +10,18 @@ use super::joint_measure::{Distance, Slide, Tilt, Turn, Twist};
 use super::joint_row::RowBatch;
 use super::joint_tree::{Node, TreeBatch};
 use super::joint_trees::{Tree, find};
-use super::order::{Order, RowGroup};
+use super::order::{Order, Place, RowGroup};
 use super::seats::{Seat, Seated, Seats, TreeRef};
 use crate::body::Bodies;
 use crate::broad_phase::Pair;
 use crate::joint::{Axes, Joints, Lock, LockKind, Motion, Row, RowKind};
 use crate::lanes::{Lanes, Sym3, f32x8};
-use crate::memory::bytes_of;
+use crate::memory::{Buffer, bytes_of};
 use crate::narrow_phase::NONE as NO_CONTACT;
 use crate::shape::Hot;
 use crate::threads::{Crew, Shared, per_block};
 
-/// A type of row. Within a group they are solved in this order.
+/// A type of row. Those of one place are solved in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum JointType {
     Slide,
@@ -36,25 +36,10 @@ pub(crate) enum JointType {
     Tree,
 }
 
-impl JointType {
-    /// Those that are coloured.
-    const ROWS: [JointType; 9] = [
-        JointType::Slide,
-        JointType::Distance,
-        JointType::Twist,
-        JointType::Tilt,
-        JointType::Turn,
-        JointType::Weld,
-        JointType::Hinge,
-        JointType::Line,
-        JointType::Point,
-    ];
-}
-
 /// Batches of one type that may be solved at the same time: one colour of one group.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct JointStage {
-    pub(crate) group: RowGroup,
+    pub(crate) place: Place,
     pub(crate) kind: JointType,
     /// Range of the batches of this type; of the single ones, if it is serial.
     pub(crate) start: u32,
@@ -157,7 +142,7 @@ pub(crate) struct JointRows {
     touching: Vec<bool>,
     /// Bodies whose contacts with what is static go along with trees.
     pub(crate) seats: Seats,
-    /// Of soft rows, limits, then locks.
+    /// As they are solved.
     pub(crate) stages: Vec<JointStage>,
 }
 
@@ -179,6 +164,12 @@ pub(crate) struct JointInput<'a> {
 }
 
 impl JointRows {
+    /// Calls `f` with each buffer that has an entry for each body that can be pushed.
+    pub(crate) fn each(&mut self, dynamic: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        f(&mut self.touching, dynamic);
+        f(self.seats.buffer(), dynamic);
+    }
+
     /// Live and reserved bytes.
     pub(crate) fn bytes(&self) -> (usize, usize) {
         let all = [
@@ -200,8 +191,8 @@ impl JointRows {
         all.into_iter().fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
     }
 
-    /// Settles which rows share a batch.
-    pub(crate) fn arrange(&mut self, joints: &Joints, bodies: &Bodies) {
+    /// Settles which rows share a batch, and in which order they are solved.
+    pub(crate) fn arrange(&mut self, joints: &Joints, bodies: &Bodies, order: Order) {
         self.points.clear();
         self.welds.clear();
         self.hinges.clear();
@@ -212,32 +203,36 @@ impl JointRows {
         self.tilts.clear();
         self.turns.clear();
         self.stages.clear();
-        let (trees, taken) = find(joints, bodies);
-        let mut colouring = Colouring::default();
-        let mut parts: Vec<(usize, u32)> = Vec::new();
         let body =
             |joint: u32, side: usize| bodies.slots.dense(joints.all[joint as usize].bodies[side]) as usize;
-        for group in [RowGroup::SoftJoints, RowGroup::JointLimits, RowGroup::Joints] {
-            for kind in JointType::ROWS {
-                colouring.reset(bodies.dynamic());
-                parts.clear();
-                let mut enter = |owner: usize, joint: u32| {
-                    let colour = colouring.assign(body(joint, 0), body(joint, 1));
-                    // What found no colour comes first.
-                    parts.push(((colour + 1) % (COLOURS + 1), owner as u32));
-                };
-                let rows = joints.rows.iter().enumerate();
-                rows.filter(|(_, r)| group_of(r) == group && type_of_row(r) == kind)
-                    .for_each(|(i, r)| enter(i, r.joint));
-                if group == RowGroup::Joints {
-                    let own = |(i, lock): &(usize, &Lock)| type_of(lock) == kind && !taken[*i];
-                    joints.locks.iter().enumerate().filter(own).for_each(|(i, l)| enter(i, l.joint));
-                }
-                parts.sort_by_key(|part| part.0);
-                self.add_stages(group, kind, &parts);
-            }
+        let raised = |joint: u32| {
+            let of_body = |side: usize| bodies.traits[body(joint, side)].raised;
+            order.higher(joints.all[joint as usize].raised, order.higher(of_body(0), of_body(1)))
+        };
+        let place = |joint: u32, group: RowGroup| order.place(group, raised(joint));
+        let (trees, taken) = find(joints, bodies, &|joint| place(joint, RowGroup::Joints));
+        // Rows of one place and type are coloured together.
+        let mut entries: Vec<(Place, JointType, u32, u32)> = Vec::new();
+        let rows = joints.rows.iter().enumerate();
+        entries.extend(rows.map(|(i, r)| (place(r.joint, group_of(r)), type_of_row(r), i as u32, r.joint)));
+        let locks = joints.locks.iter().enumerate().filter(|(i, _)| !taken[*i]);
+        entries.extend(locks.map(|(i, l)| (place(l.joint, RowGroup::Joints), type_of(l), i as u32, l.joint)));
+        entries.sort_unstable();
+        let mut colouring = Colouring::default();
+        let mut parts: Vec<(usize, u32)> = Vec::new();
+        for alike in entries.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+            colouring.reset(bodies.dynamic());
+            parts.clear();
+            parts.extend(alike.iter().map(|&(.., owner, joint)| {
+                let colour = colouring.assign(body(joint, 0), body(joint, 1));
+                // What found no colour comes first.
+                ((colour + 1) % (COLOURS + 1), owner)
+            }));
+            parts.sort_by_key(|part| part.0);
+            self.add_stages(alike[0].0, alike[0].1, &parts);
         }
         self.plant(&trees);
+        self.stages.sort_by_key(|stage| stage.place);
         self.points.resize();
         self.welds.resize();
         self.hinges.resize();
@@ -251,17 +246,25 @@ impl JointRows {
 
     /// Batches of trees, and their stages: no two share a body that they can move.
     fn plant(&mut self, groups: &[Vec<Tree>]) {
-        self.trees = groups.iter().filter(|group| group.len() > 1).map(|group| batch_of(group)).collect();
-        self.tree = groups.iter().filter(|group| group.len() == 1).map(|group| batch_of(group)).collect();
-        for (count, single) in [(self.trees.len(), false), (self.tree.len(), true)] {
-            if count > 0 {
-                let (group, kind) = (RowGroup::Joints, JointType::Tree);
-                self.stages.push(JointStage { group, kind, start: 0, end: count as u32, single });
+        self.trees.clear();
+        self.tree.clear();
+        for of_place in groups.chunk_by(|a, b| a[0].place == b[0].place) {
+            let (lanes, single) = (self.trees.len(), self.tree.len());
+            self.trees.extend(of_place.iter().filter(|group| group.len() > 1).map(|group| batch_of(group)));
+            self.tree.extend(of_place.iter().filter(|group| group.len() == 1).map(|group| batch_of(group)));
+            for (start, end, single) in [(lanes, self.trees.len(), false), (single, self.tree.len(), true)] {
+                if start < end {
+                    let (start, end) = (start as u32, end as u32);
+                    let (place, kind) = (of_place[0][0].place, JointType::Tree);
+                    self.stages.push(JointStage { place, kind, start, end, single });
+                }
             }
         }
+        self.trees.shrink_to_fit();
+        self.tree.shrink_to_fit();
     }
 
-    fn add_stages(&mut self, group: RowGroup, kind: JointType, parts: &[(usize, u32)]) {
+    fn add_stages(&mut self, place: Place, kind: JointType, parts: &[(usize, u32)]) {
         let (owners, single) = match kind {
             JointType::Point => (&mut self.points.owners, &mut self.points.single_owners),
             JointType::Weld => (&mut self.welds.owners, &mut self.welds.single_owners),
@@ -286,7 +289,7 @@ impl JointRows {
             }
             let end = if serial { single.len() } else { owners.len() };
             self.stages.push(JointStage {
-                group,
+                place,
                 kind,
                 start: start as u32,
                 end: end as u32,
@@ -320,16 +323,15 @@ impl JointRows {
         // SAFETY: each batch is in one block.
         crew.run(count, &|i| tree(unsafe { trees.get(i) }, input, inertia, touching));
         self.tree.iter_mut().for_each(|batch| tree(batch, input, inertia, touching));
-        let rank = |group| input.order.rank(group);
-        let first = rank(RowGroup::StaticContacts).min(rank(RowGroup::PotentialStaticContacts));
-        let along = first > rank(RowGroup::Joints);
-        if along {
-            self.seats.reset(input.bodies.dynamic());
-        }
-        let seats = &mut self.seats;
-        let mut put = |loops: bool, seat: Seat, body: u32, inverse: Sym3<f32>| {
+        let (seats, dynamic) = (&mut self.seats, input.bodies.dynamic());
+        let mut put = |(loops, place): (bool, Place), seat: Seat, body: u32, inverse: Sym3<f32>| {
             inverse_inertia[body as usize] = inverse;
-            if along && !loops {
+            let of_body = |group| input.order.place(group, input.bodies.traits[body as usize].raised);
+            let first = of_body(RowGroup::StaticContacts).min(of_body(RowGroup::PotentialStaticContacts));
+            if first > place && !loops {
+                if seats.is_empty() {
+                    seats.reset(dynamic);
+                }
                 seats.put(body as usize, seat);
             }
         };
@@ -341,7 +343,6 @@ impl JointRows {
 
     /// Fills all batches.
     pub(crate) fn fill(&mut self, crew: &Crew<'_>, input: &JointInput<'_>) {
-        self.stages.sort_by_key(|stage| input.order.rank(stage.group));
         self.points.fill(crew, |b, o| point(b, o, input), |b, o| point(b, o, input));
         self.welds.fill(crew, |b, o| turn(b, o, input), |b, o| turn(b, o, input));
         self.hinges.fill(crew, |b, o| turn(b, o, input), |b, o| turn(b, o, input));
@@ -377,11 +378,12 @@ impl JointRows {
 
     /// Writes impulses back, and what each joint bore. `inverse_h`: 1 / substep [1/s]; `hold`: share of a load that lasts
     /// that a step takes for one.
-    pub(crate) fn store(&self, joints: &mut Joints, inverse_h: f32, hold: f32) {
+    pub(crate) fn store(&self, joints: &mut Joints, bodies: &Bodies, inverse_h: f32, hold: f32) {
         if self.stages.is_empty() {
             return;
         }
-        for joint in &mut joints.all {
+        let awake = |slot: &u32| *slot != NONE && (bodies.slots.dense(*slot) as usize) < bodies.dynamic();
+        for joint in joints.all.iter_mut().filter(|joint| joint.bodies.iter().any(awake)) {
             (joint.force, joint.torque) = (glam::Vec3::ZERO, glam::Vec3::ZERO);
         }
         let Joints { all, locks, rows, .. } = joints;
@@ -425,10 +427,19 @@ impl JointRows {
 }
 
 /// Calls `f` with each body of a batch of trees, its seat and the inverse of its inertia as it is braced.
-fn each_body<L: Lanes>(batch: &TreeBatch<L>, tree: TreeRef, f: &mut impl FnMut(bool, Seat, u32, Sym3<f32>)) {
+fn each_body<L: Lanes>(
+    batch: &TreeBatch<L>,
+    tree: TreeRef,
+    f: &mut impl FnMut((bool, Place), Seat, u32, Sym3<f32>),
+) {
     for (i, node) in batch.nodes.iter().enumerate() {
         for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
-            f(batch.loops, Seat::new(tree, i, lane), node.body[lane], get_sym(&node.braced_inverse, lane));
+            f(
+                (batch.loops, batch.place),
+                Seat::new(tree, i, lane),
+                node.body[lane],
+                get_sym(&node.braced_inverse, lane),
+            );
         }
     }
 }
@@ -466,18 +477,19 @@ fn bytes_of_trees<L>(trees: &Vec<TreeBatch<L>>) -> (usize, usize) {
 
 /// The nodes of trees of one shape, a lane each.
 fn batch_of<L: Lanes>(group: &[Tree]) -> TreeBatch<L> {
-    let first = &group[0];
+    let (first, place) = (&group[0].branches, group[0].place);
     let node = |i: usize| {
         let mut node = Node::default();
         (node.side, node.parent, node.jointed) = (first[i].side, first[i].parent, first[i].jointed);
         node.turns = first[i].turns;
         for (lane, tree) in group.iter().enumerate() {
-            (node.owner[lane], node.turn_owner[lane]) = (tree[i].lock, tree[i].turn);
+            let branch = &tree.branches[i];
+            (node.owner[lane], node.turn_owner[lane]) = (branch.lock, branch.turn);
         }
         node
     };
     let loops = first.iter().any(|branch| branch.collides);
-    TreeBatch { nodes: (0..first.len()).map(node).collect(), loops, ..TreeBatch::default() }
+    TreeBatch { nodes: (0..first.len()).map(node).collect(), loops, place, ..TreeBatch::default() }
 }
 
 /// Calls `f` with each lock of a batch of trees and its impulse.

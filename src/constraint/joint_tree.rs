@@ -10,6 +10,7 @@
 use super::contact_row::Motion;
 use super::joint_ends::{JointPass, NONE, bend, inverse, swerve, turned};
 use super::joint_tour::Toured;
+use super::order::Place;
 use super::seats::Seated;
 use super::spatial::{Sym6, Twist, plus};
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3, gather, scatter};
@@ -146,6 +147,8 @@ pub(crate) struct TreeBatch<L> {
     /// A joint lets its bodies collide: a loop with their contact, of which the tree knows nothing. Contacts don't go along,
     /// and what is open is left to the velocities.
     pub(crate) loops: bool,
+    /// Where it is solved among all rows.
+    pub(crate) place: Place,
     /// Contacts that go along with the trees: their range among all such.
     pub(crate) contacts: (u32, u32),
     /// Substep [s].

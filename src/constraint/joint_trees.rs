@@ -2,6 +2,7 @@
 
 use super::joint_ends::NONE;
 use super::joint_tree::Turns;
+use super::order::Place;
 use crate::body::Bodies;
 use crate::joint::{Joints, LockKind};
 
@@ -25,20 +26,38 @@ pub(super) struct Branch {
 }
 
 impl Branch {
-    /// What trees have in common that can be solved in the same lanes.
-    fn shape(&self) -> (u32, u8, bool, Turns, bool) {
+    fn shape(&self) -> Shape {
         (self.parent, self.side, self.jointed, self.turns, self.collides)
     }
 }
 
-/// Parents before children.
-pub(super) type Tree = Vec<Branch>;
+/// Bodies that hang together.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Tree {
+    /// That of the joint that is raised most.
+    pub(super) place: Place,
+    /// Parents before children.
+    pub(super) branches: Vec<Branch>,
+}
+
+impl Tree {
+    /// What trees have in common that can be solved in the same lanes: they come one after another if this is sorted.
+    fn shape(&self) -> impl Iterator<Item = Shape> + '_ {
+        self.branches.iter().map(Branch::shape)
+    }
+}
+
+type Shape = (u32, u8, bool, Turns, bool);
 
 /// Trees out of points that are joined, with what locks their rotation: of two locks and more. Those of the same shape side by side, in groups of at most
 /// eight; and which locks are in them.
 ///
 /// What has loops, hangs on two things or has a locked axis is none.
-pub(super) fn find(joints: &Joints, bodies: &Bodies) -> (Vec<Vec<Tree>>, Vec<bool>) {
+pub(super) fn find(
+    joints: &Joints,
+    bodies: &Bodies,
+    place_of: &dyn Fn(u32) -> Place,
+) -> (Vec<Vec<Tree>>, Vec<bool>) {
     let dynamic = bodies.dynamic();
     let mut taken = vec![false; joints.locks.len()];
     let ends = |lock: u32| {
@@ -106,16 +125,19 @@ pub(super) fn find(joints: &Joints, bodies: &Bodies) -> (Vec<Vec<Tree>>, Vec<boo
         let most = |&body: &usize| (locks_of(body).count(), std::cmp::Reverse(body));
         let Some(root) = anchor.or_else(|| group.iter().copied().max_by_key(most)) else { continue };
         let collides = |lock: u32| joints.all[joints.locks[lock as usize].joint as usize].collide;
-        trees.push(grow(root, dynamic, &locks_of, &ends, &turn_of, &collides));
+        let branches = grow(root, dynamic, &locks_of, &ends, &turn_of, &collides);
+        let jointed = branches.iter().filter(|branch| branch.jointed);
+        let place = jointed.map(|branch| place_of(joints.locks[branch.lock as usize].joint)).max();
+        trees.push(Tree { place: place.unwrap_or_default(), branches });
     }
-    for branch in trees.iter().flatten().filter(|branch| branch.jointed) {
+    for branch in trees.iter().flat_map(|tree| &tree.branches).filter(|branch| branch.jointed) {
         taken[branch.lock as usize] = true;
         if branch.turn != NONE {
             taken[branch.turn as usize] = true;
         }
     }
-    trees.sort_by(|a, b| a.iter().map(Branch::shape).cmp(b.iter().map(Branch::shape)));
-    let same = |a: &Tree, b: &Tree| a.iter().map(Branch::shape).eq(b.iter().map(Branch::shape));
+    trees.sort_by(|a, b| a.place.cmp(&b.place).then_with(|| a.shape().cmp(b.shape())));
+    let same = |a: &Tree, b: &Tree| a.place == b.place && a.shape().eq(b.shape());
     let groups = trees.chunk_by(same).flat_map(|alike| alike.chunks(8)).map(<[Tree]>::to_vec).collect();
     (groups, taken)
 }
@@ -128,7 +150,7 @@ fn grow<I: Iterator<Item = u32>>(
     ends: &impl Fn(u32) -> [usize; 2],
     turn_of: &impl Fn(u32) -> (Turns, u32),
     collides: &impl Fn(u32) -> bool,
-) -> Tree {
+) -> Vec<Branch> {
     let side_of = |lock: u32, body: usize| u8::from(ends(lock)[1] == body);
     let anchor = locks_of(root).find(|&lock| ends(lock).iter().any(|&b| b >= dynamic));
     let lock = anchor.or_else(|| locks_of(root).next()).unwrap_or(NONE);

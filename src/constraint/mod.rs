@@ -18,6 +18,7 @@ mod joint_run;
 mod joint_tour;
 mod joint_tree;
 mod joint_trees;
+mod keys;
 mod order;
 mod prepare;
 mod seats;

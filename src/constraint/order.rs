@@ -26,7 +26,7 @@ pub enum RowGroup {
 /// left in a joint for a frame and not in a wall for ever.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Order(pub [RowGroup; 7]);
+pub struct Order(pub [RowGroup; Order::LEN]);
 
 impl Default for Order {
     fn default() -> Self {
@@ -43,7 +43,14 @@ impl Default for Order {
     }
 }
 
+/// Where rows are solved among all others: what comes later wins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Place(u8);
+
 impl Order {
+    /// How many groups there are.
+    pub(crate) const LEN: usize = 7;
+
     /// The other way round: contacts first, joints last. To see what the default is good for.
     pub fn reversed(self) -> Order {
         let mut groups = self.0;
@@ -51,11 +58,17 @@ impl Order {
         Order(groups)
     }
 
-    /// Contacts in this order.
-    pub(crate) fn contacts(self) -> [Group; 4] {
-        let mut groups = Group::ALL;
-        groups.sort_by_key(|group| self.rank(group.named()));
-        groups
+    /// The place of rows of a group: its own, or right after another that they are raised above, if that is later. What is
+    /// raised above the same keeps the order among itself.
+    pub(crate) fn place(self, group: RowGroup, raised: Option<RowGroup>) -> Place {
+        let own = self.rank(group);
+        let after = raised.map_or(0, |above| 2 * self.rank(above) + 1);
+        Place(((2 * own).max(after) * self.0.len() + own) as u8)
+    }
+
+    /// What rows are raised above that belong to two.
+    pub(crate) fn higher(self, a: Option<RowGroup>, b: Option<RowGroup>) -> Option<RowGroup> {
+        [a, b].into_iter().flatten().max_by_key(|group| self.rank(*group))
     }
 
     /// Whether each group stands in it once.
@@ -63,7 +76,7 @@ impl Order {
         Order::default().0.iter().all(|group| self.0.contains(group))
     }
 
-    pub(crate) fn rank(self, group: RowGroup) -> usize {
+    fn rank(self, group: RowGroup) -> usize {
         self.0.iter().position(|&g| g == group).unwrap_or(0)
     }
 }
@@ -119,6 +132,7 @@ impl Group {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stage {
     pub(crate) group: Group,
+    pub(crate) place: Place,
     /// Range in the schedule.
     pub(crate) start: u32,
     pub(crate) end: u32,

@@ -2,7 +2,7 @@
 
 use super::batch::BatchRef;
 use super::joint_ends::NONE;
-use crate::memory::bytes_of;
+use crate::memory::{Buffer, bytes_of};
 
 /// A batch of trees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -74,6 +74,9 @@ impl Seats {
     #[inline]
     pub(crate) fn of(&self, body: usize) -> Option<Seat> {
         self.all.get(body).copied().filter(|seat| *seat != Seat::NOWHERE)
+    }
+    pub(crate) fn buffer(&mut self) -> &mut dyn Buffer {
+        &mut self.all
     }
     pub(crate) fn bytes(&self) -> (usize, usize) {
         bytes_of(&self.all)

@@ -36,12 +36,18 @@ pub(crate) struct Buffers {
 }
 
 impl Buffers {
-    /// Calls `f` with each buffer and the place that it needs for so many bodies that can move, and that can be pushed.
+    /// Calls `f` with each buffer and the place that it needs for so many bodies that can move, and that can be pushed; some
+    /// of them may be joined.
     pub(crate) fn each(
         &mut self,
         (movers, dynamic): (usize, usize),
+        joined: bool,
         f: &mut dyn FnMut(&mut dyn Buffer, usize),
     ) {
+        if joined && let Ok(cut) = self.cut.get_mut() {
+            // By the static world, and by another body.
+            f(cut, 2 * dynamic);
+        }
         f(&mut self.clear, dynamic);
         f(&mut self.beside, dynamic);
         f(&mut stacks_of(&mut self.stacks), movers.div_ceil(BLOCK));

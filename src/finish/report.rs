@@ -59,6 +59,12 @@ pub struct StepReport {
     pub uncoloured: u32,
     /// Bodies whose centre would have crossed static geometry, had the guard not held them.
     pub held: u32,
+    /// Bodies that are asleep.
+    pub asleep: u32,
+    /// Bodies that fell asleep in the step, or since the one before.
+    pub slept: u32,
+    /// Bodies that woke in the step, or since the one before.
+    pub woke: u32,
     /// What was left out because memory was not allowed to grow: points of contacts, and pairs, of which it is not known
     /// how many points they have.
     pub shed: u32,
@@ -89,6 +95,9 @@ impl StepReport {
             pushed,
             held: ended.held,
             shed: broad.shed + narrow.shed + prepared.shed,
+            asleep: world.bodies.asleep().len() as u32,
+            slept: world.sleep.slept,
+            woke: world.sleep.woke,
             uncoloured: world.buffers.rows.single.len() as u32,
             batches: world.buffers.rows.schedule.len() as u32,
         }

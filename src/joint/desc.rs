@@ -1,5 +1,6 @@
 //! What a joint is made of: limits and drives between two frames.
 
+use crate::constraint::RowGroup;
 use crate::error::{Error, finite, finite3, within};
 use crate::handle::BodyHandle;
 use crate::shape::unit_quat;
@@ -254,6 +255,9 @@ pub struct JointDesc {
     pub break_force: f32,
     /// The joint breaks above this torque [N m]. Default infinity.
     pub break_torque: f32,
+    /// Has its rows solved right after those of this group, unless their own place is later: what is solved later wins.
+    /// A tree of joints is raised as a whole. Default none.
+    pub raised: Option<RowGroup>,
     /// The caller's own.
     pub user_data: u64,
 }
@@ -269,6 +273,7 @@ impl JointDesc {
             collide: false,
             break_force: f32::INFINITY,
             break_torque: f32::INFINITY,
+            raised: None,
             user_data: 0,
         }
     }
@@ -335,6 +340,12 @@ impl JointDesc {
     /// Breaks above this force [N] and this torque [N m].
     pub fn breaking(mut self, force: f32, torque: f32) -> JointDesc {
         (self.break_force, self.break_torque) = (force, torque);
+        self
+    }
+
+    /// Rows right after those of a group, if that is later.
+    pub fn raised(mut self, above: RowGroup) -> JointDesc {
+        self.raised = Some(above);
         self
     }
 

@@ -1,6 +1,7 @@
 //! Joint columns: frames once a joint, and a row for each limit and drive, by type.
 
 use super::desc::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
+use crate::constraint::RowGroup;
 use crate::handle::{JointHandle, Slots};
 use crate::memory::{Buffer, bytes_of};
 use glam::Vec3;
@@ -18,6 +19,8 @@ pub(crate) struct Joint {
     /// What it takes to break it [N], [N m].
     pub(crate) strength: [f32; 2],
     pub(crate) collide: bool,
+    /// Which rows its own come after.
+    pub(crate) raised: Option<RowGroup>,
     pub(crate) user_data: u64,
     /// On the second body, in the last substep [N], [N m].
     pub(crate) force: Vec3,
@@ -169,6 +172,7 @@ impl Joints {
             frames,
             strength: [desc.break_force, desc.break_torque],
             collide: desc.collide,
+            raised: desc.raised,
             user_data: desc.user_data,
             force: Vec3::ZERO,
             torque: Vec3::ZERO,
@@ -321,6 +325,11 @@ impl Joints {
                 this
             })
         })
+    }
+
+    /// Whether a body, by its slot, has joints.
+    pub(crate) fn has_any(&self, body: u32) -> bool {
+        self.count > 0 && self.of_body(body).next().is_some()
     }
 
     /// Whether a joint keeps two bodies, by slots, from colliding.

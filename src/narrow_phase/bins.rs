@@ -248,9 +248,10 @@ fn finish_convex(
     if approach.is_continuous() && nearest > 0.0 && raw.count > 0 {
         let fast = nearest > input.real && approach.most() > input.fast;
         let volume = approach.mode == Continuous::Volume;
+        let strays = nearest <= input.margin && input.strays(pair);
         // A plane lies between the two. If the motion can't close the gap across it, they don't touch.
         let closing = -(input.poses[pair.a as usize].rotation * raw.normal).dot(approach.way);
-        if fast && !volume && closing + approach.spin < nearest {
+        if fast && !volume && !strays && closing + approach.spin < nearest {
             raw.count = 0;
         } else if fast || would_push(&motion_of(input, pair), &raw) {
             // Apart, and a plane at the start of the step would be a guess: look where they really touch.
@@ -258,7 +259,9 @@ fn finish_convex(
             // On a miss there is nothing in reach on this path; the larger volume keeps what it passes.
             let found =
                 look_ahead(input, pair).or_else(|| if volume { look_beside(input, pair) } else { None });
-            (raw, fraction) = found.unwrap_or_default();
+            if found.is_some() || !strays {
+                (raw, fraction) = found.unwrap_or_default();
+            }
         }
     } else if nearest < 0.0
         && let Some(out) = right_way_out(input, pair, rel, &raw)
@@ -362,10 +365,12 @@ fn finish_mesh(
         }
         // Close, but apart by more than shows: planes count only if anything is touched at all.
         let apart = nearest > tolerance(a, b).max(NO_GAP * input.real);
-        if continuous && apart && mesh.raw.iter().any(|m| would_push(&motion, m)) {
+        let near = |m: &RawManifold| m.points().iter().any(|p| p.separation <= input.margin);
+        let guess = |m: &RawManifold| would_push(&motion, m) && !(near(m) && input.strays(pair));
+        if continuous && apart && mesh.raw.iter().any(guess) {
             casts += 1;
             if !touches_mesh(shapes, (rel, &motion), &mut mesh.mesh) {
-                mesh.raw.retain(|m| !would_push(&motion, m));
+                mesh.raw.retain(|m| !guess(m));
             }
         }
         (0..mesh.raw.len()).for_each(|i| mesh.add(mesh.raw[i], 0.0));

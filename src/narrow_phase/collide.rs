@@ -36,6 +36,8 @@ pub(crate) struct Input<'a> {
     pub(crate) recycle: f32,
     /// The world's; a pair's is in [`Approach::mode`].
     pub(crate) mode: Continuous,
+    /// Whether a body has joints.
+    pub(crate) has_joints: &'a (dyn Fn(u32) -> bool + Sync),
 }
 
 impl Input<'_> {
@@ -50,6 +52,13 @@ impl Input<'_> {
     pub(crate) fn is_static(&self, pair: &Pair) -> bool {
         let pushed = |c: u32| (self.hot[c as usize].body as usize) < self.dynamic;
         !(pushed(pair.a) && pushed(pair.b))
+    }
+
+    /// Whether a pair is of something static and a body that joints keep from going where it is predicted to: that the
+    /// predicted path misses what is near says nothing.
+    pub(crate) fn strays(&self, pair: &Pair) -> bool {
+        let [a, b] = [pair.a, pair.b].map(|c| self.hot[c as usize].body);
+        self.is_static(pair) && (self.has_joints)(if (a as usize) < self.dynamic { a } else { b })
     }
 
     /// How a pair may close within the step.

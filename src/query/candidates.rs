@@ -1,8 +1,8 @@
 //! The shapes that a query has to ask, with where they are.
 
 use super::filter::{QueryFilter, Sees};
-use crate::body::Pose;
-use crate::broad_phase::{Aabb, Current, Present, aabb_of};
+use crate::body::{BodyKind, Pose};
+use crate::broad_phase::{Aabb, Current, Present};
 use crate::handle::{BodyHandle, ShapeHandle};
 use crate::lanes::f32x4;
 use crate::shape::{Collider, Near, Slabs};
@@ -46,18 +46,17 @@ pub(super) fn turn_back(rotation: Quat, v: DVec3) -> DVec3 {
 
 impl Present for World {
     fn each_mover(&self, f: &mut dyn FnMut(u32)) {
-        for colliders in &self.bodies.colliders[..self.bodies.movers()] {
-            colliders.as_slice().iter().for_each(|&c| f(c));
+        // What sleeps too: it may have moved in the step before it fell asleep.
+        for body in (0..self.bodies.movers()).chain(self.bodies.asleep()) {
+            self.bodies.colliders[body].as_slice().iter().for_each(|&c| f(c));
         }
     }
     fn moves(&self, collider: u32) -> Option<bool> {
         let body = self.colliders.all[collider as usize].body;
-        (body != u32::MAX).then(|| (body as usize) < self.bodies.movers())
+        (body != u32::MAX).then(|| self.bodies.kind[body as usize] != BodyKind::Static)
     }
     fn bounds(&self, collider: u32) -> Aabb {
-        let collider = &self.colliders.all[collider as usize];
-        let pose = &self.bodies.pose[collider.body as usize];
-        aabb_of(collider, pose.position, pose.rotation)
+        World::bounds(self, collider)
     }
 }
 

@@ -71,7 +71,6 @@ pub(crate) fn solve(
         slop: settings.slop * settings.length_unit,
         shift: SHIFT * settings.length_unit,
         friction_box: settings.friction_cone == FrictionCone::Box,
-        order: settings.order,
         joint_push: JOINT_PUSH * settings.length_unit,
         joint: Softness::new(
             JOINT_HERTZ.min(Softness::stiffest(settings.iterations + 1, h)),

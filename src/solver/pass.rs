@@ -4,8 +4,8 @@ use crate::constraint::contact_row::{
     HOLD, Motion, Pass, SHARE, Softness, solve, store as store_batch, warm_start,
 };
 use crate::constraint::{
-    Along, Batch, Closing, Group, JointPass, JointRows, JointStage, JointType, JointViews, Order, Rows,
-    Stage, TreeRef, guard, rub,
+    Along, Batch, Closing, Group, JointPass, JointRows, JointStage, JointType, JointViews, Rows, Stage,
+    TreeRef, guard, rub,
 };
 use crate::lanes::GatherLanes;
 use crate::narrow_phase::{Contact, Point};
@@ -32,7 +32,6 @@ pub(crate) struct Passes {
     pub(crate) slop: f32,
     pub(crate) shift: f32,
     pub(crate) friction_box: bool,
-    pub(crate) order: Order,
     /// Of what joints lock.
     pub(crate) joint: Softness,
     pub(crate) joint_push: f32,
@@ -70,8 +69,7 @@ impl Passes {
         let mut joints = joined.stages;
         for stage in stages {
             if !joints.is_empty() {
-                let rank = self.order.rank(stage.group.named());
-                let before = joints.partition_point(|joint| self.order.rank(joint.group) < rank);
+                let before = joints.partition_point(|joint| joint.place < stage.place);
                 self.run_joints(crew, kind, &joints[..before], joined.views, motion, along);
                 joints = &joints[before..];
             }

@@ -4,6 +4,7 @@ use super::World;
 use crate::body::{BodyDesc, BodyKind};
 use crate::broad_phase::Population;
 use crate::error::Error;
+use crate::joint::More;
 use crate::lanes::Record;
 use crate::memory::{Buffer, Category, MemoryReport, Room, bytes_of};
 use crate::shape::{Geometry, ShapeDesc};
@@ -16,6 +17,9 @@ struct Counts {
     dynamic: usize,
     colliders: Population,
     previous: bool,
+    raised: bool,
+    /// Whether there are joints.
+    joined: bool,
     /// Bytes of compounds' lists and of geometry that the world doesn't have yet.
     lists: usize,
     assets: usize,
@@ -41,6 +45,9 @@ impl World {
         report.add(Category::Continuous, self.broad.continuous_bytes());
         report.add(Category::Continuous, bytes_of(&self.bodies.previous));
         report.add(Category::Joints, self.joints.bytes());
+        let [islands, kept] = self.sleep.bytes();
+        report.add(Category::Bodies, islands);
+        report.add(Category::BroadPhase, kept);
         self.buffers.report(&mut report);
         let (manifolds, rows) = self.buffers.prepare.ahead_bytes();
         report.shift(Category::Manifolds, Category::Continuous, manifolds);
@@ -77,6 +84,7 @@ impl World {
             more.movers += usize::from(moves);
             more.dynamic += usize::from(pushed);
             more.lists += list_bytes(0, desc.shapes.len());
+            more.raised |= desc.raised.is_some();
             desc.shapes.iter().for_each(|shape| more.add_shape(desc.kind, shape));
         }
         self.make_place_for(more)
@@ -99,6 +107,14 @@ impl World {
         };
         more.add_shape(kind, shape);
         self.make_place_for(more)
+    }
+
+    /// Makes place for the order of contacts of raised bodies.
+    pub(super) fn make_place_for_raised(&mut self, raised: bool) -> Result<(), Error> {
+        if self.settings.budget.is_none() {
+            return Ok(());
+        }
+        self.make_place_for(Counts { raised, ..Counts::default() })
     }
 
     /// Makes the column of forces, which exists only once one was applied.
@@ -126,17 +142,12 @@ impl World {
     fn make_place_for(&mut self, more: Counts) -> Result<(), Error> {
         let left = self.room().left();
         let mut counts = self.counts(more);
-        let mut lacking = |counts: Counts| {
-            let mut bytes = 0;
-            self.each_buffer(counts, &mut |buffer, len| bytes += buffer.missing(len));
-            bytes
-        };
         let (rest, mut asked) = (more.lists + more.assets, 0);
         // Place for a quarter more while that takes a small part of what is left, so that bodies added one by one are
         // not all moved each time.
         for ahead in [4, usize::MAX] {
             let wider = counts.with_more(ahead);
-            asked = lacking(wider);
+            asked = self.lacking(wider);
             if ahead == usize::MAX || asked + rest <= left / 8 {
                 counts = wider;
                 break;
@@ -152,13 +163,41 @@ impl World {
         Ok(())
     }
 
+    /// Bytes that are missing for so many.
+    fn lacking(&mut self, counts: Counts) -> usize {
+        let mut bytes = 0;
+        self.each_buffer(counts, &mut |buffer, len| bytes += buffer.missing(len));
+        bytes
+    }
+
+    /// Makes place for a joint: in its columns, in the batches of steps, and in what steps keep of each body that may be
+    /// joined.
+    pub(super) fn make_place_for_joint(&mut self, more: More) -> Result<(), Error> {
+        if self.settings.budget.is_none() {
+            return Ok(());
+        }
+        let counts = self.counts(Counts { joined: true, ..Counts::default() });
+        let of_bodies = self.lacking(counts);
+        let (asked, left) = (self.joints.missing(more) + of_bodies, self.room().left());
+        if asked > left {
+            return Err(Error::Budget { category: Category::Joints, asked, left });
+        }
+        self.each_buffer(counts, &mut |buffer, len| buffer.widen(len));
+        // So that joints added one by one are not all moved each time.
+        let ahead = self.joints.ahead(more);
+        let far = self.joints.missing(ahead) + of_bodies <= left / 8;
+        self.joints.widen(if far { ahead } else { more });
+        Ok(())
+    }
+
     fn counts(&self, more: Counts) -> Counts {
         let now = self.broad.population();
         let spare = self.colliders.slots.spare();
         Counts {
             bodies: self.bodies.len() + more.bodies,
-            movers: self.bodies.movers() + more.movers,
-            dynamic: self.bodies.dynamic() + more.dynamic,
+            // Who sleeps may wake.
+            movers: self.bodies.asleep().end + more.movers,
+            dynamic: self.bodies.all_dynamic().count() + more.dynamic,
             colliders: Population {
                 slots: self.colliders.all.len() + more.colliders.slots.saturating_sub(spare),
                 moving: now.moving + more.colliders.moving,
@@ -166,6 +205,8 @@ impl World {
                 endless: now.endless + more.colliders.endless,
             },
             previous: more.previous || self.needs.restitution > 0,
+            joined: more.joined || self.joints.count > 0,
+            raised: more.raised || self.bodies.raises().next().is_some(),
             ..more
         }
     }
@@ -182,9 +223,15 @@ impl World {
         let buffers = &mut self.buffers;
         buffers.forces.each((n.movers, n.dynamic), f);
         buffers.broad.each((n.movers, n.colliders.moving), f);
-        buffers.prepare.each(n.dynamic, f);
+        buffers.prepare.each(n.dynamic, n.raised, f);
         buffers.solver.each(n.movers, f);
-        buffers.finish.each((n.movers, n.dynamic), f);
+        if self.bodies.rests {
+            self.sleep.each(n.bodies, n.dynamic, f);
+        }
+        buffers.finish.each((n.movers, n.dynamic), n.joined, f);
+        if n.joined {
+            buffers.joints.each(n.dynamic, f);
+        }
     }
 }
 

@@ -1,7 +1,8 @@
 //! Joints of the world: add, remove, change, look up.
 
 use super::World;
-use crate::body::Cold;
+use crate::body::{BodyKind, Cold};
+use crate::constraint::RowGroup;
 use crate::error::Error;
 use crate::handle::{BodyHandle, JointHandle};
 use crate::joint::{Drive, Frame, JointDesc, Limit, More};
@@ -16,10 +17,12 @@ impl World {
     pub fn add_joint(&mut self, desc: &JointDesc) -> Result<JointHandle, Error> {
         let bodies = [self.index(desc.bodies[0])?, self.index(desc.bodies[1])?];
         desc.validate()?;
-        if bodies.iter().all(|&i| i >= self.bodies.dynamic()) {
+        if bodies.iter().all(|&i| self.bodies.kind[i] != BodyKind::Dynamic) {
             return Err(Error::JointOfStill);
         }
         self.make_place_for_joint(More::of_joint(desc))?;
+        self.wake_joined(desc.bodies.map(|body| body.slot));
+        let bodies = desc.bodies.map(|body| self.bodies.slots.dense(body.slot) as usize);
         let frames = [0, 1].map(|side| {
             let (cold, frame) = (&self.bodies.cold[bodies[side]], &desc.frames[side]);
             Frame {
@@ -73,7 +76,20 @@ impl World {
         limits.iter().try_for_each(Limit::validate)?;
         drives.iter().try_for_each(Drive::validate)?;
         self.make_place_for_joint(More::of(limits, drives))?;
+        self.wake_joined(self.joints.all[slot as usize].bodies);
         self.joints.replace_rows(slot, limits, drives);
+        Ok(())
+    }
+
+    /// Has the rows of a joint solved right after those of a group, or in their own places again; see
+    /// [`JointDesc::raised`].
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn raise_joint(&mut self, joint: JointHandle, above: Option<RowGroup>) -> Result<(), Error> {
+        let slot = self.joint(joint)?;
+        self.joints.all[slot as usize].raised = above;
+        self.joints.changed = true;
         Ok(())
     }
 
@@ -137,7 +153,9 @@ impl World {
     }
 
     fn drop_joint(&mut self, slot: u32) {
-        let body = self.joints.all[slot as usize].bodies[0];
+        let bodies = self.joints.all[slot as usize].bodies;
+        self.wake_joined(bodies);
+        let body = bodies[0];
         self.joints.remove(slot);
         self.look_up_pairs_of(self.bodies.slots.dense(body) as usize);
     }
@@ -160,6 +178,12 @@ impl World {
         }
     }
 
+    fn wake_joined(&mut self, slots: [u32; 2]) {
+        for slot in slots {
+            self.wake_body(self.bodies.slots.dense(slot) as usize);
+        }
+    }
+
     /// Joints decide which bodies collide.
     fn look_up_pairs_of(&mut self, body: usize) {
         for &c in self.bodies.colliders[body].as_slice() {
@@ -177,20 +201,5 @@ impl World {
             frame.position = new.axes.conjugate() * (old.centre + old.axes * frame.position - new.centre);
             frame.rotation = (new.axes.conjugate() * old.axes * frame.rotation).normalize();
         }
-    }
-
-    fn make_place_for_joint(&mut self, more: More) -> Result<(), Error> {
-        if self.settings.budget.is_none() {
-            return Ok(());
-        }
-        let (asked, left) = (self.joints.missing(more), self.room().left());
-        if asked > left {
-            return Err(Error::Budget { category: crate::memory::Category::Joints, asked, left });
-        }
-        // So that joints added one by one are not all moved each time.
-        let ahead = self.joints.ahead(more);
-        let far = self.joints.missing(ahead) <= left / 8;
-        self.joints.widen(if far { ahead } else { more });
-        Ok(())
     }
 }

@@ -62,6 +62,9 @@ pub(crate) struct RunOptions {
     /// How fast bodies are kept from passing through others: discrete (not at all), segment or volume.
     #[arg(long, value_name = "MODE", default_value = "segment", value_parser = continuous)]
     pub(crate) continuous: Continuous,
+    /// Let bodies at rest fall asleep.
+    #[arg(long)]
+    pub(crate) sleep: bool,
     /// Gravity in m/s²: X,Y,Z, or one number for downwards [default: the scene's].
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = gravity)]
     pub(crate) gravity: Option<Vec3>,

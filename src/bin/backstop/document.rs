@@ -130,8 +130,7 @@ fn bodies(scene: &Scene, world: &World, handles: &[BodyHandle]) -> Result<Vec<Bo
             rotation: world.rotation(handle)?.to_array(),
             linear_velocity: world.linear_velocity(handle)?.to_array(),
             angular_velocity: world.angular_velocity(handle)?.to_array(),
-            // Bodies don't sleep yet.
-            asleep: false,
+            asleep: world.is_asleep(handle)?,
         })
     };
     scene.bodies.iter().zip(handles).map(one).collect()

@@ -88,6 +88,7 @@ fn settings(options: &RunOptions, scene: &Scene) -> Settings {
         iterations: options.iterations.unwrap_or(default.iterations),
         threads: options.threads,
         continuous: options.continuous,
+        sleeping: options.sleep,
         ..default
     }
 }

@@ -1,0 +1,267 @@
+//! Who hangs together, and what of it falls asleep.
+//!
+//! Islands are the trees of a disjoint-set forest over the awake bodies, joined by touching contacts and by joints (path
+//! halving and union by index: the lowest index of an island is its root, so that nothing depends on the order of
+//! unions). They are looked for only when some body has been at rest for long enough, and then not in every step.
+
+use super::Sleep;
+use crate::body::{Bodies, BodyKind, Previous};
+use crate::broad_phase::Pair;
+use crate::joint::Joints;
+use crate::memory::{Buffer, bytes_of};
+use crate::narrow_phase::{Contacts, NONE};
+use crate::shape::Hot;
+use crate::step::REAL;
+use crate::threads::{Crew, Shared, per_block};
+use crate::world::World;
+use glam::Vec3;
+
+/// Steps between two looks for islands while some bodies rest that hang on others that don't.
+const PATIENCE: u32 = 8;
+/// Bodies a block.
+const BLOCK: usize = per_block(512, 1);
+
+/// A disjoint-set forest over awake dynamic bodies.
+#[derive(Debug, Default)]
+pub(crate) struct Groups {
+    parent: Vec<u32>,
+    /// Of each root: since when all of its island is at rest [s].
+    rest: Vec<f32>,
+    /// Of each root: the island that it becomes.
+    island: Vec<u32>,
+}
+
+impl Groups {
+    fn root(&mut self, mut i: u32) -> u32 {
+        while self.parent[i as usize] != i {
+            let grandparent = self.parent[self.parent[i as usize] as usize];
+            self.parent[i as usize] = grandparent;
+            i = grandparent;
+        }
+        i
+    }
+
+    fn join(&mut self, i: u32, k: u32) {
+        let (i, k) = (self.root(i), self.root(k));
+        self.parent[i.max(k) as usize] = i.min(k);
+    }
+
+    /// Finds the islands of all awake bodies.
+    fn find(
+        &mut self,
+        bodies: &Bodies,
+        hot: &[Hot],
+        pairs: &[Pair],
+        contacts: &Contacts,
+        joints: &Joints,
+        (real, at_once): (f32, bool),
+    ) {
+        let (dynamic, movers) = (bodies.dynamic() as u32, bodies.movers() as u32);
+        self.parent.clear();
+        self.parent.extend(0..dynamic);
+        self.rest.clear();
+        self.rest.extend_from_slice(&bodies.rest[..dynamic as usize]);
+        for (i, rest) in self.rest.iter_mut().enumerate() {
+            if bodies.traits[i].sleepless {
+                *rest = 0.0;
+            } else if at_once {
+                *rest = f32::MAX;
+            }
+        }
+        let link = |this: &mut Groups, i: u32, k: u32| {
+            let (i, k) = (i.min(k), i.max(k));
+            if k < dynamic {
+                this.join(i, k);
+            } else if i < dynamic && k < movers {
+                // What a kinematic body carries rests as long as that.
+                let rest = &mut this.rest[i as usize];
+                *rest = rest.min(bodies.rest[k as usize]);
+            }
+        };
+        for pair in pairs.iter().filter(|pair| pair.contact != NONE) {
+            if touches(contacts, pair, real) {
+                link(self, hot[pair.a as usize].body, hot[pair.b as usize].body);
+            }
+        }
+        if joints.count > 0 {
+            for joint in joints.all.iter().filter(|joint| joint.is_there()) {
+                let [a, b] = joint.bodies.map(|slot| bodies.slots.dense(slot));
+                link(self, a, b);
+            }
+        }
+        for i in 0..dynamic {
+            let root = self.root(i);
+            self.parent[i as usize] = root;
+            let least = self.rest[root as usize].min(self.rest[i as usize]);
+            self.rest[root as usize] = least;
+        }
+    }
+
+    /// The root of the island of a body, as it was found.
+    fn of(&self, i: u32) -> u32 {
+        self.parent[i as usize]
+    }
+
+    pub(super) fn each(&mut self, dynamic: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        f(&mut self.parent, dynamic);
+        f(&mut self.rest, dynamic);
+        f(&mut self.island, dynamic);
+    }
+
+    pub(super) fn bytes(&self) -> (usize, usize) {
+        let all = [bytes_of(&self.parent), bytes_of(&self.rest), bytes_of(&self.island)];
+        all.into_iter().fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
+    }
+}
+
+/// Whether a pair touches, or pushed within the step.
+pub(super) fn touches(contacts: &Contacts, pair: &Pair, real: f32) -> bool {
+    let mut slot = pair.contact;
+    while slot != NONE {
+        let contact = &contacts.all[slot as usize];
+        if contact.points().iter().any(|p| p.separation <= real || p.impulse > 0.0) {
+            return true;
+        }
+        slot = contact.next;
+    }
+    false
+}
+
+impl World {
+    /// Counts how long bodies have been at rest, and puts islands to sleep that have been for long enough.
+    pub(crate) fn rest(&mut self, crew: &Crew<'_>, dt: f32) {
+        if !self.settings.sleeping {
+            return;
+        }
+        let (dynamic, movers) = (self.bodies.dynamic(), self.bodies.movers());
+        let (speed, time) = (self.settings.sleep_speed * self.settings.length_unit, self.settings.sleep_time);
+        let tired = std::sync::atomic::AtomicBool::new(false);
+        {
+            let rest = Shared::new(&mut self.bodies.rest);
+            let (velocity, colliders, hot) =
+                (&self.bodies.velocity, &self.bodies.colliders, &self.colliders.hot);
+            crew.run(movers.div_ceil(BLOCK), &|block| {
+                for i in block * BLOCK..((block + 1) * BLOCK).min(movers) {
+                    let v = &velocity[i];
+                    let still = if i < dynamic {
+                        let reach = |r: f32, &c: &u32| r.max(hot[c as usize].lever + hot[c as usize].radius);
+                        let arm = colliders[i].as_slice().iter().fold(0.0, reach);
+                        v.linear.length().max(v.angular.length() * arm) < speed
+                    } else {
+                        v.linear == Vec3::ZERO && v.angular == Vec3::ZERO
+                    };
+                    // SAFETY: each body is in one block.
+                    let rest = unsafe { rest.get(i) };
+                    *rest = if still { *rest + dt } else { 0.0 };
+                    if i < dynamic && *rest >= time {
+                        tired.store(true, std::sync::atomic::Ordering::Relaxed);
+                    }
+                }
+            });
+        }
+        self.sleep.waited += 1;
+        if tired.into_inner() && self.sleep.waited >= PATIENCE {
+            self.sleep.waited = 0;
+            self.find_islands(false);
+            self.send_tired_to_sleep(|_, rest| rest >= time);
+        }
+    }
+
+    /// Sends the island of an awake dynamic body to sleep, if all of it may.
+    pub(crate) fn send_island_to_sleep(&mut self, index: u32) {
+        self.find_islands(true);
+        let root = self.sleep.groups.of(index);
+        self.send_tired_to_sleep(|island, rest| island == root && rest > 0.0);
+    }
+
+    /// `at_once`: whatever may sleep is taken to be at rest for ever.
+    fn find_islands(&mut self, at_once: bool) {
+        let real = REAL * self.settings.length_unit;
+        let World { bodies, colliders, broad, contacts, joints, sleep, .. } = self;
+        sleep.groups.find(bodies, &colliders.hot, &broad.pairs, contacts, joints, (real, at_once));
+    }
+
+    /// Puts islands to sleep of which `tired` says so, by their root and how long all of them have been at rest.
+    fn send_tired_to_sleep(&mut self, tired: impl Fn(u32, f32) -> bool) {
+        let mut room = self.room();
+        let World { bodies, colliders, broad, contacts, joints, sleep, .. } = self;
+        let (dynamic, movers) = (bodies.dynamic() as u32, bodies.movers() as u32);
+        let is_tired = |sleep: &Sleep, i: u32| {
+            let root = sleep.groups.of(i);
+            tired(root, sleep.groups.rest[root as usize])
+        };
+        if !(0..dynamic).any(|i| is_tired(sleep, i)) {
+            return;
+        }
+        let fate = |sleep: &Sleep, pair: &Pair| {
+            let [a, b] = [pair.a, pair.b].map(|c| colliders.hot[c as usize].body);
+            let (i, k) = (a.min(b), a.max(b));
+            let (of_i, of_k) = (i < dynamic && is_tired(sleep, i), k < dynamic && is_tired(sleep, k));
+            match (of_i, of_k) {
+                (true, true) if sleep.groups.of(i) == sleep.groups.of(k) => Fate::Kept(sleep.groups.of(i)),
+                (true, true) => Fate::Dropped,
+                (true, false) if k >= movers && bodies.kind[k as usize] == BodyKind::Static => {
+                    Fate::Kept(sleep.groups.of(i))
+                }
+                (true, false) if k >= movers => Fate::Dropped,
+                _ => Fate::Stays,
+            }
+        };
+        if !room.is_endless() {
+            let kept = broad.pairs.iter().filter(|pair| matches!(fate(sleep, pair), Fate::Kept(_)));
+            let wanted = sleep.kept as usize + kept.count();
+            if room.fit(&mut sleep.pairs, wanted) < wanted {
+                return;
+            }
+        }
+        sleep.groups.island.clear();
+        sleep.groups.island.resize(dynamic as usize, NOWHERE);
+        for root in 0..dynamic {
+            if sleep.groups.of(root) == root && is_tired(sleep, root) {
+                sleep.groups.island[root as usize] = sleep.open();
+            }
+        }
+        broad.take_pairs(|pair| match fate(sleep, pair) {
+            Fate::Stays => None,
+            Fate::Kept(root) => {
+                sleep.add_pair(sleep.groups.island[root as usize], *pair);
+                Some(true)
+            }
+            Fate::Dropped => {
+                contacts.remove_chain(pair.contact);
+                Some(false)
+            }
+        });
+        // From the end: what moves to a freed place is one that stays.
+        for i in (0..dynamic).rev() {
+            let island = sleep.groups.island[sleep.groups.of(i) as usize];
+            if island == NOWHERE {
+                continue;
+            }
+            sleep.add_body(island, bodies.slot[i as usize]);
+            sleep.slept += 1;
+            let index = bodies.send_to_sleep(i, |own, index| {
+                own.as_slice().iter().for_each(|&c| colliders.follow(c, index));
+            }) as usize;
+            let v = &mut bodies.velocity[index];
+            (v.linear, v.angular) = (Vec3::ZERO, Vec3::ZERO);
+            bodies.rest[index] = 0.0;
+            if let Some(previous) = bodies.previous.get_mut(index) {
+                *previous = Previous::default();
+            }
+        }
+        joints.changed |= joints.count > 0;
+    }
+}
+
+/// What becomes of a pair when islands fall asleep.
+enum Fate {
+    Stays,
+    /// With the island of a root.
+    Kept(u32),
+    /// It was of two islands that don't touch; the next one that wakes finds it again.
+    Dropped,
+}
+
+/// No island.
+const NOWHERE: u32 = u32::MAX;

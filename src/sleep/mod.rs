@@ -1,0 +1,167 @@
+//! What is at rest leaves the step: its bodies go behind all that moves, its pairs and contacts out of the lists that
+//! steps work through, so that a pile that sleeps costs next to nothing.
+//!
+//! Bodies sleep and wake by islands: all that hang together by contacts or joints (`islands.rs`). An island wakes when
+//! something comes near that moves, or when the caller changes anything about it (`wake.rs`). To the rest of the engine
+//! what sleeps is static.
+
+mod islands;
+mod wake;
+
+pub(crate) use islands::Groups;
+
+use crate::broad_phase::Pair;
+use crate::memory::{Buffer, bytes_of};
+
+/// End of a list.
+const NONE: u32 = u32::MAX;
+
+/// Islands that sleep, and what they keep.
+#[derive(Debug, Default)]
+pub(crate) struct Sleep {
+    islands: Vec<Island>,
+    free_islands: Vec<u32>,
+    /// By body slot.
+    bodies: Vec<Link>,
+    /// Pairs of the islands, a list for each.
+    pairs: Vec<(Pair, u32)>,
+    free_pair: Option<u32>,
+    /// How many pairs are kept.
+    kept: u32,
+    /// Who hangs together, as found when it was last looked for.
+    pub(crate) groups: Groups,
+    /// Pairs on their way back.
+    restored: Vec<Pair>,
+    /// Islands that are to wake.
+    waking: Vec<u32>,
+    /// Steps since it was last looked for islands.
+    pub(crate) waited: u32,
+    /// Of the last step: bodies that woke and that fell asleep.
+    pub(crate) woke: u32,
+    pub(crate) slept: u32,
+}
+
+/// Bodies that sleep together.
+#[derive(Clone, Copy, Debug)]
+struct Island {
+    /// Slot of the first body.
+    body: u32,
+    /// Place of the first pair.
+    pair: u32,
+}
+
+/// Where a body sleeps.
+#[derive(Clone, Copy, Debug)]
+struct Link {
+    island: u32,
+    /// Slot of the next body of the island.
+    next: u32,
+}
+
+impl Link {
+    const AWAKE: Link = Link { island: NONE, next: NONE };
+}
+
+impl Sleep {
+    /// A new island without bodies.
+    fn open(&mut self) -> u32 {
+        let island = Island { body: NONE, pair: NONE };
+        if let Some(free) = self.free_islands.pop() {
+            self.islands[free as usize] = island;
+            return free;
+        }
+        self.islands.push(island);
+        self.islands.len() as u32 - 1
+    }
+
+    fn add_body(&mut self, island: u32, slot: u32) {
+        if self.bodies.len() <= slot as usize {
+            self.bodies.resize(slot as usize + 1, Link::AWAKE);
+        }
+        let first = &mut self.islands[island as usize].body;
+        self.bodies[slot as usize] = Link { island, next: std::mem::replace(first, slot) };
+    }
+
+    fn add_pair(&mut self, island: u32, pair: Pair) {
+        let first = &mut self.islands[island as usize].pair;
+        let kept = (pair, *first);
+        self.kept += 1;
+        match self.free_pair {
+            Some(place) => {
+                self.free_pair = Some(self.pairs[place as usize].1).filter(|&next| next != NONE);
+                self.pairs[place as usize] = kept;
+                *first = place;
+            }
+            None => {
+                *first = self.pairs.len() as u32;
+                self.pairs.push(kept);
+            }
+        }
+    }
+
+    /// The island that a body sleeps in.
+    fn island_of(&self, slot: u32) -> Option<u32> {
+        self.bodies.get(slot as usize).map(|link| link.island).filter(|&island| island != NONE)
+    }
+
+    /// Ends an island: calls `body` with the slot of each of its bodies and `pair` with each of its pairs.
+    fn close(&mut self, island: u32, mut body: impl FnMut(u32), mut pair: impl FnMut(Pair)) {
+        let Island { body: mut slot, pair: mut place } = self.islands[island as usize];
+        while slot != NONE {
+            body(slot);
+            slot = std::mem::replace(&mut self.bodies[slot as usize], Link::AWAKE).next;
+        }
+        while place != NONE {
+            let (kept, next) = self.pairs[place as usize];
+            pair(kept);
+            self.pairs[place as usize].1 = self.free_pair.unwrap_or(NONE);
+            self.free_pair = Some(place);
+            self.kept -= 1;
+            place = next;
+        }
+        self.islands[island as usize] = Island { body: NONE, pair: NONE };
+        self.free_islands.push(island);
+        if self.kept == 0 {
+            // The pool starts over in order.
+            self.pairs.clear();
+            self.free_pair = None;
+        }
+    }
+
+    /// Pairs of all that sleeps.
+    fn kept_pairs(&self) -> impl Iterator<Item = &Pair> {
+        let lists = self.islands.iter().map(|island| island.pair);
+        lists.flat_map(|first| {
+            let of = |&place: &u32| Some(self.pairs[place as usize].1).filter(|&next| next != NONE);
+            std::iter::successors(Some(first).filter(|&first| first != NONE), of)
+                .map(|place| &self.pairs[place as usize].0)
+        })
+    }
+
+    /// How many islands sleep.
+    pub(crate) fn count(&self) -> usize {
+        self.islands.len() - self.free_islands.len()
+    }
+
+    /// Calls `f` with each buffer and the place that it needs for so many bodies, of which so many can be pushed.
+    pub(crate) fn each(&mut self, bodies: usize, dynamic: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        f(&mut self.islands, dynamic);
+        f(&mut self.free_islands, dynamic);
+        f(&mut self.waking, dynamic);
+        f(&mut self.bodies, bodies);
+        self.groups.each(dynamic, f);
+    }
+
+    /// Live and reserved bytes of islands, and of their pairs.
+    pub(crate) fn bytes(&self) -> [(usize, usize); 2] {
+        let lists = [
+            bytes_of(&self.islands),
+            bytes_of(&self.free_islands),
+            bytes_of(&self.bodies),
+            bytes_of(&self.waking),
+            bytes_of(&self.restored),
+            self.groups.bytes(),
+        ];
+        [lists.into_iter().fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1)), bytes_of(&self.pairs)]
+    }
+}

@@ -1,0 +1,168 @@
+//! Who wakes whom.
+//!
+//! An island wakes before the solver sees what reaches it: when a body that moves comes so near within the step that
+//! their boxes meet, whether that is pushed or kinematic, or when one that rests touches it. It wakes too when the
+//! caller changes anything about one of its bodies, their joints, or what they touch.
+
+use super::islands::touches;
+use crate::broad_phase::{Aabb, Pair, aabb_of};
+use crate::narrow_phase::NONE;
+use crate::step::REAL;
+use crate::world::World;
+use glam::Vec3;
+
+impl World {
+    /// Wakes the islands that something reaches within the step; says whether there were any. Pairs and predicted
+    /// motions must be those of the step.
+    pub(crate) fn wake_what_is_reached(&mut self) -> bool {
+        if self.bodies.asleep().is_empty() {
+            return false;
+        }
+        let mut waking = std::mem::take(&mut self.sleep.waking);
+        waking.clear();
+        let asleep = self.bodies.asleep();
+        for pair in &self.broad.pairs {
+            let [a, b] = [pair.a, pair.b].map(|c| self.colliders.hot[c as usize].body as usize);
+            let (sleeper, comer) = match (asleep.contains(&a), asleep.contains(&b)) {
+                (true, false) => (pair.a, pair.b),
+                (false, true) => (pair.b, pair.a),
+                _ => continue,
+            };
+            if self.reaches(comer, sleeper, pair) {
+                let body = self.colliders.hot[sleeper as usize].body as usize;
+                waking.extend(self.sleep.island_of(self.bodies.slot[body]));
+            }
+        }
+        // What a kinematic body drags along.
+        for i in self.bodies.dynamic()..self.bodies.movers() {
+            if self.bodies.rest[i] == 0.0 && self.joints.count > 0 {
+                for joint in self.joints.of_body(self.bodies.slot[i]) {
+                    let bodies = self.joints.all[joint as usize].bodies;
+                    waking.extend(bodies.iter().filter_map(|&slot| self.sleep.island_of(slot)));
+                }
+            }
+        }
+        let any = !waking.is_empty();
+        self.wake_all_of(waking);
+        any
+    }
+
+    /// Whether a collider of an awake body that moves gets so near to a sleeping one within the step that their boxes
+    /// meet; or touches it, at rest.
+    fn reaches(&self, comer: u32, sleeper: u32, pair: &Pair) -> bool {
+        let real = REAL * self.settings.length_unit;
+        let body = self.colliders.hot[comer as usize].body as usize;
+        let (bodies, colliders) = (&self.bodies, &self.colliders.all);
+        if bodies.rest[body] > 0.0 {
+            return body < bodies.dynamic() && pair.contact != NONE && touches(&self.contacts, pair, real);
+        }
+        let bounds = |c: u32| {
+            let collider = &colliders[c as usize];
+            let pose = &bodies.pose[collider.body as usize];
+            aabb_of(collider, pose.position, pose.rotation)
+        };
+        let (motion, from) = (&self.buffers.forces.motion[body], bounds(comer));
+        let collider = &colliders[comer as usize];
+        let turned = motion.pad1 * (collider.position.length() + collider.radius);
+        let reach = Vec3::splat(turned + real);
+        let swept = Aabb {
+            min: from.min + motion.linear.min(Vec3::ZERO) - reach,
+            max: from.max + motion.linear.max(Vec3::ZERO) + reach,
+        };
+        swept.overlaps(&bounds(sleeper))
+    }
+
+    /// Wakes a body with its island, if it sleeps, and has it count as moving. Returns its new index.
+    pub(crate) fn wake_body(&mut self, index: usize) -> usize {
+        let slot = self.bodies.slot[index];
+        if let Some(rest) = self.bodies.rest.get_mut(index) {
+            *rest = 0.0;
+        }
+        if let Some(island) = self.sleep.island_of(slot) {
+            self.wake_island(island);
+        }
+        self.bodies.slots.dense(slot) as usize
+    }
+
+    /// Wakes all that a body touches or might, and the body itself: something about it changed. Returns its new index.
+    pub(crate) fn disturb(&mut self, index: usize) -> usize {
+        let slot = self.bodies.slot[index];
+        let index = self.wake_body(index);
+        if self.bodies.asleep().is_empty() {
+            return index;
+        }
+        let mut waking = std::mem::take(&mut self.sleep.waking);
+        waking.clear();
+        let own = self.bodies.colliders[index].as_slice();
+        let hot = &self.colliders.hot;
+        let island_of = |c: u32| self.sleep.island_of(self.bodies.slot[hot[c as usize].body as usize]);
+        let kept = self.sleep.kept_pairs();
+        for pair in self.broad.pairs.iter().chain(kept) {
+            if own.contains(&pair.a) || own.contains(&pair.b) {
+                waking.extend(island_of(pair.a).into_iter().chain(island_of(pair.b)));
+            }
+        }
+        for joint in self.joints.of_body(slot) {
+            let bodies = self.joints.all[joint as usize].bodies;
+            waking.extend(bodies.iter().filter_map(|&slot| self.sleep.island_of(slot)));
+        }
+        self.wake_all_of(waking);
+        self.bodies.slots.dense(slot) as usize
+    }
+
+    /// Wakes all whose boxes a new one meets.
+    pub(crate) fn disturb_box(&mut self, bounds: &Aabb) {
+        if self.bodies.asleep().is_empty() {
+            return;
+        }
+        let mut waking = std::mem::take(&mut self.sleep.waking);
+        waking.clear();
+        for i in self.bodies.asleep() {
+            let pose = &self.bodies.pose[i];
+            let meets = self.bodies.colliders[i].as_slice().iter().any(|&c| {
+                let collider = &self.colliders.all[c as usize];
+                aabb_of(collider, pose.position, pose.rotation).overlaps(bounds)
+            });
+            if meets {
+                waking.extend(self.sleep.island_of(self.bodies.slot[i]));
+            }
+        }
+        self.wake_all_of(waking);
+    }
+
+    /// Wakes everything.
+    pub(crate) fn wake_all(&mut self) {
+        let mut waking = std::mem::take(&mut self.sleep.waking);
+        waking.clear();
+        let islands = self.bodies.asleep().filter_map(|i| self.sleep.island_of(self.bodies.slot[i]));
+        waking.extend(islands);
+        self.wake_all_of(waking);
+    }
+
+    fn wake_all_of(&mut self, mut waking: Vec<u32>) {
+        waking.sort_unstable();
+        waking.dedup();
+        waking.iter().for_each(|&island| self.wake_island(island));
+        self.sleep.waking = waking;
+    }
+
+    fn wake_island(&mut self, island: u32) {
+        let World { bodies, colliders, broad, sleep, joints, .. } = self;
+        let mut woke = 0;
+        let body = |slot: u32| {
+            let index = bodies.wake(bodies.slots.dense(slot), |own, index| {
+                own.as_slice().iter().for_each(|&c| colliders.follow(c, index));
+            });
+            bodies.rest[index as usize] = 0.0;
+            woke += 1;
+            // Pairs with others that sleep were not kept.
+            bodies.colliders[index as usize].as_slice().iter().for_each(|&c| broad.look_again(c));
+        };
+        let mut pairs = std::mem::take(&mut sleep.restored);
+        sleep.close(island, body, |pair| pairs.push(pair));
+        pairs.drain(..).for_each(|pair| broad.put_back(pair));
+        sleep.restored = pairs;
+        sleep.woke += woke;
+        joints.changed |= joints.count > 0;
+    }
+}
