@@ -56,6 +56,12 @@ pub enum Error {
         /// The kind of shape.
         shape: &'static str,
     },
+    /// A shape that a query can't move or place.
+    #[error("a query's shape must be convex and bounded, which a {shape} is not")]
+    NotConvex {
+        /// The kind of shape.
+        shape: &'static str,
+    },
     /// A dynamic body needs mass: a shape with density, or mass that is given.
     #[error("a dynamic body needs mass: give it a shape with density above zero, or mass properties")]
     NoMass,

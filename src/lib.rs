@@ -40,6 +40,7 @@
 //!   [`HeightField`] are built once and shared.
 //! - [`MassProperties`]: mass, centre and inertia, out of shapes or given.
 //! - [`Settings`], [`Continuous`]: gravity, substeps, threads, and how fast bodies are kept from passing through.
+//! - [`Ray`], [`ShapeCast`], [`QueryFilter`]: questions to a world, [`World::cast_ray`] and its kin.
 //! - [`StepReport`], [`MemoryReport`]: what a step did and what the world holds, by [`Category`].
 //! - [`scene`]: builtin scenes; with the feature `gltf` also glTF and OBJ files in, glTF animations out.
 //!
@@ -91,6 +92,7 @@ pub use joint::{
     Axes, Axis, Bone, BoneJoint, Drive, Frame, JointDesc, Limit, Motion, Ragdoll, Skeleton, Spring,
 };
 pub use memory::{Bytes, Category, MemoryReport};
+pub use query::{ClosestPoint, Overlap, QueryFilter, Ray, RayHit, ShapeCast, ShapeHit};
 pub use shape::{
     Combine, ConvexHull, Filter, Geometry, HeightField, MassProperties, Material, ShapeDesc, TriangleMesh,
 };

@@ -90,6 +90,9 @@ impl World {
     fn run(&mut self, crew: &Crew<'_>, dt: f32, hooks: &dyn ContactHooks) {
         let start = Instant::now();
         let mut times = StageTimes::default();
+        if let Some(now) = self.now.change() {
+            now.step();
+        }
         self.make_place_for_step();
         self.keep_previous();
         self.keep_rest();

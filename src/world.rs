@@ -5,7 +5,7 @@ mod joints;
 mod sleep;
 
 use crate::body::{Bodies, BodyDesc, BodyKind, Cold, Mass, NewBody, Pose, Previous, Traits};
-use crate::broad_phase::{Aabb, BroadPhase, Pair, aabb_of};
+use crate::broad_phase::{Aabb, BroadPhase, Now, Pair, aabb_of};
 use crate::config::{Continuous, Settings};
 use crate::constraint::RowGroup;
 use crate::error::{Error, finite, finite3};
@@ -35,6 +35,8 @@ pub struct World {
     pub(crate) bodies: Bodies,
     pub(crate) colliders: Colliders,
     pub(crate) broad: BroadPhase,
+    /// Where what moves is now, for queries.
+    pub(crate) now: Now,
     pub(crate) joints: Joints,
     pub(crate) contacts: Contacts,
     pub(crate) buffers: Buffers,
@@ -385,10 +387,7 @@ impl World {
 
     /// All bodies: dynamic ones first, then kinematic, then dynamic ones that are asleep, then static.
     pub fn bodies(&self) -> impl Iterator<Item = BodyHandle> + '_ {
-        self.bodies
-            .slot
-            .iter()
-            .map(|&slot| BodyHandle { slot, generation: self.bodies.slots.generation(slot) })
+        (0..self.bodies.len()).map(|index| self.handle_of(index))
     }
 
     /// Whether the handle still names a body.
@@ -487,6 +486,7 @@ impl World {
             rotation: (rotation * cold.axes).normalize(),
         };
         self.place_colliders(index);
+        self.note_move(index);
         if self.bodies.kind[index] == BodyKind::Static {
             for c in 0..self.bodies.colliders[index].as_slice().len() {
                 let collider = self.bodies.colliders[index].as_slice()[c];
@@ -791,6 +791,7 @@ impl World {
     }
 
     fn enter_broad(&mut self, collider: u32) {
+        self.note_change(collider);
         let c = &self.colliders.all[collider as usize];
         let body = c.body as usize;
         if self.bodies.kind[body] == BodyKind::Static {
@@ -805,6 +806,7 @@ impl World {
     }
 
     fn leave_broad(&mut self, collider: u32) {
+        self.note_change(collider);
         self.removed.clear();
         self.broad.remove(collider, &mut self.removed);
         for place in 0..self.removed.len() {
@@ -814,8 +816,22 @@ impl World {
         }
     }
 
+    /// Queries are to look where a collider is.
+    fn note_change(&mut self, collider: u32) {
+        if let Some(now) = self.now.change() {
+            now.touch(collider);
+        }
+    }
+
+    /// The same for all colliders of a body.
+    fn note_move(&mut self, index: usize) {
+        if let Some(now) = self.now.change() {
+            self.bodies.colliders[index].as_slice().iter().for_each(|&c| now.touch(c));
+        }
+    }
+
     /// Box of a collider where its body is.
-    fn bounds(&self, collider: u32) -> Aabb {
+    pub(crate) fn bounds(&self, collider: u32) -> Aabb {
         let collider = &self.colliders.all[collider as usize];
         let pose = &self.bodies.pose[collider.body as usize];
         aabb_of(collider, pose.position, pose.rotation)
@@ -855,6 +871,7 @@ impl World {
         self.bodies.cold[index] = cold;
         self.bodies.mass[index] = columns;
         self.recentre_joints(index, &old);
+        self.note_move(index);
         for &c in self.bodies.colliders[index].as_slice() {
             let c = &mut self.colliders.all[c as usize];
             c.position = cold.axes.conjugate() * (old.centre + old.axes * c.position - cold.centre);
@@ -909,7 +926,7 @@ impl Colliders {
     }
 }
 
-fn finite_position(position: DVec3) -> Result<(), Error> {
+pub(crate) fn finite_position(position: DVec3) -> Result<(), Error> {
     match position.to_array().into_iter().find(|v| !v.is_finite()) {
         Some(value) => Err(Error::NotFinite { what: "position", value }),
         None => Ok(()),

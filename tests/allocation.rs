@@ -6,8 +6,8 @@ mod common;
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::{Scene, builtin};
 use backstop::{
-    Axes, Axis, BodyDesc, BodyHandle, Drive, Geometry, JointDesc, Limit, Material, Motion, Settings, Spring,
-    World,
+    Axes, Axis, BodyDesc, BodyHandle, Drive, Geometry, JointDesc, Limit, Material, Motion, QueryFilter, Ray,
+    Settings, ShapeCast, Spring, World,
 };
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::Mutex;
@@ -187,6 +187,34 @@ fn joined(threads: usize) -> usize {
 fn joints_allocate_nothing() {
     let _alone = ONE_AT_A_TIME.lock().unwrap();
     assert_eq!(joined(1), 0);
+}
+
+/// Rays, moving shapes, overlaps and nearest points after each step of a scene that moves.
+#[test]
+fn queries_allocate_nothing() {
+    let _alone = ONE_AT_A_TIME.lock().unwrap();
+    let (mut world, bodies) = common::world_of(&resting_pile(), settings(1));
+    let filter = QueryFilter::new();
+    let (mut rays, mut casts) = (Vec::with_capacity(999), Vec::with_capacity(999));
+    let (mut overlaps, mut points) = (Vec::with_capacity(999), Vec::with_capacity(999));
+    let (shape, mut found) = (Geometry::cuboid(0.5, 0.5, 0.5), 0);
+    let ask = |world: &mut World, step: u32| {
+        let at = DVec3::new(0.1, 3.0, 0.01 * f64::from(step % 100));
+        let ray = Ray::new(at, Vec3::new(0.5, -9.0, 0.1));
+        world.cast_ray_all(&ray, &filter, &mut rays).unwrap();
+        world.cast_rays(&[ray; 9], &filter, &mut [None; 9]).unwrap();
+        let cast = ShapeCast::new(&shape, at, ray.path);
+        world.cast_shape_all(&cast, &filter, &mut casts).unwrap();
+        world.overlap(&shape, at, Quat::IDENTITY, &filter, &mut overlaps).unwrap();
+        world.closest_point_all(at, 1.0, &filter, &mut points).unwrap();
+        found += rays.len() + casts.len() + overlaps.len() + points.len();
+        // By hand, too: one body there and back.
+        let (body, lift) = (bodies[bodies.len() - 1], if step.is_multiple_of(2) { 0.1 } else { -0.1 });
+        let to = world.position(body).unwrap() + DVec3::Y * lift;
+        world.set_pose(body, to, world.rotation(body).unwrap()).unwrap();
+    };
+    assert_eq!(count(&mut world, 500, ask), 0);
+    assert!(found > 1000, "{found}");
 }
 
 #[cfg(feature = "parallel")]

@@ -157,6 +157,7 @@ mod tests {
             material: Material::default(),
             filter: Filter::default(),
             density: 1000.0,
+            flags: 0,
             user_data: 0,
         }
     }

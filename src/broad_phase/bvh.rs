@@ -14,7 +14,7 @@ use bytemuck::{Pod, Zeroable};
 /// No place, no child.
 pub(super) const NONE: u32 = u32::MAX;
 /// A child with this bit is a leaf, and the rest is its collider.
-const LEAF: u32 = 1 << 31;
+pub(super) const LEAF: u32 = 1 << 31;
 
 /// Four boxes and what is in them; 128 bytes, two cache lines.
 #[derive(Clone, Copy, Debug)]
@@ -69,6 +69,12 @@ impl Node {
         }
     }
 
+    /// What is in a lane: a node, a leaf (see [`LEAF`]) or [`NONE`].
+    #[inline(always)]
+    pub(super) fn child(&self, lane: usize) -> u32 {
+        self.child[lane]
+    }
+
     /// Which of the four boxes touch this one.
     #[inline(always)]
     pub(super) fn overlaps(&self, min: &Vec3<f32x4>, max: &Vec3<f32x4>) -> u32 {
@@ -111,6 +117,11 @@ const AREA_GROWTH: f32 = 1.5;
 impl Tree {
     pub(super) fn leaves(&self) -> usize {
         self.leaves
+    }
+
+    #[inline(always)]
+    pub(super) fn nodes(&self) -> &[Node] {
+        &self.nodes
     }
 
     /// Adds leaves: one by one if they are few, in a new tree otherwise. `place` is told where each leaf is, old ones

@@ -140,10 +140,12 @@ pub(crate) struct Rows {
     pub(crate) stages: Vec<Stage>,
     /// Batches that go along with trees, sorted by these and their nodes.
     pub(crate) seated: Vec<Seated>,
-    /// By which surfaces of a batch's lanes move past each other along the two tangents, for each batch of the schedule;
-    /// empty unless some do [m/s].
-    pub(crate) surfaces: Vec<[[f32; 8]; 2]>,
+    /// For each batch of the schedule; empty unless some move.
+    pub(crate) surfaces: Vec<Surface>,
 }
+
+/// By which the surfaces of each lane move past each other, along the two tangents of friction [m/s].
+pub(crate) type Surface = [[f32; 8]; 2];
 
 impl Rows {
     /// Bytes of a batch of one to four points, and of one lane.

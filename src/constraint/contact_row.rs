@@ -2,7 +2,7 @@
 //! impulses and for soft substeps.
 
 use super::arrange::Part;
-use super::batch::{Batch, couple};
+use super::batch::{Batch, Surface, couple};
 use super::impact_friction::potential_load;
 use crate::lanes::{GatherLanes, Lanes, Mask, Record, Vec3, gather, scatter};
 use crate::threads::Shared;
@@ -70,7 +70,7 @@ pub(crate) struct Pass<'a> {
     /// What pushing overlap apart added to the velocities is taken out again.
     pub(crate) relax: bool,
     /// See [`Rows::surfaces`](super::batch::Rows::surfaces).
-    pub(crate) surfaces: &'a [[[f32; 8]; 2]],
+    pub(crate) surfaces: &'a [Surface],
 }
 
 /// The bodies' solver state: velocities, displacements since the start of the step, and velocities of the substep before

@@ -25,7 +25,7 @@ mod seats;
 mod spatial;
 
 pub(crate) use arrange::{PrepareScratch, Prepared};
-pub(crate) use batch::{Batch, Rows};
+pub(crate) use batch::{Batch, Rows, Surface};
 pub(crate) use bounce::{BounceInput, BounceScratch, bounce};
 pub(crate) use impact_friction::rub;
 pub(crate) use joint_arrange::{JointInput, JointRows, JointStage, JointType};

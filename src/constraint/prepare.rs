@@ -1,7 +1,7 @@
 //! Contacts -> batches: arranged by importance, colour and size, the contacts fill the lanes.
 
 use super::arrange::{Part, PrepareScratch, Prepared, arrange};
-use super::batch::{Batch, BatchRef, Rows, couple};
+use super::batch::{Batch, BatchRef, Rows, Surface, couple};
 use super::order::{Group, Order};
 use super::seats::{Seat, Seats};
 use crate::body::{Bodies, Pose};
@@ -241,7 +241,7 @@ fn fill<L: GatherLanes, const P: usize>(
     batch: &mut Batch<L, P>,
     parts: &[Part],
     group: Group,
-    (seats, surface): (Option<&Seats>, Option<(usize, &mut [[f32; 8]; 2])>),
+    (seats, surface): (Option<&Seats>, Option<(usize, &mut Surface)>),
     input: &PrepareInput<'_>,
 ) {
     let columns = gather_columns(batch, parts, !group.is_potential(), seats, input);

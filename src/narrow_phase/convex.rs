@@ -341,6 +341,7 @@ pub(crate) mod testing {
             material: Material::default(),
             filter: Filter::default(),
             density: 1.0,
+            flags: 0,
             user_data: 0,
         }
     }

@@ -101,6 +101,7 @@ pub(crate) fn collider(geometry: Geometry) -> Collider {
         material: Material::default(),
         filter: Filter::default(),
         density: 1000.0,
+        flags: 0,
         user_data: 0,
     }
 }

@@ -53,11 +53,11 @@ pub(crate) use cast::{cast_convex, cast_plane, tolerance};
 pub(crate) use cast_mesh::Triangles;
 pub(crate) use collide::{Input, NarrowStats, Scratch, collide};
 pub(crate) use contact::{Contact, Contacts, NONE, Point};
-pub(crate) use gjk::distance;
+pub(crate) use gjk::{CoreGap, core_gap, distance};
 pub(crate) use manifold::{MAX_POINTS, RawManifold, RawPoint};
 pub(crate) use motion::{BodyPath, Motion};
-pub(crate) use simplex::from_triangle;
-pub(crate) use support::Support;
+pub(crate) use simplex::{Simplex, from_triangle, off_triangle};
+pub(crate) use support::{Pose as SupportPose, Support};
 
 /// Pose of shape `b` in the frame of shape `a`.
 #[derive(Clone, Copy, Debug)]

@@ -9,7 +9,7 @@ use glam::{DVec3, Vec3};
 
 /// Up to four points of b - a, in a's frame, with the points of a and b that they came from.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Simplex {
+pub(crate) struct Simplex {
     pub(super) count: usize,
     points: [DVec3; 4],
     /// In a's and in b's frame: of any pose, the same corners make a simplex.
@@ -29,7 +29,7 @@ pub(super) struct Nearest {
 }
 
 impl Simplex {
-    pub(super) fn empty() -> Simplex {
+    pub(crate) fn empty() -> Simplex {
         let zero = [DVec3::ZERO; 4];
         Simplex { count: 0, points: zero, on_a: zero, on_b: zero, weights: [1.0, 0.0, 0.0] }
     }
@@ -160,9 +160,14 @@ impl Simplex {
 
 /// Vector from the nearest point of a triangle, which may be a sliver, to a point [m].
 pub(crate) fn from_triangle(point: Vec3, corners: [Vec3; 3]) -> DVec3 {
+    off_triangle(point.as_dvec3(), corners)
+}
+
+/// The same from a point in `f64`.
+pub(crate) fn off_triangle(point: DVec3, corners: [Vec3; 3]) -> DVec3 {
     let mut simplex = Simplex::empty();
     for corner in corners {
-        simplex.push(corner.as_dvec3() - point.as_dvec3(), DVec3::ZERO, DVec3::ZERO);
+        simplex.push(corner.as_dvec3() - point, DVec3::ZERO, DVec3::ZERO);
     }
     simplex.nearest().map_or(DVec3::ZERO, |nearest| -nearest.point)
 }

@@ -1,7 +1,7 @@
 //! Convex shapes as support functions: a core with a radius around it.
 
 use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
-use crate::shape::{Collider, ConvexHull, Kind};
+use crate::shape::{Collider, ConvexHull, Geometry, Kind};
 use glam::{DMat3, DQuat, DVec3, Vec3};
 
 /// What of a convex shape [`gjk`](super::gjk) and [`cast`](super::cast) see: a core, and a ball of `radius` that
@@ -50,8 +50,18 @@ pub(crate) struct Pose {
 impl<'a> Support<'a> {
     /// None for a plane, a mesh or a height field.
     pub(crate) fn of(shape: &'a Collider) -> Option<Support<'a>> {
-        let [x, y, z, _] = shape.size.map(f64::from);
-        let (core, radius) = match shape.kind {
+        Self::new(shape.kind, shape.size, &shape.geometry)
+    }
+
+    /// The same of a shape that is on no body.
+    pub(crate) fn of_geometry(geometry: &'a Geometry) -> Option<Support<'a>> {
+        Self::new(Kind::of(geometry), geometry.size(), geometry)
+    }
+
+    #[inline]
+    fn new(kind: Kind, size: [f32; 4], geometry: &'a Geometry) -> Option<Support<'a>> {
+        let [x, y, z, _] = size.map(f64::from);
+        let (core, radius) = match kind {
             Kind::Sphere => (Core::Point, x),
             Kind::Capsule if y == z => (Core::Segment { half: x }, y),
             Kind::Capsule => {
@@ -60,13 +70,18 @@ impl<'a> Support<'a> {
             }
             Kind::Box => (Core::Box(DVec3::new(x, y, z)), 0.0),
             Kind::Cylinder => (Core::Frustum { half: x, bottom: y, top: z }, 0.0),
-            Kind::Hull => match &shape.geometry {
-                crate::shape::Geometry::Hull(hull) => (Core::Hull(hull), 0.0),
+            Kind::Hull => match geometry {
+                Geometry::Hull(hull) => (Core::Hull(hull), 0.0),
                 _ => return None,
             },
             Kind::Plane | Kind::Mesh | Kind::HeightField => return None,
         };
         Some(Support { core, radius })
+    }
+
+    /// Its own origin.
+    pub(crate) fn point() -> Support<'static> {
+        Support { core: Core::Point, radius: 0.0 }
     }
 
     pub(crate) fn triangle(corners: [Vec3; 3]) -> Support<'static> {

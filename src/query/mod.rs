@@ -1,5 +1,34 @@
-//! Questions about shapes that change nothing.
+//! Questions about shapes that change nothing: rays, moving shapes, overlaps, nearest points.
+//!
+//! Every query looks into two trees, that of what is static and that of what moves (`broad_phase/current.rs`), nearest
+//! boxes first, and asks each shape exactly, in the shape's own frame: a difference of two `f64` positions, so it is as
+//! exact far from the origin as near it. What comes out depends on the shapes alone, not on the trees.
 
+mod advance;
+mod batch;
+mod candidates;
+mod closest;
+mod closest_shape;
+mod filter;
+mod overlap;
+mod penetration;
+mod probe;
+mod ray;
+mod ray_shape;
 mod segment;
+mod shape_cast;
 
+pub use closest::ClosestPoint;
+pub use filter::QueryFilter;
+pub use overlap::Overlap;
+pub use ray::{Ray, RayHit};
 pub(crate) use segment::segment_hits;
+pub use shape_cast::{ShapeCast, ShapeHit};
+
+/// Its example is run with the tests of the documentation.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/queries.md")]
+struct Docs;
+
+#[cfg(test)]
+mod tests;

@@ -3,6 +3,7 @@
 use super::mesh_bvh::Path;
 use super::mesh_edges::{Edges, Fold};
 use super::segment_triangle::SegmentTest;
+use super::slabs::Near;
 use crate::error::{Error, finite, positive, within};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x4};
 use glam::{Vec2, Vec3};
@@ -325,6 +326,126 @@ impl HeightField {
             nearest.map_or(1.0, |n| n.0)
         });
         nearest
+    }
+
+    /// As [`HeightField::segment_hit`] for queries: by start and displacement, up to the fraction `most`; the first hit,
+    /// or if `any` will do, one of them.
+    pub(crate) fn ray(&self, from: Vec3, path: Vec3, most: f32, any: bool) -> Option<(f32, u32)> {
+        let test = SegmentTest::along(from, path)?;
+        let mut nearest: Option<(f32, u32)> = None;
+        self.visit_segment(from, from + path, Vec3::ZERO, &mut |i, corners, _| {
+            test.nearer(i, corners, &mut nearest);
+            nearest.map_or(most, |n| if any { -1.0 } else { most.min(n.0) })
+        });
+        nearest.filter(|n| n.0 <= most)
+    }
+
+    /// Calls `f` with the triangles whose boxes a box of half extents `half` meets that moves along a path, up to the
+    /// fraction `most`, about the nearest first; it returns the new `most`.
+    pub(crate) fn visit_path(
+        &self,
+        from: glam::DVec3,
+        path: Vec3,
+        half: Vec3,
+        mut most: f32,
+        f: &mut impl FnMut(u32, [Vec3; 3], f32) -> f32,
+    ) {
+        let start = from.as_vec3();
+        let half = half + (from - start.as_dvec3()).abs().as_vec3();
+        self.visit_segment(start, start + path, half, &mut |i, corners, entry| {
+            if entry <= most {
+                most = f(i, corners, most);
+            }
+            most
+        });
+    }
+
+    /// Calls `f` with the triangles whose boxes may be within the squared distance `most` of a point [m²], about the
+    /// nearest first; it returns the new `most`.
+    pub(crate) fn visit_near(
+        &self,
+        at: glam::DVec3,
+        mut most: f32,
+        f: &mut impl FnMut(u32, [Vec3; 3], f32) -> f32,
+    ) {
+        let near = Near::<f32>::new(at);
+        let far = |min: Vec3, max: Vec3| near.squared(&LaneVec3::splat(min), &LaneVec3::splat(max));
+        let mut stack = [Square::default(); STACK];
+        stack[0].level = self.levels.len() as u32;
+        let mut waiting = 1;
+        while waiting > 0 {
+            waiting -= 1;
+            let square = stack[waiting];
+            if square.entry > most {
+                continue;
+            }
+            if square.level == 0 {
+                let cell = square.row as usize * (self.columns - 1) + square.column as usize;
+                for i in [2 * cell as u32, 2 * cell as u32 + 1] {
+                    let [a, b, c] = self.triangle(i);
+                    if far(a.min(b).min(c), a.max(b).max(c)) <= most {
+                        most = f(i, [a, b, c], most);
+                    }
+                }
+                continue;
+            }
+            let base = waiting;
+            let level = square.level as usize - 1;
+            for i in 0..SIDE * SIDE {
+                let (column, row) =
+                    (SIDE * square.column as usize + i % SIDE, SIDE * square.row as usize + i / SIDE);
+                let Some((min, max)) = self.square_bounds(level, column, row) else { continue };
+                let entry = far(min, max);
+                if entry > most || waiting == STACK {
+                    continue;
+                }
+                // The nearest on top.
+                let mut at = waiting;
+                while at > base && stack[at - 1].entry < entry {
+                    stack[at] = stack[at - 1];
+                    at -= 1;
+                }
+                stack[at] = Square { level: level as u32, column: column as u32, row: row as u32, entry };
+                waiting += 1;
+            }
+        }
+    }
+
+    /// The box of a square of the pyramid, if there is one; level 0 are cells.
+    fn square_bounds(&self, level: usize, column: usize, row: usize) -> Option<(Vec3, Vec3)> {
+        let (columns, rows) = match level {
+            0 => (self.columns - 1, self.rows - 1),
+            _ => (self.levels[level - 1].columns, self.levels[level - 1].rows),
+        };
+        if column >= columns || row >= rows {
+            return None;
+        }
+        let (low, high) = match level {
+            0 => self.cell_bounds(column, row),
+            _ => self.levels[level - 1].bounds[row * columns + column],
+        };
+        let span = SIDE.pow(level as u32);
+        let x = |column: usize| (column * span).min(self.columns - 1) as f32 * self.cell.x;
+        let z = |row: usize| (row * span).min(self.rows - 1) as f32 * self.cell.y;
+        Some((Vec3::new(x(column), low, z(row)), Vec3::new(x(column + 1), high, z(row + 1))))
+    }
+
+    /// Whether `f` says yes to any triangle whose bounding box meets a box.
+    pub(crate) fn any_in_box(
+        &self,
+        min: Vec3,
+        max: Vec3,
+        f: &mut impl FnMut(u32, [Vec3; 3]) -> bool,
+    ) -> bool {
+        let mut any = false;
+        self.visit_box(min, max, &mut |i, corners| any = any || f(i, corners));
+        any
+    }
+
+    /// Corners of a triangle [m], in the order of its winding, by the index that queries report; nothing if there is no
+    /// such triangle.
+    pub fn corners(&self, triangle: u32) -> Option<[Vec3; 3]> {
+        ((triangle as usize) < self.triangle_count()).then(|| self.triangle(triangle))
     }
 }
 

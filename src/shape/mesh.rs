@@ -4,8 +4,9 @@ use super::corners::Corners;
 use super::mesh_bvh::{Item, LEAF, MAX_TRIANGLES, MeshBvh};
 use super::mesh_edges::{Edges, find_edges};
 use super::segment_triangle::SegmentTest;
+use super::slabs::{Near, Slabs};
 use crate::error::{Error, finite3};
-use crate::lanes::{Mask, f32x8};
+use crate::lanes::{Mask, f32x4, f32x8};
 use glam::Vec3;
 
 /// Of the largest coordinate [m]: squares of areas stay finite.
@@ -199,6 +200,110 @@ impl TriangleMesh {
             nearest.map_or(1.0, |n| n.0)
         });
         nearest
+    }
+
+    /// As [`TriangleMesh::segment_hit`] for queries: by start and displacement, up to the fraction `most`; the first hit,
+    /// or if `any` will do, one of them.
+    pub(crate) fn ray(&self, from: Vec3, path: Vec3, most: f32, any: bool) -> Option<(f32, u32)> {
+        let test = SegmentTest::along(from, path)?;
+        let slabs = Slabs::<f32x4>::new(from.as_dvec3(), path, Vec3::splat(self.tree.slack()));
+        let mut nearest: Option<(f32, u32)> = None;
+        self.tree.visit_ordered(
+            |low, high, most| slabs.enter(low, high, most),
+            most,
+            |first, count, mut most| {
+                let leaf = self.leaf(first, count);
+                let corners = [leaf.corners.corner(0), leaf.corners.corner(1), leaf.corners.corner(2)];
+                let (hit, t) = test.hits::<f32x8>(corners);
+                let mut bits = hit.bits() & leaf.lanes;
+                let t = t.to_array();
+                while bits != 0 {
+                    let lane = bits.trailing_zeros();
+                    bits &= bits - 1;
+                    let (t, index) = (t[lane as usize], first + lane);
+                    if t < most || (t == most && nearest.is_none_or(|n| t < n.0 || index < n.1)) {
+                        (most, nearest) = (t, Some((t, index)));
+                    }
+                }
+                if any && nearest.is_some() { -1.0 } else { most }
+            },
+        );
+        nearest
+    }
+
+    /// Calls `f` with the triangles whose boxes a box of half extents `half` meets that moves along a path, up to the
+    /// fraction `most`, about the nearest first; it returns the new `most`.
+    pub(crate) fn visit_path(
+        &self,
+        from: glam::DVec3,
+        path: Vec3,
+        half: Vec3,
+        most: f32,
+        f: &mut impl FnMut(u32, [Vec3; 3], f32) -> f32,
+    ) {
+        let (four, eight) = (Slabs::<f32x4>::new(from, path, half), Slabs::<f32x8>::new(from, path, half));
+        self.tree.visit_ordered(
+            |low, high, most| four.enter(low, high, most),
+            most,
+            |first, count, mut most| {
+                let leaf = self.leaf(first, count);
+                let (low, high) = leaf.corners.bounds();
+                let enter = eight.enter(&low, &high, most).to_array();
+                for (lane, &enter) in enter.iter().enumerate().take(count as usize) {
+                    if enter <= most {
+                        most = f(first + lane as u32, leaf.corners.triangle(lane), most);
+                    }
+                }
+                most
+            },
+        );
+    }
+
+    /// Calls `f` with the triangles whose boxes may be within the squared distance `most` of a point [m²], about the
+    /// nearest first; it returns the new `most`.
+    pub(crate) fn visit_near(
+        &self,
+        at: glam::DVec3,
+        most: f32,
+        f: &mut impl FnMut(u32, [Vec3; 3], f32) -> f32,
+    ) {
+        let (four, eight) = (Near::<f32x4>::new(at), Near::<f32x8>::new(at));
+        self.tree.visit_ordered(
+            |low, high, _| four.squared(low, high),
+            most,
+            |first, count, mut most| {
+                let leaf = self.leaf(first, count);
+                let (low, high) = leaf.corners.bounds();
+                let far = eight.squared(&low, &high).to_array();
+                for (lane, &far) in far.iter().enumerate().take(count as usize) {
+                    if far <= most {
+                        most = f(first + lane as u32, leaf.corners.triangle(lane), most);
+                    }
+                }
+                most
+            },
+        );
+    }
+
+    /// Whether `f` says yes to any triangle whose bounding box meets a box.
+    pub(crate) fn any_in_box(
+        &self,
+        min: Vec3,
+        max: Vec3,
+        f: &mut impl FnMut(u32, [Vec3; 3]) -> bool,
+    ) -> bool {
+        self.tree.any_in_box(min, max, |first, count| {
+            let leaf = self.leaf(first, count);
+            let bits = leaf.corners.meeting(min, max) & leaf.lanes;
+            (0..count)
+                .any(|lane| bits >> lane & 1 != 0 && f(first + lane, leaf.corners.triangle(lane as usize)))
+        })
+    }
+
+    /// Corners of a triangle [m], in the order of its winding, by the index that queries report; nothing if there is no
+    /// such triangle.
+    pub fn corners(&self, triangle: u32) -> Option<[Vec3; 3]> {
+        ((triangle as usize) < self.triangles.len()).then(|| self.triangle(triangle))
     }
 }
 

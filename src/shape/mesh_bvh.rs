@@ -192,6 +192,11 @@ impl MeshBvh {
         false
     }
 
+    /// What covers the rounding of coordinates as large as the boxes' [m].
+    pub(crate) fn slack(&self) -> f32 {
+        self.slack
+    }
+
     /// A path to be walked along in this tree.
     pub(crate) fn path(&self, from: Vec3, to: Vec3, inflate: Vec3) -> Path {
         Path::new(from, to, inflate, self.slack)
@@ -234,6 +239,56 @@ impl MeshBvh {
                 }
                 stack[at] = (node.child[i], entry[i]);
                 waiting += 1;
+            }
+        }
+    }
+
+    /// Calls `leaf(first, count, most)` for the leaves whose key is at most `most`, the smallest first as far as boxes
+    /// tell; it returns the new `most`. `key` gets the low and the high corners of four boxes.
+    #[inline(always)]
+    pub(crate) fn visit_ordered(
+        &self,
+        key: impl Fn(&LaneVec3<f32x4>, &LaneVec3<f32x4>, f32) -> f32x4,
+        mut most: f32,
+        mut leaf: impl FnMut(u32, u32, f32) -> f32,
+    ) {
+        let mut stack = [(0u32, 0.0f32); STACK];
+        let mut waiting = 0;
+        let mut next = 0u32;
+        loop {
+            if next & IS_LEAF != 0 {
+                most = leaf((next & !IS_LEAF) >> 3, (next & 7) + 1, most);
+            } else if let Some(node) = self.nodes.get(next as usize) {
+                let (low, high) = node.bounds();
+                let keys = key(&low, &high, most);
+                let mut bits = Lanes::le(keys, f32x4::splat(most)).bits();
+                let keys = keys.to_array();
+                let base = waiting;
+                while bits != 0 {
+                    let i = bits.trailing_zeros() as usize;
+                    bits &= bits - 1;
+                    if waiting == STACK || node.child[i] == NO_CHILD {
+                        continue;
+                    }
+                    // The nearest on top.
+                    let mut at = waiting;
+                    while at > base && stack[at - 1].1 < keys[i] {
+                        stack[at] = stack[at - 1];
+                        at -= 1;
+                    }
+                    stack[at] = (node.child[i], keys[i]);
+                    waiting += 1;
+                }
+            }
+            loop {
+                if waiting == 0 {
+                    return;
+                }
+                waiting -= 1;
+                if stack[waiting].1 <= most {
+                    next = stack[waiting].0;
+                    break;
+                }
             }
         }
     }

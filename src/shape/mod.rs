@@ -15,6 +15,7 @@ pub(crate) mod mesh;
 mod mesh_bvh;
 mod mesh_edges;
 mod segment_triangle;
+mod slabs;
 
 pub(crate) use collider::{Collider, EVENTS, HOOKS, Hot, Kind, SENSOR};
 pub(crate) use corners::Corners;
@@ -24,6 +25,7 @@ pub(crate) use hull::HullEdge;
 pub use mass::MassProperties;
 pub use mesh::TriangleMesh;
 pub(crate) use mesh_edges::{Edges, FLAT_COSINE, Fold};
+pub(crate) use slabs::{Near, Slabs};
 
 use crate::error::{Error, finite, finite3, positive, within};
 use glam::{Quat, Vec3};

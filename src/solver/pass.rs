@@ -5,7 +5,7 @@ use crate::constraint::contact_row::{
 };
 use crate::constraint::{
     Along, Batch, Closing, Group, JointPass, JointRows, JointStage, JointType, JointViews, Rows, Stage,
-    TreeRef, guard, rub,
+    Surface, TreeRef, guard, rub,
 };
 use crate::lanes::GatherLanes;
 use crate::narrow_phase::{Contact, Point};
@@ -154,7 +154,7 @@ impl Passes {
         }
     }
 
-    fn of<'a>(&self, group: Group, kind: Kind, surfaces: &'a [[[f32; 8]; 2]]) -> Pass<'a> {
+    fn of<'a>(&self, group: Group, kind: Kind, surfaces: &'a [Surface]) -> Pass<'a> {
         Pass {
             inverse_h: self.inverse_h,
             softness: if group.is_static() { self.fixed } else { self.dynamic },

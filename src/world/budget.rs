@@ -39,6 +39,7 @@ impl World {
         }
         report.add(Category::BroadPhase, self.broad.bytes());
         report.add(Category::BroadPhase, bytes_of(&self.removed));
+        report.add(Category::BroadPhase, self.now.bytes());
         report.add(Category::Manifolds, self.contacts.bytes());
         report.add(Category::Rows, self.buffers.rows.bytes());
         report.add(Category::Continuous, self.broad.continuous_bytes());

@@ -1,0 +1,281 @@
+//! Where everything that moves is now, for queries between steps.
+//!
+//! The trees of the step are no help to them: a step moves bodies after its trees were made, boxes there are fat or
+//! swept, and what was added or moved by hand waits for the next step. So queries have a tree of their own over tight
+//! boxes: of what can move, and of static colliders that have no place in the static tree yet. It is made by the first
+//! query after a change and costs nothing while nobody asks: 50 to 70 ns for each collider that can move after a step (benches/queries.rs),
+//! and the way of one leaf for each that was added, moved or removed by hand.
+
+use super::bvh::{NONE, Tree};
+use super::{Aabb, BroadPhase, look_up};
+use crate::lanes::f32x4;
+use crate::memory::bytes_of;
+use crate::shape::{Near, Slabs};
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+/// What the tree asks of the world.
+pub(crate) trait Present {
+    /// Calls `f` with every collider that can move.
+    fn each_mover(&self, f: &mut dyn FnMut(u32));
+    /// Whether a collider is there and can move, or is there and static; nothing if it isn't there.
+    fn moves(&self, collider: u32) -> Option<bool>;
+    /// Its box at its body's pose.
+    fn bounds(&self, collider: u32) -> Aabb;
+}
+
+/// See the module.
+#[derive(Debug, Default)]
+pub(crate) struct Current {
+    tree: Tree,
+    /// By collider: the place in the tree, and the box there.
+    place: Vec<u32>,
+    bounds: Vec<Aabb>,
+    /// What can move and has no bounds.
+    endless: Vec<u32>,
+    /// Static ones that are in this tree for the time being.
+    late: Vec<u32>,
+    /// Colliders that were added, moved or removed by hand.
+    touched: Vec<u32>,
+    /// Everything that can move may have.
+    stepped: bool,
+    /// Whether anybody ever asked.
+    made: bool,
+    new: Vec<u32>,
+}
+
+impl Current {
+    /// A collider was added, moved or removed.
+    pub(crate) fn touch(&mut self, collider: u32) {
+        self.touched.push(collider);
+    }
+
+    /// All that can move may have moved.
+    pub(crate) fn step(&mut self) {
+        self.stepped = true;
+    }
+
+    /// Makes it fit the world.
+    fn refresh(&mut self, broad: &BroadPhase, world: &impl Present) {
+        if !self.made {
+            // What is added from now on is told.
+            self.touched.clear();
+            world.each_mover(&mut |c| self.touched.push(c));
+            self.touched.extend(broad.waiting());
+            self.made = true;
+            self.stepped = false;
+        }
+        if self.stepped {
+            self.follow(world);
+            self.touched.append(&mut self.late);
+        }
+        self.touched.sort_unstable();
+        self.touched.dedup();
+        let touched = std::mem::take(&mut self.touched);
+        self.endless.retain(|c| touched.binary_search(c).is_err());
+        self.late.retain(|c| touched.binary_search(c).is_err());
+        for &c in &touched {
+            self.grow(c);
+            if self.place[c as usize] != NONE {
+                self.tree.remove(self.place[c as usize]);
+                self.place[c as usize] = NONE;
+            }
+            match world.moves(c) {
+                Some(true) => self.enter(c, world.bounds(c)),
+                Some(false) if broad.waits(c) => {
+                    self.late.push(c);
+                    self.enter(c, world.bounds(c));
+                }
+                _ => {}
+            }
+        }
+        self.touched = touched;
+        self.touched.clear();
+        self.add_new(false);
+    }
+
+    /// All that can move is where it is now.
+    fn follow(&mut self, world: &impl Present) {
+        self.stepped = false;
+        self.endless.clear();
+        let mut moved = std::mem::take(&mut self.new);
+        world.each_mover(&mut |c| moved.push(c));
+        let mut wait = std::mem::take(&mut self.touched);
+        moved.retain(|&c| {
+            self.grow(c);
+            let bounds = world.bounds(c);
+            self.bounds[c as usize] = bounds;
+            let stays = self.place[c as usize] != NONE && bounds.is_bounded();
+            if !stays {
+                wait.push(c);
+            }
+            stays
+        });
+        self.touched = wait;
+        let at = moved.iter().map(|&c| (self.place[c as usize], self.bounds[c as usize]));
+        let bad = self.tree.refit(at);
+        moved.clear();
+        self.new = moved;
+        if bad {
+            self.add_new(true);
+        }
+    }
+
+    fn grow(&mut self, c: u32) {
+        if c as usize >= self.place.len() {
+            self.place.resize(c as usize + 1, NONE);
+            self.bounds.resize(c as usize + 1, Aabb::EMPTY);
+        }
+    }
+
+    fn enter(&mut self, c: u32, bounds: Aabb) {
+        self.bounds[c as usize] = bounds;
+        let list = if bounds.is_bounded() { &mut self.new } else { &mut self.endless };
+        list.push(c);
+    }
+
+    fn add_new(&mut self, bad: bool) {
+        let Current { tree, place, bounds, new, .. } = self;
+        let bounds = |c: u32| bounds[c as usize];
+        let place = |c: u32, at: u32| place[c as usize] = at;
+        if bad {
+            tree.rebuild(new, bounds, place);
+        } else if !new.is_empty() {
+            tree.add(new, bounds, place);
+        }
+        new.clear();
+    }
+
+    fn bytes(&self) -> (usize, usize) {
+        let lists = [&self.place, &self.endless, &self.late, &self.touched, &self.new];
+        let sum = lists.iter().fold(self.tree.bytes(), |s, list| {
+            let (live, reserved) = bytes_of(list);
+            (s.0 + live, s.1 + reserved)
+        });
+        let (live, reserved) = bytes_of(&self.bounds);
+        (sum.0 + live, sum.1 + reserved)
+    }
+}
+
+/// A [`Current`] that is made when it is asked for, once whoever asks: several threads may.
+#[derive(Debug, Default)]
+pub(crate) struct Now {
+    fresh: OnceLock<Current>,
+    /// The last one, while it isn't fresh: its memory, and what happened since.
+    stale: Mutex<Current>,
+}
+
+impl Now {
+    /// Something is about to change. None: nobody asked yet, so there is nothing to be told.
+    pub(crate) fn change(&mut self) -> Option<&mut Current> {
+        let stale = self.stale.get_mut().unwrap_or_else(PoisonError::into_inner);
+        if let Some(current) = self.fresh.take() {
+            *stale = current;
+        }
+        stale.made.then_some(stale)
+    }
+
+    /// As the world is now.
+    #[inline]
+    pub(crate) fn get(&self, broad: &BroadPhase, world: &impl Present) -> &Current {
+        self.fresh.get_or_init(|| {
+            let mut stale = self.stale.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut current = std::mem::take(&mut *stale);
+            current.refresh(broad, world);
+            current
+        })
+    }
+
+    /// Live and reserved bytes.
+    pub(crate) fn bytes(&self) -> (usize, usize) {
+        let stale = || self.stale.lock().unwrap_or_else(PoisonError::into_inner).bytes();
+        self.fresh.get().map_or_else(stale, Current::bytes)
+    }
+}
+
+/// Which trees a query looks into.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sorts {
+    pub(crate) statics: bool,
+    pub(crate) movers: bool,
+}
+
+impl BroadPhase {
+    /// Calls `leaf(collider, most)` with every collider whose box the path of a box meets before the fraction `most`,
+    /// about the nearest first after what has no bounds; it returns the new `most`.
+    #[inline(always)]
+    pub(crate) fn ordered_path(
+        &self,
+        current: &Current,
+        sorts: Sorts,
+        slabs: &Slabs<f32x4>,
+        most: f32,
+        mut leaf: impl FnMut(u32, f32) -> f32,
+    ) {
+        let most = self.endless(current, sorts, most, &mut leaf);
+        let key = |node: &super::bvh::Node, most: f32| slabs.enter(&node.min, &node.max, most);
+        self.ordered(current, sorts, &key, most, &mut leaf);
+    }
+
+    /// The same for a point: keys are squared distances [m²].
+    pub(crate) fn ordered_near(
+        &self,
+        current: &Current,
+        sorts: Sorts,
+        near: &Near<f32x4>,
+        most: f32,
+        mut leaf: impl FnMut(u32, f32) -> f32,
+    ) {
+        let most = self.endless(current, sorts, most, &mut leaf);
+        let key = |node: &super::bvh::Node, _most: f32| near.squared(&node.min, &node.max);
+        self.ordered(current, sorts, &key, most, &mut leaf);
+    }
+
+    #[inline(always)]
+    fn endless(
+        &self,
+        current: &Current,
+        sorts: Sorts,
+        mut most: f32,
+        leaf: &mut impl FnMut(u32, f32) -> f32,
+    ) -> f32 {
+        if sorts.statics {
+            for &c in &self.unbounded {
+                if self.proxies[c as usize].path == look_up::ENDLESS_STATIC {
+                    most = leaf(c, most);
+                }
+            }
+        }
+        if sorts.movers {
+            for &c in &current.endless {
+                most = leaf(c, most);
+            }
+        }
+        most
+    }
+
+    #[inline(always)]
+    fn ordered(
+        &self,
+        current: &Current,
+        sorts: Sorts,
+        key: &impl Fn(&super::bvh::Node, f32) -> f32x4,
+        mut most: f32,
+        leaf: &mut impl FnMut(u32, f32) -> f32,
+    ) {
+        if sorts.statics {
+            most = self.statics.visit_ordered(key, most, leaf);
+        }
+        if sorts.movers || !current.late.is_empty() {
+            current.tree.visit_ordered(key, most, leaf);
+        }
+    }
+
+    /// Static colliders that wait for their place in the static tree; some may have been removed since.
+    fn waiting(&self) -> impl Iterator<Item = u32> + '_ {
+        self.new_statics.iter().copied().filter(|&c| self.waits(c))
+    }
+
+    fn waits(&self, c: u32) -> bool {
+        self.roles[c as usize] == super::Role::Static && self.proxies[c as usize].place == NONE
+    }
+}

@@ -1,0 +1,127 @@
+//! The shapes that a query has to ask, with where they are.
+
+use super::filter::{QueryFilter, Sees};
+use crate::body::{BodyKind, Pose};
+use crate::broad_phase::{Aabb, Current, Present};
+use crate::handle::{BodyHandle, ShapeHandle};
+use crate::lanes::f32x4;
+use crate::shape::{Collider, Near, Slabs};
+use crate::world::World;
+use glam::{DVec3, Quat, Vec3};
+
+/// A shape where it is now.
+pub(super) struct Candidate<'a> {
+    pub(super) index: u32,
+    pub(super) shape: &'a Collider,
+    pub(super) place: Pose,
+}
+
+impl Candidate<'_> {
+    /// A point of the world in the shape's frame.
+    pub(super) fn local(&self, point: DVec3) -> DVec3 {
+        turn_back(self.place.rotation, point - self.place.position)
+    }
+    /// A point of the shape's frame in the world.
+    pub(super) fn global(&self, point: DVec3) -> DVec3 {
+        self.place.position + turn(self.place.rotation, point)
+    }
+    /// A unit vector of the shape's frame in the axes of the world.
+    pub(super) fn global_normal(&self, normal: DVec3) -> Vec3 {
+        turn(self.place.rotation, normal).as_vec3()
+    }
+}
+
+/// Turns a vector by a quaternion whose length may be a little off, which `f64` would show.
+pub(super) fn turn(rotation: Quat, v: DVec3) -> DVec3 {
+    let q = rotation.as_dquat();
+    let (u, twice) = (q.xyz(), 2.0 / q.length_squared());
+    let across = u.cross(v);
+    v + (across * q.w + u.cross(across)) * twice
+}
+
+/// Turns a vector the other way.
+pub(super) fn turn_back(rotation: Quat, v: DVec3) -> DVec3 {
+    turn(rotation.conjugate(), v)
+}
+
+impl Present for World {
+    fn each_mover(&self, f: &mut dyn FnMut(u32)) {
+        // What sleeps too: it may have moved in the step before it fell asleep.
+        for body in (0..self.bodies.movers()).chain(self.bodies.asleep()) {
+            self.bodies.colliders[body].as_slice().iter().for_each(|&c| f(c));
+        }
+    }
+    fn moves(&self, collider: u32) -> Option<bool> {
+        let body = self.colliders.all[collider as usize].body;
+        (body != u32::MAX).then(|| self.bodies.kind[body as usize] != BodyKind::Static)
+    }
+    fn bounds(&self, collider: u32) -> Aabb {
+        World::bounds(self, collider)
+    }
+}
+
+impl World {
+    /// The tree of what moves, as it is now.
+    #[inline]
+    pub(super) fn current(&self) -> &Current {
+        self.now.get(&self.broad, self)
+    }
+
+    /// Calls `ask` with every shape that the filter sees and whose box a box of half extents `half`, which moves along
+    /// `path`, meets before the fraction `most`; about the nearest first. `ask` returns the new `most`.
+    #[inline]
+    pub(super) fn along<'a>(
+        &'a self,
+        (from, path, half): (DVec3, Vec3, Vec3),
+        filter: &QueryFilter<'_>,
+        most: f32,
+        mut ask: impl FnMut(&Candidate<'a>, f32) -> f32,
+    ) {
+        let sees = Sees::new(self, filter);
+        let slabs = Slabs::<f32x4>::new(from, path, half);
+        self.broad.ordered_path(self.current(), filter.sorts(), &slabs, most, |index, most| {
+            let shape = &self.colliders.all[index as usize];
+            if !sees.sees(index, shape) {
+                return most;
+            }
+            ask(&self.candidate(index), most)
+        });
+    }
+
+    /// Calls `ask` with every shape that the filter sees and whose box may be within the squared distance `most` of a
+    /// point [m²]; about the nearest first. `ask` returns the new `most`.
+    pub(super) fn around<'a>(
+        &'a self,
+        point: DVec3,
+        filter: &QueryFilter<'_>,
+        most: f32,
+        mut ask: impl FnMut(&Candidate<'a>, f32) -> f32,
+    ) {
+        let sees = Sees::new(self, filter);
+        let near = Near::<f32x4>::new(point);
+        self.broad.ordered_near(self.current(), filter.sorts(), &near, most, |index, most| {
+            let shape = &self.colliders.all[index as usize];
+            if !sees.sees(index, shape) {
+                return most;
+            }
+            ask(&self.candidate(index), most)
+        });
+    }
+
+    #[inline]
+    pub(super) fn candidate(&self, index: u32) -> Candidate<'_> {
+        let shape = &self.colliders.all[index as usize];
+        let body = &self.bodies.pose[shape.body as usize];
+        let place = Pose {
+            position: body.position + (body.rotation * shape.position).as_dvec3(),
+            rotation: body.rotation * shape.rotation,
+        };
+        Candidate { index, shape, place }
+    }
+
+    /// Handles of a shape and its body.
+    pub(super) fn handles(&self, index: u32) -> (BodyHandle, ShapeHandle) {
+        let body = self.colliders.all[index as usize].body as usize;
+        (self.handle_of(body), self.shape_handle(index))
+    }
+}

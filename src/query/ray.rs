@@ -1,0 +1,176 @@
+//! Rays: what lies first on a straight line, whether anything does, all that does.
+
+use super::candidates::Candidate;
+use super::filter::QueryFilter;
+use super::ray_shape::{Met, meet};
+use crate::error::{Error, within};
+use crate::handle::{BodyHandle, ShapeHandle};
+use crate::world::{World, finite_position};
+use glam::{DVec3, Vec3};
+
+/// Beyond this no coordinate and no component of a path may be [m].
+const FURTHEST: f32 = 1e15;
+
+/// A straight line from one point to another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Where it starts, in the world [m].
+    pub from: DVec3,
+    /// From its start to its end [m]: direction times length. It may be zero; then it meets what holds the point.
+    pub path: Vec3,
+}
+
+impl Ray {
+    /// A ray from a point along a path [m].
+    pub fn new(from: impl Into<DVec3>, path: Vec3) -> Ray {
+        Ray { from: from.into(), path }
+    }
+    /// A ray from one point to another [m].
+    pub fn between(from: impl Into<DVec3>, to: impl Into<DVec3>) -> Ray {
+        let from = from.into();
+        Ray { from, path: (to.into() - from).as_vec3() }
+    }
+    /// The point at a fraction of the path [m].
+    pub fn at(&self, fraction: f32) -> DVec3 {
+        self.from + self.path.as_dvec3() * f64::from(fraction)
+    }
+
+    pub(super) fn validate(&self) -> Result<(), Error> {
+        check_start("ray start", self.from)?;
+        check_path("ray path", self.path)
+    }
+}
+
+/// Where a query starts.
+pub(super) fn check_start(what: &'static str, at: DVec3) -> Result<(), Error> {
+    finite_position(at)?;
+    match at.to_array().into_iter().find(|v| v.abs() > 1e15) {
+        Some(value) => Err(Error::OutOfRange { what, expected: "within 1e15", value }),
+        None => Ok(()),
+    }
+}
+
+pub(super) fn check_path(what: &'static str, path: Vec3) -> Result<(), Error> {
+    for value in path.to_array() {
+        within(what, value, -FURTHEST, FURTHEST, "within 1e15")?;
+    }
+    Ok(())
+}
+
+/// Where a ray meets a shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RayHit {
+    /// Whose shape it is.
+    pub body: BodyHandle,
+    /// Which shape.
+    pub shape: ShapeHandle,
+    /// Of the path, 0..=1; zero if the ray starts inside.
+    pub fraction: f32,
+    /// Where it is met, in the world [m]; more exact than what the fraction says.
+    pub point: DVec3,
+    /// Unit, out of the shape; of a triangle against the ray. Zero if the ray starts inside.
+    pub normal: Vec3,
+    /// Of a triangle mesh or a height field: which triangle.
+    pub triangle: Option<u32>,
+    /// Whether the ray starts inside a solid shape.
+    pub inside: bool,
+}
+
+impl World {
+    /// The first shape that a ray meets.
+    ///
+    /// Convex shapes and planes (the half-space below) are solid: a ray that starts inside one meets it at the fraction
+    /// 0, with [`RayHit::inside`], unless [`QueryFilter::skip_inside`] says otherwise; it never meets a solid shape from
+    /// within. Triangles of meshes and height fields are met from both sides. Of shapes at the same fraction the one of
+    /// the lower [`ShapeHandle`] is reported, of a mesh's triangles that of the lower index.
+    ///
+    /// Sees the world as it is now: what was added, moved or removed since the last step too. The same bits whatever the
+    /// history of the world, on every build. Allocates nothing but, in the first query after a change, what the tree of
+    /// moving shapes needs to grow ([`World::memory`]). Any number of threads may ask at the same time.
+    ///
+    /// # Errors
+    /// A number is not finite or beyond 1e15.
+    pub fn cast_ray(&self, ray: &Ray, filter: &QueryFilter<'_>) -> Result<Option<RayHit>, Error> {
+        ray.validate()?;
+        Ok(self.first_on_ray(ray, filter))
+    }
+
+    /// Whether a ray meets anything at all: less work than [`World::cast_ray`], whose rules it follows.
+    ///
+    /// # Errors
+    /// A number is not finite or beyond 1e15.
+    pub fn cast_ray_any(&self, ray: &Ray, filter: &QueryFilter<'_>) -> Result<bool, Error> {
+        ray.validate()?;
+        let mut any = false;
+        self.on_ray(ray, filter, true, |_, _, _| {
+            any = true;
+            -1.0
+        });
+        Ok(any)
+    }
+
+    /// All shapes that a ray meets, each where it is met first, by fraction and then by [`ShapeHandle`]. They replace
+    /// what is in `hits`, which alone may grow. The rules are those of [`World::cast_ray`].
+    ///
+    /// # Errors
+    /// A number is not finite or beyond 1e15; then `hits` is as it was.
+    pub fn cast_ray_all(
+        &self,
+        ray: &Ray,
+        filter: &QueryFilter<'_>,
+        hits: &mut Vec<RayHit>,
+    ) -> Result<(), Error> {
+        ray.validate()?;
+        hits.clear();
+        self.on_ray(ray, filter, false, |candidate, met, most| {
+            hits.push(self.ray_hit(ray, candidate, met));
+            most
+        });
+        hits.sort_unstable_by(|a, b| a.fraction.total_cmp(&b.fraction).then(a.shape.cmp(&b.shape)));
+        Ok(())
+    }
+
+    pub(super) fn first_on_ray(&self, ray: &Ray, filter: &QueryFilter<'_>) -> Option<RayHit> {
+        let mut first: Option<(Candidate<'_>, Met)> = None;
+        self.on_ray(ray, filter, false, |candidate, met, _| {
+            let (fraction, index) = (met.fraction, candidate.index);
+            if first.as_ref().is_none_or(|(c, m)| (fraction, index) < (m.fraction, c.index)) {
+                first = Some((Candidate { ..*candidate }, *met));
+            }
+            first.as_ref().map_or(fraction, |(_, m)| m.fraction)
+        });
+        first.map(|(candidate, met)| self.ray_hit(ray, &candidate, &met))
+    }
+
+    /// Calls `f` with all that a ray meets before the fraction that `f` last returned.
+    #[inline(always)]
+    fn on_ray<'a>(
+        &'a self,
+        ray: &Ray,
+        filter: &QueryFilter<'_>,
+        any: bool,
+        mut f: impl FnMut(&Candidate<'a>, &Met, f32) -> f32,
+    ) {
+        self.along((ray.from, ray.path, Vec3::ZERO), filter, 1.0, |candidate, most| {
+            match meet(candidate, ray, most, any) {
+                Some(met) if met.fraction <= most && !(met.inside && filter.skip_inside) => {
+                    f(candidate, &met, most)
+                }
+                _ => most,
+            }
+        });
+    }
+
+    pub(super) fn ray_hit(&self, ray: &Ray, candidate: &Candidate<'_>, met: &Met) -> RayHit {
+        let (body, shape) = self.handles(candidate.index);
+        RayHit {
+            body,
+            shape,
+            fraction: met.fraction,
+            point: ray.from + ray.path.as_dvec3() * met.exact,
+            normal: candidate.global_normal(met.normal),
+            triangle: met.triangle,
+            inside: met.inside,
+        }
+    }
+}

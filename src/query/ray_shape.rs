@@ -1,0 +1,118 @@
+//! A ray against one shape, in the shape's frame.
+
+use super::candidates::{Candidate, turn_back};
+use super::closest_shape::holds;
+use super::ray::Ray;
+use super::segment::{Entry, ball, capsule, cuboid, frustum, plane, polyhedron};
+use crate::shape::{Geometry, Kind};
+use glam::{DVec3, Vec3};
+
+/// Where a ray meets a shape.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Met {
+    pub(super) fraction: f32,
+    /// The same fraction in `f64`.
+    pub(super) exact: f64,
+    /// Unit, in the shape's frame; zero inside.
+    pub(super) normal: DVec3,
+    pub(super) triangle: Option<u32>,
+    pub(super) inside: bool,
+}
+
+/// Where a ray first meets a shape up to the fraction `most`; if `any` will do, somewhere.
+#[inline]
+pub(super) fn meet(candidate: &Candidate<'_>, ray: &Ray, most: f32, any: bool) -> Option<Met> {
+    let shape = candidate.shape;
+    let start = candidate.local(ray.from);
+    let path = turn_back(candidate.place.rotation, ray.path.as_dvec3());
+    let [x, y, z, _] = shape.size.map(f64::from);
+    let entry: Option<Entry> = match shape.kind {
+        Kind::Sphere => ball(start, path, x),
+        Kind::Capsule => capsule(start, path, x, y, z),
+        Kind::Box => cuboid(start, path, DVec3::new(x, y, z)),
+        Kind::Cylinder => frustum(start, path, x, y, z),
+        Kind::Plane => plane(start, path),
+        Kind::Hull => match &shape.geometry {
+            Geometry::Hull(hull) => polyhedron(start, path, hull, 0.0),
+            _ => None,
+        },
+        Kind::Mesh | Kind::HeightField => return meet_triangles(&shape.geometry, start, path, most, any),
+    };
+    if let Some((exact, normal)) = entry {
+        let normal = normal.normalize_or(DVec3::Y);
+        return Some(Met { fraction: exact as f32, exact, normal, triangle: None, inside: false });
+    }
+    holds(shape, start).then_some(Met {
+        fraction: 0.0,
+        exact: 0.0,
+        normal: DVec3::ZERO,
+        triangle: None,
+        inside: true,
+    })
+}
+
+/// From so many times the size of a mesh its triangles are looked at from where the ray comes near: `f32` would not
+/// know the start well enough.
+const FAR: f64 = 4.0;
+
+/// What the plane of a triangle may correct, as a share of the size of the mesh.
+const REFINED: f64 = 1e-5;
+
+fn meet_triangles(geometry: &Geometry, start: DVec3, path: DVec3, most: f32, any: bool) -> Option<Met> {
+    let (min, max) = match geometry {
+        Geometry::Mesh(mesh) => mesh.aabb(),
+        Geometry::HeightField(field) => field.aabb(),
+        _ => return None,
+    };
+    let (min, max) = (min.as_dvec3(), max.as_dvec3());
+    let size = min.abs().max(max.abs()).length();
+    let (mut enter, mut leave) = (0.0, 1.0);
+    if start.length() > FAR * size || path.length() > FAR * size {
+        (enter, leave) = within(start, path, min - 1e-3 * size, max + 1e-3 * size)?;
+    }
+    let share = leave - enter;
+    let (from, way) = ((start + path * enter).as_vec3(), (path * share).as_vec3());
+    // What is refined below may come out so much sooner, and what is met must not depend on `most`.
+    let slack = REFINED * size / path.length();
+    let limit = if share < 1.0 { 1.0 } else { (f64::from(most) + slack).min(1.0) as f32 };
+    let (t, index) = match geometry {
+        Geometry::Mesh(mesh) => mesh.ray(from, way, limit, any)?,
+        Geometry::HeightField(field) => field.ray(from, way, limit, any)?,
+        _ => return None,
+    };
+    let [a, b, c] = match geometry {
+        Geometry::Mesh(mesh) => mesh.triangle(index),
+        Geometry::HeightField(field) => field.triangle(index),
+        _ => [Vec3::ZERO; 3],
+    }
+    .map(Vec3::as_dvec3);
+    let across = (b - a).cross(c - a);
+    let normal = across.normalize_or(-path.normalize_or(-DVec3::Y));
+    let mut exact = enter + share * f64::from(t);
+    // `f32` found the triangle; its plane says where, unless the ray runs along it.
+    let slope = normal.dot(path);
+    if slope.abs() > 1e-3 * path.length() {
+        let refined = normal.dot(a - start) / slope;
+        if (refined - exact).abs() * path.length() <= REFINED * size {
+            exact = refined.clamp(0.0, 1.0);
+        }
+    }
+    let normal = if slope > 0.0 { -normal } else { normal };
+    Some(Met { fraction: exact as f32, exact, normal, triangle: Some(index), inside: false })
+}
+
+/// The part of a path within a box.
+fn within(start: DVec3, path: DVec3, min: DVec3, max: DVec3) -> Option<(f64, f64)> {
+    let (mut enter, mut leave) = (0.0f64, 1.0f64);
+    for k in 0..3 {
+        if path[k] == 0.0 {
+            if start[k] < min[k] || start[k] > max[k] {
+                return None;
+            }
+            continue;
+        }
+        let (s, t) = ((min[k] - start[k]) / path[k], (max[k] - start[k]) / path[k]);
+        (enter, leave) = (enter.max(s.min(t)), leave.min(s.max(t)));
+    }
+    (enter <= leave).then_some((enter, leave))
+}

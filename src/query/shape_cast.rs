@@ -1,0 +1,265 @@
+//! Moving shapes: what a convex shape touches first on a straight way, whether anything, all that it would.
+
+use super::advance::{Course, Touch, first_touch, first_touch_plane};
+use super::candidates::Candidate;
+use super::filter::QueryFilter;
+use super::probe::Probe;
+use super::ray::check_path;
+use crate::error::Error;
+use crate::handle::{BodyHandle, ShapeHandle};
+use crate::narrow_phase::{Support, SupportPose};
+use crate::shape::{Geometry, Kind};
+use crate::world::World;
+use glam::{DVec3, Quat, Vec3};
+
+/// A convex shape that moves straight ahead without turning.
+#[derive(Clone, Copy, Debug)]
+pub struct ShapeCast<'a> {
+    /// Its form: a sphere, capsule, box, cylinder (cone, frustum) or hull.
+    pub shape: &'a Geometry,
+    /// Where its origin is at the start, in the world [m].
+    pub position: DVec3,
+    /// How it is turned; a unit quaternion.
+    pub rotation: Quat,
+    /// From its start to its end [m]. It may be zero: then it touches what it overlaps.
+    pub path: Vec3,
+}
+
+impl<'a> ShapeCast<'a> {
+    /// A shape that moves from a point along a path [m].
+    pub fn new(shape: &'a Geometry, position: impl Into<DVec3>, path: Vec3) -> ShapeCast<'a> {
+        ShapeCast { shape, position: position.into(), rotation: Quat::IDENTITY, path }
+    }
+    /// Turned by a unit quaternion.
+    pub fn rotated(mut self, rotation: Quat) -> ShapeCast<'a> {
+        self.rotation = rotation;
+        self
+    }
+    /// Where its origin is at a fraction of the path [m].
+    pub fn at(&self, fraction: f32) -> DVec3 {
+        self.position + self.path.as_dvec3() * f64::from(fraction)
+    }
+}
+
+/// What a moving shape touches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShapeHit {
+    /// Whose shape it is.
+    pub body: BodyHandle,
+    /// Which shape.
+    pub shape: ShapeHandle,
+    /// Of the path, 0..=1, at which they touch; zero if they overlap at the start.
+    pub fraction: f32,
+    /// Where they touch, on the surface of the shape that is touched, in the world [m].
+    pub point: DVec3,
+    /// Unit, from the touched shape towards the moving one. Of an overlap: the direction in which the moving one gets
+    /// out soonest.
+    pub normal: Vec3,
+    /// How far the moving shape has to go along the normal to get out of an overlap at the start [m]; zero without one.
+    pub depth: f32,
+    /// Of a triangle mesh or a height field: which triangle.
+    pub triangle: Option<u32>,
+}
+
+/// A touch with a shape.
+#[derive(Clone, Copy, Debug)]
+struct Found {
+    touch: Touch,
+    triangle: Option<u32>,
+}
+
+impl Found {
+    fn fraction(&self) -> f32 {
+        round_down(self.touch.fraction)
+    }
+}
+
+impl World {
+    /// The first shape that a moving one touches.
+    ///
+    /// The fraction is early, by a gap of at most a hundred-thousandth of the smaller shape and at most 5 µm (of the
+    /// larger: what `f32` resolves over it), and never late: moved up to there, the shape overlaps nothing that it did not
+    /// overlap at the start. What it overlaps at the start it touches at the fraction 0, with [`ShapeHit::depth`] and the
+    /// direction out, wherever it goes; with [`QueryFilter::skip_inside`] only if it goes deeper. What it is next to
+    /// without overlap counts if the path leads into it, not along it. Triangles of meshes and height fields are touched
+    /// from both sides, each for itself: whatever is said of an overlap here is said of single triangles. Of several that
+    /// overlap at the start the deepest is reported. Of shapes at the same fraction the one of the lower [`ShapeHandle`]
+    /// is reported, of triangles that of the lower index.
+    ///
+    /// When, where and how often it may be asked: as [`World::cast_ray`].
+    ///
+    /// # Errors
+    /// The shape is not convex or has no size, the rotation is not a unit quaternion, or a number is not finite or beyond
+    /// 1e15.
+    pub fn cast_shape(
+        &self,
+        cast: &ShapeCast<'_>,
+        filter: &QueryFilter<'_>,
+    ) -> Result<Option<ShapeHit>, Error> {
+        let probe = check(cast)?;
+        let mut first: Option<(f32, u32, Found)> = None;
+        self.on_way(&probe, cast.path, filter, false, |candidate, found, fraction| {
+            let key = (fraction, candidate.index);
+            if first.as_ref().is_none_or(|f| key < (f.0, f.1)) {
+                first = Some((key.0, key.1, *found));
+            }
+            first.as_ref().map_or(fraction, |f| f.0)
+        });
+        Ok(first.map(|(_, index, found)| self.shape_hit(&probe, index, &found)))
+    }
+
+    /// Whether a moving shape touches anything at all: less work than [`World::cast_shape`], whose rules it follows.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn cast_shape_any(&self, cast: &ShapeCast<'_>, filter: &QueryFilter<'_>) -> Result<bool, Error> {
+        let probe = check(cast)?;
+        let mut any = false;
+        self.on_way(&probe, cast.path, filter, true, |_, _, _| {
+            any = true;
+            -1.0
+        });
+        Ok(any)
+    }
+
+    /// All shapes that a moving one would touch if none stopped it, each where it is touched first, by fraction and then
+    /// by [`ShapeHandle`]. They replace what is in `hits`, which alone may grow. With a path of zero: all that it
+    /// overlaps, with depths. The rules are those of [`World::cast_shape`].
+    ///
+    /// # Errors
+    /// As there; then `hits` is as it was.
+    pub fn cast_shape_all(
+        &self,
+        cast: &ShapeCast<'_>,
+        filter: &QueryFilter<'_>,
+        hits: &mut Vec<ShapeHit>,
+    ) -> Result<(), Error> {
+        let probe = check(cast)?;
+        hits.clear();
+        self.on_way(&probe, cast.path, filter, false, |candidate, found, _| {
+            hits.push(self.shape_hit(&probe, candidate.index, found));
+            1.0
+        });
+        hits.sort_unstable_by(|a, b| a.fraction.total_cmp(&b.fraction).then(a.shape.cmp(&b.shape)));
+        Ok(())
+    }
+
+    /// Calls `f` with all that a moving shape touches up to the fraction that `f` last returned.
+    fn on_way<'a>(
+        &'a self,
+        probe: &Probe<'_>,
+        path: Vec3,
+        filter: &QueryFilter<'_>,
+        any: bool,
+        mut f: impl FnMut(&Candidate<'a>, &Found, f32) -> f32,
+    ) {
+        let local = probe.local(path);
+        self.along((probe.position, path, probe.half), filter, 1.0, |candidate, most| {
+            let course = Course {
+                path: local,
+                tolerance: probe.tolerance(candidate.shape),
+                skip_inside: filter.skip_inside,
+            };
+            match touch(probe, candidate, &course, most, any) {
+                Some(found) if found.fraction() <= most => f(candidate, &found, found.fraction()),
+                _ => most,
+            }
+        });
+    }
+
+    fn shape_hit(&self, probe: &Probe<'_>, index: u32, found: &Found) -> ShapeHit {
+        let (body, shape) = self.handles(index);
+        let touch = &found.touch;
+        ShapeHit {
+            body,
+            shape,
+            fraction: found.fraction(),
+            point: probe.position + probe.global(touch.point),
+            normal: -probe.global(touch.normal).as_vec3(),
+            depth: touch.depth as f32,
+            triangle: found.triangle,
+        }
+    }
+}
+
+fn check<'a>(cast: &ShapeCast<'a>) -> Result<Probe<'a>, Error> {
+    check_path("shape path", cast.path)?;
+    Probe::new(cast.shape, cast.position, cast.rotation)
+}
+
+/// The number itself or the next below in `f32`: never late.
+fn round_down(fraction: f64) -> f32 {
+    let near = fraction.min(1.0) as f32;
+    if f64::from(near) > fraction { near.next_down() } else { near }
+}
+
+/// A fraction that may come out a little larger than another one that rounds to the same number.
+fn limit(most: f32) -> f64 {
+    (f64::from(most) * (1.0 + 1e-6)).min(1.0)
+}
+
+fn touch(
+    probe: &Probe<'_>,
+    candidate: &Candidate<'_>,
+    course: &Course,
+    most: f32,
+    any: bool,
+) -> Option<Found> {
+    let pose = probe.pose_of(candidate);
+    let touch = match candidate.shape.kind {
+        Kind::Plane => first_touch_plane(&probe.support, &pose, course, limit(most)),
+        Kind::Mesh | Kind::HeightField => return touch_triangles(probe, candidate, &pose, course, most, any),
+        _ => {
+            let other = Support::of(candidate.shape)?;
+            first_touch(&probe.support, &other, &pose, pose.position, course, limit(most))
+        }
+    }?;
+    Some(Found { touch, triangle: None })
+}
+
+fn touch_triangles(
+    probe: &Probe<'_>,
+    candidate: &Candidate<'_>,
+    pose: &SupportPose,
+    course: &Course,
+    most: f32,
+    any: bool,
+) -> Option<Found> {
+    let to_mesh = pose.rotation.transpose();
+    let (from, path) = (to_mesh * -pose.position, to_mesh * course.path);
+    let inflate = (probe.half_in(pose) + 2.0 * course.tolerance).as_vec3() * (1.0 + 1e-6);
+    let mut best: Option<(f32, u32, Touch)> = None;
+    let mut look = |index: u32, corners: [Vec3; 3], most: f32| {
+        let Some(normal) = reaches(&probe.support, pose, corners, course) else { return most };
+        let triangle = Support::triangle(corners);
+        let Some(touch) = first_touch(&probe.support, &triangle, pose, normal, course, limit(most)) else {
+            return most;
+        };
+        let fraction = round_down(touch.fraction);
+        // Deeper before shallower before the lower index.
+        let better =
+            |other: &(f32, u32, Touch)| (fraction, -touch.depth, index) < (other.0, -other.2.depth, other.1);
+        if fraction <= most && best.as_ref().is_none_or(better) {
+            best = Some((fraction, index, touch));
+        }
+        if any && best.is_some() { -1.0 } else { best.as_ref().map_or(most, |b| most.min(b.0)) }
+    };
+    match &candidate.shape.geometry {
+        Geometry::Mesh(mesh) => mesh.visit_path(from, path.as_vec3(), inflate, most, &mut look),
+        Geometry::HeightField(field) => field.visit_path(from, path.as_vec3(), inflate, most, &mut look),
+        _ => {}
+    }
+    best.map(|(_, index, touch)| Found { touch, triangle: Some(index) })
+}
+
+/// Whether the moving shape reaches the plane of a triangle, and about the direction there; most that are near it don't.
+fn reaches(a: &Support, pose: &SupportPose, corners: [Vec3; 3], course: &Course) -> Option<DVec3> {
+    let [p, q, r] = corners.map(|v| pose.rotation * v.as_dvec3() + pose.position);
+    let normal = (q - p).cross(r - p).normalize_or_zero();
+    let height = normal.dot(p);
+    let toward = if height < 0.0 { -normal } else { normal };
+    let (height, moved) = (height.abs(), toward.dot(course.path));
+    let ahead = a.support(toward).dot(toward) + a.radius + moved.max(0.0) + course.tolerance;
+    let behind = a.support(-toward).dot(toward) - a.radius + moved.min(0.0) - course.tolerance;
+    (height <= ahead && height >= behind).then_some(toward)
+}
