@@ -601,7 +601,7 @@ impl World {
         self.colliders.slots.get(shape.slot, shape.generation).ok_or(Error::StaleShape)
     }
 
-    fn shape_handle(&self, collider: u32) -> ShapeHandle {
+    pub(crate) fn shape_handle(&self, collider: u32) -> ShapeHandle {
         ShapeHandle { slot: collider, generation: self.colliders.slots.generation(collider) }
     }
 

@@ -49,6 +49,7 @@ mod sphere_sphere;
 mod support;
 mod touched;
 
+pub(crate) use bins::GHOST_GAP;
 pub(crate) use cast_mesh::Triangles;
 pub(crate) use collide::{Input, NarrowStats, Scratch, collide};
 pub(crate) use contact::{Contact, Contacts, NONE, Point};
