@@ -55,7 +55,8 @@ impl DrawnShape<'_> {
     }
 }
 
-/// In which colour a body is drawn. Whatever else the state of a body says, that it sleeps for example, belongs here.
+/// In which colour a body is drawn. Whatever else there is to tell of its state belongs here: that it sleeps, or which
+/// island it is in, once there is such a thing.
 fn colour_of(world: &World, options: &DrawOptions, body: usize) -> Colour {
     match world.bodies.kind[body] {
         BodyKind::Static => options.palette.static_body,

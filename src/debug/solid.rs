@@ -89,10 +89,11 @@ pub(super) fn capsule_profile(half_height: f32, bottom: f32, top: f32) -> Vec<(f
     let (_, seam) = seams(half_height, bottom, top);
     let mut profile = Vec::new();
     let mut arc = |y: f32, radius: f32, from: f32, to: f32| {
-        let rings = (RINGS as f32 * (to - from) / FRAC_PI_2).ceil();
+        // Nearly a whole ball, if the other is nearly inside it.
+        let rings = if to - from > 1.5 * FRAC_PI_2 { 2 * RINGS } else { RINGS };
         // A ball inside the other shows nothing.
-        for i in (0..=rings as u32).filter(|_| to > from) {
-            let angle = from + (to - from) * i as f32 / rings;
+        for i in (0..=rings).filter(|_| to > from) {
+            let angle = from + (to - from) * i as f32 / rings as f32;
             profile.push((y + radius * libm::sinf(angle), (radius * libm::cosf(angle)).max(0.0)));
         }
     };
