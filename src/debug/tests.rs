@@ -438,3 +438,51 @@ fn drawing_changes_nothing_and_an_empty_world_draws_nothing() {
     impl DebugDraw for Nothing {}
     world().draw(&DrawOptions::everything(), &mut Nothing);
 }
+
+#[test]
+fn a_world_can_be_drawn_after_any_change() {
+    let mut world = world();
+    let mut scene = crate::scene::builtin::chain(true);
+    scene.joints.truncate(15);
+    for i in 0..40 {
+        let at = DVec3::new(f64::from(i % 7), 1.0 + f64::from(i / 7), 0.3 * f64::from(i % 3));
+        let body = dynamic(shapes()[i as usize % 10].clone(), at);
+        scene.add("body", body.moving(Vec3::new(0.0, -20.0 * (i % 4) as f32, 0.0), Vec3::ONE));
+    }
+    for (n, ground) in shapes().into_iter().skip(10).enumerate() {
+        scene.add("ground", fixed(ground, DVec3::new(2.0 * n as f64, -1.0, 0.0)));
+    }
+    scene.add_to(&mut world).unwrap();
+    let mut x = 7u32;
+    let mut below = |n: usize| {
+        x = x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (x >> 8) as usize % n
+    };
+    for _ in 0..40 {
+        world.step(1.0 / 60.0).unwrap();
+        for _ in 0..6 {
+            let bodies: Vec<_> = world.bodies().collect();
+            let body = bodies[below(bodies.len())];
+            let shapes: Vec<_> = world.shapes(body).unwrap().collect();
+            // What is refused changes nothing.
+            let done = match below(7) {
+                0 if bodies.len() > 20 => world.remove_body(body),
+                1 => world.set_pose(body, DVec3::new(below(9) as f64, 2.0, 0.0), Quat::IDENTITY),
+                2 if !shapes.is_empty() => world.remove_shape(shapes[0]),
+                3 => world.add_shape(body, &ShapeDesc::new(Geometry::cuboid(0.2, 0.3, 0.4))).map(drop),
+                4 => world.set_mass(
+                    body,
+                    crate::shape::MassProperties::of(&Geometry::cuboid(0.5, 0.1, 0.2), 900.0),
+                ),
+                5 => world.add_body(&dynamic(Geometry::Sphere { radius: 0.2 }, DVec3::Y * 3.0)).map(drop),
+                _ => world
+                    .add_joint(&JointDesc::hinge([body, bodies[below(bodies.len())]], [Frame::default(); 2]))
+                    .map(drop),
+            };
+            drop(done);
+            let sketch = Sketch::of(&world, &DrawOptions::everything());
+            assert!(sketch.lines.iter().all(|l| l.1.is_finite() && l.2.is_finite()));
+            assert!(sketch.points.iter().all(|p| p.1.is_finite()));
+        }
+    }
+}

@@ -78,7 +78,7 @@ pub(crate) struct RunOptions {
     /// Write a page with charts: index.html and its pictures.
     #[arg(long, value_name = "DIR")]
     pub(crate) report: Option<PathBuf>,
-    /// Show the scene in a window until it is closed; without a display, write pictures to FILE-frames/ instead.
+    /// Show the scene in a window until it is closed; without a display, write pictures to SCENE-frames/ instead.
     #[arg(long, conflicts_with_all = ["out", "report", "json", "frames"])]
     pub(crate) view: bool,
     /// Write pictures of the scene as PNG files.
