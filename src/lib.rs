@@ -42,6 +42,7 @@
 //! - [`Settings`], [`Continuous`]: gravity, substeps, threads, and how fast bodies are kept from passing through.
 //! - [`Ray`], [`ShapeCast`], [`QueryFilter`]: questions to a world, [`World::cast_ray`] and its kin.
 //! - [`StepReport`], [`MemoryReport`]: what a step did and what the world holds, by [`Category`].
+//! - [`debug`]: what the world knows as shapes, lines and points, for eyes; [`World::draw`].
 //! - [`scene`]: builtin scenes; with the feature `gltf` also glTF and OBJ files in, glTF animations out.
 //!
 //! SI units, y up, positions in `f64` and all else in `f32`. Calls that can be refused return an [`Error`] and have
@@ -61,6 +62,7 @@ mod body;
 mod broad_phase;
 mod config;
 mod constraint;
+pub mod debug;
 mod error;
 mod events;
 mod finish;

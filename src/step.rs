@@ -56,7 +56,7 @@ const WORTH_THREADS: usize = if cfg!(miri) { 2 } else { 128 };
 /// A separation up to this counts as touching [length units].
 pub(crate) const REAL: f32 = 0.002;
 /// Points nearer than this are always kept [length units].
-const MARGIN: f32 = 0.01;
+pub(crate) const MARGIN: f32 = 0.01;
 /// Relative motion in a step above which a pair that is apart is cast [length units].
 const FAST: f32 = 0.01;
 /// How far a pair may move before its contact is looked for again [length units].

@@ -493,6 +493,18 @@ impl BroadPhase {
         *old |= mark;
     }
 
+    /// The box that is kept of a collider, if it has one.
+    pub(crate) fn kept_bounds(&self, collider: u32) -> Option<Aabb> {
+        let role = *self.roles.get(collider as usize)?;
+        (role >= Role::Static).then(|| self.proxies[collider as usize].bounds)
+    }
+
+    /// The colliders that were swept in the last step, and their predicted motion [m].
+    pub(crate) fn swept(&self) -> impl Iterator<Item = (u32, Vec3)> + '_ {
+        let swept = self.paths.iter().map(|path| (path.collider, path.motion()));
+        swept.filter(|(c, _)| self.roles.get(*c as usize).is_some_and(|role| *role >= Role::Fast))
+    }
+
     /// How many colliders there are.
     pub(crate) fn population(&self) -> Population {
         Population { slots: self.roles.len(), endless: self.unbounded.len(), ..self.counts }

@@ -71,6 +71,11 @@ impl Path {
         }
     }
 
+    /// Its length and direction [m].
+    pub(super) fn motion(&self) -> glam::Vec3 {
+        self.half * 2.0
+    }
+
     /// Whether the path touches a box that doesn't move (or holds all of its own motion within the step).
     #[inline]
     pub(super) fn hits(&self, target: &Aabb) -> bool {

@@ -24,7 +24,7 @@ mod prepare;
 mod seats;
 mod spatial;
 
-pub(crate) use arrange::{PrepareScratch, Prepared};
+pub(crate) use arrange::{Part, PrepareScratch, Prepared};
 pub(crate) use batch::{Batch, Rows, Surface};
 pub(crate) use bounce::{BounceInput, BounceScratch, bounce};
 pub(crate) use impact_friction::rub;

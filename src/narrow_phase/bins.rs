@@ -219,7 +219,7 @@ pub(crate) fn run_bin(
 }
 
 /// A gap that a push should have closed counts as a ghost above this many margins.
-const GHOST_GAP: f32 = 0.5;
+pub(crate) const GHOST_GAP: f32 = 0.5;
 
 /// Whether the contact moves much faster than the bodies: on a round shape that is large against the other, which rocks
 /// on it. The rows of a step act at one place. At the place of its start they would add energy to the rocking in every

@@ -160,7 +160,7 @@ impl Contact {
         self.separations(now)[..self.count as usize].iter().fold(f32::INFINITY, |s, &x| s.min(x))
     }
 
-    fn separations(&self, now: &Relative) -> [f32; MAX_POINTS] {
+    pub(crate) fn separations(&self, now: &Relative) -> [f32; MAX_POINTS] {
         let turn = now.rotation * self.found_at.rotation.conjugate();
         self.points.map(|point| {
             let on_b = now.position + turn * (point.position - self.found_at.position);

@@ -49,6 +49,7 @@ mod sphere_sphere;
 mod support;
 mod touched;
 
+pub(crate) use bins::GHOST_GAP;
 pub(crate) use cast::{cast_convex, cast_plane, tolerance};
 pub(crate) use cast_mesh::Triangles;
 pub(crate) use collide::{Input, NarrowStats, Scratch, collide};

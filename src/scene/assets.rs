@@ -21,11 +21,3 @@ pub(super) fn mesh_triangles(mesh: &TriangleMesh) -> (Vec<Vec3>, Vec<[u32; 3]>) 
     }
     (welded.vertices, welded.triangles)
 }
-
-/// Vertices and triangles of a hull.
-pub(super) fn hull_triangles(hull: &ConvexHull) -> (Vec<Vec3>, Vec<[u32; 3]>) {
-    let fan = |face: &[u16]| -> Vec<[u32; 3]> {
-        face.windows(2).skip(1).map(|w| [face[0], w[0], w[1]].map(u32::from)).collect()
-    };
-    (hull.vertices().to_vec(), hull.faces().flat_map(fan).collect())
-}

@@ -60,7 +60,8 @@ impl Groups {
         self.parent.clear();
         self.parent.extend(0..dynamic);
         self.rest.clear();
-        self.rest.extend_from_slice(&bodies.rest[..dynamic as usize]);
+        // Where bodies may not sleep, there are none.
+        self.rest.extend((0..dynamic as usize).map(|i| bodies.rest.get(i).copied().unwrap_or(0.0)));
         for (i, rest) in self.rest.iter_mut().enumerate() {
             if bodies.traits[i].sleepless {
                 *rest = 0.0;
@@ -75,7 +76,7 @@ impl Groups {
             } else if i < dynamic && k < movers {
                 // What a kinematic body carries rests as long as that.
                 let rest = &mut this.rest[i as usize];
-                *rest = rest.min(bodies.rest[k as usize]);
+                *rest = rest.min(bodies.rest.get(k as usize).copied().unwrap_or(0.0));
             }
         };
         for pair in pairs.iter().filter(|pair| pair.contact != NONE || pair.touching) {
@@ -172,6 +173,23 @@ impl World {
         self.find_islands(true);
         let root = self.sleep.groups.of(index);
         self.send_tired_to_sleep(|island, rest| island == root && rest > 0.0);
+    }
+
+    /// By dense index a number of the island that each dynamic body is in, for who looks on; none (`u32::MAX`) of others.
+    pub(crate) fn islands(&self) -> Vec<u32> {
+        let mut groups = Groups::default();
+        let real = REAL * self.settings.length_unit;
+        let World { bodies, colliders, broad, contacts, joints, .. } = self;
+        groups.find(bodies, &colliders.hot, &broad.pairs, contacts, joints, (real, false));
+        let slot_of = |i: usize| {
+            if i < bodies.dynamic() {
+                return bodies.slot[groups.of(i as u32) as usize];
+            }
+            // Of an island that sleeps the first of its bodies.
+            let sleeper = bodies.asleep().contains(&i);
+            sleeper.then(|| self.sleep.first_of(bodies.slot[i])).flatten().unwrap_or(NOWHERE)
+        };
+        (0..bodies.len()).map(slot_of).collect()
     }
 
     /// `at_once`: whatever may sleep is taken to be at rest for ever.

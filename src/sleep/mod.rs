@@ -104,6 +104,11 @@ impl Sleep {
         self.bodies.get(slot as usize).map(|link| link.island).filter(|&island| island != NONE)
     }
 
+    /// The slot of the first body of the island that a body sleeps in.
+    fn first_of(&self, slot: u32) -> Option<u32> {
+        self.island_of(slot).map(|island| self.islands[island as usize].body)
+    }
+
     /// Ends an island: calls `body` with the slot of each of its bodies and `pair` with each of its pairs.
     fn close(&mut self, island: u32, mut body: impl FnMut(u32), mut pair: impl FnMut(Pair)) {
         let Island { body: mut slot, pair: mut place } = self.islands[island as usize];

@@ -1,7 +1,8 @@
 //! The command line.
 
+use crate::view::Look;
 use backstop::Continuous;
-use backstop::glam::Vec3;
+use backstop::glam::{DVec3, Vec3};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -16,7 +17,7 @@ pub(crate) struct Options {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Run a scene and say what came of it.
-    Run(RunOptions),
+    Run(Box<RunOptions>),
     /// Shoot bodies of every shape at thin targets and count those that get through.
     Shots(ShotOptions),
     /// Scenes that come with backstop.
@@ -80,12 +81,41 @@ pub(crate) struct RunOptions {
     /// Write a page with charts: index.html and its pictures.
     #[arg(long, value_name = "DIR")]
     pub(crate) report: Option<PathBuf>,
+    /// Show the scene in a window until it is closed; without a display, write pictures to SCENE-frames/ instead.
+    #[arg(long, conflicts_with_all = ["out", "report", "json", "frames"])]
+    pub(crate) view: bool,
+    /// Write pictures of the scene as PNG files.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) frames: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) pictures: PictureOptions,
     /// Print one JSON document instead of the summary (docs/json.md).
     #[arg(long)]
     pub(crate) json: bool,
     /// No summary, no progress, no notes.
     #[arg(long)]
     pub(crate) quiet: bool,
+}
+
+/// Of the window and of pictures.
+#[derive(Args, Debug)]
+pub(crate) struct PictureOptions {
+    /// A picture every so many steps.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) every: u32,
+    /// Pixels across and down.
+    #[arg(long, value_name = "WxH", default_value = "960x540", value_parser = size)]
+    pub(crate) size: (usize, usize),
+    /// What is shown, with commas: shapes, contacts, normals, impulses, joints, aabbs, fat-aabbs, motion, centres,
+    /// colours, wireframe, grid, walls [default: shapes,contacts,joints, and the grid where there is no ground].
+    #[arg(long, value_name = "LIST", value_parser = Look::parse)]
+    pub(crate) show: Option<Look>,
+    /// Where the eye is [default: where it sees most of what moves].
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = place)]
+    pub(crate) eye: Option<DVec3>,
+    /// What it looks at [default: the middle of what moves].
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = place)]
+    pub(crate) look_at: Option<DVec3>,
 }
 
 #[derive(Args, Debug)]
@@ -141,6 +171,20 @@ fn gravity(text: &str) -> Result<Vec3, String> {
     }
 }
 
+fn place(text: &str) -> Result<DVec3, String> {
+    let parts: Vec<f32> = text.split(',').map(number).collect::<Result<_, _>>()?;
+    match parts[..] {
+        [x, y, z] => Ok(Vec3::new(x, y, z).as_dvec3()),
+        _ => Err("wants three numbers, with commas between them".into()),
+    }
+}
+
+fn size(text: &str) -> Result<(usize, usize), String> {
+    let side = |text: &str| text.parse().ok().filter(|n| (1..=8192).contains(n));
+    let sides = text.split_once('x').and_then(|(width, height)| Some((side(width)?, side(height)?)));
+    sides.ok_or_else(|| "must be like 960x540, with sides in 1..=8192".into())
+}
+
 fn continuous(text: &str) -> Result<Continuous, String> {
     match text {
         "discrete" => Ok(Continuous::Discrete),
@@ -167,6 +211,14 @@ mod tests {
         assert!(seconds("0").is_err() && seconds("1/0").is_err() && seconds("x").is_err());
         assert_eq!(gravity("1.62").unwrap(), Vec3::new(0.0, -1.62, 0.0));
         assert_eq!(gravity("1,-2,0.5").unwrap(), Vec3::new(1.0, -2.0, 0.5));
+        assert_eq!(size("64x48").unwrap(), (64, 48));
+        assert!(size("64").is_err() && size("0x9").is_err() && size("9x99999").is_err());
+        assert_eq!(place("1,-2,0.5").unwrap(), DVec3::new(1.0, -2.0, 0.5));
+        assert!(place("1,2").is_err());
+        let look = Look::parse("shapes, motion").unwrap();
+        assert!(look.draw.shapes && look.draw.motion && !look.draw.contacts && !look.grid);
+        assert!(Look::parse("shape").is_err());
+        assert!(Look::NAMES.iter().all(|name| Look::nothing().switch(name).is_some()));
         assert!(gravity("1,2").is_err() && gravity("inf").is_err());
     }
 }

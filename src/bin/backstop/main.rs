@@ -9,6 +9,7 @@ mod run;
 mod shots;
 mod summary;
 mod trace;
+mod view;
 
 use args::{Command, Options, ScenesCommand};
 use backstop::scene;

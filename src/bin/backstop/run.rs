@@ -3,10 +3,12 @@
 use crate::args::RunOptions;
 use crate::document::Document;
 use crate::trace::Trace;
+use crate::view::{self, Frames, Look, Opened, Viewer};
 use crate::{output, page, summary};
 use anyhow::{Context, bail};
 use backstop::scene::{self, Recorder, Scene};
 use backstop::{BodyHandle, Settings, World};
+use std::path::PathBuf;
 
 /// Simulated time of scenes from files, unless steps are given [s].
 const SECONDS: f32 = 10.0;
@@ -36,14 +38,51 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
             eprintln!("note: nothing moves in this scene; --drop 100 rains bodies onto it");
         }
     }
+    let mut folder = options.frames.clone();
+    if options.view {
+        match Opened::new(&scene.name, options.pictures.size) {
+            Ok(window) => {
+                let viewer = viewer(options, &scene, 1)?;
+                let start = || Ok(world(options, &scene)?.0);
+                return view::show(window, viewer, &scene.name, options.dt, &start);
+            }
+            Err(reason) => {
+                let instead = PathBuf::from(format!("{}-frames", scene.name));
+                if !options.quiet {
+                    eprintln!("note: no window ({reason}); pictures go to {}/", instead.display());
+                }
+                folder = Some(instead);
+            }
+        }
+    }
+    let frames = match folder {
+        Some(folder) => {
+            Some(Frames::new(folder, options.pictures.every, viewer(options, &scene, view::SCALE)?)?)
+        }
+        None => None,
+    };
     let ran = match options.threads {
-        1 => simulate(options, &scene),
+        1 => simulate(options, &scene, frames),
         threads => {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            pool.context("can't start threads")?.install(|| simulate(options, &scene))
+            pool.context("can't start threads")?.install(|| simulate(options, &scene, frames))
         }
     }?;
     write(options, &scene, &ran)
+}
+
+/// `scale`: pixels drawn for each that is shown, each way.
+fn viewer(options: &RunOptions, scene: &Scene, scale: usize) -> anyhow::Result<Viewer> {
+    let pictures = &options.pictures;
+    let camera = view::camera_for(scene, pictures.eye, pictures.look_at)?;
+    let look = pictures.show.clone().unwrap_or_else(|| Look::of(scene));
+    Ok(Viewer::new(camera, look, pictures.size, scale))
+}
+
+fn world(options: &RunOptions, scene: &Scene) -> anyhow::Result<(World, Vec<BodyHandle>)> {
+    let mut world = World::new(settings(options, scene)).context("these settings are refused")?;
+    let added = scene.add_to(&mut world).with_context(|| format!("scene {} is refused", scene.name))?;
+    Ok((world, added.bodies))
 }
 
 /// A scene after its last step.
@@ -52,18 +91,17 @@ struct Ran {
     handles: Vec<BodyHandle>,
     trace: Trace,
     film: Option<Recorder>,
+    frames: Option<Frames>,
 }
 
-fn simulate(options: &RunOptions, scene: &Scene) -> anyhow::Result<Ran> {
-    let mut world = World::new(settings(options, scene)).context("these settings are refused")?;
-    let added = scene.add_to(&mut world).with_context(|| format!("scene {} is refused", scene.name))?;
-    let handles = added.bodies;
-
+fn simulate(options: &RunOptions, scene: &Scene, mut frames: Option<Frames>) -> anyhow::Result<Ran> {
+    let (mut world, handles) = world(options, scene)?;
     let steps = options.steps.unwrap_or_else(|| default_steps(scene, options.dt));
     let every = ((1.0 / FRAME_RATE) / options.dt).round().max(1.0) as u32;
     let mut film = options.out.as_ref().map(|_| Recorder::new(scene));
     let mut trace = Trace { reports: Vec::with_capacity(steps as usize), energy: Vec::new() };
     record(&mut film, &world, &handles, 0.0);
+    frames.iter_mut().try_for_each(|frames| frames.take(&world, 0))?;
     let bar = output::progress(!options.quiet, steps.into(), "steps");
     for step in 1..=steps {
         let report = *world.step(options.dt)?;
@@ -74,10 +112,11 @@ fn simulate(options: &RunOptions, scene: &Scene) -> anyhow::Result<Ran> {
         if step % every == 0 || step == steps {
             record(&mut film, &world, &handles, step as f32 * options.dt);
         }
+        frames.iter_mut().try_for_each(|frames| frames.take(&world, step))?;
         bar.inc(1);
     }
     bar.finish_and_clear();
-    Ok(Ran { world, handles, trace, film })
+    Ok(Ran { world, handles, trace, film, frames })
 }
 
 fn settings(options: &RunOptions, scene: &Scene) -> Settings {
@@ -109,12 +148,13 @@ fn record(film: &mut Option<Recorder>, world: &World, handles: &[BodyHandle], ti
 }
 
 fn write(options: &RunOptions, scene: &Scene, ran: &Ran) -> anyhow::Result<()> {
-    let Ran { world, handles, trace, film } = ran;
+    let Ran { world, handles, trace, film, frames } = ran;
     let mut written = Vec::new();
     if let (Some(path), Some(film)) = (&options.out, film) {
         scene::write_animation(scene, film, path)?;
         written.push(path.clone());
     }
+    written.extend(frames.iter().map(|frames| frames.folder().to_path_buf()));
     let document = Document::new(options, scene, world, handles, trace)?;
     if let Some(folder) = &options.report {
         written.push(page::write(folder, &document, trace)?);

@@ -16,7 +16,7 @@ use std::path::Path;
 /// Vertices and triangles, or the numbers of an implicit shape.
 fn geometry_text(g: &Geometry) -> String {
     match g {
-        Geometry::Hull(hull) => format!("hull {:?}", assets::hull_triangles(hull)),
+        Geometry::Hull(_) => format!("hull {:?}", crate::debug::solid::convex(g)),
         Geometry::Mesh(mesh) => {
             // The order of triangles is the mesh's own business.
             let (v, t) = assets::mesh_triangles(mesh);

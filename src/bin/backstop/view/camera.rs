@@ -1,0 +1,194 @@
+//! Where the eye is and what it sees: it goes around a point that it looks at.
+
+use super::canvas::Spot;
+use backstop::glam::{DVec3, Mat3, Vec3};
+use std::f32::consts::{FRAC_PI_2, PI};
+
+/// Half of the angle that is seen from top to bottom [rad].
+const HALF_ANGLE: f32 = 0.38;
+/// What is nearer is not seen, as a share of the distance to what is looked at.
+const NEAR: f64 = 1e-3;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Camera {
+    /// What it looks at [m].
+    pub(crate) target: DVec3,
+    /// From there to the eye [m].
+    pub(crate) distance: f64,
+    /// About the upright axis, from z towards x [rad].
+    pub(crate) yaw: f32,
+    /// How far the eye is above what it looks at [rad].
+    pub(crate) pitch: f32,
+}
+
+impl Camera {
+    /// Sees all of a ball, from above and aside.
+    pub(crate) fn around(target: DVec3, radius: f64) -> Camera {
+        let distance = radius.max(0.1) / f64::from(libm::sinf(HALF_ANGLE));
+        Camera { target, distance, yaw: 0.6, pitch: 0.35 }
+    }
+
+    /// From one point to another.
+    pub(crate) fn between(eye: DVec3, target: DVec3) -> Camera {
+        let away = eye - target;
+        let distance = away.length().max(1e-3);
+        let to = (away / distance).as_vec3();
+        let camera = Camera { target, distance, yaw: libm::atan2f(to.x, to.z), pitch: libm::asinf(to.y) };
+        camera.turned(0.0, 0.0)
+    }
+
+    /// Goes around what it looks at [rad].
+    pub(crate) fn turned(self, yaw: f32, pitch: f32) -> Camera {
+        // Straight up and down there is no right and left.
+        let most = FRAC_PI_2 - 0.01;
+        let yaw = (self.yaw + yaw) % (2.0 * PI);
+        Camera { yaw, pitch: (self.pitch + pitch).clamp(-most, most), ..self }
+    }
+
+    /// Goes nearer or away by a factor.
+    pub(crate) fn zoomed(self, factor: f64) -> Camera {
+        Camera { distance: (self.distance * factor).clamp(1e-2, 1e7), ..self }
+    }
+
+    /// Goes right and up, by shares of what is seen from top to bottom.
+    pub(crate) fn shifted(self, right: f32, up: f32) -> Camera {
+        let axes = self.axes();
+        let seen = self.distance * 2.0 * f64::from(libm::tanf(HALF_ANGLE));
+        let way = (axes.x_axis * right + axes.y_axis * up).as_dvec3() * seen;
+        Camera { target: self.target + way, ..self }
+    }
+
+    pub(crate) fn eye(&self) -> DVec3 {
+        self.target - self.axes().z_axis.as_dvec3() * self.distance
+    }
+
+    /// Right, up and ahead.
+    fn axes(&self) -> Mat3 {
+        let (sin, cos) = (libm::sinf(self.yaw), libm::cosf(self.yaw));
+        let (rise, flat) = (libm::sinf(self.pitch), libm::cosf(self.pitch));
+        let ahead = Vec3::new(-sin * flat, -rise, -cos * flat);
+        let right = Vec3::new(cos, 0.0, -sin);
+        Mat3::from_cols(right, right.cross(ahead), ahead)
+    }
+
+    /// For a picture of so many pixels.
+    pub(crate) fn view(&self, width: f32, height: f32) -> View {
+        View {
+            eye: self.eye(),
+            back: self.axes().transpose(),
+            focal: 0.5 * height / libm::tanf(HALF_ANGLE),
+            middle: (0.5 * width, 0.5 * height),
+            near: (self.distance * NEAR) as f32,
+        }
+    }
+}
+
+/// From the world to a picture.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct View {
+    eye: DVec3,
+    /// World axes to right, up and ahead.
+    back: Mat3,
+    focal: f32,
+    middle: (f32, f32),
+    near: f32,
+}
+
+impl View {
+    /// A point as the eye has it: right, up, ahead [m].
+    pub(crate) fn see(&self, point: DVec3) -> Vec3 {
+        // The difference first: from there on f32 will do, wherever in the world this is.
+        self.back * (point - self.eye).as_vec3()
+    }
+
+    /// A direction of the world as the eye has it.
+    pub(crate) fn direction(&self, v: Vec3) -> Vec3 {
+        self.back * v
+    }
+
+    /// Back to a direction of the world.
+    pub(crate) fn world_direction(&self, v: Vec3) -> Vec3 {
+        self.back.transpose() * v
+    }
+
+    /// Where a point in front of the eye is on the picture.
+    pub(crate) fn spot(&self, seen: Vec3) -> Option<Spot> {
+        (seen.z >= self.near).then(|| self.project(seen))
+    }
+
+    fn project(&self, seen: Vec3) -> Spot {
+        let nearness = 1.0 / seen.z;
+        Spot {
+            x: self.middle.0 + self.focal * seen.x * nearness,
+            y: self.middle.1 - self.focal * seen.y * nearness,
+            nearness,
+        }
+    }
+
+    /// The part of a line that is in front of the eye.
+    pub(crate) fn line(&self, from: Vec3, to: Vec3) -> Option<(Spot, Spot)> {
+        let cut = |a: Vec3, b: Vec3| {
+            if a.z >= self.near { a } else { a + (b - a) * ((self.near - a.z) / (b.z - a.z)) }
+        };
+        let seen = from.z >= self.near || to.z >= self.near;
+        seen.then(|| (self.project(cut(from, to)), self.project(cut(to, from))))
+    }
+
+    /// The part of a triangle that is in front of the eye, as up to two triangles.
+    pub(crate) fn triangle(&self, corners: [Vec3; 3], f: &mut dyn FnMut([Spot; 3])) {
+        if corners.iter().all(|c| c.z >= self.near) {
+            return f(corners.map(|c| self.project(c)));
+        }
+        let mut kept = [Vec3::ZERO; 4];
+        let mut count = 0;
+        for i in 0..3 {
+            let (a, b) = (corners[i], corners[(i + 1) % 3]);
+            if a.z >= self.near {
+                kept[count] = a;
+                count += 1;
+            }
+            if (a.z >= self.near) != (b.z >= self.near) {
+                kept[count] = a + (b - a) * ((self.near - a.z) / (b.z - a.z));
+                count += 1;
+            }
+        }
+        for i in 2..count {
+            f([kept[0], kept[i - 1], kept[i]].map(|c| self.project(c)));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_looked_at_is_in_the_middle_and_right_is_right() {
+        let far = DVec3::new(4e6, -7.0, 1e5);
+        for camera in [Camera::around(far, 3.0), Camera::between(far + DVec3::new(3.0, 4.0, -5.0), far)] {
+            let view = camera.view(640.0, 400.0);
+            let middle = view.spot(view.see(far)).unwrap();
+            assert!((middle.x - 320.0).abs() < 1e-2 && (middle.y - 200.0).abs() < 1e-2, "{middle:?}");
+            assert!((camera.eye() - far).length() - camera.distance < 1e-6);
+            let above = view.spot(view.see(far + DVec3::Y)).unwrap();
+            assert!(above.y < middle.y && (above.x - middle.x).abs() < 1e-2);
+            let moved = camera.shifted(0.5, 0.0).view(640.0, 400.0);
+            assert!((moved.spot(moved.see(far)).unwrap().x - 120.0).abs() < 1.0);
+        }
+        // From in front, x goes right.
+        let view = Camera::between(DVec3::Z * 5.0, DVec3::ZERO).view(100.0, 100.0);
+        assert!(view.spot(view.see(DVec3::X)).unwrap().x > 50.0);
+    }
+
+    #[test]
+    fn what_is_behind_the_eye_is_cut_off() {
+        let view = Camera::between(DVec3::Z * 5.0, DVec3::ZERO).view(100.0, 100.0);
+        let see = |z: f64| view.see(DVec3::new(0.5, 0.0, z));
+        assert!(view.spot(see(6.0)).is_none() && view.line(see(6.0), see(7.0)).is_none());
+        let (near, far) = view.line(see(0.0), see(7.0)).unwrap();
+        assert!(near.x.is_finite() && far.nearness > near.nearness);
+        let mut parts = 0;
+        view.triangle([see(0.0), see(1.0), see(7.0)], &mut |_| parts += 1);
+        assert_eq!(parts, 2);
+    }
+}

@@ -1,0 +1,55 @@
+//! Pictures as files.
+
+use super::Viewer;
+use anyhow::Context;
+use backstop::World;
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+
+/// Pixels drawn for each pixel of a picture, each way: edges without steps.
+pub(crate) const SCALE: usize = 2;
+
+/// Writes every so many steps a picture into a folder.
+pub(crate) struct Frames {
+    folder: PathBuf,
+    every: u32,
+    count: u32,
+    viewer: Viewer,
+}
+
+impl Frames {
+    /// Makes the folder if it is not there.
+    pub(crate) fn new(folder: PathBuf, every: u32, viewer: Viewer) -> anyhow::Result<Frames> {
+        std::fs::create_dir_all(&folder).with_context(|| format!("can't make {}", folder.display()))?;
+        Ok(Frames { folder, every: every.max(1), count: 0, viewer })
+    }
+
+    /// After so many steps.
+    pub(crate) fn take(&mut self, world: &World, step: u32) -> anyhow::Result<()> {
+        if !step.is_multiple_of(self.every) {
+            return Ok(());
+        }
+        let path = self.folder.join(format!("frame-{:05}.png", self.count));
+        self.count += 1;
+        let picture = self.viewer.picture(world);
+        write_png(&path, &picture, self.viewer.canvas.size())
+            .with_context(|| format!("can't write {}", path.display()))
+    }
+
+    pub(crate) fn folder(&self) -> &Path {
+        &self.folder
+    }
+}
+
+fn write_png(path: &Path, picture: &[u32], (width, height): (usize, usize)) -> anyhow::Result<()> {
+    let mut encoder = png::Encoder::new(BufWriter::new(File::create(path)?), width as u32, height as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Balanced);
+    let bytes: Vec<u8> = picture.iter().flat_map(|p| [p >> 16, p >> 8, *p].map(|c| c as u8)).collect();
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&bytes)?;
+    writer.finish()?;
+    Ok(())
+}

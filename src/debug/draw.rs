@@ -1,0 +1,42 @@
+//! `World::draw`: part by part, on request.
+
+use super::{DebugDraw, DrawOptions, bounds, contacts, joints, shapes, solver};
+use crate::body::Pose;
+use crate::world::World;
+
+impl World {
+    /// Draws what the options ask for. Call it between steps, as often as there is something to see.
+    ///
+    /// What moves is drawn where it is now; contacts, swept ways and colours are those of the last step. Changes nothing,
+    /// and costs nothing but the time of the call.
+    pub fn draw(&self, options: &DrawOptions, out: &mut dyn DebugDraw) {
+        if options.shapes {
+            shapes::draw(self, options, out);
+        }
+        if options.aabbs || options.fat_aabbs || options.motion {
+            bounds::draw(self, options, out);
+        }
+        if options.contacts || options.normals || options.impulses {
+            contacts::draw(self, options, out);
+        }
+        if options.solver_colours {
+            solver::draw(self, options, out);
+        }
+        if options.joints {
+            joints::draw(self, options, out);
+        }
+        if options.centres {
+            shapes::draw_centres(self, options, out);
+        }
+    }
+
+    /// Where a collider is now: those poses that stages read are of the start of the last step.
+    pub(super) fn collider_pose(&self, collider: u32) -> Pose {
+        let collider = &self.colliders.all[collider as usize];
+        let body = &self.bodies.pose[collider.body as usize];
+        Pose {
+            position: body.position + (body.rotation * collider.position).as_dvec3(),
+            rotation: body.rotation * collider.rotation,
+        }
+    }
+}
