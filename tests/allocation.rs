@@ -225,3 +225,37 @@ fn two_threads_allocate_nothing() {
     assert_eq!(pool.install(|| joined(2)), 0);
     assert_eq!(pool.install(|| resting(2)), 0);
 }
+
+/// Stacks that fall asleep and are woken in turn, listened to, in a sensor and with hooks.
+#[test]
+fn sleep_events_and_hooks_allocate_nothing() {
+    let _alone = ONE_AT_A_TIME.lock().unwrap();
+    let settings = Settings { sleeping: true, sleep_time: 0.1, ..settings(1) };
+    let mut world = World::new(settings).unwrap();
+    let shape = |geometry: Geometry| common::shape(geometry, Material::default());
+    world.add_body(&BodyDesc::fixed().with_shape(shape(Geometry::Plane))).unwrap();
+    let sensor = shape(Geometry::cuboid(50.0, 1.2, 50.0)).sensing();
+    world.add_body(&BodyDesc::fixed().with_shape(sensor)).unwrap();
+    let stacks: Vec<BodyHandle> = (0..20)
+        .map(|i| {
+            let add = |world: &mut World, y: f64| {
+                let cube = shape(Geometry::cuboid(0.5, 0.5, 0.5)).with_events().with_hooks();
+                let at = DVec3::new(f64::from(i % 5) * 3.0, y, f64::from(i / 5) * 3.0);
+                world.add_body(&BodyDesc::dynamic().at(at).with_shape(cube)).unwrap()
+            };
+            add(&mut world, 0.5);
+            add(&mut world, 1.5)
+        })
+        .collect();
+    let mut slept = 0;
+    let allocations = count(&mut world, 400, |world, step| {
+        slept = slept.max(world.asleep());
+        if step % 3 == 0 {
+            // Up, and out of the sensor for a while.
+            let body = stacks[(step / 3) as usize % stacks.len()];
+            world.apply_impulse(body, Vec3::Y * 4000.0, world.centre_of_mass(body).unwrap()).unwrap();
+        }
+    });
+    assert!(slept >= 10, "{slept}");
+    assert_eq!(allocations, 0);
+}
