@@ -231,6 +231,62 @@ impl World {
         Ok(())
     }
 
+    /// Removes many bodies: all of them, or none.
+    ///
+    /// # Errors
+    /// If a handle is stale.
+    pub fn remove_bodies(&mut self, bodies: &[BodyHandle]) -> Result<(), Error> {
+        bodies.iter().try_for_each(|&body| self.index(body).map(drop))?;
+        // One that is named twice is gone the second time.
+        for &body in bodies {
+            if self.contains(body) {
+                self.remove_body(body)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes a body out of the world or puts it back, with its shapes and joints: one that is disabled does not move, touches
+    /// nothing, and is seen by no query; its joints hold nothing. It keeps its handles, its pose and its velocities, and may
+    /// be changed all the while.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn set_enabled(&mut self, body: BodyHandle, enabled: bool) -> Result<(), Error> {
+        let index = self.index(body)?;
+        if self.bodies.traits[index].disabled != enabled {
+            return Ok(());
+        }
+        let index = self.disturb(index);
+        if !enabled {
+            for place in 0..self.bodies.colliders[index].as_slice().len() {
+                let collider = self.bodies.colliders[index].as_slice()[place];
+                self.leave_broad(collider);
+            }
+        }
+        let World { bodies, colliders, .. } = self;
+        let index = bodies.set_enabled(index as u32, enabled, |own, index| {
+            own.as_slice().iter().for_each(|&c| colliders.follow(c, index));
+        });
+        if enabled {
+            for place in 0..self.bodies.colliders[index as usize].as_slice().len() {
+                let collider = self.bodies.colliders[index as usize].as_slice()[place];
+                self.colliders.place(collider, &self.bodies.pose[index as usize]);
+                self.enter_broad(collider);
+            }
+        }
+        self.joints.changed = true;
+        Ok(())
+    }
+
+    /// Whether a body takes part in the world; see [`World::set_enabled`].
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn is_enabled(&self, body: BodyHandle) -> Result<bool, Error> {
+        Ok(!self.bodies.traits[self.index(body)?].disabled)
+    }
+
     /// Puts a further shape on a body; its mass follows if it comes from the shapes.
     ///
     /// # Errors
@@ -385,7 +441,8 @@ impl World {
         self.bodies.len()
     }
 
-    /// All bodies: dynamic ones first, then kinematic, then dynamic ones that are asleep, then static.
+    /// All bodies: dynamic ones first, then kinematic, then dynamic ones that are asleep, then
+    /// static, then all that are disabled.
     pub fn bodies(&self) -> impl Iterator<Item = BodyHandle> + '_ {
         (0..self.bodies.len()).map(|index| self.handle_of(index))
     }
@@ -727,6 +784,7 @@ impl World {
                 locks,
                 raised: desc.raised,
                 sleepless: !desc.can_sleep,
+                disabled: false,
             },
             cold,
         };
@@ -794,6 +852,9 @@ impl World {
         self.note_change(collider);
         let c = &self.colliders.all[collider as usize];
         let body = c.body as usize;
+        if self.bodies.traits[body].disabled {
+            return;
+        }
         if self.bodies.kind[body] == BodyKind::Static {
             let pose = &self.bodies.pose[body];
             let bounds = aabb_of(c, pose.position, pose.rotation);

@@ -1,5 +1,5 @@
-//! Body columns. Dense: dynamic bodies first, then kinematic, then dynamic ones that are asleep, then static ones, so that
-//! every loop over what moves is a loop over a prefix, and what sleeps is as static as can be.
+//! Body columns. Dense: dynamic bodies first, then kinematic, then dynamic ones that are asleep, then static ones, then
+//! all that are disabled, so that every loop over what moves is a loop over a prefix, and what sleeps is as static as can be.
 
 use super::BodyKind;
 use crate::config::Continuous;
@@ -49,6 +49,8 @@ pub(crate) struct Traits {
     pub(crate) raised: Option<RowGroup>,
     /// It never sleeps.
     pub(crate) sleepless: bool,
+    /// It takes part in nothing.
+    pub(crate) disabled: bool,
 }
 
 impl Traits {
@@ -77,10 +79,20 @@ enum Part {
     Kinematic,
     Asleep,
     Static,
+    Disabled,
 }
 
 impl Part {
-    const ALL: [Part; 4] = [Part::Awake, Part::Kinematic, Part::Asleep, Part::Static];
+    /// Where an enabled body of a kind is while it is awake.
+    fn of(kind: BodyKind) -> Part {
+        match kind {
+            BodyKind::Static => Part::Static,
+            BodyKind::Kinematic => Part::Kinematic,
+            BodyKind::Dynamic => Part::Awake,
+        }
+    }
+
+    const ALL: [Part; 5] = [Part::Awake, Part::Kinematic, Part::Asleep, Part::Static, Part::Disabled];
 }
 
 /// All bodies. A column's index is the body's dense index.
@@ -106,7 +118,7 @@ pub(crate) struct Bodies {
     /// How many are raised above each group.
     raised: [u32; Order::LEN],
     /// How many there are of each part of the columns, but the last.
-    parts: [u32; 3],
+    parts: [u32; 4],
     /// Since when each body is at rest [s]; empty unless bodies may sleep.
     pub(crate) rest: Vec<f32>,
     /// Whether bodies may sleep.
@@ -198,6 +210,7 @@ impl Bodies {
 
     fn part_of(&self, index: u32) -> Part {
         match self.kind[index as usize] {
+            _ if self.traits[index as usize].disabled => Part::Disabled,
             BodyKind::Static => Part::Static,
             BodyKind::Kinematic => Part::Kinematic,
             BodyKind::Dynamic if index < self.end(Part::Awake) => Part::Awake,
@@ -297,12 +310,7 @@ impl Bodies {
         if self.rests {
             self.rest.push(0.0);
         }
-        let part = match body.kind {
-            BodyKind::Static => Part::Static,
-            BodyKind::Kinematic => Part::Kinematic,
-            BodyKind::Dynamic => Part::Awake,
-        };
-        self.inwards(last, Part::Static, part, &mut moved);
+        self.inwards(last, Part::Disabled, Part::of(body.kind), &mut moved);
         handle
     }
 
@@ -310,7 +318,7 @@ impl Bodies {
     pub(crate) fn remove(&mut self, index: u32, mut moved: impl FnMut(&Colliders, u32)) {
         self.locked -= u32::from(self.traits[index as usize].locks != 0);
         self.count_raised(self.traits[index as usize].raised, -1);
-        let hole = self.outwards(index, self.part_of(index), Part::Static, &mut moved);
+        let hole = self.outwards(index, self.part_of(index), Part::Disabled, &mut moved);
         self.swap(hole, self.len() as u32 - 1, &mut moved);
         if let Some(slot) = self.slot.pop() {
             self.slots.remove(slot);
@@ -335,6 +343,23 @@ impl Bodies {
     /// Takes a sleeping body back; returns its new index.
     pub(crate) fn wake(&mut self, index: u32, mut moved: impl FnMut(&Colliders, u32)) -> u32 {
         self.inwards(index, Part::Asleep, Part::Awake, &mut moved)
+    }
+
+    /// Takes a body out of the world, or puts it back, awake; returns its new index.
+    pub(crate) fn set_enabled(
+        &mut self,
+        index: u32,
+        enabled: bool,
+        mut moved: impl FnMut(&Colliders, u32),
+    ) -> u32 {
+        let part = Part::of(self.kind[index as usize]);
+        if enabled {
+            self.traits[index as usize].disabled = false;
+            return self.inwards(index, Part::Disabled, part, &mut moved);
+        }
+        let part = self.part_of(index);
+        self.traits[index as usize].disabled = true;
+        self.outwards(index, part, Part::Disabled, &mut moved)
     }
 
     /// Moves a body to an earlier part: the first of each part between goes to its end.

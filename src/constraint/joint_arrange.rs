@@ -209,13 +209,16 @@ impl JointRows {
             let of_body = |side: usize| bodies.traits[body(joint, side)].raised;
             order.higher(joints.all[joint as usize].raised, order.higher(of_body(0), of_body(1)))
         };
+        let enabled = |joint: u32| [0, 1].iter().all(|&side| !bodies.traits[body(joint, side)].disabled);
         let place = |joint: u32, group: RowGroup| order.place(group, raised(joint));
-        let (trees, taken) = find(joints, bodies, &|joint| place(joint, RowGroup::Joints));
+        let (trees, taken) = find(joints, bodies, &|joint| place(joint, RowGroup::Joints), &enabled);
         // Rows of one place and type are coloured together.
         let mut entries: Vec<(Place, JointType, u32, u32)> = Vec::new();
-        let rows = joints.rows.iter().enumerate();
+        let awake =
+            |joint: u32| enabled(joint) && [0, 1].iter().any(|&side| body(joint, side) < bodies.dynamic());
+        let rows = joints.rows.iter().enumerate().filter(|(_, r)| awake(r.joint));
         entries.extend(rows.map(|(i, r)| (place(r.joint, group_of(r)), type_of_row(r), i as u32, r.joint)));
-        let locks = joints.locks.iter().enumerate().filter(|(i, _)| !taken[*i]);
+        let locks = joints.locks.iter().enumerate().filter(|(i, l)| !taken[*i] && awake(l.joint));
         entries.extend(locks.map(|(i, l)| (place(l.joint, RowGroup::Joints), type_of(l), i as u32, l.joint)));
         entries.sort_unstable();
         let mut colouring = Colouring::default();

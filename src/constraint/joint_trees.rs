@@ -57,6 +57,7 @@ pub(super) fn find(
     joints: &Joints,
     bodies: &Bodies,
     place_of: &dyn Fn(u32) -> Place,
+    enabled: &dyn Fn(u32) -> bool,
 ) -> (Vec<Vec<Tree>>, Vec<bool>) {
     let dynamic = bodies.dynamic();
     let mut taken = vec![false; joints.locks.len()];
@@ -77,7 +78,9 @@ pub(super) fn find(
     let turn_of = |lock: u32| turn_of[joints.locks[lock as usize].joint as usize];
     // Joints of each body, in the order of their locks.
     let mut of_body: Vec<(u32, u32)> = Vec::new();
-    for (lock, _) in joints.locks.iter().enumerate().filter(|(_, l)| l.kind == LockKind::Point) {
+    for (lock, _) in
+        joints.locks.iter().enumerate().filter(|(_, l)| l.kind == LockKind::Point && enabled(l.joint))
+    {
         for body in ends(lock as u32).into_iter().filter(|&b| b < dynamic) {
             of_body.push((body as u32, lock as u32));
         }

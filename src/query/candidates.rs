@@ -53,7 +53,8 @@ impl Present for World {
     }
     fn moves(&self, collider: u32) -> Option<bool> {
         let body = self.colliders.all[collider as usize].body;
-        (body != u32::MAX).then(|| self.bodies.kind[body as usize] != BodyKind::Static)
+        let there = body != u32::MAX && !self.bodies.traits[body as usize].disabled;
+        there.then(|| self.bodies.kind[body as usize] != BodyKind::Static)
     }
     fn bounds(&self, collider: u32) -> Aabb {
         World::bounds(self, collider)
