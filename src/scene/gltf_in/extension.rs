@@ -1,7 +1,6 @@
 //! What `KHR_physics_rigid_bodies` and `KHR_implicit_shapes` say, as they say it.
 
 use serde::Deserialize;
-use serde::de::IgnoredAny;
 
 pub(in crate::scene) const RIGID_BODIES: &str = "KHR_physics_rigid_bodies";
 pub(in crate::scene) const SHAPES: &str = "KHR_implicit_shapes";
@@ -166,7 +165,7 @@ pub(super) struct Drive {
 pub(super) struct NodePhysics {
     pub(super) motion: Option<Motion>,
     pub(super) collider: Option<Collider>,
-    pub(super) trigger: Option<IgnoredAny>,
+    pub(super) trigger: Option<Trigger>,
     pub(super) joint: Option<NodeJoint>,
 }
 
@@ -198,6 +197,14 @@ pub(super) struct Motion {
 pub(super) struct Collider {
     pub(super) geometry: Geometry,
     pub(super) physics_material: Option<usize>,
+    pub(super) collision_filter: Option<usize>,
+}
+
+/// One shape, or the nodes that have one each.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Trigger {
+    pub(super) geometry: Option<Geometry>,
     pub(super) collision_filter: Option<usize>,
 }
 

@@ -142,11 +142,13 @@ impl<'a> Loader<'a> {
             let kind = if motion.is_kinematic { BodyKind::Kinematic } else { BodyKind::Dynamic };
             self.body[node] = Some(self.add_body(node, kind));
         }
-        if physics.trigger.is_some() {
-            self.note(node, "its trigger is left out: bodies without response are not supported yet");
+        // A trigger without a shape is one of the shapes of other nodes, which are triggers themselves.
+        if let Some(extension::Trigger { geometry: Some(geometry), collision_filter }) = &physics.trigger {
+            self.add_shape(node, geometry, (None, *collision_filter), true)?;
         }
-        if let Some(collider) = &physics.collider {
-            self.add_collider(node, collider)?;
+        if let Some(extension::Collider { geometry, physics_material, collision_filter }) = &physics.collider
+        {
+            self.add_shape(node, geometry, (*physics_material, *collision_filter), false)?;
         }
         self.physics[node] = Some(physics);
         Ok(())
@@ -159,10 +161,16 @@ impl<'a> Loader<'a> {
         self.scene.bodies.len() - 1
     }
 
-    fn add_collider(&mut self, node: usize, collider: &extension::Collider) -> Result<(), SceneError> {
+    fn add_shape(
+        &mut self,
+        node: usize,
+        geometry: &extension::Geometry,
+        (material, filter): (Option<usize>, Option<usize>),
+        sensor: bool,
+    ) -> Result<(), SceneError> {
         let scale = self.scale(node);
         if scale == DMat3::ZERO {
-            self.note(node, "its collider is off: the scale is zero");
+            self.note(node, "its shape is off: the scale is zero");
             return Ok(());
         }
         let body = match self.body[node] {
@@ -174,23 +182,29 @@ impl<'a> Loader<'a> {
             }
         };
         let kind = self.scene.bodies[body].desc.kind;
-        let placed =
-            self.geometry(node, &collider.geometry, scale, kind).map_err(|p| problem(self.parts, node, p))?;
+        let placed = self.geometry(node, geometry, scale, kind).map_err(|p| problem(self.parts, node, p))?;
         if let Some(note) = placed.note {
             self.note(node, note);
         }
         let missing = |what: &str, index: usize| {
             problem(self.parts, node, Problem::Text(format!("{what} {index} does not exist")))
         };
-        let material = match collider.physics_material {
+        let material = match material {
             Some(i) => *self.materials.get(i).ok_or_else(|| missing("physics material", i))?,
             None => Material::default(),
         };
-        let filter = match collider.collision_filter {
+        let filter = match filter {
             Some(i) => *self.filters.get(i).ok_or_else(|| missing("collision filter", i))?,
             None => self.unfiltered,
         };
-        let mut shape = ShapeDesc { material, filter, ..ShapeDesc::new(placed.geometry) };
+        if sensor && placed.geometry.require_convex().is_err() {
+            self.note(node, "its trigger is left out: it is not convex");
+            return Ok(());
+        }
+        let mut shape = ShapeDesc { material, filter, sensor, ..ShapeDesc::new(placed.geometry) };
+        if sensor {
+            shape.density = 0.0;
+        }
         let home = self.scene.bodies[body].node.unwrap_or(node);
         shape.position = placed.offset;
         if home != node {

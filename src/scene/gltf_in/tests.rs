@@ -145,12 +145,31 @@ fn zero_mass_and_inertia_mean_infinite() {
 }
 
 #[test]
-fn what_is_not_supported_is_refused_or_noted() {
+fn a_trigger_is_a_sensor_without_mass() {
     let trigger = physics(json!({ "trigger": { "geometry": { "shape": 0 } } }));
-    let nodes = json!([{ "extensions": trigger }]);
+    let both = physics(json!({
+        "motion": {}, "collider": { "geometry": { "shape": 0 } }, "trigger": { "geometry": { "shape": 0 } }
+    }));
+    let nodes = json!([{ "extensions": trigger }, { "extensions": both }]);
     let scene = load_json("trigger", &file(nodes, json!([{ "type": "box" }]), json!({}))).unwrap();
-    assert_eq!((scene.bodies.len(), scene.notes.len()), (0, 1));
+    assert_eq!((scene.bodies.len(), scene.notes.len()), (2, 0));
+    let [one, two] = [0, 1].map(|i| &scene.bodies[i].desc);
+    assert!(one.kind == BodyKind::Static && one.shapes[0].sensor && one.shapes[0].density == 0.0);
+    let sensors: Vec<bool> = two.shapes.iter().map(|shape| shape.sensor).collect();
+    assert_eq!((two.kind, sensors), (BodyKind::Dynamic, vec![true, false]));
+    // Written and read again they are the same.
+    let path = std::env::temp_dir().join(format!("backstop-trigger-{}.glb", std::process::id()));
+    super::super::write_scene(&scene, &path).unwrap();
+    let again = super::super::load(&path).unwrap();
+    std::fs::remove_file(&path).unwrap();
+    let sensors = |scene: &super::super::Scene| -> Vec<Vec<bool>> {
+        scene.bodies.iter().map(|body| body.desc.shapes.iter().map(|shape| shape.sensor).collect()).collect()
+    };
+    assert_eq!(sensors(&again), sensors(&scene));
+}
 
+#[test]
+fn what_is_not_supported_is_refused_or_noted() {
     for (collider, says) in [
         (json!({ "geometry": { "shape": 7 } }), "shape 7 does not exist"),
         (json!({ "geometry": { "node": 7 } }), "node 7, does not exist"),

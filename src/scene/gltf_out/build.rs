@@ -58,7 +58,7 @@ impl<'a> Builder<'a> {
             [shape] if alone(shape) => {
                 let mesh = self.mesh(&shape.geometry, moves);
                 self.set(index, "mesh", mesh);
-                collider = Some(self.collider(shape, index));
+                collider = Some((role(shape), self.collider(shape, index)));
             }
             shapes => {
                 for shape in shapes {
@@ -72,7 +72,7 @@ impl<'a> Builder<'a> {
                         self.set(
                             child,
                             "extensions",
-                            Some(json!({ RIGID_BODIES: { "collider": collider } })),
+                            Some(json!({ RIGID_BODIES: { role(shape): collider } })),
                         );
                     }
                     children.push(child);
@@ -87,8 +87,8 @@ impl<'a> Builder<'a> {
             if moves {
                 physics["motion"] = motion(desc);
             }
-            if let Some(collider) = collider {
-                physics["collider"] = collider;
+            if let Some((role, collider)) = collider {
+                physics[role] = collider;
             }
             if physics != json!({}) {
                 self.set(index, "extensions", Some(json!({ RIGID_BODIES: physics })));
@@ -165,7 +165,7 @@ impl<'a> Builder<'a> {
             None => json!({ "node": node }),
         };
         let mut collider = json!({ "geometry": geometry });
-        if shape.material != Material::default() {
+        if shape.material != Material::default() && !shape.sensor {
             collider["physicsMaterial"] = json!(intern(&mut self.materials, material(&shape.material)));
         }
         if shape.filter != Filter::default() {
@@ -173,6 +173,11 @@ impl<'a> Builder<'a> {
         }
         collider
     }
+}
+
+/// What a shape is at its node.
+fn role(shape: &ShapeDesc) -> &'static str {
+    if shape.sensor { "trigger" } else { "collider" }
 }
 
 /// One shape at the origin needs no node of its own.
