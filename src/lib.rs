@@ -41,6 +41,7 @@
 //! - [`MassProperties`]: mass, centre and inertia, out of shapes or given.
 //! - [`Settings`], [`Continuous`]: gravity, substeps, threads, and how fast bodies are kept from passing through.
 //! - [`Ray`], [`ShapeCast`], [`QueryFilter`]: questions to a world, [`World::cast_ray`] and its kin.
+//! - [`Mover`]: a capsule that walks, for characters.
 //! - [`StepReport`], [`MemoryReport`]: what a step did and what the world holds, by [`Category`].
 //! - [`scene`]: builtin scenes; with the feature `gltf` also glTF and OBJ files in, glTF animations out.
 //!
@@ -59,6 +60,7 @@
 pub mod bench;
 mod body;
 mod broad_phase;
+mod character;
 mod config;
 mod constraint;
 mod error;
@@ -81,6 +83,7 @@ mod threads;
 mod world;
 
 pub use body::{BodyDesc, BodyKind};
+pub use character::{Ground, Mover, MoverHit, MoverReport, MoverSettings};
 pub use config::{Continuous, FrictionCone, FrictionModel, Settings};
 pub use constraint::{Order, RowGroup};
 pub use error::Error;
