@@ -9,8 +9,14 @@ use crate::query::ShapeHit;
 use crate::world::World;
 use glam::{DVec3, Vec3};
 
-/// Looks for ground down to `reach` [m] and lowers the mover onto it. Nothing: `at` is as it was.
-pub(super) fn settle(shape: &Shape<'_>, at: &mut DVec3, reach: f64) -> Result<Option<Ground>, Error> {
+/// Looks for ground down to `reach` [m] and lowers the mover onto it. Nothing: `at` is as it was. On an edge it stands if
+/// the ground before it is no more than `step` [m] further down.
+pub(super) fn settle(
+    shape: &Shape<'_>,
+    at: &mut DVec3,
+    reach: f64,
+    step: f64,
+) -> Result<Option<Ground>, Error> {
     let down = shape.up * -reach;
     let Some(hit) = shape.cast(*at, down)? else { return Ok(None) };
     let lowered = *at + down * f64::from(hit.fraction);
@@ -24,9 +30,14 @@ pub(super) fn settle(shape: &Shape<'_>, at: &mut DVec3, reach: f64) -> Result<Op
     }
     // At the edge of a step, or between ground and wall: what is below the middle counts.
     let left = reach * (1.0 - f64::from(hit.fraction));
-    if let Some(floor) = shape.floor_below(lowered, left.max(shape.tiny))? {
+    if let Some(floor) = shape.floor_below(lowered, left + step + shape.tiny)? {
         *at = lowered;
-        return ground(floor.body, floor.shape, floor.point, floor.normal);
+        // Where it does not hang on an edge, it stands beside what it touched first.
+        return if shape.up.dot(shape.feet(lowered) - floor.point) < 10.0 * shape.tiny {
+            ground(floor.body, floor.shape, floor.point, floor.normal)
+        } else {
+            ground(hit.body, hit.shape, hit.point, floor.normal)
+        };
     }
     if is_wedged(shape, lowered, &hit)? {
         *at = lowered;

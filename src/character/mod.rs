@@ -162,20 +162,21 @@ impl Mover {
         let (rise, across) = shape.split(own);
         let mut slide = Slide::new(start, across * time, rise * time);
         if let Some(ground) = walks {
-            slide = slide.on(ground.normal.as_dvec3());
+            slide = slide.on(ground.normal.as_dvec3(), ground.point);
         }
         let in_world = if walks.is_some() { own.as_vec3() + below } else { own.as_vec3() };
         let mut heard = |hit: &ShapeHit| report.hit(self.meet(world, hit, in_world, dt));
-        slide.run(&shape, settings.iterations, settings.step_height.into(), &mut heard)?;
+        let step = settings.step_height.into();
+        slide.run(&shape, settings.iterations, step, &mut heard)?;
 
         let mut at = slide.at;
         let landed = walks.is_none() && slide.walks;
         let ground = match rise {
-            _ if walks.is_some() => settle(&shape, &mut at, (settings.snap + settings.skin).into())?,
-            rise if rise <= 0.0 || landed => settle(&shape, &mut at, settings.skin.into())?,
+            _ if walks.is_some() => settle(&shape, &mut at, (settings.snap + settings.skin).into(), step)?,
+            rise if rise <= 0.0 || landed => settle(&shape, &mut at, settings.skin.into(), step)?,
             _ => None,
         };
-        let left = slide.clip(own);
+        let left = slide.clip(&shape, own, shape.up.dot(slide.at - start) / time);
         let left = match (&ground, walks) {
             // It landed: from now on the velocity is one over the ground.
             (Some(ground), None) => shape.split(left - ground.velocity.as_dvec3()).1,

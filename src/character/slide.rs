@@ -10,18 +10,27 @@ use crate::error::Error;
 use crate::query::ShapeHit;
 use glam::DVec3;
 
+/// The share of a fall that the flattest slope leaves to count as one to slide down, and not as a stop: that of 7 degrees.
+const SLIDES: f64 = 1.0 / 64.0;
+
+/// Steps that a walk tries to climb.
+const MOST_STEPS: u32 = 4;
+
 /// A walk or a flight, under way.
 pub(super) struct Slide {
     pub(super) at: DVec3,
     /// What is left of the wish [m]: across `up`, and along it.
     pub(super) across: DVec3,
     pub(super) rise: f64,
+    /// What it stands on, or stood on, is there, if it walks; steps are measured from it, or from the feet if they are higher.
+    pub(super) foot: DVec3,
     /// Whether it keeps to the ground: slopes cost it nothing, and what is steep is a wall.
     pub(super) walks: bool,
     /// All that was met.
     pub(super) planes: Planes,
-    /// What is too steep to walk on, upright.
+    /// What is too steep to walk on, upright; and what of it is met from above.
     walls: Planes,
+    steep: Planes,
     floors: Planes,
     /// How far steps were climbed [m].
     pub(super) stepped: f64,
@@ -33,17 +42,20 @@ impl Slide {
             at,
             across,
             rise,
+            foot: DVec3::ZERO,
             walks: false,
             planes: Planes::default(),
             walls: Planes::default(),
+            steep: Planes::default(),
             floors: Planes::default(),
             stepped: 0.0,
         }
     }
 
-    /// On ground with such a normal.
-    pub(super) fn on(mut self, normal: DVec3) -> Slide {
+    /// On ground with such a normal, at a point.
+    pub(super) fn on(mut self, normal: DVec3, foot: DVec3) -> Slide {
         self.walks = true;
+        self.foot = foot;
         self.floors.add(normal);
         self
     }
@@ -51,7 +63,7 @@ impl Slide {
     /// The way that is wished for, as far as planes allow it.
     fn path(&self, up: DVec3) -> DVec3 {
         if !self.walks {
-            return self.planes.clip(self.across + up * self.rise);
+            return self.fly(self.across, up * self.rise);
         }
         let across = self.walls.clip(self.across);
         // As far across as on level ground, however it slopes.
@@ -60,8 +72,13 @@ impl Slide {
         self.planes.clip(across + up * rise)
     }
 
+    /// Nobody gets up a steep slope by running or jumping at it, nor hangs on it by pressing against it.
+    fn fly(&self, across: DVec3, rise: DVec3) -> DVec3 {
+        self.planes.clip(self.steep.clip(across) + rise)
+    }
+
     /// Goes on until nothing is left, at most past `most` obstacles; climbs steps of up to `step` [m]. `heard` is told of
-    /// each obstacle.
+    /// each obstacle, floors not.
     pub(super) fn run(
         &mut self,
         shape: &Shape<'_>,
@@ -69,7 +86,7 @@ impl Slide {
         step: f64,
         heard: &mut dyn FnMut(&ShapeHit),
     ) -> Result<(), Error> {
-        let mut tries = 2;
+        let mut tries = MOST_STEPS;
         for _ in 0..most {
             let path = self.path(shape.up);
             let length = path.length();
@@ -85,8 +102,10 @@ impl Slide {
             self.at += path * fraction;
             self.across *= 1.0 - fraction;
             self.rise *= 1.0 - fraction;
-            heard(&hit);
             let normal = hit.normal.as_dvec3();
+            if !(self.walks && shape.is_floor(hit.normal)) {
+                heard(&hit);
+            }
             let wall = self.meet(shape, &hit);
             // What should have been slid along is in the way by its rounding.
             if normal.dot(path) > -1e-5 * length {
@@ -98,10 +117,7 @@ impl Slide {
                 && tries > 0
             {
                 tries -= 1;
-                if let Some(climbed) = step_up(shape, self, wall, step)? {
-                    self.stepped += climbed;
-                    break;
-                }
+                step_up(shape, self, wall, step)?;
             }
         }
         Ok(())
@@ -117,21 +133,39 @@ impl Slide {
                 // It lands, and what is left of the fall does not slide downhill.
                 self.walks = true;
                 self.rise = 0.0;
+                self.foot = hit.point;
             }
             return None;
         }
         let (rise, across) = shape.split(normal);
         let wall = across.try_normalize()?;
         self.walls.add(wall);
-        // Nobody gets up a steep slope by running or jumping at it.
         if rise > 0.0 {
-            self.planes.add(wall);
+            self.steep.add(wall);
         }
         Some(wall)
     }
 
-    /// What planes leave of a velocity.
-    pub(super) fn clip(&self, velocity: DVec3) -> DVec3 {
-        if self.walks { self.walls.clip(velocity) } else { self.planes.clip(velocity) }
+    /// The walk goes on from somewhere else, and meets its obstacles anew.
+    pub(super) fn move_to(&mut self, at: DVec3, across: DVec3, floor: DVec3, foot: DVec3) {
+        *self = Slide { stepped: self.stepped, ..Slide::new(at, across, 0.0) }.on(floor, foot);
+    }
+
+    /// What obstacles leave of a velocity; `moved`: what of a fall there was [m/s].
+    pub(super) fn clip(&self, shape: &Shape<'_>, velocity: DVec3, moved: f64) -> DVec3 {
+        if self.walks {
+            return self.walls.clip(velocity);
+        }
+        let (rise, across) = shape.split(velocity);
+        let (_, left) = shape.split(self.planes.clip(self.steep.clip(across)));
+        let rise = if rise > 0.0 {
+            shape.split(self.fly(across, shape.up * rise)).0
+        } else if moved > SLIDES * rise {
+            moved
+        } else {
+            // Gravity pulls as much along a slope as what is left of it in the slope's direction: sliding takes nothing.
+            rise
+        };
+        left + shape.up * rise
     }
 }

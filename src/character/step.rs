@@ -8,31 +8,27 @@ use glam::DVec3;
 /// Obstacles that are slid along above a step.
 const MOST_SLIDES: u32 = 4;
 
-/// Takes what is left of a walk over the obstacle with the upright normal `wall`, no more than `height` up [m]. Returns how
-/// far it climbed, or nothing, and then nothing has changed.
-pub(super) fn step_up(
-    shape: &Shape<'_>,
-    walk: &mut Slide,
-    wall: DVec3,
-    height: f64,
-) -> Result<Option<f64>, Error> {
+/// Takes what is left of a walk over the obstacle with the upright normal `wall`, no more than `height` up [m]; or leaves it
+/// as it is.
+pub(super) fn step_up(shape: &Shape<'_>, walk: &mut Slide, wall: DVec3, height: f64) -> Result<(), Error> {
     let from = walk.at;
     let up = shape.up * height;
     let room = shape.cast(from, up)?.map_or(1.0, |hit| f64::from(hit.fraction));
     let risen = height * room;
-    let mut above = Slide::new(from + up * room, walk.across, 0.0).on(shape.up);
+    let mut above = Slide::new(from + up * room, walk.across, 0.0).on(shape.up, from);
     above.run(shape, MOST_SLIDES, 0.0, &mut |_| {})?;
     // It must get to where the obstacle kept it from going.
     if (above.at - from).dot(wall) > -shape.tiny {
-        return Ok(None);
+        return Ok(());
     }
     let down = shape.up * -(risen + height);
-    let Some(hit) = shape.cast(above.at, down)? else { return Ok(None) };
+    let Some(hit) = shape.cast(above.at, down)? else { return Ok(()) };
     let at = above.at + down * f64::from(hit.fraction);
     // What counts is how high the edge is, not how far the round bottom has got up by now.
-    let edge = shape.up.dot(hit.point - shape.feet(from));
+    let feet = shape.feet(from);
+    let edge = shape.up.dot(hit.point - feet) - shape.up.dot(walk.foot - feet).max(0.0);
     if edge > height + shape.tiny || hit.depth > 0.0 {
-        return Ok(None);
+        return Ok(());
     }
     // The bottom may touch only the edge yet: what lies behind decides.
     let behind = || {
@@ -41,9 +37,9 @@ pub(super) fn step_up(
         shape.floor_on_ray(ahead + shape.up * lift, 2.0 * lift)
     };
     if !shape.is_floor(hit.normal) && behind()?.is_none() {
-        return Ok(None);
+        return Ok(());
     }
-    walk.at = at;
-    walk.across = above.across;
-    Ok(Some(shape.up.dot(at - from)))
+    walk.stepped += shape.up.dot(at - from).max(0.0);
+    walk.move_to(at, above.across, shape.up, hit.point);
+    Ok(())
 }
