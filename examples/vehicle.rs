@@ -1,4 +1,4 @@
-//! A car of bodies and joints, with springs, an engine at its rear wheels and steering: on a plain, and over hills.
+//! A car of bodies and joints, with springs, steering and an engine at all wheels: on a plain, and over hills.
 //!
 //!     cargo run --release --example vehicle
 
@@ -10,29 +10,29 @@ use backstop::{
 };
 use std::sync::Arc;
 
-pub const DT: f32 = 1.0 / 60.0;
+pub(crate) const DT: f32 = 1.0 / 60.0;
 /// What the springs bear [kg], and how stiff each of the four is [N/m].
-pub const MASS: f32 = 1000.0;
-pub const STIFFNESS: f32 = 40_000.0;
-const SPRING: Spring = Spring::Coefficients { stiffness: STIFFNESS, damping: 4_000.0 };
+pub(crate) const MASS: f32 = 1000.0;
+pub(crate) const STIFFNESS: f32 = 15_000.0;
+const SPRING: Spring = Spring::Coefficients { stiffness: STIFFNESS, damping: 2_500.0 };
 /// How far a spring gives way to either side [m].
 const TRAVEL: f32 = 0.25;
 /// Radius of a wheel [m].
-pub const RADIUS: f32 = 0.4;
+pub(crate) const RADIUS: f32 = 0.4;
 /// Of a wheel on the chassis without load [m]: to the side, up, ahead.
-pub const HUB: Vec3 = Vec3::new(0.85, -0.3, 1.3);
+pub(crate) const HUB: Vec3 = Vec3::new(0.85, -0.3, 1.3);
 
-pub struct Car {
-    pub chassis: BodyHandle,
+pub(crate) struct Car {
+    pub(crate) chassis: BodyHandle,
     /// Front left and right, rear left and right. The front is at +z, and left at +x.
-    pub wheels: [BodyHandle; 4],
+    pub(crate) wheels: [BodyHandle; 4],
     steering: Vec<JointHandle>,
     engine: Vec<JointHandle>,
 }
 
 impl Car {
     /// With the middle of its chassis at a point.
-    pub fn add_to(world: &mut World, at: DVec3) -> Result<Car, Error> {
+    pub(crate) fn add_to(world: &mut World, at: DVec3) -> Result<Car, Error> {
         // The middle of the box is above that of the mass. Parts of a car don't touch each other.
         let part = |geometry: Geometry, position: Vec3, rotation: Quat, mass: f32, at: DVec3| {
             let inertia =
@@ -67,22 +67,22 @@ impl Car {
             let strut = JointDesc { limits, drives, ..JointDesc::new([chassis, knuckle], frames) };
             car.steering.push(world.add_joint(&strut)?);
             let frames = world.frames_at([knuckle, wheel], hub, Quat::IDENTITY)?;
-            world.add_joint(&JointDesc::hinge([knuckle, wheel], frames))?;
+            car.engine.push(world.add_joint(&JointDesc::hinge([knuckle, wheel], frames))?);
         }
         Ok(car)
     }
 
-    /// Engine and steering: a speed to reach [m/s] with at most so much torque at each driven wheel [N m], and an angle to
+    /// Engine and steering: a speed to reach [m/s] with at most so much torque at each wheel [N m], and an angle to
     /// the left [rad].
-    pub fn drive(&self, world: &mut World, speed: f32, torque: f32, angle: f32) -> Result<(), Error> {
-        for &joint in &self.engine {
-            let wheel = [self.chassis; 2];
-            let rows = JointDesc::wheel(wheel, Default::default(), TRAVEL, SPRING).with_drive(Drive::motor(
-                Motion::Angular,
-                Axis::X,
-                speed / RADIUS,
-                torque,
-            ));
+    pub(crate) fn drive(&self, world: &mut World, speed: f32, torque: f32, angle: f32) -> Result<(), Error> {
+        let motor = Drive::motor(Motion::Angular, Axis::X, speed / RADIUS, torque);
+        for (i, &joint) in self.engine.iter().enumerate() {
+            let (bodies, frames) = (world.joint_bodies(joint)?, Default::default());
+            let rows = match i {
+                0 | 1 => JointDesc::hinge(bodies, frames),
+                _ => JointDesc::wheel(bodies, frames, TRAVEL, SPRING),
+            };
+            let rows = rows.with_drive(motor);
             world.set_joint(joint, &rows.limits, &rows.drives)?;
         }
         for &joint in &self.steering {
@@ -93,7 +93,7 @@ impl Car {
     }
 
     /// How many wheels touch something static.
-    pub fn wheels_down(&self, world: &World) -> Result<usize, Error> {
+    pub(crate) fn wheels_down(&self, world: &World) -> Result<usize, Error> {
         let mut down = 0;
         for &wheel in &self.wheels {
             let near = RADIUS + 0.03;
@@ -109,7 +109,7 @@ impl Car {
 
 /// A strut: slides along y on a spring and turns about y to an angle [rad].
 fn steered(angle: f32) -> (Vec<Limit>, Vec<Drive>) {
-    let servo = Spring::Frequency { hertz: 10.0, ratio: 1.0 };
+    let servo = Spring::Coefficients { stiffness: 30_000.0, damping: 1_000.0 };
     let limits = vec![
         Limit::lock(Motion::Linear, Axes::Around(Axis::Y)),
         Limit::lock(Motion::Angular, Axes::Around(Axis::Y)),
@@ -122,11 +122,18 @@ fn steered(angle: f32) -> (Vec<Limit>, Vec<Drive>) {
     (limits, drives)
 }
 
-/// Drives for some seconds; returns speed [m/s], distance as the crow flies [m], and the share of steps with all wheels down.
-pub fn run(world: &mut World, car: &Car, seconds: f32, speed: f32, angle: f32) -> Result<[f64; 3], Error> {
+/// Drives for some seconds, with a torque at each wheel [N m]; returns speed [m/s], distance as the crow flies [m], and the share of steps with all wheels down.
+pub(crate) fn run(
+    world: &mut World,
+    car: &Car,
+    seconds: f32,
+    speed: f32,
+    torque: f32,
+    angle: f32,
+) -> Result<[f64; 3], Error> {
     let start = world.position(car.chassis)?;
     let (mut down, steps) = (0, (seconds / DT) as u32);
-    car.drive(world, speed, 400.0, angle)?;
+    car.drive(world, speed, torque, angle)?;
     for _ in 0..steps {
         world.step(DT)?;
         down += u32::from(car.wheels_down(world)? == 4);
@@ -136,7 +143,8 @@ pub fn run(world: &mut World, car: &Car, seconds: f32, speed: f32, angle: f32) -
     Ok([now.into(), way.length(), f64::from(down) / f64::from(steps)])
 }
 
-pub fn hills(world: &mut World) -> Result<f32, Error> {
+/// The builtin terrain; returns its height at (0, -50).
+pub(crate) fn hills(world: &mut World) -> Result<f32, Error> {
     let terrain = builtin::talk_terrain();
     let (vertices, triangles) = terrain.mesh();
     let mesh = Geometry::Mesh(Arc::new(TriangleMesh::new(vertices, triangles)?));
@@ -155,8 +163,8 @@ fn main() -> Result<(), Error> {
         };
         let height = f64::from(ground + RADIUS - HUB.y) + 1.0;
         let car = Car::add_to(&mut world, DVec3::new(0.0, height, -50.0))?;
-        run(&mut world, &car, 2.0, 0.0, 0.0)?;
-        let [now, way, down] = run(&mut world, &car, 8.0, speed, 0.0)?;
+        run(&mut world, &car, 2.0, 0.0, 400.0, 0.0)?;
+        let [now, way, down] = run(&mut world, &car, 8.0, speed, if rough { 1000.0 } else { 400.0 }, 0.0)?;
         let up = (world.rotation(car.chassis)? * Vec3::Y).y;
         println!("{name}: {now:.1} m/s, {way:.0} m, all four wheels down in {:.0} % of steps", 100.0 * down);
         assert!(up > 0.5, "it stands on its wheels");
