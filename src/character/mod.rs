@@ -17,6 +17,11 @@ mod shape;
 mod slide;
 mod step;
 
+/// Its example is run with the tests of the documentation.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/characters.md")]
+struct Docs;
+
 pub use report::{Ground, MoverHit, MoverReport};
 pub use settings::MoverSettings;
 
@@ -130,8 +135,8 @@ impl Mover {
     /// velocity along. Gravity is the caller's: add it to the velocity in every call, and hand
     /// [`MoverReport::velocity`] back in.
     ///
-    /// It sees what the filter sees, without [`skip_inside`](QueryFilter::skip_inside), which has no effect: exclude a body of its own. It is a shape cast, so nothing
-    /// is passed through at any speed. What moved into it since the last walk pushes it out first, by the shortest way.
+    /// It sees what the filter sees: exclude a body of its own. [`QueryFilter::skip_inside`] has no effect. It is a shape
+    /// cast, so nothing is passed through at any speed. What moved into it since the last walk pushes it out first, by the shortest way.
     /// Allocates nothing (but what a first query does), and the same world gives the same bits.
     ///
     /// # Errors
