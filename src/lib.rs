@@ -41,6 +41,7 @@
 //! - [`MassProperties`]: mass, centre and inertia, out of shapes or given.
 //! - [`Settings`], [`Continuous`]: gravity, substeps, threads, and how fast bodies are kept from passing through.
 //! - [`Ray`], [`ShapeCast`], [`QueryFilter`]: questions to a world, [`World::cast_ray`] and its kin.
+//! - [`World::contact_begins`], [`World::sensor_begins`], [`ContactHooks`]: what is heard of contacts, and a word on them.
 //! - [`Mover`]: a capsule that walks, for characters.
 //! - [`StepReport`], [`MemoryReport`]: what a step did and what the world holds, by [`Category`].
 //! - [`scene`]: builtin scenes; with the feature `gltf` also glTF and OBJ files in, glTF animations out.

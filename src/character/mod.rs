@@ -34,7 +34,7 @@ use carry::{Carrier, carry};
 use glam::{DVec3, Quat, Vec3};
 use ground::{settle, velocity_at};
 use overlap::push_out;
-use shape::Shape;
+use shape::{Shape, upright};
 use slide::Slide;
 
 /// A capsule that walks through a world: a character.
@@ -123,9 +123,8 @@ impl Mover {
 
     /// Its capsule without the skin, and how that is turned: for queries, or for a kinematic body that others collide with.
     pub fn capsule(&self) -> (Geometry, Quat) {
-        let up = self.settings.up.normalize();
-        let rotation = if up == Vec3::Y { Quat::IDENTITY } else { Quat::from_rotation_arc(Vec3::Y, up) };
-        (Geometry::capsule(self.settings.half_height, self.settings.radius), rotation)
+        let capsule = Geometry::capsule(self.settings.half_height, self.settings.radius);
+        (capsule, upright(self.settings.up.normalize()))
     }
 
     /// Moves with a velocity [m/s] for `dt` [s], as far as obstacles allow.

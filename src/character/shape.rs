@@ -7,6 +7,16 @@ use crate::shape::Geometry;
 use crate::world::World;
 use glam::{DVec3, Quat, Vec3};
 
+/// A rotation of y to a unit vector; not glam's, which asks the platform's sine.
+pub(super) fn upright(up: Vec3) -> Quat {
+    let w = 1.0 + up.y;
+    if w < 1e-6 {
+        Quat::from_xyzw(1.0, 0.0, 0.0, 0.0)
+    } else {
+        Quat::from_xyzw(up.z, 0.0, -up.x, w).normalize()
+    }
+}
+
 /// A mover's capsule with its skin, in a world.
 pub(super) struct Shape<'a> {
     pub(super) world: &'a World,
@@ -28,13 +38,12 @@ impl<'a> Shape<'a> {
     pub(super) fn new(world: &'a World, settings: &MoverSettings, filter: &QueryFilter<'a>) -> Shape<'a> {
         let up = settings.up.normalize();
         let radius = settings.radius + settings.skin;
-        let rotation = if up == Vec3::Y { Quat::IDENTITY } else { Quat::from_rotation_arc(Vec3::Y, up) };
         Shape {
             world,
             filter: QueryFilter { skip_inside: true, ..*filter },
             capsule: Geometry::capsule(settings.half_height, radius),
             core: Geometry::capsule(settings.half_height, 0.5 * radius),
-            rotation,
+            rotation: upright(up),
             up: up.as_dvec3().normalize(),
             radius: radius.into(),
             half_height: settings.half_height.into(),
