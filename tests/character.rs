@@ -541,6 +541,39 @@ fn edges_inside_a_mesh_are_not_felt() {
     }
 }
 
+/// The builtin terrain has ridges and slopes of any steepness: never below it, and never in it.
+#[test]
+fn on_steep_and_ridged_terrain_it_is_never_in_anything() {
+    let terrain = backstop::scene::builtin::talk_terrain();
+    let (vertices, triangles) = terrain.mesh();
+    let mut world = world();
+    fixed(&mut world, DVec3::ZERO, Quat::IDENTITY, mesh(&vertices, &triangles));
+    let mut random = Random(23);
+    let (mut off, mut all) = (0, 0);
+    for limit in [25.0_f32, 40.0, 50.0] {
+        for _ in 0..8 {
+            let settings = MoverSettings { max_slope: limit.to_radians(), ..MoverSettings::default() };
+            let mut mover = mover_at(DVec3::Y * 6.0, settings);
+            let mut last = Vec3::ZERO;
+            let mut wish = Vec3::ZERO;
+            for step in 0..400 {
+                if step % 50 == 0 {
+                    wish = Vec3::new(random.signed(), 0.0, random.signed()) * 9.0;
+                }
+                let report = go(&mut mover, &world, wish, &mut last);
+                let at = mover.position().as_vec3();
+                assert!(!is_inside(&mover, &world), "{limit} {step} {report:?}");
+                assert!(f64::from(terrain.height(at.x, at.z)) < mover.feet().y + 0.4, "{at}");
+                // Who falls long has got stuck where nothing counts as ground.
+                assert!(last.y > -25.0, "{limit} {step} {at}");
+                all += 1;
+                off += u32::from(report.ground.is_none());
+            }
+        }
+    }
+    println!("in the air or on a steep slope in {off} of {all} steps");
+}
+
 /// A heap of everything, static and in motion.
 fn crowd(random: &mut Random, moving: bool) -> World {
     let mut world = world();
