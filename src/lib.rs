@@ -41,6 +41,8 @@
 //! - [`MassProperties`]: mass, centre and inertia, out of shapes or given.
 //! - [`Settings`], [`Continuous`]: gravity, substeps, threads, and how fast bodies are kept from passing through.
 //! - [`Ray`], [`ShapeCast`], [`QueryFilter`]: questions to a world, [`World::cast_ray`] and its kin.
+//! - [`World::contact_begins`], [`World::sensor_begins`], [`ContactHooks`]: what is heard of contacts, and a word on them.
+//! - [`Mover`]: a capsule that walks, for characters.
 //! - [`StepReport`], [`MemoryReport`]: what a step did and what the world holds, by [`Category`].
 //! - [`debug`]: what the world knows as shapes, lines and points, for eyes; [`World::draw`].
 //! - [`scene`]: builtin scenes; with the feature `gltf` also glTF and OBJ files in, glTF animations out.
@@ -60,6 +62,7 @@
 pub mod bench;
 mod body;
 mod broad_phase;
+mod character;
 mod config;
 mod constraint;
 pub mod debug;
@@ -83,6 +86,7 @@ mod threads;
 mod world;
 
 pub use body::{BodyDesc, BodyKind};
+pub use character::{Ground, Mover, MoverHit, MoverReport, MoverSettings};
 pub use config::{Continuous, FrictionCone, FrictionModel, Settings};
 pub use constraint::{Order, RowGroup};
 pub use error::Error;

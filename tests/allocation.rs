@@ -6,8 +6,8 @@ mod common;
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::{Scene, builtin};
 use backstop::{
-    Axes, Axis, BodyDesc, BodyHandle, Drive, Geometry, JointDesc, Limit, Material, Motion, QueryFilter, Ray,
-    Settings, ShapeCast, Spring, World,
+    Axes, Axis, BodyDesc, BodyHandle, Drive, Geometry, JointDesc, Limit, Material, Motion, Mover,
+    MoverReport, MoverSettings, QueryFilter, Ray, Settings, ShapeCast, Spring, World,
 };
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::Mutex;
@@ -215,6 +215,28 @@ fn queries_allocate_nothing() {
     };
     assert_eq!(count(&mut world, 500, ask), 0);
     assert!(found > 1000, "{found}");
+}
+
+/// Movers that run into a pile, over its rubble and into each other's way.
+#[test]
+fn movers_allocate_nothing() {
+    let _alone = ONE_AT_A_TIME.lock().unwrap();
+    let (mut world, _) = common::world_of(&resting_pile(), settings(1));
+    let mut movers = [0.0, 2.0, 4.0].map(|x| {
+        (Mover::new(MoverSettings::default(), DVec3::new(x, 6.0, 8.0)).unwrap(), MoverReport::default())
+    });
+    let mut ran_into = 0;
+    let ask = |world: &mut World, step: u32| {
+        for (mover, last) in &mut movers {
+            let turn = 0.05 * step as f32;
+            let wish = Vec3::new(3.0 * turn.cos(), last.velocity.y - 0.2, 3.0 * turn.sin() - 0.5);
+            *last = mover.walk(world, &QueryFilter::new(), wish, 1.0 / 60.0).unwrap();
+            ran_into += last.hits().count();
+            last.push(world).unwrap();
+        }
+    };
+    assert_eq!(count(&mut world, 900, ask), 0);
+    assert!(ran_into > 20, "{ran_into}");
 }
 
 #[cfg(feature = "parallel")]

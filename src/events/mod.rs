@@ -9,6 +9,11 @@ mod contacts;
 mod hooks;
 mod sensors;
 
+/// Its example is run with the tests of the documentation.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/events.md")]
+struct Docs;
+
 pub use hooks::{ContactHook, ContactHooks, MaybeSync, NoHooks};
 pub(crate) use hooks::{Tweak, tweak_of};
 

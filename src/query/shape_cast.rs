@@ -144,6 +144,23 @@ impl World {
         Ok(())
     }
 
+    /// Calls `f` with each shape that a convex one overlaps, in no particular order; of a mesh with its deepest triangle.
+    pub(crate) fn each_overlap(
+        &self,
+        shape: &Geometry,
+        (position, rotation): (DVec3, Quat),
+        filter: &QueryFilter<'_>,
+        mut f: impl FnMut(ShapeHit),
+    ) -> Result<(), Error> {
+        let probe = Probe::new(shape, position, rotation)?;
+        let filter = QueryFilter { skip_inside: false, ..*filter };
+        self.on_way(&probe, Vec3::ZERO, &filter, false, |candidate, found, _| {
+            f(self.shape_hit(&probe, candidate.index, found));
+            1.0
+        });
+        Ok(())
+    }
+
     /// Calls `f` with all that a moving shape touches up to the fraction that `f` last returned.
     fn on_way<'a>(
         &'a self,

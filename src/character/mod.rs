@@ -1,0 +1,222 @@
+//! A capsule that walks: collide and slide, steps, slopes, moving ground.
+//!
+//! A mover is no body. It asks a world questions (`src/query/`) and moves its own position, so that any number of them may
+//! walk at the same time through `&World`. All casts are those of the capsule grown by its skin; overlap of the skin is
+//! what rounding and moving bodies use up, and is taken back at the start of the next walk.
+//!
+//! One walk: the ground carries it ([`carry`]), what moved into it pushes it out ([`overlap`]), it slides along obstacles
+//! ([`slide`]) and over steps ([`step`]), and settles on the ground ([`ground`]).
+
+mod carry;
+mod ground;
+mod overlap;
+mod planes;
+mod report;
+mod settings;
+mod shape;
+mod slide;
+mod step;
+
+/// Its example is run with the tests of the documentation.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/characters.md")]
+struct Docs;
+
+pub use report::{Ground, MoverHit, MoverReport};
+pub use settings::MoverSettings;
+
+use crate::body::BodyKind;
+use crate::error::{Error, finite3, positive};
+use crate::query::{QueryFilter, ShapeHit};
+use crate::shape::Geometry;
+use crate::world::{World, finite_position};
+use carry::{Carrier, carry};
+use glam::{DVec3, Quat, Vec3};
+use ground::{settle, velocity_at};
+use overlap::push_out;
+use shape::{Shape, upright};
+use slide::Slide;
+
+/// A capsule that walks through a world: a character.
+///
+/// ```
+/// use backstop::glam::{DVec3, Vec3};
+/// use backstop::{BodyDesc, Geometry, Mover, MoverSettings, QueryFilter, Settings, ShapeDesc, World};
+///
+/// # fn main() -> Result<(), backstop::Error> {
+/// let mut world = World::new(Settings::default())?;
+/// world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Plane)))?;
+/// let mut mover = Mover::new(MoverSettings::default(), DVec3::Y)?;
+/// let (mut velocity, dt) = (Vec3::ZERO, 1.0 / 60.0);
+/// for _ in 0..120 {
+///     world.step(dt)?;
+///     // What the player wants, and gravity; to jump is a velocity upwards.
+///     velocity = Vec3::new(3.0, velocity.y - 9.81 * dt, 0.0);
+///     let report = mover.walk(&world, &QueryFilter::new(), velocity, dt)?;
+///     velocity = report.velocity;
+///     report.push(&mut world)?;
+/// }
+/// assert!(mover.ground().is_some() && (mover.position().x - 6.0).abs() < 1e-4);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mover {
+    settings: MoverSettings,
+    position: DVec3,
+    ground: Option<Ground>,
+    carrier: Option<Carrier>,
+}
+
+impl Mover {
+    /// A mover whose capsule has its middle at a point [m]. It stands on nothing until it walks.
+    ///
+    /// # Errors
+    /// If a setting is out of range, or the point is not finite.
+    pub fn new(settings: MoverSettings, position: DVec3) -> Result<Mover, Error> {
+        settings.validate()?;
+        finite_position(position)?;
+        Ok(Mover { settings, position, ground: None, carrier: None })
+    }
+
+    /// Where the middle of the capsule is [m].
+    pub fn position(&self) -> DVec3 {
+        self.position
+    }
+
+    /// Where the ground is under a mover that stands on level ground [m]: a skin below the capsule.
+    pub fn feet(&self) -> DVec3 {
+        let s = &self.settings;
+        self.position - s.up.as_dvec3() * f64::from(s.half_height + s.radius + s.skin)
+    }
+
+    /// What it stood on after the last walk.
+    pub fn ground(&self) -> Option<&Ground> {
+        self.ground.as_ref()
+    }
+
+    /// Its settings.
+    pub fn settings(&self) -> &MoverSettings {
+        &self.settings
+    }
+
+    /// Replaces the settings: to crouch, to grow. Its middle stays where it is; whether there is room for it `overlap_any`
+    /// tells, with [`Mover::capsule`].
+    ///
+    /// # Errors
+    /// If a setting is out of range.
+    pub fn set_settings(&mut self, settings: MoverSettings) -> Result<(), Error> {
+        settings.validate()?;
+        self.settings = settings;
+        Ok(())
+    }
+
+    /// Puts it somewhere else at once [m], on nothing.
+    ///
+    /// # Errors
+    /// If the point is not finite.
+    pub fn place(&mut self, position: DVec3) -> Result<(), Error> {
+        finite_position(position)?;
+        (self.position, self.ground, self.carrier) = (position, None, None);
+        Ok(())
+    }
+
+    /// Its capsule without the skin, and how that is turned: for queries, or for a kinematic body that others collide with.
+    pub fn capsule(&self) -> (Geometry, Quat) {
+        let capsule = Geometry::capsule(self.settings.half_height, self.settings.radius);
+        (capsule, upright(self.settings.up.normalize()))
+    }
+
+    /// Moves with a velocity [m/s] for `dt` [s], as far as obstacles allow.
+    ///
+    /// On ground the velocity is relative to it; in the air it is that in the world. On ground what of it goes down has no
+    /// effect, slopes change nothing of the way across, and any velocity upwards leaves the ground and takes the ground's
+    /// velocity along. Gravity is the caller's: add it to the velocity in every call, and hand
+    /// [`MoverReport::velocity`] back in.
+    ///
+    /// It sees what the filter sees: exclude a body of its own. [`QueryFilter::skip_inside`] has no effect. It is a shape
+    /// cast, so nothing is passed through at any speed. What moved into it since the last walk pushes it out first, by the shortest way.
+    /// Allocates nothing (but what a first query does), and the same world gives the same bits.
+    ///
+    /// # Errors
+    /// A number is not finite or beyond 1e15, or `dt` is not above zero; then the mover is as it was.
+    pub fn walk(
+        &mut self,
+        world: &World,
+        filter: &QueryFilter<'_>,
+        velocity: Vec3,
+        dt: f32,
+    ) -> Result<MoverReport, Error> {
+        finite3("velocity", velocity)?;
+        let time = f64::from(positive("dt", dt)?);
+        let settings = self.settings;
+        let shape = Shape::new(world, &settings, filter);
+        let mut report = MoverReport::default();
+
+        let (carried, turned) = carry(&shape, self.carrier, self.position, settings.iterations)?;
+        let (start, overlap) = push_out(&shape, carried)?;
+
+        // Of ground that was removed there is no velocity.
+        let old_ground = self.ground.filter(|ground| world.contains(ground.body));
+        let below = old_ground.map_or(Ok(Vec3::ZERO), |g| velocity_at(world, g.body, g.point))?;
+        let (rise, across) = shape.split(velocity.as_dvec3());
+        let walks = self.ground.filter(|_| rise <= 0.0);
+        // The ground took along who walks already; who jumps off it goes on with its velocity.
+        let own = if walks.is_some() { across } else { velocity.as_dvec3() + below.as_dvec3() };
+        let (rise, across) = shape.split(own);
+        let mut slide = Slide::new(start, across * time, rise * time);
+        if let Some(ground) = walks {
+            slide = slide.on(ground.normal.as_dvec3(), ground.point);
+        }
+        let in_world = if walks.is_some() { own.as_vec3() + below } else { own.as_vec3() };
+        let mut heard = |hit: &ShapeHit| report.hit(self.meet(world, hit, in_world, dt));
+        let step = settings.step_height.into();
+        slide.run(&shape, settings.iterations, step, &mut heard)?;
+
+        let mut at = slide.at;
+        let landed = walks.is_none() && slide.walks;
+        let ground = match rise {
+            _ if walks.is_some() => settle(&shape, &mut at, (settings.snap + settings.skin).into(), step)?,
+            rise if rise <= 0.0 || landed => settle(&shape, &mut at, settings.skin.into(), step)?,
+            _ => None,
+        };
+        let left = slide.clip(&shape, own, shape.up.dot(slide.at - start) / time);
+        let left = match (&ground, walks) {
+            // It landed: from now on the velocity is one over the ground.
+            (Some(ground), None) => shape.split(left - ground.velocity.as_dvec3()).1,
+            (Some(_), Some(_)) => shape.split(left).1,
+            // It walked off an edge, or flies on.
+            (None, Some(_)) => left + below.as_dvec3(),
+            (None, None) => left,
+        };
+        let carrier = ground.map(|ground| Carrier::new(world, ground.body)).transpose()?;
+        finite_position(at)?;
+
+        report.moved = (at - self.position).as_vec3();
+        report.carried = (carried - self.position).as_vec3();
+        report.turned = turned as f32;
+        report.pushed_out = (start - carried).as_vec3();
+        report.stepped = slide.stepped as f32;
+        report.velocity = left.as_vec3();
+        report.overlap = (overlap as f32 - settings.skin).max(0.0);
+        report.ground = ground;
+        report.weight = world.settings().gravity * (settings.mass * dt);
+        (self.position, self.ground, self.carrier) = (at, ground, carrier);
+        Ok(report)
+    }
+
+    /// An obstacle that was run into with a velocity.
+    fn meet(&self, world: &World, hit: &ShapeHit, velocity: Vec3, dt: f32) -> MoverHit {
+        let &ShapeHit { body, shape, point, normal, .. } = hit;
+        let mut impulse = Vec3::ZERO;
+        if world.kind(body) == Ok(BodyKind::Dynamic)
+            && let (Ok(mass), Ok(theirs)) = (world.mass(body), velocity_at(world, body, point))
+        {
+            // As two free bodies would, and no harder than it can.
+            let closing = -normal.dot(velocity - theirs);
+            let both = self.settings.mass * mass / (self.settings.mass + mass);
+            impulse = -normal * (closing.max(0.0) * both).min(self.settings.strength * dt);
+        }
+        MoverHit { body, shape, point, normal, impulse }
+    }
+}

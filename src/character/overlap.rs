@@ -1,0 +1,87 @@
+//! The way out of what moved into a mover.
+
+use super::shape::Shape;
+use crate::error::Error;
+use crate::handle::ShapeHandle;
+use glam::DVec3;
+
+/// Shapes that are got out of at once; of more the deepest.
+const MOST: usize = 16;
+/// Rounds of looking and moving. Of a mesh each sees the deepest triangle only.
+const ROUNDS: usize = 8;
+/// Sweeps over all overlaps of a round.
+const SWEEPS: usize = 16;
+
+#[derive(Clone, Copy)]
+struct Overlap {
+    depth: f64,
+    normal: DVec3,
+    shape: ShapeHandle,
+}
+
+/// Overlaps of the capsule with its skin, deepest first.
+#[derive(Default)]
+struct Overlaps {
+    all: [Option<Overlap>; MOST],
+}
+
+impl Overlaps {
+    fn of(shape: &Shape<'_>, at: DVec3) -> Result<Overlaps, Error> {
+        let mut found = Overlaps::default();
+        shape.world.each_overlap(&shape.capsule, (at, shape.rotation), &shape.filter, |hit| {
+            let depth = f64::from(hit.depth);
+            if depth > shape.tiny {
+                found.insert(Overlap { depth, normal: hit.normal.as_dvec3(), shape: hit.shape });
+            }
+        })?;
+        Ok(found)
+    }
+
+    /// By depth, then by handle: the same in whatever order they come.
+    fn insert(&mut self, mut new: Overlap) {
+        for place in &mut self.all {
+            let Some(old) = place else {
+                *place = Some(new);
+                return;
+            };
+            if (new.depth, old.shape) > (old.depth, new.shape) {
+                std::mem::swap(old, &mut new);
+            }
+        }
+    }
+
+    fn deepest(&self) -> f64 {
+        self.all[0].map_or(0.0, |o| o.depth)
+    }
+
+    /// About the shortest way that leads out of all, if there is one.
+    fn way_out(&self, gap: f64) -> DVec3 {
+        let mut way = DVec3::ZERO;
+        for _ in 0..SWEEPS {
+            for o in self.all.iter().flatten() {
+                way += o.normal * (o.depth + gap - o.normal.dot(way)).max(0.0);
+            }
+        }
+        way
+    }
+}
+
+/// Moves a mover out of what it overlaps; returns where to, and how deep it still is in something [m].
+pub(super) fn push_out(shape: &Shape<'_>, from: DVec3) -> Result<(DVec3, f64), Error> {
+    let mut at = from;
+    let mut best = (from, f64::INFINITY);
+    for round in 0..=ROUNDS {
+        let overlaps = Overlaps::of(shape, at)?;
+        let deepest = overlaps.deepest();
+        if deepest < best.1 {
+            best = (at, deepest);
+        }
+        if deepest == 0.0 || round == ROUNDS {
+            break;
+        }
+        let way = overlaps.way_out(0.25 * shape.tiny);
+        let free = shape.cast_core(at, way)?.map_or(1.0, |hit| f64::from(hit.fraction));
+        at += way * free;
+    }
+    Ok(best)
+}

@@ -1,0 +1,72 @@
+//! What a mover is and may do.
+
+use crate::error::{Error, finite3, positive, within};
+use glam::Vec3;
+
+/// A capsule that walks: its size, and what it may climb, push and stand on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
+pub struct MoverSettings {
+    /// Radius of the capsule, above zero [m]. Default 0.3.
+    pub radius: f32,
+    /// Half the distance between the centres of its two balls, at least zero [m]. Default 0.6: 1.8 m tall.
+    pub half_height: f32,
+    /// The distance that it keeps from everything, above zero [m]: room for rounding and for what moves. It stands so high
+    /// above the ground. Default 0.02.
+    pub skin: f32,
+    /// The steepest ground to stand and walk on [rad], in 0..=1.57; what is steeper is a wall. Default 50 degrees.
+    pub max_slope: f32,
+    /// The highest step to climb, at least zero [m]. The round bottom gets over edges lower than
+    /// `(radius + skin) * (1 - cos(max_slope))` all the same. Default 0.3.
+    pub step_height: f32,
+    /// Who walks keeps to ground that falls away by up to this [m], at least zero. Default 0.3.
+    pub snap: f32,
+    /// Obstacles that a walk may slide along, 1..=64; the rest of the way is left out. Default 8.
+    pub iterations: u32,
+    /// Against which it stands; a unit vector. Default y.
+    pub up: Vec3,
+    /// For pushes on dynamic bodies, and its weight on them, at least zero [kg]. Default 80.
+    pub mass: f32,
+    /// The greatest force of a push, at least zero [N]. Default 500.
+    pub strength: f32,
+}
+
+impl Default for MoverSettings {
+    fn default() -> Self {
+        MoverSettings {
+            radius: 0.3,
+            half_height: 0.6,
+            skin: 0.02,
+            max_slope: 50.0 * std::f32::consts::PI / 180.0,
+            step_height: 0.3,
+            snap: 0.3,
+            iterations: 8,
+            up: Vec3::Y,
+            mass: 80.0,
+            strength: 500.0,
+        }
+    }
+}
+
+impl MoverSettings {
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// Names the first that is out of range.
+    pub fn validate(&self) -> Result<(), Error> {
+        let most = 1e6;
+        positive("mover radius", self.radius)?;
+        within("mover radius", self.radius, 0.0, most, "at most 1e6")?;
+        within("mover half height", self.half_height, 0.0, most, "in 0..=1e6")?;
+        positive("mover skin", self.skin)?;
+        within("mover skin", self.skin, 0.0, self.radius, "at most the radius")?;
+        within("mover slope", self.max_slope, 0.0, 1.57, "in 0..=1.57")?;
+        within("mover step height", self.step_height, 0.0, most, "in 0..=1e6")?;
+        within("mover snap", self.snap, 0.0, most, "in 0..=1e6")?;
+        within("mover iterations", self.iterations as f32, 1.0, 64.0, "in 1..=64")?;
+        finite3("mover up", self.up)?;
+        within("mover up", self.up.length(), 0.999, 1.001, "a unit vector")?;
+        within("mover mass", self.mass, 0.0, f32::MAX, "at least zero")?;
+        within("mover strength", self.strength, 0.0, f32::MAX, "at least zero").map(drop)
+    }
+}
