@@ -73,6 +73,7 @@ mod query;
 pub mod scene;
 mod shape;
 mod sleep;
+mod snapshot;
 mod solver;
 mod step;
 mod threads;
@@ -92,4 +93,5 @@ pub use memory::{Bytes, Category, MemoryReport};
 pub use shape::{
     Combine, ConvexHull, Filter, Geometry, HeightField, MassProperties, Material, ShapeDesc, TriangleMesh,
 };
+pub use snapshot::Snapshot;
 pub use world::World;

@@ -162,6 +162,7 @@ impl Colliders {
 }
 
 /// A new row of all columns.
+#[derive(Debug)]
 pub(crate) struct NewBody {
     pub(crate) kind: BodyKind,
     pub(crate) pose: Pose,
@@ -424,6 +425,57 @@ impl Bodies {
             self.slots.moved(self.slot[index as usize], index);
             moved(&self.colliders[index as usize], index);
         }
+    }
+
+    /// How many bodies are awake and dynamic, kinematic, and asleep.
+    pub(crate) fn parts(&self) -> [u32; 3] {
+        self.parts
+    }
+
+    /// Says how many of the first bodies are awake, kinematic and asleep.
+    pub(crate) fn set_parts(&mut self, parts: [u32; 3]) {
+        self.parts = parts;
+    }
+
+    /// Brings the first bodies in the order of these slots.
+    pub(crate) fn line_up(&mut self, slots: &[u32], mut moved: impl FnMut(&Colliders, u32)) {
+        for (i, &slot) in slots.iter().enumerate() {
+            if self.slot[i] != slot {
+                self.swap(i as u32, self.slots.dense(slot), &mut moved);
+            }
+        }
+    }
+
+    /// Takes all bodies out; the slots are to be rebuilt.
+    pub(crate) fn clear(&mut self) {
+        self.slot.clear();
+        self.kind.clear();
+        self.pose.clear();
+        self.velocity.clear();
+        self.mass.clear();
+        self.traits.clear();
+        self.cold.clear();
+        self.colliders.clear();
+        self.force.clear();
+        self.previous.clear();
+        self.rest.clear();
+        (self.locked, self.raised, self.parts, self.lists) = (0, [0; Order::LEN], [0; 3], (0, 0));
+    }
+
+    /// Appends a body whose slot is known, without a place in the parts of the columns.
+    pub(crate) fn append(&mut self, slot: u32, body: NewBody, colliders: &[u32]) {
+        self.locked += u32::from(body.traits.locks != 0);
+        self.count_raised(body.traits.raised, 1);
+        self.slot.push(slot);
+        self.kind.push(body.kind);
+        self.pose.push(body.pose);
+        self.velocity.push(body.velocity);
+        self.mass.push(body.mass);
+        self.traits.push(body.traits);
+        self.cold.push(body.cold);
+        self.colliders.push(Colliders::None);
+        let index = self.len() - 1;
+        colliders.iter().for_each(|&collider| self.attach(index, collider));
     }
 
     /// Live and reserved bytes.

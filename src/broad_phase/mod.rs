@@ -18,6 +18,7 @@ mod find;
 mod look_up;
 mod pairs;
 mod proxy;
+mod save;
 mod segment;
 #[cfg(test)]
 mod tests;
@@ -34,6 +35,7 @@ use find::Block;
 pub(crate) use find::{Rules, STACK};
 use glam::Vec3;
 pub(crate) use look_up::Whom;
+pub(crate) use save::{Lists, SavedBroad, tree_words};
 use pairs::PairTable;
 use proxy::{Proxy, Role};
 use segment::Path;
@@ -177,6 +179,8 @@ pub(crate) struct BroadPhase {
     counts: Population,
     /// Set while boxes are newer than pairs.
     refreshed: bool,
+    /// Goes up when the tree of what is static changes.
+    statics_changes: u64,
     /// In which order blocks run, where a test wants to choose.
     #[cfg(test)]
     shuffle: Option<fn(usize) -> Vec<usize>>,
@@ -437,6 +441,7 @@ impl BroadPhase {
         if self.new_statics.is_empty() {
             return 0;
         }
+        self.statics_changes += 1;
         let mut new = std::mem::take(&mut self.new_statics);
         // What was removed meanwhile, or removed and added again.
         new.sort_unstable();

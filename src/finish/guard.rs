@@ -36,8 +36,8 @@ pub(crate) struct Guard<'a> {
 /// A ball without static geometry, from some time before.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Clear {
-    centre: DVec3,
-    radius: f32,
+    pub(crate) centre: DVec3,
+    pub(crate) radius: f32,
 }
 
 /// Share of the inner ball that a centre keeps from a surface when it is held.

@@ -55,6 +55,7 @@ impl World {
     pub fn set_can_sleep(&mut self, body: BodyHandle, can_sleep: bool) -> Result<(), Error> {
         let index = self.index(body)?;
         let index = if can_sleep { index } else { self.wake_body(index) };
+        self.revise(index);
         self.bodies.traits[index].sleepless = !can_sleep && self.bodies.kind[index] == BodyKind::Dynamic;
         Ok(())
     }
