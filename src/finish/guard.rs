@@ -412,6 +412,8 @@ impl Guard<'_> {
 pub(super) fn stop(reach: Vec3, length: f32, keep: f32, fraction: f32, normal: Vec3) -> Option<f32> {
     let into = -reach.dot(normal);
     let stop = if into > 0.0 { fraction - keep / into } else { fraction };
-    let stop = stop.clamp(0.0, length / (length + keep));
+    let whole = length / (length + keep);
+    // Of a length beyond all numbers nothing is left out.
+    let stop = stop.clamp(0.0, if whole >= 0.0 { whole } else { 1.0 });
     (stop * (length + keep) < length).then_some(stop)
 }

@@ -2,7 +2,7 @@
 
 use super::part::{BodyRecord, Records, read_pose};
 use super::view::{BALL, BODY, FORCE, POSE, PUSH, REST, RESTS, View};
-use super::words::{Reader, all_finite, broken, record};
+use super::words::{LARGEST, Reader, all_finite, broken, record};
 use crate::body::BodyKind;
 use crate::error::Error;
 use crate::shape::Kind;
@@ -95,7 +95,7 @@ fn check_clear(view: &View<'_>, most: usize) -> Result<(), Error> {
     let balls = view.clear.as_chunks::<BALL>().0.iter().all(|ball| {
         let centre: [f64; 3] = record::<_, 6>(&ball[..6]);
         let radius = f32::from_bits(ball[6]);
-        centre.iter().all(|x| x.is_finite()) && radius.is_finite() && radius > 0.0
+        centre.iter().all(|x| x.abs() <= f64::from(LARGEST)) && radius > 0.0 && radius <= LARGEST
     });
     if balls && !beyond && ones == view.counts.clear && guarded <= most { Ok(()) } else { Err(broken("what is clear")) }
 }

@@ -247,7 +247,7 @@ pub(super) fn read_pose(from: &mut Reader<'_>) -> Result<Pose, Error> {
     let position = DVec3::from_array(from.record::<[f64; 3], 6>()?);
     let rotation = Quat::from_array(from.finite::<[f32; 4], 4>()?);
     let unit = (0.9..1.1).contains(&rotation.length_squared());
-    if unit && position.is_finite() { Ok(Pose { position, rotation }) } else { Err(broken("a pose")) }
+    if unit && position.abs().max_element() <= f64::from(super::words::LARGEST) { Ok(Pose { position, rotation }) } else { Err(broken("a pose")) }
 }
 
 fn read_frame(from: &mut Reader<'_>) -> Result<(Vec3, Quat), Error> {

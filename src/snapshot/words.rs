@@ -89,9 +89,13 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Refuses what is no number.
+/// The largest number that is taken from outside: products of two are numbers too.
+pub(crate) const LARGEST: f32 = 1e15;
+
+/// Refuses what is no number, or one that no step could begin with.
 pub(crate) fn all_finite(words: &[u32]) -> Result<(), Error> {
-    if words.iter().all(|&w| f32::from_bits(w).is_finite()) { Ok(()) } else { Err(broken("a number is none")) }
+    let tame = |&word: &u32| f32::from_bits(word).abs() <= LARGEST;
+    if words.iter().all(tame) { Ok(()) } else { Err(broken("a number is none, or too large")) }
 }
 
 /// A number that differs, as good as surely, if a word does: a product of 128 bits folded for each two words, as wyhash has it
