@@ -41,6 +41,7 @@
 //! - [`MassProperties`]: mass, centre and inertia, out of shapes or given.
 //! - [`Settings`], [`Continuous`]: gravity, substeps, threads, and how fast bodies are kept from passing through.
 //! - [`StepReport`], [`MemoryReport`]: what a step did and what the world holds, by [`Category`].
+//! - [`Snapshot`]: the state of a world, to go back to the same bits.
 //! - [`scene`]: builtin scenes; with the feature `gltf` also glTF and OBJ files in, glTF animations out.
 //!
 //! SI units, y up, positions in `f64` and all else in `f32`. Calls that can be refused return an [`Error`] and have

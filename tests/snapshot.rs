@@ -151,7 +151,8 @@ fn what_is_restored_goes_on_to_the_same_bits() {
 fn another_number_of_threads_goes_on_to_the_same_bits() {
     for threads in [2, 3] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        for case in cases().iter().filter(|case| ["pile", "bullets", "bounce", "sleep"].contains(&case.name)) {
+        for case in cases().iter().filter(|case| ["pile", "bullets", "bounce", "sleep"].contains(&case.name))
+        {
             pool.install(|| goes_on(case, threads));
         }
     }
@@ -383,7 +384,8 @@ fn handles_are_those_of_the_time() {
     let mut world = World::new(Settings::default()).unwrap();
     world.add_body(&common::Floor::Box.desc(Material::default())).unwrap();
     let ball = |x: f32, user_data: u64| {
-        let mut desc = common::dynamic(Geometry::Sphere { radius: 0.2 }, Material::default(), Vec3::new(x, 1.0, 0.0));
+        let mut desc =
+            common::dynamic(Geometry::Sphere { radius: 0.2 }, Material::default(), Vec3::new(x, 1.0, 0.0));
         desc.user_data = user_data;
         desc
     };
@@ -460,7 +462,10 @@ fn a_snapshot_of_another_world_is_refused_and_changes_nothing() {
     let (mut other, _) = common::world_of(&pile_of(31), Settings::default());
     common::steps(&mut other, 10, DT);
     let before = (other.hash(), snapshot_of(&other).to_bytes());
-    assert!(matches!(other.restore(&Snapshot::from_bytes(&bytes).unwrap()), Err(Error::ForeignSnapshot { .. })));
+    assert!(matches!(
+        other.restore(&Snapshot::from_bytes(&bytes).unwrap()),
+        Err(Error::ForeignSnapshot { .. })
+    ));
     assert!(matches!(other.restore(&Snapshot::new()), Err(Error::BrokenSnapshot { .. })));
     assert_eq!((other.hash(), snapshot_of(&other).to_bytes()), before);
     let mut newer = bytes.clone();
@@ -487,7 +492,8 @@ fn any_bytes_are_refused_or_can_be_stepped_on() {
             let mut bytes = good.clone();
             for _ in 0..1 + rng.below(3) {
                 // Counts come first, and break most.
-                let place = if round % 2 == 0 { rng.below(bytes.len()) } else { rng.below(bytes.len().min(400)) };
+                let place =
+                    if round % 2 == 0 { rng.below(bytes.len()) } else { rng.below(bytes.len().min(400)) };
                 match rng.below(4) {
                     0 => bytes[place] ^= 1 << rng.below(8),
                     1 => bytes[place] = rng.next() as u8,

@@ -35,9 +35,9 @@ use find::Block;
 pub(crate) use find::{Rules, STACK};
 use glam::Vec3;
 pub(crate) use look_up::Whom;
-pub(crate) use save::{Lists, SavedBroad, tree_words};
 use pairs::PairTable;
 use proxy::{Proxy, Role};
+pub(crate) use save::{Lists, SavedBroad, tree_words};
 use segment::Path;
 use std::sync::Mutex;
 

@@ -52,7 +52,9 @@ fn in_tree(role: Role) -> bool {
 }
 
 fn role_of(byte: u8) -> Option<Role> {
-    [Role::New, Role::Endless, Role::Slow, Role::Fast, Role::Volume].into_iter().find(|&role| role as u8 == byte)
+    [Role::New, Role::Endless, Role::Slow, Role::Fast, Role::Volume]
+        .into_iter()
+        .find(|&role| role as u8 == byte)
 }
 
 impl BroadPhase {
@@ -94,7 +96,8 @@ impl BroadPhase {
             let role = role_of(byte(saved.roles, i)).unwrap_or(Role::New);
             self.roles[c as usize] = role;
             let own = if has_box(role) { boxes.next() } else { None };
-            self.proxies[c as usize] = own.map_or(Proxy::NONE, |own| Proxy { bounds: aabb(own), ..Proxy::NONE });
+            self.proxies[c as usize] =
+                own.map_or(Proxy::NONE, |own| Proxy { bounds: aabb(own), ..Proxy::NONE });
         }
         self.paths.clear();
         for (i, &c) in saved.paths.iter().enumerate() {
@@ -267,9 +270,8 @@ impl<'a> SavedBroad<'a> {
             let fits = list.iter().all(|&c| wanted(c) && !std::mem::replace(&mut seen[c as usize], true));
             fits && (0..slots as u32).filter(|&c| wanted(c)).count() == list.len()
         };
-        let endless = |c: u32| {
-            (c as usize) < slots && (of(c) == Role::Endless || fixed[c as usize] == Some(true))
-        };
+        let endless =
+            |c: u32| (c as usize) < slots && (of(c) == Role::Endless || fixed[c as usize] == Some(true));
         if !once(self.paths, &|c| of(c) >= Role::Fast) || !once(self.unbounded, &endless) {
             return Err(broken("a list of shapes"));
         }

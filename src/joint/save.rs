@@ -130,7 +130,11 @@ impl<'a> SavedJoints<'a> {
         [self.joints, self.locks, self.rows].into_iter().try_for_each(all_finite)?;
         let JointLists { changed, .. } = self.lists;
         let counts = [self.lists.joints, self.lists.locks, self.lists.rows].map(|n| n as usize);
-        if counts == [joints, locks, rows] && changed < 2 { Ok(()) } else { Err(broken("the number of joints")) }
+        if counts == [joints, locks, rows] && changed < 2 {
+            Ok(())
+        } else {
+            Err(broken("the number of joints"))
+        }
     }
 }
 
@@ -188,10 +192,16 @@ impl JointRecords {
                 joint.next = from.record::<_, 2>()?;
                 let dynamic = bodies.map(&is_dynamic);
                 let strong = joint.strength.iter().all(|s| *s >= 0.0);
-                if dynamic.contains(&None) || !dynamic.contains(&Some(true)) || bodies[0] == bodies[1] || !strong {
+                if dynamic.contains(&None)
+                    || !dynamic.contains(&Some(true))
+                    || bodies[0] == bodies[1]
+                    || !strong
+                {
                     return Err(broken("a joint"));
                 }
                 live += 1;
+            } else if bodies != [NONE; 2] {
+                return Err(broken("a joint"));
             }
             records.all.push(joint);
             records.generations.push(generation);
@@ -214,7 +224,9 @@ impl JointRecords {
         }
         records.first.extend(from.table(first, 1)?);
         let free = from.one()?;
-        records.free.extend(from.table(free, 2)?.as_chunks::<2>().0.iter().map(|&[slot, generation]| (slot, generation)));
+        records.free.extend(
+            from.table(free, 2)?.as_chunks::<2>().0.iter().map(|&[slot, generation]| (slot, generation)),
+        );
         records.check_lists(live)?;
         Ok(records)
     }
@@ -237,7 +249,11 @@ impl JointRecords {
         let mut free: Vec<u32> = self.free.iter().map(|(slot, _)| *slot).collect();
         free.sort_unstable();
         let dead = (0u32..).zip(&self.all).filter(|(_, joint)| !joint.is_there()).map(|(slot, _)| slot);
-        if visits == 2 * live && dead.eq(free.iter().copied()) { Ok(()) } else { Err(broken("a list of joints")) }
+        if visits == 2 * live && dead.eq(free.iter().copied()) {
+            Ok(())
+        } else {
+            Err(broken("a list of joints"))
+        }
     }
 }
 
@@ -255,7 +271,9 @@ pub(crate) fn group_of(code: u32) -> Result<Option<RowGroup>, Error> {
     let all = crate::constraint::Order::default().0;
     match code {
         0 => Ok(None),
-        _ => all.into_iter().find(|&g| g as u32 + 1 == code).map(Some).ok_or_else(|| broken("a group of rows")),
+        _ => {
+            all.into_iter().find(|&g| g as u32 + 1 == code).map(Some).ok_or_else(|| broken("a group of rows"))
+        }
     }
 }
 
@@ -333,7 +351,9 @@ fn read_row(from: &mut Reader<'_>) -> Result<Row, Error> {
         (0, None) if a <= b => RowKind::Limit { min: a, max: b },
         (1, Some(spring)) if a <= b => RowKind::Yielding { min: a, max: b, spring },
         // One direction each, as it is measured.
-        (2, Some(spring)) if most >= 0.0 && a.is_finite() && b.is_finite() && matches!(axes, Axes::One(_)) => {
+        (2, Some(spring))
+            if most >= 0.0 && a.is_finite() && b.is_finite() && matches!(axes, Axes::One(_)) =>
+        {
             RowKind::Drive { position: a, velocity: b, spring, max_force: most }
         }
         _ => return Err(no()),

@@ -93,15 +93,20 @@ impl Sleep {
 impl<'a> SavedSleep<'a> {
     pub(crate) fn read(from: &mut Reader<'a>, lists: SleepLists) -> Result<SavedSleep<'a>, Error> {
         let free = from.table(lists.free, 1)?;
-        Ok(SavedSleep { lists, free, islands: from.table(lists.islands, 2)?, bodies: from.table(lists.bodies, 1)? })
+        Ok(SavedSleep {
+            lists,
+            free,
+            islands: from.table(lists.islands, 2)?,
+            bodies: from.table(lists.bodies, 1)?,
+        })
     }
 
     /// Whether all fits together. `asleep`: slots of the bodies that sleep; `kept`: how many pairs there are.
     pub(crate) fn check(&self, asleep: &[u32], kept: usize) -> Result<(), Error> {
         let islands = self.islands.as_chunks::<2>().0;
-        let (bodies, pairs) = islands.iter().fold((0u64, 0u64), |(b, p), island| {
-            (b + u64::from(island[0]), p + u64::from(island[1]))
-        });
+        let (bodies, pairs) = islands
+            .iter()
+            .fold((0u64, 0u64), |(b, p), island| (b + u64::from(island[0]), p + u64::from(island[1])));
         let mut sorted = [self.bodies.to_vec(), asleep.to_vec()];
         sorted.iter_mut().for_each(|list| list.sort_unstable());
         let mut free = self.free.to_vec();

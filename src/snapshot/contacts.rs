@@ -254,13 +254,13 @@ impl<'a> SavedPairs<'a> {
     }
 
     /// Whether all pairs are some that `may` be, each once, and all contacts are whole: so many of them.
-    pub(super) fn check(&self, count: usize, may: impl Fn(u32, u32) -> bool) -> Result<(), Error> {
+    pub(super) fn check(&self, count: usize, may: impl Fn(usize, u32, u32) -> bool) -> Result<(), Error> {
         let mut from = Reader(self.contacts);
         let mut one = Vec::with_capacity(1);
         let (mut found, mut known) = (0, Vec::with_capacity(self.len()));
         for i in 0..self.len() {
             let ((a, b), flags) = (self.pair(i), byte(self.flags, i));
-            if flags & !(FAST | TOUCHED) != 0 || !may(a, b) {
+            if flags & !(FAST | TOUCHED) != 0 || !may(i, a, b) {
                 return Err(broken("a pair"));
             }
             known.push((a, b));
@@ -340,7 +340,8 @@ fn read_contact(from: &mut Reader<'_>, (a, b): (u32, u32), to: &mut Vec<Contact>
     }
     for (i, key) in keys.into_iter().enumerate().take(count) {
         let [x, y, z, separation]: [f32; 4] = record::<_, 4>(from.take(4)?);
-        let mut point = Point { position: Vec3::new(x, y, z), separation, found: separation, key, ..Point::default() };
+        let mut point =
+            Point { position: Vec3::new(x, y, z), separation, found: separation, key, ..Point::default() };
         if flags & MOVED != 0 {
             point.found = f32::from_bits(from.one()?);
         }

@@ -124,9 +124,8 @@ pub(super) fn resolve(table: &[Known], world: &World) -> Result<Vec<Geometry>, E
         .iter()
         .map(|known| match known {
             Known::Here(geometry) => Ok(geometry.clone()),
-            Known::Print(print) => {
-                find(*print).ok_or(Error::ForeignSnapshot { what: "a mesh, height field or hull that this one lacks" })
-            }
+            Known::Print(print) => find(*print)
+                .ok_or(Error::ForeignSnapshot { what: "a mesh, height field or hull that this one lacks" }),
         })
         .collect()
 }

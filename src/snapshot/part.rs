@@ -209,7 +209,8 @@ impl Records {
         let (bodies, colliders) = (read_free(&mut from)?, read_free(&mut from)?);
         let all = || fixed.iter().chain(&moving);
         let is = |kind: BodyKind, list: &[BodyRecord]| list.iter().any(|record| record.body.kind == kind);
-        let split = !fixed.iter().any(|record| record.body.kind != BodyKind::Static) && !is(BodyKind::Static, &moving);
+        let split = !fixed.iter().any(|record| record.body.kind != BodyKind::Static)
+            && !is(BodyKind::Static, &moving);
         once(all().map(|record| record.slot), &bodies)?;
         once(all().flat_map(|record| record.colliders.iter().map(|c| c.index)), &colliders)?;
         let mut dynamic = vec![None; bodies.count];
@@ -247,7 +248,7 @@ pub(super) fn read_pose(from: &mut Reader<'_>) -> Result<Pose, Error> {
     let position = DVec3::from_array(from.record::<[f64; 3], 6>()?);
     let rotation = Quat::from_array(from.finite::<[f32; 4], 4>()?);
     let unit = (0.9..1.1).contains(&rotation.length_squared());
-    if unit && position.abs().max_element() <= f64::from(super::words::LARGEST) { Ok(Pose { position, rotation }) } else { Err(broken("a pose")) }
+    if unit && position.is_finite() { Ok(Pose { position, rotation }) } else { Err(broken("a pose")) }
 }
 
 fn read_frame(from: &mut Reader<'_>) -> Result<(Vec3, Quat), Error> {
@@ -269,7 +270,8 @@ fn read_body(from: &mut Reader<'_>, geometry: &[crate::shape::Geometry]) -> Resu
     let [slot, generation, own, bits]: [u32; 4] = from.record::<_, 4>()?;
     let part = |i: u32| bits >> (4 * i) & 15;
     let kinds = [BodyKind::Static, BodyKind::Kinematic, BodyKind::Dynamic];
-    let kind = kinds.into_iter().find(|&kind| kind as u32 == part(0)).ok_or_else(|| broken("a kind of body"))?;
+    let kind =
+        kinds.into_iter().find(|&kind| kind as u32 == part(0)).ok_or_else(|| broken("a kind of body"))?;
     let [gravity_scale, inverse, mass]: [f32; 3] = from.finite::<_, 3>()?;
     let [inertia, inverse_inertia]: [Vec3; 2] = from.finite::<_, 6>()?;
     let (centre, axes) = read_frame(from)?;

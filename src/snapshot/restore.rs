@@ -2,7 +2,7 @@
 
 use super::check::check;
 use super::part::{BodyRecord, Part, Records};
-use super::view::{BALL, BODY, FORCE, POSE, PREVIOUS, PUSH, REST, RESTS, View, WAY};
+use super::view::{BALL, BODY, FORCE, PREVIOUS, PUSH, REST, RESTS, View, WAY};
 use super::words::record;
 use super::{Snapshot, contacts::SavedPairs};
 use crate::body::{Pose, Previous};
@@ -135,7 +135,12 @@ fn apply(world: &mut World, view: &View<'_>, pairs: &[Pair]) {
     if bodies.velocity[all..].iter().any(|v| *v != Record::default()) {
         bodies.velocity[all..].fill(Record::default());
     }
-    fill(&mut bodies.rest, if counts.has(REST) { len } else { 0 }, 0.0, view.rest.iter().map(|&w| f32::from_bits(w)));
+    fill(
+        &mut bodies.rest,
+        if counts.has(REST) { len } else { 0 },
+        0.0,
+        view.rest.iter().map(|&w| f32::from_bits(w)),
+    );
     let ways = view.ways.as_chunks::<WAY>().0.iter().map(|way| {
         let [linear, angular, moved]: [Vec3; 3] = record::<_, 9>(way);
         Previous { linear, angular, moved }
@@ -157,14 +162,10 @@ fn apply(world: &mut World, view: &View<'_>, pairs: &[Pair]) {
     buffers.finish.clear.clear();
     buffers.finish.clear.extend(guarded);
 
-    for i in 0..bodies.movers() {
+    for i in 0..all {
         for &c in bodies.colliders[i].as_slice() {
             colliders.place(c, &bodies.pose[i]);
         }
-    }
-    let asleep = bodies.asleep().flat_map(|i| bodies.colliders[i].as_slice());
-    for (&c, pose) in asleep.zip(view.asleep.as_chunks::<POSE>().0) {
-        colliders.poses[c as usize] = pose_of(pose);
     }
     let own = bodies.colliders[..all].iter().flat_map(|own| own.as_slice()).copied();
     broad.restore(&view.broad, own);
@@ -178,7 +179,7 @@ fn apply(world: &mut World, view: &View<'_>, pairs: &[Pair]) {
     joints.restore(&view.joints);
 }
 
-pub(super) fn pose_of(words: &[u32]) -> Pose {
+fn pose_of(words: &[u32]) -> Pose {
     Pose {
         position: DVec3::from_array(record::<_, 6>(&words[..6])),
         rotation: Quat::from_array(record::<_, 4>(&words[6..10])),

@@ -9,7 +9,7 @@ use crate::finish::Clear;
 use crate::lanes::Record;
 use crate::world::World;
 
-pub(super) fn pose_words(pose: &Pose) -> [u32; 10] {
+fn pose_words(pose: &Pose) -> [u32; 10] {
     let [a, b, c, d, e, f] = words::<6>(pose.position.to_array());
     let [x, y, z, w] = pose.rotation.to_array().map(f32::to_bits);
     [a, b, c, d, e, f, x, y, z, w]
@@ -23,8 +23,7 @@ fn motion_words(v: &Record) -> [u32; 6] {
 pub(super) fn save(world: &World, out: &mut Vec<u32>) {
     let World { bodies, colliders, broad, contacts, joints, sleep, buffers, .. } = world;
     let (movers, all) = (bodies.movers(), bodies.asleep().end);
-    let mut counts =
-        Counts { parts: bodies.parts(), slots: colliders.all.len() as u32, ..Counts::default() };
+    let mut counts = Counts { parts: bodies.parts(), slots: colliders.all.len() as u32, ..Counts::default() };
     out.clear();
     out.resize(HEAD + COUNTS, 0);
     settings::save(&world.settings, out);
@@ -70,11 +69,6 @@ pub(super) fn save(world: &World, out: &mut Vec<u32>) {
         out.extend(words::<6>(centre.to_array()));
         out.push(radius.to_bits());
         counts.clear += 1;
-    }
-    // Shapes of what moves are placed when a step begins; those of what sleeps are where the last one found them.
-    for &c in bodies.asleep().flat_map(|i| bodies.colliders[i].as_slice()) {
-        out.extend(pose_words(&colliders.poses[c as usize]));
-        counts.asleep += 1;
     }
     counts.broad = broad.save(bodies.colliders[..all].iter().flat_map(|own| own.as_slice()).copied(), out);
 

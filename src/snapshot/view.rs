@@ -46,8 +46,6 @@ pub(super) struct Counts {
     /// Bodies that the guard looked at, and those that are known to be clear of what is static.
     pub(super) guarded: u32,
     pub(super) clear: u32,
-    /// Shapes of what sleeps.
-    pub(super) asleep: u32,
     pub(super) broad: Lists,
     /// Pairs, those that islands keep, and their contacts, in words and by number.
     pub(super) pairs: u32,
@@ -72,7 +70,6 @@ pub(super) const BODY: usize = 16;
 pub(super) const WAY: usize = 9;
 pub(super) const PUSH: usize = 7;
 pub(super) const BALL: usize = 7;
-pub(super) const POSE: usize = 10;
 
 /// A state in its words.
 pub(super) struct View<'a> {
@@ -90,7 +87,6 @@ pub(super) struct View<'a> {
     /// A bit for each guarded body.
     pub(super) is_clear: &'a [u32],
     pub(super) clear: &'a [u32],
-    pub(super) asleep: &'a [u32],
     pub(super) broad: SavedBroad<'a>,
     pub(super) pairs: SavedPairs<'a>,
     pub(super) sleep: SavedSleep<'a>,
@@ -138,7 +134,6 @@ impl<'a> View<'a> {
             forces: from.table(counts.forces, PUSH)?,
             is_clear: from.table(counts.guarded.div_ceil(32), 1)?,
             clear: from.table(counts.clear, BALL)?,
-            asleep: from.table(counts.asleep, POSE)?,
             broad: SavedBroad::read(&mut from, counts.broad)?,
             pairs: SavedPairs::read(&mut from, (pairs, counts.contact_words), counts.slots as usize)?,
             sleep: SavedSleep::read(&mut from, counts.sleep)?,

@@ -89,13 +89,13 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The largest number that is taken from outside: products of two are numbers too.
-pub(crate) const LARGEST: f32 = 1e15;
-
-/// Refuses what is no number, or one that no step could begin with.
+/// Refuses what is no number.
 pub(crate) fn all_finite(words: &[u32]) -> Result<(), Error> {
-    let tame = |&word: &u32| f32::from_bits(word).abs() <= LARGEST;
-    if words.iter().all(tame) { Ok(()) } else { Err(broken("a number is none, or too large")) }
+    if words.iter().all(|&w| f32::from_bits(w).is_finite()) {
+        Ok(())
+    } else {
+        Err(broken("a number is none"))
+    }
 }
 
 /// A number that differs, as good as surely, if a word does: a product of 128 bits folded for each two words, as wyhash has it
@@ -114,6 +114,7 @@ pub(crate) fn hash(words: &[u32]) -> u64 {
             lanes[lane] = fold(lanes[lane] ^ two(pair), KEYS[lane] | 1).wrapping_add(two(pair));
         }
     }
-    let ends = lanes.into_iter().fold(words.len() as u64, |h, lane| fold(h ^ lane, KEYS[0]).wrapping_add(lane));
+    let ends =
+        lanes.into_iter().fold(words.len() as u64, |h, lane| fold(h ^ lane, KEYS[0]).wrapping_add(lane));
     fold(ends ^ KEYS[1], KEYS[2])
 }

@@ -42,7 +42,9 @@ impl World {
     /// If the handle is stale.
     pub fn send_to_sleep(&mut self, body: BodyHandle) -> Result<(), Error> {
         let index = self.index(body)?;
-        if index < self.bodies.dynamic() && self.bodies.rest.len() == self.bodies.len() {
+        // The column of a world that has just ceased to sleep lasts until the next step.
+        let sleeps = self.settings.sleeping && self.bodies.rests;
+        if sleeps && index < self.bodies.dynamic() && self.bodies.rest.len() == self.bodies.len() {
             self.send_island_to_sleep(index as u32);
         }
         Ok(())

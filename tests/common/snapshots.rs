@@ -17,7 +17,8 @@ fn hash(words: &[u32]) -> u64 {
             lanes[lane] = fold(lanes[lane] ^ two(pair), KEYS[lane] | 1).wrapping_add(two(pair));
         }
     }
-    let ends = lanes.into_iter().fold(words.len() as u64, |h, lane| fold(h ^ lane, KEYS[0]).wrapping_add(lane));
+    let ends =
+        lanes.into_iter().fold(words.len() as u64, |h, lane| fold(h ^ lane, KEYS[0]).wrapping_add(lane));
     fold(ends ^ KEYS[1], KEYS[2])
 }
 
