@@ -351,9 +351,11 @@ fn random_calls(seed: u64, frames: usize, sleeping: bool) {
         let game = if round % 3 == 2 { &mut other } else { &mut game };
         let from = rng.below(frames);
         let (snapshot, bodies, joints, state) = &saved[from];
-        if round % 2 == 0 {
-            game.world.restore(snapshot).unwrap();
-        } else {
+        game.world.restore(snapshot).unwrap();
+        // Bytes with numbers that are none are refused, should joints that contradict each other have come to that.
+        if round % 2 == 1 && common::all_finite(&game.world) {
+            let away = &saved[(from + 7) % frames].0;
+            game.world.restore(away).unwrap();
             let bytes = snapshot.to_whole_bytes();
             game.world.restore(&Snapshot::from_bytes(&bytes).unwrap()).unwrap();
         }

@@ -92,7 +92,8 @@ fn check_bodies(view: &View<'_>, records: &Records) -> Result<Vec<u32>, Error> {
 fn check_clear(view: &View<'_>, most: usize) -> Result<(), Error> {
     let guarded = view.counts.guarded as usize;
     let ones: u32 = view.is_clear.iter().map(|word| word.count_ones()).sum();
-    let beyond = guarded % 32 != 0 && view.is_clear.last().is_some_and(|word| word >> (guarded % 32) != 0);
+    let beyond =
+        !guarded.is_multiple_of(32) && view.is_clear.last().is_some_and(|word| word >> (guarded % 32) != 0);
     let balls = view.clear.as_chunks::<BALL>().0.iter().all(|ball| {
         let centre: [f64; 3] = record::<_, 6>(&ball[..6]);
         let radius = f32::from_bits(ball[6]);
