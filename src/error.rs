@@ -73,6 +73,26 @@ pub enum Error {
         /// The limit.
         most: u64,
     },
+    /// Bytes that are no snapshot, or no longer: cut off, changed, or with numbers that can't be.
+    #[error("the snapshot is broken: {what}")]
+    BrokenSnapshot {
+        /// What is wrong.
+        what: &'static str,
+    },
+    /// A snapshot of another version of its format.
+    #[error("the snapshot has version {found} of its format, this is {expected}")]
+    SnapshotVersion {
+        /// The snapshot's.
+        found: u32,
+        /// What this version of backstop writes and reads.
+        expected: u32,
+    },
+    /// A snapshot refers to something that the world does not have.
+    #[error("the snapshot is of a world with {what}")]
+    ForeignSnapshot {
+        /// What differs.
+        what: &'static str,
+    },
     /// The addition does not fit into the memory budget.
     #[error("the budget is exceeded: {category} asks for {asked} bytes, {left} are left")]
     Budget {

@@ -86,6 +86,35 @@ impl Slots {
         f(&mut self.free, n);
     }
 
+    /// How many slots there are, free ones included.
+    pub(crate) fn count(&self) -> usize {
+        self.slots.len()
+    }
+
+    /// Free slots with their generations, in the order of their return.
+    pub(crate) fn free(&self) -> impl ExactSizeIterator<Item = (u32, u32)> + '_ {
+        self.free.iter().map(|&slot| (slot, self.slots[slot as usize].0))
+    }
+
+    /// Makes them anew: what is taken (slot, generation, dense index), and what is free.
+    pub(crate) fn rebuild(
+        &mut self,
+        count: usize,
+        taken: impl Iterator<Item = (u32, u32, u32)>,
+        free: &[(u32, u32)],
+    ) {
+        self.slots.clear();
+        self.slots.resize(count, (0, u32::MAX));
+        self.free.clear();
+        for (slot, generation, dense) in taken {
+            self.slots[slot as usize] = (generation, dense);
+        }
+        for &(slot, generation) in free {
+            self.slots[slot as usize].0 = generation;
+            self.free.push(slot);
+        }
+    }
+
     /// How many may be named without a further slot.
     pub(crate) fn spare(&self) -> usize {
         self.free.len()

@@ -45,6 +45,7 @@
 //! - [`Mover`]: a capsule that walks, for characters.
 //! - [`StepReport`], [`MemoryReport`]: what a step did and what the world holds, by [`Category`].
 //! - [`debug`]: what the world knows as shapes, lines and points, for eyes; [`World::draw`].
+//! - [`Snapshot`]: the state of a world, to go back to the same bits.
 //! - [`scene`]: builtin scenes; with the feature `gltf` also glTF and OBJ files in, glTF animations out.
 //!
 //! SI units, y up, positions in `f64` and all else in `f32`. Calls that can be refused return an [`Error`] and have
@@ -80,6 +81,7 @@ mod query;
 pub mod scene;
 mod shape;
 mod sleep;
+mod snapshot;
 mod solver;
 mod step;
 mod threads;
@@ -102,4 +104,5 @@ pub use query::{ClosestPoint, Overlap, QueryFilter, Ray, RayHit, ShapeCast, Shap
 pub use shape::{
     Combine, ConvexHull, Filter, Geometry, HeightField, MassProperties, Material, ShapeDesc, TriangleMesh,
 };
+pub use snapshot::Snapshot;
 pub use world::World;

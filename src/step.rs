@@ -217,6 +217,7 @@ impl World {
         let last = self.buffers.last_h;
         let warm = if self.settings.warm_starting && last > 0.0 { h / last } else { 0.0 };
         if self.joints.changed {
+            self.revisions.moving += u64::from(self.joints.is_stale());
             self.joints.compact();
             self.buffers.joints.arrange(&self.joints, &self.bodies, self.settings.order);
         }

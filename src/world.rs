@@ -22,6 +22,7 @@ use crate::shape::{
     unit_quat,
 };
 use crate::sleep::Sleep;
+use crate::snapshot::Revisions;
 use crate::step::Buffers;
 use glam::{DVec3, Quat, Vec3};
 
@@ -42,12 +43,14 @@ pub struct World {
     pub(crate) buffers: Buffers,
     pub(crate) report: StepReport,
     pub(crate) needs: Needs,
-    origin: DVec3,
+    pub(crate) origin: DVec3,
     assets: Assets,
     peaks: MemoryReport,
     removed: Vec<Pair>,
     pub(crate) sleep: Sleep,
     pub(crate) events: Events,
+    /// Of what snapshots share.
+    pub(crate) revisions: Revisions,
 }
 
 /// What the content of the world requires of a step; what nothing requires costs nothing.
@@ -83,7 +86,7 @@ pub(crate) struct Colliders {
     pub(crate) all: Vec<Collider>,
     pub(crate) hot: Vec<Hot>,
     pub(crate) poses: Vec<Pose>,
-    slots: Slots,
+    pub(crate) slots: Slots,
 }
 
 /// Shared geometry, counted once however many shapes use it.
@@ -219,6 +222,7 @@ impl World {
     pub fn remove_body(&mut self, body: BodyHandle) -> Result<(), Error> {
         let index = self.index(body)?;
         let index = self.disturb(index);
+        self.revise(index);
         self.remove_joints_of(body);
         let colliders = self.bodies.take_colliders(index);
         for &collider in colliders.as_slice() {
@@ -258,6 +262,7 @@ impl World {
             return Ok(());
         }
         let index = self.disturb(index);
+        self.revise(index);
         if !enabled {
             for place in 0..self.bodies.colliders[index].as_slice().len() {
                 let collider = self.bodies.colliders[index].as_slice()[place];
@@ -308,6 +313,7 @@ impl World {
             self.bodies.colliders[index].as_slice().len(),
         )?;
         let index = self.disturb(index);
+        self.revise(index);
         let collider = self.new_collider(index, shape);
         if self.bodies.cold[index].mass_from_shapes && mass.mass > 0.0 {
             self.refresh_mass(index);
@@ -331,6 +337,7 @@ impl World {
             }
         }
         let index = self.disturb(index);
+        self.revise(index);
         self.bodies.detach(index, collider);
         self.drop_collider(collider);
         if from_shapes {
@@ -371,7 +378,8 @@ impl World {
     pub fn set_material(&mut self, shape: ShapeHandle, material: Material) -> Result<(), Error> {
         material.validate()?;
         let index = self.collider(shape)? as usize;
-        self.disturb(self.colliders.all[index].body as usize);
+        let body = self.disturb(self.colliders.all[index].body as usize);
+        self.revise(body);
         let collider = &mut self.colliders.all[index];
         self.needs.count(collider, -1);
         collider.material = material;
@@ -385,7 +393,8 @@ impl World {
     /// If the handle is stale.
     pub fn set_filter(&mut self, shape: ShapeHandle, filter: Filter) -> Result<(), Error> {
         let index = self.collider(shape)?;
-        self.disturb(self.colliders.all[index as usize].body as usize);
+        let body = self.disturb(self.colliders.all[index as usize].body as usize);
+        self.revise(body);
         self.colliders.all[index as usize].filter = filter;
         self.broad.touch(index);
         self.disturb_box(&self.bounds(index));
@@ -400,10 +409,12 @@ impl World {
         let index = self.collider(shape)? as usize;
         let collider = &mut self.colliders.all[index];
         self.needs.count(collider, -1);
+        let body = collider.body as usize;
         collider.flags =
             collider.flags & SENSOR | if events { EVENTS } else { 0 } | if hooks { HOOKS } else { 0 };
         self.needs.count(collider, 1);
         self.colliders.hot[index].flags = collider.flags;
+        self.revise(body);
         Ok(())
     }
 
@@ -417,7 +428,8 @@ impl World {
         if sensor && !matches!(geometry, Geometry::Plane) {
             geometry.require_convex()?;
         }
-        self.disturb(self.colliders.all[index as usize].body as usize);
+        let body = self.disturb(self.colliders.all[index as usize].body as usize);
+        self.revise(body);
         self.leave_broad(index);
         let collider = &mut self.colliders.all[index as usize];
         self.needs.count(collider, -1);
@@ -441,8 +453,8 @@ impl World {
         self.bodies.len()
     }
 
-    /// All bodies: dynamic ones first, then kinematic, then dynamic ones that are asleep, then
-    /// static, then all that are disabled.
+    /// All bodies: dynamic ones first, then kinematic, then dynamic ones that are asleep and
+    /// those that are disabled, then static.
     pub fn bodies(&self) -> impl Iterator<Item = BodyHandle> + '_ {
         (0..self.bodies.len()).map(|index| self.handle_of(index))
     }
@@ -545,6 +557,7 @@ impl World {
         self.place_colliders(index);
         self.note_move(index);
         if self.bodies.kind[index] == BodyKind::Static {
+            self.revise(index);
             for c in 0..self.bodies.colliders[index].as_slice().len() {
                 let collider = self.bodies.colliders[index].as_slice()[c];
                 self.leave_broad(collider);
@@ -649,6 +662,7 @@ impl World {
         let index = self.index(body)?;
         let scale = finite("gravity scale", scale)?;
         let index = self.wake_body(index);
+        self.revise(index);
         self.bodies.traits[index].gravity_scale = scale;
         Ok(())
     }
@@ -660,6 +674,7 @@ impl World {
     /// If the handle is stale.
     pub fn set_continuous(&mut self, body: BodyHandle, mode: Continuous) -> Result<(), Error> {
         let index = self.index(body)?;
+        self.revise(index);
         self.bodies.traits[index].continuous = mode;
         let mode = self.bodies.mode(index);
         for &c in self.bodies.colliders[index].as_slice() {
@@ -675,6 +690,7 @@ impl World {
     pub fn raise_body(&mut self, body: BodyHandle, above: Option<RowGroup>) -> Result<(), Error> {
         let index = self.index(body)?;
         self.make_place_for_raised(above.is_some())?;
+        self.revise(index);
         self.bodies.raise(index, above);
         self.joints.changed = true;
         Ok(())
@@ -688,6 +704,7 @@ impl World {
         let index = self.index(body)?;
         mass.validate()?;
         let index = self.wake_body(index);
+        self.revise(index);
         self.bodies.cold[index].mass_from_shapes = false;
         self.replace_mass(index, &mass);
         Ok(())
@@ -793,10 +810,56 @@ impl World {
             colliders.as_slice().iter().for_each(|&c| shapes.follow(c, index));
         });
         let index = self.bodies.slots.get(slot, generation).unwrap_or(0) as usize;
+        self.revise(index);
         for shape in &desc.shapes {
             self.new_collider(index, shape);
         }
         BodyHandle { slot, generation }
+    }
+
+    /// Something about a body changed that snapshots share.
+    fn revise(&mut self, index: usize) {
+        self.revisions.moving += 1;
+        self.revisions.fixed += u64::from(self.bodies.kind[index] == BodyKind::Static);
+    }
+
+    /// Takes all shapes out, of whose slots there are so many.
+    pub(crate) fn clear_colliders(&mut self, slots: usize) {
+        let nothing = Collider {
+            kind: Kind::Plane,
+            body: u32::MAX,
+            size: [0.0; 4],
+            position: Vec3::ZERO,
+            rotation: Quat::IDENTITY,
+            radius: 0.0,
+            inner_radius: 0.0,
+            geometry: Geometry::Plane,
+            material: Material::default(),
+            filter: Filter::default(),
+            density: 0.0,
+            flags: 0,
+            user_data: 0,
+        };
+        let nowhere = Pose { position: DVec3::ZERO, rotation: Quat::IDENTITY };
+        let shapes = &mut self.colliders;
+        (self.assets, self.needs) = (Assets::default(), Needs::default());
+        shapes.hot.clear();
+        shapes.hot.resize(slots, nothing.hot(Continuous::Discrete));
+        shapes.all.clear();
+        shapes.all.resize(slots, nothing);
+        shapes.poses.clear();
+        shapes.poses.resize(slots, nowhere);
+        self.broad.reset(slots);
+    }
+
+    /// Puts a shape into the slot that it had.
+    pub(crate) fn put_collider(&mut self, slot: u32, collider: &Collider, pose: Pose) {
+        let mode = self.bodies.mode(collider.body as usize);
+        self.assets.add(&collider.geometry);
+        self.needs.count(collider, 1);
+        self.colliders.hot[slot as usize] = collider.hot(mode);
+        self.colliders.all[slot as usize].clone_from(collider);
+        self.colliders.poses[slot as usize] = pose;
     }
 
     fn new_collider(&mut self, body: usize, shape: &ShapeDesc) -> u32 {
@@ -931,6 +994,9 @@ impl World {
         velocity.linear += velocity.angular.cross(shift);
         self.bodies.cold[index] = cold;
         self.bodies.mass[index] = columns;
+        // What can't turn is in no tree.
+        let joined = self.joints.of_body(self.bodies.slot[index]).next().is_some();
+        self.joints.changed |= joined;
         self.recentre_joints(index, &old);
         self.note_move(index);
         for &c in self.bodies.colliders[index].as_slice() {

@@ -7,7 +7,7 @@ use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::{Scene, builtin};
 use backstop::{
     Axes, Axis, BodyDesc, BodyHandle, Drive, Geometry, JointDesc, Limit, Material, Motion, Mover,
-    MoverReport, MoverSettings, QueryFilter, Ray, Settings, ShapeCast, Spring, World,
+    MoverReport, MoverSettings, QueryFilter, Ray, Settings, ShapeCast, Snapshot, Spring, World,
 };
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::Mutex;
@@ -237,6 +237,36 @@ fn movers_allocate_nothing() {
     };
     assert_eq!(count(&mut world, 900, ask), 0);
     assert!(ran_into > 20, "{ran_into}");
+}
+
+/// Eight frames are rolled back and done again, with a snapshot after each, over and over.
+#[test]
+fn a_rollback_allocates_nothing() {
+    let _alone = ONE_AT_A_TIME.lock().unwrap();
+    for sleeping in [false, true] {
+        let (mut world, bodies) = common::world_of(&resting_pile(), Settings { sleeping, ..settings(1) });
+        common::steps(&mut world, 400, 1.0 / 60.0);
+        let mut ring: Vec<Snapshot> = (0..9).map(|_| Snapshot::new()).collect();
+        let mut rounds = |count: usize| {
+            for _ in 0..count {
+                world.snapshot(&mut ring[0]);
+                for _ in 0..2 {
+                    for snapshot in &mut ring[1..] {
+                        // Awake and pushed, so that there is something to go back from.
+                        world.set_velocity(bodies[100], Vec3::Y, Vec3::ONE).unwrap();
+                        world.step(1.0 / 60.0).unwrap();
+                        world.snapshot(snapshot);
+                    }
+                    world.restore(&ring[0]).unwrap();
+                }
+                common::steps(&mut world, 1, 1.0 / 60.0);
+            }
+        };
+        rounds(40);
+        let before = ALLOCATIONS.load(Ordering::Relaxed);
+        rounds(20);
+        assert_eq!(ALLOCATIONS.load(Ordering::Relaxed) - before, 0, "sleeping: {sleeping}");
+    }
 }
 
 #[cfg(feature = "parallel")]

@@ -1,5 +1,6 @@
-//! Body columns. Dense: dynamic bodies first, then kinematic, then dynamic ones that are asleep, then static ones, then
-//! all that are disabled, so that every loop over what moves is a loop over a prefix, and what sleeps is as static as can be.
+//! Body columns. Dense: dynamic bodies first, then kinematic, then dynamic ones that are asleep, then static ones, so that
+//! every loop over what moves is a loop over a prefix, and what sleeps is as static as can be. What is disabled and could move
+//! stands among the sleepers.
 
 use super::BodyKind;
 use crate::config::Continuous;
@@ -79,7 +80,6 @@ enum Part {
     Kinematic,
     Asleep,
     Static,
-    Disabled,
 }
 
 impl Part {
@@ -92,7 +92,7 @@ impl Part {
         }
     }
 
-    const ALL: [Part; 5] = [Part::Awake, Part::Kinematic, Part::Asleep, Part::Static, Part::Disabled];
+    const ALL: [Part; 4] = [Part::Awake, Part::Kinematic, Part::Asleep, Part::Static];
 }
 
 /// All bodies. A column's index is the body's dense index.
@@ -118,7 +118,9 @@ pub(crate) struct Bodies {
     /// How many are raised above each group.
     raised: [u32; Order::LEN],
     /// How many there are of each part of the columns, but the last.
-    parts: [u32; 4],
+    parts: [u32; 3],
+    /// How many of those behind what moves are disabled, and not asleep.
+    disabled: u32,
     /// Since when each body is at rest [s]; empty unless bodies may sleep.
     pub(crate) rest: Vec<f32>,
     /// Whether bodies may sleep.
@@ -174,6 +176,7 @@ impl Colliders {
 }
 
 /// A new row of all columns.
+#[derive(Debug)]
 pub(crate) struct NewBody {
     pub(crate) kind: BodyKind,
     pub(crate) pose: Pose,
@@ -195,13 +198,18 @@ impl Bodies {
     pub(crate) fn movers(&self) -> usize {
         self.end(Part::Kinematic) as usize
     }
-    /// Dynamic bodies that are asleep.
+    /// How many bodies are asleep.
+    pub(crate) fn sleepers(&self) -> usize {
+        self.asleep().len() - self.disabled as usize
+    }
+    /// Dynamic bodies that are asleep, and all that could move but are disabled.
     pub(crate) fn asleep(&self) -> std::ops::Range<usize> {
         self.movers()..self.end(Part::Asleep) as usize
     }
-    /// All dynamic bodies.
-    pub(crate) fn all_dynamic(&self) -> impl Iterator<Item = usize> + use<> {
-        (0..self.dynamic()).chain(self.asleep())
+    /// All dynamic bodies that are enabled.
+    pub(crate) fn all_dynamic(&self) -> impl Iterator<Item = usize> + '_ {
+        let there = |&i: &usize| self.kind[i] == BodyKind::Dynamic && !self.traits[i].disabled;
+        (0..self.dynamic()).chain(self.asleep().filter(there))
     }
 
     fn end(&self, part: Part) -> u32 {
@@ -210,8 +218,8 @@ impl Bodies {
 
     fn part_of(&self, index: u32) -> Part {
         match self.kind[index as usize] {
-            _ if self.traits[index as usize].disabled => Part::Disabled,
             BodyKind::Static => Part::Static,
+            _ if self.traits[index as usize].disabled => Part::Asleep,
             BodyKind::Kinematic => Part::Kinematic,
             BodyKind::Dynamic if index < self.end(Part::Awake) => Part::Awake,
             BodyKind::Dynamic => Part::Asleep,
@@ -310,15 +318,16 @@ impl Bodies {
         if self.rests {
             self.rest.push(0.0);
         }
-        self.inwards(last, Part::Disabled, Part::of(body.kind), &mut moved);
+        self.inwards(last, Part::Static, Part::of(body.kind), &mut moved);
         handle
     }
 
     /// Removes the body at `index`.
     pub(crate) fn remove(&mut self, index: u32, mut moved: impl FnMut(&Colliders, u32)) {
         self.locked -= u32::from(self.traits[index as usize].locks != 0);
+        self.disabled -= u32::from(self.is_set_aside(index));
         self.count_raised(self.traits[index as usize].raised, -1);
-        let hole = self.outwards(index, self.part_of(index), Part::Disabled, &mut moved);
+        let hole = self.outwards(index, self.part_of(index), Part::Static, &mut moved);
         self.swap(hole, self.len() as u32 - 1, &mut moved);
         if let Some(slot) = self.slot.pop() {
             self.slots.remove(slot);
@@ -353,13 +362,24 @@ impl Bodies {
         mut moved: impl FnMut(&Colliders, u32),
     ) -> u32 {
         let part = Part::of(self.kind[index as usize]);
-        if enabled {
-            self.traits[index as usize].disabled = false;
-            return self.inwards(index, Part::Disabled, part, &mut moved);
+        if part == Part::Static {
+            self.traits[index as usize].disabled = !enabled;
+            return index;
         }
+        if enabled {
+            self.disabled -= 1;
+            self.traits[index as usize].disabled = false;
+            return self.inwards(index, Part::Asleep, part, &mut moved);
+        }
+        self.disabled += 1;
         let part = self.part_of(index);
         self.traits[index as usize].disabled = true;
-        self.outwards(index, part, Part::Disabled, &mut moved)
+        self.outwards(index, part, Part::Asleep, &mut moved)
+    }
+
+    /// Whether a body could move, but is disabled.
+    fn is_set_aside(&self, index: u32) -> bool {
+        self.traits[index as usize].disabled && self.kind[index as usize] != BodyKind::Static
     }
 
     /// Moves a body to an earlier part: the first of each part between goes to its end.
@@ -449,6 +469,59 @@ impl Bodies {
             self.slots.moved(self.slot[index as usize], index);
             moved(&self.colliders[index as usize], index);
         }
+    }
+
+    /// How many bodies are awake and dynamic, kinematic, and asleep.
+    pub(crate) fn parts(&self) -> [u32; 3] {
+        self.parts
+    }
+
+    /// Says how many of the first bodies are awake, kinematic and asleep.
+    pub(crate) fn set_parts(&mut self, parts: [u32; 3]) {
+        self.parts = parts;
+    }
+
+    /// Brings the first bodies in the order of these slots.
+    pub(crate) fn line_up(&mut self, slots: &[u32], mut moved: impl FnMut(&Colliders, u32)) {
+        for (i, &slot) in slots.iter().enumerate() {
+            if self.slot[i] != slot {
+                self.swap(i as u32, self.slots.dense(slot), &mut moved);
+            }
+        }
+    }
+
+    /// Takes all bodies out; the slots are to be rebuilt.
+    pub(crate) fn clear(&mut self) {
+        self.slot.clear();
+        self.kind.clear();
+        self.pose.clear();
+        self.velocity.clear();
+        self.mass.clear();
+        self.traits.clear();
+        self.cold.clear();
+        self.colliders.clear();
+        self.force.clear();
+        self.previous.clear();
+        self.rest.clear();
+        (self.locked, self.raised, self.parts, self.lists) = (0, [0; Order::LEN], [0; 3], (0, 0));
+        self.disabled = 0;
+    }
+
+    /// Appends a body whose slot is known, without a place in the parts of the columns.
+    pub(crate) fn append(&mut self, slot: u32, body: NewBody, colliders: &[u32]) {
+        self.locked += u32::from(body.traits.locks != 0);
+        self.count_raised(body.traits.raised, 1);
+        self.disabled += u32::from(body.traits.disabled && body.kind != BodyKind::Static);
+        self.slot.push(slot);
+        self.kind.push(body.kind);
+        self.pose.push(body.pose);
+        self.velocity.push(body.velocity);
+        self.mass.push(body.mass);
+        self.traits.push(body.traits);
+        self.cold.push(body.cold);
+        self.colliders.push(Colliders::None);
+        let index = self.len() - 1;
+        colliders.iter().for_each(|&collider| self.attach(index, collider));
     }
 
     /// Live and reserved bytes.

@@ -97,7 +97,7 @@ pub(super) struct Item {
 }
 
 /// The tree. Its boxes are exact unions of its leaves' after [`Tree::refit`], and contain them at any time.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Tree {
     nodes: Vec<Node>,
     leaves: usize,
@@ -348,6 +348,69 @@ impl Tree {
         f(&mut self.items, leaves);
         // Three a level, and one.
         f(&mut self.tasks, leaves.min(super::STACK));
+    }
+
+    /// How many nodes there are.
+    pub(super) fn node_count(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Writes which nodes and leaves hang on which: the order in which leaves are found comes from that.
+    pub(super) fn save(&self, out: &mut Vec<u32>) {
+        out.extend([self.built_area.to_bits(), self.moved as u32]);
+        self.nodes.iter().for_each(|node| out.extend(node.child));
+    }
+
+    /// Takes what [`Tree::save`] wrote. `place` is told where each leaf is.
+    pub(super) fn restore(
+        &mut self,
+        words: &[u32],
+        bounds: impl Fn(u32) -> Aabb,
+        mut place: impl FnMut(u32, u32),
+    ) {
+        self.built_area = f32::from_bits(words[0]);
+        self.moved = words[1] as usize;
+        self.leaves = 0;
+        self.nodes.clear();
+        self.nodes.extend(words[Self::HEAD..].as_chunks::<4>().0.iter().map(|_| Node::new(NONE)));
+        for (n, child) in words[Self::HEAD..].as_chunks::<4>().0.iter().enumerate() {
+            self.nodes[n].child = *child;
+            for (lane, &child) in child.iter().enumerate().filter(|(_, child)| **child != NONE) {
+                let at = (n * 4 + lane) as u32;
+                if child & LEAF == 0 {
+                    self.nodes[child as usize].parent = at;
+                } else {
+                    self.leaves += 1;
+                    self.nodes[n].set(lane, &bounds(child & !LEAF));
+                    place(child & !LEAF, at);
+                }
+            }
+        }
+        // The boxes above are exact unions: they need not be kept.
+        self.refit_all();
+    }
+
+    /// Words that [`Tree::save`] writes before the nodes.
+    pub(super) const HEAD: usize = 2;
+
+    /// Whether words are of a tree; calls `leaf` with each collider in it.
+    pub(super) fn check(words: &[u32], mut leaf: impl FnMut(u32) -> bool) -> bool {
+        let nodes = words[Self::HEAD..].as_chunks::<4>().0;
+        // Each node but the first hangs on one before it.
+        let mut hung = vec![false; nodes.len()];
+        let mut fits = !f32::from_bits(words[0]).is_nan();
+        for (n, child) in nodes.iter().enumerate() {
+            fits &= n == 0 || hung[n];
+            for &child in child.iter().filter(|&&child| child != NONE) {
+                fits &= if child & LEAF != 0 {
+                    leaf(child & !LEAF)
+                } else {
+                    let below = child as usize;
+                    below > n && below < nodes.len() && !std::mem::replace(&mut hung[below], true)
+                };
+            }
+        }
+        fits
     }
 
     /// Live and reserved bytes.

@@ -20,6 +20,7 @@ mod look_up;
 mod ordered;
 mod pairs;
 mod proxy;
+mod save;
 mod segment;
 #[cfg(test)]
 mod tests;
@@ -39,6 +40,7 @@ use glam::Vec3;
 pub(crate) use look_up::Whom;
 use pairs::PairTable;
 use proxy::{Proxy, Role};
+pub(crate) use save::{Lists, SavedBroad, tree_words};
 use segment::Path;
 use std::sync::Mutex;
 
@@ -182,6 +184,8 @@ pub(crate) struct BroadPhase {
     counts: Population,
     /// Set while boxes are newer than pairs.
     refreshed: bool,
+    /// Goes up when the tree of what is static changes.
+    statics_changes: u64,
     /// In which order blocks run, where a test wants to choose.
     #[cfg(test)]
     shuffle: Option<fn(usize) -> Vec<usize>>,
@@ -442,6 +446,7 @@ impl BroadPhase {
         if self.new_statics.is_empty() {
             return 0;
         }
+        self.statics_changes += 1;
         let mut new = std::mem::take(&mut self.new_statics);
         // What was removed meanwhile, or removed and added again.
         new.sort_unstable();

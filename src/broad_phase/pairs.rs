@@ -94,6 +94,16 @@ impl PairTable {
         pairs.swap_remove(place)
     }
 
+    /// Makes the table of another list of pairs.
+    pub(super) fn rebuild(&mut self, pairs: &[Pair]) {
+        let size = Self::size_for(pairs.len()).max(self.slots.len());
+        self.slots.clear();
+        self.slots.resize(size, Slot { hash: 0, place: FREE });
+        for (place, pair) in pairs.iter().enumerate() {
+            self.place(Slot { hash: hash_of(pair.a, pair.b), place: place as u32 });
+        }
+    }
+
     /// Bytes that are lacking for so many pairs.
     pub(super) fn missing(&self, pairs: usize) -> usize {
         (Self::size_for(pairs).saturating_sub(self.slots.len())) * size_of::<Slot>()

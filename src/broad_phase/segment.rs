@@ -76,6 +76,11 @@ impl Path {
         self.half * 2.0
     }
 
+    /// Of a step that is over: only whose it was matters.
+    pub(super) fn past(collider: u32) -> Path {
+        Path { collider, ..Path::between(glam::Vec3::ZERO, glam::Vec3::ZERO, glam::Vec3::ZERO) }
+    }
+
     /// Whether the path touches a box that doesn't move (or holds all of its own motion within the step).
     #[inline]
     pub(super) fn hits(&self, target: &Aabb) -> bool {

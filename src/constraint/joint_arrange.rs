@@ -144,7 +144,13 @@ pub(crate) struct JointRows {
     pub(crate) seats: Seats,
     /// As they are solved.
     pub(crate) stages: Vec<JointStage>,
+    /// A number of its own for each arrangement, whatever the world: what a snapshot found arranged it need not have arranged
+    /// again. No other use: results don't depend on it.
+    pub(crate) arrangement: u64,
 }
+
+/// The number of the last arrangement.
+static ARRANGEMENTS: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64::new(0);
 
 /// What preparing joints reads.
 pub(crate) struct JointInput<'a> {
@@ -193,6 +199,7 @@ impl JointRows {
 
     /// Settles which rows share a batch, and in which order they are solved.
     pub(crate) fn arrange(&mut self, joints: &Joints, bodies: &Bodies, order: Order) {
+        self.arrangement = 1 + ARRANGEMENTS.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         self.points.clear();
         self.welds.clear();
         self.hinges.clear();

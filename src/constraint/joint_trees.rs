@@ -53,17 +53,21 @@ type Shape = (u32, u8, bool, Turns, bool);
 /// eight; and which locks are in them.
 ///
 /// What has loops, hangs on two things or has a locked axis is none.
+///
+/// Bodies are told apart by their slots here: a world that was restored finds the same trees again, though bodies may have
+/// changed their places since the trees were last looked for.
 pub(super) fn find(
     joints: &Joints,
     bodies: &Bodies,
     place_of: &dyn Fn(u32) -> Place,
     enabled: &dyn Fn(u32) -> bool,
 ) -> (Vec<Vec<Tree>>, Vec<bool>) {
-    let dynamic = bodies.dynamic();
+    let dense = |slot: usize| bodies.slots.dense(slot as u32) as usize;
+    let is_dynamic = |slot: usize| dense(slot) < bodies.dynamic();
     let mut taken = vec![false; joints.locks.len()];
     let ends = |lock: u32| {
         let joint = &joints.all[joints.locks[lock as usize].joint as usize];
-        joint.bodies.map(|slot| bodies.slots.dense(slot) as usize)
+        joint.bodies.map(|slot| slot as usize)
     };
     // The lock of rotation of each joint, if it is one.
     let mut turn_of = vec![(Turns::Freely, NONE); joints.all.len()];
@@ -81,7 +85,7 @@ pub(super) fn find(
     for (lock, _) in
         joints.locks.iter().enumerate().filter(|(_, l)| l.kind == LockKind::Point && enabled(l.joint))
     {
-        for body in ends(lock as u32).into_iter().filter(|&b| b < dynamic) {
+        for body in ends(lock as u32).into_iter().filter(|&b| is_dynamic(b)) {
             of_body.push((body as u32, lock as u32));
         }
     }
@@ -91,10 +95,10 @@ pub(super) fn find(
         of_body[start..].iter().take_while(move |e| e.0 as usize == body).map(|e| e.1)
     };
     let is_free = |body: usize| {
-        let mass = &bodies.mass[body];
-        mass.inverse > 0.0 && mass.inverse_inertia.min_element() > 0.0 && bodies.traits[body].locks == 0
+        let (mass, traits) = (&bodies.mass[dense(body)], &bodies.traits[dense(body)]);
+        mass.inverse > 0.0 && mass.inverse_inertia.min_element() > 0.0 && traits.locks == 0
     };
-    let mut seen = vec![false; dynamic];
+    let mut seen = vec![false; bodies.slots.count()];
     let mut trees: Vec<Tree> = Vec::new();
     for &(first, _) in &of_body {
         if seen[first as usize] {
@@ -109,7 +113,7 @@ pub(super) fn find(
             free &= is_free(body);
             for lock in locks_of(body) {
                 let other = ends(lock).into_iter().find(|&b| b != body).unwrap_or(body);
-                if other >= dynamic {
+                if !is_dynamic(other) {
                     (anchor, anchors) = (Some(body), anchors + 1);
                 } else {
                     // Seen from both sides.
@@ -128,7 +132,7 @@ pub(super) fn find(
         let most = |&body: &usize| (locks_of(body).count(), std::cmp::Reverse(body));
         let Some(root) = anchor.or_else(|| group.iter().copied().max_by_key(most)) else { continue };
         let collides = |lock: u32| joints.all[joints.locks[lock as usize].joint as usize].collide;
-        let branches = grow(root, dynamic, &locks_of, &ends, &turn_of, &collides);
+        let branches = grow(root, &is_dynamic, &locks_of, &ends, &turn_of, &collides);
         let jointed = branches.iter().filter(|branch| branch.jointed);
         let place = jointed.map(|branch| place_of(joints.locks[branch.lock as usize].joint)).max();
         trees.push(Tree { place: place.unwrap_or_default(), branches });
@@ -148,14 +152,14 @@ pub(super) fn find(
 /// The tree under a root, parents before children.
 fn grow<I: Iterator<Item = u32>>(
     root: usize,
-    dynamic: usize,
+    is_dynamic: &impl Fn(usize) -> bool,
     locks_of: &impl Fn(usize) -> I,
     ends: &impl Fn(u32) -> [usize; 2],
     turn_of: &impl Fn(u32) -> (Turns, u32),
     collides: &impl Fn(u32) -> bool,
 ) -> Vec<Branch> {
     let side_of = |lock: u32, body: usize| u8::from(ends(lock)[1] == body);
-    let anchor = locks_of(root).find(|&lock| ends(lock).iter().any(|&b| b >= dynamic));
+    let anchor = locks_of(root).find(|&lock| ends(lock).iter().any(|&b| !is_dynamic(b)));
     let lock = anchor.or_else(|| locks_of(root).next()).unwrap_or(NONE);
     let mut tree = vec![Branch {
         parent: NONE,

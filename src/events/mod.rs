@@ -89,6 +89,12 @@ impl Events {
         self.lost = 0;
     }
 
+    /// Forgets all events, and what ended since the last step.
+    pub(crate) fn forget(&mut self) {
+        self.start();
+        self.gone.clear();
+    }
+
     /// Live and reserved bytes.
     pub(crate) fn bytes(&self) -> (usize, usize) {
         let all = [

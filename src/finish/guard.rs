@@ -38,8 +38,8 @@ pub(crate) struct Guard<'a> {
 /// A ball without static geometry, from some time before.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Clear {
-    centre: DVec3,
-    radius: f32,
+    pub(crate) centre: DVec3,
+    pub(crate) radius: f32,
 }
 
 /// Share of the inner ball that a centre keeps from a surface when it is held.
@@ -433,6 +433,8 @@ impl Guard<'_> {
 pub(super) fn stop(reach: Vec3, length: f32, keep: f32, fraction: f32, normal: Vec3) -> Option<f32> {
     let into = -reach.dot(normal);
     let stop = if into > 0.0 { fraction - keep / into } else { fraction };
-    let stop = stop.clamp(0.0, length / (length + keep));
+    let whole = length / (length + keep);
+    // Of a length beyond all numbers nothing is left out.
+    let stop = stop.clamp(0.0, if whole >= 0.0 { whole } else { 1.0 });
     (stop * (length + keep) < length).then_some(stop)
 }

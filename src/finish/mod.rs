@@ -6,7 +6,8 @@ mod report;
 mod trees;
 
 use ends::Crossing;
-use guard::{Clear, Guard};
+pub(crate) use guard::Clear;
+use guard::Guard;
 pub use report::{StageTimes, StepReport};
 use trees::Trees;
 
@@ -28,7 +29,7 @@ use std::sync::Mutex;
 pub(crate) struct Buffers {
     stacks: Vec<Mutex<Vec<u32>>>,
     /// Of each dynamic body: it need not be looked at in there.
-    clear: Vec<Clear>,
+    pub(crate) clear: Vec<Clear>,
     /// Of each dynamic body, if there are fast ones: something static is near its predicted path.
     beside: Vec<bool>,
     /// Bodies of trees that were cut short, and the share of their ways that they went.

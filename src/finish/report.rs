@@ -97,7 +97,7 @@ impl StepReport {
             pushed,
             held: ended.held,
             shed: broad.shed + narrow.shed + prepared.shed,
-            asleep: world.bodies.asleep().len() as u32,
+            asleep: world.bodies.sleepers() as u32,
             slept: world.sleep.slept,
             woke: world.sleep.woke,
             events_lost: world.events.lost,

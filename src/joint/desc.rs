@@ -112,7 +112,7 @@ impl Spring {
         }
     }
 
-    fn validate(self) -> Result<(), Error> {
+    pub(super) fn validate(self) -> Result<(), Error> {
         let (stiffness, damping) = match self {
             Spring::Coefficients { stiffness, damping } | Spring::Acceleration { stiffness, damping } => {
                 (stiffness, damping)

@@ -26,7 +26,7 @@ pub(crate) struct Joint {
     pub(crate) force: Vec3,
     pub(crate) torque: Vec3,
     /// The next joint of either body.
-    next: [u32; 2],
+    pub(super) next: [u32; 2],
 }
 
 /// What a lock keeps.
@@ -138,17 +138,17 @@ pub(crate) struct Joints {
     pub(crate) locks: Vec<Lock>,
     pub(crate) rows: Vec<Row>,
     /// By body slot: the first of its joints. As long as it has to be.
-    first: Vec<u32>,
+    pub(super) first: Vec<u32>,
     /// How many there are.
     pub(crate) count: usize,
     /// Joints came or went since rows were last arranged.
     pub(crate) changed: bool,
     /// Joints were removed, and their rows are still there.
-    stale: bool,
+    pub(super) stale: bool,
     /// Locks and rows that came since batches were last arranged.
-    fresh: usize,
+    pub(super) fresh: usize,
     /// How many can break.
-    breakable: u32,
+    pub(super) breakable: u32,
     /// Those that broke in the last step.
     pub(crate) broken: Vec<JointHandle>,
 }
@@ -393,10 +393,10 @@ impl Row {
 }
 
 impl Joint {
-    fn next_of(&self, body: u32) -> u32 {
+    pub(super) fn next_of(&self, body: u32) -> u32 {
         self.next[usize::from(self.bodies[1] == body)]
     }
-    fn can_break(&self) -> bool {
+    pub(super) fn can_break(&self) -> bool {
         self.strength.iter().any(|s| s.is_finite())
     }
     pub(crate) fn is_there(&self) -> bool {

@@ -221,6 +221,15 @@ impl Contacts {
         }
     }
 
+    /// Takes all contacts out and makes place for so many.
+    pub(crate) fn reset(&mut self, place: usize) {
+        self.all.clear();
+        self.free.clear();
+        self.all.reserve(place);
+        // Each may become free one day.
+        self.free.reserve(self.all.capacity());
+    }
+
     /// How many contacts a chain has.
     pub(crate) fn count(&self, slot: u32) -> usize {
         let next = |&slot: &u32| Some(self.all[slot as usize].next).filter(|&slot| slot != NONE);

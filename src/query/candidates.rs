@@ -47,7 +47,8 @@ pub(super) fn turn_back(rotation: Quat, v: DVec3) -> DVec3 {
 impl Present for World {
     fn each_mover(&self, f: &mut dyn FnMut(u32)) {
         // What sleeps too: it may have moved in the step before it fell asleep.
-        for body in (0..self.bodies.movers()).chain(self.bodies.asleep()) {
+        let there = |&body: &usize| !self.bodies.traits[body].disabled;
+        for body in (0..self.bodies.movers()).chain(self.bodies.asleep().filter(there)) {
             self.bodies.colliders[body].as_slice().iter().for_each(|&c| f(c));
         }
     }

@@ -261,6 +261,8 @@ impl World {
             let index = bodies.send_to_sleep(i, |own, index| {
                 own.as_slice().iter().for_each(|&c| colliders.follow(c, index));
             }) as usize;
+            // Where it is now: nothing places its shapes any more until it wakes.
+            bodies.colliders[index].as_slice().iter().for_each(|&c| colliders.place(c, &bodies.pose[index]));
             let v = &mut bodies.velocity[index];
             (v.linear, v.angular) = (Vec3::ZERO, Vec3::ZERO);
             bodies.rest[index] = 0.0;

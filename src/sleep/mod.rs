@@ -6,9 +6,11 @@
 //! what sleeps is static.
 
 mod islands;
+mod save;
 mod wake;
 
 pub(crate) use islands::Groups;
+pub(crate) use save::{SavedSleep, SleepLists};
 
 use crate::broad_phase::Pair;
 use crate::memory::{Buffer, bytes_of};
@@ -31,7 +33,7 @@ pub(crate) struct Sleep {
     /// Who hangs together, as found when it was last looked for.
     pub(crate) groups: Groups,
     /// Pairs on their way back.
-    restored: Vec<Pair>,
+    pub(crate) restored: Vec<Pair>,
     /// Islands that are to wake.
     waking: Vec<u32>,
     /// Steps since it was last looked for islands.

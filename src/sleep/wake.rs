@@ -15,7 +15,7 @@ impl World {
     /// Wakes the islands that something reaches within the step; says whether there were any. Pairs and predicted
     /// motions must be those of the step.
     pub(crate) fn wake_what_is_reached(&mut self) -> bool {
-        if self.bodies.asleep().is_empty() {
+        if self.bodies.sleepers() == 0 {
             return false;
         }
         let mut waking = std::mem::take(&mut self.sleep.waking);
@@ -89,7 +89,7 @@ impl World {
     pub(crate) fn disturb(&mut self, index: usize) -> usize {
         let slot = self.bodies.slot[index];
         let index = self.wake_body(index);
-        if self.bodies.asleep().is_empty() {
+        if self.bodies.sleepers() == 0 {
             return index;
         }
         let mut waking = std::mem::take(&mut self.sleep.waking);
@@ -113,7 +113,7 @@ impl World {
 
     /// Wakes all whose boxes a new one meets.
     pub(crate) fn disturb_box(&mut self, bounds: &Aabb) {
-        if self.bodies.asleep().is_empty() {
+        if self.bodies.sleepers() == 0 {
             return;
         }
         let mut waking = std::mem::take(&mut self.sleep.waking);

@@ -30,6 +30,7 @@ impl World {
                 rotation: (cold.axes.conjugate() * frame.rotation.normalize()).normalize(),
             }
         });
+        self.revisions.moving += 1;
         let joint = self.joints.add(desc, frames);
         self.look_up_pairs_of(bodies[0]);
         Ok(joint)
@@ -77,6 +78,7 @@ impl World {
         drives.iter().try_for_each(Drive::validate)?;
         self.make_place_for_joint(More::of(limits, drives))?;
         self.wake_joined(self.joints.all[slot as usize].bodies);
+        self.revisions.moving += 1;
         self.joints.replace_rows(slot, limits, drives);
         Ok(())
     }
@@ -88,6 +90,7 @@ impl World {
     /// If the handle is stale.
     pub fn raise_joint(&mut self, joint: JointHandle, above: Option<RowGroup>) -> Result<(), Error> {
         let slot = self.joint(joint)?;
+        self.revisions.moving += 1;
         self.joints.all[slot as usize].raised = above;
         self.joints.changed = true;
         Ok(())
@@ -156,6 +159,7 @@ impl World {
         let bodies = self.joints.all[slot as usize].bodies;
         self.wake_joined(bodies);
         let body = bodies[0];
+        self.revisions.moving += 1;
         self.joints.remove(slot);
         self.look_up_pairs_of(self.bodies.slots.dense(body) as usize);
     }

@@ -11,12 +11,13 @@ impl World {
     /// # Errors
     /// If the handle is stale.
     pub fn is_asleep(&self, body: BodyHandle) -> Result<bool, Error> {
-        Ok(self.bodies.asleep().contains(&self.index(body)?))
+        let index = self.index(body)?;
+        Ok(self.bodies.asleep().contains(&index) && !self.bodies.traits[index].disabled)
     }
 
     /// How many bodies are asleep.
     pub fn asleep(&self) -> usize {
-        self.bodies.asleep().len()
+        self.bodies.sleepers()
     }
 
     /// How many islands are asleep.
@@ -42,7 +43,9 @@ impl World {
     /// If the handle is stale.
     pub fn send_to_sleep(&mut self, body: BodyHandle) -> Result<(), Error> {
         let index = self.index(body)?;
-        if index < self.bodies.dynamic() && self.bodies.rest.len() == self.bodies.len() {
+        // The column of a world that has just ceased to sleep lasts until the next step.
+        let sleeps = self.settings.sleeping && self.bodies.rests;
+        if sleeps && index < self.bodies.dynamic() && self.bodies.rest.len() == self.bodies.len() {
             self.send_island_to_sleep(index as u32);
         }
         Ok(())
@@ -55,6 +58,7 @@ impl World {
     pub fn set_can_sleep(&mut self, body: BodyHandle, can_sleep: bool) -> Result<(), Error> {
         let index = self.index(body)?;
         let index = if can_sleep { index } else { self.wake_body(index) };
+        self.revise(index);
         self.bodies.traits[index].sleepless = !can_sleep && self.bodies.kind[index] == BodyKind::Dynamic;
         Ok(())
     }

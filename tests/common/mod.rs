@@ -9,6 +9,8 @@ use backstop::{
 };
 use std::sync::Arc;
 
+pub(crate) mod snapshots;
+
 /// Standard gravity of every world here [m/s²].
 pub(crate) const G: f64 = 9.81;
 

@@ -1,0 +1,363 @@
+//! What a snapshot keeps of joints: what they bear, which changes in every step, and what they are, which seldom does.
+
+use super::desc::{Axes, Axis, Frame, Motion, Spring};
+use super::store::{Joint, Joints, Lock, LockKind, NONE, Row, RowKind};
+use crate::constraint::RowGroup;
+use crate::error::Error;
+use crate::snapshot::words::{Reader, all_finite, broken, record, words};
+use glam::Vec3;
+
+/// How many of each there are in a saved state.
+#[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub(crate) struct JointLists {
+    joints: u32,
+    locks: u32,
+    rows: u32,
+    changed: u32,
+}
+
+/// What joints bear, in its words.
+#[derive(Clone, Copy)]
+pub(crate) struct SavedJoints<'a> {
+    lists: JointLists,
+    joints: &'a [u32],
+    locks: &'a [u32],
+    rows: &'a [u32],
+}
+
+impl Joints {
+    /// Writes what joints bear.
+    pub(crate) fn save(&self, out: &mut Vec<u32>) -> JointLists {
+        self.all.iter().for_each(|joint| out.extend(words::<6>([joint.force, joint.torque])));
+        for lock in &self.locks {
+            let [x, y, z] = lock.impulse.to_array();
+            out.extend(words::<5>([x, y, z, lock.held, lock.steady]));
+        }
+        for row in &self.rows {
+            let [low, high] = row.impulse;
+            out.extend(words::<3>([low, high, row.held]));
+        }
+        JointLists {
+            joints: self.all.len() as u32,
+            locks: self.locks.len() as u32,
+            rows: self.rows.len() as u32,
+            changed: u32::from(self.changed),
+        }
+    }
+
+    /// Takes what joints bear.
+    pub(crate) fn restore(&mut self, saved: &SavedJoints<'_>) {
+        for (joint, words) in self.all.iter_mut().zip(saved.joints.as_chunks::<6>().0) {
+            [joint.force, joint.torque] = record::<[Vec3; 2], 6>(words);
+        }
+        for (lock, words) in self.locks.iter_mut().zip(saved.locks.as_chunks::<5>().0) {
+            let [x, y, z, held, steady]: [f32; 5] = record::<_, 5>(words);
+            (lock.impulse, lock.held, lock.steady) = (Vec3::new(x, y, z), held, steady);
+        }
+        for (row, words) in self.rows.iter_mut().zip(saved.rows.as_chunks::<3>().0) {
+            let [low, high, held]: [f32; 3] = record::<_, 3>(words);
+            (row.impulse, row.held) = ([low, high], held);
+        }
+        self.changed = saved.lists.changed != 0;
+        self.broken.clear();
+    }
+
+    /// Writes what joints there are.
+    pub(crate) fn save_all(&self, out: &mut Vec<u32>) {
+        let counts = [self.all.len(), self.locks.len(), self.rows.len(), self.first.len()];
+        out.extend(counts.map(|n| n as u32));
+        out.push(u32::from(self.stale));
+        for (slot, joint) in self.all.iter().enumerate() {
+            out.extend(joint.bodies);
+            if !joint.is_there() {
+                continue;
+            }
+            out.push(self.slots.generation(slot as u32));
+            for Frame { position, rotation } in joint.frames {
+                out.extend(words::<3>(position));
+                out.extend(words::<4>(rotation.to_array()));
+            }
+            out.extend(joint.strength.map(f32::to_bits));
+            out.push(u32::from(joint.collide) | group_code(joint.raised) << 8);
+            out.extend(words::<2>(joint.user_data));
+            out.extend(joint.next);
+        }
+        for lock in &self.locks {
+            out.extend([lock.joint, lock_code(Some(lock.kind))]);
+        }
+        self.rows.iter().for_each(|row| save_row(row, out));
+        out.extend(&self.first);
+        let free = self.slots.free();
+        out.push(free.len() as u32);
+        free.for_each(|(slot, generation)| out.extend([slot, generation]));
+    }
+
+    /// Replaces all joints.
+    pub(crate) fn restore_all(&mut self, records: &JointRecords) {
+        let JointRecords { all, generations, locks, rows, first, stale, free } = records;
+        self.all.clone_from(all);
+        self.locks.clone_from(locks);
+        self.rows.clone_from(rows);
+        self.first.clone_from(first);
+        let there = |joint: &&Joint| joint.is_there();
+        self.count = all.iter().filter(there).count();
+        self.breakable = all.iter().filter(there).filter(|joint| joint.can_break()).count() as u32;
+        (self.stale, self.fresh) = (*stale, locks.len() + rows.len());
+        let taken = (0u32..).zip(all).filter(|(_, joint)| joint.is_there());
+        let taken = taken.map(|(slot, _)| (slot, generations[slot as usize], slot));
+        self.slots.rebuild(all.len(), taken, free);
+    }
+
+    /// Whether rows of joints that were removed are still there.
+    pub(crate) fn is_stale(&self) -> bool {
+        self.stale
+    }
+}
+
+impl<'a> SavedJoints<'a> {
+    pub(crate) fn read(from: &mut Reader<'a>, lists: JointLists) -> Result<SavedJoints<'a>, Error> {
+        Ok(SavedJoints {
+            lists,
+            joints: from.table(lists.joints, 6)?,
+            locks: from.table(lists.locks, 5)?,
+            rows: from.table(lists.rows, 3)?,
+        })
+    }
+
+    /// Whether there are as many as the world will have.
+    pub(crate) fn check(&self, [joints, locks, rows]: [usize; 3]) -> Result<(), Error> {
+        [self.joints, self.locks, self.rows].into_iter().try_for_each(all_finite)?;
+        let JointLists { changed, .. } = self.lists;
+        let counts = [self.lists.joints, self.lists.locks, self.lists.rows].map(|n| n as usize);
+        if counts == [joints, locks, rows] && changed < 2 {
+            Ok(())
+        } else {
+            Err(broken("the number of joints"))
+        }
+    }
+}
+
+/// All joints of a snapshot.
+#[derive(Debug, Default)]
+pub(crate) struct JointRecords {
+    all: Vec<Joint>,
+    generations: Vec<u32>,
+    locks: Vec<Lock>,
+    rows: Vec<Row>,
+    first: Vec<u32>,
+    stale: bool,
+    free: Vec<(u32, u32)>,
+}
+
+impl JointRecords {
+    /// How many joints, locks and rows there are.
+    pub(crate) fn counts(&self) -> [usize; 3] {
+        [self.all.len(), self.locks.len(), self.rows.len()]
+    }
+
+    /// Reads what [`Joints::save_all`] wrote. `is_dynamic`: of each body slot that is taken, whether it is.
+    pub(crate) fn read(
+        from: &mut Reader<'_>,
+        is_dynamic: impl Fn(u32) -> Option<bool>,
+    ) -> Result<JointRecords, Error> {
+        let [joints, locks, rows, first, stale]: [u32; 5] = from.record::<_, 5>()?;
+        let mut records = JointRecords { stale: stale != 0, ..JointRecords::default() };
+        let mut live = 0;
+        for _ in 0..joints {
+            let bodies: [u32; 2] = from.record::<_, 2>()?;
+            let mut joint = Joint {
+                bodies,
+                frames: [Frame::default(); 2],
+                strength: [f32::INFINITY; 2],
+                collide: false,
+                raised: None,
+                user_data: 0,
+                force: Vec3::ZERO,
+                torque: Vec3::ZERO,
+                next: [NONE; 2],
+            };
+            let mut generation = 0;
+            if joint.is_there() {
+                generation = from.one()?;
+                for frame in &mut joint.frames {
+                    frame.position = from.finite::<Vec3, 3>()?;
+                    frame.rotation = read_rotation(from)?;
+                }
+                joint.strength = from.record::<_, 2>()?;
+                let flags = from.one()?;
+                joint.collide = flags & 1 != 0;
+                joint.raised = group_of(flags >> 8)?;
+                joint.user_data = from.long()?;
+                joint.next = from.record::<_, 2>()?;
+                let dynamic = bodies.map(&is_dynamic);
+                let strong = joint.strength.iter().all(|s| *s >= 0.0);
+                if dynamic.contains(&None)
+                    || !dynamic.contains(&Some(true))
+                    || bodies[0] == bodies[1]
+                    || !strong
+                {
+                    return Err(broken("a joint"));
+                }
+                live += 1;
+            } else if bodies != [NONE; 2] {
+                return Err(broken("a joint"));
+            }
+            records.all.push(joint);
+            records.generations.push(generation);
+        }
+        let known = |joint: u32, all: &[Joint]| {
+            all.get(joint as usize).is_some_and(|joint| joint.is_there() || stale != 0)
+        };
+        for _ in 0..locks {
+            let [joint, code]: [u32; 2] = from.record::<_, 2>()?;
+            let kind = lock_of(code)?.filter(|_| known(joint, &records.all));
+            let kind = kind.ok_or_else(|| broken("a lock"))?;
+            records.locks.push(Lock { joint, kind, impulse: Vec3::ZERO, held: 0.0, steady: 0.0 });
+        }
+        for _ in 0..rows {
+            let row = read_row(from)?;
+            if !known(row.joint, &records.all) {
+                return Err(broken("a row of a joint"));
+            }
+            records.rows.push(row);
+        }
+        records.first.extend(from.table(first, 1)?);
+        let free = from.one()?;
+        records.free.extend(
+            from.table(free, 2)?.as_chunks::<2>().0.iter().map(|&[slot, generation]| (slot, generation)),
+        );
+        records.check_lists(live)?;
+        Ok(records)
+    }
+
+    /// Whether the lists of bodies lead to each of their joints once, and the free slots are those that are not taken.
+    fn check_lists(&self, live: usize) -> Result<(), Error> {
+        let mut visits = 0;
+        for (body, &first) in (0u32..).zip(&self.first) {
+            let mut at = first;
+            while at != NONE {
+                let joint = self.all.get(at as usize).filter(|joint| joint.bodies.contains(&body));
+                let joint = joint.ok_or_else(|| broken("a list of joints"))?;
+                visits += 1;
+                if visits > 2 * live {
+                    return Err(broken("a list of joints"));
+                }
+                at = joint.next_of(body);
+            }
+        }
+        let mut free: Vec<u32> = self.free.iter().map(|(slot, _)| *slot).collect();
+        free.sort_unstable();
+        let dead = (0u32..).zip(&self.all).filter(|(_, joint)| !joint.is_there()).map(|(slot, _)| slot);
+        if visits == 2 * live && dead.eq(free.iter().copied()) {
+            Ok(())
+        } else {
+            Err(broken("a list of joints"))
+        }
+    }
+}
+
+fn read_rotation(from: &mut Reader<'_>) -> Result<glam::Quat, Error> {
+    let rotation = glam::Quat::from_array(from.finite::<[f32; 4], 4>()?);
+    if (0.9..1.1).contains(&rotation.length_squared()) { Ok(rotation) } else { Err(broken("a rotation")) }
+}
+
+/// 0 for none.
+pub(crate) fn group_code(group: Option<RowGroup>) -> u32 {
+    group.map_or(0, |group| group as u32 + 1)
+}
+
+pub(crate) fn group_of(code: u32) -> Result<Option<RowGroup>, Error> {
+    let all = crate::constraint::Order::default().0;
+    match code {
+        0 => Ok(None),
+        _ => {
+            all.into_iter().find(|&g| g as u32 + 1 == code).map(Some).ok_or_else(|| broken("a group of rows"))
+        }
+    }
+}
+
+fn lock_code(kind: Option<LockKind>) -> u32 {
+    match kind {
+        None => 0,
+        Some(LockKind::Point) => 1,
+        Some(LockKind::Weld) => 2,
+        Some(LockKind::Line(axis)) => 3 + axis as u32,
+        Some(LockKind::Hinge(axis)) => 6 + axis as u32,
+    }
+}
+
+fn lock_of(code: u32) -> Result<Option<LockKind>, Error> {
+    Ok(match code {
+        0 => None,
+        1 => Some(LockKind::Point),
+        2 => Some(LockKind::Weld),
+        3..=5 => Some(LockKind::Line(Axis::ALL[code as usize - 3])),
+        6..=8 => Some(LockKind::Hinge(Axis::ALL[code as usize - 6])),
+        _ => return Err(broken("a lock")),
+    })
+}
+
+fn axes_code(axes: Axes) -> u32 {
+    match axes {
+        Axes::One(axis) => axis as u32,
+        Axes::Around(axis) => 3 + axis as u32,
+        Axes::All => 6,
+    }
+}
+
+fn save_row(row: &Row, out: &mut Vec<u32>) {
+    let (kind, ends, spring, most) = match row.kind {
+        RowKind::Limit { min, max } => (0, [min, max], None, 0.0),
+        RowKind::Yielding { min, max, spring } => (1, [min, max], Some(spring), 0.0),
+        RowKind::Drive { position, velocity, spring, max_force } => {
+            (2, [position, velocity], Some(spring), max_force)
+        }
+    };
+    let (how, numbers) = match spring {
+        None => (0, [0.0; 2]),
+        Some(Spring::Coefficients { stiffness, damping }) => (1, [stiffness, damping]),
+        Some(Spring::Frequency { hertz, ratio }) => (2, [hertz, ratio]),
+        Some(Spring::Acceleration { stiffness, damping }) => (3, [stiffness, damping]),
+    };
+    let [first, second] = row.beside.map(lock_code);
+    let code = [row.motion as u32, axes_code(row.axes), kind, how, first, second];
+    out.push(row.joint);
+    out.push(code.iter().rev().fold(0, |all, code| all << 4 | code));
+    out.extend(words::<5>([ends[0], ends[1], numbers[0], numbers[1], most]));
+}
+
+fn read_row(from: &mut Reader<'_>) -> Result<Row, Error> {
+    let [joint, code]: [u32; 2] = from.record::<_, 2>()?;
+    let [a, b, p, q, most]: [f32; 5] = from.record::<_, 5>()?;
+    let part = |i: u32| code >> (4 * i) & 15;
+    let no = || broken("a row of a joint");
+    let motion = [Motion::Linear, Motion::Angular].into_iter().nth(part(0) as usize).ok_or_else(no)?;
+    let axes = match part(1) {
+        axis @ 0..=2 => Axes::One(Axis::ALL[axis as usize]),
+        axis @ 3..=5 => Axes::Around(Axis::ALL[axis as usize - 3]),
+        6 => Axes::All,
+        _ => return Err(no()),
+    };
+    let spring = match part(3) {
+        0 => None,
+        1 => Some(Spring::Coefficients { stiffness: p, damping: q }),
+        2 => Some(Spring::Frequency { hertz: p, ratio: q }),
+        3 => Some(Spring::Acceleration { stiffness: p, damping: q }),
+        _ => return Err(no()),
+    };
+    spring.map_or(Ok(()), Spring::validate)?;
+    let kind = match (part(2), spring) {
+        (0, None) if a <= b => RowKind::Limit { min: a, max: b },
+        (1, Some(spring)) if a <= b => RowKind::Yielding { min: a, max: b, spring },
+        // One direction each, as it is measured.
+        (2, Some(spring))
+            if most >= 0.0 && a.is_finite() && b.is_finite() && matches!(axes, Axes::One(_)) =>
+        {
+            RowKind::Drive { position: a, velocity: b, spring, max_force: most }
+        }
+        _ => return Err(no()),
+    };
+    let beside = [lock_of(part(4))?, lock_of(part(5))?];
+    Ok(Row { joint, motion, axes, kind, beside, impulse: [0.0; 2], held: 0.0 })
+}

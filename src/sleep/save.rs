@@ -1,0 +1,126 @@
+//! What a snapshot keeps of islands that sleep: who is in them, in which order, and their pairs.
+
+use super::{Island, Link, NONE, Sleep};
+use crate::broad_phase::Pair;
+use crate::error::Error;
+use crate::snapshot::words::{Reader, broken};
+
+/// How long the lists of saved islands are.
+#[derive(Clone, Copy, Debug, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub(crate) struct SleepLists {
+    islands: u32,
+    free: u32,
+    bodies: u32,
+    waited: u32,
+    woke: u32,
+    slept: u32,
+}
+
+/// Saved islands, in their words.
+#[derive(Clone, Copy)]
+pub(crate) struct SavedSleep<'a> {
+    lists: SleepLists,
+    free: &'a [u32],
+    /// Of each island, how many bodies and pairs it has.
+    islands: &'a [u32],
+    /// Slots of their bodies, one island after another.
+    bodies: &'a [u32],
+}
+
+impl Sleep {
+    /// Pairs of all islands, in the order in which [`Sleep::restore`] wants them.
+    pub(crate) fn saved_pairs(&self) -> impl Iterator<Item = &Pair> {
+        self.kept_pairs()
+    }
+
+    /// How many pairs islands keep.
+    pub(crate) fn kept(&self) -> usize {
+        self.kept as usize
+    }
+
+    fn slots(&self, island: &Island) -> impl Iterator<Item = u32> + '_ {
+        let slot = |slot: u32| Some(slot).filter(|&slot| slot != NONE);
+        std::iter::successors(slot(island.body), move |&at| slot(self.bodies[at as usize].next))
+    }
+
+    fn pairs_of(&self, island: &Island) -> usize {
+        let place = |place: u32| Some(place).filter(|&place| place != NONE);
+        std::iter::successors(place(island.pair), move |&at| place(self.pairs[at as usize].1)).count()
+    }
+
+    /// Writes all but the pairs.
+    pub(crate) fn save(&self, out: &mut Vec<u32>) -> SleepLists {
+        out.extend(&self.free_islands);
+        for island in &self.islands {
+            out.extend([self.slots(island).count() as u32, self.pairs_of(island) as u32]);
+        }
+        let before = out.len();
+        self.islands.iter().for_each(|island| out.extend(self.slots(island)));
+        SleepLists {
+            islands: self.islands.len() as u32,
+            free: self.free_islands.len() as u32,
+            bodies: (out.len() - before) as u32,
+            waited: self.waited,
+            woke: self.woke,
+            slept: self.slept,
+        }
+    }
+
+    /// Takes what was saved, with the pairs.
+    pub(crate) fn restore(&mut self, saved: &SavedSleep<'_>, pairs: &[Pair]) {
+        let SleepLists { waited, woke, slept, .. } = saved.lists;
+        (self.waited, self.woke, self.slept) = (waited, woke, slept);
+        self.free_islands.clear();
+        self.free_islands.extend(saved.free);
+        self.bodies.fill(Link::AWAKE);
+        self.islands.clear();
+        self.pairs.clear();
+        (self.free_pair, self.kept) = (None, 0);
+        let (mut bodies, mut pairs) = (saved.bodies, pairs);
+        for (i, &[of_bodies, of_pairs]) in saved.islands.as_chunks::<2>().0.iter().enumerate() {
+            self.islands.push(Island { body: NONE, pair: NONE });
+            let (own, rest) = bodies.split_at(of_bodies as usize);
+            // Each goes to the front of its list.
+            own.iter().rev().for_each(|&slot| self.add_body(i as u32, slot));
+            let (own_pairs, rest_pairs) = pairs.split_at(of_pairs as usize);
+            own_pairs.iter().rev().for_each(|&pair| self.add_pair(i as u32, pair));
+            (bodies, pairs) = (rest, rest_pairs);
+        }
+    }
+}
+
+impl<'a> SavedSleep<'a> {
+    pub(crate) fn read(from: &mut Reader<'a>, lists: SleepLists) -> Result<SavedSleep<'a>, Error> {
+        let free = from.table(lists.free, 1)?;
+        Ok(SavedSleep {
+            lists,
+            free,
+            islands: from.table(lists.islands, 2)?,
+            bodies: from.table(lists.bodies, 1)?,
+        })
+    }
+
+    /// Whether all fits together. `asleep`: slots of the bodies that sleep; `kept`: how many pairs there are.
+    pub(crate) fn check(&self, asleep: &[u32], kept: usize) -> Result<(), Error> {
+        let islands = self.islands.as_chunks::<2>().0;
+        let (bodies, pairs) = islands
+            .iter()
+            .fold((0u64, 0u64), |(b, p), island| (b + u64::from(island[0]), p + u64::from(island[1])));
+        let mut sorted = [self.bodies.to_vec(), asleep.to_vec()];
+        sorted.iter_mut().for_each(|list| list.sort_unstable());
+        let mut free = self.free.to_vec();
+        free.sort_unstable();
+        free.dedup();
+        // What is free is empty, and all that is empty is free.
+        let empty = (0..islands.len() as u32).filter(|&i| islands[i as usize][0] == 0);
+        let fits = bodies == self.bodies.len() as u64
+            && pairs == kept as u64
+            && sorted[0] == sorted[1]
+            && free.len() == self.free.len()
+            && empty.eq(free.iter().copied())
+            && [self.lists.waited, self.lists.woke, self.lists.slept].iter().all(|&n| n <= u32::MAX / 2)
+            && islands.iter().all(|&[bodies, pairs]| bodies > 0 || pairs == 0);
+        if fits { Ok(()) } else { Err(broken("an island")) }
+    }
+}

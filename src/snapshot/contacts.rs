@@ -1,0 +1,359 @@
+//! Pairs and their contacts, written so that each takes no more words than it has to say.
+//!
+//! A pair is its two colliders, in one word if there are few enough of them, and a byte of flags. A contact is a word of flags,
+//! which say what follows: what is zero, a normal along an axis, or was never going to be read is left out, and no bit of
+//! anything else is.
+
+use super::words::{Packer, Reader, all_finite, broken, byte, record, words};
+use crate::broad_phase::Pair;
+use crate::error::Error;
+use crate::narrow_phase::{Contact, Contacts, MAX_POINTS, NONE, Point};
+use crate::shape::{Hot, Kind};
+use glam::Vec3;
+
+/// Flags of a pair. Bits 2 to 7 are free for more.
+const FAST: u8 = 1;
+const TOUCHED: u8 = 1 << 1;
+/// Listeners know that the two touch.
+const HEARD: u8 = 1 << 2;
+
+/// Flags of a contact, above the number of its points.
+const PUSHED: u32 = 1 << 3;
+const STRUCK: u32 = 1 << 4;
+/// Another contact of the same pair follows.
+const MORE: u32 = 1 << 5;
+const FRACTION: u32 = 1 << 6;
+/// Friction and twist.
+const RUBS: u32 = 1 << 7;
+/// Three bits: 0 for a normal of three numbers, else 1 + 2 * axis, and one more if it points backwards.
+const NORMAL: u32 = 8;
+/// Where it was found, because it may be kept in the next step.
+const FOUND: u32 = 1 << 11;
+/// Separations are not those of where it was found.
+const MOVED: u32 = 1 << 12;
+/// Two bits: how keys are written.
+const KEYS: u32 = 13;
+/// Four bits: which points bear something.
+const LOADED: u32 = 15;
+/// Eight bits: the key of a single point.
+const KEY: u32 = 24;
+
+/// Ways to write keys: in the flags, four or two to a word, or a word each.
+const KEY_IN_FLAGS: u32 = 0;
+const KEYS_OF_8: u32 = 1;
+const KEYS_OF_16: u32 = 2;
+const KEYS_OF_32: u32 = 3;
+
+/// The most words that a contact takes.
+const MOST: usize = 1 + 1 + 3 + 4 + 7 + MAX_POINTS * 8;
+
+/// Whether two colliders fit into one word.
+pub(super) fn is_narrow(slots: usize) -> bool {
+    slots <= 1 << 16
+}
+
+/// Writes the colliders of pairs, then their flags.
+pub(super) fn save_pairs<'a, I: Iterator<Item = &'a Pair>>(
+    pairs: &dyn Fn() -> I,
+    slots: usize,
+    out: &mut Vec<u32>,
+) -> u32 {
+    let before = out.len();
+    if is_narrow(slots) {
+        out.extend(pairs().map(|pair| pair.a | pair.b << 16));
+    } else {
+        pairs().for_each(|pair| out.extend([pair.a, pair.b]));
+    }
+    let count = (out.len() - before) / if is_narrow(slots) { 1 } else { 2 };
+    let mut flags = Packer::default();
+    for pair in pairs() {
+        let fast = if pair.fast { FAST } else { 0 };
+        let heard = if pair.touching { HEARD } else { 0 };
+        flags.push(out, fast | heard | if pair.contact == NONE { 0 } else { TOUCHED });
+    }
+    flags.end(out);
+    count as u32
+}
+
+/// Whether the next step may keep the contacts of a pair as they are, by the first of them; see `recycle` in `collide.rs`.
+fn may_be_kept(first: &Contact, hot: &[Hot]) -> bool {
+    let rolls = |c: u32| matches!(hot[c as usize].kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder);
+    first.fraction == 0.0 && first.count > 0 && (first.count >= 3 || !(rolls(first.a) || rolls(first.b)))
+}
+
+/// Writes the contacts of pairs.
+pub(super) fn save_contacts<'a>(
+    pairs: impl Iterator<Item = &'a Pair>,
+    contacts: &Contacts,
+    hot: &[Hot],
+    out: &mut Vec<u32>,
+) -> u32 {
+    let mut count = 0;
+    for pair in pairs.filter(|pair| pair.contact != NONE) {
+        let kept = may_be_kept(&contacts.all[pair.contact as usize], hot);
+        let mut slot = pair.contact;
+        while slot != NONE {
+            let contact = &contacts.all[slot as usize];
+            save_contact(contact, kept, out);
+            slot = contact.next;
+            count += 1;
+        }
+    }
+    count
+}
+
+fn is_zero<const N: usize>(words: [u32; N]) -> bool {
+    words == [0; N]
+}
+
+/// The code of a normal along an axis; 0 of any other.
+fn axis_of(normal: Vec3) -> u32 {
+    const ONE: u32 = 1.0f32.to_bits();
+    const MINUS: u32 = (-1.0f32).to_bits();
+    match words::<3>(normal) {
+        [ONE, 0, 0] => 1,
+        [MINUS, 0, 0] => 2,
+        [0, ONE, 0] => 3,
+        [0, MINUS, 0] => 4,
+        [0, 0, ONE] => 5,
+        [0, 0, MINUS] => 6,
+        _ => 0,
+    }
+}
+
+fn axis(code: u32) -> Vec3 {
+    let mut normal = Vec3::ZERO;
+    normal[(code as usize - 1) / 2] = if code % 2 == 1 { 1.0 } else { -1.0 };
+    normal
+}
+
+fn save_contact(contact: &Contact, kept: bool, out: &mut Vec<u32>) {
+    let (mut all, mut len) = ([0u32; MOST], 1);
+    let mut put = |words: &[u32]| {
+        all[len..len + words.len()].copy_from_slice(words);
+        len += words.len();
+    };
+    let points = contact.points();
+    let mut flags = u32::from(contact.count);
+    let mut flag = |bit: u32, set: bool| flags |= if set { bit } else { 0 };
+    flag(PUSHED, contact.pushed);
+    flag(STRUCK, contact.struck);
+    flag(MORE, contact.next != NONE);
+    let fraction = contact.fraction.to_bits();
+    flag(FRACTION, fraction != 0);
+    if fraction != 0 {
+        put(&[fraction]);
+    }
+    let axis = axis_of(contact.normal);
+    flag(axis << NORMAL, true);
+    if axis == 0 {
+        put(&words::<3>(contact.normal));
+    }
+    let rub = words::<4>(contact.friction.extend(contact.twist).to_array());
+    flag(RUBS, !is_zero(rub));
+    if !is_zero(rub) {
+        put(&rub);
+    }
+    flag(FOUND, kept);
+    if kept {
+        put(&words::<3>(contact.found_at.position));
+        put(&words::<4>(contact.found_at.rotation.to_array()));
+    }
+    let moved = kept && points.iter().any(|p| p.found.to_bits() != p.separation.to_bits());
+    flag(MOVED, moved);
+    let widest = points.iter().fold(0, |all, p| all | p.key);
+    let how = match (widest, points.len()) {
+        (..=0xff, ..=1) => KEY_IN_FLAGS,
+        (..=0xff, _) => KEYS_OF_8,
+        (..=0xffff, _) => KEYS_OF_16,
+        _ => KEYS_OF_32,
+    };
+    flag(how << KEYS, true);
+    match how {
+        KEY_IN_FLAGS => flag(points.first().map_or(0, |p| p.key) << KEY, true),
+        KEYS_OF_8 => put(&[points.iter().rev().fold(0, |all, p| all << 8 | p.key)]),
+        KEYS_OF_16 => {
+            for two in points.chunks(2) {
+                put(&[two[0].key | two.get(1).map_or(0, |p| p.key) << 16]);
+            }
+        }
+        _ => points.iter().for_each(|p| put(&[p.key])),
+    }
+    for (i, p) in points.iter().enumerate() {
+        put(&words::<4>(p.position.extend(p.separation).to_array()));
+        if moved {
+            put(&[p.found.to_bits()]);
+        }
+        let load = [p.impulse.to_bits(), p.held.to_bits()];
+        flag(1 << (LOADED as usize + i), !is_zero(load));
+        if !is_zero(load) {
+            put(&load);
+        }
+    }
+    all[0] = flags;
+    out.extend_from_slice(&all[..len]);
+}
+
+/// Saved pairs with their contacts, in their words.
+#[derive(Clone, Copy)]
+pub(super) struct SavedPairs<'a> {
+    narrow: bool,
+    colliders: &'a [u32],
+    flags: &'a [u32],
+    contacts: &'a [u32],
+}
+
+impl<'a> SavedPairs<'a> {
+    pub(super) fn read(
+        from: &mut Reader<'a>,
+        (count, words): (u32, u32),
+        slots: usize,
+    ) -> Result<SavedPairs<'a>, Error> {
+        let narrow = is_narrow(slots);
+        Ok(SavedPairs {
+            narrow,
+            colliders: from.table(count, if narrow { 1 } else { 2 })?,
+            flags: from.take((count as usize).div_ceil(4))?,
+            contacts: from.table(words, 1)?,
+        })
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.colliders.len() / if self.narrow { 1 } else { 2 }
+    }
+
+    fn pair(&self, i: usize) -> (u32, u32) {
+        if self.narrow {
+            (self.colliders[i] & 0xffff, self.colliders[i] >> 16)
+        } else {
+            (self.colliders[2 * i], self.colliders[2 * i + 1])
+        }
+    }
+
+    /// Calls `each` with every pair, whose contacts are in `contacts` by then.
+    pub(super) fn restore(
+        &self,
+        contacts: &mut Contacts,
+        count: usize,
+        mut each: impl FnMut(Pair),
+    ) -> Result<(), Error> {
+        contacts.reset(count);
+        let mut from = Reader(self.contacts);
+        for i in 0..self.len() {
+            let ((a, b), flags) = (self.pair(i), byte(self.flags, i));
+            let (fast, touching) = (flags & FAST != 0, flags & HEARD != 0);
+            let mut pair = Pair { a, b, contact: NONE, fast, touching };
+            if flags & TOUCHED != 0 {
+                pair.contact = contacts.all.len() as u32;
+                while read_contact(&mut from, (a, b), &mut contacts.all)? {
+                    let next = contacts.all.len() as u32;
+                    if let Some(last) = contacts.all.last_mut() {
+                        last.next = next;
+                    }
+                }
+            }
+            each(pair);
+        }
+        Ok(())
+    }
+
+    /// Whether all pairs are some that `may` be, each once, and all contacts are whole: so many of them.
+    pub(super) fn check(&self, count: usize, may: impl Fn(usize, u32, u32) -> bool) -> Result<(), Error> {
+        let mut from = Reader(self.contacts);
+        let mut one = Vec::with_capacity(1);
+        let (mut found, mut known) = (0, Vec::with_capacity(self.len()));
+        for i in 0..self.len() {
+            let ((a, b), flags) = (self.pair(i), byte(self.flags, i));
+            if flags & !(FAST | TOUCHED | HEARD) != 0 || !may(i, a, b) {
+                return Err(broken("a pair"));
+            }
+            known.push((a, b));
+            let mut more = flags & TOUCHED != 0;
+            while more {
+                one.clear();
+                more = read_contact(&mut from, (a, b), &mut one)?;
+                found += 1;
+                for contact in &one {
+                    check_contact(contact)?;
+                }
+            }
+        }
+        known.sort_unstable();
+        let twice = known.windows(2).any(|two| two[0] == two[1]);
+        if twice || found != count || !from.0.is_empty() { Err(broken("the contacts")) } else { Ok(()) }
+    }
+}
+
+fn check_contact(contact: &Contact) -> Result<(), Error> {
+    all_finite(&words::<3>(contact.normal))?;
+    all_finite(&words::<4>(contact.friction.extend(contact.twist).to_array()))?;
+    all_finite(&words::<3>(contact.found_at.position))?;
+    let turn = contact.found_at.rotation.length_squared();
+    let unit = |x: f32| (0.9..1.1).contains(&x);
+    if !unit(turn) || !unit(contact.normal.length_squared()) || !(0.0..=1.0).contains(&contact.fraction) {
+        return Err(broken("a contact"));
+    }
+    for p in contact.points() {
+        all_finite(&words::<3>(p.position))?;
+        all_finite(&[p.separation, p.found, p.impulse, p.held].map(f32::to_bits))?;
+    }
+    Ok(())
+}
+
+/// Appends the next contact; says whether another of the same pair follows.
+fn read_contact(from: &mut Reader<'_>, (a, b): (u32, u32), to: &mut Vec<Contact>) -> Result<bool, Error> {
+    let flags = from.one()?;
+    let count = (flags & 7) as usize;
+    if count > MAX_POINTS {
+        return Err(broken("a contact with too many points"));
+    }
+    let mut contact = Contact::new(a, b);
+    contact.count = count as u8;
+    contact.pushed = flags & PUSHED != 0;
+    contact.struck = flags & STRUCK != 0;
+    if flags & FRACTION != 0 {
+        contact.fraction = f32::from_bits(from.one()?);
+    }
+    contact.normal = match flags >> NORMAL & 7 {
+        0 => from.record::<Vec3, 3>()?,
+        7 => return Err(broken("a normal")),
+        code => axis(code),
+    };
+    if flags & RUBS != 0 {
+        let [x, y, z, twist]: [f32; 4] = from.record::<_, 4>()?;
+        (contact.friction, contact.twist) = (Vec3::new(x, y, z), twist);
+    }
+    if flags & FOUND != 0 {
+        contact.found_at.position = from.record::<Vec3, 3>()?;
+        contact.found_at.rotation = glam::Quat::from_array(from.record::<[f32; 4], 4>()?);
+    }
+    let mut keys = [0u32; MAX_POINTS];
+    match flags >> KEYS & 3 {
+        KEY_IN_FLAGS => keys[0] = flags >> KEY,
+        KEYS_OF_8 => {
+            let word = from.one()?;
+            keys.iter_mut().enumerate().for_each(|(i, key)| *key = word >> (8 * i) & 0xff);
+        }
+        KEYS_OF_16 => {
+            for two in keys[..count].chunks_mut(2) {
+                let word = from.one()?;
+                two.iter_mut().enumerate().for_each(|(i, key)| *key = word >> (16 * i) & 0xffff);
+            }
+        }
+        _ => keys[..count].copy_from_slice(from.take(count)?),
+    }
+    for (i, key) in keys.into_iter().enumerate().take(count) {
+        let [x, y, z, separation]: [f32; 4] = record::<_, 4>(from.take(4)?);
+        let mut point =
+            Point { position: Vec3::new(x, y, z), separation, found: separation, key, ..Point::default() };
+        if flags & MOVED != 0 {
+            point.found = f32::from_bits(from.one()?);
+        }
+        if flags >> (LOADED as usize + i) & 1 != 0 {
+            [point.impulse, point.held] = from.record::<[f32; 2], 2>()?;
+        }
+        contact.points[i] = point;
+    }
+    to.push(contact);
+    Ok(flags & MORE != 0)
+}

@@ -1,0 +1,123 @@
+//! Snapshots of a world: restored, it goes on to the same bits.
+//!
+//! What changes in every step is written into one buffer ([`save`], [`contacts`]); what seldom does is written once and shared
+//! ([`part`]). Reading ([`view`]) comes before checking ([`check`], for bytes from outside), and both before the world is
+//! touched ([`restore`]). `docs/decisions/snapshots.md` says of each thing in a world whether it is saved, and why.
+
+mod bytes;
+mod check;
+mod contacts;
+mod geometry;
+mod part;
+mod restore;
+mod save;
+mod settings;
+mod view;
+pub(crate) mod words;
+
+use crate::error::Error;
+use crate::world::World;
+use part::{Part, Which};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
+
+/// The state of a world at one time, for [`World::restore`].
+///
+/// A snapshot keeps what the future of the world depends on, to the bit: poses, velocities, forces to come, pairs with their
+/// contacts and impulses, joints, who sleeps, settings but for threads and budget. What bodies, shapes and joints there are is
+/// shared by all snapshots between which none came, went or was changed, and geometry is shared with the world.
+///
+/// The buffer is used again by the next [`World::snapshot`] into it.
+#[derive(Clone, Debug, Default)]
+pub struct Snapshot {
+    words: Vec<u32>,
+    parts: [Option<Arc<Part>>; 2],
+    /// Where it came from bytes: the prints of its parts, which the world that is restored has to have.
+    foreign: Option<[[u64; 2]; 2]>,
+    /// Which arrangement of joints belongs to it.
+    arrangement: u64,
+}
+
+impl Snapshot {
+    /// An empty one, to be filled by [`World::snapshot`].
+    pub fn new() -> Snapshot {
+        Snapshot::default()
+    }
+
+    /// Bytes of the state: what a snapshot takes if nothing came, went or was changed since the one before. What snapshots share
+    /// is not counted.
+    pub fn size(&self) -> usize {
+        self.words.len() * size_of::<u32>()
+    }
+
+    /// Bytes of what snapshots share until bodies, shapes or joints come, go or are changed.
+    pub fn shared_size(&self) -> usize {
+        self.parts.iter().flatten().map(|part| part.words.len() * size_of::<u32>()).sum()
+    }
+}
+
+/// How often what snapshots share was changed, and the parts that the last snapshot wrote, as long as one has them.
+#[derive(Debug, Default)]
+pub(crate) struct Revisions {
+    pub(crate) fixed: u64,
+    pub(crate) moving: u64,
+    kept: Mutex<[(u64, Weak<Part>); 2]>,
+}
+
+impl World {
+    /// Writes the state of the world into a snapshot. Allocates nothing once the snapshot's buffer is large enough, unless
+    /// bodies, shapes or joints came, went or were changed since the last one.
+    pub fn snapshot(&self, into: &mut Snapshot) {
+        into.parts = self.parts().map(Some);
+        into.foreign = None;
+        into.arrangement = self.buffers.joints.arrangement;
+        save::save(self, &mut into.words);
+    }
+
+    /// Makes the world what it was at the time of a snapshot: its next steps give the bits that they gave then, whatever the
+    /// number of threads. Bodies, shapes and joints that were added since are gone, those that were removed are back, with
+    /// the same handles. The snapshot may be of another world.
+    ///
+    /// [`Settings::threads`](crate::Settings::threads), [`Settings::budget`](crate::Settings::budget) and
+    /// [`World::report`] stay as they are.
+    ///
+    /// # Errors
+    /// Only for snapshots from bytes: if they are broken, or the world lacks what they refer to.
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
+        restore::restore(self, snapshot)
+    }
+
+    /// The parts that snapshots share, as they are now.
+    fn parts(&self) -> [Arc<Part>; 2] {
+        let revisions = self.revision_numbers();
+        let mut kept = self.revisions.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        [Which::Fixed, Which::Moving].map(|which| {
+            let (revision, part) = &mut kept[which as usize];
+            let known = part.upgrade().filter(|_| *revision == revisions[which as usize]);
+            known.unwrap_or_else(|| {
+                let new = Arc::new(Part::of(self, which));
+                (*revision, *part) = (revisions[which as usize], Arc::downgrade(&new));
+                new
+            })
+        })
+    }
+
+    /// The parts, if they are known to be these.
+    fn has_parts(&self, parts: &[Arc<Part>; 2]) -> bool {
+        let revisions = self.revision_numbers();
+        let kept = self.revisions.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        (0..2).all(|i| kept[i].0 == revisions[i] && std::ptr::eq(kept[i].1.as_ptr(), Arc::as_ptr(&parts[i])))
+    }
+
+    /// Notes that the world's parts are these now.
+    fn keep_parts(&mut self, parts: &[Arc<Part>; 2]) {
+        let revisions = self.revision_numbers();
+        let kept = self.revisions.kept.get_mut().unwrap_or_else(PoisonError::into_inner);
+        for i in 0..2 {
+            kept[i] = (revisions[i], Arc::downgrade(&parts[i]));
+        }
+    }
+
+    fn revision_numbers(&self) -> [u64; 2] {
+        [self.revisions.fixed + self.broad.statics_changes(), self.revisions.moving]
+    }
+}

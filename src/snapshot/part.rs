@@ -1,0 +1,365 @@
+//! What seldom changes of a world: which bodies, shapes and joints there are, and what they are. It is written once and then
+//! shared by all snapshots until something of it changes; geometry is shared with the world itself.
+//!
+//! There are two parts, so that a bullet that comes or goes does not have the level written anew: *fixed* is what is static,
+//! with its tree; *moving* is all else, with joints and the lists of free handles.
+
+use super::geometry::{Known, Table, code_of, geometry_of};
+use super::settings::mode_of;
+use super::words::{Reader, broken, hash, words};
+use crate::body::{BodyKind, Cold, Mass, NewBody, Pose, Traits};
+use crate::broad_phase::{BroadPhase, tree_words};
+use crate::error::Error;
+use crate::joint::{JointRecords, group_code, group_of};
+use crate::lanes::Record;
+use crate::shape::{Collider, Combine, EVENTS, Filter, HOOKS, Kind, Material, SENSOR};
+use crate::world::World;
+use glam::{DVec3, Quat, Vec3};
+use std::sync::OnceLock;
+
+/// Which of the two.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Which {
+    Fixed,
+    Moving,
+}
+
+/// One of the two, as it is written.
+#[derive(Debug)]
+pub(crate) struct Part {
+    pub(super) words: Vec<u32>,
+    pub(super) geometry: Vec<Known>,
+    prints: OnceLock<[u64; 2]>,
+}
+
+impl Part {
+    pub(super) fn new(words: Vec<u32>, geometry: Vec<Known>) -> Part {
+        Part { words, geometry, prints: OnceLock::new() }
+    }
+
+    /// Numbers that differ if the part does: one of its content, and one of the tree of what is static, which also tells in
+    /// which order things were added between steps.
+    pub(super) fn prints(&self) -> [u64; 2] {
+        *self.prints.get_or_init(|| {
+            let content = (self.words.first().copied().unwrap_or(0) as usize).min(self.words.len());
+            let (content, tree) = self.words.split_at(content);
+            let geometry = self.geometry.iter().fold(0, |all: u64, one| all.rotate_left(9) ^ one.print());
+            [hash(content) ^ geometry, hash(tree)]
+        })
+    }
+
+    /// What is static, once all of it is in its tree.
+    pub(super) fn settled(&self, world: &World) -> Part {
+        let content = (self.words.first().copied().unwrap_or(0) as usize).min(self.words.len());
+        let mut words = self.words[..content].to_vec();
+        world.broad.save_settled_statics(&mut words);
+        Part::new(words, self.geometry.clone())
+    }
+
+    /// Writes one of the two parts of a world.
+    pub(super) fn of(world: &World, which: Which) -> Part {
+        let (mut out, mut table) = (vec![0, 0], Table::default());
+        let bodies = &world.bodies;
+        let first_static = bodies.asleep().end;
+        if which == Which::Fixed {
+            for i in first_static..bodies.len() {
+                save_body(world, i, &mut table, &mut out);
+            }
+            out[1] = (bodies.len() - first_static) as u32;
+            out[0] = out.len() as u32;
+            world.broad.save_statics(&mut out);
+            return Part::new(out, table.known);
+        }
+        // In the order of slots, which sleep does not change.
+        for slot in 0..bodies.slots.count() as u32 {
+            let index = bodies.slots.dense(slot) as usize;
+            if index < first_static {
+                save_body(world, index, &mut table, &mut out);
+                out[1] += 1;
+            }
+        }
+        for slots in [&bodies.slots, &world.colliders.slots] {
+            let free = slots.free();
+            out.extend([slots.count() as u32, free.len() as u32]);
+            free.for_each(|(slot, generation)| out.extend([slot, generation]));
+        }
+        world.joints.save_all(&mut out);
+        out[0] = out.len() as u32;
+        Part::new(out, table.known)
+    }
+}
+
+fn save_pose(pose: &Pose, out: &mut Vec<u32>) {
+    out.extend(words::<6>(pose.position.to_array()));
+    out.extend(words::<4>(pose.rotation.to_array()));
+}
+
+/// Three numbers, a quaternion.
+fn save_frame(position: Vec3, rotation: Quat, out: &mut Vec<u32>) {
+    out.extend(words::<3>(position));
+    out.extend(words::<4>(rotation.to_array()));
+}
+
+fn save_body(world: &World, i: usize, table: &mut Table, out: &mut Vec<u32>) {
+    let bodies = &world.bodies;
+    let (slot, kind, cold, traits, mass) =
+        (bodies.slot[i], bodies.kind[i], &bodies.cold[i], &bodies.traits[i], &bodies.mass[i]);
+    let own = bodies.colliders[i].as_slice();
+    out.extend([slot, bodies.slots.generation(slot), own.len() as u32]);
+    let bits = [
+        kind as u32,
+        traits.continuous as u32,
+        u32::from(traits.sleepless) | u32::from(traits.disabled) << 1,
+        u32::from(cold.mass_from_shapes),
+        group_code(traits.raised),
+        u32::from(traits.locks) & 15,
+        u32::from(traits.locks) >> 4,
+    ];
+    out.push(bits.iter().rev().fold(0, |all, bits| all << 4 | bits));
+    out.extend([traits.gravity_scale.to_bits(), mass.inverse.to_bits(), cold.mass.to_bits()]);
+    out.extend(words::<6>([mass.inertia, mass.inverse_inertia]));
+    save_frame(cold.centre, cold.axes, out);
+    out.extend(words::<2>(cold.user_data));
+    if kind == BodyKind::Static {
+        save_pose(&bodies.pose[i], out);
+    }
+    for &c in own {
+        save_collider(world, c, kind == BodyKind::Static, table, out);
+    }
+}
+
+fn save_collider(world: &World, c: u32, fixed: bool, table: &mut Table, out: &mut Vec<u32>) {
+    let collider = &world.colliders.all[c as usize];
+    out.extend([c, world.colliders.slots.generation(c)]);
+    let (code, numbers) = code_of(&collider.geometry, table);
+    let Material { static_friction, dynamic_friction, restitution, friction_combine, restitution_combine } =
+        collider.material;
+    let combine = (friction_combine as u32) << 8 | (restitution_combine as u32) << 12;
+    out.push(code | combine | u32::from(collider.flags) << 16);
+    out.extend(numbers);
+    save_frame(collider.position, collider.rotation, out);
+    out.extend([static_friction, dynamic_friction, restitution, collider.density].map(f32::to_bits));
+    out.extend(words::<4>([collider.filter.category, collider.filter.mask]));
+    out.push(collider.filter.group as u32);
+    out.extend(words::<2>(collider.user_data));
+    if fixed {
+        save_pose(&world.colliders.poses[c as usize], out);
+        world.broad.save_static(c, out);
+    }
+}
+
+/// A body out of a part.
+#[derive(Debug)]
+pub(super) struct BodyRecord {
+    pub(super) slot: u32,
+    pub(super) generation: u32,
+    pub(super) body: NewBody,
+    pub(super) colliders: Vec<ColliderRecord>,
+}
+
+/// A shape out of a part; its body's index is still to be filled in.
+#[derive(Debug)]
+pub(super) struct ColliderRecord {
+    pub(super) index: u32,
+    pub(super) generation: u32,
+    pub(super) collider: Collider,
+    /// Pose and box of what is static.
+    pub(super) pose: Pose,
+    pub(super) bounds: [u32; 6],
+}
+
+/// Free slots with their generations, and how many slots there are.
+#[derive(Debug, Default)]
+pub(super) struct FreeSlots {
+    pub(super) count: usize,
+    pub(super) free: Vec<(u32, u32)>,
+}
+
+/// All of both parts.
+#[derive(Debug)]
+pub(super) struct Records {
+    /// Those that move, in the order of their slots; and those that don't, in that of their columns.
+    pub(super) moving: Vec<BodyRecord>,
+    pub(super) fixed: Vec<BodyRecord>,
+    pub(super) bodies: FreeSlots,
+    pub(super) colliders: FreeSlots,
+    pub(super) joints: JointRecords,
+    /// Of what is static: what waits for its tree, and the tree.
+    pub(super) new: Vec<u32>,
+    pub(super) tree: Vec<u32>,
+}
+
+impl Records {
+    /// Reads both parts, and checks that they fit together.
+    pub(super) fn read([fixed, moving]: [&Part; 2], world: &World) -> Result<Records, Error> {
+        let geometry = [fixed, moving].map(|part| super::geometry::resolve(&part.geometry, world));
+        let [of_fixed, of_moving] = geometry;
+        let (of_fixed, of_moving) = (of_fixed?, of_moving?);
+        let mut from = Reader(&fixed.words);
+        let [_, count]: [u32; 2] = from.record::<_, 2>()?;
+        let fixed = read_bodies(&mut from, count, &of_fixed)?;
+        let new = from.one()?;
+        let new = from.table(new, 1)?.to_vec();
+        let nodes = from.one()?;
+        let tree = from.take(tree_words(nodes))?.to_vec();
+        let mut end = from.0.is_empty();
+
+        let mut from = Reader(&moving.words);
+        let [_, count]: [u32; 2] = from.record::<_, 2>()?;
+        let moving = read_bodies(&mut from, count, &of_moving)?;
+        let (bodies, colliders) = (read_free(&mut from)?, read_free(&mut from)?);
+        let all = || fixed.iter().chain(&moving);
+        let is = |kind: BodyKind, list: &[BodyRecord]| list.iter().any(|record| record.body.kind == kind);
+        let split = !fixed.iter().any(|record| record.body.kind != BodyKind::Static)
+            && !is(BodyKind::Static, &moving);
+        once(all().map(|record| record.slot), &bodies)?;
+        once(all().flat_map(|record| record.colliders.iter().map(|c| c.index)), &colliders)?;
+        let mut dynamic = vec![None; bodies.count];
+        all().for_each(|record| dynamic[record.slot as usize] = Some(record.body.kind == BodyKind::Dynamic));
+        let is_dynamic = |slot: u32| dynamic.get(slot as usize).copied().flatten();
+        let joints = JointRecords::read(&mut from, is_dynamic)?;
+        end &= from.0.is_empty();
+        if !split || !end {
+            return Err(broken("a list of bodies"));
+        }
+        let mut bounded = vec![false; colliders.count];
+        for c in fixed.iter().flat_map(|record| &record.colliders) {
+            bounded[c.index as usize] = c.collider.kind != Kind::Plane && BroadPhase::is_bounded(&c.bounds);
+        }
+        BroadPhase::check_statics(&new, &tree, &bounded)?;
+        Ok(Records { moving, fixed, bodies, colliders, joints, new, tree })
+    }
+}
+
+/// Whether each slot is taken or free, once.
+fn once(taken: impl Iterator<Item = u32>, slots: &FreeSlots) -> Result<(), Error> {
+    let mut seen: Vec<u32> = taken.chain(slots.free.iter().map(|(slot, _)| *slot)).collect();
+    seen.sort_unstable();
+    if seen.iter().copied().eq(0..slots.count as u32) { Ok(()) } else { Err(broken("a list of handles")) }
+}
+
+fn read_free(from: &mut Reader<'_>) -> Result<FreeSlots, Error> {
+    let [count, free]: [u32; 2] = from.record::<_, 2>()?;
+    let free = from.table(free, 2)?.as_chunks::<2>().0.iter().map(|&[slot, generation]| (slot, generation));
+    Ok(FreeSlots { count: count as usize, free: free.collect() })
+}
+
+/// A pose that is one.
+pub(super) fn read_pose(from: &mut Reader<'_>) -> Result<Pose, Error> {
+    let position = DVec3::from_array(from.record::<[f64; 3], 6>()?);
+    let rotation = Quat::from_array(from.finite::<[f32; 4], 4>()?);
+    let unit = (0.9..1.1).contains(&rotation.length_squared());
+    if unit && position.is_finite() { Ok(Pose { position, rotation }) } else { Err(broken("a pose")) }
+}
+
+fn read_frame(from: &mut Reader<'_>) -> Result<(Vec3, Quat), Error> {
+    let position = from.finite::<Vec3, 3>()?;
+    let rotation = Quat::from_array(from.finite::<[f32; 4], 4>()?);
+    let unit = (0.9..1.1).contains(&rotation.length_squared());
+    if unit { Ok((position, rotation)) } else { Err(broken("a frame")) }
+}
+
+fn read_bodies(
+    from: &mut Reader<'_>,
+    count: u32,
+    geometry: &[crate::shape::Geometry],
+) -> Result<Vec<BodyRecord>, Error> {
+    (0..count).map(|_| read_body(from, geometry)).collect()
+}
+
+fn read_body(from: &mut Reader<'_>, geometry: &[crate::shape::Geometry]) -> Result<BodyRecord, Error> {
+    let [slot, generation, own, bits]: [u32; 4] = from.record::<_, 4>()?;
+    let part = |i: u32| bits >> (4 * i) & 15;
+    let kinds = [BodyKind::Static, BodyKind::Kinematic, BodyKind::Dynamic];
+    let kind =
+        kinds.into_iter().find(|&kind| kind as u32 == part(0)).ok_or_else(|| broken("a kind of body"))?;
+    let [gravity_scale, inverse, mass]: [f32; 3] = from.finite::<_, 3>()?;
+    let [inertia, inverse_inertia]: [Vec3; 2] = from.finite::<_, 6>()?;
+    let (centre, axes) = read_frame(from)?;
+    let user_data = from.long()?;
+    let positive = [inverse, mass].into_iter().chain(inertia.to_array()).chain(inverse_inertia.to_array());
+    let pushed = kind == BodyKind::Dynamic;
+    if !positive.clone().all(|x| x >= 0.0) || (!pushed && inverse != 0.0) {
+        return Err(broken("a mass"));
+    }
+    let traits = Traits {
+        gravity_scale,
+        continuous: mode_of(part(1))?,
+        locks: (part(5) | (part(6) & 3) << 4) as u8,
+        raised: group_of(part(4))?,
+        sleepless: part(2) & 1 != 0,
+        disabled: part(2) >> 1 & 1 != 0,
+    };
+    let pose = if kind == BodyKind::Static {
+        read_pose(from)?
+    } else {
+        Pose { position: DVec3::ZERO, rotation: Quat::IDENTITY }
+    };
+    let colliders = (0..own).map(|_| read_collider(from, kind, geometry)).collect::<Result<Vec<_>, _>>()?;
+    let cold = Cold { centre, axes, mass, mass_from_shapes: part(3) != 0, user_data };
+    let mass = Mass { inverse, inertia, inverse_inertia };
+    let body = NewBody { kind, pose, velocity: Record::default(), mass, traits, cold };
+    Ok(BodyRecord { slot, generation, body, colliders })
+}
+
+/// Flags of a shape that may have them.
+fn flags_of(bits: u32, geometry: &crate::shape::Geometry) -> Result<u8, Error> {
+    let flags = bits as u8;
+    let known = bits <= u32::from(SENSOR | EVENTS | HOOKS);
+    let senses = flags & SENSOR == 0 || Kind::of(geometry) == Kind::Plane || Kind::of(geometry).is_convex();
+    if known && senses { Ok(flags) } else { Err(broken("what a shape is for")) }
+}
+
+fn read_collider(
+    from: &mut Reader<'_>,
+    kind: BodyKind,
+    known: &[crate::shape::Geometry],
+) -> Result<ColliderRecord, Error> {
+    let [index, generation, code]: [u32; 3] = from.record::<_, 3>()?;
+    let geometry = geometry_of(code & 0xff, from.take(4)?, known)?;
+    geometry.validate()?;
+    if kind == BodyKind::Dynamic {
+        geometry.require_convex()?;
+    }
+    let flags = flags_of(code >> 16, &geometry)?;
+    let (position, rotation) = read_frame(from)?;
+    let [static_friction, dynamic_friction, restitution, density]: [f32; 4] = from.finite::<_, 4>()?;
+    let combine = |code: u32| {
+        let all = [Combine::Average, Combine::Minimum, Combine::Maximum, Combine::Multiply];
+        all.into_iter().find(|&how| how as u32 == code).ok_or_else(|| broken("a material"))
+    };
+    let material = Material {
+        static_friction,
+        dynamic_friction,
+        restitution,
+        friction_combine: combine(code >> 8 & 15)?,
+        restitution_combine: combine(code >> 12 & 15)?,
+    };
+    material.validate()?;
+    let [category, mask]: [u64; 2] = from.record::<_, 4>()?;
+    let filter = Filter { category, mask, group: from.one()? as i32 };
+    let user_data = from.long()?;
+    let collider = Collider {
+        kind: Kind::of(&geometry),
+        body: u32::MAX,
+        size: geometry.size(),
+        position,
+        rotation,
+        radius: geometry.radius(),
+        inner_radius: geometry.inner_radius(),
+        geometry,
+        material,
+        filter,
+        density,
+        flags,
+        user_data,
+    };
+    let fixed = kind == BodyKind::Static;
+    let nowhere = Pose { position: DVec3::ZERO, rotation: Quat::IDENTITY };
+    let pose = if fixed { read_pose(from)? } else { nowhere };
+    let bounds: [u32; 6] = if fixed { from.record::<_, 6>()? } else { [0; 6] };
+    if bounds.iter().any(|&x| f32::from_bits(x).is_nan()) {
+        return Err(broken("a box"));
+    }
+    Ok(ColliderRecord { index, generation, collider, pose, bounds })
+}

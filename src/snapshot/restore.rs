@@ -1,0 +1,201 @@
+//! Makes a world what it was: first all is read, and what came from outside is checked; then nothing can fail any more.
+
+use super::check::check;
+use super::part::{BodyRecord, Part, Records};
+use super::view::{BALL, BODY, FORCE, PREVIOUS, PUSH, REST, RESTS, View, WAY};
+use super::words::record;
+use super::{Snapshot, contacts::SavedPairs};
+use crate::body::{Pose, Previous};
+use crate::broad_phase::Pair;
+use crate::error::Error;
+use crate::finish::Clear;
+use crate::lanes::Record;
+use crate::narrow_phase::Contacts;
+use crate::sleep::Sleep;
+use crate::world::World;
+use glam::{DVec3, Quat, Vec3};
+use std::sync::Arc;
+
+pub(super) fn restore(world: &mut World, snapshot: &Snapshot) -> Result<(), Error> {
+    let view = View::read(&snapshot.words, &world.settings)?;
+    let (parts, settle) = parts_of(world, snapshot)?;
+    let same = settle || world.has_parts(&parts);
+    let records = if same && snapshot.foreign.is_none() {
+        None
+    } else {
+        let records = Records::read([&parts[0], &parts[1]], world)?;
+        if snapshot.foreign.is_some() {
+            check(&view, &records)?;
+        }
+        Some(records).filter(|_| !same)
+    };
+    let mut pairs = std::mem::take(&mut world.sleep.restored);
+    pairs.clear();
+    read_pairs(&view.pairs, view.counts.contacts, &mut world.contacts, &mut pairs);
+    if let Some(records) = records {
+        install(world, records);
+    } else if settle {
+        world.broad.settle_statics();
+    }
+    apply(world, &view, &pairs);
+    pairs.clear();
+    world.sleep.restored = pairs;
+    if world.buffers.joints.arrangement != snapshot.arrangement {
+        world.joints.changed = true;
+    }
+    world.keep_parts(&parts);
+    Ok(())
+}
+
+/// The parts that a snapshot needs, and whether what is static has to be put into its tree for that.
+fn parts_of(world: &World, snapshot: &Snapshot) -> Result<([Arc<Part>; 2], bool), Error> {
+    if let [Some(fixed), Some(moving)] = &snapshot.parts {
+        return Ok(([fixed.clone(), moving.clone()], false));
+    }
+    let own = world.parts();
+    let Some([fixed, moving]) = snapshot.foreign else {
+        return Err(super::words::broken("it is empty"));
+    };
+    if own[0].prints()[0] != fixed[0] {
+        return Err(Error::ForeignSnapshot { what: "other static bodies" });
+    }
+    if own[1].prints() != moving {
+        return Err(Error::ForeignSnapshot { what: "other bodies, shapes or joints" });
+    }
+    if own[0].prints() == fixed {
+        return Ok((own, false));
+    }
+    let settled = own[0].settled(world);
+    if settled.prints() != fixed {
+        return Err(Error::ForeignSnapshot { what: "static bodies that were added between other steps" });
+    }
+    let [_, moving] = own;
+    Ok(([Arc::new(settled), moving], true))
+}
+
+/// Pairs, those that islands keep last, and all contacts.
+fn read_pairs(saved: &SavedPairs<'_>, contacts: u32, all: &mut Contacts, pairs: &mut Vec<Pair>) {
+    let read = saved.restore(all, contacts as usize, |pair| pairs.push(pair));
+    debug_assert!(read.is_ok(), "what was written or checked can be read");
+}
+
+/// Puts in place all that snapshots share.
+fn install(world: &mut World, records: Records) {
+    let Records { moving, fixed, bodies, colliders, joints, new, tree } = records;
+    world.clear_colliders(colliders.count);
+    world.bodies.clear();
+    let mut taken = Vec::with_capacity(moving.len() + fixed.len());
+    let mut put = |world: &mut World, body: BodyRecord, is_static: bool| {
+        let index = world.bodies.len() as u32;
+        let own: Vec<u32> = body.colliders.iter().map(|c| c.index).collect();
+        taken.push((body.slot, body.generation, index));
+        let disabled = body.body.traits.disabled;
+        world.bodies.append(body.slot, body.body, &own);
+        for mut c in body.colliders {
+            c.collider.body = index;
+            world.put_collider(c.index, &c.collider, c.pose);
+            if disabled {
+                // It is not there.
+            } else if is_static {
+                world.broad.restore_static(c.index, &c.bounds);
+            } else {
+                world.broad.count_mover();
+            }
+        }
+    };
+    let generations = |list: &[BodyRecord]| -> Vec<(u32, u32)> {
+        list.iter().flat_map(|body| body.colliders.iter().map(|c| (c.index, c.generation))).collect()
+    };
+    let (of_moving, of_fixed) = (generations(&moving), generations(&fixed));
+    moving.into_iter().for_each(|body| put(world, body, false));
+    fixed.into_iter().for_each(|body| put(world, body, true));
+    world.bodies.slots.rebuild(bodies.count, taken.into_iter(), &bodies.free);
+    let taken = of_moving.into_iter().chain(of_fixed).map(|(slot, generation)| (slot, generation, slot));
+    world.colliders.slots.rebuild(colliders.count, taken, &colliders.free);
+    world.broad.restore_statics(&new, &tree);
+    world.joints.restore_all(&joints);
+    world.revisions.fixed += 1;
+    world.revisions.moving += 1;
+}
+
+/// Takes the state; what snapshots share is in place.
+fn apply(world: &mut World, view: &View<'_>, pairs: &[Pair]) {
+    let counts = &view.counts;
+    let World { bodies, colliders, broad, joints, sleep, buffers, events, .. } = world;
+    world.settings = view.settings.clone();
+    world.origin = view.origin.into();
+    buffers.last_h = view.last_h;
+    // Events are of a step that was not.
+    events.forget();
+
+    bodies.line_up(view.slots, |own, index| own.as_slice().iter().for_each(|&c| colliders.follow(c, index)));
+    bodies.set_parts(counts.parts);
+    bodies.rests = counts.has(RESTS);
+    for (i, body) in view.bodies.as_chunks::<BODY>().0.iter().enumerate() {
+        let [linear, angular]: [Vec3; 2] = record::<_, 6>(&body[10..]);
+        bodies.pose[i] = pose_of(&body[..10]);
+        bodies.velocity[i] = Record { linear, angular, ..Record::default() };
+    }
+    let (all, len) = (counts.bodies() as usize, bodies.len());
+    if bodies.velocity[all..].iter().any(|v| *v != Record::default()) {
+        bodies.velocity[all..].fill(Record::default());
+    }
+    fill(
+        &mut bodies.rest,
+        if counts.has(REST) { len } else { 0 },
+        0.0,
+        view.rest.iter().map(|&w| f32::from_bits(w)),
+    );
+    let ways = view.ways.as_chunks::<WAY>().0.iter().map(|way| {
+        let [linear, angular, moved]: [Vec3; 3] = record::<_, 9>(way);
+        Previous { linear, angular, moved }
+    });
+    fill(&mut bodies.previous, if counts.has(PREVIOUS) { len } else { 0 }, Previous::default(), ways);
+    fill(&mut bodies.force, if counts.has(FORCE) { len } else { 0 }, Record::default(), std::iter::empty());
+    for force in view.forces.as_chunks::<PUSH>().0 {
+        let [linear, angular]: [Vec3; 2] = record::<_, 6>(&force[1..]);
+        bodies.force[bodies.slots.dense(force[0]) as usize] = Record { linear, angular, ..Record::default() };
+    }
+    let mut clear = view.clear.as_chunks::<BALL>().0.iter().map(|ball| Clear {
+        centre: DVec3::from_array(record::<_, 6>(&ball[..6])),
+        radius: f32::from_bits(ball[6]),
+    });
+    let guarded = (0..counts.guarded as usize).map(|i| {
+        let is_clear = view.is_clear[i / 32] >> (i % 32) & 1 != 0;
+        if is_clear { clear.next().unwrap_or_default() } else { Clear::default() }
+    });
+    buffers.finish.clear.clear();
+    buffers.finish.clear.extend(guarded);
+
+    for i in 0..all {
+        for &c in bodies.colliders[i].as_slice() {
+            colliders.place(c, &bodies.pose[i]);
+        }
+    }
+    let own = bodies.colliders[..all].iter().flat_map(|own| own.as_slice()).copied();
+    broad.restore(&view.broad, own);
+    let (listed, kept) = pairs.split_at(counts.pairs as usize);
+    broad.restore_pairs(kept.len(), listed.iter().copied());
+    if !counts.has(RESTS) && kept.is_empty() && counts.parts[2] == 0 && sleep.count() == 0 {
+        // Where nothing may sleep there is nothing of it.
+        *sleep = Sleep::default();
+    }
+    sleep.restore(&view.sleep, kept);
+    joints.restore(&view.joints);
+}
+
+fn pose_of(words: &[u32]) -> Pose {
+    Pose {
+        position: DVec3::from_array(record::<_, 6>(&words[..6])),
+        rotation: Quat::from_array(record::<_, 4>(&words[6..10])),
+    }
+}
+
+/// Gives a column so many values: first those that there are, then others.
+fn fill<T: Clone>(column: &mut Vec<T>, len: usize, other: T, values: impl Iterator<Item = T>) {
+    column.clear();
+    if len > 0 {
+        column.extend(values);
+        column.resize(len, other);
+    }
+}

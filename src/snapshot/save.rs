@@ -1,0 +1,89 @@
+//! Writes the state of a world.
+
+use super::contacts::{save_contacts, save_pairs};
+use super::settings;
+use super::view::{BODY, COUNTS, Counts, FORCE, HEAD, Head, MAGIC, PREVIOUS, REST, RESTS, VERSION};
+use super::words::words;
+use crate::body::Pose;
+use crate::finish::Clear;
+use crate::lanes::Record;
+use crate::world::World;
+
+fn pose_words(pose: &Pose) -> [u32; 10] {
+    let [a, b, c, d, e, f] = words::<6>(pose.position.to_array());
+    let [x, y, z, w] = pose.rotation.to_array().map(f32::to_bits);
+    [a, b, c, d, e, f, x, y, z, w]
+}
+
+fn motion_words(v: &Record) -> [u32; 6] {
+    words([v.linear, v.angular])
+}
+
+/// Writes all that changes from step to step.
+pub(super) fn save(world: &World, out: &mut Vec<u32>) {
+    let World { bodies, colliders, broad, contacts, joints, sleep, buffers, .. } = world;
+    let (movers, all) = (bodies.movers(), bodies.asleep().end);
+    let mut counts = Counts { parts: bodies.parts(), slots: colliders.all.len() as u32, ..Counts::default() };
+    out.clear();
+    out.resize(HEAD + COUNTS, 0);
+    settings::save(&world.settings, out);
+    out.extend(words::<6>(world.origin.to_array()));
+    out.push(buffers.last_h.to_bits());
+
+    out.extend(&bodies.slot[..all]);
+    let start = out.len();
+    out.resize(start + all * BODY, 0);
+    let moving = bodies.pose[..all].iter().zip(&bodies.velocity);
+    for (record, (pose, velocity)) in out[start..].as_chunks_mut::<BODY>().0.iter_mut().zip(moving) {
+        record[..10].copy_from_slice(&pose_words(pose));
+        record[10..].copy_from_slice(&motion_words(velocity));
+    }
+    counts.columns |= if bodies.rests { RESTS } else { 0 };
+    if !bodies.rest.is_empty() {
+        counts.columns |= REST;
+        out.extend(bodies.rest[..movers].iter().map(|rest| rest.to_bits()));
+    }
+    if !bodies.previous.is_empty() {
+        counts.columns |= PREVIOUS;
+        bodies.previous[..movers]
+            .iter()
+            .for_each(|way| out.extend(words::<9>([way.linear, way.angular, way.moved])));
+    }
+    if !bodies.force.is_empty() {
+        counts.columns |= FORCE;
+        for (i, force) in bodies.force.iter().enumerate() {
+            let force = motion_words(force);
+            if force != [0; 6] {
+                out.push(bodies.slot[i]);
+                out.extend(force);
+                counts.forces += 1;
+            }
+        }
+    }
+    let clear = &buffers.finish.clear;
+    counts.guarded = clear.len() as u32;
+    for some in clear.chunks(32) {
+        out.push(some.iter().rev().fold(0, |bits, ball| bits << 1 | u32::from(ball.radius > 0.0)));
+    }
+    for Clear { centre, radius } in clear.iter().filter(|ball| ball.radius > 0.0) {
+        out.extend(words::<6>(centre.to_array()));
+        out.push(radius.to_bits());
+        counts.clear += 1;
+    }
+    counts.broad = broad.save(bodies.colliders[..all].iter().flat_map(|own| own.as_slice()).copied(), out);
+
+    let kept = sleep.saved_pairs();
+    let pairs = broad.pairs.iter().chain(kept);
+    (counts.pairs, counts.kept) = (broad.pairs.len() as u32, sleep.kept() as u32);
+    let written = save_pairs(&|| broad.pairs.iter().chain(sleep.saved_pairs()), colliders.all.len(), out);
+    debug_assert_eq!(written, counts.pairs + counts.kept);
+    let start = out.len();
+    counts.contacts = save_contacts(pairs, contacts, &colliders.hot, out);
+    counts.contact_words = (out.len() - start) as u32;
+    counts.sleep = sleep.save(out);
+    counts.joints = joints.save(out);
+
+    let head = Head { magic: MAGIC, version: VERSION, words: out.len() as u32, ..Head::default() };
+    out[..HEAD].copy_from_slice(&words::<HEAD>(head));
+    out[HEAD..HEAD + COUNTS].copy_from_slice(&words::<COUNTS>(counts));
+}

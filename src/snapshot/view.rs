@@ -1,0 +1,145 @@
+//! The layout of a state: a head, counts, then one column after another.
+
+use super::contacts::SavedPairs;
+use super::settings;
+use super::words::{Reader, broken};
+use crate::broad_phase::{Lists, SavedBroad};
+use crate::config::Settings;
+use crate::error::Error;
+use crate::joint::{JointLists, SavedJoints};
+use crate::sleep::{SavedSleep, SleepLists};
+use bytemuck::{Pod, Zeroable};
+
+/// The version of the format: of these columns, and of the parts that snapshots share.
+pub(super) const VERSION: u32 = 1;
+/// `BSNP` in the first bytes.
+pub(super) const MAGIC: u32 = u32::from_le_bytes(*b"BSNP");
+
+/// The first words.
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct Head {
+    pub(super) magic: u32,
+    pub(super) version: u32,
+    /// Of the state, this head included.
+    pub(super) words: u32,
+    /// Whether the parts follow. Filled in, as all below, when bytes are made.
+    pub(super) whole: u32,
+    /// Prints of the parts.
+    pub(super) prints: [[[u32; 2]; 2]; 2],
+    /// Of all words, with zeros in this place.
+    pub(super) checksum: [u32; 2],
+}
+
+/// How much there is of everything.
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct Counts {
+    /// Bodies awake, kinematic and asleep.
+    pub(super) parts: [u32; 3],
+    /// Slots of colliders.
+    pub(super) slots: u32,
+    /// Columns that may not exist, by bit.
+    pub(super) columns: u32,
+    /// Bodies with a force.
+    pub(super) forces: u32,
+    /// Bodies that the guard looked at, and those that are known to be clear of what is static.
+    pub(super) guarded: u32,
+    pub(super) clear: u32,
+    pub(super) broad: Lists,
+    /// Pairs, those that islands keep, and their contacts, in words and by number.
+    pub(super) pairs: u32,
+    pub(super) kept: u32,
+    pub(super) contact_words: u32,
+    pub(super) contacts: u32,
+    pub(super) sleep: SleepLists,
+    pub(super) joints: JointLists,
+}
+
+/// Bits of [`Counts::columns`].
+pub(super) const FORCE: u32 = 1;
+pub(super) const PREVIOUS: u32 = 2;
+pub(super) const REST: u32 = 4;
+/// Not a column: whether bodies may sleep.
+pub(super) const RESTS: u32 = 8;
+
+pub(super) const HEAD: usize = size_of::<Head>() / 4;
+pub(super) const COUNTS: usize = size_of::<Counts>() / 4;
+/// Pose and velocity of a body; what the last step did to it; force and torque with the body; where it is clear.
+pub(super) const BODY: usize = 16;
+pub(super) const WAY: usize = 9;
+pub(super) const PUSH: usize = 7;
+pub(super) const BALL: usize = 7;
+
+/// A state in its words.
+pub(super) struct View<'a> {
+    pub(super) counts: Counts,
+    pub(super) settings: Settings,
+    pub(super) origin: [f64; 3],
+    pub(super) last_h: f32,
+    /// Of each body that moves or sleeps, in order.
+    pub(super) slots: &'a [u32],
+    pub(super) bodies: &'a [u32],
+    /// Of each body that moves, if bodies may sleep: since when it rests; and, if there is restitution, its way.
+    pub(super) rest: &'a [u32],
+    pub(super) ways: &'a [u32],
+    pub(super) forces: &'a [u32],
+    /// A bit for each guarded body.
+    pub(super) is_clear: &'a [u32],
+    pub(super) clear: &'a [u32],
+    pub(super) broad: SavedBroad<'a>,
+    pub(super) pairs: SavedPairs<'a>,
+    pub(super) sleep: SavedSleep<'a>,
+    pub(super) joints: SavedJoints<'a>,
+}
+
+impl Counts {
+    /// Bodies that move, and those that sleep too.
+    pub(super) fn movers(&self) -> u32 {
+        self.parts[0].saturating_add(self.parts[1])
+    }
+    pub(super) fn bodies(&self) -> u32 {
+        self.movers().saturating_add(self.parts[2])
+    }
+    pub(super) fn has(&self, column: u32) -> bool {
+        self.columns & column != 0
+    }
+}
+
+impl<'a> View<'a> {
+    /// Finds the columns. `own`: the settings of the world that is restored, which keep what a snapshot doesn't have.
+    pub(super) fn read(words: &'a [u32], own: &Settings) -> Result<View<'a>, Error> {
+        let mut from = Reader(words);
+        let head: Head = from.record::<_, HEAD>()?;
+        if head.magic != MAGIC || head.words as usize != words.len() {
+            return Err(broken("it is not one"));
+        }
+        let counts: Counts = from.record::<_, COUNTS>()?;
+        let settings = settings::read(&mut from, own)?;
+        let origin: [f64; 3] = from.record::<_, 6>()?;
+        let last_h = f32::from_bits(from.one()?);
+        if !origin.iter().all(|x| x.is_finite()) || !(0.0..f32::MAX).contains(&last_h) {
+            return Err(broken("a number is none"));
+        }
+        let (movers, all) = (counts.movers(), counts.bodies());
+        let pairs = counts.pairs.checked_add(counts.kept).ok_or_else(|| broken("a count is too large"))?;
+        let view = View {
+            settings,
+            origin,
+            last_h,
+            slots: from.table(all, 1)?,
+            bodies: from.table(all, BODY)?,
+            rest: from.table(if counts.has(REST) { movers } else { 0 }, 1)?,
+            ways: from.table(if counts.has(PREVIOUS) { movers } else { 0 }, WAY)?,
+            forces: from.table(counts.forces, PUSH)?,
+            is_clear: from.table(counts.guarded.div_ceil(32), 1)?,
+            clear: from.table(counts.clear, BALL)?,
+            broad: SavedBroad::read(&mut from, counts.broad)?,
+            pairs: SavedPairs::read(&mut from, (pairs, counts.contact_words), counts.slots as usize)?,
+            sleep: SavedSleep::read(&mut from, counts.sleep)?,
+            joints: SavedJoints::read(&mut from, counts.joints)?,
+            counts,
+        };
+        if from.0.is_empty() { Ok(view) } else { Err(broken("there is more than its counts say")) }
+    }
+}
