@@ -547,3 +547,73 @@ fn a_body_takes_few_bytes() {
     assert!(of_free < 200, "{of_free}");
     assert!(of_pile < 400, "{of_pile}");
 }
+
+/// What events, sensors and disabled bodies need to go on: who touched whom, what shapes are for, who is not there.
+#[test]
+fn events_go_on_where_they_were() {
+    use backstop::{Geometry, ShapeDesc};
+    for bytes in [false, true] {
+        let build = || {
+            let mut world = World::new(Settings { sleeping: true, ..Settings::default() }).unwrap();
+            let cube = || ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5)).with_events();
+            world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Plane))).unwrap();
+            let sensor = ShapeDesc::new(Geometry::cuboid(9.0, 2.0, 9.0)).sensing();
+            world.add_body(&BodyDesc::fixed().with_shape(sensor)).unwrap();
+            let away = world.add_body(&BodyDesc::fixed().at(DVec3::X * 3.0).with_shape(cube())).unwrap();
+            let bodies: Vec<_> = (0..6)
+                .map(|i| {
+                    let at = DVec3::new(f64::from(i % 3) * 1.5, 0.6 + f64::from(i) * 0.9, 0.0);
+                    world.add_body(&BodyDesc::dynamic().at(at).with_shape(cube())).unwrap()
+                })
+                .collect();
+            let lift = world.add_body(&BodyDesc::kinematic().at(DVec3::Z * 3.0).with_shape(cube())).unwrap();
+            for body in [away, lift, bodies[4]] {
+                world.set_enabled(body, false).unwrap();
+            }
+            (world, bodies, lift)
+        };
+        let heard = |world: &World| {
+            let ids = |events: &[backstop::ContactEvent]| events.iter().map(|e| e.shapes).collect::<Vec<_>>();
+            let crossed = |events: &[backstop::SensorEvent]| {
+                events.iter().map(|e| (e.sensor, e.visitor)).collect::<Vec<_>>()
+            };
+            let ends = world.contact_ends().to_vec();
+            (ids(world.contact_begins()), ends, crossed(world.sensor_begins()), crossed(world.sensor_ends()))
+        };
+        let act = |world: &mut World, bodies: &[backstop::BodyHandle], lift, step: u32| {
+            match step {
+                70 => world.set_enabled(bodies[4], true).unwrap(),
+                90 => world.set_enabled(lift, true).unwrap(),
+                120 => world.set_enabled(bodies[1], false).unwrap(),
+                140 => world.set_velocity(bodies[2], Vec3::Y * 9.0, Vec3::ZERO).unwrap(),
+                _ => {}
+            }
+            world.step(1.0 / 60.0).unwrap();
+        };
+        for at in [5, 30, 60, 80, 110, 130] {
+            let (mut world, bodies, lift) = build();
+            (0..at).for_each(|step| act(&mut world, &bodies, lift, step));
+            let mut snapshot = Snapshot::new();
+            world.snapshot(&mut snapshot);
+            let run = |world: &mut World| {
+                let one = |step| {
+                    act(world, &bodies, lift, step);
+                    (world.hash(), heard(world), world.asleep())
+                };
+                (at..220).map(one).collect::<Vec<_>>()
+            };
+            let expected = run(&mut world);
+            if bytes {
+                // Into a world that the same calls made.
+                let (mut other, bodies, lift) = build();
+                (0..at).for_each(|step| act(&mut other, &bodies, lift, step));
+                (0..3).for_each(|_| assert!(other.step(0.01).is_ok()));
+                other.restore(&Snapshot::from_bytes(&snapshot.to_bytes()).unwrap()).unwrap();
+                assert_eq!(run(&mut other), expected, "{at}");
+            } else {
+                world.restore(&snapshot).unwrap();
+                assert_eq!(run(&mut world), expected, "{at}");
+            }
+        }
+    }
+}

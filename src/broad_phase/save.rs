@@ -238,8 +238,13 @@ impl<'a> SavedBroad<'a> {
     }
 
     /// Whether all fits together. `colliders`: of what moves or sleeps, in order; `fixed`: for each collider slot, whether
-    /// there is something static, and whether that is endless.
-    pub(crate) fn check(&self, colliders: &[u32], fixed: &[Option<bool>]) -> Result<(), Error> {
+    /// there is something static, and whether that is endless; `absent`: those of disabled bodies, sorted.
+    pub(crate) fn check(
+        &self,
+        colliders: &[u32],
+        fixed: &[Option<bool>],
+        absent: &[u32],
+    ) -> Result<(), Error> {
         let slots = fixed.len();
         if self.lists.colliders as usize != colliders.len() || self.lists.refreshed > 1 {
             return Err(broken("the number of shapes"));
@@ -248,6 +253,9 @@ impl<'a> SavedBroad<'a> {
         let mut boxes = self.boxes.as_chunks::<6>().0.iter();
         for (i, &c) in colliders.iter().enumerate() {
             let role = role_of(byte(self.roles, i)).ok_or_else(|| broken("the state of a shape"))?;
+            if (role == Role::Absent) != absent.binary_search(&c).is_ok() {
+                return Err(broken("who is there"));
+            }
             roles[c as usize] = role;
             if has_box(role) {
                 let own = boxes.next().ok_or_else(|| broken("a box is missing"))?;

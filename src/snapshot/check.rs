@@ -27,11 +27,19 @@ pub(super) fn check(view: &View<'_>, records: &Records) -> Result<(), Error> {
             known[c.index as usize] = Some(Known { kind, body: body.slot, dynamic, sensor });
         }
     }
-    for c in records.fixed.iter().flat_map(|body| &body.colliders) {
+    let mut absent: Vec<u32> = records
+        .moving
+        .iter()
+        .filter(|body| body.body.traits.disabled)
+        .flat_map(|body| body.colliders.iter().map(|c| c.index))
+        .collect();
+    absent.sort_unstable();
+    let there = records.fixed.iter().filter(|body| !body.body.traits.disabled);
+    for c in there.flat_map(|body| &body.colliders) {
         let bounded = crate::broad_phase::BroadPhase::is_bounded(&c.bounds);
         fixed[c.index as usize] = Some(!bounded);
     }
-    view.broad.check(&colliders, &fixed)?;
+    view.broad.check(&colliders, &fixed, &absent)?;
     let mut disabled = vec![false; records.bodies.count];
     let all = records.moving.iter().chain(&records.fixed);
     all.for_each(|body| disabled[body.slot as usize] = body.body.traits.disabled);
