@@ -17,6 +17,7 @@ use crate::joint::Joints;
 use crate::lanes::Record;
 use crate::memory::{Category, MemoryReport};
 use crate::narrow_phase::Contacts;
+use crate::record::record;
 use crate::shape::{
     Collider, EVENTS, Filter, Geometry, HOOKS, Hot, Kind, MassProperties, Material, SENSOR, ShapeDesc,
     unit_quat,
@@ -48,6 +49,9 @@ pub struct World {
     removed: Vec<Pair>,
     pub(crate) sleep: Sleep,
     pub(crate) events: Events,
+    /// While it is recorded or replayed.
+    #[cfg(feature = "replay")]
+    pub(crate) tape: Option<Box<crate::replay::Tape>>,
 }
 
 /// What the content of the world requires of a step; what nothing requires costs nothing.
@@ -162,6 +166,7 @@ impl World {
     /// If a setting is out of range.
     pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
         settings.validate()?;
+        record!(self, SetSettings(settings.clone()));
         if settings.gravity != self.settings.gravity || !settings.sleeping {
             self.wake_all();
         }
@@ -181,6 +186,7 @@ impl World {
     /// If it is not finite.
     pub fn set_origin(&mut self, origin: DVec3) -> Result<(), Error> {
         finite_position(origin)?;
+        record!(self, SetOrigin(origin));
         self.origin = origin;
         Ok(())
     }
@@ -193,6 +199,7 @@ impl World {
     pub fn add_body(&mut self, desc: &BodyDesc) -> Result<BodyHandle, Error> {
         let (centre, mass) = self.check(desc)?;
         self.make_place(std::slice::from_ref(desc))?;
+        record!(self, |tape| AddBody(tape.body(desc)));
         Ok(self.insert(desc, centre, mass))
     }
 
@@ -203,6 +210,7 @@ impl World {
     pub fn add_bodies(&mut self, descs: &[BodyDesc]) -> Result<Vec<BodyHandle>, Error> {
         let masses = descs.iter().map(|d| self.check(d)).collect::<Result<Vec<_>, _>>()?;
         self.make_place(descs)?;
+        record!(self, |tape| AddBodies(descs.iter().map(|desc| tape.body(desc)).collect()));
         self.bodies.reserve(descs.len());
         let shapes = descs.iter().map(|d| d.shapes.len()).sum();
         self.colliders.all.reserve(shapes);
@@ -218,6 +226,7 @@ impl World {
     /// If the handle is stale.
     pub fn remove_body(&mut self, body: BodyHandle) -> Result<(), Error> {
         let index = self.index(body)?;
+        record!(self, RemoveBody(body));
         let index = self.disturb(index);
         self.remove_joints_of(body);
         let colliders = self.bodies.take_colliders(index);
@@ -251,6 +260,7 @@ impl World {
             shape,
             self.bodies.colliders[index].as_slice().len(),
         )?;
+        record!(self, |tape| AddShape(body, tape.shape(shape)));
         let index = self.disturb(index);
         let collider = self.new_collider(index, shape);
         if self.bodies.cold[index].mass_from_shapes && mass.mass > 0.0 {
@@ -274,6 +284,7 @@ impl World {
                 return Err(Error::NoMass);
             }
         }
+        record!(self, RemoveShape(shape));
         let index = self.disturb(index);
         self.bodies.detach(index, collider);
         self.drop_collider(collider);
@@ -315,6 +326,7 @@ impl World {
     pub fn set_material(&mut self, shape: ShapeHandle, material: Material) -> Result<(), Error> {
         material.validate()?;
         let index = self.collider(shape)? as usize;
+        record!(self, SetMaterial(shape, material));
         self.disturb(self.colliders.all[index].body as usize);
         let collider = &mut self.colliders.all[index];
         self.needs.count(collider, -1);
@@ -329,6 +341,7 @@ impl World {
     /// If the handle is stale.
     pub fn set_filter(&mut self, shape: ShapeHandle, filter: Filter) -> Result<(), Error> {
         let index = self.collider(shape)?;
+        record!(self, SetFilter(shape, filter));
         self.disturb(self.colliders.all[index as usize].body as usize);
         self.colliders.all[index as usize].filter = filter;
         self.broad.touch(index);
@@ -342,6 +355,7 @@ impl World {
     /// If the handle is stale.
     pub fn set_listening(&mut self, shape: ShapeHandle, events: bool, hooks: bool) -> Result<(), Error> {
         let index = self.collider(shape)? as usize;
+        record!(self, SetListening(shape, events, hooks));
         let collider = &mut self.colliders.all[index];
         self.needs.count(collider, -1);
         collider.flags =
@@ -361,6 +375,7 @@ impl World {
         if sensor && !matches!(geometry, Geometry::Plane) {
             geometry.require_convex()?;
         }
+        record!(self, SetSensor(shape, sensor));
         self.disturb(self.colliders.all[index as usize].body as usize);
         self.leave_broad(index);
         let collider = &mut self.colliders.all[index as usize];
@@ -479,6 +494,7 @@ impl World {
         let index = self.index(body)?;
         finite_position(position)?;
         let rotation = unit_quat("rotation", rotation)?;
+        record!(self, SetPose(body, position, rotation));
         let index = self.disturb(index);
         let cold = &self.bodies.cold[index];
         self.bodies.pose[index] = Pose {
@@ -505,6 +521,7 @@ impl World {
         let index = self.index(body)?;
         finite3("linear velocity", linear)?;
         finite3("angular velocity", angular)?;
+        record!(self, SetVelocity(body, linear, angular));
         if self.bodies.kind[index] != BodyKind::Static {
             let index = self.wake_body(index);
             let velocity = &mut self.bodies.velocity[index];
@@ -551,6 +568,7 @@ impl World {
         finite3("force", force)?;
         finite3("torque", torque)?;
         self.make_place_for_forces()?;
+        record!(self, AddForce(body, force, torque));
         let index = self.wake_body(index);
         let sum = &mut self.bodies.force[index];
         sum.linear += force;
@@ -566,6 +584,7 @@ impl World {
         let index = self.index(body)?;
         finite3("impulse", impulse)?;
         finite_position(point)?;
+        record!(self, ApplyImpulse(body, impulse, point));
         if self.bodies.kind[index] == BodyKind::Dynamic {
             let index = self.wake_body(index);
             let (mass, pose) = (&self.bodies.mass[index], &self.bodies.pose[index]);
@@ -591,6 +610,7 @@ impl World {
     pub fn set_gravity_scale(&mut self, body: BodyHandle, scale: f32) -> Result<(), Error> {
         let index = self.index(body)?;
         let scale = finite("gravity scale", scale)?;
+        record!(self, SetGravityScale(body, scale));
         let index = self.wake_body(index);
         self.bodies.traits[index].gravity_scale = scale;
         Ok(())
@@ -603,6 +623,7 @@ impl World {
     /// If the handle is stale.
     pub fn set_continuous(&mut self, body: BodyHandle, mode: Continuous) -> Result<(), Error> {
         let index = self.index(body)?;
+        record!(self, SetContinuous(body, mode));
         self.bodies.traits[index].continuous = mode;
         let mode = self.bodies.mode(index);
         for &c in self.bodies.colliders[index].as_slice() {
@@ -618,6 +639,7 @@ impl World {
     pub fn raise_body(&mut self, body: BodyHandle, above: Option<RowGroup>) -> Result<(), Error> {
         let index = self.index(body)?;
         self.make_place_for_raised(above.is_some())?;
+        record!(self, RaiseBody(body, above));
         self.bodies.raise(index, above);
         self.joints.changed = true;
         Ok(())
@@ -630,6 +652,7 @@ impl World {
     pub fn set_mass(&mut self, body: BodyHandle, mass: MassProperties) -> Result<(), Error> {
         let index = self.index(body)?;
         mass.validate()?;
+        record!(self, SetMass(body, mass));
         let index = self.wake_body(index);
         self.bodies.cold[index].mass_from_shapes = false;
         self.replace_mass(index, &mass);
@@ -672,6 +695,12 @@ impl World {
                 linear + spin - m * pull.dot(pose.position)
             })
             .sum()
+    }
+
+    /// Whether it never had a body and never stepped: no handle was given out, and nothing depends on what was.
+    #[cfg(feature = "replay")]
+    pub(crate) fn is_new(&self) -> bool {
+        self.bodies.slots.is_new() && self.buffers.dt == 0.0
     }
 
     pub(crate) fn index(&self, body: BodyHandle) -> Result<usize, Error> {
