@@ -493,8 +493,10 @@ impl World {
     pub fn set_pose(&mut self, body: BodyHandle, position: DVec3, rotation: Quat) -> Result<(), Error> {
         let index = self.index(body)?;
         finite_position(position)?;
-        let rotation = unit_quat("rotation", rotation)?;
+        let unit = unit_quat("rotation", rotation)?;
+        // As it was given: what is normalised twice may differ in a bit.
         record!(self, SetPose(body, position, rotation));
+        let rotation = unit;
         let index = self.disturb(index);
         let cold = &self.bodies.cold[index];
         self.bodies.pose[index] = Pose {

@@ -433,6 +433,8 @@ impl Guard<'_> {
 pub(super) fn stop(reach: Vec3, length: f32, keep: f32, fraction: f32, normal: Vec3) -> Option<f32> {
     let into = -reach.dot(normal);
     let stop = if into > 0.0 { fraction - keep / into } else { fraction };
-    let stop = stop.clamp(0.0, length / (length + keep));
+    // No number if the length is none any more: then nothing holds the body.
+    let most = length / (length + keep);
+    let stop = stop.clamp(0.0, if most < 1.0 { most } else { 1.0 });
     (stop * (length + keep) < length).then_some(stop)
 }

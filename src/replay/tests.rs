@@ -6,12 +6,16 @@ use super::file::{Block, VERSION, read_block, read_header, write_block, write_he
 use super::probe::Stage;
 use super::{RecordingBuffer, Replay, ReplayError};
 use crate::body::BodyDesc;
-use crate::config::Settings;
+use crate::config::{Continuous, Settings};
+use crate::constraint::RowGroup;
 use crate::handle::BodyHandle;
+use crate::joint::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
 use crate::scene::Terrain;
-use crate::shape::{ConvexHull, Geometry, HeightField, ShapeDesc, TriangleMesh};
+use crate::shape::{
+    ConvexHull, Filter, Geometry, HeightField, MassProperties, Material, ShapeDesc, TriangleMesh,
+};
 use crate::world::World;
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Mat3, Quat, Vec2, Vec3};
 use std::sync::Arc;
 
 const STEPS: u64 = 40;
@@ -148,12 +152,35 @@ fn run_with_shapes() -> Vec<u8> {
     let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, Vec3::ONE];
     let hull = Geometry::Hull(Arc::new(ConvexHull::new(&corners).unwrap()));
     let falling = BodyDesc::dynamic().at(DVec3::new(0.0, 3.0, 0.0)).with_shape(ShapeDesc::new(hull));
-    world.add_body(&falling).unwrap();
+    let falling = [world.add_body(&falling).unwrap(), world.add_body(&falling).unwrap()];
+    every_type(&mut world, falling);
     for _ in 0..8 {
         world.step(1.0 / 60.0).unwrap();
     }
     world.stop_recording().unwrap();
     buffer.bytes()
+}
+
+/// Calls with each type that there is in calls.
+fn every_type(world: &mut World, bodies: [BodyHandle; 2]) {
+    let shape = world.shapes(bodies[0]).unwrap().next().unwrap();
+    let frames = [Frame::at(Vec3::X), Frame::default()];
+    let spring = Spring::Frequency { hertz: 2.0, ratio: 1.0 };
+    let drive = Drive::spring(Motion::Angular, Axis::Y, 0.1, spring);
+    let limit = Limit::new(Motion::Linear, Axes::All, 0.0, 2.0).with_spring(spring);
+    let joint = world.add_joint(&JointDesc::new(bodies, frames).with_limit(limit).with_drive(drive)).unwrap();
+    world.set_joint(joint, &[limit], &[drive]).unwrap();
+    world.raise_joint(joint, Some(RowGroup::Contacts)).unwrap();
+    world.raise_body(bodies[1], Some(RowGroup::StaticContacts)).unwrap();
+    world.set_settings(Settings { budget: Some(1 << 24), ..Settings::default() }).unwrap();
+    world.set_origin(DVec3::X).unwrap();
+    world.set_material(shape, Material::default()).unwrap();
+    world.set_filter(shape, Filter::default()).unwrap();
+    world.set_continuous(bodies[0], Continuous::Volume).unwrap();
+    let mass = MassProperties { mass: 2.0, center: Vec3::ZERO, inertia: Mat3::IDENTITY };
+    world.set_mass(bodies[0], mass).unwrap();
+    world.set_pose(bodies[0], DVec3::Y * 4.0, Quat::IDENTITY).unwrap();
+    world.apply_impulse(bodies[0], Vec3::X, DVec3::ZERO).unwrap();
 }
 
 /// Checksums are no protection from those who can compute them.
@@ -207,8 +234,13 @@ fn the_format_is_that_of_its_version() {
             record.bodies.iter_mut().for_each(|body| *body = [0; 2]);
         }
     });
-    // The version of backstop stands in the start.
-    let after = 18 + 5 + 1 + env!("CARGO_PKG_VERSION").len();
-    let sum = crc32fast::hash(&bytes[after..]);
+    let (mut from, mut payloads) = (&bytes[..], Vec::new());
+    read_header(&mut from).unwrap();
+    while let Ok((kind, payload)) = read_block(&mut from, 0) {
+        // The start begins with the version of backstop.
+        let skipped = if kind == Block::Start { 1 + env!("CARGO_PKG_VERSION").len() } else { 0 };
+        payloads.extend_from_slice(&payload[skipped..]);
+    }
+    let sum = crc32fast::hash(&payloads);
     assert_eq!((VERSION, sum), (1, 0), "0x{sum:08X}: what is written has changed, so VERSION has to");
 }

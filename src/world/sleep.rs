@@ -45,7 +45,9 @@ impl World {
     pub fn send_to_sleep(&mut self, body: BodyHandle) -> Result<(), Error> {
         let index = self.index(body)?;
         record!(self, SendToSleep(body));
-        if index < self.bodies.dynamic() && self.bodies.rest.len() == self.bodies.len() {
+        // Until the next step the column of rest is there although sleep was switched off.
+        let may = self.settings.sleeping && self.bodies.rest.len() == self.bodies.len();
+        if may && index < self.bodies.dynamic() {
             self.send_island_to_sleep(index as u32);
         }
         Ok(())

@@ -19,6 +19,8 @@ pub(crate) enum Command {
     Run(RunOptions),
     /// Shoot bodies of every shape at thin targets and count those that get through.
     Shots(ShotOptions),
+    /// Play a recorded run again, compare every step, and name the first that goes another way.
+    Replay(ReplayOptions),
     /// Scenes that come with backstop.
     Scenes {
         #[command(subcommand)]
@@ -80,10 +82,29 @@ pub(crate) struct RunOptions {
     /// Write a page with charts: index.html and its pictures.
     #[arg(long, value_name = "DIR")]
     pub(crate) report: Option<PathBuf>,
+    /// Write a recording of the run: for `cargo backstop replay`.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) record: Option<PathBuf>,
     /// Print one JSON document instead of the summary (docs/json.md).
     #[arg(long)]
     pub(crate) json: bool,
     /// No summary, no progress, no notes.
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct ReplayOptions {
+    /// A recording, by `run --record` or by a game (docs/replay.md).
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
+    /// Threads that work on a step, whatever their number was.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = threads)]
+    pub(crate) threads: usize,
+    /// Print one JSON document instead of the summary (docs/json.md).
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// No summary, no notes.
     #[arg(long)]
     pub(crate) quiet: bool,
 }
