@@ -15,6 +15,9 @@ pub enum Error {
     /// The joint broke, it or one of its bodies was removed, or the handle is of another world.
     #[error("the joint handle is stale: its joint broke or was removed")]
     StaleJoint,
+    /// A recording goes forwards.
+    #[error("a world that is being recorded can't be restored: stop the recording first")]
+    Recorded,
     /// A joint needs two bodies.
     #[error("a joint can't join a body to itself")]
     JointToItself,

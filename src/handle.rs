@@ -58,6 +58,18 @@ impl Slots {
         (entry.0 == generation && entry.1 != u32::MAX).then_some(entry.1)
     }
 
+    /// Generation and dense index, if somebody is there.
+    #[cfg(feature = "replay")]
+    pub(crate) fn live(&self, slot: u32) -> Option<(u32, u32)> {
+        self.slots.get(slot as usize).copied().filter(|entry| entry.1 != u32::MAX)
+    }
+
+    /// Whether a handle was ever given out.
+    #[cfg(feature = "replay")]
+    pub(crate) fn is_new(&self) -> bool {
+        self.slots.is_empty()
+    }
+
     /// The dense index of what is known to be there.
     #[inline]
     pub(crate) fn dense(&self, slot: u32) -> u32 {

@@ -56,6 +56,7 @@
 //! - `parallel` (default): a step may use several threads of the caller's rayon pool, see [`Settings::threads`].
 //! - `serde`: settings, materials, filters and reports can be serialised.
 //! - `gltf`: scenes from files, animations to files.
+//! - `replay`: a run can be recorded and played again, see `replay`.
 //! - `cli`: the command `backstop`.
 
 #[cfg(feature = "internals")]
@@ -78,6 +79,9 @@ mod memory;
 mod movers;
 mod narrow_phase;
 mod query;
+mod record;
+#[cfg(feature = "replay")]
+pub mod replay;
 pub mod scene;
 mod shape;
 mod sleep;

@@ -13,6 +13,7 @@ use crate::forces::Forces;
 use crate::lanes::Record;
 use crate::memory::{Category, MemoryReport, bytes_of};
 use crate::narrow_phase::{Input, Scratch, collide};
+use crate::record::probe;
 use crate::threads::{Crew, Shared, with_crew};
 use crate::world::World;
 use crate::{finish, forces, movers, solver};
@@ -81,9 +82,18 @@ impl World {
     /// If `dt` is not a number above zero.
     pub fn step_with(&mut self, dt: f32, hooks: &dyn ContactHooks) -> Result<&StepReport, Error> {
         positive("dt", dt)?;
+        #[cfg(feature = "replay")]
+        if self.tape.is_some() {
+            self.step_taped(dt, hooks);
+            return Ok(&self.report);
+        }
+        self.step_once(dt, hooks);
+        Ok(&self.report)
+    }
+
+    pub(crate) fn step_once(&mut self, dt: f32, hooks: &dyn ContactHooks) {
         let threads = if self.bodies.movers() < WORTH_THREADS { 1 } else { self.settings.threads };
         with_crew(threads, |crew| self.run(&crew, dt, hooks));
-        Ok(&self.report)
     }
 
     /// The stages by name, in order, timed.
@@ -105,15 +115,19 @@ impl World {
             forces::predict(crew, self, dt);
             broad = sum(broad, movers::pairs(crew, self));
         }
+        probe!(self, Forces);
+        probe!(self, Broad);
         self.bodies.force.iter_mut().for_each(|f| *f = Record::default());
         let mut clock = lap(start, &mut times.broad);
 
         let narrow = self.narrow(crew);
+        probe!(self, Narrow);
         self.ask_hooks(hooks);
         clock = lap(clock, &mut times.narrow);
 
         self.listen();
         let prepared = self.prepare(crew, dt);
+        probe!(self, Prepare);
         clock = lap(clock, &mut times.prepare);
 
         let buffers = &mut self.buffers;
@@ -131,6 +145,7 @@ impl World {
             solver::store(crew, &self.buffers.rows, dt, &contacts, &|c| poses[c as usize].rotation)
         };
         self.hear_contacts();
+        probe!(self, Solve);
         clock = lap(clock, &mut times.solve);
 
         // Where pairs were shed, to have none says nothing.

@@ -17,6 +17,7 @@ use crate::joint::Joints;
 use crate::lanes::Record;
 use crate::memory::{Category, MemoryReport};
 use crate::narrow_phase::Contacts;
+use crate::record::record;
 use crate::shape::{
     Collider, EVENTS, Filter, Geometry, HOOKS, Hot, Kind, MassProperties, Material, SENSOR, ShapeDesc,
     unit_quat,
@@ -51,6 +52,9 @@ pub struct World {
     pub(crate) events: Events,
     /// Of what snapshots share.
     pub(crate) revisions: Revisions,
+    /// While it is recorded or replayed.
+    #[cfg(feature = "replay")]
+    pub(crate) tape: Option<Box<crate::replay::Tape>>,
 }
 
 /// What the content of the world requires of a step; what nothing requires costs nothing.
@@ -165,6 +169,7 @@ impl World {
     /// If a setting is out of range.
     pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
         settings.validate()?;
+        record!(self, SetSettings(settings.clone()));
         if settings.gravity != self.settings.gravity || !settings.sleeping {
             self.wake_all();
         }
@@ -184,6 +189,7 @@ impl World {
     /// If it is not finite.
     pub fn set_origin(&mut self, origin: DVec3) -> Result<(), Error> {
         finite_position(origin)?;
+        record!(self, SetOrigin(origin));
         self.origin = origin;
         Ok(())
     }
@@ -196,6 +202,7 @@ impl World {
     pub fn add_body(&mut self, desc: &BodyDesc) -> Result<BodyHandle, Error> {
         let (centre, mass) = self.check(desc)?;
         self.make_place(std::slice::from_ref(desc))?;
+        record!(self, |tape| AddBody(tape.body(desc)));
         Ok(self.insert(desc, centre, mass))
     }
 
@@ -206,6 +213,7 @@ impl World {
     pub fn add_bodies(&mut self, descs: &[BodyDesc]) -> Result<Vec<BodyHandle>, Error> {
         let masses = descs.iter().map(|d| self.check(d)).collect::<Result<Vec<_>, _>>()?;
         self.make_place(descs)?;
+        record!(self, |tape| AddBodies(descs.iter().map(|desc| tape.body(desc)).collect()));
         self.bodies.reserve(descs.len());
         let shapes = descs.iter().map(|d| d.shapes.len()).sum();
         self.colliders.all.reserve(shapes);
@@ -221,6 +229,7 @@ impl World {
     /// If the handle is stale.
     pub fn remove_body(&mut self, body: BodyHandle) -> Result<(), Error> {
         let index = self.index(body)?;
+        record!(self, RemoveBody(body));
         let index = self.disturb(index);
         self.revise(index);
         self.remove_joints_of(body);
@@ -261,6 +270,7 @@ impl World {
         if self.bodies.traits[index].disabled != enabled {
             return Ok(());
         }
+        record!(self, SetEnabled(body, enabled));
         let index = self.disturb(index);
         self.revise(index);
         if !enabled {
@@ -312,6 +322,7 @@ impl World {
             shape,
             self.bodies.colliders[index].as_slice().len(),
         )?;
+        record!(self, |tape| AddShape(body, tape.shape(shape)));
         let index = self.disturb(index);
         self.revise(index);
         let collider = self.new_collider(index, shape);
@@ -336,6 +347,7 @@ impl World {
                 return Err(Error::NoMass);
             }
         }
+        record!(self, RemoveShape(shape));
         let index = self.disturb(index);
         self.revise(index);
         self.bodies.detach(index, collider);
@@ -378,6 +390,7 @@ impl World {
     pub fn set_material(&mut self, shape: ShapeHandle, material: Material) -> Result<(), Error> {
         material.validate()?;
         let index = self.collider(shape)? as usize;
+        record!(self, SetMaterial(shape, material));
         let body = self.disturb(self.colliders.all[index].body as usize);
         self.revise(body);
         let collider = &mut self.colliders.all[index];
@@ -393,6 +406,7 @@ impl World {
     /// If the handle is stale.
     pub fn set_filter(&mut self, shape: ShapeHandle, filter: Filter) -> Result<(), Error> {
         let index = self.collider(shape)?;
+        record!(self, SetFilter(shape, filter));
         let body = self.disturb(self.colliders.all[index as usize].body as usize);
         self.revise(body);
         self.colliders.all[index as usize].filter = filter;
@@ -407,6 +421,7 @@ impl World {
     /// If the handle is stale.
     pub fn set_listening(&mut self, shape: ShapeHandle, events: bool, hooks: bool) -> Result<(), Error> {
         let index = self.collider(shape)? as usize;
+        record!(self, SetListening(shape, events, hooks));
         let collider = &mut self.colliders.all[index];
         self.needs.count(collider, -1);
         let body = collider.body as usize;
@@ -428,6 +443,7 @@ impl World {
         if sensor && !matches!(geometry, Geometry::Plane) {
             geometry.require_convex()?;
         }
+        record!(self, SetSensor(shape, sensor));
         let body = self.disturb(self.colliders.all[index as usize].body as usize);
         self.revise(body);
         self.leave_broad(index);
@@ -547,7 +563,10 @@ impl World {
     pub fn set_pose(&mut self, body: BodyHandle, position: DVec3, rotation: Quat) -> Result<(), Error> {
         let index = self.index(body)?;
         finite_position(position)?;
-        let rotation = unit_quat("rotation", rotation)?;
+        let unit = unit_quat("rotation", rotation)?;
+        // As it was given: what is normalised twice may differ in a bit.
+        record!(self, SetPose(body, position, rotation));
+        let rotation = unit;
         let index = self.disturb(index);
         let cold = &self.bodies.cold[index];
         self.bodies.pose[index] = Pose {
@@ -575,6 +594,7 @@ impl World {
         let index = self.index(body)?;
         finite3("linear velocity", linear)?;
         finite3("angular velocity", angular)?;
+        record!(self, SetVelocity(body, linear, angular));
         if self.bodies.kind[index] != BodyKind::Static {
             let index = self.wake_body(index);
             let velocity = &mut self.bodies.velocity[index];
@@ -621,6 +641,7 @@ impl World {
         finite3("force", force)?;
         finite3("torque", torque)?;
         self.make_place_for_forces()?;
+        record!(self, AddForce(body, force, torque));
         let index = self.wake_body(index);
         let sum = &mut self.bodies.force[index];
         sum.linear += force;
@@ -636,6 +657,7 @@ impl World {
         let index = self.index(body)?;
         finite3("impulse", impulse)?;
         finite_position(point)?;
+        record!(self, ApplyImpulse(body, impulse, point));
         if self.bodies.kind[index] == BodyKind::Dynamic {
             let index = self.wake_body(index);
             let (mass, pose) = (&self.bodies.mass[index], &self.bodies.pose[index]);
@@ -661,6 +683,7 @@ impl World {
     pub fn set_gravity_scale(&mut self, body: BodyHandle, scale: f32) -> Result<(), Error> {
         let index = self.index(body)?;
         let scale = finite("gravity scale", scale)?;
+        record!(self, SetGravityScale(body, scale));
         let index = self.wake_body(index);
         self.revise(index);
         self.bodies.traits[index].gravity_scale = scale;
@@ -674,6 +697,7 @@ impl World {
     /// If the handle is stale.
     pub fn set_continuous(&mut self, body: BodyHandle, mode: Continuous) -> Result<(), Error> {
         let index = self.index(body)?;
+        record!(self, SetContinuous(body, mode));
         self.revise(index);
         self.bodies.traits[index].continuous = mode;
         let mode = self.bodies.mode(index);
@@ -690,6 +714,7 @@ impl World {
     pub fn raise_body(&mut self, body: BodyHandle, above: Option<RowGroup>) -> Result<(), Error> {
         let index = self.index(body)?;
         self.make_place_for_raised(above.is_some())?;
+        record!(self, RaiseBody(body, above));
         self.revise(index);
         self.bodies.raise(index, above);
         self.joints.changed = true;
@@ -703,6 +728,7 @@ impl World {
     pub fn set_mass(&mut self, body: BodyHandle, mass: MassProperties) -> Result<(), Error> {
         let index = self.index(body)?;
         mass.validate()?;
+        record!(self, SetMass(body, mass));
         let index = self.wake_body(index);
         self.revise(index);
         self.bodies.cold[index].mass_from_shapes = false;
@@ -746,6 +772,12 @@ impl World {
                 linear + spin - m * pull.dot(pose.position)
             })
             .sum()
+    }
+
+    /// Whether it never had a body and never stepped: no handle was given out, and nothing depends on what was.
+    #[cfg(feature = "replay")]
+    pub(crate) fn is_new(&self) -> bool {
+        self.bodies.slots.is_new() && self.buffers.dt == 0.0
     }
 
     pub(crate) fn index(&self, body: BodyHandle) -> Result<usize, Error> {

@@ -234,3 +234,79 @@ fn a_file_with_joints_runs_and_is_filmed() {
     // The film is a scene with its joints, too.
     assert_eq!(backstop::scene::load(film).expect("a film").joints.len(), 1);
 }
+
+#[test]
+fn a_recorded_run_is_replayed_at_any_number_of_threads() {
+    let file = scratch("tower.replay");
+    let file = file.to_str().expect("a path in UTF-8");
+    let run = ["run", "scenes/tower.gltf", "--steps", "40", "--json", "--sleep", "--record", file];
+    let hash = document(&backstop(&run))["hash"].clone();
+    for threads in ["1", "3"] {
+        let replayed = document(&backstop(&["replay", file, "--json", "--threads", threads]));
+        has_keys(
+            &replayed,
+            &["file", "bytes", "engine", "threads", "steps", "calls", "seconds", "hash", "divergence"],
+        );
+        assert_eq!(replayed["hash"], hash);
+        assert_eq!((&replayed["steps"], &replayed["calls"]["step"]), (&40.into(), &40.into()));
+        assert_eq!(replayed["divergence"], Value::Null);
+    }
+    let output = backstop(&["replay", file]);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(text.contains("ok: every step is the same to the bit"), "{text}");
+    let output = backstop(&["replay", file, "--quiet"]);
+    assert!(output.status.success() && output.stdout.is_empty() && output.stderr.is_empty());
+}
+
+/// Writes postcard by hand: a recording whose first step was made with other bits than this engine makes.
+#[test]
+fn a_replay_that_goes_another_way_is_told_and_is_an_error() {
+    let file = scratch("forged.replay");
+    let path = file.to_str().expect("a path in UTF-8");
+    let mut world = backstop::World::new(backstop::Settings::default()).expect("a world");
+    let buffer = backstop::replay::RecordingBuffer::default();
+    world.start_recording(buffer.clone()).expect("a recording");
+    let ball = backstop::ShapeDesc::new(backstop::Geometry::Sphere { radius: 0.5 });
+    let body = world.add_body(&backstop::BodyDesc::dynamic().with_shape(ball)).expect("a body");
+    world.name_recorded(body, "the ball");
+    world.step(1.0 / 60.0).expect("a step");
+    world.stop_recording().expect("a recording");
+    let mut bytes = buffer.bytes();
+    // The last call is the step, and its last bytes are the hash of the ball: before the checksum of its block and the block
+    // of the end, which has a head of five bytes, two numbers and a checksum.
+    let last = bytes.len() - (5 + 2 + 4) - 4 - 1;
+    bytes[last] ^= 1;
+    let end = last + 1;
+    let start = (0..end)
+        .rev()
+        .find(|&i| bytes[i] == 2 && bytes[i + 1..].starts_with(&((end - i - 5) as u32).to_le_bytes()));
+    let start = start.expect("the block's head");
+    let sum = crc(&bytes[start..end]);
+    bytes[end..end + 4].copy_from_slice(&sum.to_le_bytes());
+    std::fs::write(&file, &bytes).expect("a file");
+
+    refused(
+        &["replay", path, "--quiet"],
+        1,
+        "step 1 goes another way in stage finish, first body 0.1 \"the ball\"",
+    );
+    let output = backstop(&["replay", path, "--json"]);
+    assert_eq!(output.status.code(), Some(1));
+    let document: Value = serde_json::from_slice(&output.stdout).expect("one JSON document");
+    let found = &document["divergence"];
+    has_keys(found, &["step", "stage", "body", "bodies", "refused", "recorded", "replayed"]);
+    assert_eq!((&found["step"], &found["stage"]), (&1.into(), &"finish".into()));
+    assert_eq!((&found["body"]["name"], &found["body"]["handle"]["slot"]), (&"the ball".into(), &0.into()));
+
+    bytes.truncate(end);
+    std::fs::write(&file, &bytes).expect("a file");
+    refused(&["replay", path], 1, "is cut off after step 0");
+    refused(&["replay", "scenes/tower.gltf"], 1, "no recording of backstop");
+    refused(&["replay", "no/such/file"], 1, "no/such/file");
+}
+
+/// CRC-32 bit by bit.
+fn crc(bytes: &[u8]) -> u32 {
+    let bit = |crc: u32| if crc & 1 == 1 { crc >> 1 ^ 0xEDB8_8320 } else { crc >> 1 };
+    !bytes.iter().fold(u32::MAX, |crc, &byte| (0..8).fold(crc ^ u32::from(byte), |crc, _| bit(crc)))
+}

@@ -400,3 +400,18 @@ fn sleepers_keep_to_the_budget() {
     run(&mut world, 2.0);
     assert_eq!(world.asleep(), 60);
 }
+
+/// Sleep that was switched off between two steps is off at once: nobody may be sent to sleep with the columns of the last
+/// step. The step after it once went out of bounds.
+#[test]
+fn nobody_is_sent_to_sleep_once_it_is_switched_off() {
+    let mut world = World::new(Settings { sleeping: true, ..Settings::default() }).unwrap();
+    let ball = common::dynamic(Geometry::Sphere { radius: 0.5 }, Material::default(), Vec3::ZERO);
+    let [ball, other] = [ball.clone(), ball.at(Vec3::X * 0.9)].map(|desc| world.add_body(&desc).unwrap());
+    world.step(1.0 / 60.0).unwrap();
+    world.set_settings(Settings { sleeping: false, ..world.settings().clone() }).unwrap();
+    world.send_to_sleep(ball).unwrap();
+    assert!(!world.is_asleep(ball).unwrap() && !world.is_asleep(other).unwrap());
+    world.step(1.0 / 60.0).unwrap();
+    world.step(1.0 / 60.0).unwrap();
+}

@@ -174,6 +174,12 @@ impl Now {
         stale.made.then_some(stale)
     }
 
+    /// Whether it was asked since the last change.
+    #[cfg(feature = "replay")]
+    pub(crate) fn is_fresh(&self) -> bool {
+        self.fresh.get().is_some()
+    }
+
     /// As the world is now.
     #[inline]
     pub(crate) fn get(&self, broad: &BroadPhase, world: &impl Present) -> &Current {

@@ -164,6 +164,18 @@ impl ContactHook<'_> {
         Ok(())
     }
 
+    /// What was said of it so far, and whether it was vetoed.
+    #[cfg(feature = "replay")]
+    pub(crate) fn said(&self) -> (Tweak, bool) {
+        (self.tweak, self.vetoed)
+    }
+
+    /// Says what was said before.
+    #[cfg(feature = "replay")]
+    pub(crate) fn say(&mut self, tweak: Tweak, vetoed: bool) {
+        (self.tweak, self.vetoed) = (tweak, vetoed);
+    }
+
     fn indices(&self) -> [usize; 2] {
         [self.contact.a, self.contact.b].map(|c| self.world.colliders.hot[c as usize].body as usize)
     }

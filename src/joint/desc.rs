@@ -240,6 +240,7 @@ impl Drive {
 ///
 /// The relative motion is that of the second frame as seen from the first. Frames that coincide have no displacement.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct JointDesc {
     /// The two bodies, at least one of them dynamic.
     pub bodies: [BodyHandle; 2],

@@ -65,7 +65,7 @@ impl Present for World {
 impl World {
     /// The tree of what moves, as it is now.
     #[inline]
-    pub(super) fn current(&self) -> &Current {
+    pub(crate) fn current(&self) -> &Current {
         self.now.get(&self.broad, self)
     }
 

@@ -22,10 +22,10 @@ const MOST: f32 = 1e7;
 /// sample, 2 c + 1 the other. It is touched from both sides. About 5.6 bytes a sample.
 #[derive(Clone, Debug)]
 pub struct HeightField {
-    columns: usize,
-    rows: usize,
-    cell: Vec2,
-    heights: Vec<f32>,
+    pub(super) columns: usize,
+    pub(super) rows: usize,
+    pub(super) cell: Vec2,
+    pub(super) heights: Vec<f32>,
     /// Folds of a cell's three own edges, two bits each: the diagonal, the edge along x and the edge along z that
     /// start at the cell's own sample.
     folds: Vec<u8>,

@@ -107,11 +107,21 @@ impl ConvexHull {
     fn assemble(points: &[Vec3], polyhedron: Polyhedron) -> ConvexHull {
         let Polyhedron { vertices, faces, normals, edges, left_out } = polyhedron;
         let vertices: Vec<Vec3> = vertices.iter().map(|&i| points[i as usize]).collect();
+        let normals = normals.iter().map(|n| n.as_vec3()).collect();
+        Self::of_parts(vertices, faces, normals, edges, left_out as f32)
+    }
+
+    pub(super) fn of_parts(
+        vertices: Vec<Vec3>,
+        faces: Vec<Vec<u16>>,
+        normals: Vec<Vec3>,
+        mut edges: Vec<HullEdge>,
+        left_out: f32,
+    ) -> ConvexHull {
         let planes: Vec<(Vec3, f32)> = normals
-            .iter()
+            .into_iter()
             .map(|n| {
                 // The offset belongs to the rounded normal, so that rounding leaves no vertex outside.
-                let n = n.as_vec3();
                 let offset = vertices.iter().map(|v| n.as_dvec3().dot(v.as_dvec3())).fold(f64::MIN, f64::max);
                 (n, offset as f32)
             })
@@ -122,6 +132,10 @@ impl ConvexHull {
             face_vertices.extend_from_slice(face);
             face_start.push(face_vertices.len() as u16);
         }
+        // However it was made, it takes the same memory: a replay keeps to the same budget.
+        edges.shrink_to_fit();
+        face_start.shrink_to_fit();
+        face_vertices.shrink_to_fit();
         let xyz = |v: Vec3| v.to_array();
         let plane = |(n, offset): (Vec3, f32)| [n.x, n.y, n.z, offset];
         let moments = Moments::of_polyhedron(&vertices, &faces);
@@ -133,7 +147,7 @@ impl ConvexHull {
             radius: vertices.iter().map(|v| v.as_dvec3().length()).fold(0.0, f64::max) as f32,
             inner_radius: planes.iter().map(|p| p.1).fold(f32::MAX, f32::min).max(0.0),
             centre: moments.centre.as_vec3(),
-            left_out: left_out as f32,
+            left_out,
             moments,
             vertices,
             planes,

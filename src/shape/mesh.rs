@@ -10,10 +10,10 @@ use crate::lanes::{Mask, f32x4, f32x8};
 use glam::Vec3;
 
 /// Of the largest coordinate [m]: squares of areas stay finite.
-const MOST: f32 = 1e7;
+pub(super) const MOST: f32 = 1e7;
 /// Bits of a corner that are a vertex; the two above are the fold of the edge that starts there.
-const VERTEX_BITS: u32 = 30;
-const VERTEX_MASK: u32 = (1 << VERTEX_BITS) - 1;
+pub(super) const VERTEX_BITS: u32 = 30;
+pub(super) const VERTEX_MASK: u32 = (1 << VERTEX_BITS) - 1;
 
 /// A static triangle mesh, shared by the shapes that use it.
 ///
@@ -21,12 +21,12 @@ const VERTEX_MASK: u32 = (1 << VERTEX_BITS) - 1;
 /// those they were given with. 22 bytes a triangle, tree included, where each vertex is shared by six triangles.
 #[derive(Clone, Debug)]
 pub struct TriangleMesh {
-    vertices: Vec<Vec3>,
+    pub(super) vertices: Vec<Vec3>,
     /// Vertex indices with the folds in their top bits.
-    triangles: Vec<[u32; 3]>,
-    tree: MeshBvh,
-    min: Vec3,
-    max: Vec3,
+    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) tree: MeshBvh,
+    pub(super) min: Vec3,
+    pub(super) max: Vec3,
 }
 
 impl TriangleMesh {

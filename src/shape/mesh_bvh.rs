@@ -14,26 +14,29 @@ pub(crate) const LEAF: usize = 8;
 const BINS: usize = 12;
 /// Levels that follow the heuristic; below them ranges are halved, which bounds the depth and thereby the stack.
 const FREE_LEVELS: u32 = 8;
-/// Most nodes that wait: three for each of at most 8 + 13 levels.
+/// Most levels: 8 + 13.
+#[cfg(feature = "replay")]
+pub(super) const DEPTH: u32 = FREE_LEVELS + 13;
+/// Most nodes that wait: three for each of them.
 const STACK: usize = 64;
 
 /// Four children.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
-struct Node {
+pub(super) struct Node {
     /// Coordinates of the grid's step 0 and the size of a step [m].
-    origin: [f32; 3],
-    step: [f32; 3],
+    pub(super) origin: [f32; 3],
+    pub(super) step: [f32; 3],
     /// Steps along x, y and z, per child.
-    low: [[u8; 4]; 3],
-    high: [[u8; 4]; 3],
-    child: [u32; 4],
+    pub(super) low: [[u8; 4]; 3],
+    pub(super) high: [[u8; 4]; 3],
+    pub(super) child: [u32; 4],
 }
 
 /// Set in a child that is a leaf: then 28 bits of first triangle and 3 of count - 1 follow. Else: a node's index.
-const IS_LEAF: u32 = 1 << 31;
+pub(super) const IS_LEAF: u32 = 1 << 31;
 /// No child: a leaf that would end beyond the most triangles.
-const NO_CHILD: u32 = u32::MAX;
+pub(super) const NO_CHILD: u32 = u32::MAX;
 /// Leaves can name as many triangles.
 pub(crate) const MAX_TRIANGLES: usize = 1 << 28;
 
@@ -78,9 +81,9 @@ impl Item {
 /// See the module. Bounds in the mesh's frame.
 #[derive(Clone, Debug)]
 pub(crate) struct MeshBvh {
-    nodes: Vec<Node>,
+    pub(super) nodes: Vec<Node>,
     /// Covers the rounding of a path's cross products [m].
-    slack: f32,
+    pub(super) slack: f32,
 }
 
 impl MeshBvh {

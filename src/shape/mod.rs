@@ -16,6 +16,8 @@ mod mesh_bvh;
 mod mesh_edges;
 mod segment_triangle;
 mod slabs;
+#[cfg(feature = "replay")]
+mod stored;
 
 pub(crate) use collider::{Collider, EVENTS, HOOKS, Hot, Kind, SENSOR};
 pub(crate) use corners::Corners;
@@ -26,6 +28,8 @@ pub use mass::MassProperties;
 pub use mesh::TriangleMesh;
 pub(crate) use mesh_edges::{Edges, FLAT_COSINE, Fold};
 pub(crate) use slabs::{Near, Slabs};
+#[cfg(feature = "replay")]
+pub(crate) use stored::{StoredField, StoredHull, StoredMesh};
 
 use crate::error::{Error, finite, finite3, positive, within};
 use glam::{Quat, Vec3};

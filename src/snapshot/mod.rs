@@ -81,8 +81,12 @@ impl World {
     /// [`World::report`] stay as they are.
     ///
     /// # Errors
-    /// Only for snapshots from bytes: if they are broken, or the world lacks what they refer to.
+    /// If the world is being recorded; and for snapshots from bytes: if they are broken, or the world lacks what they refer to.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
+        #[cfg(feature = "replay")]
+        if self.tape.is_some() {
+            return Err(Error::Recorded);
+        }
         restore::restore(self, snapshot)
     }
 

@@ -6,6 +6,7 @@ use crate::constraint::RowGroup;
 use crate::error::Error;
 use crate::handle::{BodyHandle, JointHandle};
 use crate::joint::{Drive, Frame, JointDesc, Limit, More};
+use crate::record::record;
 use glam::{DVec3, Quat, Vec3};
 
 impl World {
@@ -21,6 +22,7 @@ impl World {
             return Err(Error::JointOfStill);
         }
         self.make_place_for_joint(More::of_joint(desc))?;
+        record!(self, AddJoint(desc.clone()));
         self.wake_joined(desc.bodies.map(|body| body.slot));
         let bodies = desc.bodies.map(|body| self.bodies.slots.dense(body.slot) as usize);
         let frames = [0, 1].map(|side| {
@@ -64,6 +66,7 @@ impl World {
     /// If the handle is stale.
     pub fn remove_joint(&mut self, joint: JointHandle) -> Result<(), Error> {
         let slot = self.joint(joint)?;
+        record!(self, RemoveJoint(joint));
         self.drop_joint(slot);
         Ok(())
     }
@@ -77,6 +80,7 @@ impl World {
         limits.iter().try_for_each(Limit::validate)?;
         drives.iter().try_for_each(Drive::validate)?;
         self.make_place_for_joint(More::of(limits, drives))?;
+        record!(self, SetJoint(joint, limits.to_vec(), drives.to_vec()));
         self.wake_joined(self.joints.all[slot as usize].bodies);
         self.revisions.moving += 1;
         self.joints.replace_rows(slot, limits, drives);
@@ -90,6 +94,7 @@ impl World {
     /// If the handle is stale.
     pub fn raise_joint(&mut self, joint: JointHandle, above: Option<RowGroup>) -> Result<(), Error> {
         let slot = self.joint(joint)?;
+        record!(self, RaiseJoint(joint, above));
         self.revisions.moving += 1;
         self.joints.all[slot as usize].raised = above;
         self.joints.changed = true;

@@ -4,6 +4,7 @@ use super::World;
 use crate::body::BodyKind;
 use crate::error::Error;
 use crate::handle::BodyHandle;
+use crate::record::record;
 
 impl World {
     /// Whether a body is asleep.
@@ -31,6 +32,7 @@ impl World {
     /// If the handle is stale.
     pub fn wake(&mut self, body: BodyHandle) -> Result<(), Error> {
         let index = self.index(body)?;
+        record!(self, Wake(body));
         self.wake_body(index);
         Ok(())
     }
@@ -43,6 +45,7 @@ impl World {
     /// If the handle is stale.
     pub fn send_to_sleep(&mut self, body: BodyHandle) -> Result<(), Error> {
         let index = self.index(body)?;
+        record!(self, SendToSleep(body));
         // The column of a world that has just ceased to sleep lasts until the next step.
         let sleeps = self.settings.sleeping && self.bodies.rests;
         if sleeps && index < self.bodies.dynamic() && self.bodies.rest.len() == self.bodies.len() {
@@ -57,6 +60,7 @@ impl World {
     /// If the handle is stale.
     pub fn set_can_sleep(&mut self, body: BodyHandle, can_sleep: bool) -> Result<(), Error> {
         let index = self.index(body)?;
+        record!(self, SetCanSleep(body, can_sleep));
         let index = if can_sleep { index } else { self.wake_body(index) };
         self.revise(index);
         self.bodies.traits[index].sleepless = !can_sleep && self.bodies.kind[index] == BodyKind::Dynamic;

@@ -20,6 +20,8 @@ pub(crate) enum Command {
     Run(Box<RunOptions>),
     /// Shoot bodies of every shape at thin targets and count those that get through.
     Shots(ShotOptions),
+    /// Play a recorded run again, compare every step, and name the first that goes another way.
+    Replay(ReplayOptions),
     /// Scenes that come with backstop.
     Scenes {
         #[command(subcommand)]
@@ -89,6 +91,9 @@ pub(crate) struct RunOptions {
     pub(crate) frames: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) pictures: PictureOptions,
+    /// Write a recording of the run: for `cargo backstop replay`.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) record: Option<PathBuf>,
     /// Print one JSON document instead of the summary (docs/json.md).
     #[arg(long)]
     pub(crate) json: bool,
@@ -116,6 +121,22 @@ pub(crate) struct PictureOptions {
     /// What it looks at [default: the middle of what moves].
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = place)]
     pub(crate) look_at: Option<DVec3>,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct ReplayOptions {
+    /// A recording, by `run --record` or by a game (docs/replay.md).
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
+    /// Threads that work on a step, whatever their number was.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = threads)]
+    pub(crate) threads: usize,
+    /// Print one JSON document instead of the summary (docs/json.md).
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// No summary, no notes.
+    #[arg(long)]
+    pub(crate) quiet: bool,
 }
 
 #[derive(Args, Debug)]

@@ -8,6 +8,7 @@ use crate::{output, page, summary};
 use anyhow::{Context, bail};
 use backstop::scene::{self, Recorder, Scene};
 use backstop::{BodyHandle, Settings, World};
+use std::io::BufWriter;
 use std::path::PathBuf;
 
 /// Simulated time of scenes from files, unless steps are given [s].
@@ -19,8 +20,8 @@ const FRAME_RATE: f32 = 60.0;
 
 pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
     // Fails before the work is done, not after it.
-    if let Some(folder) = options.out.as_ref().and_then(|f| f.parent()).filter(|f| !f.as_os_str().is_empty())
-    {
+    for file in [&options.out, &options.record].into_iter().flatten() {
+        let Some(folder) = file.parent().filter(|f| !f.as_os_str().is_empty()) else { continue };
         std::fs::create_dir_all(folder).with_context(|| format!("can't make {}", folder.display()))?;
     }
     if let Some(folder) = &options.report {
@@ -95,7 +96,18 @@ struct Ran {
 }
 
 fn simulate(options: &RunOptions, scene: &Scene, mut frames: Option<Frames>) -> anyhow::Result<Ran> {
-    let (mut world, handles) = world(options, scene)?;
+    let mut world = World::new(settings(options, scene)).context("these settings are refused")?;
+    if let Some(path) = &options.record {
+        let about = || format!("can't record into {}", path.display());
+        let file = std::fs::File::create(path).with_context(about)?;
+        world.start_recording(BufWriter::new(file)).with_context(about)?;
+    }
+    let added = scene.add_to(&mut world).with_context(|| format!("scene {} is refused", scene.name))?;
+    let handles = added.bodies;
+    for (body, handle) in scene.bodies.iter().zip(&handles) {
+        world.name_recorded(*handle, &body.name);
+    }
+
     let steps = options.steps.unwrap_or_else(|| default_steps(scene, options.dt));
     let every = ((1.0 / FRAME_RATE) / options.dt).round().max(1.0) as u32;
     let mut film = options.out.as_ref().map(|_| Recorder::new(scene));
@@ -116,6 +128,9 @@ fn simulate(options: &RunOptions, scene: &Scene, mut frames: Option<Frames>) -> 
         bar.inc(1);
     }
     bar.finish_and_clear();
+    if let Some(path) = &options.record {
+        world.stop_recording().with_context(|| format!("can't record into {}", path.display()))?;
+    }
     Ok(Ran { world, handles, trace, film, frames })
 }
 
@@ -155,6 +170,7 @@ fn write(options: &RunOptions, scene: &Scene, ran: &Ran) -> anyhow::Result<()> {
         written.push(path.clone());
     }
     written.extend(frames.iter().map(|frames| frames.folder().to_path_buf()));
+    written.extend(options.record.clone());
     let document = Document::new(options, scene, world, handles, trace)?;
     if let Some(folder) = &options.report {
         written.push(page::write(folder, &document, trace)?);

@@ -1,0 +1,223 @@
+//! What a recording is made of: calls, by the names of the methods of `World`.
+
+use super::geometry::{Form, StoredHull, StoredMesh};
+use super::probe::StepRecord;
+use crate::body::{BodyDesc, BodyKind};
+use crate::config::{Continuous, Settings};
+use crate::constraint::RowGroup;
+use crate::handle::{BodyHandle, JointHandle, ShapeHandle};
+use crate::joint::{Drive, JointDesc, Limit};
+use crate::shape::{Filter, MassProperties, Material, ShapeDesc, StoredField};
+use glam::{DVec3, Quat, Vec3};
+use serde::{Deserialize, Serialize};
+
+macro_rules! calls {
+    ($($(#[$doc:meta])* $call:ident $name:literal ($($kind:ty),*),)*) => {
+        /// A call that changed the world, or what one of them needs. New ones go to the end: their numbers are the format's.
+        #[derive(Clone, Debug, Serialize, Deserialize)]
+        pub(crate) enum Call {
+            $($(#[$doc])* $call($($kind),*),)*
+        }
+
+        impl Call {
+            /// The name of the method.
+            pub(super) fn name(&self) -> &'static str {
+                match self {
+                    $(Call::$call(..) => $name,)*
+                }
+            }
+        }
+    };
+}
+
+calls! {
+    Step "step" (StepRecord),
+    /// Geometry that shapes share, written before the first call that uses it; numbered in this order.
+    Hull "hull" (StoredHull),
+    Mesh "mesh" (StoredMesh),
+    Field "height_field" (StoredField),
+    /// Another one of the same content as that of this number.
+    Again "again" (u32),
+    SetSettings "set_settings" (Settings),
+    SetOrigin "set_origin" (DVec3),
+    AddBody "add_body" (Body),
+    AddBodies "add_bodies" (Vec<Body>),
+    RemoveBody "remove_body" (BodyHandle),
+    AddShape "add_shape" (BodyHandle, Shape),
+    RemoveShape "remove_shape" (ShapeHandle),
+    SetMaterial "set_material" (ShapeHandle, Material),
+    SetFilter "set_filter" (ShapeHandle, Filter),
+    SetListening "set_listening" (ShapeHandle, bool, bool),
+    SetSensor "set_sensor" (ShapeHandle, bool),
+    SetPose "set_pose" (BodyHandle, DVec3, Quat),
+    SetVelocity "set_velocity" (BodyHandle, Vec3, Vec3),
+    AddForce "add_force" (BodyHandle, Vec3, Vec3),
+    ApplyImpulse "apply_impulse" (BodyHandle, Vec3, DVec3),
+    SetGravityScale "set_gravity_scale" (BodyHandle, f32),
+    SetContinuous "set_continuous" (BodyHandle, Continuous),
+    RaiseBody "raise_body" (BodyHandle, Option<RowGroup>),
+    SetMass "set_mass" (BodyHandle, MassProperties),
+    AddJoint "add_joint" (JointDesc),
+    RemoveJoint "remove_joint" (JointHandle),
+    SetJoint "set_joint" (JointHandle, Vec<Limit>, Vec<Drive>),
+    RaiseJoint "raise_joint" (JointHandle, Option<RowGroup>),
+    Wake "wake" (BodyHandle),
+    SendToSleep "send_to_sleep" (BodyHandle),
+    SetCanSleep "set_can_sleep" (BodyHandle, bool),
+    SetEnabled "set_enabled" (BodyHandle, bool),
+    /// What a body is called in what is said of the replay.
+    NameRecorded "name_recorded" (BodyHandle, String),
+    /// A query was asked. It changes nothing but the memory that the world holds, which a budget counts.
+    Asked "asked" (),
+}
+
+impl Call {
+    /// The body that it changes, by itself and not only by what a step makes of it.
+    pub(super) fn body(&self) -> Option<BodyHandle> {
+        match self {
+            Call::AddShape(body, ..)
+            | Call::SetPose(body, ..)
+            | Call::SetVelocity(body, ..)
+            | Call::AddForce(body, ..)
+            | Call::ApplyImpulse(body, ..)
+            | Call::SetGravityScale(body, ..)
+            | Call::SetContinuous(body, ..)
+            | Call::RaiseBody(body, ..)
+            | Call::SetMass(body, ..)
+            | Call::Wake(body)
+            | Call::SendToSleep(body)
+            | Call::SetCanSleep(body, ..)
+            | Call::SetEnabled(body, ..) => Some(*body),
+            _ => None,
+        }
+    }
+}
+
+/// [`BodyDesc`] with its geometries by number.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Body {
+    kind: BodyKind,
+    position: DVec3,
+    rotation: Quat,
+    velocity: [Vec3; 2],
+    pub(super) shapes: Vec<Shape>,
+    mass: Option<MassProperties>,
+    gravity_scale: f32,
+    locks: [[bool; 3]; 2],
+    continuous: Continuous,
+    raised: Option<RowGroup>,
+    can_sleep: bool,
+    user_data: u64,
+}
+
+impl Body {
+    pub(super) fn new(desc: &BodyDesc, mut form: impl FnMut(&ShapeDesc) -> Shape) -> Body {
+        // By name and without a rest, here and below: a field that is new must not be forgotten.
+        let BodyDesc {
+            kind,
+            position,
+            rotation,
+            linear_velocity,
+            angular_velocity,
+            ref shapes,
+            mass,
+            gravity_scale,
+            lock_translation,
+            lock_rotation,
+            continuous,
+            raised,
+            can_sleep,
+            user_data,
+        } = *desc;
+        Body {
+            kind,
+            position,
+            rotation,
+            velocity: [linear_velocity, angular_velocity],
+            shapes: shapes.iter().map(&mut form).collect(),
+            mass,
+            gravity_scale,
+            locks: [lock_translation, lock_rotation],
+            continuous,
+            raised,
+            can_sleep,
+            user_data,
+        }
+    }
+
+    pub(super) fn desc(&self, shapes: Vec<ShapeDesc>) -> BodyDesc {
+        BodyDesc {
+            kind: self.kind,
+            position: self.position,
+            rotation: self.rotation,
+            linear_velocity: self.velocity[0],
+            angular_velocity: self.velocity[1],
+            shapes,
+            mass: self.mass,
+            gravity_scale: self.gravity_scale,
+            lock_translation: self.locks[0],
+            lock_rotation: self.locks[1],
+            continuous: self.continuous,
+            raised: self.raised,
+            can_sleep: self.can_sleep,
+            user_data: self.user_data,
+        }
+    }
+}
+
+/// [`ShapeDesc`] with its geometry by number.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Shape {
+    pub(super) form: Form,
+    position: Vec3,
+    rotation: Quat,
+    density: f32,
+    material: Material,
+    filter: Filter,
+    /// Sensor, events, hooks.
+    asks: [bool; 3],
+    user_data: u64,
+}
+
+impl Shape {
+    pub(super) fn new(desc: &ShapeDesc, form: Form) -> Shape {
+        let ShapeDesc {
+            geometry: _,
+            position,
+            rotation,
+            density,
+            material,
+            filter,
+            sensor,
+            events,
+            hooks,
+            user_data,
+        } = *desc;
+        Shape {
+            form,
+            position,
+            rotation,
+            density,
+            material,
+            filter,
+            asks: [sensor, events, hooks],
+            user_data,
+        }
+    }
+
+    pub(super) fn desc(&self, geometry: crate::shape::Geometry) -> ShapeDesc {
+        let [sensor, events, hooks] = self.asks;
+        ShapeDesc {
+            geometry,
+            position: self.position,
+            rotation: self.rotation,
+            density: self.density,
+            material: self.material,
+            filter: self.filter,
+            sensor,
+            events,
+            hooks,
+            user_data: self.user_data,
+        }
+    }
+}

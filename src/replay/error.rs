@@ -1,0 +1,49 @@
+//! Why a run can't be recorded, or a file not be played.
+
+use crate::error::Error;
+
+/// Why a run can't be recorded, or a file not be played.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReplayError {
+    /// The world has had bodies, or has stepped.
+    #[error("a recording starts with a new world: this one has had bodies, or has stepped")]
+    NotNew,
+    /// The world records already.
+    #[error("the world is being recorded already")]
+    Recording,
+    /// The world does not record.
+    #[error("the world is not being recorded")]
+    NotRecording,
+    /// Another sort of file.
+    #[error("this is no recording of backstop")]
+    Foreign,
+    /// Written by another version of the format.
+    #[error("the recording has format {found}, but this version of backstop plays format {known}")]
+    Version {
+        /// Of the file.
+        found: u16,
+        /// Of this version.
+        known: u16,
+    },
+    /// The file ends before the recording does. What there is of it was played.
+    #[error("the recording is cut off after step {steps}")]
+    CutOff {
+        /// Steps that are there.
+        steps: u64,
+    },
+    /// The file is not as it was written.
+    #[error("the recording is damaged after step {steps}: {what}")]
+    Damaged {
+        /// Steps before.
+        steps: u64,
+        /// What is wrong.
+        what: &'static str,
+    },
+    /// It starts with something that no world accepts.
+    #[error("the recording starts with settings that are refused")]
+    Refused(#[from] Error),
+    /// Reading or writing failed.
+    #[error("a recording can't be read or written")]
+    Io(#[from] std::io::Error),
+}

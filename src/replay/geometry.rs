@@ -1,0 +1,132 @@
+//! Geometry in a recording: small forms by their numbers, shared ones once by content.
+
+use super::call::Call;
+use super::hash::Hash;
+use super::tape::Sink;
+use crate::error::Error;
+use crate::shape::{ConvexHull, Geometry, HeightField, TriangleMesh};
+pub(super) use crate::shape::{StoredHull, StoredMesh};
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::sync::{Arc, Weak};
+
+/// [`Geometry`] with what is shared by number.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) enum Form {
+    Sphere(f32),
+    Capsule([f32; 3]),
+    Box(Vec3),
+    Cylinder([f32; 3]),
+    Plane,
+    Shared(u32),
+}
+
+/// Keeps the address of shared geometry from being given to another, not its content.
+#[expect(dead_code, reason = "held, never looked at")]
+enum Held {
+    Hull(Weak<ConvexHull>),
+    Mesh(Weak<TriangleMesh>),
+    Field(Weak<HeightField>),
+}
+
+/// What was written.
+///
+/// What shares memory in the run shares it in the replay, and what doesn't, doesn't: a budget counts it. So numbers are of
+/// what is in memory once, and of what has the same content only the first is written.
+#[derive(Default)]
+pub(super) struct Written {
+    by_address: BTreeMap<usize, (u32, Held)>,
+    /// By hash and length of the bytes.
+    by_content: BTreeMap<(u64, usize), u32>,
+}
+
+impl Sink {
+    pub(super) fn form(&mut self, geometry: &Geometry) -> Form {
+        let (address, held) = match geometry {
+            Geometry::Sphere { radius } => return Form::Sphere(*radius),
+            Geometry::Capsule { half_height, radius_bottom, radius_top } => {
+                return Form::Capsule([*half_height, *radius_bottom, *radius_top]);
+            }
+            Geometry::Box { half_extents } => return Form::Box(*half_extents),
+            Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
+                return Form::Cylinder([*half_height, *radius_bottom, *radius_top]);
+            }
+            Geometry::Plane => return Form::Plane,
+            Geometry::Hull(hull) => (Arc::as_ptr(hull) as usize, Held::Hull(Arc::downgrade(hull))),
+            Geometry::Mesh(mesh) => (Arc::as_ptr(mesh) as usize, Held::Mesh(Arc::downgrade(mesh))),
+            Geometry::HeightField(field) => (Arc::as_ptr(field) as usize, Held::Field(Arc::downgrade(field))),
+        };
+        if let Some((number, _)) = self.written.by_address.get(&address) {
+            return Form::Shared(*number);
+        }
+        let number = self.written.by_address.len() as u32;
+        self.written.by_address.insert(address, (number, held));
+        let content = match geometry {
+            Geometry::Hull(hull) => Call::Hull(hull.stored()),
+            Geometry::Mesh(mesh) => Call::Mesh(mesh.stored()),
+            Geometry::HeightField(field) => Call::Field(field.stored()),
+            _ => return Form::Plane,
+        };
+        let from = self.block.len();
+        self.write(&content);
+        let bytes = self.block.get(from..).unwrap_or_default();
+        let mut hash = Hash::new();
+        hash.bytes(bytes);
+        let key = (hash.long(), bytes.len());
+        match self.written.by_content.get(&key).copied() {
+            Some(first) => {
+                self.block.truncate(from);
+                self.write(&Call::Again(first));
+            }
+            None => {
+                self.written.by_content.insert(key, number);
+            }
+        }
+        Form::Shared(number)
+    }
+}
+
+/// What was read, by number.
+#[derive(Default)]
+pub(super) struct Read(Vec<Geometry>);
+
+impl Read {
+    /// Keeps what a call defines; none if it is another sort of call.
+    pub(super) fn define(&mut self, call: Call) -> Option<Result<(), Error>> {
+        let made = match call {
+            Call::Hull(hull) => ConvexHull::from_stored(hull).map(|hull| Geometry::Hull(Arc::new(hull))),
+            Call::Mesh(mesh) => TriangleMesh::from_stored(mesh).map(|mesh| Geometry::Mesh(Arc::new(mesh))),
+            Call::Field(field) => {
+                HeightField::from_stored(field).map(|field| Geometry::HeightField(Arc::new(field)))
+            }
+            Call::Again(number) => self.shared(number).map(|geometry| match geometry {
+                Geometry::Hull(hull) => Geometry::Hull(Arc::new((**hull).clone())),
+                Geometry::Mesh(mesh) => Geometry::Mesh(Arc::new((**mesh).clone())),
+                Geometry::HeightField(field) => Geometry::HeightField(Arc::new((**field).clone())),
+                other => other.clone(),
+            }),
+            _ => return None,
+        };
+        Some(made.map(|geometry| self.0.push(geometry)))
+    }
+
+    pub(super) fn geometry(&self, form: Form) -> Result<Geometry, Error> {
+        Ok(match form {
+            Form::Sphere(radius) => Geometry::Sphere { radius },
+            Form::Capsule([half_height, radius_bottom, radius_top]) => {
+                Geometry::Capsule { half_height, radius_bottom, radius_top }
+            }
+            Form::Box(half_extents) => Geometry::Box { half_extents },
+            Form::Cylinder([half_height, radius_bottom, radius_top]) => {
+                Geometry::Cylinder { half_height, radius_bottom, radius_top }
+            }
+            Form::Plane => Geometry::Plane,
+            Form::Shared(number) => self.shared(number)?.clone(),
+        })
+    }
+
+    fn shared(&self, number: u32) -> Result<&Geometry, Error> {
+        self.0.get(number as usize).ok_or_else(|| Error::Degenerate("a recorded geometry is missing".into()))
+    }
+}

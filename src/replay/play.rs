@@ -1,0 +1,309 @@
+//! Playing a recording again.
+
+use super::call::{Call, Shape};
+use super::compare::{Divergence, Names, compare};
+use super::error::ReplayError;
+use super::file::{Block, End, Start, read_block, read_header};
+use super::geometry;
+use super::hooks::Told;
+use super::probe::{Stage, StepRecord};
+use super::tape::Tape;
+use crate::config::Settings;
+use crate::error::Error;
+use crate::shape::ShapeDesc;
+use crate::world::World;
+use std::collections::BTreeMap;
+use std::io::Read;
+
+/// A recording that is played again, step after step.
+pub struct Replay<R> {
+    from: R,
+    world: World,
+    /// Of the version of backstop that recorded.
+    engine: String,
+    /// What is done to all settings before they are set.
+    change: Box<dyn Fn(&mut Settings) + Send>,
+    /// Calls that were read, and how far they were played.
+    block: Vec<u8>,
+    at: usize,
+    ended: bool,
+    geometries: geometry::Read,
+    names: Names,
+    /// Slots of the bodies that the recorded step looked at.
+    awake: Vec<u32>,
+    steps: u64,
+    calls: BTreeMap<&'static str, u64>,
+}
+
+/// What came of a step.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Progress {
+    /// The same as in the recording.
+    Same,
+    /// Something else.
+    Diverged(Box<Divergence>),
+    /// There is no further step.
+    End,
+}
+
+/// What came of a replay.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Played {
+    /// Steps that were played.
+    pub steps: u64,
+    /// Calls that were played, steps among them, by the names of the methods.
+    pub calls: BTreeMap<&'static str, u64>,
+    /// Where it first went another way; there the replay ended.
+    pub divergence: Option<Divergence>,
+}
+
+/// Why a call could not be made.
+enum Failed {
+    /// The world refuses it.
+    Refused(Error),
+    /// What was read makes no sense.
+    Damaged(&'static str),
+}
+
+impl From<Error> for Failed {
+    fn from(error: Error) -> Failed {
+        Failed::Refused(error)
+    }
+}
+
+impl<R: Read> Replay<R> {
+    /// Starts to play a recording.
+    ///
+    /// # Errors
+    /// If it is none, or of another version of the format, or damaged.
+    pub fn open(from: R) -> Result<Replay<R>, ReplayError> {
+        Self::open_with(from, |_| {})
+    }
+
+    /// The same with other settings: another number of threads, to see that it does not matter, or of substeps, to see what
+    /// it does. `change` is called with the settings at the start and each time that they are set.
+    ///
+    /// # Errors
+    /// As for [`Replay::open`], and if the settings are refused.
+    pub fn open_with(
+        mut from: R,
+        change: impl Fn(&mut Settings) + Send + 'static,
+    ) -> Result<Replay<R>, ReplayError> {
+        read_header(&mut from)?;
+        let damaged = |_| ReplayError::Damaged { steps: 0, what: "the start makes no sense" };
+        let Start { engine, mut settings, origin } = match read_block(&mut from, 0)? {
+            (Block::Start, payload) => postcard::from_bytes(&payload).map_err(damaged)?,
+            _ => return Err(ReplayError::Damaged { steps: 0, what: "there is no start" }),
+        };
+        change(&mut settings);
+        let mut world = World::new(settings)?;
+        world.set_origin(origin)?;
+        world.tape = Some(Tape::played());
+        Ok(Replay {
+            from,
+            world,
+            engine,
+            change: Box::new(change),
+            block: Vec::new(),
+            at: 0,
+            ended: false,
+            geometries: geometry::Read::default(),
+            names: Names::new(),
+            awake: Vec::new(),
+            steps: 0,
+            calls: BTreeMap::new(),
+        })
+    }
+
+    /// The world as it is now.
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The version of backstop that recorded. Another one may go another way.
+    pub fn engine(&self) -> &str {
+        &self.engine
+    }
+
+    /// Steps that were played.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// Plays all calls up to the next step, and that.
+    ///
+    /// # Errors
+    /// If the file is cut off or damaged there.
+    pub fn step(&mut self) -> Result<Progress, ReplayError> {
+        while let Some(call) = self.next()? {
+            let name = call.name();
+            *self.calls.entry(name).or_default() += 1;
+            if let Call::Step(record) = call {
+                return self.play_step(&record);
+            }
+            match self.play(call) {
+                Ok(()) => {}
+                Err(Failed::Damaged(what)) => return Err(ReplayError::Damaged { steps: self.steps, what }),
+                Err(Failed::Refused(error)) => {
+                    return Ok(Progress::Diverged(Box::new(Divergence {
+                        step: self.steps + 1,
+                        stage: Stage::Calls,
+                        body: None,
+                        bodies: 0,
+                        refused: Some((name, error)),
+                        hashes: [self.world.hash(); 2],
+                    })));
+                }
+            }
+        }
+        Ok(Progress::End)
+    }
+
+    /// Plays on to the end, or to the first divergence.
+    ///
+    /// # Errors
+    /// If the file is cut off or damaged before that.
+    pub fn run(&mut self) -> Result<Played, ReplayError> {
+        let divergence = loop {
+            match self.step()? {
+                Progress::Same => {}
+                Progress::Diverged(divergence) => break Some(*divergence),
+                Progress::End => break None,
+            }
+        };
+        Ok(Played { steps: self.steps, calls: self.calls.clone(), divergence })
+    }
+
+    /// The next call, if there is one.
+    fn next(&mut self) -> Result<Option<Call>, ReplayError> {
+        let damaged = |what| ReplayError::Damaged { steps: self.steps, what };
+        while self.at == self.block.len() {
+            if self.ended {
+                return Ok(None);
+            }
+            match read_block(&mut self.from, self.steps)? {
+                (Block::Calls, payload) => (self.block, self.at) = (payload, 0),
+                (Block::End, payload) => {
+                    let end: End =
+                        postcard::from_bytes(&payload).map_err(|_| damaged("its end makes no sense"))?;
+                    if end.steps != self.steps {
+                        return Err(damaged("steps are missing"));
+                    }
+                    self.ended = true;
+                }
+                (Block::Start, _) => return Err(damaged("it starts twice")),
+            }
+        }
+        let (call, rest) = postcard::take_from_bytes(&self.block[self.at..])
+            .map_err(|_| damaged("a call makes no sense"))?;
+        self.at = self.block.len() - rest.len();
+        Ok(Some(call))
+    }
+
+    fn play_step(&mut self, record: &StepRecord) -> Result<Progress, ReplayError> {
+        let damaged = |what| ReplayError::Damaged { steps: self.steps, what };
+        if let Some(differences) = &record.awake {
+            self.awake.clear();
+            let mut slot = 0u32;
+            for difference in differences {
+                slot = slot.checked_add(*difference).ok_or(damaged("slots make no sense"))?;
+                self.awake.push(slot);
+            }
+        }
+        if self.awake.len() != record.bodies.len() {
+            return Err(damaged("hashes of bodies are missing"));
+        }
+        if self.world.step_with(record.dt, &Told::new(&record.decisions)).is_err() {
+            return Err(damaged("the length of a step makes no sense"));
+        }
+        self.steps += 1;
+        let Some(tape) = &self.world.tape else { return Ok(Progress::Same) };
+        let recorded = (self.steps, record, &self.awake[..]);
+        Ok(match compare(recorded, &tape.seen, &self.world, &self.names) {
+            Some(divergence) => Progress::Diverged(Box::new(divergence)),
+            None => Progress::Same,
+        })
+    }
+
+    fn shape(&self, shape: &Shape) -> Result<ShapeDesc, Failed> {
+        let geometry = self.geometries.geometry(shape.form);
+        Ok(shape.desc(geometry.map_err(|_| Failed::Damaged("a geometry is missing"))?))
+    }
+
+    fn body(&self, body: &super::call::Body) -> Result<crate::body::BodyDesc, Failed> {
+        let shapes = body.shapes.iter().map(|shape| self.shape(shape)).collect::<Result<_, _>>()?;
+        Ok(body.desc(shapes))
+    }
+
+    fn play(&mut self, call: Call) -> Result<(), Failed> {
+        if let Some(tape) = &mut self.world.tape {
+            tape.touch(call.body());
+        }
+        match call {
+            Call::Step(_) => {}
+            Call::Hull(_) | Call::Mesh(_) | Call::Field(_) | Call::Again(_) => {
+                if let Some(Err(_)) = self.geometries.define(call) {
+                    return Err(Failed::Damaged("a geometry makes no sense"));
+                }
+            }
+            Call::SetSettings(mut settings) => {
+                (self.change)(&mut settings);
+                self.world.set_settings(settings)?;
+            }
+            Call::SetOrigin(origin) => self.world.set_origin(origin)?,
+            Call::AddBody(body) => {
+                let desc = self.body(&body)?;
+                self.world.add_body(&desc)?;
+            }
+            Call::AddBodies(bodies) => {
+                let descs = bodies.iter().map(|body| self.body(body)).collect::<Result<Vec<_>, _>>()?;
+                self.world.add_bodies(&descs)?;
+            }
+            Call::RemoveBody(body) => self.world.remove_body(body)?,
+            Call::AddShape(body, shape) => {
+                let desc = self.shape(&shape)?;
+                self.world.add_shape(body, &desc)?;
+            }
+            Call::RemoveShape(shape) => self.world.remove_shape(shape)?,
+            Call::SetMaterial(shape, material) => self.world.set_material(shape, material)?,
+            Call::SetFilter(shape, filter) => self.world.set_filter(shape, filter)?,
+            Call::SetListening(shape, events, hooks) => self.world.set_listening(shape, events, hooks)?,
+            Call::SetSensor(shape, sensor) => self.world.set_sensor(shape, sensor)?,
+            Call::SetPose(body, position, rotation) => self.world.set_pose(body, position, rotation)?,
+            Call::SetVelocity(body, linear, angular) => self.world.set_velocity(body, linear, angular)?,
+            Call::AddForce(body, force, torque) => self.world.add_force(body, force, torque)?,
+            Call::ApplyImpulse(body, impulse, point) => self.world.apply_impulse(body, impulse, point)?,
+            Call::SetGravityScale(body, scale) => self.world.set_gravity_scale(body, scale)?,
+            Call::SetContinuous(body, mode) => self.world.set_continuous(body, mode)?,
+            Call::RaiseBody(body, above) => self.world.raise_body(body, above)?,
+            Call::SetMass(body, mass) => self.world.set_mass(body, mass)?,
+            Call::AddJoint(desc) => {
+                self.world.add_joint(&desc)?;
+            }
+            Call::RemoveJoint(joint) => self.world.remove_joint(joint)?,
+            Call::SetJoint(joint, limits, drives) => self.world.set_joint(joint, &limits, &drives)?,
+            Call::RaiseJoint(joint, above) => self.world.raise_joint(joint, above)?,
+            Call::Wake(body) => self.world.wake(body)?,
+            Call::SendToSleep(body) => self.world.send_to_sleep(body)?,
+            Call::SetCanSleep(body, can_sleep) => self.world.set_can_sleep(body, can_sleep)?,
+            Call::SetEnabled(body, enabled) => self.world.set_enabled(body, enabled)?,
+            Call::NameRecorded(body, name) => {
+                self.names.insert(body.slot, (body.generation, name));
+            }
+            Call::Asked() => {
+                self.world.current();
+            }
+        }
+        Ok(())
+    }
+}
+
+impl<R> std::fmt::Debug for Replay<R> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Replay")
+            .field("engine", &self.engine)
+            .field("steps", &self.steps)
+            .finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,250 @@
+//! Hashes of what each stage of a step made.
+
+use super::hash::Hash;
+use super::hooks::Decision;
+use crate::lanes::Record;
+use crate::narrow_phase::NONE;
+use crate::world::World;
+use serde::{Deserialize, Serialize};
+
+/// A stage of a step, as docs/architecture.md has them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stage {
+    /// Before the step: a call was refused that was not refused when it was recorded.
+    Calls,
+    /// What the step starts with: poses, velocities, masses, accelerations.
+    Forces,
+    /// Pairs.
+    Broad,
+    /// Contacts.
+    Narrow,
+    /// What hooks said and restitution gave, and how many rows there are of which sort.
+    Prepare,
+    /// Velocities and displacements.
+    Solve,
+    /// Poses and velocities at the end, and who fell asleep.
+    Finish,
+}
+
+impl Stage {
+    /// Those that are hashed.
+    pub(super) const HASHED: [Stage; 6] =
+        [Stage::Forces, Stage::Broad, Stage::Narrow, Stage::Prepare, Stage::Solve, Stage::Finish];
+
+    /// In lower case, as JSON and messages have it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stage::Calls => "calls",
+            Stage::Forces => "forces",
+            Stage::Broad => "broad",
+            Stage::Narrow => "narrow",
+            Stage::Prepare => "prepare",
+            Stage::Solve => "solve",
+            Stage::Finish => "finish",
+        }
+    }
+}
+
+/// A hash of a body. Two bytes are enough to find out which one differs, once that one does is known: of 65,536 bodies that
+/// differ one is overlooked.
+pub(super) type Short = [u8; 2];
+
+/// What is written of a step.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct StepRecord {
+    /// [s]
+    pub(super) dt: f32,
+    pub(super) decisions: Vec<Decision>,
+    pub(super) stages: [[u8; 4]; Stage::HASHED.len()],
+    /// `World::hash` after it.
+    pub(super) hash: [u8; 8],
+    /// Slots of bodies that the caller changed since the step before, or that came or woke, and hashes of what the step
+    /// starts with for them.
+    pub(super) touched: Vec<(u32, Short)>,
+    /// Slots of all bodies that can move and are awake, as differences; none if they are those of the step before.
+    pub(super) awake: Option<Vec<u32>>,
+    /// A hash of each after the step.
+    pub(super) bodies: Vec<Short>,
+}
+
+/// What was hashed in the step.
+#[derive(Debug, Default)]
+pub(super) struct Seen {
+    pub(super) stages: [[u8; 4]; Stage::HASHED.len()],
+    pub(super) hash: [u8; 8],
+    pub(super) touched: Vec<(u32, Short)>,
+    /// Slots, ascending.
+    pub(super) awake: Vec<u32>,
+    /// Those of the step before.
+    pub(super) before: Vec<u32>,
+    pub(super) bodies: Vec<Short>,
+    /// Slots of bodies that calls changed since the step before.
+    pub(super) changed: Vec<u32>,
+}
+
+impl Seen {
+    /// What `stage` just made.
+    pub(super) fn look(&mut self, world: &World, stage: Stage) {
+        if stage == Stage::Forces {
+            self.look_at_start(world);
+        }
+        let mut hash = Hash::new();
+        match stage {
+            Stage::Calls => return,
+            Stage::Forces => forces(world, &mut hash),
+            Stage::Broad => broad(world, &mut hash),
+            Stage::Narrow => narrow(world, &mut hash),
+            Stage::Prepare => prepare(world, &mut hash),
+            Stage::Solve => solve(world, &mut hash),
+            Stage::Finish => {
+                self.look_at_end(world);
+                hash.word(u64::from_le_bytes(self.hash));
+                // Who sleeps stands behind who doesn't.
+                let order = &world.bodies.slot;
+                order.chunks(2).for_each(|s| hash.pair(s[0], s.get(1).copied().unwrap_or(0)));
+                hash.pair(world.bodies.movers() as u32, world.bodies.asleep().end as u32);
+            }
+        }
+        if let Some(at) = Stage::HASHED.iter().position(|&s| s == stage) {
+            self.stages[at] = hash.middle().to_le_bytes();
+        }
+    }
+
+    fn look_at_start(&mut self, world: &World) {
+        std::mem::swap(&mut self.before, &mut self.awake);
+        self.awake.clear();
+        self.awake.extend_from_slice(&world.bodies.slot[..world.bodies.movers()]);
+        self.awake.sort_unstable();
+        if self.awake != self.before {
+            let came = self.awake.iter().filter(|slot| self.before.binary_search(slot).is_err());
+            self.changed.extend(came);
+        }
+        self.changed.sort_unstable();
+        self.changed.dedup();
+        self.touched.clear();
+        for slot in self.changed.drain(..) {
+            // Some were removed since.
+            if let Some((_, index)) = world.bodies.slots.live(slot) {
+                self.touched.push((slot, start_of(world, index as usize)));
+            }
+        }
+    }
+
+    fn look_at_end(&mut self, world: &World) {
+        self.hash = world.hash().to_le_bytes();
+        self.bodies.clear();
+        let hash_of = |&slot: &u32| end_of(world, world.bodies.slots.dense(slot) as usize);
+        self.bodies.extend(self.awake.iter().map(hash_of));
+    }
+
+    /// What is to be written.
+    pub(super) fn record(&self, dt: f32, decisions: Vec<Decision>) -> StepRecord {
+        let mut last = 0;
+        let differences =
+            || self.awake.iter().map(|&slot| slot - std::mem::replace(&mut last, slot)).collect();
+        StepRecord {
+            dt,
+            decisions,
+            stages: self.stages,
+            hash: self.hash,
+            touched: self.touched.clone(),
+            awake: (self.awake != self.before).then(differences),
+            bodies: self.bodies.clone(),
+        }
+    }
+}
+
+/// Pose and velocity.
+fn end(world: &World, index: usize, hash: &mut Hash) {
+    let (pose, v) = (&world.bodies.pose[index], &world.bodies.velocity[index]);
+    hash.place(pose.position, pose.rotation);
+    hash.vectors(v.linear, v.angular);
+}
+
+fn end_of(world: &World, index: usize) -> Short {
+    let mut hash = Hash::new();
+    end(world, index, &mut hash);
+    hash.short().to_le_bytes()
+}
+
+/// All that a step starts with for a body that is its own.
+fn start(world: &World, index: usize, hash: &mut Hash) {
+    let bodies = &world.bodies;
+    end(world, index, hash);
+    let (mass, traits) = (&bodies.mass[index], &bodies.traits[index]);
+    hash.vectors(mass.inertia, mass.inverse_inertia);
+    hash.pair(mass.inverse.to_bits(), traits.gravity_scale.to_bits());
+    let flags = [traits.locks, traits.continuous as u8, traits.sleepless.into()];
+    let raised = traits.raised.map_or(0, |above| above as u32 + 1);
+    hash.pair(raised, flags.iter().fold(0, |all, &flag| all << 8 | u32::from(flag)));
+    // No force is the same as none that was ever applied.
+    let force = bodies.force.get(index).copied().unwrap_or_default();
+    hash.vectors(force.linear, force.angular);
+}
+
+fn start_of(world: &World, index: usize) -> Short {
+    let mut hash = Hash::new();
+    start(world, index, &mut hash);
+    hash.short().to_le_bytes()
+}
+
+fn records(records: &[Record], hash: &mut Hash) {
+    records.iter().for_each(|r| hash.vectors(r.linear, r.angular));
+}
+
+fn forces(world: &World, hash: &mut Hash) {
+    let movers = world.bodies.movers();
+    (0..movers).for_each(|index| start(world, index, hash));
+    let forces = &world.buffers.forces;
+    records(&forces.acceleration[..movers.min(forces.acceleration.len())], hash);
+    records(&forces.motion[..movers.min(forces.motion.len())], hash);
+}
+
+fn broad(world: &World, hash: &mut Hash) {
+    for pair in &world.broad.pairs {
+        hash.pair(pair.a, pair.b);
+        hash.word(pair.fast.into());
+    }
+}
+
+fn narrow(world: &World, hash: &mut Hash) {
+    for pair in &world.broad.pairs {
+        let mut slot = pair.contact;
+        while slot != NONE {
+            let contact = &world.contacts.all[slot as usize];
+            slot = contact.next;
+            hash.pair(contact.a, contact.b);
+            hash.pair(contact.count.into(), contact.fraction.to_bits());
+            hash.vectors(contact.normal, contact.friction);
+            hash.number(contact.twist);
+            for point in contact.points() {
+                hash.vector(point.position);
+                hash.pair(point.separation.to_bits(), point.impulse.to_bits());
+                hash.pair(point.held.to_bits(), point.key);
+            }
+        }
+    }
+}
+
+fn prepare(world: &World, hash: &mut Hash) {
+    let rows = &world.buffers.rows;
+    hash.pair(rows.schedule.len() as u32, rows.single.len() as u32);
+    for &(a, b) in &world.events.vetoed {
+        hash.pair(a, b);
+    }
+    for tweak in &world.events.tweaks {
+        let [friction, other] = tweak.friction.map(f32::to_bits);
+        hash.pair(friction, other);
+        hash.number(tweak.restitution);
+        hash.vector(tweak.surface);
+    }
+    records(&world.bodies.velocity[..world.bodies.movers()], hash);
+}
+
+fn solve(world: &World, hash: &mut Hash) {
+    let movers = world.bodies.movers();
+    records(&world.bodies.velocity[..movers], hash);
+    let delta = &world.buffers.solver.delta;
+    records(&delta[..movers.min(delta.len())], hash);
+}

@@ -1,0 +1,219 @@
+//! What a world has while it is recorded or replayed, and its calls about that.
+
+use super::call::{Body, Call, Shape};
+use super::error::ReplayError;
+use super::file::{Block, End, Start, write_block, write_header};
+use super::geometry::Written;
+use super::hooks::Heard;
+use super::probe::{Seen, Stage, StepRecord};
+use crate::body::BodyDesc;
+use crate::events::ContactHooks;
+use crate::handle::BodyHandle;
+use crate::shape::ShapeDesc;
+use crate::world::World;
+use std::io::Write;
+
+/// Bytes of calls that are gathered before they are written: what a crash may cost.
+const BLOCK: usize = 1 << 16;
+
+/// A recording that goes on, or what a replay compares with one.
+pub(crate) struct Tape {
+    pub(super) seen: Seen,
+    /// Where to; none in a replay.
+    sink: Option<Sink>,
+}
+
+/// What a recording came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Recorded {
+    /// Steps in it.
+    pub steps: u64,
+    /// Calls in it, steps among them.
+    pub calls: u64,
+    /// Bytes that were written.
+    pub bytes: u64,
+}
+
+/// Writes calls.
+pub(crate) struct Sink {
+    to: Box<dyn Write + Send + Sync>,
+    /// Calls that are not written yet.
+    pub(super) block: Vec<u8>,
+    pub(super) written: Written,
+    count: Recorded,
+    /// Why it writes no longer.
+    failed: Option<std::io::Error>,
+}
+
+impl Sink {
+    /// Appends a call.
+    pub(super) fn write(&mut self, call: &Call) {
+        let block = std::mem::take(&mut self.block);
+        match postcard::to_extend(call, block) {
+            Ok(block) => self.block = block,
+            // Nothing that calls are made of is refused; a world is not to fail for its recording in any case.
+            Err(error) => self.failed = Some(std::io::Error::other(error)),
+        }
+    }
+
+    pub(crate) fn body(&mut self, desc: &BodyDesc) -> Body {
+        Body::new(desc, |shape| self.shape(shape))
+    }
+    pub(crate) fn shape(&mut self, desc: &ShapeDesc) -> Shape {
+        let form = self.form(&desc.geometry);
+        Shape::new(desc, form)
+    }
+
+    fn count(&mut self, call: &Call) {
+        self.count.calls += 1;
+        self.count.steps += u64::from(matches!(call, Call::Step(_)));
+        if self.block.len() >= BLOCK {
+            self.flush(Block::Calls);
+        }
+    }
+
+    fn flush(&mut self, kind: Block) {
+        if self.failed.is_none() {
+            match write_block(&mut self.to, kind, &self.block) {
+                Ok(bytes) => self.count.bytes += bytes,
+                Err(error) => self.failed = Some(error),
+            }
+        }
+        self.block.clear();
+    }
+
+    fn end(&mut self) {
+        self.flush(Block::Calls);
+        let end = End { steps: self.count.steps, calls: self.count.calls };
+        self.block = postcard::to_stdvec(&end).unwrap_or_default();
+        self.flush(Block::End);
+        if self.failed.is_none() {
+            self.failed = self.to.flush().err();
+        }
+    }
+}
+
+impl Drop for Tape {
+    /// A world that goes, in a panic perhaps, leaves a whole recording.
+    fn drop(&mut self) {
+        if let Some(sink) = &mut self.sink {
+            sink.end();
+        }
+    }
+}
+
+impl std::fmt::Debug for Tape {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Tape").field("recorded", &self.sink.as_ref().map(|s| s.count)).finish_non_exhaustive()
+    }
+}
+
+impl Tape {
+    /// That of a replay.
+    pub(super) fn played() -> Box<Tape> {
+        Box::new(Tape { seen: Seen::default(), sink: None })
+    }
+
+    /// A call is about to change a body.
+    pub(super) fn touch(&mut self, body: Option<BodyHandle>) {
+        self.seen.changed.extend(body.map(|body| body.slot));
+    }
+}
+
+impl World {
+    /// Records from now on all that changes the world, until [`World::stop_recording`] or until the world goes: into a file
+    /// that was [buffered](std::io::BufWriter), or a [`RecordingBuffer`](crate::replay::RecordingBuffer). What can't be
+    /// written, because a disk is full, fails no other call: `stop_recording` says so.
+    ///
+    /// # Errors
+    /// If the world ever had a body or stepped, is being recorded already, or nothing can be written.
+    pub fn start_recording(&mut self, to: impl Write + Send + Sync + 'static) -> Result<(), ReplayError> {
+        if self.tape.is_some() {
+            return Err(ReplayError::Recording);
+        }
+        if !self.is_new() {
+            return Err(ReplayError::NotNew);
+        }
+        let mut to: Box<dyn Write + Send + Sync> = Box::new(to);
+        let start = Start {
+            engine: env!("CARGO_PKG_VERSION").into(),
+            settings: self.settings().clone(),
+            origin: self.origin(),
+        };
+        let start = postcard::to_stdvec(&start).map_err(std::io::Error::other)?;
+        let bytes = write_header(&mut to)? + write_block(&mut to, Block::Start, &start)?;
+        let count = Recorded { bytes, ..Recorded::default() };
+        let sink =
+            Sink { to, block: Vec::with_capacity(BLOCK), written: Written::default(), count, failed: None };
+        self.tape = Some(Box::new(Tape { seen: Seen::default(), sink: Some(sink) }));
+        Ok(())
+    }
+
+    /// Ends the recording.
+    ///
+    /// # Errors
+    /// If the world is not being recorded, or not all could be written.
+    pub fn stop_recording(&mut self) -> Result<Recorded, ReplayError> {
+        let sink = self.tape.as_mut().and_then(|tape| tape.sink.take());
+        let mut sink = sink.ok_or(ReplayError::NotRecording)?;
+        self.tape = None;
+        sink.end();
+        match sink.failed {
+            None => Ok(sink.count),
+            Some(error) => Err(error.into()),
+        }
+    }
+
+    /// Whether the world is being recorded.
+    pub fn is_recording(&self) -> bool {
+        self.tape.as_ref().is_some_and(|tape| tape.sink.is_some())
+    }
+
+    /// Gives a body a name in the recording, if there is one: for who reads which body diverged.
+    pub fn name_recorded(&mut self, body: BodyHandle, name: &str) {
+        if self.contains(body) {
+            crate::record::record!(self, NameRecorded(body, name.into()));
+        }
+    }
+
+    /// Notes a call that is about to change the world.
+    pub(crate) fn note(&mut self, call: impl FnOnce(&mut Sink) -> Call) {
+        let asked = self.settings.budget.is_some() && self.now.is_fresh();
+        let Some(tape) = &mut self.tape else { return };
+        let Some(sink) = &mut tape.sink else { return };
+        if asked {
+            sink.write(&Call::Asked());
+        }
+        let call = call(sink);
+        sink.write(&call);
+        sink.count(&call);
+        tape.touch(call.body());
+    }
+
+    /// What a stage just made is hashed.
+    pub(crate) fn probe(&mut self, stage: Stage) {
+        if let Some(mut tape) = self.tape.take() {
+            tape.seen.look(self, stage);
+            self.tape = Some(tape);
+        }
+    }
+
+    /// A step that is recorded or replayed.
+    pub(crate) fn step_taped(&mut self, dt: f32, hooks: &dyn ContactHooks) {
+        let asked = self.settings.budget.is_some() && self.now.is_fresh();
+        let heard = Heard::new(hooks);
+        self.step_once(dt, &heard);
+        self.probe(Stage::Finish);
+        let decisions = heard.decisions();
+        let Some(tape) = &mut self.tape else { return };
+        if let Some(sink) = &mut tape.sink {
+            if asked {
+                sink.write(&Call::Asked());
+            }
+            let step: StepRecord = tape.seen.record(dt, decisions);
+            let call = Call::Step(step);
+            sink.write(&call);
+            sink.count(&call);
+        }
+    }
+}

@@ -1,0 +1,246 @@
+//! What is found out about recordings that were tampered with, and that the format is what its version says.
+
+use super::call::Call;
+use super::compare::Divergence;
+use super::file::{Block, VERSION, read_block, read_header, write_block, write_header};
+use super::probe::Stage;
+use super::{RecordingBuffer, Replay, ReplayError};
+use crate::body::BodyDesc;
+use crate::config::{Continuous, Settings};
+use crate::constraint::RowGroup;
+use crate::handle::BodyHandle;
+use crate::joint::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
+use crate::scene::Terrain;
+use crate::shape::{
+    ConvexHull, Filter, Geometry, HeightField, MassProperties, Material, ShapeDesc, TriangleMesh,
+};
+use crate::world::World;
+use glam::{DVec3, Mat3, Quat, Vec2, Vec3};
+use std::sync::Arc;
+
+const STEPS: u64 = 40;
+const PUSHED: u64 = 25;
+
+/// Sixteen boxes fall on the floor; one is pushed before a step. Its handle, and the recording.
+fn run() -> (BodyHandle, Vec<u8>) {
+    let buffer = RecordingBuffer::default();
+    let mut world = World::new(Settings::default()).unwrap();
+    world.start_recording(buffer.clone()).unwrap();
+    let shape = |geometry| ShapeDesc::new(geometry);
+    world.add_body(&BodyDesc::fixed().with_shape(shape(Geometry::Plane))).unwrap();
+    let mut bodies = Vec::new();
+    for i in 0..16 {
+        let at = DVec3::new(0.1 * f64::from(i % 3), 0.6 + 1.05 * f64::from(i), 0.0);
+        let mut desc = BodyDesc::dynamic().at(at).with_shape(shape(Geometry::cuboid(0.5, 0.5, 0.5)));
+        desc.user_data = 100 + i as u64;
+        bodies.push(world.add_body(&desc).unwrap());
+    }
+    world.name_recorded(bodies[9], "the pushed one");
+    for step in 1..=STEPS {
+        if step == PUSHED {
+            world.add_force(bodies[9], Vec3::X * 1e4, Vec3::ZERO).unwrap();
+        }
+        world.step(1.0 / 60.0).unwrap();
+    }
+    world.stop_recording().unwrap();
+    (bodies[9], buffer.bytes())
+}
+
+/// The recording with its calls changed, and right checksums.
+fn tampered(bytes: &[u8], mut change: impl FnMut(u64, &mut Call)) -> Vec<u8> {
+    let (mut from, mut to) = (bytes, Vec::new());
+    read_header(&mut from).unwrap();
+    write_header(&mut to).unwrap();
+    let mut step = 1;
+    loop {
+        let (kind, payload) = read_block(&mut from, 0).unwrap();
+        let (mut rest, mut changed) = (&payload[..], Vec::new());
+        while kind == Block::Calls && !rest.is_empty() {
+            let (mut call, next) = postcard::take_from_bytes::<Call>(rest).unwrap();
+            change(step, &mut call);
+            step += u64::from(matches!(call, Call::Step(_)));
+            changed = postcard::to_extend(&call, changed).unwrap();
+            rest = next;
+        }
+        write_block(&mut to, kind, if kind == Block::Calls { &changed } else { &payload }).unwrap();
+        if kind == Block::End {
+            return to;
+        }
+    }
+}
+
+fn divergence(bytes: &[u8]) -> Option<Divergence> {
+    Replay::open(bytes).unwrap().run().unwrap().divergence
+}
+
+#[test]
+fn a_changed_force_is_found_where_it_acts() {
+    let (body, bytes) = run();
+    assert_eq!(divergence(&tampered(&bytes, |_, _| {})), None);
+    let forged = tampered(&bytes, |_, call| {
+        if let Call::AddForce(_, force, _) = call {
+            force.x += 0.001;
+        }
+    });
+    let found = divergence(&forged).unwrap();
+    assert_eq!((found.step, found.stage), (PUSHED, Stage::Forces));
+    let named = found.body.as_ref().unwrap();
+    assert_eq!((named.handle, named.user_data), (body, 109));
+    assert_eq!(
+        found.to_string().split(", ").take(2).collect::<Vec<_>>(),
+        ["step 25 goes another way in stage forces", "first body 10.1 \"the pushed one\" (user data 109)"]
+    );
+}
+
+#[test]
+fn a_flipped_bit_of_a_hash_is_found_in_its_step_stage_and_body() {
+    let (_, bytes) = run();
+    for (at, stage) in Stage::HASHED.into_iter().enumerate() {
+        let forged = tampered(&bytes, |step, call| {
+            if let (7, Call::Step(record)) = (step, call) {
+                record.stages[at][2] ^= 8;
+            }
+        });
+        let found = divergence(&forged).unwrap();
+        assert_eq!((found.step, found.stage, found.body, found.bodies), (7, stage, None, 0));
+    }
+    let forged = tampered(&bytes, |step, call| {
+        if let (30, Call::Step(record)) = (step, call) {
+            record.hash[0] ^= 1;
+        }
+    });
+    let found = divergence(&forged).unwrap();
+    assert_eq!((found.step, found.stage, found.hashes[0] ^ found.hashes[1]), (30, Stage::Finish, 1));
+    // Bodies count by their slots; the floor, which can't move, is the first.
+    let forged = tampered(&bytes, |step, call| {
+        if let (31, Call::Step(record)) = (step, call) {
+            record.bodies[4][1] ^= 128;
+        }
+    });
+    let found = divergence(&forged).unwrap();
+    assert_eq!((found.step, found.stage, found.bodies), (31, Stage::Finish, 1));
+    assert_eq!(found.body.unwrap().user_data, 104);
+}
+
+#[test]
+fn a_call_that_is_refused_is_named() {
+    let (_, bytes) = run();
+    let forged = tampered(&bytes, |_, call| {
+        if let Call::AddForce(body, ..) = call {
+            body.generation += 1;
+        }
+    });
+    let found = divergence(&forged).unwrap();
+    assert_eq!(
+        (found.step, found.stage, found.refused.clone().unwrap().0),
+        (PUSHED, Stage::Calls, "add_force")
+    );
+    assert!(found.to_string().contains("add_force is refused: the body handle is stale"), "{found}");
+}
+
+/// Shared geometry and a mesh's tree, too.
+fn run_with_shapes() -> Vec<u8> {
+    let buffer = RecordingBuffer::default();
+    let mut world = World::new(Settings::default()).unwrap();
+    world.start_recording(buffer.clone()).unwrap();
+    let (vertices, triangles) = Terrain::bumpy(8, 1.0).mesh();
+    let mesh = Geometry::Mesh(Arc::new(TriangleMesh::new(vertices, triangles).unwrap()));
+    let field = HeightField::new(3, 3, Vec2::ONE, vec![0.0, 0.5, 0.0, 0.5, 0.0, 0.5, 0.0, 0.5, 0.0]).unwrap();
+    for geometry in [mesh, Geometry::HeightField(Arc::new(field))] {
+        world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(geometry))).unwrap();
+    }
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, Vec3::ONE];
+    let hull = Geometry::Hull(Arc::new(ConvexHull::new(&corners).unwrap()));
+    let falling = BodyDesc::dynamic().at(DVec3::new(0.0, 3.0, 0.0)).with_shape(ShapeDesc::new(hull));
+    let falling = [world.add_body(&falling).unwrap(), world.add_body(&falling).unwrap()];
+    every_type(&mut world, falling);
+    for _ in 0..8 {
+        world.step(1.0 / 60.0).unwrap();
+    }
+    world.stop_recording().unwrap();
+    buffer.bytes()
+}
+
+/// Calls with each type that there is in calls.
+fn every_type(world: &mut World, bodies: [BodyHandle; 2]) {
+    let shape = world.shapes(bodies[0]).unwrap().next().unwrap();
+    let frames = [Frame::at(Vec3::X), Frame::default()];
+    let spring = Spring::Frequency { hertz: 2.0, ratio: 1.0 };
+    let drive = Drive::spring(Motion::Angular, Axis::Y, 0.1, spring);
+    let limit = Limit::new(Motion::Linear, Axes::All, 0.0, 2.0).with_spring(spring);
+    let joint = world.add_joint(&JointDesc::new(bodies, frames).with_limit(limit).with_drive(drive)).unwrap();
+    world.set_joint(joint, &[limit], &[drive]).unwrap();
+    world.raise_joint(joint, Some(RowGroup::Contacts)).unwrap();
+    world.raise_body(bodies[1], Some(RowGroup::StaticContacts)).unwrap();
+    world.set_settings(Settings { budget: Some(1 << 24), ..Settings::default() }).unwrap();
+    world.set_origin(DVec3::X).unwrap();
+    world.set_material(shape, Material::default()).unwrap();
+    world.set_filter(shape, Filter::default()).unwrap();
+    world.set_continuous(bodies[0], Continuous::Volume).unwrap();
+    let mass = MassProperties { mass: 2.0, center: Vec3::ZERO, inertia: Mat3::IDENTITY };
+    world.set_mass(bodies[0], mass).unwrap();
+    world.set_pose(bodies[0], DVec3::Y * 4.0, Quat::IDENTITY).unwrap();
+    world.apply_impulse(bodies[0], Vec3::X, DVec3::ZERO).unwrap();
+}
+
+/// Checksums are no protection from those who can compute them.
+#[test]
+fn nonsense_with_a_right_checksum_does_not_panic() {
+    let bytes = run_with_shapes();
+    let mut seed = 1u64;
+    let mut random = |n: usize| {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 33) as usize % n
+    };
+    let (mut refused, mut diverged, mut same) = (0, 0, 0);
+    for _ in 0..1500 {
+        let (mut from, mut to) = (&bytes[..], Vec::new());
+        read_header(&mut from).unwrap();
+        write_header(&mut to).unwrap();
+        loop {
+            let (kind, mut payload) = read_block(&mut from, 0).unwrap();
+            if kind != Block::End {
+                for _ in 0..random(3) {
+                    let bit = random(8 * payload.len());
+                    payload[bit / 8] ^= 1 << (bit % 8);
+                }
+                if random(20) == 0 {
+                    payload.truncate(random(payload.len()));
+                }
+            }
+            write_block(&mut to, kind, &payload).unwrap();
+            if kind == Block::End {
+                break;
+            }
+        }
+        match Replay::open(&to[..]).and_then(|mut replay| replay.run()) {
+            Ok(played) if played.divergence.is_some() => diverged += 1,
+            Ok(_) => same += 1,
+            Err(ReplayError::Io(error)) => panic!("{error}"),
+            Err(_) => refused += 1,
+        }
+    }
+    println!("{refused} refused, {diverged} went another way, {same} the same");
+    assert!(refused > 100 && diverged > 100);
+}
+
+/// Without steps, whose hashes are of the engine.
+#[test]
+fn the_format_is_that_of_its_version() {
+    let bytes = tampered(&run_with_shapes(), |_, call| {
+        if let Call::Step(record) = call {
+            (record.stages, record.hash, record.dt) = Default::default();
+            record.touched.iter_mut().for_each(|touched| touched.1 = [0; 2]);
+            record.bodies.iter_mut().for_each(|body| *body = [0; 2]);
+        }
+    });
+    let (mut from, mut payloads) = (&bytes[..], Vec::new());
+    read_header(&mut from).unwrap();
+    while let Ok((kind, payload)) = read_block(&mut from, 0) {
+        // The start begins with the version of backstop.
+        let skipped = if kind == Block::Start { 1 + env!("CARGO_PKG_VERSION").len() } else { 0 };
+        payloads.extend_from_slice(&payload[skipped..]);
+    }
+    let sum = crc32fast::hash(&payloads);
+    assert_eq!((VERSION, sum), (1, 0), "0x{sum:08X}: what is written has changed, so VERSION has to");
+}
