@@ -400,3 +400,18 @@ fn sleepers_keep_to_the_budget() {
     run(&mut world, 2.0);
     assert_eq!(world.asleep(), 60);
 }
+
+/// Found by random calls: between the switch and the next step there was still a column that said since when bodies rest.
+#[test]
+fn where_sleep_was_just_switched_off_nothing_is_sent_to_sleep() {
+    let settings = Settings { sleeping: true, ..Settings::default() };
+    let mut world = World::new(settings.clone()).unwrap();
+    world.add_body(&common::Floor::Box.desc(Material::default())).unwrap();
+    let ball = common::dynamic(Geometry::Sphere { radius: 0.5 }, Material::default(), Vec3::Y * 0.5);
+    let ball = world.add_body(&ball).unwrap();
+    common::steps(&mut world, 2, 1.0 / 60.0);
+    world.set_settings(Settings { sleeping: false, ..settings }).unwrap();
+    world.send_to_sleep(ball).unwrap();
+    assert_eq!(world.asleep(), 0);
+    common::steps(&mut world, 2, 1.0 / 60.0);
+}
