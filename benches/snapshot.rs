@@ -11,8 +11,10 @@ use criterion::{Criterion, SamplingMode, criterion_group, criterion_main};
 const DT: f32 = 1.0 / 60.0;
 const FRAMES: usize = 8;
 
-/// Scene, steps before: the densest moment of those that have one.
-const CASES: &[(&str, fn() -> Scene, u32)] = &[
+/// A scene and the steps before: to the densest moment of those that have one.
+type Case = (&'static str, fn() -> Scene, u32);
+
+const CASES: &[Case] = &[
     ("talk", builtin::talk, 26),
     ("pile", builtin::pile, 200),
     ("bullets", || builtin::bullets(false), 12),

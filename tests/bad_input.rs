@@ -345,3 +345,18 @@ fn a_budget_refuses_what_does_not_fit() {
     assert!(matches!(error, Error::Budget { category: Category::Bodies, .. }), "{error}");
     world.step(1.0 / 60.0).unwrap();
 }
+
+/// Its length is beyond all numbers, and so were the ends of a range that the guard asked for.
+#[test]
+fn a_speed_beyond_all_numbers_is_no_panic() {
+    for floor in common::Floor::ALL {
+        let mut world = World::new(Settings::default()).unwrap();
+        world.add_body(&floor.desc(Material::default())).unwrap();
+        let ball = common::dynamic(Geometry::Sphere { radius: 0.5 }, Material::default(), Vec3::Y);
+        let ball = world.add_body(&ball).unwrap();
+        for speed in [1e15, 1e22, 1e38] {
+            world.set_velocity(ball, Vec3::new(speed, -speed, 0.0), Vec3::ZERO).unwrap();
+            common::steps(&mut world, 2, 1.0 / 60.0);
+        }
+    }
+}

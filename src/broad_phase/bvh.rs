@@ -358,7 +358,7 @@ impl Tree {
     /// Writes which nodes and leaves hang on which: the order in which leaves are found comes from that.
     pub(super) fn save(&self, out: &mut Vec<u32>) {
         out.extend([self.built_area.to_bits(), self.moved as u32]);
-        self.nodes.iter().for_each(|node| out.extend(node.child));
+        self.nodes.iter().for_each(|node| out.extend_from_slice(&node.child));
     }
 
     /// Takes what [`Tree::save`] wrote. `place` is told where each leaf is.

@@ -69,7 +69,7 @@ impl BroadPhase {
         roles.end(out);
         for c in colliders.filter(|&c| has_box(self.roles[c as usize])) {
             let Aabb { min, max } = self.proxies[c as usize].bounds;
-            out.extend(words::<6>([min, max]));
+            out.extend_from_slice(&words::<6>([min, max]));
             lists.boxes += 1;
         }
         // What was removed since has none any more.
@@ -134,7 +134,7 @@ impl BroadPhase {
     /// Writes the box of a static collider.
     pub(crate) fn save_static(&self, collider: u32, out: &mut Vec<u32>) {
         let Aabb { min, max } = self.proxies[collider as usize].bounds;
-        out.extend(words::<6>([min, max]));
+        out.extend_from_slice(&words::<6>([min, max]));
     }
 
     /// Writes the tree of what is static, and what waits for a place in it.

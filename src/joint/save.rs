@@ -29,14 +29,14 @@ pub(crate) struct SavedJoints<'a> {
 impl Joints {
     /// Writes what joints bear.
     pub(crate) fn save(&self, out: &mut Vec<u32>) -> JointLists {
-        self.all.iter().for_each(|joint| out.extend(words::<6>([joint.force, joint.torque])));
+        self.all.iter().for_each(|joint| out.extend_from_slice(&words::<6>([joint.force, joint.torque])));
         for lock in &self.locks {
             let [x, y, z] = lock.impulse.to_array();
-            out.extend(words::<5>([x, y, z, lock.held, lock.steady]));
+            out.extend_from_slice(&words::<5>([x, y, z, lock.held, lock.steady]));
         }
         for row in &self.rows {
             let [low, high] = row.impulse;
-            out.extend(words::<3>([low, high, row.held]));
+            out.extend_from_slice(&words::<3>([low, high, row.held]));
         }
         JointLists {
             joints: self.all.len() as u32,
@@ -75,12 +75,12 @@ impl Joints {
             }
             out.push(self.slots.generation(slot as u32));
             for Frame { position, rotation } in joint.frames {
-                out.extend(words::<3>(position));
-                out.extend(words::<4>(rotation.to_array()));
+                out.extend_from_slice(&words::<3>(position));
+                out.extend_from_slice(&words::<4>(rotation.to_array()));
             }
             out.extend(joint.strength.map(f32::to_bits));
             out.push(u32::from(joint.collide) | group_code(joint.raised) << 8);
-            out.extend(words::<2>(joint.user_data));
+            out.extend_from_slice(&words::<2>(joint.user_data));
             out.extend(joint.next);
         }
         for lock in &self.locks {
@@ -324,7 +324,7 @@ fn save_row(row: &Row, out: &mut Vec<u32>) {
     let code = [row.motion as u32, axes_code(row.axes), kind, how, first, second];
     out.push(row.joint);
     out.push(code.iter().rev().fold(0, |all, code| all << 4 | code));
-    out.extend(words::<5>([ends[0], ends[1], numbers[0], numbers[1], most]));
+    out.extend_from_slice(&words::<5>([ends[0], ends[1], numbers[0], numbers[1], most]));
 }
 
 fn read_row(from: &mut Reader<'_>) -> Result<Row, Error> {

@@ -60,17 +60,22 @@ pub(super) fn save_pairs<'a, I: Iterator<Item = &'a Pair>>(
 ) -> u32 {
     let before = out.len();
     if is_narrow(slots) {
-        out.extend(pairs().map(|pair| pair.a | pair.b << 16));
+        pairs().for_each(|pair| out.push(pair.a | pair.b << 16));
     } else {
-        pairs().for_each(|pair| out.extend([pair.a, pair.b]));
+        pairs().for_each(|pair| out.extend_from_slice(&[pair.a, pair.b]));
     }
     let count = (out.len() - before) / if is_narrow(slots) { 1 } else { 2 };
     let mut flags = Packer::default();
-    for pair in pairs() {
+    pairs().for_each(|pair| {
         let fast = if pair.fast { FAST } else { 0 };
+<<<<<<< HEAD
         let heard = if pair.touching { HEARD } else { 0 };
         flags.push(out, fast | heard | if pair.contact == NONE { 0 } else { TOUCHED });
     }
+=======
+        flags.push(out, fast | if pair.contact == NONE { 0 } else { TOUCHED });
+    });
+>>>>>>> snap
     flags.end(out);
     count as u32
 }
@@ -127,12 +132,22 @@ fn axis(code: u32) -> Vec3 {
     normal
 }
 
+/// Words of one contact, in place: numbers of words that are known when this is built are written without a call.
+struct Line {
+    all: [u32; MOST],
+    len: usize,
+}
+
+impl Line {
+    #[inline(always)]
+    fn put<const N: usize>(&mut self, words: [u32; N]) {
+        self.all[self.len..][..N].copy_from_slice(&words);
+        self.len += N;
+    }
+}
+
 fn save_contact(contact: &Contact, kept: bool, out: &mut Vec<u32>) {
-    let (mut all, mut len) = ([0u32; MOST], 1);
-    let mut put = |words: &[u32]| {
-        all[len..len + words.len()].copy_from_slice(words);
-        len += words.len();
-    };
+    let mut line = Line { all: [0; MOST], len: 1 };
     let points = contact.points();
     let mut flags = u32::from(contact.count);
     let mut flag = |bit: u32, set: bool| flags |= if set { bit } else { 0 };
@@ -142,22 +157,22 @@ fn save_contact(contact: &Contact, kept: bool, out: &mut Vec<u32>) {
     let fraction = contact.fraction.to_bits();
     flag(FRACTION, fraction != 0);
     if fraction != 0 {
-        put(&[fraction]);
+        line.put([fraction]);
     }
     let axis = axis_of(contact.normal);
     flag(axis << NORMAL, true);
     if axis == 0 {
-        put(&words::<3>(contact.normal));
+        line.put(words::<3>(contact.normal));
     }
     let rub = words::<4>(contact.friction.extend(contact.twist).to_array());
     flag(RUBS, !is_zero(rub));
     if !is_zero(rub) {
-        put(&rub);
+        line.put(rub);
     }
     flag(FOUND, kept);
     if kept {
-        put(&words::<3>(contact.found_at.position));
-        put(&words::<4>(contact.found_at.rotation.to_array()));
+        line.put(words::<3>(contact.found_at.position));
+        line.put(words::<4>(contact.found_at.rotation.to_array()));
     }
     let moved = kept && points.iter().any(|p| p.found.to_bits() != p.separation.to_bits());
     flag(MOVED, moved);
@@ -171,27 +186,27 @@ fn save_contact(contact: &Contact, kept: bool, out: &mut Vec<u32>) {
     flag(how << KEYS, true);
     match how {
         KEY_IN_FLAGS => flag(points.first().map_or(0, |p| p.key) << KEY, true),
-        KEYS_OF_8 => put(&[points.iter().rev().fold(0, |all, p| all << 8 | p.key)]),
+        KEYS_OF_8 => line.put([points.iter().rev().fold(0, |all, p| all << 8 | p.key)]),
         KEYS_OF_16 => {
             for two in points.chunks(2) {
-                put(&[two[0].key | two.get(1).map_or(0, |p| p.key) << 16]);
+                line.put([two[0].key | two.get(1).map_or(0, |p| p.key) << 16]);
             }
         }
-        _ => points.iter().for_each(|p| put(&[p.key])),
+        _ => points.iter().for_each(|p| line.put([p.key])),
     }
     for (i, p) in points.iter().enumerate() {
-        put(&words::<4>(p.position.extend(p.separation).to_array()));
+        line.put(words::<4>(p.position.extend(p.separation).to_array()));
         if moved {
-            put(&[p.found.to_bits()]);
+            line.put([p.found.to_bits()]);
         }
         let load = [p.impulse.to_bits(), p.held.to_bits()];
         flag(1 << (LOADED as usize + i), !is_zero(load));
         if !is_zero(load) {
-            put(&load);
+            line.put(load);
         }
     }
-    all[0] = flags;
-    out.extend_from_slice(&all[..len]);
+    line.all[0] = flags;
+    out.extend_from_slice(&line.all[..line.len]);
 }
 
 /// Saved pairs with their contacts, in their words.

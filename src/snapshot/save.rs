@@ -27,7 +27,7 @@ pub(super) fn save(world: &World, out: &mut Vec<u32>) {
     out.clear();
     out.resize(HEAD + COUNTS, 0);
     settings::save(&world.settings, out);
-    out.extend(words::<6>(world.origin.to_array()));
+    out.extend_from_slice(&words::<6>(world.origin.to_array()));
     out.push(buffers.last_h.to_bits());
 
     out.extend(&bodies.slot[..all]);
@@ -47,7 +47,7 @@ pub(super) fn save(world: &World, out: &mut Vec<u32>) {
         counts.columns |= PREVIOUS;
         bodies.previous[..movers]
             .iter()
-            .for_each(|way| out.extend(words::<9>([way.linear, way.angular, way.moved])));
+            .for_each(|way| out.extend_from_slice(&words::<9>([way.linear, way.angular, way.moved])));
     }
     if !bodies.force.is_empty() {
         counts.columns |= FORCE;
@@ -66,7 +66,7 @@ pub(super) fn save(world: &World, out: &mut Vec<u32>) {
         out.push(some.iter().rev().fold(0, |bits, ball| bits << 1 | u32::from(ball.radius > 0.0)));
     }
     for Clear { centre, radius } in clear.iter().filter(|ball| ball.radius > 0.0) {
-        out.extend(words::<6>(centre.to_array()));
+        out.extend_from_slice(&words::<6>(centre.to_array()));
         out.push(radius.to_bits());
         counts.clear += 1;
     }
