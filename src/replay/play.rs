@@ -22,7 +22,7 @@ pub struct Replay<R> {
     /// Of the version of backstop that recorded.
     engine: String,
     /// What is done to all settings before they are set.
-    change: Box<dyn Fn(&mut Settings)>,
+    change: Box<dyn Fn(&mut Settings) + Send>,
     /// Calls that were read, and how far they were played.
     block: Vec<u8>,
     at: usize,
@@ -88,7 +88,7 @@ impl<R: Read> Replay<R> {
     /// As for [`Replay::open`], and if the settings are refused.
     pub fn open_with(
         mut from: R,
-        change: impl Fn(&mut Settings) + 'static,
+        change: impl Fn(&mut Settings) + Send + 'static,
     ) -> Result<Replay<R>, ReplayError> {
         read_header(&mut from)?;
         let damaged = |_| ReplayError::Damaged { steps: 0, what: "the start makes no sense" };
