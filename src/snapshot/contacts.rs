@@ -68,14 +68,9 @@ pub(super) fn save_pairs<'a, I: Iterator<Item = &'a Pair>>(
     let mut flags = Packer::default();
     pairs().for_each(|pair| {
         let fast = if pair.fast { FAST } else { 0 };
-<<<<<<< HEAD
         let heard = if pair.touching { HEARD } else { 0 };
         flags.push(out, fast | heard | if pair.contact == NONE { 0 } else { TOUCHED });
-    }
-=======
-        flags.push(out, fast | if pair.contact == NONE { 0 } else { TOUCHED });
     });
->>>>>>> snap
     flags.end(out);
     count as u32
 }
