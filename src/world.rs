@@ -948,6 +948,7 @@ impl World {
         let c = &self.colliders.all[collider as usize];
         let body = c.body as usize;
         if self.bodies.traits[body].disabled {
+            self.broad.leave_place(collider);
             return;
         }
         if self.bodies.kind[body] == BodyKind::Static {

@@ -49,6 +49,12 @@ impl Current {
         self.touched.push(collider);
     }
 
+    /// Any of so many colliders, or of those that were there before, may be another, elsewhere or gone.
+    pub(crate) fn touch_all(&mut self, colliders: usize) {
+        self.touched.clear();
+        self.touched.extend(0..colliders.max(self.place.len()) as u32);
+    }
+
     /// All that can move may have moved.
     pub(crate) fn step(&mut self) {
         self.stepped = true;

@@ -478,13 +478,19 @@ impl BroadPhase {
         u32::from(built)
     }
 
-    fn grow(&mut self, collider: u32, role: Role, bounds: Aabb) {
+    /// Makes place for a collider that is not there.
+    pub(crate) fn leave_place(&mut self, collider: u32) {
         let c = collider as usize;
         if c >= self.roles.len() {
             self.roles.resize(c + 1, Role::Absent);
             self.proxies.resize(c + 1, Proxy::NONE);
             self.marks.resize(c + 1, 0);
         }
+    }
+
+    fn grow(&mut self, collider: u32, role: Role, bounds: Aabb) {
+        self.leave_place(collider);
+        let c = collider as usize;
         debug_assert!(self.roles[c] == Role::Absent, "collider {c} is there already");
         self.roles[c] = role;
         self.proxies[c] = Proxy { bounds, ..Proxy::NONE };

@@ -53,7 +53,7 @@ impl Present for World {
         }
     }
     fn moves(&self, collider: u32) -> Option<bool> {
-        let body = self.colliders.all[collider as usize].body;
+        let body = self.colliders.all.get(collider as usize).map_or(u32::MAX, |collider| collider.body);
         let there = body != u32::MAX && !self.bodies.traits[body as usize].disabled;
         there.then(|| self.bodies.kind[body as usize] != BodyKind::Static)
     }

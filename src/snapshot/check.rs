@@ -54,7 +54,7 @@ pub(super) fn check(view: &View<'_>, records: &Records) -> Result<(), Error> {
         (one.kind, a) < (other.kind, b)
             && one.body != other.body
             && (one.dynamic || other.dynamic || one.sensor != other.sensor)
-            && any_awake == listed
+            && (any_awake == listed || listed && one.sensor != other.sensor)
     })?;
     let mut asleep = view.slots[view.counts.movers() as usize..].to_vec();
     asleep.retain(|&slot| !disabled[slot as usize]);

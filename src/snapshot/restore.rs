@@ -38,6 +38,10 @@ pub(super) fn restore(world: &mut World, snapshot: &Snapshot) -> Result<(), Erro
         world.broad.settle_statics();
     }
     apply(world, &view, &pairs);
+    let slots = world.colliders.all.len();
+    if let Some(now) = world.now.change() {
+        now.touch_all(slots);
+    }
     pairs.clear();
     world.sleep.restored = pairs;
     if world.buffers.joints.arrangement != snapshot.arrangement {
