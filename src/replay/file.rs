@@ -1,7 +1,9 @@
 //! The file: a header, then blocks, each with its length and a checksum.
 //!
-//!     "backstop replay\n", version (u16)
-//!     kind (u8), length (u32), so many bytes, CRC-32 of all three      any number of times
+//! ```text
+//! "backstop replay\n", version (u16)
+//! kind (u8), length (u32), so many bytes, CRC-32 of all three      any number of times
+//! ```
 //!
 //! The first block says how the world starts, the last that the recording ends; between them are calls, back to back, as
 //! postcard writes them. Numbers of the frame are little-endian. A reader that meets a kind that it doesn't know refuses the

@@ -101,17 +101,15 @@ fn diverged(divergence: &Divergence) -> Diverged {
 
 fn text(document: &Document) -> String {
     let Document { file, threads, steps, seconds, .. } = document;
-    let each = |whole: f64| if *steps > 0 { whole / *steps as f64 } else { 0.0 };
     let rows = [
         ("recording", format!("{file}, {}, by backstop {}", bytes(document.bytes as usize), document.engine)),
         ("calls", count(document.calls.values().sum())),
         (
             "steps",
             format!(
-                "{} in {seconds:.2} s, {} each, {threads} threads, {:.0} bytes each",
+                "{} in {seconds:.2} s, {} each, {threads} threads",
                 count(*steps),
-                micros(each(seconds * 1e6)),
-                each(document.bytes as f64)
+                micros(if *steps > 0 { seconds * 1e6 / *steps as f64 } else { 0.0 })
             ),
         ),
         ("hash", document.hash.clone()),
