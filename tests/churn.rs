@@ -225,7 +225,7 @@ impl Churn {
             }
             _ => {}
         }
-        if self.calls % 8 == 0 {
+        if self.calls.is_multiple_of(8) {
             self.step();
         }
     }
