@@ -79,6 +79,8 @@ mod memory;
 mod movers;
 mod narrow_phase;
 mod query;
+#[cfg(test)]
+mod random;
 mod record;
 #[cfg(feature = "replay")]
 pub mod replay;

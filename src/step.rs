@@ -100,9 +100,6 @@ impl World {
     fn run(&mut self, crew: &Crew<'_>, dt: f32, hooks: &dyn ContactHooks) {
         let start = Instant::now();
         let mut times = StageTimes::default();
-        if let Some(now) = self.now.change() {
-            now.step();
-        }
         self.make_place_for_step();
         self.keep_previous();
         self.keep_rest();
@@ -151,6 +148,10 @@ impl World {
         // Where pairs were shed, to have none says nothing.
         let fast = if broad.0.shed > 0 { 0 } else { broad.0.fast };
         let ended = finish::finish(crew, self, fast, dt);
+        // Not before: hooks may have asked where things are.
+        if let Some(now) = self.now.change() {
+            now.step();
+        }
         self.hear_sensors();
         self.events.finish(self.settings.event_capacity as usize);
         self.rest(crew, dt);

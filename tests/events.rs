@@ -6,7 +6,7 @@ use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::builtin;
 use backstop::{
     BodyDesc, BodyHandle, Category, ContactHook, ContactHooks, Error, FrictionModel, Geometry, Material,
-    Settings, ShapeDesc, ShapeHandle, TriangleMesh, World,
+    QueryFilter, Ray, Settings, ShapeDesc, ShapeHandle, TriangleMesh, World,
 };
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -452,4 +452,31 @@ fn hooks_change_friction_and_restitution() {
     // e² of the height.
     assert!((bounce(0.8) / (0.64 * 5.0) - 1.0).abs() < 0.03, "{}", bounce(0.8));
     assert!(bounce(0.0) < 0.01);
+}
+
+/// Asks the world in the middle of the step.
+struct Asks;
+
+impl ContactHooks for Asks {
+    fn contact(&self, contact: &mut ContactHook<'_>) {
+        let ray = Ray::between(DVec3::Y * 20.0, DVec3::Y * -1.0);
+        assert!(contact.world().cast_ray(&ray, &QueryFilter::only_dynamic()).unwrap().is_some());
+    }
+}
+
+/// What a hook learns of where bodies are at the start of a step must not be what queries say after it.
+#[test]
+fn a_query_in_a_hook_leaves_none_behind_that_is_out_of_date() {
+    let mut world = World::new(Settings::default()).unwrap();
+    fixed(&mut world, DVec3::ZERO, ShapeDesc::new(Geometry::Plane));
+    let body = BodyDesc::dynamic().at(DVec3::Y * 3.5).with_shape(cube().with_hooks());
+    let body = world.add_body(&body.moving(Vec3::Y * -120.0, Vec3::ZERO)).unwrap();
+    for _ in 0..10 {
+        world.step_with(DT, &Asks).unwrap();
+        // Through where it is, and past where it was.
+        let at = world.position(body).unwrap();
+        let ray = Ray::between(at - DVec3::X * 9.0, at + DVec3::X * 9.0);
+        let hit = world.cast_ray(&ray, &QueryFilter::only_dynamic()).unwrap();
+        assert!(hit.is_some_and(|hit| (hit.point.x + 0.5).abs() < 1e-3), "{at}: {hit:?}");
+    }
 }

@@ -74,7 +74,7 @@ impl Traits {
 }
 
 /// Parts of the columns, in their order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Part {
     Awake,
     Kinematic,
@@ -318,7 +318,7 @@ impl Bodies {
         if self.rests {
             self.rest.push(0.0);
         }
-        self.inwards(last, Part::Static, Part::of(body.kind), &mut moved);
+        self.travel(last, (Part::Static, Part::of(body.kind)), &mut moved);
         handle
     }
 
@@ -327,7 +327,7 @@ impl Bodies {
         self.locked -= u32::from(self.traits[index as usize].locks != 0);
         self.disabled -= u32::from(self.is_set_aside(index));
         self.count_raised(self.traits[index as usize].raised, -1);
-        let hole = self.outwards(index, self.part_of(index), Part::Static, &mut moved);
+        let hole = self.travel(index, (self.part_of(index), Part::Static), &mut moved);
         self.swap(hole, self.len() as u32 - 1, &mut moved);
         if let Some(slot) = self.slot.pop() {
             self.slots.remove(slot);
@@ -346,12 +346,12 @@ impl Bodies {
 
     /// Takes an awake body out of all that steps look at; returns its new index.
     pub(crate) fn send_to_sleep(&mut self, index: u32, mut moved: impl FnMut(&Colliders, u32)) -> u32 {
-        self.outwards(index, Part::Awake, Part::Asleep, &mut moved)
+        self.travel(index, (Part::Awake, Part::Asleep), &mut moved)
     }
 
     /// Takes a sleeping body back; returns its new index.
     pub(crate) fn wake(&mut self, index: u32, mut moved: impl FnMut(&Colliders, u32)) -> u32 {
-        self.inwards(index, Part::Asleep, Part::Awake, &mut moved)
+        self.travel(index, (Part::Asleep, Part::Awake), &mut moved)
     }
 
     /// Takes a body out of the world, or puts it back, awake; returns its new index.
@@ -369,12 +369,12 @@ impl Bodies {
         if enabled {
             self.disabled -= 1;
             self.traits[index as usize].disabled = false;
-            return self.inwards(index, Part::Asleep, part, &mut moved);
+            return self.travel(index, (Part::Asleep, part), &mut moved);
         }
         self.disabled += 1;
         let part = self.part_of(index);
         self.traits[index as usize].disabled = true;
-        self.outwards(index, part, Part::Asleep, &mut moved)
+        self.travel(index, (part, Part::Asleep), &mut moved)
     }
 
     /// Whether a body could move, but is disabled.
@@ -382,37 +382,22 @@ impl Bodies {
         self.traits[index as usize].disabled && self.kind[index as usize] != BodyKind::Static
     }
 
-    /// Moves a body to an earlier part: the first of each part between goes to its end.
-    fn inwards(
+    /// Moves a body from one part of the columns to another: of each part that it passes one body moves from one end of it to
+    /// the other. Returns the new index.
+    fn travel(
         &mut self,
         mut index: u32,
-        from: Part,
-        to: Part,
+        (from, to): (Part, Part),
         moved: &mut impl FnMut(&Colliders, u32),
     ) -> u32 {
         self.count(from, -1);
-        for &part in Part::ALL[to as usize..from as usize].iter().rev() {
-            let first_after = self.end(part);
-            self.swap(index, first_after, moved);
-            index = first_after;
-        }
-        self.count(to, 1);
-        index
-    }
-
-    /// Moves a body to a later part: the last of each part between goes to its start.
-    fn outwards(
-        &mut self,
-        mut index: u32,
-        from: Part,
-        to: Part,
-        moved: &mut impl FnMut(&Colliders, u32),
-    ) -> u32 {
-        self.count(from, -1);
-        for &part in &Part::ALL[from as usize..to as usize] {
-            let last = self.end(part);
-            self.swap(index, last, moved);
-            index = last;
+        let (first, last) = (from.min(to) as usize, from.max(to) as usize);
+        for step in 0..last - first {
+            // Without the body, a part ends where it is to go.
+            let part = Part::ALL[if from < to { first + step } else { last - 1 - step }];
+            let border = self.end(part);
+            self.swap(index, border, moved);
+            index = border;
         }
         self.count(to, 1);
         index

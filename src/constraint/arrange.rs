@@ -105,13 +105,14 @@ pub(crate) fn arrange(
     scratch: &mut PrepareScratch,
     room: &mut Room,
 ) -> Prepared {
-    scratch.keys.reset(input.order, input.bodies.raises());
     if room.is_endless() {
         let (prepared, _) = sort(input, scratch, [u32::MAX; 4]);
         let batches = schedule(input, rows, scratch);
         rows.resize(batches);
         return prepared;
     }
+    // How many stages there may be.
+    scratch.keys.reset(input.order, input.bodies.raises());
     let parts = count(input);
     let total: u32 = parts.iter().sum();
     let place = scratch.make_place(total as usize, !input.seats.is_empty(), rows, room) as u32;

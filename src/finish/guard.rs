@@ -31,6 +31,8 @@ pub(crate) struct Guard<'a> {
     pub(crate) colliders: &'a [Collider],
     pub(crate) poses: &'a [Pose],
     pub(crate) mode: Continuous,
+    /// Whether any shape is a sensor.
+    pub(crate) senses: bool,
     /// Pairs that hooks let pass through each other, sorted.
     pub(crate) vetoed: &'a [(u32, u32)],
 }
@@ -65,7 +67,8 @@ impl Guard<'_> {
 
     /// Whether a body is one to be looked at.
     pub(crate) fn wants(&self, traits: &Traits, own: &[u32]) -> bool {
-        own.iter().any(|&c| !self.colliders[c as usize].is_sensor())
+        let solid = |&c: &u32| !self.colliders[c as usize].is_sensor();
+        (if self.senses { own.iter().any(solid) } else { !own.is_empty() })
             && self.mode.of(traits.continuous) != Continuous::Discrete
     }
 

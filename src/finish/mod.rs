@@ -123,6 +123,7 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
         colliders: &world.colliders.all,
         poses: &world.colliders.poses,
         mode: world.settings.continuous,
+        senses: world.needs.sensors > 0,
         vetoed: &world.events.vetoed,
     };
     clear.resize(dynamic, Clear::default());

@@ -244,7 +244,24 @@ impl HeightField {
     ) {
         let (min, max) = self.aabb();
         let path = Path::new(from, to, inflate, 1e-6 * min.abs().max(max.abs()).max_element());
-        let mut most = 1.0f32;
+        let four = |low, high| {
+            let (meets, entry) = path.meets::<f32x4>(low, high);
+            (meets.bits(), entry.to_array())
+        };
+        let one = |low, high| path.meets_one(low, high);
+        self.nearest_first(1.0, &four, &one, &mut |i, corners, entry, most| most.min(f(i, corners, entry)));
+    }
+
+    /// Walks down the pyramid, about the nearest first. `four` and `one` say of boxes, given by their lowest and highest
+    /// corners, whether they matter and how near they are; `f` gets a triangle, how near its box is and the most that still
+    /// matters, and returns the new most.
+    fn nearest_first(
+        &self,
+        mut most: f32,
+        four: &impl Fn(LaneVec3<f32x4>, LaneVec3<f32x4>) -> (u32, [f32; 4]),
+        one: &impl Fn(Vec3, Vec3) -> Option<f32>,
+        f: &mut impl FnMut(u32, [Vec3; 3], f32, f32) -> f32,
+    ) {
         let mut stack = [Square::default(); STACK];
         stack[0].level = self.levels.len() as u32;
         let mut waiting = 1;
@@ -258,16 +275,16 @@ impl HeightField {
                 let cell = square.row as usize * (self.columns - 1) + square.column as usize;
                 for i in [2 * cell as u32, 2 * cell as u32 + 1] {
                     let [a, b, c] = self.triangle(i);
-                    let entry = path.meets_one(a.min(b).min(c), a.max(b).max(c));
+                    let entry = one(a.min(b).min(c), a.max(b).max(c));
                     if let Some(entry) = entry.filter(|&entry| entry <= most) {
-                        most = most.min(f(i, [a, b, c], entry));
+                        most = f(i, [a, b, c], entry, most);
                     }
                 }
                 continue;
             }
             let base = waiting;
             for row in 0..SIDE as u32 {
-                let (bits, entry) = self.row_of_four(&path, &square, row);
+                let (bits, entry) = self.row_of_four(four, &square, row);
                 for i in (0..SIDE as u32).filter(|i| bits >> i & 1 != 0) {
                     let entry = entry[i as usize];
                     if entry > most || waiting == STACK {
@@ -287,9 +304,14 @@ impl HeightField {
         }
     }
 
-    /// Which of four children of a square along x a path meets, and where it enters them.
+    /// Which of four children of a square along x matter, and how near they are.
     #[inline]
-    fn row_of_four(&self, path: &Path, square: &Square, row: u32) -> (u32, [f32; 4]) {
+    fn row_of_four(
+        &self,
+        four: &impl Fn(LaneVec3<f32x4>, LaneVec3<f32x4>) -> (u32, [f32; 4]),
+        square: &Square,
+        row: u32,
+    ) -> (u32, [f32; 4]) {
         let level = square.level as usize - 1;
         let (columns, rows) = match level {
             0 => (self.columns - 1, self.rows - 1),
@@ -312,8 +334,8 @@ impl HeightField {
         let z = |row: usize| f32x4::splat((row * span).min(self.rows - 1) as f32 * self.cell.y);
         let low = LaneVec3::new(f32x4::from_fn(x), f32x4::from_fn(|i| bounds[i].0), z(row));
         let high = LaneVec3::new(f32x4::from_fn(|i| x(i + 1)), f32x4::from_fn(|i| bounds[i].1), z(row + 1));
-        let (meets, entry) = path.meets::<f32x4>(low, high);
-        (meets.bits() & ((1 << here) - 1), entry.to_array())
+        let (matters, entry) = four(low, high);
+        (matters & ((1 << here) - 1), entry)
     }
 
     /// Where a path first meets a triangle, from either side: the fraction of it, and the triangle. Nothing slips
@@ -365,69 +387,13 @@ impl HeightField {
     pub(crate) fn visit_near(
         &self,
         at: glam::DVec3,
-        mut most: f32,
+        most: f32,
         f: &mut impl FnMut(u32, [Vec3; 3], f32) -> f32,
     ) {
-        let near = Near::<f32>::new(at);
-        let far = |min: Vec3, max: Vec3| near.squared(&LaneVec3::splat(min), &LaneVec3::splat(max));
-        let mut stack = [Square::default(); STACK];
-        stack[0].level = self.levels.len() as u32;
-        let mut waiting = 1;
-        while waiting > 0 {
-            waiting -= 1;
-            let square = stack[waiting];
-            if square.entry > most {
-                continue;
-            }
-            if square.level == 0 {
-                let cell = square.row as usize * (self.columns - 1) + square.column as usize;
-                for i in [2 * cell as u32, 2 * cell as u32 + 1] {
-                    let [a, b, c] = self.triangle(i);
-                    if far(a.min(b).min(c), a.max(b).max(c)) <= most {
-                        most = f(i, [a, b, c], most);
-                    }
-                }
-                continue;
-            }
-            let base = waiting;
-            let level = square.level as usize - 1;
-            for i in 0..SIDE * SIDE {
-                let (column, row) =
-                    (SIDE * square.column as usize + i % SIDE, SIDE * square.row as usize + i / SIDE);
-                let Some((min, max)) = self.square_bounds(level, column, row) else { continue };
-                let entry = far(min, max);
-                if entry > most || waiting == STACK {
-                    continue;
-                }
-                // The nearest on top.
-                let mut at = waiting;
-                while at > base && stack[at - 1].entry < entry {
-                    stack[at] = stack[at - 1];
-                    at -= 1;
-                }
-                stack[at] = Square { level: level as u32, column: column as u32, row: row as u32, entry };
-                waiting += 1;
-            }
-        }
-    }
-
-    /// The box of a square of the pyramid, if there is one; level 0 are cells.
-    fn square_bounds(&self, level: usize, column: usize, row: usize) -> Option<(Vec3, Vec3)> {
-        let (columns, rows) = match level {
-            0 => (self.columns - 1, self.rows - 1),
-            _ => (self.levels[level - 1].columns, self.levels[level - 1].rows),
-        };
-        if column >= columns || row >= rows {
-            return None;
-        }
-        let (low, high) = match level {
-            0 => self.cell_bounds(column, row),
-            _ => self.levels[level - 1].bounds[row * columns + column],
-        };
-        let span = SIDE.pow(level as u32);
-        let x = |column: usize| (column * span).min(self.columns - 1) as f32 * self.cell.x;
-        let z = |row: usize| (row * span).min(self.rows - 1) as f32 * self.cell.y;
-        Some((Vec3::new(x(column), low, z(row)), Vec3::new(x(column + 1), high, z(row + 1))))
+        let (near, nears) = (Near::<f32>::new(at), Near::<f32x4>::new(at));
+        let four = |low, high| (0b1111, nears.squared(&low, &high).to_array());
+        let one = |low, high| Some(near.squared(&LaneVec3::splat(low), &LaneVec3::splat(high)));
+        self.nearest_first(most, &four, &one, &mut |i, corners, _, most| f(i, corners, most));
     }
 
     /// Whether `f` says yes to any triangle whose bounding box meets a box.

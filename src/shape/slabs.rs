@@ -88,19 +88,8 @@ mod tests {
     use super::*;
     use crate::broad_phase::Aabb;
     use crate::lanes::f32x4;
+    use crate::random::Random;
     use glam::{dvec3, vec3};
-
-    struct Random(u64);
-    impl Random {
-        fn unit(&mut self) -> f32 {
-            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (self.0 >> 40) as f32 / (1u64 << 24) as f32
-        }
-        fn cube(&mut self, size: f32) -> glam::Vec3 {
-            let mut r = || (self.unit() * 2.0 - 1.0) * size;
-            vec3(r(), r(), r())
-        }
-    }
 
     /// The slabs in f64, of boxes that are grown by `grow`.
     fn exact(from: DVec3, path: glam::Vec3, bounds: &Aabb, half: glam::Vec3, grow: f64) -> Option<f64> {

@@ -217,15 +217,12 @@ impl World {
             let (of_i, of_k) = (i < dynamic && is_tired(sleep, i), k < dynamic && is_tired(sleep, k));
             match (of_i, of_k) {
                 (true, true) if sleep.groups.of(i) == sleep.groups.of(k) => Fate::Kept(sleep.groups.of(i)),
-                // Of a sensor and who is in it, asleep in another island.
-                (true, _) if k >= movers && pair.touching && bodies.kind[k as usize] != BodyKind::Static => {
-                    Fate::Stays
-                }
                 (true, true) => Fate::Dropped,
                 (true, false) if k >= movers && bodies.kind[k as usize] == BodyKind::Static => {
                     Fate::Kept(sleep.groups.of(i))
                 }
-                (true, false) if k >= movers => Fate::Dropped,
+                // A sensor and who is in it know each other while both sleep.
+                (true, false) if k >= movers && !pair.touching => Fate::Dropped,
                 _ => Fate::Stays,
             }
         };

@@ -1,0 +1,155 @@
+//! Where shapes come into the world and leave it, and how queries and the broad phase hear of it.
+
+use super::{Assets, Needs, World};
+use crate::body::{BodyKind, Pose};
+use crate::broad_phase::{Aabb, aabb_of};
+use crate::config::Continuous;
+use crate::shape::{Collider, Filter, Geometry, Kind, Material, ShapeDesc};
+use glam::{DVec3, Quat, Vec3};
+
+impl World {
+    pub(super) fn new_collider(&mut self, body: usize, shape: &ShapeDesc) -> u32 {
+        let cold = &self.bodies.cold[body];
+        let to_axes = cold.axes.conjugate();
+        let geometry = &shape.geometry;
+        let collider = Collider {
+            kind: Kind::of(geometry),
+            body: body as u32,
+            size: geometry.size(),
+            position: to_axes * (shape.position - cold.centre),
+            rotation: (to_axes * shape.rotation.normalize()).normalize(),
+            radius: geometry.radius(),
+            inner_radius: geometry.inner_radius(),
+            geometry: geometry.clone(),
+            material: shape.material,
+            filter: shape.filter,
+            density: shape.density,
+            flags: shape.flags(),
+            user_data: shape.user_data,
+        };
+        let mode = self.bodies.mode(body);
+        self.assets.add(geometry);
+        self.needs.count(&collider, 1);
+        let next = self.colliders.all.len() as u32;
+        let (slot, _) = self.colliders.slots.insert(next);
+        if slot == next {
+            self.colliders.hot.push(collider.hot(mode));
+            self.colliders.all.push(collider);
+            self.colliders.poses.push(self.bodies.pose[body]);
+        } else {
+            self.colliders.slots.moved(slot, slot);
+            self.colliders.hot[slot as usize] = collider.hot(mode);
+            self.colliders.all[slot as usize] = collider;
+        }
+        self.bodies.attach(body, slot);
+        self.colliders.place(slot, &self.bodies.pose[body]);
+        self.enter_broad(slot);
+        slot
+    }
+
+    pub(super) fn drop_collider(&mut self, collider: u32) {
+        self.leave_broad(collider);
+        let old = &mut self.colliders.all[collider as usize];
+        self.needs.count(old, -1);
+        self.assets.remove(&old.geometry);
+        old.body = u32::MAX;
+        old.geometry = Geometry::Plane;
+        self.colliders.slots.remove(collider);
+    }
+
+    /// Takes all shapes out, of whose slots there are so many.
+    pub(crate) fn clear_colliders(&mut self, slots: usize) {
+        let nothing = Collider {
+            kind: Kind::Plane,
+            body: u32::MAX,
+            size: [0.0; 4],
+            position: Vec3::ZERO,
+            rotation: Quat::IDENTITY,
+            radius: 0.0,
+            inner_radius: 0.0,
+            geometry: Geometry::Plane,
+            material: Material::default(),
+            filter: Filter::default(),
+            density: 0.0,
+            flags: 0,
+            user_data: 0,
+        };
+        let nowhere = Pose { position: DVec3::ZERO, rotation: Quat::IDENTITY };
+        let shapes = &mut self.colliders;
+        (self.assets, self.needs) = (Assets::default(), Needs::default());
+        shapes.hot.clear();
+        shapes.hot.resize(slots, nothing.hot(Continuous::Discrete));
+        shapes.all.clear();
+        shapes.all.resize(slots, nothing);
+        shapes.poses.clear();
+        shapes.poses.resize(slots, nowhere);
+        self.broad.reset(slots);
+    }
+
+    /// Puts a shape into the slot that it had.
+    pub(crate) fn put_collider(&mut self, slot: u32, collider: &Collider, pose: Pose) {
+        let mode = self.bodies.mode(collider.body as usize);
+        self.assets.add(&collider.geometry);
+        self.needs.count(collider, 1);
+        self.colliders.hot[slot as usize] = collider.hot(mode);
+        self.colliders.all[slot as usize].clone_from(collider);
+        self.colliders.poses[slot as usize] = pose;
+    }
+
+    pub(super) fn enter_broad(&mut self, collider: u32) {
+        self.note_change(collider);
+        let c = &self.colliders.all[collider as usize];
+        let body = c.body as usize;
+        if self.bodies.traits[body].disabled {
+            self.broad.leave_place(collider);
+            return;
+        }
+        if self.bodies.kind[body] == BodyKind::Static {
+            let pose = &self.bodies.pose[body];
+            let bounds = aabb_of(c, pose.position, pose.rotation);
+            self.broad.insert_static(collider, bounds);
+            self.buffers.finish.statics_changed();
+            self.disturb_box(&bounds);
+        } else {
+            self.broad.insert_mover(collider);
+        }
+    }
+
+    pub(super) fn leave_broad(&mut self, collider: u32) {
+        self.note_change(collider);
+        self.removed.clear();
+        self.broad.remove(collider, &mut self.removed);
+        for place in 0..self.removed.len() {
+            let pair = self.removed[place];
+            self.part(&pair);
+            self.contacts.remove_chain(pair.contact);
+        }
+    }
+
+    /// Queries are to look where a collider is.
+    fn note_change(&mut self, collider: u32) {
+        if let Some(now) = self.now.change() {
+            now.touch(collider);
+        }
+    }
+
+    /// The same for all colliders of a body.
+    pub(super) fn note_move(&mut self, index: usize) {
+        if let Some(now) = self.now.change() {
+            self.bodies.colliders[index].as_slice().iter().for_each(|&c| now.touch(c));
+        }
+    }
+
+    /// Box of a collider where its body is.
+    pub(crate) fn bounds(&self, collider: u32) -> Aabb {
+        let collider = &self.colliders.all[collider as usize];
+        let pose = &self.bodies.pose[collider.body as usize];
+        aabb_of(collider, pose.position, pose.rotation)
+    }
+
+    pub(super) fn place_colliders(&mut self, body: usize) {
+        for &collider in self.bodies.colliders[body].as_slice() {
+            self.colliders.place(collider, &self.bodies.pose[body]);
+        }
+    }
+}

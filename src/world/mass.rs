@@ -1,0 +1,126 @@
+//! Mass of the world's bodies: given, or that of their shapes.
+
+use super::World;
+use crate::body::{BodyKind, Cold, Mass, Pose};
+use crate::error::{Error, finite};
+use crate::handle::BodyHandle;
+use crate::record::record;
+use crate::shape::{MassProperties, ShapeDesc};
+use glam::{Quat, Vec3};
+
+impl World {
+    /// Mass of a body [kg]; zero for one that nothing can push.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn mass(&self, body: BodyHandle) -> Result<f32, Error> {
+        Ok(self.bodies.cold[self.index(body)?].mass)
+    }
+
+    /// Replaces the mass of a body; from now on it does not follow from the shapes.
+    ///
+    /// # Errors
+    /// If the handle is stale or the properties are not those of a body.
+    pub fn set_mass(&mut self, body: BodyHandle, mass: MassProperties) -> Result<(), Error> {
+        let index = self.index(body)?;
+        mass.validate()?;
+        record!(self, SetMass(body, mass));
+        let index = self.wake_body(index);
+        self.revise(index);
+        self.bodies.cold[index].mass_from_shapes = false;
+        self.replace_mass(index, &mass);
+        Ok(())
+    }
+
+    pub(super) fn refresh_mass(&mut self, index: usize) {
+        let cold = self.bodies.cold[index];
+        let parts: Vec<MassProperties> = self.bodies.colliders[index]
+            .as_slice()
+            .iter()
+            .map(|&c| {
+                let c = &self.colliders.all[c as usize];
+                let (position, rotation) = (cold.centre + cold.axes * c.position, cold.axes * c.rotation);
+                MassProperties::of(&c.geometry, c.density).transformed(position, rotation)
+            })
+            .collect();
+        self.replace_mass(index, &MassProperties::combine(&parts));
+    }
+
+    /// Moves the centre of mass and the principal axes under the colliders, which stay where they are.
+    pub(super) fn replace_mass(&mut self, index: usize, mass: &MassProperties) {
+        let old = self.bodies.cold[index];
+        let (cold, columns) = columns_of(mass, self.bodies.kind[index], old.user_data, old.mass_from_shapes);
+        let pose = self.bodies.pose[index];
+        let body = pose.rotation * old.axes.conjugate();
+        let shift = body * (cold.centre - old.centre);
+        self.bodies.pose[index] =
+            Pose { position: pose.position + shift.as_dvec3(), rotation: (body * cold.axes).normalize() };
+        let velocity = &mut self.bodies.velocity[index];
+        velocity.linear += velocity.angular.cross(shift);
+        self.bodies.cold[index] = cold;
+        self.bodies.mass[index] = columns;
+        // What can't turn is in no tree.
+        let joined = self.joints.of_body(self.bodies.slot[index]).next().is_some();
+        self.joints.changed |= joined;
+        self.recentre_joints(index, &old);
+        self.note_move(index);
+        for &c in self.bodies.colliders[index].as_slice() {
+            let c = &mut self.colliders.all[c as usize];
+            c.position = cold.axes.conjugate() * (old.centre + old.axes * c.position - cold.centre);
+            c.rotation = (cold.axes.conjugate() * old.axes * c.rotation).normalize();
+        }
+        for &c in self.bodies.colliders[index].as_slice() {
+            let hot = &mut self.colliders.hot[c as usize];
+            *hot = self.colliders.all[c as usize].hot(hot.mode);
+        }
+    }
+}
+
+/// Whether mass and inertia, and one over them, are numbers: a body of 1e20 m is too heavy for them, one of 1e-20 m
+/// too light.
+pub(super) fn movable(mass: &MassProperties) -> Result<(), Error> {
+    let m = &mass.inertia;
+    for (what, value) in [
+        ("mass", mass.mass),
+        ("moment of inertia", m.x_axis.x),
+        ("moment of inertia", m.y_axis.y),
+        ("moment of inertia", m.z_axis.z),
+    ] {
+        finite(what, value)?;
+        finite(what, 1.0 / value)?;
+    }
+    Ok(())
+}
+
+pub(super) fn mass_of(shapes: &[ShapeDesc]) -> MassProperties {
+    let parts: Vec<MassProperties> = shapes
+        .iter()
+        .map(|s| MassProperties::of(&s.geometry, s.density).transformed(s.position, s.rotation))
+        .collect();
+    MassProperties::combine(&parts)
+}
+
+/// What the columns keep of a body's mass.
+pub(super) fn columns_of(
+    mass: &MassProperties,
+    kind: BodyKind,
+    user_data: u64,
+    mass_from_shapes: bool,
+) -> (Cold, Mass) {
+    // Rounding must not turn the axes of a body that is aligned with them already.
+    let (m, tiny) =
+        (mass.inertia, 1e-6 * mass.inertia.x_axis.x.max(mass.inertia.y_axis.y).max(mass.inertia.z_axis.z));
+    let aligned = [m.x_axis.y, m.x_axis.z, m.y_axis.z].iter().all(|x| x.abs() <= tiny);
+    let (moments, axes) = if aligned {
+        (Vec3::new(m.x_axis.x, m.y_axis.y, m.z_axis.z), Quat::IDENTITY)
+    } else {
+        mass.principal()
+    };
+    let over = |x: f32| if x > 0.0 && x.is_finite() { 1.0 / x } else { 0.0 };
+    let cold = Cold { centre: mass.center, axes, mass: mass.mass, mass_from_shapes, user_data };
+    if kind != BodyKind::Dynamic {
+        return (Cold { mass: 0.0, ..cold }, Mass::default());
+    }
+    let inverse_inertia = Vec3::new(over(moments.x), over(moments.y), over(moments.z));
+    (cold, Mass { inverse: over(mass.mass), inertia: moments, inverse_inertia })
+}

@@ -1,0 +1,192 @@
+//! Where bodies are and how they move: look up, set, push.
+
+use super::World;
+use crate::body::{BodyKind, Pose};
+use crate::error::{Error, finite3};
+use crate::forces::world_inertia;
+use crate::handle::BodyHandle;
+use crate::lanes::Record;
+use crate::record::record;
+use crate::shape::unit_quat;
+use glam::{DVec3, Quat, Vec3};
+
+impl World {
+    /// Where a body's origin is in the world [m].
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn position(&self, body: BodyHandle) -> Result<DVec3, Error> {
+        let index = self.index(body)?;
+        let (pose, cold) = (&self.bodies.pose[index], &self.bodies.cold[index]);
+        let turn = pose.rotation * cold.axes.conjugate();
+        Ok(pose.position - (turn * cold.centre).as_dvec3())
+    }
+
+    /// Where a body's origin is, relative to [`World::origin`] [m].
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn local_position(&self, body: BodyHandle) -> Result<Vec3, Error> {
+        Ok((self.position(body)? - self.origin).as_vec3())
+    }
+
+    /// How a body's axes are turned.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn rotation(&self, body: BodyHandle) -> Result<Quat, Error> {
+        let index = self.index(body)?;
+        Ok(self.bodies.pose[index].rotation * self.bodies.cold[index].axes.conjugate())
+    }
+
+    /// Where a body's centre of mass is in the world [m].
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn centre_of_mass(&self, body: BodyHandle) -> Result<DVec3, Error> {
+        Ok(self.bodies.pose[self.index(body)?].position)
+    }
+
+    /// Velocity of a body's centre of mass [m/s].
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn linear_velocity(&self, body: BodyHandle) -> Result<Vec3, Error> {
+        Ok(self.bodies.velocity[self.index(body)?].linear)
+    }
+
+    /// Angular velocity of a body about the world's axes [rad/s].
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn angular_velocity(&self, body: BodyHandle) -> Result<Vec3, Error> {
+        Ok(self.bodies.velocity[self.index(body)?].angular)
+    }
+
+    /// Moves a body to a pose of its origin, at once.
+    ///
+    /// # Errors
+    /// If the handle is stale or the pose is not one.
+    pub fn set_pose(&mut self, body: BodyHandle, position: DVec3, rotation: Quat) -> Result<(), Error> {
+        let index = self.index(body)?;
+        finite_position(position)?;
+        let unit = unit_quat("rotation", rotation)?;
+        // As it was given: what is normalised twice may differ in a bit.
+        record!(self, SetPose(body, position, rotation));
+        let rotation = unit;
+        let index = self.disturb(index);
+        let cold = &self.bodies.cold[index];
+        self.bodies.pose[index] = Pose {
+            position: position + (rotation * cold.centre).as_dvec3(),
+            rotation: (rotation * cold.axes).normalize(),
+        };
+        self.place_colliders(index);
+        self.note_move(index);
+        if self.bodies.kind[index] == BodyKind::Static {
+            self.revise(index);
+            for c in 0..self.bodies.colliders[index].as_slice().len() {
+                let collider = self.bodies.colliders[index].as_slice()[c];
+                self.leave_broad(collider);
+                self.enter_broad(collider);
+            }
+        }
+        Ok(())
+    }
+
+    /// Sets linear [m/s] and angular [rad/s] velocity. Has no effect on a static body.
+    ///
+    /// # Errors
+    /// If the handle is stale or a number is not finite.
+    pub fn set_velocity(&mut self, body: BodyHandle, linear: Vec3, angular: Vec3) -> Result<(), Error> {
+        let index = self.index(body)?;
+        finite3("linear velocity", linear)?;
+        finite3("angular velocity", angular)?;
+        record!(self, SetVelocity(body, linear, angular));
+        if self.bodies.kind[index] != BodyKind::Static {
+            let index = self.wake_body(index);
+            let velocity = &mut self.bodies.velocity[index];
+            (velocity.linear, velocity.angular) = (linear, angular);
+        }
+        Ok(())
+    }
+
+    /// Gives a kinematic body the velocity that takes it to a pose of its origin within the next step of `dt` seconds.
+    ///
+    /// # Errors
+    /// If the handle is stale, the pose is not one or `dt` is not above zero.
+    pub fn move_kinematic(
+        &mut self,
+        body: BodyHandle,
+        position: DVec3,
+        rotation: Quat,
+        dt: f32,
+    ) -> Result<(), Error> {
+        let index = self.index(body)?;
+        finite_position(position)?;
+        let rotation = unit_quat("rotation", rotation)?;
+        crate::error::positive("dt", dt)?;
+        let (pose, cold) = (&self.bodies.pose[index], &self.bodies.cold[index]);
+        let target = position + (rotation * cold.centre).as_dvec3();
+        let linear = ((target - pose.position) / f64::from(dt)).as_vec3();
+        let mut turn = rotation * cold.axes * pose.rotation.conjugate();
+        if turn.w < 0.0 {
+            turn = -turn;
+        }
+        // Not glam's `to_scaled_axis`: it asks the platform's arc tangent.
+        let part = turn.xyz();
+        let sine = part.length();
+        let angle = if sine > 0.0 { 2.0 * libm::atan2f(sine, turn.w) / sine } else { 2.0 };
+        self.set_velocity(body, linear, part * (angle / dt))
+    }
+
+    /// Adds a force [N] at the centre of mass and a torque [N m] to a dynamic body, for the next step.
+    ///
+    /// # Errors
+    /// If the handle is stale, a number is not finite, or, for the first force of a world, the budget does not allow it.
+    pub fn add_force(&mut self, body: BodyHandle, force: Vec3, torque: Vec3) -> Result<(), Error> {
+        let index = self.index(body)?;
+        finite3("force", force)?;
+        finite3("torque", torque)?;
+        self.make_place_for_forces()?;
+        record!(self, AddForce(body, force, torque));
+        let index = self.wake_body(index);
+        let sum = &mut self.bodies.force[index];
+        sum.linear += force;
+        sum.angular += torque;
+        Ok(())
+    }
+
+    /// Changes the velocity of a dynamic body by an impulse [N s] at a point of the world [m].
+    ///
+    /// # Errors
+    /// If the handle is stale or a number is not finite.
+    pub fn apply_impulse(&mut self, body: BodyHandle, impulse: Vec3, point: DVec3) -> Result<(), Error> {
+        let index = self.index(body)?;
+        finite3("impulse", impulse)?;
+        finite_position(point)?;
+        record!(self, ApplyImpulse(body, impulse, point));
+        if self.bodies.kind[index] == BodyKind::Dynamic {
+            let index = self.wake_body(index);
+            let (mass, pose) = (&self.bodies.mass[index], &self.bodies.pose[index]);
+            let t = (point - pose.position).as_vec3().cross(impulse);
+            let inverse = world_inertia(&self.bodies, index);
+            let change = Record {
+                linear: impulse * mass.inverse,
+                angular: inverse.mul(crate::lanes::Vec3::new(t.x, t.y, t.z)).lane(0),
+                ..Record::default()
+            };
+            let velocity = &mut self.bodies.velocity[index];
+            velocity.linear += change.linear;
+            velocity.angular += change.angular;
+            self.bodies.traits[index].lock(velocity);
+        }
+        Ok(())
+    }
+}
+
+pub(crate) fn finite_position(position: DVec3) -> Result<(), Error> {
+    match position.to_array().into_iter().find(|v| !v.is_finite()) {
+        Some(value) => Err(Error::NotFinite { what: "position", value }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,173 @@
+//! Shapes of the world's bodies: add, remove, change, look up.
+
+use super::World;
+use super::mass::movable;
+use crate::body::BodyKind;
+use crate::error::Error;
+use crate::handle::{BodyHandle, ShapeHandle};
+use crate::record::record;
+use crate::shape::{EVENTS, Filter, Geometry, HOOKS, MassProperties, Material, SENSOR, ShapeDesc};
+
+impl World {
+    /// Puts a further shape on a body; its mass follows if it comes from the shapes.
+    ///
+    /// # Errors
+    /// If the handle is stale or the shape is refused.
+    pub fn add_shape(&mut self, body: BodyHandle, shape: &ShapeDesc) -> Result<ShapeHandle, Error> {
+        let index = self.index(body)?;
+        shape.validate()?;
+        if self.bodies.kind[index] == BodyKind::Dynamic {
+            shape.geometry.require_convex()?;
+        }
+        let mass =
+            MassProperties::of(&shape.geometry, shape.density).transformed(shape.position, shape.rotation);
+        if self.bodies.kind[index] == BodyKind::Dynamic && mass.mass != 0.0 {
+            movable(&mass)?;
+        }
+        self.make_place_for_shape(
+            self.bodies.kind[index],
+            shape,
+            self.bodies.colliders[index].as_slice().len(),
+        )?;
+        record!(self, |tape| AddShape(body, tape.shape(shape)));
+        let index = self.disturb(index);
+        self.revise(index);
+        let collider = self.new_collider(index, shape);
+        if self.bodies.cold[index].mass_from_shapes && mass.mass > 0.0 {
+            self.refresh_mass(index);
+        }
+        Ok(self.shape_handle(collider))
+    }
+
+    /// Takes a shape off its body; its mass follows if it comes from the shapes, unless none would be left.
+    ///
+    /// # Errors
+    /// If the handle is stale, or a dynamic body would be left without mass.
+    pub fn remove_shape(&mut self, shape: ShapeHandle) -> Result<(), Error> {
+        let collider = self.collider(shape)?;
+        let index = self.colliders.all[collider as usize].body as usize;
+        let from_shapes =
+            self.bodies.cold[index].mass_from_shapes && self.bodies.kind[index] == BodyKind::Dynamic;
+        if from_shapes {
+            let rest = self.bodies.colliders[index].as_slice().iter().filter(|&&c| c != collider);
+            if !rest.clone().any(|&c| self.colliders.all[c as usize].density > 0.0) {
+                return Err(Error::NoMass);
+            }
+        }
+        record!(self, RemoveShape(shape));
+        let index = self.disturb(index);
+        self.revise(index);
+        self.bodies.detach(index, collider);
+        self.drop_collider(collider);
+        if from_shapes {
+            self.refresh_mass(index);
+        }
+        Ok(())
+    }
+
+    /// The shapes of a body.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn shapes(&self, body: BodyHandle) -> Result<impl Iterator<Item = ShapeHandle> + '_, Error> {
+        let index = self.index(body)?;
+        Ok(self.bodies.colliders[index].as_slice().iter().map(|&c| self.shape_handle(c)))
+    }
+
+    /// Form of a shape.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn geometry(&self, shape: ShapeHandle) -> Result<&Geometry, Error> {
+        Ok(&self.colliders.all[self.collider(shape)? as usize].geometry)
+    }
+
+    /// Friction and restitution of a shape.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn material(&self, shape: ShapeHandle) -> Result<Material, Error> {
+        Ok(self.colliders.all[self.collider(shape)? as usize].material)
+    }
+
+    /// Changes friction and restitution of a shape.
+    ///
+    /// # Errors
+    /// If the handle is stale or a value is out of range.
+    pub fn set_material(&mut self, shape: ShapeHandle, material: Material) -> Result<(), Error> {
+        material.validate()?;
+        let index = self.collider(shape)? as usize;
+        record!(self, SetMaterial(shape, material));
+        let body = self.disturb(self.colliders.all[index].body as usize);
+        self.revise(body);
+        let collider = &mut self.colliders.all[index];
+        self.needs.count(collider, -1);
+        collider.material = material;
+        self.needs.count(collider, 1);
+        Ok(())
+    }
+
+    /// Changes which shapes a shape collides with.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn set_filter(&mut self, shape: ShapeHandle, filter: Filter) -> Result<(), Error> {
+        let index = self.collider(shape)?;
+        record!(self, SetFilter(shape, filter));
+        let body = self.disturb(self.colliders.all[index as usize].body as usize);
+        self.revise(body);
+        self.colliders.all[index as usize].filter = filter;
+        self.broad.touch(index);
+        self.disturb_box(&self.bounds(index));
+        Ok(())
+    }
+
+    /// Sets whether contacts of a shape are heard of, and whether they are shown to hooks.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn set_listening(&mut self, shape: ShapeHandle, events: bool, hooks: bool) -> Result<(), Error> {
+        let index = self.collider(shape)? as usize;
+        record!(self, SetListening(shape, events, hooks));
+        let collider = &mut self.colliders.all[index];
+        self.needs.count(collider, -1);
+        let body = collider.body as usize;
+        collider.flags =
+            collider.flags & SENSOR | if events { EVENTS } else { 0 } | if hooks { HOOKS } else { 0 };
+        self.needs.count(collider, 1);
+        self.colliders.hot[index].flags = collider.flags;
+        self.revise(body);
+        Ok(())
+    }
+
+    /// Makes a shape a sensor, or solid again.
+    ///
+    /// # Errors
+    /// If the handle is stale, or a sensor would not be convex nor a plane.
+    pub fn set_sensor(&mut self, shape: ShapeHandle, sensor: bool) -> Result<(), Error> {
+        let index = self.collider(shape)?;
+        let geometry = &self.colliders.all[index as usize].geometry;
+        if sensor && !matches!(geometry, Geometry::Plane) {
+            geometry.require_convex()?;
+        }
+        record!(self, SetSensor(shape, sensor));
+        let body = self.disturb(self.colliders.all[index as usize].body as usize);
+        self.revise(body);
+        self.leave_broad(index);
+        let collider = &mut self.colliders.all[index as usize];
+        self.needs.count(collider, -1);
+        collider.flags = collider.flags & !SENSOR | if sensor { SENSOR } else { 0 };
+        self.needs.count(collider, 1);
+        self.colliders.hot[index as usize].flags = collider.flags;
+        self.enter_broad(index);
+        Ok(())
+    }
+
+    /// The caller's number of a shape.
+    ///
+    /// # Errors
+    /// If the handle is stale.
+    pub fn shape_user_data(&self, shape: ShapeHandle) -> Result<u64, Error> {
+        Ok(self.colliders.all[self.collider(shape)? as usize].user_data)
+    }
+}
