@@ -80,6 +80,34 @@ fn who_lands_is_heard_of_once_with_its_speed_and_impulse() {
     }
 }
 
+/// Who ceases to listen hears no end, not even when it is removed; who listens again hears a begin.
+#[test]
+fn a_shape_may_listen_now_and_then() {
+    let mut world = World::new(Settings { sleeping: true, ..Settings::default() }).unwrap();
+    fixed(&mut world, DVec3::ZERO, ShapeDesc::new(Geometry::Plane));
+    let body = add(&mut world, DVec3::Y * 0.5, cube());
+    let shape = shape(&world, body);
+    let heard = |world: &mut World, steps: u32| {
+        let (mut begins, mut ends) = (0, 0);
+        for _ in 0..steps {
+            world.step(DT).unwrap();
+            (begins, ends) = (begins + world.contact_begins().len(), ends + world.contact_ends().len());
+        }
+        (begins, ends)
+    };
+    assert_eq!(heard(&mut world, 10), (0, 0));
+    for wait in [10, 120] {
+        world.set_listening(shape, true, false).unwrap();
+        world.wake(body).unwrap();
+        assert_eq!(heard(&mut world, wait), (1, 0));
+        assert_eq!(world.is_asleep(body).unwrap(), wait == 120);
+        world.set_listening(shape, false, false).unwrap();
+        assert_eq!(heard(&mut world, 10), (0, 0));
+    }
+    world.remove_body(body).unwrap();
+    assert_eq!(heard(&mut world, 2), (0, 0));
+}
+
 /// A ball of 0.1 m at 300 m/s, 5 m a step, bounces off a mesh without thickness.
 #[test]
 fn who_is_fast_is_heard_of_when_it_strikes_and_when_it_is_off_again() {

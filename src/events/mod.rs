@@ -189,6 +189,15 @@ impl World {
         Ok(())
     }
 
+    /// Nobody listens to a shape any more: unless the other's listen, it is not known whom it touches.
+    pub(crate) fn forget_touches(&mut self, collider: u32) {
+        let hot = &self.colliders.hot;
+        for pair in self.broad.pairs.iter_mut().filter(|pair| pair.a == collider || pair.b == collider) {
+            let [a, b] = [pair.a, pair.b].map(|c| &hot[c as usize]);
+            pair.touching &= a.has_events() || b.has_events() || a.is_sensor() || b.is_sensor();
+        }
+    }
+
     /// Pairs that end are heard of, if anyone listens to them.
     pub(crate) fn part(&mut self, pair: &Pair) {
         if pair.touching {

@@ -122,20 +122,29 @@ impl World {
         Ok(())
     }
 
-    /// Sets whether contacts of a shape are heard of, and whether they are shown to hooks.
+    /// Sets whether contacts of a shape are heard of, and whether they are shown to hooks. Who no longer listens hears no end
+    /// of what it touches; its island wakes.
     ///
     /// # Errors
     /// If the handle is stale.
     pub fn set_listening(&mut self, shape: ShapeHandle, events: bool, hooks: bool) -> Result<(), Error> {
         let index = self.collider(shape)? as usize;
         record!(self, SetListening(shape, events, hooks));
+        let mut body = self.colliders.all[index].body as usize;
+        let stops = !events && self.colliders.hot[index].has_events();
+        if stops {
+            // What it touches is to be in the list.
+            body = self.disturb(body);
+        }
         let collider = &mut self.colliders.all[index];
         self.needs.count(collider, -1);
-        let body = collider.body as usize;
         collider.flags =
             collider.flags & SENSOR | if events { EVENTS } else { 0 } | if hooks { HOOKS } else { 0 };
         self.needs.count(collider, 1);
         self.colliders.hot[index].flags = collider.flags;
+        if stops {
+            self.forget_touches(index as u32);
+        }
         self.revise(body);
         Ok(())
     }
