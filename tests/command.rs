@@ -159,6 +159,48 @@ fn errors_name_the_file_and_the_cause() {
 }
 
 #[test]
+fn a_profile_has_both_costs_of_every_frame() {
+    let (folder, table) = (scratch("profile"), scratch("profile-table/frames.csv"));
+    let (folder, table) = (folder.to_str().expect("a path"), table.to_str().expect("a path"));
+    let arguments = ["profile", "--steps", "26", "--repeats", "3", "--threads", "1,2", "--json"];
+    let more = ["--report", folder, "--csv", table];
+    let document = document(&backstop(&[&arguments[..], &more].concat()));
+    has_keys(&document, &["scene", "settings", "steps", "dynamic_bodies", "runs", "memory", "hash"]);
+    assert_eq!((&document["scene"], &document["dynamic_bodies"]), (&"talk".into(), &11.into()));
+    let runs = document["runs"].as_array().expect("runs");
+    assert_eq!(runs.len(), 2);
+    for run in runs {
+        has_keys(run, &["threads", "additional", "stages", "totals", "frames"]);
+        let frames = run["frames"].as_array().expect("frames");
+        assert_eq!(frames.len(), 26);
+        for (i, frame) in frames.iter().enumerate() {
+            assert_eq!(frame["step"], i + 1);
+            let (discrete, continuous) = (&frame["discrete_us"], &frame["continuous_us"]);
+            assert!(discrete.as_f64() > Some(0.0) && continuous.as_f64() > Some(0.0), "{frame}");
+        }
+        // All eleven fly towards the ground, and some reach it in these frames (see the scene's generator).
+        assert_eq!((&frames[0]["swept"], &frames[0]["falling"]), (&11.into(), &true.into()));
+        let totals = &run["totals"];
+        assert!(totals["casts"].as_u64() > Some(0) && totals["pushed"].as_u64() > Some(0), "{totals}");
+        // What was pushed in one frame is confirmed or a ghost in the next.
+        let pushed: u64 = frames[..25].iter().filter_map(|f| f["pushed"].as_u64()).sum();
+        let told = totals["confirmed"].as_u64().zip(totals["ghosts"].as_u64()).map(|(a, b)| a + b);
+        assert_eq!(told, Some(pushed));
+    }
+    // Nothing but times differs between numbers of threads: the counts are those of one run.
+    assert_eq!(runs[0]["totals"], runs[1]["totals"]);
+    // The run is the one that `run` makes.
+    let run = self::document(&backstop(&["run", "scenes/talk.glb", "--steps", "26", "--json"]));
+    assert_eq!(document["hash"], run["hash"]);
+    for file in ["index.html", "cost-1.svg", "additional-2.svg", "potential.svg", "memory.svg"] {
+        assert!(std::fs::metadata(format!("{folder}/{file}")).is_ok_and(|m| m.len() > 100), "{file}");
+    }
+    let lines = std::fs::read_to_string(table).expect("a table");
+    assert_eq!(lines.lines().count(), 1 + 2 * 26);
+    assert!(lines.starts_with("threads,step,discrete_us,continuous_us,additional,falling,swept,"));
+}
+
+#[test]
 fn shots_are_counted_in_all_by_shape_and_by_target() {
     let run = |threads| {
         let arguments = ["shots", "--count", "200", "--seed", "5", "--json", "--threads", threads];

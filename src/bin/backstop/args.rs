@@ -18,6 +18,8 @@ pub(crate) struct Options {
 pub(crate) enum Command {
     /// Run a scene and say what came of it.
     Run(Box<RunOptions>),
+    /// What continuous collision costs, frame by frame and in bytes.
+    Profile(ProfileOptions),
     /// Shoot bodies of every shape at thin targets and count those that get through.
     Shots(ShotOptions),
     /// Play a recorded run again, compare every step, and name the first that goes another way.
@@ -121,6 +123,46 @@ pub(crate) struct PictureOptions {
     /// What it looks at [default: the middle of what moves].
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = place)]
     pub(crate) look_at: Option<DVec3>,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct ProfileOptions {
+    /// A scene, as for `run` [default: the shipped talk.glb].
+    #[arg(value_name = "FILE")]
+    pub(crate) scene: Option<String>,
+    /// Frames to measure [default: as many steps as `run` would].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) steps: Option<u32>,
+    /// Length of a step in seconds: a number or a fraction.
+    #[arg(long, value_name = "SECONDS", default_value = "1/60", value_parser = seconds)]
+    pub(crate) dt: f32,
+    /// Times that each frame is stepped each way; the medians count.
+    #[arg(long, value_name = "N", default_value_t = 31, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) repeats: u32,
+    /// Numbers of threads, each measured in a run of its own.
+    #[arg(long, value_name = "N,...", default_value = "1,2", value_delimiter = ',', value_parser = threads)]
+    pub(crate) threads: Vec<usize>,
+    /// Substeps of the solver in a step [default: 4].
+    #[arg(long, value_name = "N")]
+    pub(crate) substeps: Option<u32>,
+    /// Solver iterations in each substep [default: 1].
+    #[arg(long, value_name = "N")]
+    pub(crate) iterations: Option<u32>,
+    /// What is compared with discrete: segment or volume.
+    #[arg(long, value_name = "MODE", default_value = "segment", value_parser = continuous)]
+    pub(crate) continuous: Continuous,
+    /// Write a page with charts: index.html and its pictures.
+    #[arg(long, value_name = "DIR")]
+    pub(crate) report: Option<PathBuf>,
+    /// Write all frames as a table.
+    #[arg(long, value_name = "FILE.csv")]
+    pub(crate) csv: Option<PathBuf>,
+    /// Print one JSON document instead of the summary (docs/json.md).
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// No summary, no progress, no notes.
+    #[arg(long)]
+    pub(crate) quiet: bool,
 }
 
 #[derive(Args, Debug)]

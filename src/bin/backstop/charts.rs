@@ -6,37 +6,37 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+pub(crate) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub(crate) type Drawn = Result<(), Box<dyn std::error::Error>>;
 
 const SIZE: (u32, u32) = (960, 340);
 /// Runs longer than this are drawn with several steps a column: more could not be told apart.
 const COLUMNS: usize = 480;
 /// Text, rules, and what is in the background.
-const INK: RGBColor = RGBColor(51, 56, 64);
-const RULE: RGBColor = RGBColor(226, 229, 234);
-const PALE: RGBColor = RGBColor(190, 205, 224);
+pub(crate) const INK: RGBColor = RGBColor(51, 56, 64);
+pub(crate) const RULE: RGBColor = RGBColor(226, 229, 234);
+pub(crate) const PALE: RGBColor = RGBColor(190, 205, 224);
 /// Okabe and Ito's colours, which the colour-blind can tell apart.
-const BLUE: RGBColor = RGBColor(0, 114, 178);
-const SKY: RGBColor = RGBColor(86, 180, 233);
-const GREEN: RGBColor = RGBColor(0, 158, 115);
-const ORANGE: RGBColor = RGBColor(230, 159, 0);
-const RED: RGBColor = RGBColor(213, 94, 0);
+pub(crate) const BLUE: RGBColor = RGBColor(0, 114, 178);
+pub(crate) const SKY: RGBColor = RGBColor(86, 180, 233);
+pub(crate) const GREEN: RGBColor = RGBColor(0, 158, 115);
+pub(crate) const ORANGE: RGBColor = RGBColor(230, 159, 0);
+pub(crate) const RED: RGBColor = RGBColor(213, 94, 0);
 const STAGE_COLOURS: [RGBColor; 5] = [BLUE, SKY, GREEN, ORANGE, RED];
 
 /// Steps that share a column, and the number of the last step in each.
-struct Columns {
+pub(crate) struct Columns {
     steps: usize,
     width: usize,
 }
 
 impl Columns {
-    fn of(steps: usize) -> Columns {
+    pub(crate) fn of(steps: usize) -> Columns {
         Columns { steps, width: steps.div_ceil(COLUMNS).max(1) }
     }
 
     /// Middle of each column [steps] with what `f` makes of its steps.
-    fn map<'a, T: 'a>(
+    pub(crate) fn map<'a, T: 'a>(
         &'a self,
         mut f: impl FnMut(std::ops::Range<usize>) -> T + 'a,
     ) -> impl Iterator<Item = (f64, T)> + 'a {
@@ -47,12 +47,12 @@ impl Columns {
     }
 
     /// Says that columns stand for several steps, if so.
-    fn axis(&self, what: &str) -> String {
+    pub(crate) fn axis(&self, what: &str) -> String {
         if self.width == 1 { "step".into() } else { format!("step ({what} of {} a column)", self.width) }
     }
 }
 
-fn text(size: u32) -> TextStyle<'static> {
+pub(crate) fn text(size: u32) -> TextStyle<'static> {
     ("sans-serif", size).into_font().color(&INK)
 }
 
@@ -97,6 +97,8 @@ macro_rules! legend {
             .draw()?
     };
 }
+
+pub(crate) use {frame, legend};
 
 /// Time of each stage, stacked. The axis ends where all but the slowest hundredth of columns fit; the caption of the
 /// page says how long the slowest step took.
@@ -295,7 +297,7 @@ pub(crate) fn svg(draw: impl FnOnce(&Area<'_>) -> Drawn) -> Result<String, Box<d
 }
 
 /// A number on an axis that spans `range`, with as many digits as tell its labels apart.
-fn plain(value: f64, range: f64) -> String {
+pub(crate) fn plain(value: f64, range: f64) -> String {
     let digits = if range >= 20.0 {
         0
     } else if range >= 2.0 {

@@ -3,8 +3,10 @@
 mod args;
 mod charts;
 mod document;
+mod html;
 mod output;
 mod page;
+mod profile;
 mod replay;
 mod run;
 mod shots;
@@ -20,6 +22,7 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let done = match Options::parse().command {
         Command::Run(options) => run::run(&options),
+        Command::Profile(options) => profile::profile(&options),
         Command::Replay(options) => replay::replay(&options),
         Command::Shots(options) => shots::shots(&options),
         Command::Scenes { command: ScenesCommand::List } => list_scenes(),

@@ -1,22 +1,14 @@
 //! `--report`: a page with charts, and the numbers that belong to them.
 
 use crate::charts;
-use crate::document::Document;
+use crate::document::{CategoryBytes, Document};
+use crate::html::{self, escape, figure, put, table};
 use crate::output::{bytes, micros};
 use crate::summary;
 use crate::trace::{STAGES, Times, Trace};
-use anyhow::{Context, anyhow};
+use anyhow::anyhow;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-
-const STYLE: &str = "
-body { font: 15px/1.5 system-ui, sans-serif; color: #33383f; background: #fff; max-width: 60rem; margin: 2rem auto; padding: 0 1rem; }
-h1 { font-size: 1.6rem; margin: 0 0 1rem; } h2 { font-size: 1.15rem; margin: 2rem 0 .5rem; }
-figure { margin: 1.5rem 0; } figure img { width: 100%; height: auto; border: 1px solid #e2e5ea; border-radius: 4px; }
-figcaption { color: #5b636e; font-size: .9rem; }
-table { border-collapse: collapse; } th, td { padding: .25rem .9rem .25rem 0; text-align: left; vertical-align: top; border-bottom: 1px solid #e2e5ea; }
-th { font-weight: 600; } td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; } code { font-size: .95em; }
-";
 
 /// Writes the page and its pictures into a folder; returns the page's path.
 pub(crate) fn write(folder: &Path, document: &Document, trace: &Trace) -> anyhow::Result<PathBuf> {
@@ -34,17 +26,9 @@ pub(crate) fn write(folder: &Path, document: &Document, trace: &Trace) -> anyhow
     Ok(path)
 }
 
-fn put(path: &Path, text: &str) -> anyhow::Result<()> {
-    std::fs::write(path, text).with_context(|| format!("can't write {}", path.display()))
-}
-
 fn page(document: &Document, trace: &Trace) -> String {
-    let scene = escape(&document.scene);
-    let mut html = format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
-         content=\"width=device-width, initial-scale=1\">\n<title>backstop: {scene}</title>\n<style>{STYLE}</style>\n\
-         </head>\n<body>\n<h1>backstop: {scene}</h1>\n<table>\n"
-    );
+    let mut html = html::head(&format!("backstop: {}", document.scene));
+    html += "<table>\n";
     for (label, value) in summary::rows(document, trace) {
         let _ = writeln!(html, "<tr><th>{label}</th><td>{}</td></tr>", escape(&value));
     }
@@ -77,53 +61,36 @@ fn page(document: &Document, trace: &Trace) -> String {
         "Live bytes are in use, reserved ones are held, the peak is the most that was ever held. What exists only because \
          of continuous collision is a category of its own.",
     );
-    memory_table(&mut html, document);
-    settings_table(&mut html, document);
-    html += "</body>\n</html>\n";
+    memory_table(&mut html, &document.memory.categories);
+    settings_table(&mut html, &document.settings);
+    html += html::TAIL;
     html
 }
 
-fn figure(html: &mut String, file: &str, caption: &str) {
-    let _ = writeln!(
-        html,
-        "<figure><img src=\"{file}\" alt=\"{0}\"><figcaption>{0}</figcaption></figure>",
-        escape(caption)
-    );
-}
-
 fn time_table(html: &mut String, document: &Document, trace: &Trace) {
-    *html += "<table>\n<tr><th>stage</th><th class=\"n\">median</th><th class=\"n\">mean</th><th class=\"n\">p95</th>\
-              <th class=\"n\">max</th></tr>\n";
-    let mut row = |name: &str, t: &Times| {
-        let _ = write!(html, "<tr><td>{name}</td>");
-        for value in [t.median, t.mean, t.p95, t.max] {
-            let _ = write!(html, "<td class=\"n\">{}</td>", micros(value));
-        }
-        *html += "</tr>\n";
+    let row = |name: &str, t: &Times| -> Vec<String> {
+        std::iter::once(name.to_owned()).chain([t.median, t.mean, t.p95, t.max].map(micros)).collect()
     };
-    for (name, stage) in STAGES {
-        row(name, &trace.stage_times(stage));
-    }
-    row("whole step", &document.time_us.step);
-    *html += "</table>\n";
+    let mut rows: Vec<_> = STAGES.iter().map(|(name, stage)| row(name, &trace.stage_times(*stage))).collect();
+    rows.push(row("whole step", &document.time_us.step));
+    table(html, &["stage", "median", "mean", "p95", "max"], 1, &rows);
 }
 
-fn memory_table(html: &mut String, document: &Document) {
-    *html += "<table>\n<tr><th>category</th><th class=\"n\">live</th><th class=\"n\">reserved</th><th class=\"n\">peak\
-              </th></tr>\n";
-    for category in &document.memory.categories {
-        let _ = write!(html, "<tr><td>{}</td>", category.name.replace('_', " "));
-        for value in [category.bytes.live, category.bytes.reserved, category.bytes.peak] {
-            let _ = write!(html, "<td class=\"n\">{}</td>", bytes(value));
-        }
-        *html += "</tr>\n";
-    }
-    *html += "</table>\n";
+/// Bytes of each category.
+pub(crate) fn memory_table(html: &mut String, categories: &[CategoryBytes]) {
+    let rows: Vec<Vec<String>> = categories
+        .iter()
+        .map(|c| {
+            let name = c.name.replace('_', " ");
+            vec![name, bytes(c.bytes.live), bytes(c.bytes.reserved), bytes(c.bytes.peak)]
+        })
+        .collect();
+    table(html, &["category", "live", "reserved", "peak"], 1, &rows);
 }
 
-fn settings_table(html: &mut String, document: &Document) {
+pub(crate) fn settings_table(html: &mut String, settings: &impl serde::Serialize) {
     *html += "<h2>Settings</h2>\n<table>\n";
-    if let Ok(serde_json::Value::Object(settings)) = serde_json::to_value(&document.settings) {
+    if let Ok(serde_json::Value::Object(settings)) = serde_json::to_value(settings) {
         for (name, value) in settings {
             let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
             let _ = writeln!(
@@ -135,8 +102,4 @@ fn settings_table(html: &mut String, document: &Document) {
         }
     }
     *html += "</table>\n";
-}
-
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -147,7 +147,7 @@ fn settings(options: &RunOptions, scene: &Scene) -> Settings {
     }
 }
 
-fn default_steps(scene: &Scene, dt: f32) -> u32 {
+pub(crate) fn default_steps(scene: &Scene, dt: f32) -> u32 {
     let seconds = if scene.source.is_some() { SECONDS } else { scene.steps as f32 * SCENE_STEP };
     (seconds / dt).round().max(1.0) as u32
 }

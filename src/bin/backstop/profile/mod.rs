@@ -1,0 +1,106 @@
+//! `profile`: what continuous collision costs, frame by frame and in bytes, as Vincent Robert's talk measured it (GDC 2012).
+
+mod charts;
+mod ledger;
+mod measure;
+mod page;
+
+use crate::args::ProfileOptions;
+use crate::{output, run};
+use anyhow::{Context, bail};
+use backstop::Settings;
+use backstop::scene::{self, Scene};
+use ledger::{Ledger, Memory, ProfileSettings, Run};
+use measure::{Measured, Way, measure};
+use std::path::Path;
+
+/// The scene unless another is asked for; away from the repository it is made anew.
+const TALK: &str = "scenes/talk.glb";
+
+pub(crate) fn profile(options: &ProfileOptions) -> anyhow::Result<()> {
+    // Fails before the work is done, not after it.
+    if let Some(folder) = &options.report {
+        std::fs::create_dir_all(folder).with_context(|| format!("can't make {}", folder.display()))?;
+    }
+    if let Some(folder) = options.csv.as_ref().and_then(|f| f.parent()).filter(|f| !f.as_os_str().is_empty())
+    {
+        std::fs::create_dir_all(folder).with_context(|| format!("can't make {}", folder.display()))?;
+    }
+    let scene = open(options)?;
+    if !options.quiet {
+        scene.notes.iter().for_each(|note| eprintln!("note: {note}"));
+    }
+    let ledger = measure_all(options, &scene)?;
+    if let Some(path) = &options.csv {
+        ledger::write_csv(path, &ledger.runs)?;
+    }
+    let written = options.report.as_ref().map(|folder| page::write(folder, &ledger)).transpose()?;
+    if options.json {
+        output::print_json(&ledger)?;
+    } else if !options.quiet {
+        let mut text = String::new();
+        for (label, value) in page::rows(&ledger) {
+            text += &format!("{label:<12}{value}\n");
+        }
+        for path in written.iter().chain(&options.csv) {
+            text += &format!("{:<12}{}\n", "written", path.display());
+        }
+        output::print(&text)?;
+    }
+    Ok(())
+}
+
+fn open(options: &ProfileOptions) -> anyhow::Result<Scene> {
+    match &options.scene {
+        Some(name) => Ok(scene::open(name)?),
+        None if Path::new(TALK).exists() => Ok(scene::open(TALK)?),
+        None => scene::shipped("talk.glb").context("there is no talk.glb"),
+    }
+}
+
+fn measure_all(options: &ProfileOptions, scene: &Scene) -> anyhow::Result<Ledger> {
+    let steps = options.steps.unwrap_or_else(|| run::default_steps(scene, options.dt));
+    let default = Settings::default();
+    let settings = Settings {
+        gravity: scene.gravity,
+        substeps: options.substeps.unwrap_or(default.substeps),
+        iterations: options.iterations.unwrap_or(default.iterations),
+        continuous: options.continuous,
+        ..default
+    };
+    let bar = output::progress(!options.quiet, u64::from(steps) * options.threads.len() as u64, "frames");
+    let mut runs = Vec::new();
+    let mut last: Option<Measured> = None;
+    for &threads in &options.threads {
+        let settings = Settings { threads, ..settings.clone() };
+        let way = Way { dt: options.dt, steps, repeats: options.repeats as usize, settings };
+        let measured = with_threads(threads, || measure(scene, &way, || bar.inc(1)))?;
+        if last.as_ref().is_some_and(|last| last.hash != measured.hash) {
+            bail!("with {threads} threads the run went another way; please report this");
+        }
+        runs.push(Run::new(threads, measured.clone()));
+        last = Some(measured);
+    }
+    bar.finish_and_clear();
+    let last = last.context("no number of threads is given")?;
+    Ok(Ledger {
+        scene: scene.name.clone(),
+        settings: ProfileSettings { dt: options.dt, repeats: options.repeats as usize, world: settings },
+        steps: steps as usize,
+        dynamic_bodies: scene.dynamic_bodies(),
+        runs,
+        memory: Memory::new(&last.memory, scene.dynamic_bodies()),
+        hash: format!("{:016x}", last.hash),
+    })
+}
+
+/// Runs something where a step finds so many threads.
+fn with_threads<R: Send>(threads: usize, f: impl FnOnce() -> anyhow::Result<R> + Send) -> anyhow::Result<R> {
+    match threads {
+        1 => f(),
+        _ => {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            pool.context("can't start threads")?.install(f)
+        }
+    }
+}
