@@ -48,7 +48,13 @@ fn vector(v: Vec3) -> Vector {
 }
 
 /// Times both in turn and prints what came out.
-fn beside(name: &str, queries: usize, mut ours: impl FnMut() -> usize, mut theirs: impl FnMut() -> usize) {
+fn beside(
+    name: &str,
+    queries: usize,
+    whose: &str,
+    mut ours: impl FnMut() -> usize,
+    mut theirs: impl FnMut() -> usize,
+) {
     let wanted = std::env::args().skip(1).find(|a| !a.starts_with('-')).unwrap_or_default();
     if !name.contains(&wanted) {
         return;
@@ -67,7 +73,7 @@ fn beside(name: &str, queries: usize, mut ours: impl FnMut() -> usize, mut their
     let (a, b) = (rounds.iter().map(|r| r.0).collect(), rounds.iter().map(|r| r.1).collect());
     let ratio = median(rounds.iter().map(|r| r.1 / r.0).collect());
     println!(
-        "{name:44} {:8.0} ns   parry {:8.0} ns   ratio {ratio:5.2}   hits {found} and {other} of {queries}",
+        "{name:44} {:8.0} ns   {whose:6} {:8.0} ns   ratio {ratio:5.2}   hits {found} and {other} of {queries}",
         median(a),
         median(b),
     );
@@ -123,6 +129,11 @@ fn mesh() {
             theirs.cast_ray_and_get_normal(&Pose::IDENTITY, ray, 1.0, true).is_some()
         });
     }
+    let over = |r: &mut Random| Vec3::new(r.range(-40.0, 40.0), 6.0, r.range(-40.0, 40.0));
+    let eye = |r: &mut Random| (over(r), r.cube() * Vec3::new(1.0, 0.1, 1.0) - Vec3::Y * 0.3);
+    batch("mesh, cameras 90 degrees", &world, &cameras(eye, 1.0, 100.0));
+    batch("mesh, cameras 30 degrees", &world, &cameras(eye, 0.27, 100.0));
+    batch("mesh, sensors around", &world, &sensors(over, -0.3, 100.0));
     let ball = Geometry::Sphere { radius: 0.5 };
     let parry_ball = SharedShape::ball(0.5);
     let casts = rays("slanting", 2_000);
@@ -141,14 +152,54 @@ fn compare_rays(name: &str, world: &World, rays: &[Ray], theirs: impl Fn(&ParryR
     let single =
         || rays.iter().filter(|ray| world.cast_ray(ray, &filter).is_ok_and(|hit| hit.is_some())).count();
     let all = || converted.iter().filter(|ray| theirs(ray)).count();
-    beside(name, rays.len(), single, all);
+    beside(name, rays.len(), "parry", single, all);
+    batch(name, world, rays);
+}
+
+/// Rays one by one beside the same rays in one call.
+fn batch(name: &str, world: &World, rays: &[Ray]) {
+    let filter = QueryFilter::new();
+    let single =
+        || rays.iter().filter(|ray| world.cast_ray(ray, &filter).is_ok_and(|hit| hit.is_some())).count();
     let hits = RefCell::new(vec![None::<RayHit>; rays.len()]);
     let batch = || {
         let mut hits = hits.borrow_mut();
         world.cast_rays(rays, &filter, &mut hits).expect("good rays");
         hits.iter().flatten().count()
     };
-    beside(&format!("{name}, batch"), rays.len(), batch, all);
+    beside(&format!("{name}, batch"), rays.len(), "single", batch, single);
+}
+
+/// What cameras of 32 by 32 pixels see, one after the other; `wide` is half the width of the picture at the distance 1.
+fn cameras(at: impl Fn(&mut Random) -> (Vec3, Vec3), wide: f32, far: f32) -> Vec<Ray> {
+    let mut random = Random(5);
+    let mut rays = Vec::new();
+    for _ in 0..20 {
+        let (eye, ahead) = at(&mut random);
+        let ahead = ahead.normalize();
+        let (right, up) = (ahead.cross(Vec3::Y).normalize(), ahead.cross(Vec3::Y).cross(ahead).normalize());
+        for i in 0..32 * 32 {
+            let place = |k: i32| ((k as f32 + 0.5) / 16.0 - 1.0) * wide;
+            let way = ahead + right * place(i % 32) - up * place(i / 32);
+            rays.push(Ray::new(eye.as_dvec3(), way.normalize() * far));
+        }
+    }
+    rays
+}
+
+/// What sensors see that turn once around, a ray a degree.
+fn sensors(at: impl Fn(&mut Random) -> Vec3, down: f32, far: f32) -> Vec<Ray> {
+    let mut random = Random(5);
+    let mut rays = Vec::new();
+    for _ in 0..60 {
+        let eye = at(&mut random);
+        for i in 0..360 {
+            let angle = (i as f32).to_radians();
+            let way = Vec3::new(angle.cos(), down, angle.sin());
+            rays.push(Ray::new(eye.as_dvec3(), way.normalize() * far));
+        }
+    }
+    rays
 }
 
 fn compare_casts(
@@ -166,7 +217,7 @@ fn compare_casts(
         ways.iter().filter(hit).count()
     };
     let other = || ways.iter().filter(|way| theirs(vector(way.from.as_vec3()), vector(way.path))).count();
-    beside(name, ways.len(), ours, other);
+    beside(name, ways.len(), "parry", ours, other);
 }
 
 /// 10,000 bodies, in a cube or spread over a plain.
@@ -203,6 +254,12 @@ fn bodies(name: &str, extent: Vec3, kind: impl Fn() -> BodyDesc) {
             shape.cast_ray_and_get_normal(pose, ray, 1.0, true).is_some()
         })
     });
+    let far = extent.max_element();
+    let eye = |r: &mut Random| (r.cube() * extent * 0.5, r.cube() * (extent / far));
+    batch(&format!("{name}, cameras 90 degrees"), &world, &cameras(eye, 1.0, far));
+    batch(&format!("{name}, cameras 30 degrees"), &world, &cameras(eye, 0.27, far));
+    let over = |r: &mut Random| r.cube() * extent * 0.5;
+    batch(&format!("{name}, sensors around"), &world, &sensors(over, 0.0, far));
     let ball = Geometry::Sphere { radius: 0.5 };
     let parry_ball = SharedShape::ball(0.5);
     compare_casts(&format!("{name}, balls"), &world, &ball, &rays[..2_000], |from, path| {
@@ -242,7 +299,7 @@ fn bodies(name: &str, extent: Vec3, kind: impl Fn() -> BodyDesc) {
         };
         points.iter().filter(near).count()
     };
-    beside(&format!("{name}, nearest points"), points.len(), ours, other);
+    beside(&format!("{name}, nearest points"), points.len(), "parry", ours, other);
 }
 
 /// What bringing the tree up to date takes, of 10,000 bodies that fall; steps alone are not timed.

@@ -14,7 +14,7 @@ const LEAST: f32 = 1e-18;
 const ROUNDING: f32 = 6.0 / (1 << 24) as f32;
 
 /// A straight path, of a point or of a box, to be tested against boxes.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Slabs<L> {
     from: Vec3<L>,
     inverse: Vec3<L>,
@@ -56,6 +56,24 @@ impl<L: Lanes> Slabs<L> {
         slab(min.x, max.x, 0, from.x, inverse.x, early.x);
         slab(min.y, max.y, 1, from.y, inverse.y, early.y);
         slab(min.z, max.z, 2, from.z, inverse.z, early.z);
+        L::select(enter.le(leave), enter, L::splat(f32::INFINITY))
+    }
+
+    /// The same, of boxes given by their least and their greatest x, y and z. Which side is near is looked up: in a loop
+    /// over rays nobody could guess it.
+    #[inline(always)]
+    pub(crate) fn enter_sides(&self, sides: &[L; 6], most: f32) -> L {
+        let mut enter = L::zero();
+        let mut leave = L::splat(most);
+        let mut slab = |k: usize, from: L, inverse: L, early: L| {
+            let far_side = usize::from(self.down[k]) * 3;
+            let (near, far) = (sides[k + far_side], sides[k + 3 - far_side]);
+            enter = ((near - from) * inverse - early).max(enter);
+            leave = ((far - from) * inverse + early).min(leave);
+        };
+        slab(0, self.from.x, self.inverse.x, self.early.x);
+        slab(1, self.from.y, self.inverse.y, self.early.y);
+        slab(2, self.from.z, self.inverse.z, self.early.z);
         L::select(enter.le(leave), enter, L::splat(f32::INFINITY))
     }
 }
