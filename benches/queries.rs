@@ -134,6 +134,7 @@ fn mesh() {
     batch("mesh, cameras 90 degrees", &world, &cameras(eye, 1.0, 100.0));
     batch("mesh, cameras 30 degrees", &world, &cameras(eye, 0.27, 100.0));
     batch("mesh, sensors around", &world, &sensors(over, -0.3, 100.0));
+    batch("mesh, echoes", &world, &echoes(over, 50.0));
     let ball = Geometry::Sphere { radius: 0.5 };
     let parry_ball = SharedShape::ball(0.5);
     let casts = rays("slanting", 2_000);
@@ -182,6 +183,19 @@ fn cameras(at: impl Fn(&mut Random) -> (Vec3, Vec3), wide: f32, far: f32) -> Vec
             let place = |k: i32| ((k as f32 + 0.5) / 16.0 - 1.0) * wide;
             let way = ahead + right * place(i % 32) - up * place(i / 32);
             rays.push(Ray::new(eye.as_dvec3(), way.normalize() * far));
+        }
+    }
+    rays
+}
+
+/// What sound asks for: rays from a few places all around, in no order.
+fn echoes(at: impl Fn(&mut Random) -> Vec3, far: f32) -> Vec<Ray> {
+    let mut random = Random(6);
+    let mut rays = Vec::new();
+    for _ in 0..20 {
+        let eye = at(&mut random);
+        for _ in 0..1000 {
+            rays.push(Ray::new(eye.as_dvec3(), random.cube().normalize_or(Vec3::X) * far));
         }
     }
     rays
@@ -260,6 +274,7 @@ fn bodies(name: &str, extent: Vec3, kind: impl Fn() -> BodyDesc) {
     batch(&format!("{name}, cameras 30 degrees"), &world, &cameras(eye, 0.27, far));
     let over = |r: &mut Random| r.cube() * extent * 0.5;
     batch(&format!("{name}, sensors around"), &world, &sensors(over, 0.0, far));
+    batch(&format!("{name}, echoes"), &world, &echoes(over, far));
     let ball = Geometry::Sphere { radius: 0.5 };
     let parry_ball = SharedShape::ball(0.5);
     compare_casts(&format!("{name}, balls"), &world, &ball, &rays[..2_000], |from, path| {

@@ -6,7 +6,7 @@ use super::mesh_edges::{Edges, find_edges};
 use super::segment_triangle::SegmentTest;
 use super::slabs::{Near, Slabs};
 use super::stream::bits;
-use super::triangle_rays::TriangleRays;
+use super::triangle_rays::{TriangleRays, take};
 use crate::error::{Error, finite3};
 use crate::lanes::{Lanes, Mask, f32x4, f32x8};
 use glam::Vec3;
@@ -226,7 +226,7 @@ impl TriangleMesh {
 
     /// The same for rays together, each to the same bits.
     pub(crate) fn rays(&self, rays: &mut TriangleRays) {
-        let TriangleRays { stream, walk, tests, nearest, rays } = rays;
+        let TriangleRays { stream, walk, tests, nearest, rays, .. } = rays;
         walk.through(&self.tree, stream, *rays, &mut |leaf, rays, stream| {
             let (first, count) = triangles(leaf);
             let leaf = self.leaf(first, count);
@@ -340,10 +340,7 @@ impl Leaf {
         while bits != 0 {
             let lane = bits.trailing_zeros();
             bits &= bits - 1;
-            let (t, index) = (t[lane as usize], first + lane);
-            if t < nearest.0 || (t == nearest.0 && index < nearest.1) {
-                *nearest = (t, index);
-            }
+            take(nearest, t[lane as usize], first + lane);
         }
     }
 }

@@ -343,6 +343,7 @@ pub(super) fn meets<L: Lanes>(
 }
 
 /// A straight path that a box of half extents `inflate` is swept along, prepared to be tested against many boxes.
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Path {
     from: Vec3,
     middle: Vec3,

@@ -6,6 +6,7 @@
 mod collider;
 mod corners;
 mod extent;
+mod field_rays;
 mod height_field;
 mod hull;
 mod hull_build;

@@ -159,6 +159,8 @@ mod tests {
                 let four = Slabs::<f32x4>::new(from, path, half);
                 let lanes = four.enter(&Vec3::splat(bounds.min), &Vec3::splat(bounds.max), 1.0);
                 assert_eq!(lanes.to_array().map(f32::to_bits), [entry.to_bits(); 4]);
+                let sides = [min.x, min.y, min.z, max.x, max.y, max.z];
+                assert_eq!(slabs.enter_sides(&sides, 1.0).to_bits(), entry.to_bits());
 
                 let near = Near::<f32>::new(from).squared(&min, &max);
                 let nearest = from.clamp(bounds.min.as_dvec3(), bounds.max.as_dvec3());

@@ -131,10 +131,7 @@ impl Walk {
                 let entry = stream.slabs[ray].enter_sides(&sides, stream.most[ray]);
                 page[ray] = entry.to_array();
                 first = Lanes::min(first, entry);
-                let hit = u64::from(Lanes::lt(entry, f32x4::splat(f32::INFINITY)).bits());
-                for (lane, into) in into.iter_mut().enumerate() {
-                    *into |= (hit >> lane & 1) << ray;
-                }
+                spread(&mut into, Lanes::lt(entry, f32x4::splat(f32::INFINITY)).bits(), ray);
             }
             let (first, base) = (first.to_array(), waiting);
             for lane in 0..4 {
@@ -152,6 +149,14 @@ impl Walk {
                 waiting += 1;
             }
         }
+    }
+}
+
+/// Notes a ray in the lanes whose bits are set.
+#[inline(always)]
+pub(super) fn spread(into: &mut [u64; 4], lanes: u32, ray: usize) {
+    for (lane, into) in into.iter_mut().enumerate() {
+        *into |= u64::from(lanes >> lane & 1) << ray;
     }
 }
 

@@ -5,11 +5,11 @@ use crate::query::candidates::{Candidate, turn_back};
 use crate::query::filter::{QueryFilter, Sees};
 use crate::query::ray::{Ray, RayHit};
 use crate::query::ray_shape::{Met, Way, meet};
-use crate::shape::{Geometry, RAYS, Slabs, Stream, TriangleMesh, TriangleRays, Walk, bits};
+use crate::shape::{Geometry, RAYS, Slabs, Stream, TriangleRays, Walk, bits};
 use crate::world::World;
 use glam::{DVec3, Vec3};
 
-/// Up to so many rays go through a mesh one by one.
+/// Up to so many rays go through triangles one by one.
 const FEW: u32 = 2;
 
 /// Up to [`RAYS`] rays on their way. It is set up once for all of a batch.
@@ -23,7 +23,7 @@ pub(super) struct RayStream {
 /// What each ray met first so far: the collider, and how.
 struct First([Option<(u32, Met)>; RAYS]);
 
-/// The rays that are in a mesh, in its frame.
+/// The rays that are among the triangles of one shape, in its frame.
 struct Among {
     rays: TriangleRays,
     ways: [(Way, DVec3, DVec3); RAYS],
@@ -35,7 +35,10 @@ impl RayStream {
             stream: Stream::new(),
             walk: Walk::new(),
             first: First([None; RAYS]),
-            among: Among { rays: TriangleRays::new(), ways: [(Way::default(), DVec3::ZERO, DVec3::ZERO); RAYS] },
+            among: Among {
+                rays: TriangleRays::new(),
+                ways: [(Way::default(), DVec3::ZERO, DVec3::ZERO); RAYS],
+            },
         }
     }
 
@@ -62,8 +65,8 @@ impl RayStream {
             }
             let candidate = world.candidate(index);
             match &shape.geometry {
-                Geometry::Mesh(mesh) if here.count_ones() > FEW => {
-                    among.meet(&candidate, mesh, rays, here, stream, first);
+                Geometry::Mesh(_) | Geometry::HeightField(_) if here.count_ones() > FEW => {
+                    among.meet(&candidate, rays, here, stream, first);
                 }
                 _ => {
                     for i in bits(here) {
@@ -100,7 +103,6 @@ impl Among {
     fn meet(
         &mut self,
         candidate: &Candidate<'_>,
-        mesh: &TriangleMesh,
         rays: &[Ray],
         here: u64,
         stream: &mut Stream,
@@ -112,11 +114,11 @@ impl Among {
             let start = candidate.local(rays[i].from);
             let path = turn_back(candidate.place.rotation, rays[i].path.as_dvec3());
             if let Some(way) = Way::new(geometry, start, path, stream.most[i]) {
-                self.rays.put(i, mesh, way.from, way.path, way.most);
+                self.rays.put(i, geometry, way.from, way.path, way.most);
                 self.ways[i] = (way, start, path);
             }
         }
-        mesh.rays(&mut self.rays);
+        self.rays.cast(geometry);
         for i in bits(self.rays.rays()) {
             if let Some((t, index)) = self.rays.first(i) {
                 let (way, start, path) = &self.ways[i];
