@@ -106,7 +106,9 @@ mod tests {
     #[test]
     fn rays_together_meet_the_triangles_of_rays_alone() {
         let mesh = terrain(40);
-        let heights = (0..41 * 41).map(|i| bumpy((i % 41) as f32 * 0.5, (i / 41) as f32 * 0.5)).collect();
+        // The same ground, which begins at the field's origin.
+        let at = |i: usize| i as f32 * 0.5 - 10.0;
+        let heights = (0..41 * 41).map(|i| bumpy(at(i % 41), at(i / 41))).collect();
         let field = HeightField::new(41, 41, glam::Vec2::splat(0.5), heights).unwrap();
         let mut random = Random(3);
         let mut together = TriangleRays::new();
@@ -117,7 +119,10 @@ mod tests {
             } else {
                 Geometry::HeightField(Arc::new(field.clone()))
             };
-            let rays = rays(&mut random, &mesh.vertices, [0.5, 3.0, 20.0][i % 3]);
+            let mut rays = rays(&mut random, &mesh.vertices, [0.5, 3.0, 20.0][i % 3]);
+            if i % 2 == 1 {
+                rays.iter_mut().for_each(|ray| ray.0 += Vec3::new(10.0, 0.0, 10.0));
+            }
             let most = if i % 5 == 0 { 0.6 } else { 1.0 };
             together.clear();
             for (ray, &(from, path)) in rays.iter().enumerate() {
