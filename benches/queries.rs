@@ -3,21 +3,22 @@
 //! Both answer the same questions on the same shapes, on one thread, each with trees of its own. Of each a round takes
 //! the time of all queries; printed are medians over the rounds in ns a query, and the median of the ratios of rounds
 //! (parry's time over ours: above one, ours is faster). Both compute the normal. Parry's single-precision world has no
-//! far-away positions, filters or handles to answer with.
+//! far-away positions, filters or handles to answer with. Lines with `batch` are `World::cast_rays` beside
+//! `World::cast_ray` (the time of one by one over that of the batch: above one, the batch is faster).
 //!
 //! Of the meshes both know the same 100,000 triangles; the 10,000 bodies are boxes, balls, capsules and cylinders.
 #![allow(clippy::disallowed_methods, reason = "the other library is the other library's matter")]
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
-    BodyDesc, Geometry, QueryFilter, Ray, RayHit, Settings, ShapeCast, ShapeDesc, TriangleMesh, World,
+    BodyDesc, Geometry, HeightField, QueryFilter, Ray, RayHit, Settings, ShapeCast, ShapeDesc, TriangleMesh,
+    World,
 };
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::{Pose, Rotation, Vector};
 use parry3d::partitioning::{Bvh, BvhBuildStrategy};
 use parry3d::query::{Ray as ParryRay, RayCast, ShapeCastOptions, cast_shapes};
 use parry3d::shape::{SharedShape, TriMesh};
-use std::cell::RefCell;
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
@@ -49,8 +50,7 @@ fn vector(v: Vec3) -> Vector {
 
 /// Times both in turn and prints what came out.
 fn beside(name: &str, queries: usize, mut ours: impl FnMut() -> usize, mut theirs: impl FnMut() -> usize) {
-    let wanted = std::env::args().skip(1).find(|a| !a.starts_with('-')).unwrap_or_default();
-    if !name.contains(&wanted) {
+    if !is_wanted(name) {
         return;
     }
     let (found, other) = (ours(), theirs());
@@ -123,6 +123,12 @@ fn mesh() {
             theirs.cast_ray_and_get_normal(&Pose::IDENTITY, ray, 1.0, true).is_some()
         });
     }
+    let over = |r: &mut Random| Vec3::new(r.range(-40.0, 40.0), 6.0, r.range(-40.0, 40.0));
+    let eye = |r: &mut Random| (over(r), r.cube() * Vec3::new(1.0, 0.1, 1.0) - Vec3::Y * 0.3);
+    batch("mesh, cameras 90 degrees", &world, &cameras(eye, 1.0, 100.0));
+    batch("mesh, cameras 30 degrees", &world, &cameras(eye, 0.27, 100.0));
+    batch("mesh, sensors around", &world, &sensors(over, -0.3, 100.0));
+    batch("mesh, echoes", &world, &echoes(over, 50.0));
     let ball = Geometry::Sphere { radius: 0.5 };
     let parry_ball = SharedShape::ball(0.5);
     let casts = rays("slanting", 2_000);
@@ -134,6 +140,25 @@ fn mesh() {
     });
 }
 
+/// The same hills as a height field.
+fn field() {
+    let (vertices, _) = hills();
+    let n = vertices.len().isqrt();
+    let cell = backstop::glam::Vec2::splat(100.0 / (n - 1) as f32);
+    let field = HeightField::new(n, n, cell, vertices.iter().map(|v| v.y).collect()).expect("good heights");
+    let mut world = World::new(Settings::default()).expect("default settings");
+    let shape = ShapeDesc::new(Geometry::HeightField(Arc::new(field)));
+    let at = DVec3::new(-50.0, 0.0, -50.0);
+    world.add_body(&BodyDesc::fixed().at(at).with_shape(shape)).expect("a field may be static");
+    let over = |r: &mut Random| Vec3::new(r.range(-40.0, 40.0), 6.0, r.range(-40.0, 40.0));
+    let eye = |r: &mut Random| (over(r), r.cube() * Vec3::new(1.0, 0.1, 1.0) - Vec3::Y * 0.3);
+    batch("field, rays down", &world, &rays("down", 20_000));
+    batch("field, rays level", &world, &rays("level", 20_000));
+    batch("field, cameras 90 degrees", &world, &cameras(eye, 1.0, 100.0));
+    batch("field, cameras 30 degrees", &world, &cameras(eye, 0.27, 100.0));
+    batch("field, sensors around", &world, &sensors(over, -0.3, 100.0));
+}
+
 fn compare_rays(name: &str, world: &World, rays: &[Ray], theirs: impl Fn(&ParryRay) -> bool) {
     let filter = QueryFilter::new();
     let converted: Vec<ParryRay> =
@@ -142,13 +167,96 @@ fn compare_rays(name: &str, world: &World, rays: &[Ray], theirs: impl Fn(&ParryR
         || rays.iter().filter(|ray| world.cast_ray(ray, &filter).is_ok_and(|hit| hit.is_some())).count();
     let all = || converted.iter().filter(|ray| theirs(ray)).count();
     beside(name, rays.len(), single, all);
-    let hits = RefCell::new(vec![None::<RayHit>; rays.len()]);
-    let batch = || {
-        let mut hits = hits.borrow_mut();
-        world.cast_rays(rays, &filter, &mut hits).expect("good rays");
-        hits.iter().flatten().count()
-    };
-    beside(&format!("{name}, batch"), rays.len(), batch, all);
+    batch(name, world, rays);
+}
+
+/// Rays in calls of 1024 beside the same rays one by one, call by call, each first as often as the other. Of each call the least time of all rounds
+/// counts: a busy machine adds to times and never takes from them.
+fn batch(name: &str, world: &World, rays: &[Ray]) {
+    let name = &format!("{name}, batch");
+    if !is_wanted(name) {
+        return;
+    }
+    let filter = QueryFilter::new();
+    let mut hits = vec![None::<RayHit>; 1024];
+    let mut times = vec![(f64::INFINITY, f64::INFINITY); rays.len().div_ceil(1024)];
+    for round in 0..2 * ROUNDS {
+        for (rays, least) in rays.chunks(1024).zip(&mut times) {
+            let hits = &mut hits[..rays.len()];
+            // The second finds in the cache what the first looked at.
+            for turn in [round, round + 1] {
+                let start = Instant::now();
+                let time = if turn % 2 == 0 {
+                    world.cast_rays(rays, &filter, hits).expect("good rays");
+                    &mut least.0
+                } else {
+                    for (ray, hit) in rays.iter().zip(hits.iter_mut()) {
+                        *hit = world.cast_ray(ray, &filter).expect("a good ray");
+                    }
+                    &mut least.1
+                };
+                *time = time.min(start.elapsed().as_secs_f64());
+                black_box(&hits);
+            }
+        }
+    }
+    let sum = times.iter().fold((0.0, 0.0), |sum, t| (sum.0 + t.0, sum.1 + t.1));
+    let each = 1e9 / rays.len() as f64;
+    println!(
+        "{name:50} {:8.0} ns   single {:8.0} ns   ratio {:5.2}",
+        sum.0 * each,
+        sum.1 * each,
+        sum.1 / sum.0,
+    );
+}
+
+fn is_wanted(name: &str) -> bool {
+    name.contains(&std::env::args().skip(1).find(|a| !a.starts_with('-')).unwrap_or_default())
+}
+
+/// What cameras of 32 by 32 pixels see, one after the other; `wide` is half the width of the picture at the distance 1.
+fn cameras(at: impl Fn(&mut Random) -> (Vec3, Vec3), wide: f32, far: f32) -> Vec<Ray> {
+    let mut random = Random(5);
+    let mut rays = Vec::new();
+    for _ in 0..20 {
+        let (eye, ahead) = at(&mut random);
+        let ahead = ahead.normalize();
+        let (right, up) = (ahead.cross(Vec3::Y).normalize(), ahead.cross(Vec3::Y).cross(ahead).normalize());
+        for i in 0..32 * 32 {
+            let place = |k: i32| ((k as f32 + 0.5) / 16.0 - 1.0) * wide;
+            let way = ahead + right * place(i % 32) - up * place(i / 32);
+            rays.push(Ray::new(eye.as_dvec3(), way.normalize() * far));
+        }
+    }
+    rays
+}
+
+/// What sound asks for: rays from a few places all around, in no order.
+fn echoes(at: impl Fn(&mut Random) -> Vec3, far: f32) -> Vec<Ray> {
+    let mut random = Random(6);
+    let mut rays = Vec::new();
+    for _ in 0..20 {
+        let eye = at(&mut random);
+        for _ in 0..1000 {
+            rays.push(Ray::new(eye.as_dvec3(), random.cube().normalize_or(Vec3::X) * far));
+        }
+    }
+    rays
+}
+
+/// What sensors see that turn once around, a ray a degree.
+fn sensors(at: impl Fn(&mut Random) -> Vec3, down: f32, far: f32) -> Vec<Ray> {
+    let mut random = Random(5);
+    let mut rays = Vec::new();
+    for _ in 0..60 {
+        let eye = at(&mut random);
+        for i in 0..360 {
+            let angle = (i as f32).to_radians();
+            let way = Vec3::new(angle.cos(), down, angle.sin());
+            rays.push(Ray::new(eye.as_dvec3(), way.normalize() * far));
+        }
+    }
+    rays
 }
 
 fn compare_casts(
@@ -203,6 +311,13 @@ fn bodies(name: &str, extent: Vec3, kind: impl Fn() -> BodyDesc) {
             shape.cast_ray_and_get_normal(pose, ray, 1.0, true).is_some()
         })
     });
+    let far = extent.max_element();
+    let eye = |r: &mut Random| (r.cube() * extent * 0.5, r.cube() * (extent / far));
+    batch(&format!("{name}, cameras 90 degrees"), &world, &cameras(eye, 1.0, far));
+    batch(&format!("{name}, cameras 30 degrees"), &world, &cameras(eye, 0.27, far));
+    let over = |r: &mut Random| r.cube() * extent * 0.5;
+    batch(&format!("{name}, sensors around"), &world, &sensors(over, 0.0, far));
+    batch(&format!("{name}, echoes"), &world, &echoes(over, far));
     let ball = Geometry::Sphere { radius: 0.5 };
     let parry_ball = SharedShape::ball(0.5);
     compare_casts(&format!("{name}, balls"), &world, &ball, &rays[..2_000], |from, path| {
@@ -270,6 +385,7 @@ fn after_a_step() {
 fn main() {
     after_a_step();
     mesh();
+    field();
     bodies("10,000 static in a cube", Vec3::splat(60.0), BodyDesc::fixed);
     bodies("10,000 dynamic on a plain", Vec3::new(250.0, 5.0, 250.0), BodyDesc::dynamic);
 }

@@ -3,7 +3,7 @@
 //! The trees of the step are no help to them: a step moves bodies after its trees were made, boxes there are fat or
 //! swept, and what was added or moved by hand waits for the next step. So queries have a tree of their own over tight
 //! boxes: of what can move, and of static colliders that have no place in the static tree yet. It is made by the first
-//! query after a change and costs nothing while nobody asks: 50 to 70 ns for each collider that can move after a step (benches/queries.rs),
+//! query after a change and costs nothing while nobody asks: about 70 ns for each collider that can move after a step (benches/queries.rs),
 //! and the way of one leaf for each that was added, moved or removed by hand.
 
 use super::bvh::{NONE, Tree};
@@ -26,14 +26,14 @@ pub(crate) trait Present {
 /// See the module.
 #[derive(Debug, Default)]
 pub(crate) struct Current {
-    tree: Tree,
+    pub(super) tree: Tree,
     /// By collider: the place in the tree, and the box there.
     place: Vec<u32>,
     bounds: Vec<Aabb>,
     /// What can move and has no bounds.
     endless: Vec<u32>,
     /// Static ones that are in this tree for the time being.
-    late: Vec<u32>,
+    pub(super) late: Vec<u32>,
     /// Colliders that were added, moved or removed by hand.
     touched: Vec<u32>,
     /// Everything that can move may have.
@@ -220,10 +220,10 @@ impl BroadPhase {
         current: &Current,
         sorts: Sorts,
         slabs: &Slabs<f32x4>,
-        most: f32,
+        mut most: f32,
         mut leaf: impl FnMut(u32, f32) -> f32,
     ) {
-        let most = self.endless(current, sorts, most, &mut leaf);
+        self.endless(current, sorts, |c| most = leaf(c, most));
         let key = |node: &super::bvh::Node, most: f32| slabs.enter(&node.min, &node.max, most);
         self.ordered(current, sorts, &key, most, &mut leaf);
     }
@@ -234,35 +234,27 @@ impl BroadPhase {
         current: &Current,
         sorts: Sorts,
         near: &Near<f32x4>,
-        most: f32,
+        mut most: f32,
         mut leaf: impl FnMut(u32, f32) -> f32,
     ) {
-        let most = self.endless(current, sorts, most, &mut leaf);
+        self.endless(current, sorts, |c| most = leaf(c, most));
         let key = |node: &super::bvh::Node, _most: f32| near.squared(&node.min, &node.max);
         self.ordered(current, sorts, &key, most, &mut leaf);
     }
 
+    /// Calls `f` with what has no bounds.
     #[inline(always)]
-    fn endless(
-        &self,
-        current: &Current,
-        sorts: Sorts,
-        mut most: f32,
-        leaf: &mut impl FnMut(u32, f32) -> f32,
-    ) -> f32 {
+    pub(super) fn endless(&self, current: &Current, sorts: Sorts, mut f: impl FnMut(u32)) {
         if sorts.statics {
             for &c in &self.unbounded {
                 if self.proxies[c as usize].path == look_up::ENDLESS_STATIC {
-                    most = leaf(c, most);
+                    f(c);
                 }
             }
         }
         if sorts.movers {
-            for &c in &current.endless {
-                most = leaf(c, most);
-            }
+            current.endless.iter().for_each(|&c| f(c));
         }
-        most
     }
 
     #[inline(always)]

@@ -22,6 +22,7 @@ mod pairs;
 mod proxy;
 mod save;
 mod segment;
+mod stream;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]

@@ -23,7 +23,7 @@ impl Tree {
         if self.leaves() == 0 { most } else { self.visit_from(0, key, most, leaf) }
     }
 
-    fn visit_from(
+    pub(super) fn visit_from(
         &self,
         start: u32,
         key: &impl Fn(&Node, f32) -> f32x4,

@@ -59,46 +59,73 @@ const FAR: f64 = 4.0;
 const REFINED: f64 = 1e-5;
 
 fn meet_triangles(geometry: &Geometry, start: DVec3, path: DVec3, most: f32, any: bool) -> Option<Met> {
-    let (min, max) = match geometry {
-        Geometry::Mesh(mesh) => mesh.aabb(),
-        Geometry::HeightField(field) => field.aabb(),
-        _ => return None,
-    };
-    let (min, max) = (min.as_dvec3(), max.as_dvec3());
-    let size = min.abs().max(max.abs()).length();
-    let (mut enter, mut leave) = (0.0, 1.0);
-    if start.length() > FAR * size || path.length() > FAR * size {
-        (enter, leave) = within(start, path, min - 1e-3 * size, max + 1e-3 * size)?;
-    }
-    let share = leave - enter;
-    let (from, way) = ((start + path * enter).as_vec3(), (path * share).as_vec3());
-    // What is refined below may come out so much sooner, and what is met must not depend on `most`.
-    let slack = REFINED * size / path.length();
-    let limit = if share < 1.0 { 1.0 } else { (f64::from(most) + slack).min(1.0) as f32 };
+    let way = Way::new(geometry, start, path, most)?;
     let (t, index) = match geometry {
-        Geometry::Mesh(mesh) => mesh.ray(from, way, limit, any)?,
-        Geometry::HeightField(field) => field.ray(from, way, limit, any)?,
+        Geometry::Mesh(mesh) => mesh.ray(way.from, way.path, way.most, any)?,
+        Geometry::HeightField(field) => field.ray(way.from, way.path, way.most, any)?,
         _ => return None,
     };
-    let [a, b, c] = match geometry {
-        Geometry::Mesh(mesh) => mesh.triangle(index),
-        Geometry::HeightField(field) => field.triangle(index),
-        _ => [Vec3::ZERO; 3],
-    }
-    .map(Vec3::as_dvec3);
-    let across = (b - a).cross(c - a);
-    let normal = across.normalize_or(-path.normalize_or(-DVec3::Y));
-    let mut exact = enter + share * f64::from(t);
-    // `f32` found the triangle; its plane says where, unless the ray runs along it.
-    let slope = normal.dot(path);
-    if slope.abs() > 1e-3 * path.length() {
-        let refined = normal.dot(a - start) / slope;
-        if (refined - exact).abs() * path.length() <= REFINED * size {
-            exact = refined.clamp(0.0, 1.0);
+    Some(way.met(geometry, start, path, t, index))
+}
+
+/// The part of a ray that is looked at in `f32` among triangles.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Way {
+    pub(super) from: Vec3,
+    pub(super) path: Vec3,
+    /// Of this part, how far it matters.
+    pub(super) most: f32,
+    /// Of the ray, where it begins and how much it is.
+    enter: f64,
+    share: f64,
+    /// What the plane of a triangle may correct [m].
+    refined: f64,
+}
+
+impl Way {
+    pub(super) fn new(geometry: &Geometry, start: DVec3, path: DVec3, most: f32) -> Option<Way> {
+        let (min, max) = match geometry {
+            Geometry::Mesh(mesh) => mesh.aabb(),
+            Geometry::HeightField(field) => field.aabb(),
+            _ => return None,
+        };
+        let (min, max) = (min.as_dvec3(), max.as_dvec3());
+        let size = min.abs().max(max.abs()).length();
+        let (mut enter, mut leave) = (0.0, 1.0);
+        if start.length() > FAR * size || path.length() > FAR * size {
+            (enter, leave) = within(start, path, min - 1e-3 * size, max + 1e-3 * size)?;
         }
+        let share = leave - enter;
+        let refined = REFINED * size;
+        // What is refined may come out so much sooner, and what is met must not depend on `most`.
+        let slack = refined / path.length();
+        let most = if share < 1.0 { 1.0 } else { (f64::from(most) + slack).min(1.0) as f32 };
+        let (from, path) = ((start + path * enter).as_vec3(), (path * share).as_vec3());
+        Some(Way { from, path, most, enter, share, refined })
     }
-    let normal = if slope > 0.0 { -normal } else { normal };
-    Some(Met { fraction: exact as f32, exact, normal, triangle: Some(index), inside: false })
+
+    /// What it is to meet a triangle at a fraction of the part.
+    pub(super) fn met(&self, geometry: &Geometry, start: DVec3, path: DVec3, t: f32, index: u32) -> Met {
+        let [a, b, c] = match geometry {
+            Geometry::Mesh(mesh) => mesh.triangle(index),
+            Geometry::HeightField(field) => field.triangle(index),
+            _ => [Vec3::ZERO; 3],
+        }
+        .map(Vec3::as_dvec3);
+        let across = (b - a).cross(c - a);
+        let normal = across.normalize_or(-path.normalize_or(-DVec3::Y));
+        let mut exact = self.enter + self.share * f64::from(t);
+        // `f32` found the triangle; its plane says where, unless the ray runs along it.
+        let slope = normal.dot(path);
+        if slope.abs() > 1e-3 * path.length() {
+            let refined = normal.dot(a - start) / slope;
+            if (refined - exact).abs() * path.length() <= self.refined {
+                exact = refined.clamp(0.0, 1.0);
+            }
+        }
+        let normal = if slope > 0.0 { -normal } else { normal };
+        Met { fraction: exact as f32, exact, normal, triangle: Some(index), inside: false }
+    }
 }
 
 /// The part of a path within a box.

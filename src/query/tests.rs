@@ -37,7 +37,7 @@ fn field(random: &mut Random, samples: usize, cell: f32) -> Geometry {
 }
 
 /// Bodies of all kinds and shapes about a place, with compounds, a mesh, a field and two planes.
-fn world(random: &mut Random, centre: DVec3, count: usize) -> World {
+pub(super) fn world(random: &mut Random, centre: DVec3, count: usize) -> World {
     let mut world = World::new(Settings::default()).unwrap();
     let mesh = bumpy_mesh(random, 20, 20.0);
     let field = field(random, 20, 1.0);

@@ -4,14 +4,15 @@ use super::mesh_bvh::Path;
 use super::mesh_edges::{Edges, Fold};
 use super::segment_triangle::SegmentTest;
 use super::slabs::Near;
+use super::triangle_rays::take;
 use crate::error::{Error, finite, positive, within};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x4};
 use glam::{Vec2, Vec3};
 
 /// Cells, or boxes of the level below, along a side of a box of the pyramid.
-const SIDE: usize = 4;
+pub(super) const SIDE: usize = 4;
 /// Most boxes that wait: 15 for each of 14 levels, which is a side of 4^14 cells.
-const STACK: usize = 224;
+pub(super) const STACK: usize = 224;
 /// Of the largest coordinate [m].
 const MOST: f32 = 1e7;
 
@@ -42,11 +43,20 @@ struct Level {
 
 /// A box of the pyramid; level 0 are cells.
 #[derive(Clone, Copy, Default)]
-struct Square {
-    level: u32,
+pub(super) struct Square {
+    pub(super) level: u32,
     column: u32,
     row: u32,
-    entry: f32,
+    pub(super) entry: f32,
+}
+
+impl Square {
+    /// One of its 4 x 4 children.
+    #[inline(always)]
+    pub(super) fn child(&self, column: u32, row: u32, entry: f32) -> Square {
+        let (column, row) = (SIDE as u32 * self.column + column, SIDE as u32 * self.row + row);
+        Square { level: self.level - 1, column, row, entry }
+    }
 }
 
 impl HeightField {
@@ -242,14 +252,36 @@ impl HeightField {
         inflate: Vec3,
         f: &mut (impl FnMut(u32, [Vec3; 3], f32) -> f32 + ?Sized),
     ) {
+        let path = self.path(from, to, inflate);
+        self.along(&path, 1.0, &mut |i, corners, entry, most| most.min(f(i, corners, entry)));
+    }
+
+    /// A path to be walked along in this field.
+    pub(super) fn path(&self, from: Vec3, to: Vec3, inflate: Vec3) -> Path {
         let (min, max) = self.aabb();
-        let path = Path::new(from, to, inflate, 1e-6 * min.abs().max(max.abs()).max_element());
+        Path::new(from, to, inflate, 1e-6 * min.abs().max(max.abs()).max_element())
+    }
+
+    /// Calls `f(triangle, corners, entry, most)` with the triangles whose boxes a path enters before the fraction `most`,
+    /// about the nearest first; it returns the new `most`.
+    fn along(&self, path: &Path, most: f32, f: &mut impl FnMut(u32, [Vec3; 3], f32, f32) -> f32) {
         let four = |low, high| {
             let (meets, entry) = path.meets::<f32x4>(low, high);
             (meets.bits(), entry.to_array())
         };
         let one = |low, high| path.meets_one(low, high);
-        self.nearest_first(1.0, &four, &one, &mut |i, corners, entry, most| most.min(f(i, corners, entry)));
+        self.nearest_first(most, &four, &one, f);
+    }
+
+    /// The top of the pyramid.
+    pub(super) fn root(&self) -> Square {
+        Square { level: self.levels.len() as u32, ..Square::default() }
+    }
+
+    /// The two triangles of a cell.
+    pub(super) fn triangles_of(&self, cell: &Square) -> [u32; 2] {
+        let cell = cell.row as usize * (self.columns - 1) + cell.column as usize;
+        [2 * cell as u32, 2 * cell as u32 + 1]
     }
 
     /// Walks down the pyramid, about the nearest first. `four` and `one` say of boxes, given by their lowest and highest
@@ -263,7 +295,7 @@ impl HeightField {
         f: &mut impl FnMut(u32, [Vec3; 3], f32, f32) -> f32,
     ) {
         let mut stack = [Square::default(); STACK];
-        stack[0].level = self.levels.len() as u32;
+        stack[0] = self.root();
         let mut waiting = 1;
         while waiting > 0 {
             waiting -= 1;
@@ -272,8 +304,7 @@ impl HeightField {
                 continue;
             }
             if square.level == 0 {
-                let cell = square.row as usize * (self.columns - 1) + square.column as usize;
-                for i in [2 * cell as u32, 2 * cell as u32 + 1] {
+                for i in self.triangles_of(&square) {
                     let [a, b, c] = self.triangle(i);
                     let entry = one(a.min(b).min(c), a.max(b).max(c));
                     if let Some(entry) = entry.filter(|&entry| entry <= most) {
@@ -284,7 +315,12 @@ impl HeightField {
             }
             let base = waiting;
             for row in 0..SIDE as u32 {
-                let (bits, entry) = self.row_of_four(four, &square, row);
+                let (low, high, here) = self.row_of_four(&square, row);
+                if here == 0 {
+                    break;
+                }
+                let (bits, entry) = four(low, high);
+                let bits = bits & here;
                 for i in (0..SIDE as u32).filter(|i| bits >> i & 1 != 0) {
                     let entry = entry[i as usize];
                     if entry > most || waiting == STACK {
@@ -296,22 +332,16 @@ impl HeightField {
                         stack[at] = stack[at - 1];
                         at -= 1;
                     }
-                    let (column, row) = (SIDE as u32 * square.column + i, SIDE as u32 * square.row + row);
-                    stack[at] = Square { level: square.level - 1, column, row, entry };
+                    stack[at] = square.child(i, row, entry);
                     waiting += 1;
                 }
             }
         }
     }
 
-    /// Which of four children of a square along x matter, and how near they are.
+    /// The boxes of four children of a square along x, their lowest and their highest corners, and which there are.
     #[inline]
-    fn row_of_four(
-        &self,
-        four: &impl Fn(LaneVec3<f32x4>, LaneVec3<f32x4>) -> (u32, [f32; 4]),
-        square: &Square,
-        row: u32,
-    ) -> (u32, [f32; 4]) {
+    pub(super) fn row_of_four(&self, square: &Square, row: u32) -> (LaneVec3<f32x4>, LaneVec3<f32x4>, u32) {
         let level = square.level as usize - 1;
         let (columns, rows) = match level {
             0 => (self.columns - 1, self.rows - 1),
@@ -319,7 +349,7 @@ impl HeightField {
         };
         let (column, row) = (SIDE * square.column as usize, SIDE * square.row as usize + row as usize);
         if row >= rows {
-            return (0, [0.0; 4]);
+            return (LaneVec3::zero(), LaneVec3::zero(), 0);
         }
         let here = (columns - column).min(SIDE);
         let bounds: [(f32, f32); 4] = std::array::from_fn(|i| {
@@ -334,8 +364,7 @@ impl HeightField {
         let z = |row: usize| f32x4::splat((row * span).min(self.rows - 1) as f32 * self.cell.y);
         let low = LaneVec3::new(f32x4::from_fn(x), f32x4::from_fn(|i| bounds[i].0), z(row));
         let high = LaneVec3::new(f32x4::from_fn(|i| x(i + 1)), f32x4::from_fn(|i| bounds[i].1), z(row + 1));
-        let (matters, entry) = four(low, high);
-        (matters & ((1 << here) - 1), entry)
+        (low, high, (1 << here) - 1)
     }
 
     /// Where a path first meets a triangle, from either side: the fraction of it, and the triangle. Nothing slips
@@ -351,15 +380,17 @@ impl HeightField {
     }
 
     /// As [`HeightField::segment_hit`] for queries: by start and displacement, up to the fraction `most`; the first hit,
-    /// or if `any` will do, one of them.
+    /// or if `any` will do, one of them. A hit counts from where the triangle's box is entered, as in a mesh.
     pub(crate) fn ray(&self, from: Vec3, path: Vec3, most: f32, any: bool) -> Option<(f32, u32)> {
         let test = SegmentTest::along(from, path)?;
-        let mut nearest: Option<(f32, u32)> = None;
-        self.visit_segment(from, from + path, Vec3::ZERO, &mut |i, corners, _| {
-            test.nearer(i, corners, &mut nearest);
-            nearest.map_or(most, |n| if any { -1.0 } else { most.min(n.0) })
+        let mut nearest = (most, u32::MAX);
+        self.along(&self.path(from, from + path, Vec3::ZERO), most, &mut |i, corners, entry, _| {
+            if let Some(t) = test.hit(corners) {
+                take(&mut nearest, Lanes::max(t, entry), i);
+            }
+            if any && nearest.1 != u32::MAX { -1.0 } else { nearest.0 }
         });
-        nearest.filter(|n| n.0 <= most)
+        (nearest.1 != u32::MAX).then_some(nearest)
     }
 
     /// Calls `f` with the triangles whose boxes a box of half extents `half` meets that moves along a path, up to the

@@ -1,12 +1,14 @@
 //! Triangle meshes.
 
 use super::corners::Corners;
-use super::mesh_bvh::{Item, LEAF, MAX_TRIANGLES, MeshBvh};
+use super::mesh_bvh::{Item, LEAF, MAX_TRIANGLES, MeshBvh, triangles};
 use super::mesh_edges::{Edges, find_edges};
 use super::segment_triangle::SegmentTest;
 use super::slabs::{Near, Slabs};
+use super::stream::bits;
+use super::triangle_rays::{TriangleRays, take};
 use crate::error::{Error, finite3};
-use crate::lanes::{Mask, f32x4, f32x8};
+use crate::lanes::{Lanes, Mask, f32x4, f32x8};
 use glam::Vec3;
 
 /// Of the largest coordinate [m]: squares of areas stay finite.
@@ -203,32 +205,40 @@ impl TriangleMesh {
     }
 
     /// As [`TriangleMesh::segment_hit`] for queries: by start and displacement, up to the fraction `most`; the first hit,
-    /// or if `any` will do, one of them.
+    /// or if `any` will do, one of them. A hit counts from where its leaf is entered: so it does not matter which leaf is
+    /// asked first where edges are widened beyond their boxes.
     pub(crate) fn ray(&self, from: Vec3, path: Vec3, most: f32, any: bool) -> Option<(f32, u32)> {
         let test = SegmentTest::along(from, path)?;
-        let slabs = Slabs::<f32x4>::new(from.as_dvec3(), path, Vec3::splat(self.tree.slack()));
-        let mut nearest: Option<(f32, u32)> = None;
+        let slabs = self.slabs(from, path);
+        let mut nearest = (most, u32::MAX);
         self.tree.visit_ordered(
+            0,
             |low, high, most| slabs.enter(low, high, most),
             most,
-            |first, count, mut most| {
-                let leaf = self.leaf(first, count);
-                let corners = [leaf.corners.corner(0), leaf.corners.corner(1), leaf.corners.corner(2)];
-                let (hit, t) = test.hits::<f32x8>(corners);
-                let mut bits = hit.bits() & leaf.lanes;
-                let t = t.to_array();
-                while bits != 0 {
-                    let lane = bits.trailing_zeros();
-                    bits &= bits - 1;
-                    let (t, index) = (t[lane as usize], first + lane);
-                    if t < most || (t == most && nearest.is_none_or(|n| t < n.0 || index < n.1)) {
-                        (most, nearest) = (t, Some((t, index)));
-                    }
-                }
-                if any && nearest.is_some() { -1.0 } else { most }
+            |leaf, entry, _| {
+                let (first, count) = triangles(leaf);
+                self.leaf(first, count).nearest(&test, first, entry, &mut nearest);
+                if any && nearest.1 != u32::MAX { -1.0 } else { nearest.0 }
             },
         );
-        nearest
+        (nearest.1 != u32::MAX).then_some(nearest)
+    }
+
+    /// The same for rays together, each to the same bits.
+    pub(crate) fn rays(&self, rays: &mut TriangleRays) {
+        let TriangleRays { stream, walk, tests, nearest, rays, .. } = rays;
+        walk.through(&self.tree, stream, *rays, &mut |leaf, rays, stream| {
+            let (first, count) = triangles(leaf);
+            let leaf = self.leaf(first, count);
+            for ray in bits(rays) {
+                leaf.nearest(&tests[ray], first, stream.entry[ray], &mut nearest[ray]);
+                stream.most[ray] = nearest[ray].0;
+            }
+        });
+    }
+
+    pub(super) fn slabs(&self, from: Vec3, path: Vec3) -> Slabs<f32x4> {
+        Slabs::new(from.as_dvec3(), path, Vec3::splat(self.tree.slack()))
     }
 
     /// Calls `f` with the triangles whose boxes a box of half extents `half` meets that moves along a path, up to the
@@ -243,9 +253,11 @@ impl TriangleMesh {
     ) {
         let (four, eight) = (Slabs::<f32x4>::new(from, path, half), Slabs::<f32x8>::new(from, path, half));
         self.tree.visit_ordered(
+            0,
             |low, high, most| four.enter(low, high, most),
             most,
-            |first, count, mut most| {
+            |leaf, _, mut most| {
+                let (first, count) = triangles(leaf);
                 let leaf = self.leaf(first, count);
                 let (low, high) = leaf.corners.bounds();
                 let enter = eight.enter(&low, &high, most).to_array();
@@ -269,9 +281,11 @@ impl TriangleMesh {
     ) {
         let (four, eight) = (Near::<f32x4>::new(at), Near::<f32x8>::new(at));
         self.tree.visit_ordered(
+            0,
             |low, high, _| four.squared(low, high),
             most,
-            |first, count, mut most| {
+            |leaf, _, mut most| {
+                let (first, count) = triangles(leaf);
                 let leaf = self.leaf(first, count);
                 let (low, high) = leaf.corners.bounds();
                 let far = eight.squared(&low, &high).to_array();
@@ -312,6 +326,23 @@ struct Leaf {
     corners: Corners,
     /// A bit for each.
     lanes: u32,
+}
+
+impl Leaf {
+    /// Makes the first of its triangles that a path meets the nearest if it is: of those before the fraction, or of a
+    /// lower index at the same. The leaf's first triangle is `first`, and its box is entered at `entry`.
+    #[inline(always)]
+    fn nearest(&self, test: &SegmentTest, first: u32, entry: f32, nearest: &mut (f32, u32)) {
+        let corners = [self.corners.corner(0), self.corners.corner(1), self.corners.corner(2)];
+        let (hit, t) = test.hits::<f32x8>(corners);
+        let mut bits = hit.bits() & self.lanes;
+        let t = Lanes::max(t, f32x8::splat(entry)).to_array();
+        while bits != 0 {
+            let lane = bits.trailing_zeros();
+            bits &= bits - 1;
+            take(nearest, t[lane as usize], first + lane);
+        }
+    }
 }
 
 /// Makes equal vertices one and drops triangles without area and those that are there already, either way round.

@@ -4,6 +4,8 @@
 //! are rounded outwards to that grid (Mahovsky and Wyvill, *Memory-Conserving Bounding Volume Hierarchies*, 2006). One
 //! call answers for four children. Triangles lie in the order of the leaves, so a leaf is a first triangle and a count.
 
+use super::slabs::Slabs;
+use super::stream::FourTree;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x4};
 use glam::Vec3;
 
@@ -246,21 +248,23 @@ impl MeshBvh {
         }
     }
 
-    /// Calls `leaf(first, count, most)` for the leaves whose key is at most `most`, the smallest first as far as boxes
-    /// tell; it returns the new `most`. `key` gets the low and the high corners of four boxes.
+    /// Calls `leaf(leaf, key, most)` for the leaves from a node on whose key is at most `most`, the smallest first as far
+    /// as boxes tell; it returns the new `most`. `key` gets the low and the high corners of four boxes; [`triangles`]
+    /// says what is in a leaf.
     #[inline(always)]
     pub(crate) fn visit_ordered(
         &self,
+        start: u32,
         key: impl Fn(&LaneVec3<f32x4>, &LaneVec3<f32x4>, f32) -> f32x4,
         mut most: f32,
-        mut leaf: impl FnMut(u32, u32, f32) -> f32,
-    ) {
+        mut leaf: impl FnMut(u32, f32, f32) -> f32,
+    ) -> f32 {
         let mut stack = [(0u32, 0.0f32); STACK];
         let mut waiting = 0;
-        let mut next = 0u32;
+        let (mut next, mut entry) = (start, 0.0);
         loop {
             if next & IS_LEAF != 0 {
-                most = leaf((next & !IS_LEAF) >> 3, (next & 7) + 1, most);
+                most = leaf(next & !IS_LEAF, entry, most);
             } else if let Some(node) = self.nodes.get(next as usize) {
                 let (low, high) = node.bounds();
                 let keys = key(&low, &high, most);
@@ -285,15 +289,42 @@ impl MeshBvh {
             }
             loop {
                 if waiting == 0 {
-                    return;
+                    return most;
                 }
                 waiting -= 1;
                 if stack[waiting].1 <= most {
-                    next = stack[waiting].0;
+                    (next, entry) = stack[waiting];
                     break;
                 }
             }
         }
+    }
+}
+
+/// The first triangle of a leaf, and how many there are.
+#[inline(always)]
+pub(super) fn triangles(leaf: u32) -> (u32, u32) {
+    (leaf >> 3, (leaf & 7) + 1)
+}
+
+impl FourTree for MeshBvh {
+    #[inline(always)]
+    fn sides(&self, node: u32) -> [f32x4; 6] {
+        let (low, high) = self.nodes[node as usize].bounds();
+        [low.x, low.y, low.z, high.x, high.y, high.z]
+    }
+    #[inline(always)]
+    fn child(&self, node: u32, lane: usize) -> u32 {
+        self.nodes[node as usize].child[lane]
+    }
+    fn alone(
+        &self,
+        node: u32,
+        slabs: &Slabs<f32x4>,
+        most: f32,
+        leaf: &mut impl FnMut(u32, f32, f32) -> f32,
+    ) -> f32 {
+        self.visit_ordered(node, |low, high, most| slabs.enter(low, high, most), most, leaf)
     }
 }
 
@@ -312,6 +343,7 @@ pub(super) fn meets<L: Lanes>(
 }
 
 /// A straight path that a box of half extents `inflate` is swept along, prepared to be tested against many boxes.
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Path {
     from: Vec3,
     middle: Vec3,

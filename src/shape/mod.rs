@@ -6,6 +6,7 @@
 mod collider;
 mod corners;
 mod extent;
+mod field_rays;
 mod height_field;
 mod hull;
 mod hull_build;
@@ -18,6 +19,8 @@ mod segment_triangle;
 mod slabs;
 #[cfg(feature = "replay")]
 mod stored;
+mod stream;
+mod triangle_rays;
 
 pub(crate) use collider::{Collider, EVENTS, HOOKS, Hot, Kind, SENSOR};
 pub(crate) use corners::Corners;
@@ -30,6 +33,8 @@ pub(crate) use mesh_edges::{Edges, FLAT_COSINE, Fold};
 pub(crate) use slabs::{Near, Slabs};
 #[cfg(feature = "replay")]
 pub(crate) use stored::{StoredField, StoredHull, StoredMesh};
+pub(crate) use stream::{FourTree, RAYS, Stream, Walk, bits};
+pub(crate) use triangle_rays::TriangleRays;
 
 use crate::error::{Error, finite, finite3, positive, within};
 use glam::{Quat, Vec3};

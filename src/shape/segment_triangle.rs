@@ -12,6 +12,7 @@ use glam::Vec3;
 const WIDEN: f32 = 1e-6;
 
 /// A path that is tested against many triangles.
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SegmentTest {
     from: Vec3,
     length: f32,

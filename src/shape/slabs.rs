@@ -14,7 +14,7 @@ const LEAST: f32 = 1e-18;
 const ROUNDING: f32 = 6.0 / (1 << 24) as f32;
 
 /// A straight path, of a point or of a box, to be tested against boxes.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Slabs<L> {
     from: Vec3<L>,
     inverse: Vec3<L>,
@@ -56,6 +56,24 @@ impl<L: Lanes> Slabs<L> {
         slab(min.x, max.x, 0, from.x, inverse.x, early.x);
         slab(min.y, max.y, 1, from.y, inverse.y, early.y);
         slab(min.z, max.z, 2, from.z, inverse.z, early.z);
+        L::select(enter.le(leave), enter, L::splat(f32::INFINITY))
+    }
+
+    /// The same, of boxes given by their least and their greatest x, y and z. Which side is near is looked up: in a loop
+    /// over rays nobody could guess it.
+    #[inline(always)]
+    pub(crate) fn enter_sides(&self, sides: &[L; 6], most: f32) -> L {
+        let mut enter = L::zero();
+        let mut leave = L::splat(most);
+        let mut slab = |k: usize, from: L, inverse: L, early: L| {
+            let far_side = usize::from(self.down[k]) * 3;
+            let (near, far) = (sides[k + far_side], sides[k + 3 - far_side]);
+            enter = ((near - from) * inverse - early).max(enter);
+            leave = ((far - from) * inverse + early).min(leave);
+        };
+        slab(0, self.from.x, self.inverse.x, self.early.x);
+        slab(1, self.from.y, self.inverse.y, self.early.y);
+        slab(2, self.from.z, self.inverse.z, self.early.z);
         L::select(enter.le(leave), enter, L::splat(f32::INFINITY))
     }
 }
@@ -141,6 +159,8 @@ mod tests {
                 let four = Slabs::<f32x4>::new(from, path, half);
                 let lanes = four.enter(&Vec3::splat(bounds.min), &Vec3::splat(bounds.max), 1.0);
                 assert_eq!(lanes.to_array().map(f32::to_bits), [entry.to_bits(); 4]);
+                let sides = [min.x, min.y, min.z, max.x, max.y, max.z];
+                assert_eq!(slabs.enter_sides(&sides, 1.0).to_bits(), entry.to_bits());
 
                 let near = Near::<f32>::new(from).squared(&min, &max);
                 let nearest = from.clamp(bounds.min.as_dvec3(), bounds.max.as_dvec3());

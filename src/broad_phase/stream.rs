@@ -1,0 +1,50 @@
+//! Rays through the trees together.
+
+use super::BroadPhase;
+use super::bvh::{Node, Tree};
+use super::current::{Current, Sorts};
+use crate::lanes::f32x4;
+use crate::shape::{FourTree, Slabs, Stream, Walk};
+
+impl FourTree for Tree {
+    #[inline(always)]
+    fn sides(&self, node: u32) -> [f32x4; 6] {
+        let Node { min, max, .. } = &self.nodes()[node as usize];
+        [min.x, min.y, min.z, max.x, max.y, max.z]
+    }
+    #[inline(always)]
+    fn child(&self, node: u32, lane: usize) -> u32 {
+        self.nodes()[node as usize].child(lane)
+    }
+    fn alone(
+        &self,
+        node: u32,
+        slabs: &Slabs<f32x4>,
+        most: f32,
+        leaf: &mut impl FnMut(u32, f32, f32) -> f32,
+    ) -> f32 {
+        let key = |node: &Node, most: f32| slabs.enter(&node.min, &node.max, most);
+        self.visit_from(node, &key, most, &mut |collider, most| leaf(collider, 0.0, most))
+    }
+}
+
+impl BroadPhase {
+    /// Calls `leaf(collider, rays, stream)` with every collider and the rays that meet its box before their `most`, which
+    /// it may lower; about the nearest first after what has no bounds.
+    pub(crate) fn together(
+        &self,
+        current: &Current,
+        sorts: Sorts,
+        (stream, walk): (&mut Stream, &mut Walk),
+        rays: u64,
+        mut leaf: impl FnMut(u32, u64, &mut Stream),
+    ) {
+        self.endless(current, sorts, |c| leaf(c, rays, stream));
+        if sorts.statics && self.statics.leaves() > 0 {
+            walk.through(&self.statics, stream, rays, &mut leaf);
+        }
+        if (sorts.movers || !current.late.is_empty()) && current.tree.leaves() > 0 {
+            walk.through(&current.tree, stream, rays, &mut leaf);
+        }
+    }
+}
