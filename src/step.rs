@@ -270,6 +270,7 @@ impl World {
             seats: &self.buffers.joints.seats,
             tweaks: &self.events.tweaks,
             per_point: self.settings.friction_model == FrictionModel::Point,
+            friction: self.needs.friction > 0,
         };
         let prepared = prepare(crew, &input, &mut self.buffers.rows, &mut self.buffers.prepare, &mut room);
         if self.joints.count > 0 {

@@ -64,6 +64,8 @@ pub struct World {
 /// What the content of the world requires of a step; what nothing requires costs nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Needs {
+    /// Shapes with friction, or with hooks, which may give them some.
+    pub(crate) friction: u32,
     /// Shapes with restitution, or with hooks, which may give them some.
     pub(crate) restitution: u32,
     /// Shapes that are listened to, are sensors, or have hooks.
@@ -81,6 +83,8 @@ impl Needs {
                 *count = count.wrapping_add_signed(change);
             }
         };
+        let rubs = collider.material.static_friction > 0.0 || collider.material.dynamic_friction > 0.0;
+        add(&mut self.friction, rubs || has(HOOKS));
         add(&mut self.restitution, collider.material.restitution > 0.0 || has(HOOKS));
         add(&mut self.events, has(EVENTS));
         add(&mut self.sensors, has(SENSOR));

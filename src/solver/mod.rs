@@ -146,7 +146,7 @@ pub(crate) fn solve(
         if joined_at_all {
             Passes::close(crew, rows, &joined, &motion, &closing(settings));
         }
-        if passes.run(crew, Kind::Relax, rows, &joined, &motion) {
+        if passes.run(crew, Kind::Relax, rows, &joined, &motion) && rows.friction.needed {
             // What was pushed before it touched has its friction now; if that is much, the points share the load that it
             // shifts.
             if passes.run(crew, Kind::Rub, rows, &joined, &motion) {
