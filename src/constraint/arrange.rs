@@ -108,6 +108,7 @@ pub(crate) fn arrange(
     if room.is_endless() {
         let (prepared, _) = sort(input, scratch, [u32::MAX; 4]);
         let batches = schedule(input, rows, scratch);
+        rows.fit(batches, room);
         rows.resize(batches);
         return prepared;
     }

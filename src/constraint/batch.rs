@@ -191,6 +191,15 @@ impl Rows {
         true
     }
 
+    /// Makes place for so many batches where there is room without end.
+    pub(crate) fn fit(&mut self, batches: [usize; 5], room: &mut Room) {
+        room.fit(&mut self.p1, batches[0]);
+        room.fit(&mut self.p2, batches[1]);
+        room.fit(&mut self.p3, batches[2]);
+        room.fit(&mut self.p4, batches[3]);
+        room.fit(&mut self.single, batches[4]);
+    }
+
     pub(crate) fn resize(&mut self, batches: [usize; 5]) {
         self.p1.resize_with(batches[0], Batch::default);
         self.p2.resize_with(batches[1], Batch::default);
