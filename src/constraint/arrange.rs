@@ -108,7 +108,7 @@ pub(crate) fn arrange(
     if room.is_endless() {
         let (prepared, _) = sort(input, scratch, [u32::MAX; 4]);
         let batches = schedule(input, rows, scratch);
-        rows.resize(&batches);
+        rows.resize(&batches, room);
         return prepared;
     }
     // How many stages there may be.
@@ -125,7 +125,7 @@ pub(crate) fn arrange(
         if rows.make_place(&batches, room) {
             enough = shed;
             if shed == too_few || enough - too_few <= 1 + total / 64 {
-                rows.resize(&batches);
+                rows.resize(&batches, room);
                 prepared.shed = lost;
                 return prepared;
             }

@@ -184,8 +184,9 @@ impl Rows {
         true
     }
 
-    pub(crate) fn resize(&mut self, wanted: &Tally) {
-        self.each(&mut |buffer, i| buffer.resize(wanted[i]));
+    /// Makes so many, for which there is place or room without end.
+    pub(crate) fn resize(&mut self, wanted: &Tally, room: &mut Room) {
+        self.each(&mut |buffer, i| buffer.resize(wanted[i], room));
     }
 
     /// Live and reserved bytes.
@@ -209,13 +210,14 @@ impl Rows {
 
 /// A buffer whose entries are all filled anew in each step.
 trait Filled: Buffer {
-    fn resize(&mut self, len: usize);
+    fn resize(&mut self, len: usize, room: &mut Room);
     /// Gives up place for more than so many.
     fn fit(&mut self, len: usize);
 }
 
 impl<T: Default> Filled for Vec<T> {
-    fn resize(&mut self, len: usize) {
+    fn resize(&mut self, len: usize, room: &mut Room) {
+        room.fit(self, len);
         self.resize_with(len, T::default);
     }
     fn fit(&mut self, len: usize) {

@@ -4,11 +4,11 @@
 //! pairs are of a mesh, buffers of its own. One thread then commits them in the order of the blocks. Where the budget
 //! leaves too little place, what protects from static geometry is kept longest.
 
+use super::RawManifold;
 use super::bins::{Bins, Block};
-use super::collide::{Input, near};
+use super::collide::{Input, near, relative_pose};
 use super::contact::{Contact, Contacts, NONE};
 use super::mesh::MeshScratch;
-use super::{RawManifold, Relative};
 use crate::broad_phase::Pair;
 use crate::memory::{Buffer, Buffers, Marks, Room, bytes_of, even_out};
 use crate::threads::Shared;
@@ -226,7 +226,6 @@ impl Found {
         &mut self,
         (bins, state): (&Bins, &[u8]),
         pairs: &mut [Pair],
-        relative: &[Relative],
         contacts: &mut Contacts,
         input: &Input<'_>,
         room: &mut Room,
@@ -260,7 +259,7 @@ impl Found {
             shed += evict(wanted[1] - place, pairs, contacts, input);
         }
         for block in &mut self.meshes {
-            shed += commit_meshes(block, pairs, relative, contacts, &mut self.chain, input, room);
+            shed += commit_meshes(block, pairs, contacts, &mut self.chain, input, room);
         }
         // In need, those of static geometry before the others.
         for class in if short { &[1, 0][..] } else { &[2] } {
@@ -273,7 +272,7 @@ impl Found {
                         continue;
                     }
                     let mut contact = Contact::new(pair.a, pair.b);
-                    contact.take(&found.raw, relative[found.pair as usize]);
+                    contact.take(&found.raw, relative_pose(pair, input.poses));
                     contact.fraction = found.fraction;
                     pair.contact = contacts.insert(contact);
                     shed += if pair.contact == NONE { found.raw.count } else { 0 };
@@ -329,7 +328,6 @@ fn evict(mut wanted: usize, pairs: &mut [Pair], contacts: &mut Contacts, input: 
 fn commit_meshes(
     block: &mut MeshBlock,
     pairs: &mut [Pair],
-    relative: &[Relative],
     contacts: &mut Contacts,
     chain: &mut Vec<Contact>,
     input: &Input<'_>,
@@ -338,6 +336,7 @@ fn commit_meshes(
     let mut shed = 0;
     for &(index, start, end) in &block.looked {
         let pair = &mut pairs[index as usize];
+        let now = relative_pose(pair, input.poses);
         chain.clear();
         let mut slot = pair.contact;
         while slot != NONE {
@@ -350,7 +349,7 @@ fn commit_meshes(
         let mut last = NONE;
         for (raw, fraction) in &block.many[start as usize..end as usize] {
             let mut contact = Contact::new(pair.a, pair.b);
-            contact.take(raw, relative[index as usize]);
+            contact.take(raw, now);
             contact.fraction = *fraction;
             contact.struck = chain.iter().any(|old| old.pushed);
             // The manifold of the last step whose normal is nearest.
