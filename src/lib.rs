@@ -111,4 +111,4 @@ pub use shape::{
     Combine, ConvexHull, Filter, Geometry, HeightField, MassProperties, Material, ShapeDesc, TriangleMesh,
 };
 pub use snapshot::Snapshot;
-pub use world::World;
+pub use world::{Feature, Model, ModelPart, World};

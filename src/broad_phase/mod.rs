@@ -538,6 +538,13 @@ impl BroadPhase {
         self.movers.each(n.moving, f);
     }
 
+    /// Nothing is swept any more.
+    pub(crate) fn give_back_paths(&mut self) {
+        if self.paths.is_empty() {
+            self.paths = Vec::new();
+        }
+    }
+
     /// Live and reserved bytes of all that is needed without continuous collision too.
     pub(crate) fn bytes(&self) -> (usize, usize) {
         let mut sum = (0, 0);

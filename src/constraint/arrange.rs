@@ -78,6 +78,21 @@ impl PrepareScratch {
         self.colouring.iter_mut().for_each(|c| f(c.buffer(), dynamic));
     }
 
+    /// Nothing is continuous any more.
+    pub(crate) fn forget_ahead(&mut self) {
+        (self.ahead, self.most_ahead) = ((0, 0), (0, 0));
+    }
+
+    /// Nothing is raised any more.
+    pub(crate) fn lower(&mut self) {
+        self.keys = Keys::default();
+    }
+
+    /// Reserved bytes of the order of what is raised.
+    pub(crate) fn raised_bytes(&self) -> usize {
+        self.keys.raised_bytes()
+    }
+
     /// Bytes of contacts, and of rows, that continuous collision alone makes: live, and the most there ever were.
     pub(crate) fn ahead_bytes(&self) -> ((usize, usize), (usize, usize)) {
         ((self.ahead.0, self.most_ahead.0), (self.ahead.1, self.most_ahead.1))
