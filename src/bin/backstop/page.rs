@@ -2,7 +2,7 @@
 
 use crate::charts;
 use crate::document::Document;
-use crate::output::{bytes, micros};
+use crate::output::{bytes, count, micros};
 use crate::summary;
 use crate::trace::{STAGES, Times, Trace};
 use anyhow::{Context, anyhow};
@@ -78,6 +78,7 @@ fn page(document: &Document, trace: &Trace) -> String {
          of continuous collision is a category of its own.",
     );
     memory_table(&mut html, document);
+    model_table(&mut html, document);
     settings_table(&mut html, document);
     html += "</body>\n</html>\n";
     html
@@ -117,6 +118,35 @@ fn memory_table(html: &mut String, document: &Document) {
             let _ = write!(html, "<td class=\"n\">{}</td>", bytes(value));
         }
         *html += "</tr>\n";
+    }
+    *html += "</table>\n";
+}
+
+fn model_table(html: &mut String, document: &Document) {
+    *html += "<h2>What the scene needs</h2>\n<table>\n<tr><th>part</th><th>asked for by</th><th class=\"n\">bytes</th>\
+              <th class=\"n\">time in the last step</th></tr>\n";
+    for part in &document.model {
+        let name = part.name.replace('_', " ");
+        if !part.needed {
+            let _ = writeln!(
+                html,
+                "<tr><td>{name}</td><td>not needed</td><td class=\"n\">{}</td><td></td></tr>",
+                bytes(part.bytes)
+            );
+            continue;
+        }
+        let time = match (part.time_us, part.stage) {
+            (Some(time), _) => micros(time.into()),
+            (None, Some(stage)) => format!("in {stage}"),
+            (None, None) => String::new(),
+        };
+        let _ = writeln!(
+            html,
+            "<tr><td>{name}</td><td>{} {}</td><td class=\"n\">{}</td><td class=\"n\">{time}</td></tr>",
+            count(part.count.into()),
+            part.asked_by,
+            bytes(part.bytes)
+        );
     }
     *html += "</table>\n";
 }
