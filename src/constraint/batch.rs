@@ -43,8 +43,9 @@ pub(crate) struct Batch<L, const P: usize> {
     pub(crate) inverse_inertia_a: Sym3<L>,
     pub(crate) inverse_inertia_b: Sym3<L>,
     pub(crate) points: [PointRow<L>; P],
-    /// Of points (0,1), (0,2), (1,2), (0,3), (1,3), (2,3) [1/kg].
-    pub(crate) coupling: [L; 6],
+    /// Of points (0,1), (0,2), (1,2), (0,3), (1,3), (2,3) [1/kg]: the first as many as there are points, which is enough
+    /// for three, and what is left of four.
+    coupling: ([L; P], [L; 2]),
     /// Of potential points: the largest impulse in any substep [N s]. One that hits something at rest in space pushes
     /// in the substep of the impact, and has nothing to bear in those that follow.
     pub(crate) peak: L,
@@ -73,7 +74,7 @@ impl<L: Lanes, const P: usize> Default for Batch<L, P> {
             inverse_inertia_a: Sym3::default(),
             inverse_inertia_b: Sym3::default(),
             points: [PointRow::default(); P],
-            coupling: [L::default(); 6],
+            coupling: ([L::default(); P], [L::default(); 2]),
             peak: L::default(),
             a: [0; 8],
             b: [0; 8],
@@ -87,9 +88,27 @@ impl<L: Lanes, const P: usize> Default for Batch<L, P> {
     }
 }
 
+impl<L: Lanes, const P: usize> Batch<L, P> {
+    /// By how much an impulse at point `i` changes the normal velocity of point `k`, and the other way round [1/kg]; `i < k`.
+    #[inline(always)]
+    pub(crate) fn coupling(&self, i: usize, k: usize) -> L {
+        let at = couple(i, k);
+        if at < P { self.coupling.0[at] } else { self.coupling.1[at - P] }
+    }
+
+    #[inline(always)]
+    pub(crate) fn couple(&mut self, i: usize, k: usize, coupling: L) {
+        let at = couple(i, k);
+        if at < P {
+            self.coupling.0[at] = coupling;
+        } else {
+            self.coupling.1[at - P] = coupling;
+        }
+    }
+}
+
 /// Index of a pair of points in [`Batch::coupling`]; `i < k`.
-#[inline(always)]
-pub(crate) const fn couple(i: usize, k: usize) -> usize {
+const fn couple(i: usize, k: usize) -> usize {
     k * (k - 1) / 2 + i
 }
 

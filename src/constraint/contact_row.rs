@@ -2,7 +2,7 @@
 //! impulses and for soft substeps.
 
 use super::arrange::Part;
-use super::batch::{Batch, Surface, couple};
+use super::batch::{Batch, Surface};
 use super::friction::FrictionRow;
 use super::impact_friction::potential_load;
 use crate::lanes::{GatherLanes, Lanes, Mask, Record, Vec3, gather, scatter};
@@ -192,7 +192,7 @@ pub(super) trait Response<L: GatherLanes, const P: usize> {
     /// By how much a unit impulse at one point changes the normal velocity of another [1/kg].
     #[inline(always)]
     fn stiffness(&self, batch: &Batch<L, P>, i: usize, k: usize) -> L {
-        if i == k { batch.points[i].stiffness } else { batch.coupling[couple(i.min(k), i.max(k))] }
+        if i == k { batch.points[i].stiffness } else { batch.coupling(i.min(k), i.max(k)) }
     }
     /// Inverse of the matrix of the tangential rows, its smaller eigenvalue [kg], and the mass against twist [kg m²].
     #[inline(always)]

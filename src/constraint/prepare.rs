@@ -1,7 +1,7 @@
 //! Contacts -> batches: arranged by importance, colour and size, the contacts fill the lanes.
 
 use super::arrange::{Part, PrepareScratch, Prepared, arrange};
-use super::batch::{Batch, Rows, Surface, couple};
+use super::batch::{Batch, Rows, Surface};
 use super::friction::{FrictionView, Rub};
 use super::order::{Group, Order};
 use super::seats::{Seat, Seats};
@@ -299,7 +299,7 @@ fn fill<L: GatherLanes, const P: usize>(
         point.real = L::select(s.le(L::splat(input.real)), present[i], L::zero());
         for k in 0..i {
             let both = batch.points[k].arm_a.dot(turned_a[i]) + batch.points[k].arm_b.dot(turned_b[i]);
-            batch.coupling[couple(k, i)] = ma + mb + both;
+            batch.couple(k, i, ma + mb + both);
         }
     }
     if let Rub::Nothing = rub {

@@ -176,27 +176,46 @@ pub(crate) fn collide(
         ..NarrowStats::default()
     };
     found.plan(bins, pairs, input, room);
-    {
-        let all = Shared::new(&mut contacts.all);
-        let state = Shared::new(bin_of);
-        let Bins { order, blocks } = bins;
-        let (count, blocks, places) = (blocks.len(), Shared::new(blocks), found.places());
-        let (pairs, order) = (&*pairs, &*order);
-        crew.run(count, &|block| {
-            // SAFETY: this is the only one that runs the block.
-            let block = unsafe { blocks.get(block) };
-            let (bin, order) = (block.bin, &order[block.start as usize..block.end as usize]);
-            // SAFETY: this is the only one that runs the block.
-            let mut out = unsafe { places.of(block, &state) };
-            run_bin(bin, order, input, pairs, &all, &mut out);
-        });
+    let (mut first, end) = (0, bins.blocks.len());
+    loop {
+        let last = found.wave(&mut bins.blocks, first, room);
+        run_blocks(crew, input, (bins, first..last, bin_of), pairs, contacts, found);
+        stats.shed += found.commit((bins, first..last, bin_of), pairs, contacts, input, room);
+        first = last;
+        if first == end {
+            break;
+        }
     }
     for block in &bins.blocks {
         stats.casts += block.casts;
         stats.ghosts += block.ghosts;
     }
-    stats.shed = found.commit((bins, bin_of), pairs, contacts, input, room);
     stats
+}
+
+/// Looks at the pairs of some blocks.
+fn run_blocks(
+    crew: &Crew<'_>,
+    input: &Input<'_>,
+    (bins, wave, bin_of): (&mut Bins, std::ops::Range<usize>, &mut [u8]),
+    pairs: &[Pair],
+    contacts: &mut Contacts,
+    found: &mut Found,
+) {
+    let all = Shared::new(&mut contacts.all);
+    let state = Shared::new(bin_of);
+    let Bins { order, blocks } = bins;
+    let blocks = &mut blocks[wave];
+    let (count, blocks, places) = (blocks.len(), Shared::new(blocks), found.places());
+    let order = &*order;
+    crew.run(count, &|block| {
+        // SAFETY: this is the only one that runs the block.
+        let block = unsafe { blocks.get(block) };
+        let (bin, order) = (block.bin, &order[block.start as usize..block.end as usize]);
+        // SAFETY: this is the only one that runs the block.
+        let mut out = unsafe { places.of(block, &state) };
+        run_bin(bin, order, input, pairs, &all, &mut out);
+    });
 }
 
 /// Which pairs keep their contacts, and the bins of the others.
