@@ -61,7 +61,7 @@ impl Current {
     /// All that can move may have moved.
     fn step(&mut self) {
         self.stepped = true;
-        self.unasked += 1;
+        self.unasked = self.unasked.saturating_add(1);
     }
 
     /// Makes it fit the world.
