@@ -7,7 +7,7 @@ pub use crate::broad_phase::bench::kernels as broad_phase;
 pub use crate::narrow_phase::bench::{cast, convex, distance, lanes, mesh};
 
 use crate::constraint::contact_row::{Motion, Pass, Softness, solve};
-use crate::constraint::{Batch, Group, PrepareInput, PrepareScratch, Rows, prepare};
+use crate::constraint::{Batch, FrictionRow, Group, PrepareInput, PrepareScratch, Rows, prepare};
 use crate::lanes::{Record, Vec3, f32x8, gather, scatter};
 use crate::memory::Room;
 use crate::scene::builtin;
@@ -77,10 +77,13 @@ pub fn rows() -> Vec<Kernel> {
 fn pass<const FRICTION: bool>(name: &str, relax: bool) -> Kernel {
     let mut world = wall();
     let rows = std::mem::take(&mut world.buffers.rows);
-    let mut batches: Vec<Batch<f32x8, 4>> = Vec::new();
+    let mut batches: Vec<(Batch<f32x8, 4>, FrictionRow<f32x8>)> = Vec::new();
     for stage in rows.stages.iter().filter(|s| s.group == Group::Dynamic && !s.serial) {
         let of_stage = &rows.schedule[stage.start as usize..stage.end as usize];
-        batches.extend(of_stage.iter().filter(|b| b.points == 4).map(|b| rows.p4[b.index as usize]));
+        let both = |friction: u32, index: u32| {
+            (rows.p4[index as usize], rows.friction.lanes.rows[friction as usize])
+        };
+        batches.extend(of_stage.iter().filter(|b| b.points == 4).map(|b| both(b.friction, b.index)));
     }
     let movers = world.bodies.movers();
     let mut velocity = world.bodies.velocity[..movers].to_vec();
@@ -97,7 +100,7 @@ fn pass<const FRICTION: bool>(name: &str, relax: bool) -> Kernel {
         relax,
         surfaces: &[],
     };
-    let contacts: u32 = batches.iter().map(|b| (b.write_a | b.write_b).count_ones()).sum();
+    let contacts: u32 = batches.iter().map(|(b, _)| (b.write_a | b.write_b).count_ones()).sum();
     Kernel::new(name, contacts as usize, move || {
         let base = Shared::new(&mut base);
         // As at the start of a substep; without it all would come to rest, and zeros are not what is to be timed.
@@ -106,9 +109,9 @@ fn pass<const FRICTION: bool>(name: &str, relax: bool) -> Kernel {
         }
         let (velocity, delta) = (Shared::new(&mut velocity), Shared::new(&mut delta));
         let motion = Motion { velocity: &velocity, delta: &delta, base: &base };
-        for batch in &mut batches {
+        for (batch, friction) in &mut batches {
             // SAFETY: one thread, one batch at a time; the indices are those of the world that the records are from.
-            unsafe { solve::<f32x8, 4, true, FRICTION>(batch, &motion, &pass) };
+            unsafe { solve::<f32x8, 4, true, FRICTION>(batch, Some(friction), &motion, &pass) };
         }
     })
 }
@@ -138,6 +141,7 @@ pub fn preparing() -> Kernel {
             seats: &crate::constraint::Seats::default(),
             tweaks: &[],
             per_point: false,
+            friction: true,
         };
         prepare(&Crew::alone(), &input, &mut rows, &mut scratch, &mut Room::default());
         black_box(&mut rows);

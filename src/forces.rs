@@ -6,6 +6,7 @@ use crate::memory::{Buffer, bytes_of};
 use crate::threads::{Crew, Shared, per_block};
 use crate::world::World;
 use glam::{Mat3, Vec3};
+use std::ops::Range;
 
 /// What is computed of each body before anything collides.
 #[derive(Debug, Default)]
@@ -55,43 +56,79 @@ pub(crate) fn predict(crew: &Crew<'_>, world: &mut World, dt: f32) {
     let Forces { acceleration, inverse_inertia, start, motion } = &mut world.buffers.forces;
     start.clear();
     start.extend_from_slice(&world.bodies.velocity[..movers]);
-    acceleration.resize(movers, Record::default());
+    let pulled = world.settings.gravity != Vec3::ZERO || !world.bodies.force.is_empty();
+    acceleration.resize(if pulled { movers } else { 0 }, Record::default());
     motion.resize(movers, Record::default());
     inverse_inertia.resize(dynamic, Sym3::default());
-    let bodies = &world.bodies;
-    let gravity = world.settings.gravity;
-    {
-        let acceleration = Shared::new(acceleration);
-        let inverse_inertia = Shared::new(inverse_inertia);
-        let motion = Shared::new(motion);
-        crew.run(movers.div_ceil(BLOCK), &|block| {
-            for i in block * BLOCK..((block + 1) * BLOCK).min(movers) {
-                let v = bodies.velocity[i];
-                let mut pull = Record::default();
-                if i < dynamic {
-                    let inverse = world_inertia(bodies, i);
-                    pull = accelerate(bodies, i, gravity, &inverse);
-                    // SAFETY: each body is in one block.
-                    unsafe { *inverse_inertia.get(i) = inverse };
+    let (bodies, gravity) = (&world.bodies, world.settings.gravity);
+    let out = Out {
+        acceleration: Shared::new(acceleration),
+        inverse_inertia: Shared::new(inverse_inertia),
+        motion: Shared::new(motion),
+    };
+    crew.run(movers.div_ceil(BLOCK), &|block| {
+        let block = block * BLOCK..((block + 1) * BLOCK).min(movers);
+        // What no body needs is not asked of each.
+        match (bodies.locked > 0, pulled) {
+            (false, true) => predict_block::<false, true>(block, bodies, gravity, dt, &out),
+            (false, false) => predict_block::<false, false>(block, bodies, gravity, dt, &out),
+            (true, true) => predict_block::<true, true>(block, bodies, gravity, dt, &out),
+            (true, false) => predict_block::<true, false>(block, bodies, gravity, dt, &out),
+        }
+    });
+}
+
+/// Where predictions go.
+struct Out<'a> {
+    acceleration: Shared<'a, Record>,
+    inverse_inertia: Shared<'a, Sym3<f32>>,
+    motion: Shared<'a, Record>,
+}
+
+fn predict_block<const LOCKED: bool, const PULLED: bool>(
+    block: Range<usize>,
+    bodies: &Bodies,
+    gravity: Vec3,
+    dt: f32,
+    out: &Out<'_>,
+) {
+    let dynamic = bodies.dynamic();
+    for i in block {
+        let v = bodies.velocity[i];
+        let mut pull = Record::default();
+        if i < dynamic {
+            let inverse = if LOCKED { world_inertia(bodies, i) } else { free_inertia(bodies, i) };
+            if PULLED {
+                pull = accelerate(bodies, i, gravity, &inverse);
+                if LOCKED {
+                    bodies.traits[i].lock(&mut pull);
                 }
-                let predicted = Record {
-                    linear: v.linear * dt + pull.linear * (0.5 * dt * dt),
-                    angular: v.angular * dt,
-                    // The angle, for all who ask how far a point gets.
-                    pad1: v.angular.length() * dt,
-                    ..Record::default()
-                };
-                // SAFETY: each body is in one block.
-                unsafe { (*acceleration.get(i), *motion.get(i)) = (pull, predicted) };
             }
-        });
+            // SAFETY: each body is in one block.
+            unsafe { *out.inverse_inertia.get(i) = inverse };
+        }
+        let predicted = Record {
+            linear: v.linear * dt + pull.linear * (0.5 * dt * dt),
+            angular: v.angular * dt,
+            // The angle, for all who ask how far a point gets.
+            pad1: v.angular.length() * dt,
+            ..Record::default()
+        };
+        // SAFETY: each body is in one block.
+        unsafe {
+            if PULLED {
+                *out.acceleration.get(i) = pull;
+            }
+            *out.motion.get(i) = predicted;
+        }
     }
 }
 
 fn accelerate(bodies: &Bodies, i: usize, gravity: Vec3, inverse: &Sym3<f32>) -> Record {
     let (mass, traits) = (&bodies.mass[i], &bodies.traits[i]);
-    let mut pull = Record { linear: gravity * traits.gravity_scale, ..Record::default() };
-    if let Some(force) = bodies.force.get(i) {
+    // Zeros have no sign, so that a column of them is as good as none.
+    let mut pull = Record { linear: gravity * traits.gravity_scale + Vec3::ZERO, ..Record::default() };
+    if let Some(force) = bodies.force.get(i).filter(|force| **force != Record::default()) {
         pull.linear += force.linear * mass.inverse;
         let t = force.angular;
         pull.angular = inverse.mul(crate::lanes::Vec3::new(t.x, t.y, t.z)).lane(0);
@@ -99,33 +136,29 @@ fn accelerate(bodies: &Bodies, i: usize, gravity: Vec3, inverse: &Sym3<f32>) -> 
     if mass.inverse == 0.0 {
         pull.linear = Vec3::ZERO;
     }
-    traits.lock(&mut pull);
     pull
+}
+
+/// Whether a body's axes may wander while it turns freely: its moments differ, and none is locked.
+pub(crate) fn is_uneven(mass: &Mass, traits: &Traits) -> bool {
+    let (low, high) = (mass.inertia.min_element(), mass.inertia.max_element());
+    high - low > 1e-3 * high && low > 0.0 && traits.locks == 0
 }
 
 /// Whether the gyroscopic term matters, which `finish` adds when it turns a body: unequal moments, and enough spin.
 pub(crate) fn spins_freely(mass: &Mass, traits: &Traits, spin: Vec3, dt: f32) -> bool {
-    let (low, high) = (mass.inertia.min_element(), mass.inertia.max_element());
-    let turn = spin.length_squared() * dt * dt;
-    high - low > 1e-3 * high && turn > 1e-6 && low > 0.0 && traits.locks == 0
+    spin.length_squared() * dt * dt > 1e-6 && is_uneven(mass, traits)
 }
 
 /// Inverse inertia in world axes. About a locked axis nothing turns, and the others turn as if it were not there.
 pub(crate) fn world_inertia(bodies: &Bodies, i: usize) -> Sym3<f32> {
+    let locks = bodies.traits[i].locks >> 3;
+    if locks == 0 {
+        return free_inertia(bodies, i);
+    }
     let mass = &bodies.mass[i];
     let r = Mat3::from_quat(bodies.pose[i].rotation);
-    let locks = bodies.traits[i].locks >> 3;
-    let diagonal = |d: Vec3| {
-        let column = |row: usize| {
-            r.x_axis[row] * d.x * r.x_axis + r.y_axis[row] * d.y * r.y_axis + r.z_axis[row] * d.z * r.z_axis
-        };
-        [column(0), column(1), column(2)]
-    };
-    if locks == 0 {
-        let [x, y, z] = diagonal(mass.inverse_inertia);
-        return Sym3 { xx: x.x, yy: y.y, zz: z.z, xy: x.y, xz: x.z, yz: y.z };
-    }
-    let [x, y, z] = diagonal(mass.inertia);
+    let [x, y, z] = diagonal(&r, mass.inertia);
     let mut m = Mat3::from_cols(x, y, z);
     for axis in (0..3).filter(|axis| locks >> axis & 1 != 0) {
         for other in 0..3 {
@@ -140,4 +173,21 @@ pub(crate) fn world_inertia(bodies: &Bodies, i: usize) -> Sym3<f32> {
     }
     let (x, y, z) = (inverse.x_axis, inverse.y_axis, inverse.z_axis);
     Sym3 { xx: x.x, yy: y.y, zz: z.z, xy: x.y, xz: x.z, yz: y.z }
+}
+
+/// The same of a body whose axes are all free.
+#[inline(always)]
+fn free_inertia(bodies: &Bodies, i: usize) -> Sym3<f32> {
+    let r = Mat3::from_quat(bodies.pose[i].rotation);
+    let [x, y, z] = diagonal(&r, bodies.mass[i].inverse_inertia);
+    Sym3 { xx: x.x, yy: y.y, zz: z.z, xy: x.y, xz: x.z, yz: y.z }
+}
+
+/// A diagonal matrix in axes that are turned.
+#[inline(always)]
+fn diagonal(r: &Mat3, d: Vec3) -> [Vec3; 3] {
+    let column = |row: usize| {
+        r.x_axis[row] * d.x * r.x_axis + r.y_axis[row] * d.y * r.y_axis + r.z_axis[row] * d.z * r.z_axis
+    };
+    [column(0), column(1), column(2)]
 }

@@ -44,6 +44,7 @@
 //! - [`World::contact_begins`], [`World::sensor_begins`], [`ContactHooks`]: what is heard of contacts, and a word on them.
 //! - [`Mover`]: a capsule that walks, for characters.
 //! - [`StepReport`], [`MemoryReport`]: what a step did and what the world holds, by [`Category`].
+//! - [`World::model`]: which parts of the engine the world's content needs, and what each costs, by [`Feature`].
 //! - [`debug`]: what the world knows as shapes, lines and points, for eyes; [`World::draw`].
 //! - [`Snapshot`]: the state of a world, to go back to the same bits.
 //! - [`scene`]: builtin scenes; with the feature `gltf` also glTF and OBJ files in, glTF animations out.
@@ -111,4 +112,4 @@ pub use shape::{
     Combine, ConvexHull, Filter, Geometry, HeightField, MassProperties, Material, ShapeDesc, TriangleMesh,
 };
 pub use snapshot::Snapshot;
-pub use world::World;
+pub use world::{Feature, Model, ModelPart, World};

@@ -13,7 +13,7 @@ use crate::world::World;
 #[derive(Debug, Default)]
 pub(crate) struct Buffers {
     movers: Vec<Mover>,
-    /// Where each body's colliders begin in `movers`.
+    /// How many colliders the bodies before each have.
     starts: Vec<u32>,
     removed: Vec<crate::broad_phase::Pair>,
 }
@@ -39,6 +39,9 @@ impl Buffers {
 /// Widest margin of a fat box [length units]: wider, and more pairs are looked at in vain; narrower, and boxes are made
 /// anew more often.
 const MARGIN: f32 = 0.1;
+/// Bodies whose movers are made before the broad phase takes them in: they stay in the nearest cache, and few buffers hold
+/// them.
+const WAVE: usize = 8 * BLOCK;
 /// Bodies a block.
 const BLOCK: usize = per_block(128, 1);
 
@@ -60,16 +63,23 @@ pub(crate) fn pairs(crew: &Crew<'_>, world: &mut World) -> (BroadStats, u32) {
         spin: 0.0,
         mode: Continuous::Discrete,
     };
-    movers.resize(total as usize, empty);
-    {
+    // A budget foresees place for all.
+    let wave = if room.is_endless() { WAVE } else { count.max(1) };
+    world.broad.start_movers();
+    for first in (0..count).step_by(wave) {
+        let end = count.min(first + wave);
+        let start = starts[first];
+        let len = (starts.get(end).copied().unwrap_or(total) - start) as usize;
+        room.fit(movers, len);
+        movers.resize(len, empty);
         let out = Shared::new(movers);
         let poses = Shared::new(&mut world.colliders.poses);
         let (bodies, all) = (&world.bodies, &world.colliders.all);
         let motion = &world.buffers.forces.motion;
         let whole = world.settings.continuous;
         let starts = &*starts;
-        crew.run(count.div_ceil(BLOCK), &|block| {
-            for i in block * BLOCK..((block + 1) * BLOCK).min(count) {
+        crew.run((end - first).div_ceil(BLOCK), &|block| {
+            for i in first + block * BLOCK..(first + (block + 1) * BLOCK).min(end) {
                 let mode = whole.of(bodies.traits[i].continuous);
                 let pose = &bodies.pose[i];
                 for (k, &c) in bodies.colliders[i].as_slice().iter().enumerate() {
@@ -79,7 +89,7 @@ pub(crate) fn pairs(crew: &Crew<'_>, world: &mut World) -> (BroadStats, u32) {
                         let placed = poses.get(c as usize);
                         placed.position = pose.position + (pose.rotation * collider.position).as_dvec3();
                         placed.rotation = pose.rotation * collider.rotation;
-                        *out.get(starts[i] as usize + k) = mover(
+                        *out.get((starts[i] - start) as usize + k) = mover(
                             c,
                             collider,
                             &motion[i],
@@ -90,6 +100,7 @@ pub(crate) fn pairs(crew: &Crew<'_>, world: &mut World) -> (BroadStats, u32) {
                 }
             }
         });
+        world.broad.place_movers(movers, MARGIN * world.settings.length_unit);
     }
     removed.clear();
     let (bodies, all, joints) = (&world.bodies, &world.colliders.all, &world.joints);
@@ -112,10 +123,9 @@ pub(crate) fn pairs(crew: &Crew<'_>, world: &mut World) -> (BroadStats, u32) {
         let kind = |c: u32| all[c as usize].kind;
         if (kind(a), a) <= (kind(b), b) { (a, b) } else { (b, a) }
     };
-    let margin = MARGIN * world.settings.length_unit;
     let narrow = &world.buffers.narrow;
     let rules = Rules { may_collide: &may_collide, order: &order, missing: &|pairs| narrow.missing(pairs) };
-    let stats = world.broad.update_within(crew, movers, margin, &rules, removed, &mut room);
+    let stats = world.broad.update_within(crew, &rules, removed, &mut room);
     let mut ghosts = 0;
     let mut removed = std::mem::take(removed);
     for pair in &removed {

@@ -10,12 +10,11 @@ use crate::error::{Error, positive};
 use crate::events::{ContactHooks, NoHooks};
 use crate::finish::{StageTimes, StepReport};
 use crate::forces::Forces;
-use crate::lanes::Record;
 use crate::memory::{Category, MemoryReport, bytes_of};
 use crate::narrow_phase::{Input, Scratch, collide};
 use crate::record::probe;
 use crate::threads::{Crew, Shared, with_crew};
-use crate::world::World;
+use crate::world::{PartTimes, World};
 use crate::{finish, forces, movers, solver};
 use std::time::Instant;
 
@@ -38,8 +37,10 @@ pub(crate) struct Buffers {
 }
 
 impl Buffers {
-    pub(crate) fn report(&self, report: &mut MemoryReport) {
-        report.add(Category::Continuous, bytes_of(&self.forces.motion));
+    /// `continuous`: whether anything is. Discrete physics looks along the predicted motion too, but no further than a margin.
+    pub(crate) fn report(&self, report: &mut MemoryReport, continuous: bool) {
+        let motion = if continuous { Category::Continuous } else { Category::Scratch };
+        report.add(motion, bytes_of(&self.forces.motion));
         report.add(Category::Scratch, self.forces.bytes());
         report.add(Category::Scratch, self.broad.bytes());
         report.add(Category::Scratch, self.narrow.bytes());
@@ -100,6 +101,8 @@ impl World {
     fn run(&mut self, crew: &Crew<'_>, dt: f32, hooks: &dyn ContactHooks) {
         let start = Instant::now();
         let mut times = StageTimes::default();
+        let demand = self.demand();
+        self.spent = PartTimes::default();
         self.make_place_for_step();
         self.keep_previous();
         self.keep_rest();
@@ -108,18 +111,24 @@ impl World {
 
         forces::predict(crew, self, dt);
         let mut broad = movers::pairs(crew, self);
-        if self.wake_what_is_reached() {
+        let watch = Watch::start(self.settings.sleeping);
+        let woke = self.wake_what_is_reached();
+        self.spent.sleeping = watch.stop();
+        if woke {
             forces::predict(crew, self, dt);
             broad = sum(broad, movers::pairs(crew, self));
         }
         probe!(self, Forces);
         probe!(self, Broad);
-        self.bodies.force.iter_mut().for_each(|f| *f = Record::default());
+        let free = self.settings.budget.is_none();
+        self.bodies.forget_forces(free);
         let mut clock = lap(start, &mut times.broad);
 
         let narrow = self.narrow(crew);
         probe!(self, Narrow);
+        let watch = Watch::start(self.needs.hooks > 0);
         self.ask_hooks(hooks);
+        self.spent.hooks = watch.stop();
         clock = lap(clock, &mut times.narrow);
 
         self.listen();
@@ -131,7 +140,9 @@ impl World {
         let (rows, state) = ((&mut buffers.rows, &mut buffers.joints), &mut buffers.solver);
         let impulses = &mut self.events.impulses;
         solver::solve(crew, &self.settings, dt, &mut self.bodies, &buffers.forces, rows, impulses, state);
+        let watch = Watch::start(self.joints.count > 0);
         self.store_joints(dt);
+        self.spent.joints += watch.stop();
         let pushed = {
             if self.settings.friction_model == FrictionModel::Point {
                 // Each point adds its share.
@@ -141,7 +152,9 @@ impl World {
             let contacts = Shared::new(&mut self.contacts.all);
             solver::store(crew, &self.buffers.rows, dt, &contacts, &|c| poses[c as usize].rotation)
         };
+        let watch = Watch::start(self.needs.events > 0);
         self.hear_contacts();
+        self.spent.events = watch.stop();
         probe!(self, Solve);
         clock = lap(clock, &mut times.solve);
 
@@ -149,12 +162,15 @@ impl World {
         let fast = if broad.0.shed > 0 { 0 } else { broad.0.fast };
         let ended = finish::finish(crew, self, fast, dt);
         // Not before: hooks may have asked where things are.
-        if let Some(now) = self.now.change() {
-            now.step();
-        }
+        self.now.step(free);
+        let watch = Watch::start(self.needs.sensors > 0);
         self.hear_sensors();
+        self.spent.sensors = watch.stop();
         self.events.finish(self.settings.event_capacity as usize);
+        let watch = Watch::start(self.settings.sleeping);
         self.rest(crew, dt);
+        self.spent.sleeping += watch.stop();
+        self.give_back(demand);
         let end = lap(clock, &mut times.finish);
         times.step = (end - start).as_secs_f32() * 1e6;
         self.buffers.last_h = dt / self.settings.substeps as f32;
@@ -213,6 +229,7 @@ impl World {
         let forces = &self.buffers.forces;
         let (mut impacts, mut lost) = (0, 0);
         let mut room = self.room();
+        let watch = Watch::start(self.needs.restitution > 0);
         if self.needs.restitution > 0 {
             let input = BounceInput {
                 colliders: &self.colliders.all,
@@ -229,6 +246,8 @@ impl World {
             let bodies = (&mut self.bodies, self.events.impulses.as_mut_slice());
             (impacts, lost) = bounce(&input, &mut self.contacts.all, bodies, scratch, &mut room);
         }
+        self.spent.restitution = watch.stop();
+        let watch = Watch::start(self.joints.count > 0);
         let h = dt / self.settings.substeps as f32;
         let last = self.buffers.last_h;
         let warm = if self.settings.warm_starting && last > 0.0 { h / last } else { 0.0 };
@@ -252,6 +271,7 @@ impl World {
             };
             joints.fill_trees(crew, &input, &mut forces.inverse_inertia);
         }
+        self.spent.joints = watch.stop();
         let forces = &self.buffers.forces;
         let input = PrepareInput {
             bodies: &self.bodies,
@@ -270,9 +290,11 @@ impl World {
             seats: &self.buffers.joints.seats,
             tweaks: &self.events.tweaks,
             per_point: self.settings.friction_model == FrictionModel::Point,
+            friction: self.needs.friction > 0,
         };
         let prepared = prepare(crew, &input, &mut self.buffers.rows, &mut self.buffers.prepare, &mut room);
         if self.joints.count > 0 {
+            let watch = Watch::start(true);
             let input = JointInput {
                 bodies: &self.bodies,
                 inverse_inertia: &self.buffers.forces.inverse_inertia,
@@ -285,6 +307,7 @@ impl World {
                 h,
             };
             self.buffers.joints.fill(crew, &input);
+            self.spent.joints += watch.stop();
         }
         Prepared { impacts: impacts as u32, shed: prepared.shed + lost, ..prepared }
     }
@@ -300,6 +323,19 @@ fn sum((one, ghosts): (BroadStats, u32), (two, more): (BroadStats, u32)) -> (Bro
         ..two
     };
     (stats, ghosts + more)
+}
+
+/// The time of a part that is needed; of one that isn't nothing is measured.
+struct Watch(Option<Instant>);
+
+impl Watch {
+    fn start(needed: bool) -> Watch {
+        Watch(needed.then(Instant::now))
+    }
+    /// [us]
+    fn stop(self) -> f32 {
+        self.0.map_or(0.0, |start| start.elapsed().as_secs_f32() * 1e6)
+    }
 }
 
 /// Adds the time since `start` to a stage [us] and returns now.

@@ -4,11 +4,16 @@ mod budget;
 mod colliders;
 mod joints;
 mod mass;
+mod model;
 mod motion;
+mod needs;
 mod shapes;
 mod sleep;
 
+pub(crate) use model::PartTimes;
+pub use model::{Feature, Model, ModelPart};
 pub(crate) use motion::finite_position;
+pub(crate) use needs::{Demand, Needs};
 
 use mass::{columns_of, mass_of, movable};
 
@@ -25,7 +30,7 @@ use crate::lanes::Record;
 use crate::memory::{Category, MemoryReport};
 use crate::narrow_phase::Contacts;
 use crate::record::record;
-use crate::shape::{Collider, EVENTS, Geometry, HOOKS, Hot, SENSOR};
+use crate::shape::{Collider, Geometry, Hot, Kind};
 use crate::sleep::Sleep;
 use crate::snapshot::Revisions;
 use crate::step::Buffers;
@@ -48,6 +53,9 @@ pub struct World {
     pub(crate) buffers: Buffers,
     pub(crate) report: StepReport,
     pub(crate) needs: Needs,
+    /// What the last step needed, and how long that took.
+    pub(crate) last_demand: Demand,
+    pub(crate) spent: PartTimes,
     pub(crate) origin: DVec3,
     assets: Assets,
     peaks: MemoryReport,
@@ -59,33 +67,6 @@ pub struct World {
     /// While it is recorded or replayed.
     #[cfg(feature = "replay")]
     pub(crate) tape: Option<Box<crate::replay::Tape>>,
-}
-
-/// What the content of the world requires of a step; what nothing requires costs nothing.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Needs {
-    /// Shapes with restitution, or with hooks, which may give them some.
-    pub(crate) restitution: u32,
-    /// Shapes that are listened to, are sensors, or have hooks.
-    pub(crate) events: u32,
-    pub(crate) sensors: u32,
-    pub(crate) hooks: u32,
-}
-
-impl Needs {
-    /// Counts a collider that comes (1) or goes (-1).
-    fn count(&mut self, collider: &Collider, change: i32) {
-        let has = |flag: u8| collider.flags & flag != 0;
-        let add = |count: &mut u32, set: bool| {
-            if set {
-                *count = count.wrapping_add_signed(change);
-            }
-        };
-        add(&mut self.restitution, collider.material.restitution > 0.0 || has(HOOKS));
-        add(&mut self.events, has(EVENTS));
-        add(&mut self.sensors, has(SENSOR));
-        add(&mut self.hooks, has(HOOKS));
-    }
 }
 
 /// Colliders by stable index, with their world poses.
@@ -100,31 +81,27 @@ pub(crate) struct Colliders {
 /// Shared geometry, counted once however many shapes use it.
 #[derive(Debug, Default)]
 struct Assets {
-    /// Address, uses, bytes.
-    list: Vec<(usize, u32, Category, (usize, usize))>,
+    /// Address, uses, what it is, bytes.
+    list: Vec<(usize, u32, Kind, (usize, usize))>,
 }
 
 impl Assets {
-    fn key(geometry: &Geometry) -> Option<(usize, Category, (usize, usize))> {
+    fn key(geometry: &Geometry) -> Option<(usize, Kind, (usize, usize))> {
         match geometry {
-            Geometry::Hull(hull) => {
-                Some((std::sync::Arc::as_ptr(hull) as usize, Category::Shapes, hull.bytes()))
-            }
-            Geometry::Mesh(mesh) => {
-                Some((std::sync::Arc::as_ptr(mesh) as usize, Category::Meshes, mesh.bytes()))
-            }
+            Geometry::Hull(hull) => Some((std::sync::Arc::as_ptr(hull) as usize, Kind::Hull, hull.bytes())),
+            Geometry::Mesh(mesh) => Some((std::sync::Arc::as_ptr(mesh) as usize, Kind::Mesh, mesh.bytes())),
             Geometry::HeightField(field) => {
-                Some((std::sync::Arc::as_ptr(field) as usize, Category::Meshes, field.bytes()))
+                Some((std::sync::Arc::as_ptr(field) as usize, Kind::HeightField, field.bytes()))
             }
             _ => None,
         }
     }
 
     fn add(&mut self, geometry: &Geometry) {
-        if let Some((key, category, bytes)) = Self::key(geometry) {
+        if let Some((key, kind, bytes)) = Self::key(geometry) {
             match self.list.binary_search_by_key(&key, |e| e.0) {
                 Ok(i) => self.list[i].1 += 1,
-                Err(i) => self.list.insert(i, (key, 1, category, bytes)),
+                Err(i) => self.list.insert(i, (key, 1, kind, bytes)),
             }
         }
     }
@@ -138,6 +115,17 @@ impl Assets {
                 self.list.remove(i);
             }
         }
+    }
+
+    /// The category of each, and its bytes.
+    fn bytes(&self) -> impl Iterator<Item = (Category, (usize, usize))> + '_ {
+        let category = |kind| if kind == Kind::Hull { Category::Shapes } else { Category::Meshes };
+        self.list.iter().map(move |&(_, _, kind, bytes)| (category(kind), bytes))
+    }
+
+    /// Reserved bytes of all of a kind.
+    fn bytes_of(&self, kind: Kind) -> usize {
+        self.list.iter().filter(|one| one.2 == kind).map(|one| one.3.1).sum()
     }
 
     /// Bytes that geometries would add, each counted once.
@@ -361,7 +349,7 @@ impl World {
         let index = self.index(body)?;
         record!(self, SetContinuous(body, mode));
         self.revise(index);
-        self.bodies.traits[index].continuous = mode;
+        self.bodies.set_continuous(index, mode);
         let mode = self.bodies.mode(index);
         for &c in self.bodies.colliders[index].as_slice() {
             self.colliders.hot[c as usize].mode = mode;

@@ -5,6 +5,7 @@
 use super::BodyKind;
 use crate::config::Continuous;
 use crate::constraint::{Order, RowGroup};
+use crate::forces::is_uneven;
 use crate::handle::Slots;
 use crate::lanes::Record;
 use crate::memory::{Buffer, bytes_of};
@@ -73,6 +74,9 @@ impl Traits {
     }
 }
 
+/// Steps without a force, or without a query, after which what is kept for them goes.
+pub(crate) const IDLE: u32 = 256;
+
 /// Parts of the columns, in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Part {
@@ -115,6 +119,15 @@ pub(crate) struct Bodies {
     pub(crate) previous: Vec<Previous>,
     /// How many bodies have a locked axis.
     pub(crate) locked: u32,
+    /// How many that may move are kept from passing through others.
+    pub(crate) continuous: u32,
+    /// How many turn about axes that wander: their moments of inertia differ.
+    pub(crate) uneven: u32,
+    /// How many have more than one shape.
+    pub(crate) compounds: u32,
+    /// Forces that were applied since the column of them was made, and steps since the last.
+    pub(crate) pushes: u32,
+    pub(crate) unpushed: u32,
     /// How many are raised above each group.
     raised: [u32; Order::LEN],
     /// How many there are of each part of the columns, but the last.
@@ -156,6 +169,9 @@ impl Colliders {
             Colliders::Many(many) => many,
         }
     }
+    fn is_many(&self) -> bool {
+        matches!(self, Colliders::Many(_))
+    }
     fn bytes(&self) -> (usize, usize) {
         if let Colliders::Many(many) = self { bytes_of(many) } else { (0, 0) }
     }
@@ -169,7 +185,12 @@ impl Colliders {
     fn remove(&mut self, collider: u32) {
         match self {
             Colliders::One(one) if *one == collider => *self = Colliders::None,
-            Colliders::Many(many) => many.retain(|&c| c != collider),
+            Colliders::Many(many) => {
+                many.retain(|&c| c != collider);
+                if let [last] = many[..] {
+                    *self = Colliders::One(last);
+                }
+            }
             _ => {}
         }
     }
@@ -252,7 +273,9 @@ impl Bodies {
     fn change<R>(&mut self, index: usize, f: impl FnOnce(&mut Colliders) -> R) -> R {
         let own = &mut self.colliders[index];
         let before = own.bytes();
+        self.compounds -= u32::from(own.is_many());
         let result = f(own);
+        self.compounds += u32::from(own.is_many());
         let (live, reserved) = own.bytes();
         self.lists = (self.lists.0 + live - before.0, self.lists.1 + reserved - before.1);
         result
@@ -298,8 +321,7 @@ impl Bodies {
     /// Adds a row and returns its slot and generation. `moved` is called for each body that changed its index.
     pub(crate) fn insert(&mut self, body: NewBody, mut moved: impl FnMut(&Colliders, u32)) -> (u32, u32) {
         let last = self.len() as u32;
-        self.locked += u32::from(body.traits.locks != 0);
-        self.count_raised(body.traits.raised, 1);
+        self.count_traits((body.kind, &body.mass, &body.traits), 1);
         let handle = self.slots.insert(last);
         self.slot.push(handle.0);
         self.kind.push(body.kind);
@@ -324,9 +346,10 @@ impl Bodies {
 
     /// Removes the body at `index`.
     pub(crate) fn remove(&mut self, index: u32, mut moved: impl FnMut(&Colliders, u32)) {
-        self.locked -= u32::from(self.traits[index as usize].locks != 0);
+        let i = index as usize;
+        let (mass, traits) = (self.mass[i], self.traits[i]);
+        self.count_traits((self.kind[i], &mass, &traits), -1);
         self.disabled -= u32::from(self.is_set_aside(index));
-        self.count_raised(self.traits[index as usize].raised, -1);
         let hole = self.travel(index, (self.part_of(index), Part::Static), &mut moved);
         self.swap(hole, self.len() as u32 - 1, &mut moved);
         if let Some(slot) = self.slot.pop() {
@@ -416,6 +439,65 @@ impl Bodies {
         self.count_raised(above, 1);
     }
 
+    /// Whether any body is raised.
+    pub(crate) fn any_raised(&self) -> bool {
+        self.raised.iter().any(|&count| count > 0)
+    }
+
+    /// How many bodies are raised.
+    pub(crate) fn raised_count(&self) -> u32 {
+        self.raised.iter().sum()
+    }
+
+    /// Counts what a body that comes (1) or goes (-1) requires of steps.
+    fn count_traits(&mut self, (kind, mass, traits): (BodyKind, &Mass, &Traits), change: i32) {
+        let add = |count: &mut u32, set: bool| {
+            if set {
+                *count = count.wrapping_add_signed(change);
+            }
+        };
+        add(&mut self.locked, traits.locks != 0);
+        add(&mut self.continuous, kind != BodyKind::Static && traits.continuous != Continuous::Discrete);
+        add(&mut self.uneven, is_uneven(mass, traits));
+        self.count_raised(traits.raised, change);
+    }
+
+    /// Replaces what moves a body's mass.
+    pub(crate) fn set_mass(&mut self, index: usize, mass: Mass) {
+        let old = std::mem::replace(&mut self.mass[index], mass);
+        self.uneven -= u32::from(is_uneven(&old, &self.traits[index]));
+        self.uneven += u32::from(is_uneven(&mass, &self.traits[index]));
+    }
+
+    /// Sets how a body is kept from passing through others.
+    pub(crate) fn set_continuous(&mut self, index: usize, mode: Continuous) {
+        let old = std::mem::replace(&mut self.traits[index].continuous, mode);
+        if self.kind[index] != BodyKind::Static {
+            self.continuous -= u32::from(old != Continuous::Discrete);
+            self.continuous += u32::from(mode != Continuous::Discrete);
+        }
+    }
+
+    /// A force is about to be applied; the column is there.
+    pub(crate) fn note_push(&mut self) {
+        self.pushes = self.pushes.saturating_add(1);
+        self.unpushed = 0;
+    }
+
+    /// Forces last for a step. Once nobody has applied any for a while, their column goes, if it may.
+    pub(crate) fn forget_forces(&mut self, may_go: bool) {
+        if self.force.is_empty() {
+            return;
+        }
+        if self.unpushed == 0 {
+            self.force.fill(Record::default());
+        }
+        self.unpushed = self.unpushed.saturating_add(1);
+        if may_go && self.unpushed > IDLE {
+            (self.force, self.pushes, self.unpushed) = (Vec::new(), 0, 0);
+        }
+    }
+
     fn count_raised(&mut self, above: Option<RowGroup>, change: i32) {
         if let Some(above) = above {
             let count = &mut self.raised[above as usize];
@@ -489,13 +571,12 @@ impl Bodies {
         self.previous.clear();
         self.rest.clear();
         (self.locked, self.raised, self.parts, self.lists) = (0, [0; Order::LEN], [0; 3], (0, 0));
-        self.disabled = 0;
+        (self.continuous, self.uneven, self.compounds, self.disabled) = (0, 0, 0, 0);
     }
 
     /// Appends a body whose slot is known, without a place in the parts of the columns.
     pub(crate) fn append(&mut self, slot: u32, body: NewBody, colliders: &[u32]) {
-        self.locked += u32::from(body.traits.locks != 0);
-        self.count_raised(body.traits.raised, 1);
+        self.count_traits((body.kind, &body.mass, &body.traits), 1);
         self.disabled += u32::from(body.traits.disabled && body.kind != BodyKind::Static);
         self.slot.push(slot);
         self.kind.push(body.kind);
@@ -507,6 +588,11 @@ impl Bodies {
         self.colliders.push(Colliders::None);
         let index = self.len() - 1;
         colliders.iter().for_each(|&collider| self.attach(index, collider));
+    }
+
+    /// Reserved bytes of the lists of bodies with more than one shape.
+    pub(crate) fn list_bytes(&self) -> usize {
+        self.lists.1
     }
 
     /// Live and reserved bytes.

@@ -8,6 +8,7 @@
 
 use super::bvh::{NONE, Tree};
 use super::{Aabb, BroadPhase, look_up};
+use crate::body::IDLE;
 use crate::lanes::f32x4;
 use crate::memory::bytes_of;
 use crate::shape::{Near, Slabs};
@@ -38,8 +39,10 @@ pub(crate) struct Current {
     touched: Vec<u32>,
     /// Everything that can move may have.
     stepped: bool,
-    /// Whether anybody ever asked.
+    /// Whether anybody asked.
     made: bool,
+    /// Steps since somebody did.
+    unasked: u32,
     new: Vec<u32>,
 }
 
@@ -56,12 +59,14 @@ impl Current {
     }
 
     /// All that can move may have moved.
-    pub(crate) fn step(&mut self) {
+    fn step(&mut self) {
         self.stepped = true;
+        self.unasked = self.unasked.saturating_add(1);
     }
 
     /// Makes it fit the world.
     fn refresh(&mut self, broad: &BroadPhase, world: &impl Present) {
+        self.unasked = 0;
         if !self.made {
             // What is added from now on is told.
             self.touched.clear();
@@ -178,6 +183,22 @@ impl Now {
             *stale = current;
         }
         stale.made.then_some(stale)
+    }
+
+    /// All that can move may have moved. Once nobody has asked for a while, it goes, if it may.
+    pub(crate) fn step(&mut self, may_go: bool) {
+        if let Some(current) = self.change() {
+            current.step();
+            if may_go && current.unasked > IDLE {
+                *current = Current::default();
+            }
+        }
+    }
+
+    /// Whether somebody asked, lately.
+    pub(crate) fn is_kept(&self) -> bool {
+        let stale = || self.stale.lock().unwrap_or_else(PoisonError::into_inner).made;
+        self.fresh.get().map_or_else(stale, |current| current.made)
     }
 
     /// Whether it was asked since the last change.

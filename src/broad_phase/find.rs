@@ -4,22 +4,32 @@ use super::bvh::Tree;
 use super::{BroadPhase, FILTER, MayCollide, NONE, Order, Pair, Path, Role};
 use crate::lanes::{Mask, f32x4};
 use crate::memory::{Buffer, Buffers, Made, Room, bytes_of, even_out};
-use crate::threads::{Crew, per_block};
+use crate::threads::{Crew, Shared, per_block};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Movers in a block: about 10 µs of work, ten times what claiming a block costs.
 pub(super) const BLOCK: usize = per_block(64, 1);
 
-/// Pairs in a block that looks whether they last.
-const KEEP_BLOCK: usize = per_block(1024, 4);
+/// Blocks that run before what they found is taken in: enough for many threads, and few buffers for what the most crowded
+/// block may find.
+const WAVE: usize = 16;
+
+/// Words of pairs in a block that looks whether they last.
+const KEEP_WORDS: usize = per_block(16, 1);
+
+/// What becomes of 64 pairs, a bit each.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Change {
+    ended: u64,
+    /// They become fast, or slow.
+    turned: u64,
+}
 
 /// What a block finds, and the stack of its walks; kept from step to step.
 #[derive(Debug, Default)]
 pub(super) struct Block {
-    found: Vec<Pair>,
-    /// Places of pairs that end, upwards, and of those that become fast or slow.
-    ended: Vec<u32>,
-    turned: Vec<u32>,
+    /// Both colliders of a pair; the first with [`FAST`] if it is fast.
+    found: Vec<(u32, u32)>,
     stack: Vec<u32>,
     pub(super) partners: Vec<u32>,
     /// What its buffers may still grow by, and how often they could not.
@@ -30,28 +40,27 @@ pub(super) struct Block {
 /// Place in a stack for a walk: three a level and one, in trees whose depth is logarithmic.
 pub(crate) const STACK: usize = 256;
 
-/// Pairs that become fast or slow in one block and step.
-const TURNED: usize = 64;
+/// Colliders leave this bit free, as they do for the trees.
+const FAST: u32 = super::bvh::LEAF;
 
 impl Buffers for Mutex<Block> {
     fn each(&mut self, f: &mut dyn FnMut(&mut dyn Buffer)) {
         let block = self.get_mut().unwrap_or_else(PoisonError::into_inner);
         f(&mut block.found);
-        f(&mut block.ended);
-        f(&mut block.turned);
         f(&mut block.stack);
         f(&mut block.partners);
     }
 }
 
-/// Blocks with the stacks that they surely need, and place for as many pairs that turn as seldom turn at once: the most
-/// may come late, when a scene should have ceased to allocate.
+/// Blocks with the stacks that they surely need.
 pub(super) fn with_stacks(blocks: &mut Vec<Mutex<Block>>) -> Made<'_, Mutex<Block>> {
-    let make = || {
-        let (stack, turned) = (Vec::with_capacity(STACK), Vec::with_capacity(TURNED));
-        Mutex::new(Block { stack, turned, ..Block::default() })
-    };
-    Made { all: blocks, make, holds: (STACK + TURNED) * size_of::<u32>() }
+    let make = || Mutex::new(Block { stack: Vec::with_capacity(STACK), ..Block::default() });
+    Made { all: blocks, make, holds: STACK * size_of::<u32>() }
+}
+
+/// Words of changes of so many pairs.
+pub(super) fn words_of(pairs: usize) -> usize {
+    pairs.div_ceil(64)
 }
 
 /// Who may be a pair, and what one costs.
@@ -64,15 +73,25 @@ pub(crate) struct Rules<'a> {
 
 impl Block {
     pub(super) fn bytes(&self) -> (usize, usize) {
-        let columns = [
-            bytes_of(&self.found),
-            bytes_of(&self.ended),
-            bytes_of(&self.turned),
-            bytes_of(&self.stack),
-            bytes_of(&self.partners),
-        ];
+        let columns = [bytes_of(&self.found), bytes_of(&self.stack), bytes_of(&self.partners)];
         columns.iter().fold((0, 0), |sum, b| (sum.0 + b.0, sum.1 + b.1))
     }
+}
+
+/// The colliders of what a block found.
+fn pair_of(&(a, b): &(u32, u32)) -> (u32, u32) {
+    (a & !FAST, b)
+}
+
+/// The bits that are set, upwards.
+fn ones(mut bits: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let bit = bits.trailing_zeros() as usize;
+        (bits != 0).then(|| {
+            bits &= bits - 1;
+            bit
+        })
+    })
 }
 
 /// A block is only a buffer that is cleared before use: what a panicking thread left in it does no harm.
@@ -89,79 +108,97 @@ impl BroadPhase {
         removed: &mut Vec<Pair>,
         room: &mut Room,
     ) {
-        // One that is not looked at lasts longer than it need.
-        let count = self.grow_blocks(self.pairs.len().div_ceil(KEEP_BLOCK), room);
-        let share = self.share(count, room);
-        let this = &*self;
-        this.run(crew, count, &|b| {
-            let block = &mut *lock(&this.blocks[b]);
-            block.ended.clear();
-            block.turned.clear();
-            let end = this.pairs.len().min((b + 1) * KEEP_BLOCK);
-            for place in b * KEEP_BLOCK..end {
-                let Pair { a, b, fast, .. } = this.pairs[place];
-                let marks = this.marks[a as usize] | this.marks[b as usize];
-                if marks == 0 {
-                    continue;
+        let mut changes = std::mem::take(&mut self.changes);
+        // Pairs are only taken in if there is room for this; one that is not looked at lasts longer than it need.
+        let words = room.fit(&mut changes, words_of(self.pairs.len()));
+        changes.clear();
+        changes.resize(words, Change::default());
+        {
+            let (this, all) = (&*self, Shared::new(&mut changes));
+            this.run(crew, words.div_ceil(KEEP_WORDS), &|b| {
+                for word in b * KEEP_WORDS..words.min((b + 1) * KEEP_WORDS) {
+                    // SAFETY: each word is in one block.
+                    unsafe { *all.get(word) = this.change_of(word, may_collide) };
                 }
-                if !this.may_touch(a, b) || (marks & FILTER != 0 && !may_collide(a, b)) {
-                    block.room.push(&mut block.ended, place as u32);
-                } else if fast != this.is_fast(a, b) {
-                    block.room.push(&mut block.turned, place as u32);
-                }
-            }
-        });
-        // First what the blocks used: the list below takes of what is left.
-        self.settle(count, share, room);
-        for block in &self.blocks[..count] {
-            for &place in &lock(block).turned {
-                self.pairs[place as usize].fast ^= true;
-            }
+            });
+        }
+        for (word, change) in changes.iter().enumerate() {
+            ones(change.turned).for_each(|bit| self.pairs[word * 64 + bit].fast ^= true);
         }
         // From the end: what moves to a freed place is one that stays.
-        for block in self.blocks[..count].iter().rev() {
-            for &place in lock(block).ended.iter().rev() {
+        for (word, change) in changes.iter().enumerate().rev() {
+            let mut ended = change.ended;
+            while ended != 0 {
+                let bit = 63 - ended.leading_zeros() as usize;
+                ended ^= 1 << bit;
                 if room.fit(removed, removed.len() + 1) > removed.len() {
-                    removed.push(self.table.swap_remove(&mut self.pairs, place as usize));
+                    removed.push(self.table.swap_remove(&mut self.pairs, word * 64 + bit));
                 }
             }
         }
+        self.changes = changes;
+    }
+
+    /// What becomes of the pairs of a word.
+    fn change_of(&self, word: usize, may_collide: MayCollide) -> Change {
+        let mut change = Change::default();
+        for (bit, pair) in self.pairs[word * 64..].iter().take(64).enumerate() {
+            let &Pair { a, b, fast, .. } = pair;
+            let marks = self.marks[a as usize] | self.marks[b as usize];
+            if marks == 0 {
+                continue;
+            }
+            if !self.may_touch(a, b) || (marks & FILTER != 0 && !may_collide(a, b)) {
+                change.ended |= 1 << bit;
+            } else if fast != self.is_fast(a, b) {
+                change.turned |= 1 << bit;
+            }
+        }
+        change
     }
 
     /// Searches for the pairs of all that changed; returns how many are new, and how many there was no room for.
     pub(super) fn find_pairs(&mut self, crew: &Crew, rules: &Rules, room: &mut Room) -> (u32, u32) {
-        let (may_collide, order) = (rules.may_collide, rules.order);
         let wanted = self.changed.len().div_ceil(BLOCK);
-        let count = self.grow_blocks(wanted, room);
-        let mut shed = self.changed.len().saturating_sub(count * BLOCK) as u32;
-        let share = self.share(count, room);
-        let this = &*self;
-        this.run(crew, count, &|b| {
-            let block = &mut *lock(&this.blocks[b]);
+        // A budget is shared out among all that want something of it.
+        let wave = if room.is_endless() { WAVE } else { wanted };
+        let count = self.grow_blocks(wanted.min(wave), room);
+        let shed = if count < wanted.min(wave) { self.changed.len() - count * BLOCK } else { 0 };
+        let (mut shed, before) = (shed as u32, self.pairs.len());
+        let end = if shed > 0 { count } else { wanted };
+        for first in (0..end).step_by(count.max(1)) {
+            let count = count.min(end - first);
+            let share = self.share(count, room);
+            self.search(crew, first, count, rules);
+            shed += self.settle(count, share, room);
+            shed += self.take_in(count, rules, room);
+        }
+        ((self.pairs.len() - before) as u32, shed)
+    }
+
+    /// Searches for the pairs of some blocks of what changed.
+    fn search(&self, crew: &Crew, first: usize, count: usize, rules: &Rules) {
+        self.run(crew, count, &|b| {
+            let block = &mut *lock(&self.blocks[b]);
             block.found.clear();
-            let end = this.changed.len().min((b + 1) * BLOCK);
-            for &c in &this.changed[b * BLOCK..end] {
-                let path = this.path(c).filter(|_| this.roles[c as usize] == Role::Fast);
-                this.partners(c, path, block);
-                this.keep_reported(c, &mut block.partners);
+            let start = (first + b) * BLOCK;
+            for &c in &self.changed[start..self.changed.len().min(start + BLOCK)] {
+                let path = self.path(c).filter(|_| self.roles[c as usize] == Role::Fast);
+                self.partners(c, path, block);
+                self.keep_reported(c, &mut block.partners);
                 for &other in &block.partners {
                     // The table before the exact test: most that are found are pairs already, and were tested.
-                    if this.table.find(&this.pairs, c, other).is_none()
-                        && this.may_touch(c, other)
-                        && may_collide(c, other)
+                    if self.table.find(&self.pairs, c, other).is_none()
+                        && self.may_touch(c, other)
+                        && (rules.may_collide)(c, other)
                     {
-                        let (a, b) = order(c, other);
-                        let pair =
-                            Pair { a, b, contact: NONE, fast: this.is_fast(c, other), touching: false };
+                        let (a, b) = (rules.order)(c, other);
+                        let pair = (if self.is_fast(c, other) { a | FAST } else { a }, b);
                         block.shed += u32::from(!block.room.push(&mut block.found, pair));
                     }
                 }
             }
         });
-        shed += self.settle(count, share, room);
-        let before = self.pairs.len();
-        let left_out = self.take_in(count, rules, room);
-        ((self.pairs.len() - before) as u32, shed + left_out)
     }
 
     /// Appends what the blocks found, as far as there is room for it: first the pairs with what doesn't move.
@@ -175,21 +212,24 @@ impl BroadPhase {
             let granted = most.saturating_sub(before);
             let of_static = self.blocks[..count].iter().map(|block| {
                 let block = lock(block);
-                block.found.iter().filter(|pair| self.has_static(pair)).count()
+                block.found.iter().filter(|pair| self.has_static(pair_of(pair))).count()
             });
             let of_static = of_static.sum::<usize>().min(granted);
             quota = [granted - of_static, of_static];
-            room.take(self.pairs.missing(most) + self.table.missing(most));
+            room.take(self.missing(most));
             self.pairs.widen(most);
-            self.table.widen(most);
+            self.changes.widen(words_of(most));
+            self.table.widen(&self.pairs, most);
         }
         let mut shed = 0;
         for b in 0..count {
             let found = std::mem::take(&mut lock(&self.blocks[b]).found);
-            for &pair in &found {
-                let left = &mut quota[usize::from(self.has_static(&pair))];
+            for pair in &found {
+                let (a, b) = pair_of(pair);
+                let left = &mut quota[usize::from(self.has_static((a, b)))];
                 if *left > 0 {
                     *left -= 1;
+                    let pair = Pair { a, b, contact: NONE, fast: pair.0 & FAST != 0, touching: false };
                     self.table.push(&mut self.pairs, pair);
                 } else {
                     shed += 1;
@@ -202,10 +242,7 @@ impl BroadPhase {
 
     /// How many pairs, of so many wanted, there is room for in all that has an entry for each.
     fn most_pairs(&self, wanted: usize, rules: &Rules, room: &Room) -> usize {
-        let fits = |pairs: usize| {
-            let missing = self.pairs.missing(pairs) + self.table.missing(pairs);
-            missing + (rules.missing)(pairs) <= room.left()
-        };
+        let fits = |pairs: usize| self.missing(pairs) + (rules.missing)(pairs) <= room.left();
         let (mut most, mut too_many) = (self.pairs.len(), wanted + 1);
         while too_many - most > 1 {
             let middle = usize::midpoint(most, too_many);
@@ -214,9 +251,14 @@ impl BroadPhase {
         most
     }
 
-    fn has_static(&self, pair: &Pair) -> bool {
+    /// Bytes that are lacking here for so many pairs.
+    fn missing(&self, pairs: usize) -> usize {
+        self.pairs.missing(pairs) + self.table.missing(pairs) + self.changes.missing(words_of(pairs))
+    }
+
+    fn has_static(&self, (a, b): (u32, u32)) -> bool {
         let still = |c: u32| matches!(self.roles[c as usize], Role::Static | Role::Endless);
-        still(pair.a) || still(pair.b)
+        still(a) || still(b)
     }
 
     /// Makes sure that there are so many blocks, if there is room for them; says how many may be used.

@@ -35,7 +35,7 @@ use crate::memory::{Buffer, Marks, Room, bytes_of};
 use crate::threads::Crew;
 use bvh::{NONE, Tree};
 pub(crate) use current::{Current, Now, Present, Sorts};
-use find::Block;
+use find::{Block, Change};
 pub(crate) use find::{Rules, STACK};
 use glam::Vec3;
 pub(crate) use look_up::Whom;
@@ -178,6 +178,8 @@ pub(crate) struct BroadPhase {
     new_movers: Vec<u32>,
     /// The fast movers of this step.
     paths: Vec<Path>,
+    /// Of 64 pairs each: which end, and which turn.
+    changes: Vec<Change>,
     blocks: Vec<Mutex<Block>>,
     block: Block,
     marks_of_blocks: Marks,
@@ -281,9 +283,6 @@ impl BroadPhase {
     }
 
     /// Finds the pairs of a step.
-    ///
-    /// A mover that isn't listed stays where it is (asleep). `margin` is the widest that a fat box is made on each
-    /// side [m]. Pairs that end go to `removed`, in an order that doesn't depend on threads.
     #[cfg(test)]
     pub(crate) fn update(
         &mut self,
@@ -295,21 +294,22 @@ impl BroadPhase {
         removed: &mut Vec<Pair>,
     ) -> BroadStats {
         let rules = Rules { may_collide, order, missing: &|_| 0 };
-        self.update_within(crew, movers, margin, &rules, removed, &mut Room::default())
+        self.start_movers();
+        self.place_movers(movers, margin);
+        self.update_within(crew, &rules, removed, &mut Room::default())
     }
 
-    /// [`BroadPhase::update`] as far as there is room for it: pairs of movers among themselves are the first to be
-    /// left out.
+    /// Finds the pairs of a step once its movers are placed (see [`BroadPhase::start_movers`]), as far as there is room for
+    /// them: pairs of movers among themselves are the first to be left out. Pairs that end go to `removed`, in an order that
+    /// doesn't depend on threads.
     pub(crate) fn update_within(
         &mut self,
         crew: &Crew,
-        movers: &[Mover],
-        margin: f32,
         rules: &Rules,
         removed: &mut Vec<Pair>,
         room: &mut Room,
     ) -> BroadStats {
-        let built = self.refresh(movers, margin);
+        let built = self.fit_trees();
         let (moved, fast) = (self.changed.len() as u32, self.paths.len() as u32);
         let mut stats = BroadStats { moved, fast, built, ..BroadStats::default() };
         self.refreshed = false;
@@ -330,17 +330,23 @@ impl BroadPhase {
         stats
     }
 
-    /// Makes boxes and trees fit without a look at pairs, for look-ups between steps; the next update does the rest.
-    /// Returns how many trees were built anew.
-    pub(crate) fn refresh(&mut self, movers: &[Mover], margin: f32) -> u32 {
+    /// Makes boxes and trees fit without a look at pairs; the next update does the rest.
+    #[cfg(test)]
+    fn refresh(&mut self, movers: &[Mover], margin: f32) {
+        self.start_movers();
         self.place_movers(movers, margin);
+        self.fit_trees();
+    }
+
+    /// Makes the trees fit the boxes; returns how many were built anew.
+    fn fit_trees(&mut self) -> u32 {
         let built = self.fit_movers() + self.fit_statics();
         self.refreshed = !self.changed.is_empty();
         built
     }
 
-    /// Gives every mover that needs one a new box: the swept one if it is fast, else a fat one.
-    fn place_movers(&mut self, movers: &[Mover], margin: f32) {
+    /// Begins a step, whose movers come next, in as many goes as one likes.
+    pub(crate) fn start_movers(&mut self) {
         // Last step's fast movers keep their swept box as a fat one should they fall asleep on the way.
         let mut paths = std::mem::take(&mut self.paths);
         for path in paths.drain(..) {
@@ -351,6 +357,11 @@ impl BroadPhase {
             }
         }
         self.paths = paths;
+    }
+
+    /// Gives every mover that needs one a new box: the swept one if it is fast, else a fat one that is at most `margin` wider
+    /// on each side [m]. One that isn't listed stays where it is (asleep).
+    pub(crate) fn place_movers(&mut self, movers: &[Mover], margin: f32) {
         for mover in movers {
             let c = mover.collider as usize;
             let same = self.roles[c] == Role::Slow && self.marks[c] == 0;
@@ -395,7 +406,9 @@ impl BroadPhase {
             let mover = proxy::tamed(mover);
             proxy.bounds = proxy::swept_box(&mover, margin);
             proxy.path = self.paths.len() as u32;
-            self.paths.push(Path::new(&mover, margin));
+            // Under a budget there is place for all.
+            let mut room = Room::ENDLESS;
+            room.push(&mut self.paths, Path::new(&mover, margin));
         } else {
             self.roles[c] = Role::Slow;
             proxy.bounds = proxy::fat_box(mover, margin);
@@ -483,6 +496,10 @@ impl BroadPhase {
     pub(crate) fn leave_place(&mut self, collider: u32) {
         let c = collider as usize;
         if c >= self.roles.len() {
+            let mut room = Room::ENDLESS;
+            room.fit(&mut self.roles, c + 1);
+            room.fit(&mut self.proxies, c + 1);
+            room.fit(&mut self.marks, c + 1);
             self.roles.resize(c + 1, Role::Absent);
             self.proxies.resize(c + 1, Proxy::NONE);
             self.marks.resize(c + 1, 0);
@@ -539,6 +556,13 @@ impl BroadPhase {
         self.movers.each(n.moving, f);
     }
 
+    /// Nothing is swept any more.
+    pub(crate) fn give_back_paths(&mut self) {
+        if self.paths.is_empty() {
+            self.paths = Vec::new();
+        }
+    }
+
     /// Live and reserved bytes of all that is needed without continuous collision too.
     pub(crate) fn bytes(&self) -> (usize, usize) {
         let mut sum = (0, 0);
@@ -553,6 +577,7 @@ impl BroadPhase {
         for list in [&self.changed, &self.unbounded, &self.new_statics, &self.new_movers] {
             add(bytes_of(list));
         }
+        add(bytes_of(&self.changes));
         add(bytes_of(&self.blocks));
         add(self.block.bytes());
         for block in &self.blocks {

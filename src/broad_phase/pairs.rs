@@ -6,23 +6,23 @@
 //! a table that lives for hours doesn't silt up.
 
 use super::Pair;
-use crate::memory::bytes_of;
-
-const FREE: u32 = u32::MAX;
-
-/// The hash of the pair that is kept there (its home slot comes from it too), and the pair's place in the list.
-#[derive(Clone, Copy, Debug)]
-struct Slot {
-    hash: u32,
-    place: u32,
-}
+use crate::memory::{Room, bytes_of};
 
 /// From two colliders, in any order, to their pair.
+///
+/// A slot is five bytes in two columns. The tags, which most looks are content with, are few enough to stay near; the hash
+/// itself is made again where a slot has to move.
 #[derive(Debug, Default)]
 pub(super) struct PairTable {
-    /// A power of two, at most three quarters full.
-    slots: Vec<Slot>,
+    /// Of each slot, a part of the hash of the pair that is kept there; [`FREE`] if there is none. At most three quarters
+    /// of them are taken.
+    tags: Vec<u8>,
+    /// The pair's place in the list.
+    places: Vec<u32>,
 }
+
+/// The tag of a free slot.
+const FREE: u8 = 0;
 
 /// The finaliser of SplitMix64 (Steele et al., *Fast Splittable Pseudorandom Number Generators*, 2014).
 #[inline]
@@ -33,122 +33,152 @@ fn hash_of(i: u32, j: u32) -> u32 {
     (h ^ h >> 31) as u32
 }
 
+/// Never that of a free slot.
+#[inline]
+fn tag_of(hash: u32) -> u8 {
+    (hash as u8).max(1)
+}
+
 impl PairTable {
+    /// Where a pair is kept if nothing is in its way: by the high bits of the hash, so that any number of slots will do.
+    #[inline]
+    fn home_of(&self, hash: u32) -> usize {
+        ((u64::from(hash) * self.tags.len() as u64) >> 32) as usize
+    }
+
+    #[inline]
+    fn next(&self, at: usize) -> usize {
+        if at + 1 == self.tags.len() { 0 } else { at + 1 }
+    }
+
+    /// How far one slot is behind another.
+    fn way(&self, from: usize, to: usize) -> usize {
+        if to >= from { to - from } else { to + self.tags.len() - from }
+    }
+
     /// Where the pair of two colliders is in `pairs`.
     #[inline]
     pub(super) fn find(&self, pairs: &[Pair], i: u32, j: u32) -> Option<usize> {
-        if self.slots.is_empty() {
+        if self.tags.is_empty() {
             return None;
         }
-        let (hash, mask) = (hash_of(i, j), self.slots.len() - 1);
-        let mut at = hash as usize & mask;
+        let hash = hash_of(i, j);
+        let (mut at, wanted) = (self.home_of(hash), tag_of(hash));
         loop {
-            let slot = self.slots[at];
-            if slot.place == FREE {
+            let tag = self.tags[at];
+            if tag == FREE {
                 return None;
             }
-            if slot.hash == hash {
-                let pair = &pairs[slot.place as usize];
+            if tag == wanted {
+                let place = self.places[at] as usize;
+                let pair = &pairs[place];
                 if (pair.a, pair.b) == (i, j) || (pair.a, pair.b) == (j, i) {
-                    return Some(slot.place as usize);
+                    return Some(place);
                 }
             }
-            at = (at + 1) & mask;
+            at = self.next(at);
         }
     }
 
     /// Appends a pair that isn't there yet.
     pub(super) fn push(&mut self, pairs: &mut Vec<Pair>, pair: Pair) {
         debug_assert!(self.find(pairs, pair.a, pair.b).is_none());
-        if (pairs.len() + 1) * 4 > self.slots.len() * 3 {
-            self.grow();
+        let wanted = Self::size_for(pairs.len() + 1);
+        if wanted > self.tags.len() {
+            self.grow(pairs, wanted);
         }
-        self.place(Slot { hash: hash_of(pair.a, pair.b), place: pairs.len() as u32 });
-        pairs.push(pair);
+        self.place(hash_of(pair.a, pair.b), pairs.len() as u32);
+        // Under a budget there is place for it.
+        let mut room = Room::ENDLESS;
+        room.push(pairs, pair);
     }
 
     /// Takes a pair out; the last of the list moves to its place.
     pub(super) fn swap_remove(&mut self, pairs: &mut Vec<Pair>, place: usize) -> Pair {
-        let mask = self.slots.len() - 1;
         let last = pairs.len() - 1;
         let mut hole = self.slot_of(&pairs[place], place);
         if last != place {
             let moved = self.slot_of(&pairs[last], last);
-            self.slots[moved].place = place as u32;
+            self.places[moved] = place as u32;
         }
+        let gone = pairs.swap_remove(place);
         // Later entries of the run move up, unless that would put one before its home.
         let mut at = hole;
         loop {
-            at = (at + 1) & mask;
-            let slot = self.slots[at];
-            if slot.place == FREE {
+            at = self.next(at);
+            if self.tags[at] == FREE {
                 break;
             }
-            let from_home = at.wrapping_sub(slot.hash as usize) & mask;
-            if from_home >= at.wrapping_sub(hole) & mask {
-                self.slots[hole] = slot;
+            let pair = &pairs[self.places[at] as usize];
+            let home = self.home_of(hash_of(pair.a, pair.b));
+            if self.way(home, at) >= self.way(hole, at) {
+                (self.tags[hole], self.places[hole]) = (self.tags[at], self.places[at]);
                 hole = at;
             }
         }
-        self.slots[hole].place = FREE;
-        pairs.swap_remove(place)
+        self.tags[hole] = FREE;
+        gone
     }
 
     /// Makes the table of another list of pairs.
     pub(super) fn rebuild(&mut self, pairs: &[Pair]) {
-        let size = Self::size_for(pairs.len()).max(self.slots.len());
-        self.slots.clear();
-        self.slots.resize(size, Slot { hash: 0, place: FREE });
-        for (place, pair) in pairs.iter().enumerate() {
-            self.place(Slot { hash: hash_of(pair.a, pair.b), place: place as u32 });
-        }
+        let size = Self::size_for(pairs.len()).max(self.tags.len());
+        self.refill(pairs, size);
     }
 
     /// Bytes that are lacking for so many pairs.
     pub(super) fn missing(&self, pairs: usize) -> usize {
-        (Self::size_for(pairs).saturating_sub(self.slots.len())) * size_of::<Slot>()
+        Self::size_for(pairs).saturating_sub(self.tags.len()) * (size_of::<u8>() + size_of::<u32>())
     }
 
-    /// Makes place for so many pairs.
-    pub(super) fn widen(&mut self, pairs: usize) {
-        while self.slots.len() < Self::size_for(pairs) {
-            self.grow();
+    /// Makes place for so many pairs, of which these are there.
+    pub(super) fn widen(&mut self, pairs: &[Pair], count: usize) {
+        if Self::size_for(count) > self.tags.len() {
+            self.refill(pairs, Self::size_for(count));
         }
     }
 
     fn size_for(pairs: usize) -> usize {
-        if pairs == 0 { 0 } else { (pairs * 4).div_ceil(3).next_power_of_two().max(64) }
+        if pairs == 0 { 0 } else { (pairs * 4).div_ceil(3).max(64) }
     }
 
     pub(super) fn bytes(&self) -> (usize, usize) {
-        bytes_of(&self.slots)
+        let (tags, places) = (bytes_of(&self.tags), bytes_of(&self.places));
+        (tags.0 + places.0, tags.1 + places.1)
     }
 
     fn slot_of(&self, pair: &Pair, place: usize) -> usize {
-        let mask = self.slots.len() - 1;
-        let mut at = hash_of(pair.a, pair.b) as usize & mask;
-        while self.slots[at].place != place as u32 {
-            at = (at + 1) & mask;
+        let mut at = self.home_of(hash_of(pair.a, pair.b));
+        while self.places[at] != place as u32 || self.tags[at] == FREE {
+            at = self.next(at);
         }
         at
     }
 
-    fn place(&mut self, slot: Slot) {
-        let mask = self.slots.len() - 1;
-        let mut at = slot.hash as usize & mask;
-        while self.slots[at].place != FREE {
-            at = (at + 1) & mask;
+    fn place(&mut self, hash: u32, place: u32) {
+        let mut at = self.home_of(hash);
+        while self.tags[at] != FREE {
+            at = self.next(at);
         }
-        self.slots[at] = slot;
+        (self.tags[at], self.places[at]) = (tag_of(hash), place);
     }
 
-    fn grow(&mut self) {
-        let size = (self.slots.len() * 2).max(64);
-        let old = std::mem::replace(&mut self.slots, vec![Slot { hash: 0, place: FREE }; size]);
-        for slot in old {
-            if slot.place != FREE {
-                self.place(slot);
-            }
+    #[cold]
+    fn grow(&mut self, pairs: &[Pair], wanted: usize) {
+        // By more than is needed, so that it happens seldom.
+        let size = self.tags.len();
+        self.refill(pairs, wanted.max(size + if size < 4096 { size } else { size / 4 }));
+    }
+
+    /// Makes the table anew, with so many slots.
+    fn refill(&mut self, pairs: &[Pair], size: usize) {
+        self.tags.clear();
+        self.tags.reserve_exact(size);
+        self.tags.resize(size, FREE);
+        self.places.reserve_exact(size - self.places.len());
+        self.places.resize(size, 0);
+        for (place, pair) in pairs.iter().enumerate() {
+            self.place(hash_of(pair.a, pair.b), place as u32);
         }
     }
 }

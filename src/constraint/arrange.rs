@@ -1,6 +1,6 @@
 //! Which contacts get rows, in which order: by importance, colour and size.
 
-use super::batch::{BatchRef, Rows};
+use super::batch::{BatchRef, Rows, Tally};
 use super::colour::{Colouring, OVERFLOW};
 use super::keys::{KINDS, Keys};
 use super::order::{Group, Stage};
@@ -78,6 +78,21 @@ impl PrepareScratch {
         self.colouring.iter_mut().for_each(|c| f(c.buffer(), dynamic));
     }
 
+    /// Nothing is continuous any more.
+    pub(crate) fn forget_ahead(&mut self) {
+        (self.ahead, self.most_ahead) = ((0, 0), (0, 0));
+    }
+
+    /// Nothing is raised any more.
+    pub(crate) fn lower(&mut self) {
+        self.keys = Keys::default();
+    }
+
+    /// Reserved bytes of the order of what is raised.
+    pub(crate) fn raised_bytes(&self) -> usize {
+        self.keys.raised_bytes()
+    }
+
     /// Bytes of contacts, and of rows, that continuous collision alone makes: live, and the most there ever were.
     pub(crate) fn ahead_bytes(&self) -> ((usize, usize), (usize, usize)) {
         ((self.ahead.0, self.most_ahead.0), (self.ahead.1, self.most_ahead.1))
@@ -108,7 +123,7 @@ pub(crate) fn arrange(
     if room.is_endless() {
         let (prepared, _) = sort(input, scratch, [u32::MAX; 4]);
         let batches = schedule(input, rows, scratch);
-        rows.resize(batches);
+        rows.resize(&batches, room);
         return prepared;
     }
     // How many stages there may be.
@@ -122,10 +137,10 @@ pub(crate) fn arrange(
     loop {
         let (mut prepared, lost) = sort(input, scratch, quota(parts, shed));
         let batches = schedule(input, rows, scratch);
-        if rows.make_place(batches, room) {
+        if rows.make_place(&batches, room) {
             enough = shed;
             if shed == too_few || enough - too_few <= 1 + total / 64 {
-                rows.resize(batches);
+                rows.resize(&batches, room);
                 prepared.shed = lost;
                 return prepared;
             }
@@ -268,7 +283,8 @@ fn sort(input: &PrepareInput<'_>, scratch: &mut PrepareScratch, mut quota: Quota
         }
     }
     // A lane of a batch each.
-    let rows: usize = ahead.iter().zip(Rows::SIZES).map(|(n, size)| n * size / 8).sum();
+    let impact = if input.friction { Rows::SIZES[7] } else { 0 };
+    let rows: usize = ahead.iter().zip(Rows::SIZES).map(|(n, size)| n * (size + impact) / 8).sum();
     scratch.ahead = (ahead.iter().sum::<usize>() * size_of::<Contact>(), rows);
     let (now, most) = (scratch.ahead, &mut scratch.most_ahead);
     *most = (most.0.max(now.0), most.1.max(now.1));
@@ -282,15 +298,21 @@ fn seat_of(input: &PrepareInput<'_>, part: Part) -> Option<Seat> {
     input.seats.of(body(contact.a).min(body(contact.b)))
 }
 
-/// Batches of each stage. Says how many batches there are of one to four points, and of one lane.
-fn schedule(input: &PrepareInput<'_>, rows: &mut Rows, scratch: &mut PrepareScratch) -> [usize; 5] {
+/// Batches of each stage. Says how many there are of each kind.
+fn schedule(input: &PrepareInput<'_>, rows: &mut Rows, scratch: &mut PrepareScratch) -> Tally {
     let PrepareScratch { keys, sorted, ranges, .. } = scratch;
-    let (mut counts, mut singles) = ([0u32; 4], 0u32);
-    let mut batch = |points: usize| {
+    let mut tally: Tally = [0; 9];
+    let mut next = |kind: usize| {
+        tally[kind] += 1;
+        tally[kind] as u32 - 1
+    };
+    let mut batch = |points: usize, potential: bool| {
         // Without points: of one lane.
-        let count = points.checked_sub(1).map_or(&mut singles, |i| &mut counts[i]);
-        *count += 1;
-        BatchRef { points: points as u8, index: *count - 1, seated: false }
+        let single = points == 0;
+        let index = next(if single { 4 } else { points - 1 });
+        let friction =
+            if input.friction { next(5 + 2 * usize::from(potential) + usize::from(single)) } else { 0 };
+        BatchRef { points: points as u8, seated: false, index, friction }
     };
     rows.schedule.clear();
     rows.stages.clear();
@@ -305,11 +327,12 @@ fn schedule(input: &PrepareInput<'_>, rows: &mut Rows, scratch: &mut PrepareScra
         }
         let stage_start = rows.schedule.len() as u32;
         let serial = colour == OVERFLOW;
+        let potential = layer.group.is_potential();
         let width = if serial { 1 } else { 8 };
         for at in (start..unseated).step_by(width) {
             // Of its first part, which has most.
             let points = 4 - ends[..4].iter().filter(|&&end| at >= end).count();
-            rows.schedule.push(batch(if serial { 0 } else { points }));
+            rows.schedule.push(batch(if serial { 0 } else { points }, potential));
             ranges.push((at, (width as u32).min(unseated - at)));
         }
         let mut at = unseated as usize;
@@ -320,9 +343,9 @@ fn schedule(input: &PrepareInput<'_>, rows: &mut Rows, scratch: &mut PrepareScra
                 batch_of.iter().map(|part| part.range(&input.contacts[part.slot()]).1).max().unwrap_or(1);
             let Some((tree, node)) = place(&batch_of[0]) else { continue };
             let points = if tree.is_single() { 0 } else { most };
-            let contact = BatchRef { seated: true, ..batch(points) };
+            let contact = BatchRef { seated: true, ..batch(points, potential) };
             rows.schedule.push(contact);
-            rows.seated.push(Seated { tree, node, potential: layer.group.is_potential(), batch: contact });
+            rows.seated.push(Seated { tree, node, potential, batch: contact });
             ranges.push((at as u32, batch_of.len() as u32));
             at += batch_of.len();
         }
@@ -336,5 +359,5 @@ fn schedule(input: &PrepareInput<'_>, rows: &mut Rows, scratch: &mut PrepareScra
         start = end;
     }
     rows.seated.sort_by_key(|seated| (seated.tree, seated.node));
-    [counts[0], counts[1], counts[2], counts[3], singles].map(|n| n as usize)
+    tally
 }

@@ -1,6 +1,7 @@
 //! Rows of contacts, packed in lanes.
 
 use super::arrange::Part;
+use super::friction::{Friction, FrictionRow, ImpactRow};
 use super::order::Stage;
 use super::seats::Seated;
 use crate::lanes::{Lanes, Sym3, Vec3, f32x8};
@@ -29,29 +30,6 @@ pub(crate) struct PointRow<L> {
     pub(crate) real: L,
 }
 
-/// Friction of a manifold, at its centre: two rows along the tangents and one against twist.
-///
-/// A potential manifold has none of these rows, only what the friction of an impact takes (`rub`): arms and coefficient.
-#[derive(Clone, Copy, Debug, Default)]
-#[repr(C)]
-pub(crate) struct FrictionRow<L> {
-    pub(crate) tangent: Vec3<L>,
-    pub(crate) arm_a: Vec3<L>,
-    pub(crate) arm_b: Vec3<L>,
-    /// Inverse of the 2x2 matrix of the tangential rows [kg]: (11, 12, 22).
-    pub(crate) mass: [L; 3],
-    /// The smaller eigenvalue of that inverse [kg]: a step against the slip that never overshoots.
-    pub(crate) slide_mass: L,
-    pub(crate) twist_mass: L,
-    /// Mean distance of the points from the centre: the lever of twist [m].
-    pub(crate) radius: L,
-    pub(crate) coefficient: L,
-    /// [N s]
-    pub(crate) impulse: [L; 2],
-    /// [N m s]
-    pub(crate) twist: L,
-}
-
 /// Up to `L::N` manifolds of at most `P` points that share no dynamic body.
 ///
 /// Normal rows of a manifold have one direction, so they are solved in row space: `coupling` says by how much an
@@ -65,9 +43,9 @@ pub(crate) struct Batch<L, const P: usize> {
     pub(crate) inverse_inertia_a: Sym3<L>,
     pub(crate) inverse_inertia_b: Sym3<L>,
     pub(crate) points: [PointRow<L>; P],
-    /// Of points (0,1), (0,2), (1,2), (0,3), (1,3), (2,3) [1/kg].
-    pub(crate) coupling: [L; 6],
-    pub(crate) friction: FrictionRow<L>,
+    /// Of points (0,1), (0,2), (1,2), (0,3), (1,3), (2,3) [1/kg]: the first as many as there are points, which is enough
+    /// for three, and what is left of four.
+    coupling: ([L; P], [L; 2]),
     /// Of potential points: the largest impulse in any substep [N s]. One that hits something at rest in space pushes
     /// in the substep of the impact, and has nothing to bear in those that follow.
     pub(crate) peak: L,
@@ -96,8 +74,7 @@ impl<L: Lanes, const P: usize> Default for Batch<L, P> {
             inverse_inertia_a: Sym3::default(),
             inverse_inertia_b: Sym3::default(),
             points: [PointRow::default(); P],
-            coupling: [L::default(); 6],
-            friction: FrictionRow::default(),
+            coupling: ([L::default(); P], [L::default(); 2]),
             peak: L::default(),
             a: [0; 8],
             b: [0; 8],
@@ -111,9 +88,27 @@ impl<L: Lanes, const P: usize> Default for Batch<L, P> {
     }
 }
 
+impl<L: Lanes, const P: usize> Batch<L, P> {
+    /// By how much an impulse at point `i` changes the normal velocity of point `k`, and the other way round [1/kg]; `i < k`.
+    #[inline(always)]
+    pub(crate) fn coupling(&self, i: usize, k: usize) -> L {
+        let at = couple(i, k);
+        if at < P { self.coupling.0[at] } else { self.coupling.1[at - P] }
+    }
+
+    #[inline(always)]
+    pub(crate) fn couple(&mut self, i: usize, k: usize, coupling: L) {
+        let at = couple(i, k);
+        if at < P {
+            self.coupling.0[at] = coupling;
+        } else {
+            self.coupling.1[at - P] = coupling;
+        }
+    }
+}
+
 /// Index of a pair of points in [`Batch::coupling`]; `i < k`.
-#[inline(always)]
-pub(crate) const fn couple(i: usize, k: usize) -> usize {
+const fn couple(i: usize, k: usize) -> usize {
     k * (k - 1) / 2 + i
 }
 
@@ -125,7 +120,13 @@ pub(crate) struct BatchRef {
     /// Its contacts are those of a node of a batch of trees, each in the lane of its tree.
     pub(crate) seated: bool,
     pub(crate) index: u32,
+    /// Its place in the buffers of friction, if there is any: among those that touch or that may touch, of its width.
+    pub(crate) friction: u32,
 }
+
+/// How many there are: batches of one to four points and of one lane; friction rows of eight lanes and of one; what the
+/// friction of impacts takes, of eight lanes and of one.
+pub(crate) type Tally = [usize; 9];
 
 /// All batches of a step.
 #[derive(Debug, Default)]
@@ -136,6 +137,7 @@ pub(crate) struct Rows {
     pub(crate) p4: Vec<Batch<f32x8, 4>>,
     /// Contacts that found no colour.
     pub(crate) single: Vec<Batch<f32, 4>>,
+    pub(crate) friction: Friction,
     pub(crate) schedule: Vec<BatchRef>,
     pub(crate) stages: Vec<Stage>,
     /// Batches that go along with trees, sorted by these and their nodes.
@@ -148,55 +150,62 @@ pub(crate) struct Rows {
 pub(crate) type Surface = [[f32; 8]; 2];
 
 impl Rows {
-    /// Bytes of a batch of one to four points, and of one lane.
-    pub(crate) const SIZES: [usize; 5] = [
+    /// Bytes of each that [`Tally`] counts.
+    pub(crate) const SIZES: Tally = [
         size_of::<Batch<f32x8, 1>>(),
         size_of::<Batch<f32x8, 2>>(),
         size_of::<Batch<f32x8, 3>>(),
         size_of::<Batch<f32x8, 4>>(),
         size_of::<Batch<f32, 4>>(),
+        size_of::<FrictionRow<f32x8>>(),
+        size_of::<FrictionRow<f32>>(),
+        size_of::<ImpactRow<f32x8>>(),
+        size_of::<ImpactRow<f32>>(),
     ];
 
-    fn capacities(&self) -> [usize; 5] {
-        let lanes = [self.p1.capacity(), self.p2.capacity(), self.p3.capacity(), self.p4.capacity()];
-        [lanes[0], lanes[1], lanes[2], lanes[3], self.single.capacity()]
+    /// Calls `f` with each buffer that has an entry for what is counted, and what it counts.
+    fn each(&mut self, f: &mut dyn FnMut(&mut dyn Filled, usize)) {
+        let Rows { p1, p2, p3, p4, single, friction, .. } = self;
+        let Friction { lanes, single: alone, .. } = friction;
+        let all: [&mut dyn Filled; 9] = [
+            p1,
+            p2,
+            p3,
+            p4,
+            single,
+            &mut lanes.rows,
+            &mut alone.rows,
+            &mut lanes.impacts,
+            &mut alone.impacts,
+        ];
+        all.into_iter().enumerate().for_each(|(i, buffer)| f(buffer, i));
     }
 
-    /// Makes exactly the place that is lacking for so many batches; if need be, out of what others don't need now. Says
-    /// whether there is room for all.
-    pub(crate) fn make_place(&mut self, batches: [usize; 5], room: &mut Room) -> bool {
+    /// Makes exactly the place that is lacking for so many; if need be, out of what others don't need now. Says whether
+    /// there is room for all.
+    pub(crate) fn make_place(&mut self, wanted: &Tally, room: &mut Room) -> bool {
         let (mut lacking, mut spare) = (0, 0);
-        for ((wanted, has), size) in batches.into_iter().zip(self.capacities()).zip(Self::SIZES) {
-            lacking += wanted.saturating_sub(has) * size;
-            spare += has.saturating_sub(wanted) * size;
-        }
+        self.each(&mut |buffer, i| {
+            let has = buffer.capacity();
+            lacking += wanted[i].saturating_sub(has) * Self::SIZES[i];
+            spare += has.saturating_sub(wanted[i]) * Self::SIZES[i];
+        });
         if lacking > room.left().saturating_add(spare) {
             return false;
         }
         if lacking > room.left() {
             // Nothing is kept in them from step to step.
             room.give(spare);
-            fit(&mut self.p1, batches[0]);
-            fit(&mut self.p2, batches[1]);
-            fit(&mut self.p3, batches[2]);
-            fit(&mut self.p4, batches[3]);
-            fit(&mut self.single, batches[4]);
+            self.each(&mut |buffer, i| buffer.fit(wanted[i]));
         }
         room.take(lacking);
-        self.p1.widen(batches[0]);
-        self.p2.widen(batches[1]);
-        self.p3.widen(batches[2]);
-        self.p4.widen(batches[3]);
-        self.single.widen(batches[4]);
+        self.each(&mut |buffer, i| buffer.widen(wanted[i]));
         true
     }
 
-    pub(crate) fn resize(&mut self, batches: [usize; 5]) {
-        self.p1.resize_with(batches[0], Batch::default);
-        self.p2.resize_with(batches[1], Batch::default);
-        self.p3.resize_with(batches[2], Batch::default);
-        self.p4.resize_with(batches[3], Batch::default);
-        self.single.resize_with(batches[4], Batch::default);
+    /// Makes so many, for which there is place or room without end.
+    pub(crate) fn resize(&mut self, wanted: &Tally, room: &mut Room) {
+        self.each(&mut |buffer, i| buffer.resize(wanted[i], room));
     }
 
     /// Live and reserved bytes.
@@ -207,6 +216,7 @@ impl Rows {
             bytes_of(&self.p3),
             bytes_of(&self.p4),
             bytes_of(&self.single),
+            self.friction.bytes(),
             bytes_of(&self.schedule),
             bytes_of(&self.stages),
             bytes_of(&self.seated),
@@ -217,8 +227,20 @@ impl Rows {
     }
 }
 
-/// Gives up place for more than so many.
-fn fit<T>(buffer: &mut Vec<T>, wanted: usize) {
-    buffer.truncate(wanted);
-    buffer.shrink_to(wanted);
+/// A buffer whose entries are all filled anew in each step.
+trait Filled: Buffer {
+    fn resize(&mut self, len: usize, room: &mut Room);
+    /// Gives up place for more than so many.
+    fn fit(&mut self, len: usize);
+}
+
+impl<T: Default> Filled for Vec<T> {
+    fn resize(&mut self, len: usize, room: &mut Room) {
+        room.fit(self, len);
+        self.resize_with(len, T::default);
+    }
+    fn fit(&mut self, len: usize) {
+        self.truncate(len);
+        self.shrink_to(len);
+    }
 }

@@ -2,7 +2,8 @@
 //! impulses and for soft substeps.
 
 use super::arrange::Part;
-use super::batch::{Batch, Surface, couple};
+use super::batch::{Batch, Surface};
+use super::friction::FrictionRow;
 use super::impact_friction::potential_load;
 use crate::lanes::{GatherLanes, Lanes, Mask, Record, Vec3, gather, scatter};
 use crate::threads::Shared;
@@ -150,6 +151,7 @@ impl<L: GatherLanes> Pair<L> {
 #[inline(always)]
 pub(crate) unsafe fn warm_start<L: GatherLanes, const P: usize, const TWO: bool, const FRICTION: bool>(
     batch: &Batch<L, P>,
+    friction: Option<&mut FrictionRow<L>>,
     velocity: &Shared<'_, Record>,
 ) {
     // So it is with most that may meet.
@@ -167,8 +169,7 @@ pub(crate) unsafe fn warm_start<L: GatherLanes, const P: usize, const TWO: bool,
         }
     }
     let mut p = batch.normal * sum;
-    if FRICTION {
-        let f = &batch.friction;
+    if FRICTION && let Some(f) = friction {
         let q = f.tangent * f.impulse[0] + batch.normal.cross(f.tangent) * f.impulse[1];
         p += q;
         ta += f.arm_a.cross(q) + batch.normal * f.twist;
@@ -191,12 +192,11 @@ pub(super) trait Response<L: GatherLanes, const P: usize> {
     /// By how much a unit impulse at one point changes the normal velocity of another [1/kg].
     #[inline(always)]
     fn stiffness(&self, batch: &Batch<L, P>, i: usize, k: usize) -> L {
-        if i == k { batch.points[i].stiffness } else { batch.coupling[couple(i.min(k), i.max(k))] }
+        if i == k { batch.points[i].stiffness } else { batch.coupling(i.min(k), i.max(k)) }
     }
     /// Inverse of the matrix of the tangential rows, its smaller eigenvalue [kg], and the mass against twist [kg m²].
     #[inline(always)]
-    fn friction(&self, batch: &Batch<L, P>) -> ([L; 3], L, L) {
-        let f = &batch.friction;
+    fn friction(&self, f: &FrictionRow<L>) -> ([L; 3], L, L) {
         (f.mass, f.slide_mass, f.twist_mass)
     }
     /// Applies an impulse `p` on `b` and `-p` on `a`, with angular impulses `ta` (taken from `a`) and `tb`.
@@ -225,6 +225,7 @@ impl<L: GatherLanes, const P: usize> Response<L, P> for Free {}
 #[inline(always)]
 pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const TWO: bool, const FRICTION: bool>(
     batch: &mut Batch<L, P>,
+    friction: Option<&mut FrictionRow<L>>,
     motion: &Motion<'_, '_>,
     pass: &Pass<'_>,
 ) -> bool {
@@ -234,7 +235,7 @@ pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const TWO: bool, cons
         // SAFETY: displacements are not written while rows are solved.
         unsafe { follow::<L, P, TWO>(batch, motion) };
     }
-    if !sweep::<L, P, TWO, FRICTION, _>(batch, &mut v, pass, &mut Free) {
+    if !sweep::<L, P, TWO, FRICTION, _>(batch, friction, &mut v, pass, &mut Free) {
         return false;
     }
     // SAFETY: by the contract.
@@ -275,6 +276,7 @@ pub(super) fn sweep<
     R: Response<L, P>,
 >(
     batch: &mut Batch<L, P>,
+    friction: Option<&mut FrictionRow<L>>,
     v: &mut Pair<L>,
     pass: &Pass<'_>,
     response: &mut R,
@@ -284,12 +286,10 @@ pub(super) fn sweep<
     let pushes = L::splat(if pass.relax { 0.0 } else { 1.0 }).gt(L::zero());
     let n = batch.normal;
 
-    if FRICTION {
-        let t2 = n.cross(batch.friction.tangent);
-        let limit =
-            batch.points.iter().fold(L::zero(), |s, p| s + p.impulse * p.real) * batch.friction.coefficient;
-        let (tangential, slide_mass, twist_mass) = response.friction(batch);
-        let f = &mut batch.friction;
+    if FRICTION && let Some(f) = friction {
+        let t2 = n.cross(f.tangent);
+        let limit = batch.points.iter().fold(L::zero(), |s, p| s + p.impulse * p.real) * f.coefficient;
+        let (tangential, slide_mass, twist_mass) = response.friction(f);
         let mut u = -(v.va + v.wa.cross(f.arm_a));
         let mut spin = -v.wa;
         if TWO {
@@ -458,16 +458,18 @@ fn level<L: GatherLanes, const P: usize, R: Response<L, P>>(
 #[inline(always)]
 pub(crate) fn store<L: Lanes, const P: usize>(
     batch: &Batch<L, P>,
+    friction: Option<&FrictionRow<L>>,
     mut sink: impl FnMut(Part, &[f32; P], f32, glam::Vec3, f32),
 ) {
-    let f = &batch.friction;
-    let friction = f.tangent * f.impulse[0] + batch.normal.cross(f.tangent) * f.impulse[1];
+    let (friction, twist) = friction.map_or((Vec3::zero(), L::zero()), |f| {
+        (f.tangent * f.impulse[0] + batch.normal.cross(f.tangent) * f.impulse[1], f.twist)
+    });
     for lane in 0..L::N {
         let part = batch.contact[lane];
         if part != Part::NONE {
             let sign = if batch.swapped >> lane & 1 != 0 { -1.0 } else { 1.0 };
             let impulses = std::array::from_fn(|i| batch.points[i].impulse.lane(lane));
-            sink(part, &impulses, batch.peak.lane(lane), friction.lane(lane) * sign, f.twist.lane(lane));
+            sink(part, &impulses, batch.peak.lane(lane), friction.lane(lane) * sign, twist.lane(lane));
         }
     }
 }

@@ -1,7 +1,9 @@
 //! The friction of an impact: of what potential points push before it touches.
 
-use super::batch::Batch;
+use super::batch::{Batch, BatchRef};
 use super::contact_row::{Motion, Pair, Pass};
+use super::friction::FrictionView;
+use super::order::Group;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
 
 /// Friction of impacts, after a substep in which potential points pushed: against the slip that is left there, and bounded
@@ -16,6 +18,7 @@ use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
 #[inline(never)]
 pub(crate) unsafe fn rub<L: GatherLanes, const P: usize, const TWO: bool>(
     batch: &Batch<L, P>,
+    (friction, of, group): (&FrictionView<'_, L>, BatchRef, Group),
     motion: &Motion<'_, '_>,
     pass: &Pass<'_>,
 ) -> bool {
@@ -26,11 +29,13 @@ pub(crate) unsafe fn rub<L: GatherLanes, const P: usize, const TWO: bool>(
     }
     // SAFETY: by the contract.
     let mut v = unsafe { Pair::load::<TWO>([&batch.a, &batch.b], motion.velocity) };
-    let (n, f) = (batch.normal, &batch.friction);
+    let n = batch.normal;
+    // SAFETY: by the contract.
+    let f = unsafe { friction.of_impact(of, group, n) };
     // Where the load was: n x (r x n) is r without its part along n, which all points share.
     let aside = n.cross(arm) * L::select(pushed, L::one() / load, L::zero());
-    let arm_a = aside + n * n.dot(f.arm_a);
-    let arm_b = arm_a + (f.arm_b - f.arm_a);
+    let arm_a = aside + n * f.along;
+    let arm_b = arm_a + f.to_b;
     let mut u = -(v.va + v.wa.cross(arm_a));
     if TWO {
         u += v.vb + v.wb.cross(arm_b);

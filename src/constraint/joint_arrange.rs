@@ -73,8 +73,16 @@ impl<B8: Default + Send, B1: Default> Table<B8, B1> {
         self.lanes.resize_with(self.owners.len(), B8::default);
         self.single.resize_with(self.single_owners.len(), B1::default);
         if self.owners.is_empty() {
-            self.lanes.shrink_to_fit();
+            (self.lanes, self.owners) = (Vec::new(), Vec::new());
         }
+        if self.single_owners.is_empty() {
+            (self.single, self.single_owners) = (Vec::new(), Vec::new());
+        }
+    }
+    /// How many locks or rows there are.
+    fn len(&self) -> u32 {
+        let in_lanes = self.owners.iter().flatten().filter(|&&owner| owner != NONE).count();
+        (in_lanes + self.single_owners.len()) as u32
     }
     fn bytes(&self) -> (usize, usize) {
         let all = [
@@ -174,6 +182,34 @@ impl JointRows {
     pub(crate) fn each(&mut self, dynamic: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
         f(&mut self.touching, dynamic);
         f(self.seats.buffer(), dynamic);
+    }
+
+    /// There are no joints any more.
+    pub(crate) fn give_back(&mut self) {
+        *self = JointRows { arrangement: self.arrangement, ..JointRows::default() };
+    }
+
+    /// Reserved bytes of what goes along with all, of trees, of locks that are in none, and of rows.
+    pub(crate) fn parts(&self) -> [usize; 4] {
+        let beside = [bytes_of(&self.stages), bytes_of(&self.touching), self.seats.bytes()];
+        let trees = [bytes_of_trees(&self.trees), bytes_of_trees(&self.tree)];
+        let locks = [self.points.bytes(), self.welds.bytes(), self.hinges.bytes(), self.lines.bytes()];
+        let rows = [
+            self.slides.bytes(),
+            self.distances.bytes(),
+            self.twists.bytes(),
+            self.tilts.bytes(),
+            self.turns.bytes(),
+        ];
+        [&beside[..], &trees, &locks, &rows].map(|all| all.iter().map(|bytes| bytes.1).sum())
+    }
+
+    /// How many bodies are in trees, and how many locks are in none.
+    pub(crate) fn counts(&self) -> [u32; 2] {
+        let in_lanes = self.trees.iter().map(TreeBatch::bodies).sum::<u32>();
+        let bodies = in_lanes + self.tree.iter().map(TreeBatch::bodies).sum::<u32>();
+        let locks = self.points.len() + self.welds.len() + self.hinges.len() + self.lines.len();
+        [bodies, locks]
     }
 
     /// Live and reserved bytes.

@@ -8,6 +8,7 @@
 
 use super::batch::{Batch, BatchRef, Rows};
 use super::contact_row::{Free, Motion, Pair, Pass, Response, follow, relative, row, sweep};
+use super::friction::{FrictionRow, FrictionView};
 use super::impact_friction::potential_load;
 use super::joint_close::{Closing, keep_out};
 use super::joint_ends::NONE;
@@ -29,6 +30,9 @@ pub(crate) struct Along<'a> {
     pub(crate) p3: Shared<'a, Batch<f32x8, 3>>,
     pub(crate) p4: Shared<'a, Batch<f32x8, 4>>,
     pub(crate) single: Shared<'a, Batch<f32, 4>>,
+    /// Of batches of eight lanes, and of one.
+    pub(crate) friction: FrictionView<'a, f32x8>,
+    pub(crate) friction_single: FrictionView<'a, f32>,
 }
 
 /// What is asked of the contacts of a body on a walk along its tree.
@@ -44,9 +48,19 @@ pub(super) enum Ask<'a> {
 
 impl<'a> Along<'a> {
     pub(crate) fn of(rows: &'a mut Rows) -> (Along<'a>, &'a [BatchRef], &'a [Stage]) {
-        let Rows { p1, p2, p3, p4, single, schedule, stages, seated, .. } = rows;
+        let Rows { p1, p2, p3, p4, single, friction, schedule, stages, seated, .. } = rows;
         let (p1, p2, p3, p4) = (Shared::new(p1), Shared::new(p2), Shared::new(p3), Shared::new(p4));
-        (Along { seated, p1, p2, p3, p4, single: Shared::new(single) }, schedule, stages)
+        let along = Along {
+            seated,
+            p1,
+            p2,
+            p3,
+            p4,
+            single: Shared::new(single),
+            friction: FrictionView::new(friction.needed, &mut friction.lanes),
+            friction_single: FrictionView::new(friction.needed, &mut friction.single),
+        };
+        (along, schedule, stages)
     }
 
     /// Contacts of one body of each of up to eight trees.
@@ -60,14 +74,15 @@ impl<'a> Along<'a> {
         body: &mut Toured<'_, f32x8>,
         motion: &Motion<'_, '_>,
     ) {
-        let (i, free) = (seated.batch.index as usize, seated.potential);
+        let i = seated.batch.index as usize;
         // SAFETY: by the contract; a batch has the contacts of one batch of trees.
         unsafe {
+            let rubs = if seated.potential { None } else { self.friction.touching(seated.batch) };
             match seated.batch.points {
-                1 => touch(self.p1.get(i), free, ask, body, motion),
-                2 => touch(self.p2.get(i), free, ask, body, motion),
-                3 => touch(self.p3.get(i), free, ask, body, motion),
-                _ => touch(self.p4.get(i), free, ask, body, motion),
+                1 => touch(self.p1.get(i), rubs, ask, body, motion),
+                2 => touch(self.p2.get(i), rubs, ask, body, motion),
+                3 => touch(self.p3.get(i), rubs, ask, body, motion),
+                _ => touch(self.p4.get(i), rubs, ask, body, motion),
             }
         }
     }
@@ -85,7 +100,10 @@ impl<'a> Along<'a> {
     ) {
         let i = seated.batch.index as usize;
         // SAFETY: by the contract; a batch has the contacts of one tree.
-        unsafe { touch(self.single.get(i), seated.potential, ask, body, motion) }
+        unsafe {
+            let rubs = if seated.potential { None } else { self.friction_single.touching(seated.batch) };
+            touch(self.single.get(i), rubs, ask, body, motion)
+        }
     }
 }
 
@@ -207,7 +225,7 @@ const LEAST: f32 = 1e-4;
 
 impl<'a, L: Lanes, const P: usize> Whole<'a, L, P> {
     #[inline(always)]
-    fn new<const FRICTION: bool>(whole: &'a Sym6<L>, batch: &Batch<L, P>) -> Self {
+    fn new(whole: &'a Sym6<L>, batch: &Batch<L, P>, rubs: Option<&FrictionRow<L>>) -> Self {
         let n = batch.normal;
         let (zero, one) = (L::zero(), L::one());
         let mut stiffness = [[zero; P]; P];
@@ -221,8 +239,7 @@ impl<'a, L: Lanes, const P: usize> Whole<'a, L, P> {
             mass[i] = L::select(gives, one / L::select(gives, stiffness[i][i], one), zero);
         }
         let mut friction = ([zero; 3], zero, zero);
-        if FRICTION {
-            let f = &batch.friction;
+        if let Some(f) = rubs {
             let along =
                 [f.tangent, n.cross(f.tangent)].map(|t| Twist { linear: t, angular: f.arm_a.cross(t) });
             let answers = [whole.mul(&along[0]), whole.mul(&along[1])];
@@ -253,7 +270,7 @@ impl<L: GatherLanes, const P: usize> Response<L, P> for Whole<'_, L, P> {
         self.stiffness[i][k]
     }
     #[inline(always)]
-    fn friction(&self, _: &Batch<L, P>) -> ([L; 3], L, L) {
+    fn friction(&self, _: &FrictionRow<L>) -> ([L; 3], L, L) {
         self.friction
     }
     #[inline(always)]
@@ -280,7 +297,7 @@ impl<L: GatherLanes, const P: usize> Response<L, P> for Whole<'_, L, P> {
 #[inline(always)]
 unsafe fn touch<L: GatherLanes, const P: usize>(
     batch: &mut Batch<L, P>,
-    potential: bool,
+    rubs: Option<&mut FrictionRow<L>>,
     ask: Ask<'_>,
     body: &mut Toured<'_, L>,
     motion: &Motion<'_, '_>,
@@ -291,23 +308,23 @@ unsafe fn touch<L: GatherLanes, const P: usize>(
     }
     let (zero, v) = (Vec3::zero(), body.velocity);
     let mut v = Pair { va: v.linear, wa: v.angular, vb: zero, wb: zero };
-    body.push = match ask {
-        Ask::Solve(pass) if potential => {
-            let mut whole = Whole::new::<false>(body.whole, batch);
-            sweep::<L, P, false, false, _>(batch, &mut v, pass, &mut whole);
+    body.push = match (ask, rubs) {
+        (Ask::Solve(pass), None) => {
+            let mut whole = Whole::new(body.whole, batch, None);
+            sweep::<L, P, false, false, _>(batch, None, &mut v, pass, &mut whole);
             whole.push
         }
-        Ask::Solve(pass) => {
-            let mut whole = Whole::new::<true>(body.whole, batch);
-            sweep::<L, P, false, true, _>(batch, &mut v, pass, &mut whole);
+        (Ask::Solve(pass), Some(rubs)) => {
+            let mut whole = Whole::new(body.whole, batch, Some(rubs));
+            sweep::<L, P, false, true, _>(batch, Some(rubs), &mut v, pass, &mut whole);
             whole.push
         }
-        Ask::Push(closing) => {
-            let mut whole = Whole::new::<false>(body.whole, batch);
+        (Ask::Push(closing), _) => {
+            let mut whole = Whole::new(body.whole, batch, None);
             keep_out(batch, &mut v, closing, &mut whole);
             whole.push
         }
-        Ask::Stop(closing) => {
+        (Ask::Stop(closing), _) => {
             keep_out(batch, &mut v, closing, &mut Free);
             Twist::zero()
         }

@@ -161,6 +161,13 @@ pub(crate) struct TreeBatch<L> {
 pub(crate) const ALONE: f32 = 0.2;
 pub(crate) const TOUCHING: f32 = 0.05;
 
+impl<L> TreeBatch<L> {
+    /// How many bodies there are in its trees.
+    pub(super) fn bodies(&self) -> u32 {
+        self.nodes.iter().map(|node| node.write.count_ones()).sum()
+    }
+}
+
 impl<L: GatherLanes> TreeBatch<L> {
     /// A node, and its parent, which stands before it.
     #[inline(always)]

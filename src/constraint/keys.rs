@@ -123,6 +123,15 @@ impl Keys {
         f(&mut self.layers, Group::ALL.len() * if any_raised { RAISES } else { 1 });
     }
 
+    /// Reserved bytes beyond those that it takes where nothing is raised.
+    pub(super) fn raised_bytes(&self) -> usize {
+        if !self.any_raised() {
+            return 0;
+        }
+        let plain = KEYS * size_of::<u32>() + Group::ALL.len() * size_of::<Layer>();
+        self.bytes().1 - plain
+    }
+
     pub(super) fn bytes(&self) -> (usize, usize) {
         let (a, b) = (bytes_of(&self.ends), bytes_of(&self.layers));
         (a.0 + b.0, a.1 + b.1)

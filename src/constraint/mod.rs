@@ -5,6 +5,7 @@ mod batch;
 mod bounce;
 mod colour;
 pub(crate) mod contact_row;
+mod friction;
 mod impact_friction;
 mod joint_arrange;
 mod joint_close;
@@ -25,8 +26,9 @@ mod seats;
 mod spatial;
 
 pub(crate) use arrange::{Part, PrepareScratch, Prepared};
-pub(crate) use batch::{Batch, Rows, Surface};
+pub(crate) use batch::{Batch, BatchRef, Rows, Surface};
 pub(crate) use bounce::{BounceInput, BounceScratch, bounce};
+pub(crate) use friction::{FrictionRow, FrictionView};
 pub(crate) use impact_friction::rub;
 pub(crate) use joint_arrange::{JointInput, JointRows, JointStage, JointType};
 pub(crate) use joint_ends::JointPass;

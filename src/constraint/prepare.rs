@@ -1,7 +1,8 @@
 //! Contacts -> batches: arranged by importance, colour and size, the contacts fill the lanes.
 
 use super::arrange::{Part, PrepareScratch, Prepared, arrange};
-use super::batch::{Batch, BatchRef, Rows, Surface, couple};
+use super::batch::{Batch, Rows, Surface};
+use super::friction::{FrictionView, Rub};
 use super::order::{Group, Order};
 use super::seats::{Seat, Seats};
 use crate::body::{Bodies, Pose};
@@ -41,6 +42,8 @@ pub(crate) struct PrepareInput<'a> {
     pub(crate) tweaks: &'a [Tweak],
     /// Friction at every point: each point then is a manifold of its own.
     pub(crate) per_point: bool,
+    /// Whether anything may have friction.
+    pub(crate) friction: bool,
 }
 
 /// Batches a block.
@@ -55,6 +58,7 @@ pub(crate) fn prepare(
     scratch: &mut PrepareScratch,
     room: &mut Room,
 ) -> Prepared {
+    rows.friction.set_needed(input.friction);
     let prepared = arrange(input, rows, scratch, room);
     rows.surfaces.clear();
     if input.tweaks.iter().any(|tweak| tweak.surface != glam::Vec3::ZERO)
@@ -62,7 +66,9 @@ pub(crate) fn prepare(
     {
         rows.surfaces.resize(rows.schedule.len(), [[0.0; 8]; 2]);
     }
-    let Rows { p1, p2, p3, p4, single, schedule, stages, surfaces, .. } = rows;
+    let Rows { p1, p2, p3, p4, single, friction, schedule, stages, surfaces, .. } = rows;
+    let rubs = FrictionView::new(friction.needed, &mut friction.lanes);
+    let rubs_single = FrictionView::new(friction.needed, &mut friction.single);
     let (moving, surfaces) = (!surfaces.is_empty(), Shared::new(surfaces));
     let (p1, p2, p3, p4) = (Shared::new(p1), Shared::new(p2), Shared::new(p3), Shared::new(p4));
     let single = Shared::new(single);
@@ -76,19 +82,24 @@ pub(crate) fn prepare(
             let group = stages[stage].group;
             let (first, count) = scratch.ranges[place];
             let contacts = &scratch.sorted[first as usize..(first + count) as usize];
-            let BatchRef { points, index, seated } = schedule[place];
-            let i = index as usize;
-            let seats = seated.then_some(input.seats);
+            let batch = schedule[place];
+            let i = batch.index as usize;
+            let seats = batch.seated.then_some(input.seats);
             // SAFETY: as below.
             let surface = moving.then(|| (place, unsafe { surfaces.get(place) }));
             // SAFETY: each batch stands in the schedule once, so no other block fills it.
             unsafe {
-                match points {
-                    1 => fill(p1.get(i), contacts, group, (seats, surface), input),
-                    2 => fill(p2.get(i), contacts, group, (seats, surface), input),
-                    3 => fill(p3.get(i), contacts, group, (seats, surface), input),
-                    4 => fill(p4.get(i), contacts, group, (seats, surface), input),
-                    _ => fill(single.get(i), contacts, group, (seats, surface), input),
+                if batch.points == 0 {
+                    let rub = rubs_single.to_fill(batch, group);
+                    fill(single.get(i), rub, contacts, group, (seats, surface), input);
+                    continue;
+                }
+                let rub = rubs.to_fill(batch, group);
+                match batch.points {
+                    1 => fill(p1.get(i), rub, contacts, group, (seats, surface), input),
+                    2 => fill(p2.get(i), rub, contacts, group, (seats, surface), input),
+                    3 => fill(p3.get(i), rub, contacts, group, (seats, surface), input),
+                    _ => fill(p4.get(i), rub, contacts, group, (seats, surface), input),
                 }
             }
         }
@@ -137,7 +148,7 @@ fn sym3<L: Lanes>(c: &[[f32; 8]; 6]) -> Sym3<L> {
 fn gather_columns<L: GatherLanes, const P: usize>(
     batch: &mut Batch<L, P>,
     parts: &[Part],
-    friction: bool,
+    touching: bool,
     seats: Option<&Seats>,
     input: &PrepareInput<'_>,
 ) -> Columns<P> {
@@ -213,7 +224,7 @@ fn gather_columns<L: GatherLanes, const P: usize>(
             out.held[i][lane] = point.held * input.warm;
             out.present[i][lane] = 1.0;
         }
-        if friction {
+        if touching {
             // Friction was stored for the whole contact; its points share it by their load.
             let total: f32 = contact.points().iter().map(|p| p.impulse).sum();
             let share = part
@@ -223,6 +234,9 @@ fn gather_columns<L: GatherLanes, const P: usize>(
             out.twist[lane] = contact.twist * input.warm;
         }
         batch.heard |= u32::from((shape_a.flags | shape_b.flags) & EVENTS != 0) << lane;
+        if !input.friction {
+            continue;
+        }
         let mut friction = shape_a.material.friction_with(&shape_b.material);
         if !input.tweaks.is_empty() {
             friction = tweak_of(input.tweaks, part.slot()).friction_or(friction);
@@ -239,12 +253,13 @@ fn gather_columns<L: GatherLanes, const P: usize>(
 /// Fills the lanes of a batch; lanes without a contact get rows without mass.
 fn fill<L: GatherLanes, const P: usize>(
     batch: &mut Batch<L, P>,
+    rub: Rub<'_, L>,
     parts: &[Part],
     group: Group,
     (seats, surface): (Option<&Seats>, Option<(usize, &mut Surface)>),
     input: &PrepareInput<'_>,
 ) {
-    let columns = gather_columns(batch, parts, !group.is_potential(), seats, input);
+    let columns = gather_columns(batch, parts, matches!(rub, Rub::Touching(_)), seats, input);
     let turn = crate::lanes::Quat {
         v: Vec3::new(
             L::load(&columns.rotation[0]),
@@ -284,8 +299,11 @@ fn fill<L: GatherLanes, const P: usize>(
         point.real = L::select(s.le(L::splat(input.real)), present[i], L::zero());
         for k in 0..i {
             let both = batch.points[k].arm_a.dot(turned_a[i]) + batch.points[k].arm_b.dot(turned_b[i]);
-            batch.coupling[couple(k, i)] = ma + mb + both;
+            batch.couple(k, i, ma + mb + both);
         }
+    }
+    if let Rub::Nothing = rub {
+        return;
     }
     let count = present.iter().fold(L::zero(), |s, &x| s + x).max(L::one());
     let share = L::one() / count;
@@ -293,12 +311,15 @@ fn fill<L: GatherLanes, const P: usize>(
         |of: &[Vec3<L>; P]| of.iter().zip(&present).fold(Vec3::zero(), |s, (&r, &x)| s + r * x) * share;
     let (fa, fb) = (mean(&ra), mean(&rb));
     let (sticking, sliding) = (L::load(&columns.coefficient[0]), L::load(&columns.coefficient[1]));
-    let f = &mut batch.friction;
+    let f = match rub {
+        Rub::Nothing => return,
+        Rub::Impact(f) => {
+            (f.along, f.to_b, f.coefficient) = (n.dot(fa), fb - fa, sliding);
+            return;
+        }
+        Rub::Touching(f) => f,
+    };
     (f.arm_a, f.arm_b) = (fa, fb);
-    if group.is_potential() {
-        f.coefficient = sliding;
-        return;
-    }
 
     let radius = ra.iter().zip(&present).fold(L::zero(), |s, (&r, &x)| s + (r - fa).length() * x) * share;
     let (t1, t2) = n.tangents();
@@ -311,7 +332,6 @@ fn fill<L: GatherLanes, const P: usize>(
     let possible = det.gt(L::zero());
     let over = L::select(possible, L::one() / det, L::zero());
     let kt = n.dot(ia.mul(n)) + n.dot(ib.mul(n));
-    let f = &mut batch.friction;
     f.tangent = t1;
     f.mass = [k22 * over, -(k12 * over), k11 * over];
     let (half, apart) = ((f.mass[0] + f.mass[2]) * L::splat(0.5), (f.mass[0] - f.mass[2]) * L::splat(0.5));

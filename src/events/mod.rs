@@ -95,6 +95,34 @@ impl Events {
         self.gone.clear();
     }
 
+    /// Whether there are any of the last step, or pairs that ended since.
+    pub(crate) fn has_any(&self) -> bool {
+        !(self.gone.is_empty()
+            && self.begins.is_empty()
+            && self.ends.is_empty()
+            && self.hits.is_empty()
+            && self.entered.is_empty()
+            && self.left.is_empty())
+    }
+
+    /// Nobody listens any more, and there is nothing that was not heard.
+    pub(crate) fn give_back(&mut self) {
+        let Events { tweaks, vetoed, lost, .. } = std::mem::take(self);
+        *self = Events { tweaks, vetoed, lost, ..Events::default() };
+    }
+
+    /// Reserved bytes of what contacts, sensors and hooks take.
+    pub(crate) fn parts(&self, contacts: bool) -> [usize; 3] {
+        let gone = bytes_of(&self.gone).1;
+        let (of_contacts, of_sensors) = if contacts { (gone, 0) } else { (0, gone) };
+        let lists = bytes_of(&self.begins).1 + bytes_of(&self.ends).1 + bytes_of(&self.hits).1;
+        [
+            of_contacts + lists + bytes_of(&self.impulses).1,
+            of_sensors + bytes_of(&self.entered).1 + bytes_of(&self.left).1,
+            bytes_of(&self.tweaks).1 + bytes_of(&self.vetoed).1,
+        ]
+    }
+
     /// Live and reserved bytes.
     pub(crate) fn bytes(&self) -> (usize, usize) {
         let all = [

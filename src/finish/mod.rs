@@ -64,6 +64,16 @@ impl Buffers {
             .fold((own, own + stacks), |s, b| (s.0 + b.0, s.1 + b.1))
     }
 
+    /// What the guard of continuous bodies keeps goes.
+    pub(crate) fn give_back(&mut self) {
+        *self = Buffers::default();
+    }
+
+    /// There are no trees any more.
+    pub(crate) fn part_trees(&mut self) {
+        self.cut = Mutex::default();
+    }
+
     /// Something static is where it was not before.
     pub(crate) fn statics_changed(&mut self) {
         self.clear.clear();
@@ -116,23 +126,26 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
     let (movers, dynamic) = (world.bodies.movers(), world.bodies.dynamic());
     let blocks = movers.div_ceil(BLOCK);
     let held = std::sync::atomic::AtomicU32::new(0);
+    let continuous = world.is_continuous();
     let Buffers { stacks, clear, beside, cut } = &mut world.buffers.finish;
-    stacks_of(stacks).widen(blocks);
+    if continuous {
+        stacks_of(stacks).widen(blocks);
+    }
     let guard = Guard {
         broad: &world.broad,
         colliders: &world.colliders.all,
         poses: &world.colliders.poses,
-        mode: world.settings.continuous,
+        mode: if continuous { world.settings.continuous } else { Continuous::Discrete },
         senses: world.needs.sensors > 0,
         vetoed: &world.events.vetoed,
     };
-    clear.resize(dynamic, Clear::default());
+    clear.resize(if continuous { dynamic } else { 0 }, Clear::default());
     mark_beside(beside, fast, movers, dynamic, &world.broad.pairs, &world.colliders.all);
     let beside = &*beside;
     let bodies = &mut world.bodies;
     let delta = &world.buffers.solver.delta;
     let start = &world.buffers.forces.start;
-    let keep = !bodies.previous.is_empty();
+    let (keep, uneven) = (!bodies.previous.is_empty(), bodies.uneven > 0);
     let previous = Shared::new(&mut bodies.previous);
     let (mass, traits, colliders) = (&bodies.mass, &bodies.traits, &bodies.colliders);
     let velocity = Shared::new(&mut bodies.velocity);
@@ -148,7 +161,10 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
         }
     };
     crew.run(blocks, &|block| {
-        let Ok(mut stack) = stacks[block].lock() else { return };
+        // Without the guard there are none, and nothing is pushed.
+        let mut none = Vec::new();
+        let mut own = stacks.get(block).and_then(|stack| stack.lock().ok());
+        let stack = own.as_deref_mut().unwrap_or(&mut none);
         for i in block * BLOCK..((block + 1) * BLOCK).min(movers) {
             let d = &delta[i];
             // SAFETY: each body is in one block.
@@ -156,7 +172,7 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
             let touched = d.pad0 != 0.0;
             let seat = seats.of(i);
             let before = seat.map(|_| *pose);
-            if i < dynamic && !touched && spins_freely(&mass[i], &traits[i], start[i].angular, dt) {
+            if uneven && i < dynamic && !touched && spins_freely(&mass[i], &traits[i], start[i].angular, dt) {
                 let spin = start[i].angular;
                 let parts = (wobble(spin, mass[i].inertia) * dt / TURN).ceil().clamp(1.0, 16.0);
                 let (mut q, mut w) = (pose.rotation, spin);
@@ -166,7 +182,7 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
                 (pose.rotation, velocity.angular) = (q, w);
             } else {
                 let turned = (exp_map(d.angular) * pose.rotation).normalize();
-                if i < dynamic && spins_freely(&mass[i], &traits[i], velocity.angular, dt) {
+                if uneven && i < dynamic && spins_freely(&mass[i], &traits[i], velocity.angular, dt) {
                     velocity.angular = carry_spin(pose.rotation, turned, velocity.angular, mass[i].inertia);
                 }
                 pose.rotation = turned;
@@ -178,8 +194,8 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
                 let (own, from) = (colliders[i].as_slice(), pose.position);
                 // SAFETY: each body is in one block.
                 let clear = unsafe { clear.get(i) };
-                if !guard.is_clear(&mut stack, own, clear, from, moved)
-                    && guard.hold(&mut stack, own, from, &mut moved, velocity)
+                if !guard.is_clear(stack, own, clear, from, moved)
+                    && guard.hold(stack, own, from, &mut moved, velocity)
                 {
                     held.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
                     note(seat, moved.length() / d.linear.length());
@@ -188,7 +204,7 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
             pose.position += moved.as_dvec3();
             if let Some(before) = before
                 && guard.wants(&traits[i], colliders[i].as_slice())
-                && let Some(crossing) = guard.crossing(&mut stack, colliders[i].as_slice(), &before, pose)
+                && let Some(crossing) = guard.crossing(stack, colliders[i].as_slice(), &before, pose)
             {
                 held.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
                 stop_end(velocity, &crossing, mass[i].inverse, &inverse_inertia[i]);

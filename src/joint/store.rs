@@ -265,6 +265,44 @@ impl Joints {
         }
     }
 
+    /// There are no joints any more: all goes but what tells handles that are stale.
+    pub(crate) fn give_back(&mut self) {
+        self.compact();
+        (self.locks, self.rows, self.first, self.broken) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    }
+
+    /// Limits with a width, drives, and how many of both are springs.
+    pub(crate) fn kinds_of_rows(&self) -> [u32; 3] {
+        let mut counts = [0; 3];
+        for row in self.rows.iter().filter(|row| self.all[row.joint as usize].is_there()) {
+            let (kind, spring) = match row.kind {
+                RowKind::Limit { .. } => (0, false),
+                RowKind::Yielding { .. } => (0, true),
+                RowKind::Drive { spring, .. } => (1, spring.coefficients().0 > 0.0),
+            };
+            counts[kind] += 1;
+            counts[2] += u32::from(spring);
+        }
+        counts
+    }
+
+    /// How many are raised.
+    pub(crate) fn raised(&self) -> u32 {
+        self.all.iter().filter(|joint| joint.is_there() && joint.raised.is_some()).count() as u32
+    }
+
+    /// How many can break.
+    pub(crate) fn breakable(&self) -> u32 {
+        self.breakable
+    }
+
+    /// Reserved bytes of joints themselves, of their locks and of their rows, without the handles that were given out.
+    pub(crate) fn parts(&self) -> [usize; 3] {
+        let handles = if self.count > 0 { bytes_of(&self.all).1 } else { 0 };
+        let own = handles + bytes_of(&self.first).1 + bytes_of(&self.broken).1;
+        [own, bytes_of(&self.locks).1, bytes_of(&self.rows).1]
+    }
+
     /// Rows of what was removed go, nothing else changes its order; batches are about to be arranged.
     pub(crate) fn compact(&mut self) {
         self.drop_stale();

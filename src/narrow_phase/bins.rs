@@ -9,7 +9,7 @@ use super::capsule_box::{capsule_box, tapered_capsule_box};
 use super::capsule_capsule::{capsule_capsule, tapered_capsule_capsule};
 use super::cast::tolerance;
 use super::cast_mesh::Cast;
-use super::collide::{Approach, Input, near};
+use super::collide::{Approach, Input, lanes_of, near, relative_pose, relative_poses};
 use super::contact::{Contact, NONE};
 use super::convex::collide_convex;
 use super::found::Out;
@@ -99,7 +99,7 @@ pub(crate) struct Bins {
 
 impl Bins {
     /// Counting sort of the pairs by bin; those with `skip` or a higher number are left out.
-    pub(crate) fn sort(&mut self, bin_of: &[u8], skip: u8) {
+    pub(crate) fn sort(&mut self, bin_of: &[u8], skip: u8, room: &mut Room) {
         let mut starts = [0u32; COUNT + 1];
         for &bin in bin_of.iter().filter(|&&bin| bin < skip) {
             starts[bin as usize + 1] += 1;
@@ -108,6 +108,9 @@ impl Bins {
             starts[bin + 1] += starts[bin];
         }
         let total = starts[COUNT];
+        // Pairs are only taken in if there is room for this.
+        room.fit(&mut self.order, total as usize);
+        room.fit(&mut self.blocks, Self::most_blocks(total as usize));
         self.order.clear();
         self.order.resize(total as usize, 0);
         self.blocks.clear();
@@ -128,12 +131,6 @@ impl Bins {
     /// Bytes that buffers lack for so many pairs.
     pub(crate) fn missing(&self, pairs: usize) -> usize {
         self.order.missing(pairs) + self.blocks.missing(Self::most_blocks(pairs))
-    }
-
-    /// Makes place for so many pairs.
-    pub(crate) fn widen(&mut self, pairs: usize, room: &mut Room) {
-        room.fit(&mut self.order, pairs);
-        room.fit(&mut self.blocks, Self::most_blocks(pairs));
     }
 
     /// Each bin may end with one that is not full.
@@ -178,7 +175,6 @@ pub(crate) fn run_bin(
     order: &[u32],
     input: &Input<'_>,
     pairs: &[Pair],
-    relative: &[Relative],
     contacts: &Shared<'_, Contact>,
     out: &mut Out<'_>,
 ) {
@@ -191,15 +187,15 @@ pub(crate) fn run_bin(
             let pair = |lane: usize| eight[lane.min(eight.len() - 1)] as usize;
             let shape = |c: u32| input.hot[c as usize].size;
             let approach: [Approach; 8] = std::array::from_fn(|lane| input.approach(&pairs[pair(lane)]));
-            let lanes = PairLanes::from_fn(|lane| {
-                let (p, i) = (&pairs[pair(lane)], pair(lane));
-                (relative[i], shape(p.a), shape(p.b), margin_of(&approach[lane]))
+            let placed = relative_poses::<f32x8>(&|lane| pairs[pair(lane)], input.poses);
+            let lanes = PairLanes::new(placed, |lane| {
+                let p = &pairs[pair(lane)];
+                (shape(p.a), shape(p.b), margin_of(&approach[lane]))
             });
-            let manifolds = kernel(&lanes);
+            let (manifolds, placed) = (kernel(&lanes), lanes_of(&placed));
             for (lane, &index) in eight.iter().enumerate() {
                 let raw = manifolds.lane(lane);
-                let rel = &relative[index as usize];
-                finish_convex(input, pairs, index, raw, (rel, &approach[lane]), contacts, out);
+                finish_convex(input, pairs, index, raw, (&placed[lane], &approach[lane]), contacts, out);
             }
         }
         return;
@@ -207,7 +203,7 @@ pub(crate) fn run_bin(
     for &index in order {
         let pair = &pairs[index as usize];
         let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
-        let rel = &relative[index as usize];
+        let rel = &relative_pose(pair, input.poses);
         let approach = input.approach(pair);
         if b.kind == Kind::Mesh || b.kind == Kind::HeightField {
             finish_mesh(input, pair, index, (a, b), (rel, &approach), contacts, out);

@@ -11,7 +11,7 @@ use super::found::{EMPTIED, Found};
 use crate::body::Pose;
 use crate::broad_phase::Pair;
 use crate::config::Continuous;
-use crate::lanes::{Quat, Record, Vec3, f32x8};
+use crate::lanes::{Lanes, Quat, Record, Vec3, f32x8};
 use crate::memory::{Buffer, Room, bytes_of};
 use crate::shape::{Collider, Hot, Kind};
 use crate::threads::{Crew, Shared, per_block};
@@ -120,7 +120,6 @@ impl Approach {
 /// Buffers of one step.
 #[derive(Debug, Default)]
 pub(crate) struct Scratch {
-    relative: Vec<Relative>,
     /// The bin of each pair, or what becomes of it.
     bin_of: Vec<u8>,
     bins: Bins,
@@ -130,12 +129,12 @@ pub(crate) struct Scratch {
 impl Scratch {
     /// Bytes that buffers lack for so many pairs, whatever these turn out to be.
     pub(crate) fn missing(&self, pairs: usize) -> usize {
-        self.relative.missing(pairs) + self.bin_of.missing(pairs) + self.bins.missing(pairs)
+        self.bin_of.missing(pairs) + self.bins.missing(pairs)
     }
 
     /// Live and reserved bytes.
     pub(crate) fn bytes(&self) -> (usize, usize) {
-        [bytes_of(&self.relative), bytes_of(&self.bin_of), self.bins.bytes(), self.found.bytes()]
+        [bytes_of(&self.bin_of), self.bins.bytes(), self.found.bytes()]
             .into_iter()
             .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
     }
@@ -168,59 +167,73 @@ pub(crate) fn collide(
     room: &mut Room,
 ) -> NarrowStats {
     // Pairs are only taken in if there is room for this.
-    room.fit(&mut scratch.relative, pairs.len());
     room.fit(&mut scratch.bin_of, pairs.len());
-    scratch.bins.widen(pairs.len(), room);
     place(crew, input, pairs, contacts, scratch);
-    let Scratch { relative, bin_of, bins, found } = scratch;
-    bins.sort(bin_of, EMPTIED);
+    let Scratch { bin_of, bins, found } = scratch;
+    bins.sort(bin_of, EMPTIED, room);
     let mut stats = NarrowStats {
         recycled: bin_of.iter().filter(|&&bin| bin == KEPT).count() as u32,
         ..NarrowStats::default()
     };
     found.plan(bins, pairs, input, room);
-    {
-        let all = Shared::new(&mut contacts.all);
-        let state = Shared::new(bin_of);
-        let Bins { order, blocks } = bins;
-        let (count, blocks, places) = (blocks.len(), Shared::new(blocks), found.places());
-        let (pairs, relative, order) = (&*pairs, &*relative, &*order);
-        crew.run(count, &|block| {
-            // SAFETY: this is the only one that runs the block.
-            let block = unsafe { blocks.get(block) };
-            let (bin, order) = (block.bin, &order[block.start as usize..block.end as usize]);
-            // SAFETY: this is the only one that runs the block.
-            let mut out = unsafe { places.of(block, &state) };
-            run_bin(bin, order, input, pairs, relative, &all, &mut out);
-        });
+    let (mut first, end) = (0, bins.blocks.len());
+    loop {
+        let last = found.wave(&mut bins.blocks, first, room);
+        run_blocks(crew, input, (bins, first..last, bin_of), pairs, contacts, found);
+        stats.shed += found.commit((bins, first..last, bin_of), pairs, contacts, input, room);
+        first = last;
+        if first == end {
+            break;
+        }
     }
     for block in &bins.blocks {
         stats.casts += block.casts;
         stats.ghosts += block.ghosts;
     }
-    stats.shed = found.commit((bins, bin_of), pairs, relative, contacts, input, room);
     stats
 }
 
-/// Relative poses of all pairs, and which of them keep their contacts.
+/// Looks at the pairs of some blocks.
+fn run_blocks(
+    crew: &Crew<'_>,
+    input: &Input<'_>,
+    (bins, wave, bin_of): (&mut Bins, std::ops::Range<usize>, &mut [u8]),
+    pairs: &[Pair],
+    contacts: &mut Contacts,
+    found: &mut Found,
+) {
+    let all = Shared::new(&mut contacts.all);
+    let state = Shared::new(bin_of);
+    let Bins { order, blocks } = bins;
+    let blocks = &mut blocks[wave];
+    let (count, blocks, places) = (blocks.len(), Shared::new(blocks), found.places());
+    let order = &*order;
+    crew.run(count, &|block| {
+        // SAFETY: this is the only one that runs the block.
+        let block = unsafe { blocks.get(block) };
+        let (bin, order) = (block.bin, &order[block.start as usize..block.end as usize]);
+        // SAFETY: this is the only one that runs the block.
+        let mut out = unsafe { places.of(block, &state) };
+        run_bin(bin, order, input, pairs, &all, &mut out);
+    });
+}
+
+/// Which pairs keep their contacts, and the bins of the others.
+///
+/// Relative poses are not handed on: most pairs need them no more, and to make them again costs less than to keep them.
 fn place(crew: &Crew<'_>, input: &Input<'_>, pairs: &[Pair], contacts: &mut Contacts, scratch: &mut Scratch) {
-    let zero = Relative { position: glam::Vec3::ZERO, rotation: glam::Quat::IDENTITY };
-    scratch.relative.clear();
-    scratch.relative.resize(pairs.len(), zero);
     scratch.bin_of.clear();
     scratch.bin_of.resize(pairs.len(), 0);
-    let relative = Shared::new(&mut scratch.relative);
     let bin_of = Shared::new(&mut scratch.bin_of);
     let all = Shared::new(&mut contacts.all);
     crew.run(pairs.len().div_ceil(BLOCK), &|block| {
         let end = ((block + 1) * BLOCK).min(pairs.len());
         for first in (block * BLOCK..end).step_by(8) {
             let lanes = &pairs[first..end.min(first + 8)];
-            let placed = relative_poses(lanes, input.poses);
+            let placed = lanes_of(&relative_poses::<f32x8>(&|i| lanes[i.min(lanes.len() - 1)], input.poses));
             for (i, (pair, now)) in lanes.iter().zip(placed).enumerate() {
                 // SAFETY: block and lane fix `first + i`, which no other block has.
                 unsafe {
-                    *relative.get(first + i) = now;
                     *bin_of.get(first + i) = if recycle(input, pair, &now, &all) {
                         KEPT
                     } else if far(input, pair, &now) || input.is_sensor(pair) {
@@ -260,16 +273,21 @@ fn far(input: &Input<'_>, pair: &Pair, now: &Relative) -> bool {
     (apart + way * along).length_squared() > near * near
 }
 
-/// Pose of `b` in `a` for up to eight pairs.
-fn relative_poses(pairs: &[Pair], poses: &[Pose]) -> [Relative; 8] {
-    let at = |i: usize| pairs[i.min(pairs.len() - 1)];
-    let a = |i: usize| &poses[at(i).a as usize];
-    let b = |i: usize| &poses[at(i).b as usize];
-    let qa = Quat::<f32x8>::from_fn(|i| a(i).rotation).conjugate();
-    let qb = Quat::<f32x8>::from_fn(|i| b(i).rotation);
+/// Pose of `b` in `a` for `L::N` pairs: lane `i` of `pair(i)`.
+#[inline(always)]
+pub(crate) fn relative_poses<L: Lanes>(pair: &impl Fn(usize) -> Pair, poses: &[Pose]) -> (Vec3<L>, Quat<L>) {
+    let a = |i: usize| &poses[pair(i).a as usize];
+    let b = |i: usize| &poses[pair(i).b as usize];
+    let qa = Quat::<L>::from_fn(|i| a(i).rotation).conjugate();
+    let qb = Quat::<L>::from_fn(|i| b(i).rotation);
     // The difference of two f64 positions, then f32: exact near each other wherever the world is.
     let position = qa.rotate(Vec3::from_fn(|i| (b(i).position - a(i).position).as_vec3()));
-    let rotation = qa.compose(qb);
+    (position, qa.compose(qb))
+}
+
+/// The same, one by one.
+#[inline(always)]
+pub(crate) fn lanes_of((position, rotation): &(Vec3<f32x8>, Quat<f32x8>)) -> [Relative; 8] {
     let (x, y, z) = (position.x.to_array(), position.y.to_array(), position.z.to_array());
     let (i, j, k) = (rotation.v.x.to_array(), rotation.v.y.to_array(), rotation.v.z.to_array());
     let w = rotation.w.to_array();
@@ -277,6 +295,13 @@ fn relative_poses(pairs: &[Pair], poses: &[Pose]) -> [Relative; 8] {
         position: glam::Vec3::new(x[n], y[n], z[n]),
         rotation: glam::Quat::from_xyzw(i[n], j[n], k[n], w[n]),
     })
+}
+
+/// Pose of `b` in `a`.
+pub(crate) fn relative_pose(pair: &Pair, poses: &[Pose]) -> Relative {
+    let (position, rotation) = relative_poses::<f32>(&|_| *pair, poses);
+    let glam::Vec3 { x, y, z } = rotation.v.lane(0);
+    Relative { position: position.lane(0), rotation: glam::Quat::from_xyzw(x, y, z, rotation.w) }
 }
 
 /// Whether the pair keeps its contacts; moves their points with the bodies if so.

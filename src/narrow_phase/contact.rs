@@ -189,7 +189,8 @@ impl Contacts {
             let slots = self.all.capacity();
             room.fit(&mut self.free, slots);
         } else if missing > 0 {
-            self.all.reserve(more - self.free.len());
+            let wanted = self.all.len() + more - self.free.len();
+            room.fit(&mut self.all, wanted);
         }
         if room.is_endless() && self.free.capacity() < self.all.capacity() {
             self.free.reserve_exact(self.all.capacity() - self.free.len());

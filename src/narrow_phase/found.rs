@@ -4,11 +4,11 @@
 //! pairs are of a mesh, buffers of its own. One thread then commits them in the order of the blocks. Where the budget
 //! leaves too little place, what protects from static geometry is kept longest.
 
+use super::RawManifold;
 use super::bins::{Bins, Block};
-use super::collide::{Input, near};
+use super::collide::{Input, near, relative_pose};
 use super::contact::{Contact, Contacts, NONE};
 use super::mesh::MeshScratch;
-use super::{RawManifold, Relative};
 use crate::broad_phase::Pair;
 use crate::memory::{Buffer, Buffers, Marks, Room, bytes_of, even_out};
 use crate::threads::Shared;
@@ -194,17 +194,20 @@ impl Found {
             if room.is_endless() {
                 block.place = new.count() as u32;
                 block.quota = [block.place; 2];
-            } else {
-                new.for_each(|pair| block.quota[usize::from(input.is_static(pair))] += 1);
-                block.place = block.quota[0] + block.quota[1];
-                total[1] += block.quota[1];
+                continue;
             }
+            new.for_each(|pair| block.quota[usize::from(input.is_static(pair))] += 1);
+            block.place = block.quota[0] + block.quota[1];
+            total[1] += block.quota[1];
             block.fresh = total[0];
             total[0] += block.place;
         }
         // Half for the blocks of meshes, in equal shares.
         self.share = room.share(2 * self.meshes.len());
         self.meshes.iter_mut().for_each(|block| block.mesh.room = self.share);
+        if room.is_endless() {
+            return;
+        }
         let wanted = total[0] as usize;
         let granted = room.within(4, |room| room.fit(&mut self.fresh, wanted));
         if granted < wanted {
@@ -215,24 +218,44 @@ impl Found {
         }
     }
 
+    /// Says where the blocks end that run before what they found is committed: those that there is place for. Under a
+    /// budget all have theirs, because it is shared out by what all found.
+    pub(crate) fn wave(&mut self, blocks: &mut [Block], first: usize, room: &mut Room) -> usize {
+        if !room.is_endless() {
+            return blocks.len();
+        }
+        let (mut end, mut total) = (first, 0);
+        while let Some(block) = blocks.get_mut(end).filter(|b| end == first || total + b.place <= WAVE) {
+            block.fresh = total;
+            total += block.place;
+            end += 1;
+        }
+        room.fit(&mut self.fresh, total as usize);
+        if self.fresh.len() < total as usize {
+            self.fresh.resize(total as usize, Fresh::default());
+        }
+        end
+    }
+
     /// What blocks write to while they run.
     pub(crate) fn places(&mut self) -> Places<'_> {
         let meshes = self.meshes.len();
         Places { fresh: Shared::new(&mut self.fresh), meshes, mesh: Shared::new(&mut self.meshes) }
     }
 
-    /// Gives slots to what the blocks found. Says how many points found none.
+    /// Gives slots to what some blocks found, and with the last of them to what those of meshes found. Says how many points
+    /// found none.
     pub(crate) fn commit(
         &mut self,
-        (bins, state): (&Bins, &[u8]),
+        (bins, wave, state): (&Bins, std::ops::Range<usize>, &[u8]),
         pairs: &mut [Pair],
-        relative: &[Relative],
         contacts: &mut Contacts,
         input: &Input<'_>,
         room: &mut Room,
     ) -> u32 {
+        let (blocks, last) = (&bins.blocks[wave.clone()], wave.end == bins.blocks.len());
         let mut shed = 0;
-        for block in bins.blocks.iter().filter(|block| block.emptied > 0) {
+        for block in blocks.iter().filter(|block| block.emptied > 0) {
             let order = &bins.order[block.start as usize..block.end as usize];
             for &index in order.iter().filter(|&&i| state[i as usize] == EMPTIED) {
                 let slot = std::mem::replace(&mut pairs[index as usize].contact, NONE);
@@ -241,11 +264,12 @@ impl Found {
         }
         // By class: bodies that can move among themselves, and what protects from all else.
         let mut wanted = [0; 2];
-        for block in &bins.blocks {
+        for block in blocks {
             wanted[0] += block.used[0] as usize;
             wanted[1] += block.used[1] as usize;
         }
-        for block in &mut self.meshes {
+        let meshes = if last { self.meshes.as_mut_slice() } else { &mut [] };
+        for block in &mut *meshes {
             for &(index, start, end) in &block.looked {
                 let old = contacts.count(pairs[index as usize].contact);
                 wanted[1] += ((end - start) as usize).saturating_sub(old);
@@ -253,18 +277,18 @@ impl Found {
             room.take(self.share.left() - block.mesh.room.left());
             shed += std::mem::take(&mut block.mesh.shed);
         }
-        shed += bins.blocks.iter().map(|block| block.shed).sum::<u32>();
+        shed += blocks.iter().map(|block| block.shed).sum::<u32>();
         let place = contacts.make_place(wanted[0] + wanted[1], room);
         let short = place < wanted[0] + wanted[1];
         if short && place < wanted[1] {
             shed += evict(wanted[1] - place, pairs, contacts, input);
         }
-        for block in &mut self.meshes {
-            shed += commit_meshes(block, pairs, relative, contacts, &mut self.chain, input, room);
+        for block in meshes {
+            shed += commit_meshes(block, pairs, contacts, &mut self.chain, input, room);
         }
         // In need, those of static geometry before the others.
         for class in if short { &[1, 0][..] } else { &[2] } {
-            for block in &bins.blocks {
+            for block in blocks {
                 let start = block.fresh as usize;
                 let used = (block.used[0] + block.used[1]) as usize;
                 for found in &self.fresh[start..start + used] {
@@ -273,17 +297,23 @@ impl Found {
                         continue;
                     }
                     let mut contact = Contact::new(pair.a, pair.b);
-                    contact.take(&found.raw, relative[found.pair as usize]);
+                    contact.take(&found.raw, relative_pose(pair, input.poses));
                     contact.fraction = found.fraction;
                     pair.contact = contacts.insert(contact);
                     shed += if pair.contact == NONE { found.raw.count } else { 0 };
                 }
             }
         }
-        room.within(PART, |room| even_out(&mut self.meshes, &mut self.marks, room));
+        if last {
+            room.within(PART, |room| even_out(&mut self.meshes, &mut self.marks, room));
+        }
         shed
     }
 }
+
+/// New contacts that there is place for at a time: enough for all of most steps, and where a whole scene falls onto the
+/// ground at once, its blocks run in several goes.
+const WAVE: u32 = 1024;
 
 /// Of what is left, a part that may go into evening out: it only saves later steps the growth.
 const PART: usize = 8;
@@ -329,7 +359,6 @@ fn evict(mut wanted: usize, pairs: &mut [Pair], contacts: &mut Contacts, input: 
 fn commit_meshes(
     block: &mut MeshBlock,
     pairs: &mut [Pair],
-    relative: &[Relative],
     contacts: &mut Contacts,
     chain: &mut Vec<Contact>,
     input: &Input<'_>,
@@ -338,6 +367,7 @@ fn commit_meshes(
     let mut shed = 0;
     for &(index, start, end) in &block.looked {
         let pair = &mut pairs[index as usize];
+        let now = relative_pose(pair, input.poses);
         chain.clear();
         let mut slot = pair.contact;
         while slot != NONE {
@@ -350,7 +380,7 @@ fn commit_meshes(
         let mut last = NONE;
         for (raw, fraction) in &block.many[start as usize..end as usize] {
             let mut contact = Contact::new(pair.a, pair.b);
-            contact.take(raw, relative[index as usize]);
+            contact.take(raw, now);
             contact.fraction = *fraction;
             contact.struck = chain.iter().any(|old| old.pushed);
             // The manifold of the last step whose normal is nearest.

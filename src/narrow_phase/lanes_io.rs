@@ -1,6 +1,8 @@
 //! What goes into a lane kernel and what comes out: `L::N` pairs of one shape pair at a time.
 
-use super::{MAX_POINTS, RawManifold, RawPoint, Relative};
+#[cfg(any(test, feature = "internals"))]
+use super::Relative;
+use super::{MAX_POINTS, RawManifold, RawPoint};
 #[cfg(test)]
 use crate::lanes::Mask;
 use crate::lanes::{Lanes, Quat, Vec3};
@@ -24,13 +26,24 @@ pub(crate) struct PairLanes<L> {
 impl<L: Lanes> PairLanes<L> {
     /// Lane `i` from `f(i)`: relative pose, size of `a`, size of `b`, margin.
     #[inline(always)]
+    #[cfg(any(test, feature = "internals"))]
     pub(crate) fn from_fn(f: impl Fn(usize) -> (Relative, [f32; 4], [f32; 4], f32)) -> Self {
+        let placed = (Vec3::from_fn(|i| f(i).0.position), Quat::from_fn(|i| f(i).0.rotation));
+        Self::new(placed, |i| (f(i).1, f(i).2, f(i).3))
+    }
+
+    /// Relative poses, and of lane `i` from `f(i)`: size of `a`, size of `b`, margin.
+    #[inline(always)]
+    pub(crate) fn new(
+        (position, rotation): (Vec3<L>, Quat<L>),
+        f: impl Fn(usize) -> ([f32; 4], [f32; 4], f32),
+    ) -> Self {
         PairLanes {
-            position: Vec3::from_fn(|i| f(i).0.position),
-            rotation: Quat::from_fn(|i| f(i).0.rotation),
-            size_a: std::array::from_fn(|k| L::from_fn(|i| f(i).1[k])),
-            size_b: std::array::from_fn(|k| L::from_fn(|i| f(i).2[k])),
-            margin: L::from_fn(|i| f(i).3),
+            position,
+            rotation,
+            size_a: std::array::from_fn(|k| L::from_fn(|i| f(i).0[k])),
+            size_b: std::array::from_fn(|k| L::from_fn(|i| f(i).1[k])),
+            margin: L::from_fn(|i| f(i).2),
         }
     }
 }

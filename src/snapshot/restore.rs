@@ -156,6 +156,7 @@ fn apply(world: &mut World, view: &View<'_>, pairs: &[Pair]) {
     });
     fill(&mut bodies.previous, if counts.has(PREVIOUS) { len } else { 0 }, Previous::default(), ways);
     fill(&mut bodies.force, if counts.has(FORCE) { len } else { 0 }, Record::default(), std::iter::empty());
+    (bodies.pushes, bodies.unpushed) = (u32::from(counts.has(FORCE)), 0);
     for force in view.forces.as_chunks::<PUSH>().0 {
         let [linear, angular]: [Vec3; 2] = record::<_, 6>(&force[1..]);
         bodies.force[bodies.slots.dense(force[0]) as usize] = Record { linear, angular, ..Record::default() };

@@ -105,7 +105,7 @@ pub(crate) fn solve(
                 d.pad0 = 1.0;
             }
             let warm = if substep == 0 { f32x8::ZERO } else { now - lanes(*b) };
-            let pull = if i < dynamic { lanes(acceleration[i]) * f32x8::splat(h) } else { f32x8::ZERO };
+            let pull = acceleration.get(i).map_or(f32x8::ZERO, |&pull| lanes(pull) * f32x8::splat(h));
             let free = now + pull;
             (*b, *v) = (record(free), record(if i < dynamic { free + warm } else { free }));
         });
@@ -133,9 +133,11 @@ pub(crate) fn solve(
             let (now, before) = (lanes(*v), lanes(*b));
             let same = now.eq(before).bits();
             let mut moved = now * f32x8::splat(h);
-            if i < dynamic && same & LINEAR == LINEAR {
+            if i < dynamic
+                && same & LINEAR == LINEAR
+                && let Some(&fall) = acceleration.get(i)
+            {
                 // Nothing touched the body: its path is the parabola, not the chord of semi-implicit Euler.
-                let fall = acceleration[i];
                 moved -= lanes(Record { angular: glam::Vec3::ZERO, ..fall }) * f32x8::splat(0.5 * h * h);
             }
             // The pad tells `finish` whether the body was free all along. Added with the rest: what is written in parts
@@ -146,7 +148,7 @@ pub(crate) fn solve(
         if joined_at_all {
             Passes::close(crew, rows, &joined, &motion, &closing(settings));
         }
-        if passes.run(crew, Kind::Relax, rows, &joined, &motion) {
+        if passes.run(crew, Kind::Relax, rows, &joined, &motion) && rows.friction.needed {
             // What was pushed before it touched has its friction now; if that is much, the points share the load that it
             // shifts.
             if passes.run(crew, Kind::Rub, rows, &joined, &motion) {

@@ -4,8 +4,8 @@ use crate::constraint::contact_row::{
     HOLD, Motion, Pass, SHARE, Softness, solve, store as store_batch, warm_start,
 };
 use crate::constraint::{
-    Along, Batch, Closing, Group, JointPass, JointRows, JointStage, JointType, JointViews, Rows, Stage,
-    Surface, TreeRef, guard, rub,
+    Along, Batch, BatchRef, Closing, FrictionRow, FrictionView, Group, JointPass, JointRows, JointStage,
+    JointType, JointViews, Rows, Stage, Surface, TreeRef, guard, rub,
 };
 use crate::lanes::GatherLanes;
 use crate::narrow_phase::{Contact, Point};
@@ -65,7 +65,7 @@ impl Passes {
         let pushes = AtomicBool::new(false);
         let surfaces = std::mem::take(&mut rows.surfaces);
         let (along, schedule, stages) = Along::of(rows);
-        let Along { p1, p2, p3, p4, single, .. } = &along;
+        let Along { p1, p2, p3, p4, single, friction, friction_single, .. } = &along;
         let along = (&along, &self.of(Group::Static, kind, &surfaces));
         let mut joints = joined.stages;
         for stage in stages {
@@ -82,11 +82,11 @@ impl Passes {
                 // is serial, and then one thread has it all.
                 let pushed = unsafe {
                     match batch.points {
-                        1 => step(kind, stage.group, batch.seated, p1.get(i), motion, &pass),
-                        2 => step(kind, stage.group, batch.seated, p2.get(i), motion, &pass),
-                        3 => step(kind, stage.group, batch.seated, p3.get(i), motion, &pass),
-                        4 => step(kind, stage.group, batch.seated, p4.get(i), motion, &pass),
-                        _ => step(kind, stage.group, batch.seated, single.get(i), motion, &pass),
+                        1 => step(kind, stage.group, batch, p1.get(i), friction, motion, &pass),
+                        2 => step(kind, stage.group, batch, p2.get(i), friction, motion, &pass),
+                        3 => step(kind, stage.group, batch, p3.get(i), friction, motion, &pass),
+                        4 => step(kind, stage.group, batch, p4.get(i), friction, motion, &pass),
+                        _ => step(kind, stage.group, batch, single.get(i), friction_single, motion, &pass),
                     }
                 };
                 if pushed {
@@ -189,33 +189,38 @@ fn share_out(crew: &Crew<'_>, batches: Range<usize>, serial: bool, one: &(impl F
 unsafe fn step<L: GatherLanes, const P: usize>(
     kind: Kind,
     group: Group,
-    seated: bool,
+    of: BatchRef,
     batch: &mut Batch<L, P>,
+    friction: &FrictionView<'_, L>,
     motion: &Motion<'_, '_>,
     pass: &Pass<'_>,
 ) -> bool {
     // SAFETY: by the contract.
     unsafe {
-        match kind {
-            Kind::WarmStart => {
-                match group {
-                    Group::Dynamic => warm_start::<L, P, true, true>(batch, motion.velocity),
-                    Group::PotentialDynamic => warm_start::<L, P, true, false>(batch, motion.velocity),
-                    Group::Static => warm_start::<L, P, false, true>(batch, motion.velocity),
-                    Group::PotentialStatic => warm_start::<L, P, false, false>(batch, motion.velocity),
-                }
-                false
-            }
-            Kind::Solve | Kind::Relax if seated => guard(batch, motion, pass),
-            Kind::Solve | Kind::Relax => match group {
-                Group::Dynamic => solve::<L, P, true, true>(batch, motion, pass),
-                Group::PotentialDynamic => solve::<L, P, true, false>(batch, motion, pass),
-                Group::Static => solve::<L, P, false, true>(batch, motion, pass),
-                Group::PotentialStatic => solve::<L, P, false, false>(batch, motion, pass),
-            },
-            Kind::Rub if group.is_static() => rub::<L, P, false>(batch, motion, pass),
-            Kind::Rub => rub::<L, P, true>(batch, motion, pass),
+        let (v, two) = (motion.velocity, !group.is_static());
+        if kind == Kind::Rub {
+            let friction = (friction, of, group);
+            return if two {
+                rub::<L, P, true>(batch, friction, motion, pass)
+            } else {
+                rub::<L, P, false>(batch, friction, motion, pass)
+            };
         }
+        if kind != Kind::WarmStart && of.seated {
+            return guard(batch, motion, pass);
+        }
+        let rows = if group.is_potential() { None } else { friction.touching(of) };
+        match (kind, two, rows) {
+            (Kind::WarmStart, true, Some(f)) => warm_start::<L, P, true, true>(batch, Some(f), v),
+            (Kind::WarmStart, true, None) => warm_start::<L, P, true, false>(batch, None, v),
+            (Kind::WarmStart, false, Some(f)) => warm_start::<L, P, false, true>(batch, Some(f), v),
+            (Kind::WarmStart, false, None) => warm_start::<L, P, false, false>(batch, None, v),
+            (_, true, Some(f)) => return solve::<L, P, true, true>(batch, Some(f), motion, pass),
+            (_, true, None) => return solve::<L, P, true, false>(batch, None, motion, pass),
+            (_, false, Some(f)) => return solve::<L, P, false, true>(batch, Some(f), motion, pass),
+            (_, false, None) => return solve::<L, P, false, false>(batch, None, motion, pass),
+        }
+        false
     }
 }
 
@@ -253,12 +258,15 @@ pub(crate) fn store(
         let batch = rows.schedule[index];
         let i = batch.index as usize;
         let potential = stage.group.is_potential();
+        // Of what may touch there are no rows.
+        let f = if potential { usize::MAX } else { batch.friction as usize };
+        let (lanes, single) = (&rows.friction.lanes.rows, &rows.friction.single.rows);
         let count = match batch.points {
-            1 => put(&rows.p1[i], potential, hold, contacts, rotation_of),
-            2 => put(&rows.p2[i], potential, hold, contacts, rotation_of),
-            3 => put(&rows.p3[i], potential, hold, contacts, rotation_of),
-            4 => put(&rows.p4[i], potential, hold, contacts, rotation_of),
-            _ => put(&rows.single[i], potential, hold, contacts, rotation_of),
+            1 => put(&rows.p1[i], lanes.get(f), potential, hold, contacts, rotation_of),
+            2 => put(&rows.p2[i], lanes.get(f), potential, hold, contacts, rotation_of),
+            3 => put(&rows.p3[i], lanes.get(f), potential, hold, contacts, rotation_of),
+            4 => put(&rows.p4[i], lanes.get(f), potential, hold, contacts, rotation_of),
+            _ => put(&rows.single[i], single.get(f), potential, hold, contacts, rotation_of),
         };
         if count > 0 {
             pushed.fetch_add(count, Ordering::Relaxed);
@@ -288,22 +296,19 @@ fn take(point: &mut Point, impulse: f32, hold: f32) {
 
 fn put<L: GatherLanes, const P: usize>(
     batch: &Batch<L, P>,
+    friction: Option<&FrictionRow<L>>,
     potential: bool,
     hold: f32,
     contacts: &Shared<'_, Contact>,
     rotation_of: &(dyn Fn(u32) -> glam::Quat + Sync),
 ) -> u32 {
-    let mut count = 0;
-    store_batch(batch, |part, impulses, peak, friction, twist| {
+    let (mut count, rubs) = (0, friction.is_some());
+    store_batch(batch, friction, |part, impulses, peak, friction, twist| {
         // SAFETY: a contact is in one lane of one batch. Its points, if apart, are in different stages, or in one that is
         // serial.
         let contact = unsafe { contacts.get(part.slot()) };
         let pushed = potential && peak > 0.0;
-        let (friction, twist) = if potential {
-            (glam::Vec3::ZERO, 0.0)
-        } else {
-            (rotation_of(contact.a).conjugate() * friction, twist)
-        };
+        let friction = if rubs { rotation_of(contact.a).conjugate() * friction } else { glam::Vec3::ZERO };
         // Of a contact whose points are apart, another may have pushed already.
         count += u32::from(pushed && !contact.pushed);
         if let Some(point) = part.only() {

@@ -34,9 +34,7 @@ impl World {
         report.add(Category::Shapes, bytes_of(&self.colliders.hot));
         report.add(Category::Shapes, bytes_of(&self.colliders.poses));
         report.add(Category::Shapes, self.colliders.slots.bytes());
-        for &(_, _, category, bytes) in &self.assets.list {
-            report.add(category, bytes);
-        }
+        self.assets.bytes().for_each(|(category, bytes)| report.add(category, bytes));
         report.add(Category::BroadPhase, self.broad.bytes());
         report.add(Category::BroadPhase, bytes_of(&self.removed));
         report.add(Category::BroadPhase, self.now.bytes());
@@ -49,7 +47,7 @@ impl World {
         let [islands, kept] = self.sleep.bytes();
         report.add(Category::Bodies, islands);
         report.add(Category::BroadPhase, kept);
-        self.buffers.report(&mut report);
+        self.buffers.report(&mut report, self.is_continuous());
         let (manifolds, rows) = self.buffers.prepare.ahead_bytes();
         report.shift(Category::Manifolds, Category::Continuous, manifolds);
         report.shift(Category::Rows, Category::Continuous, rows);

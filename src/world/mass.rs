@@ -58,7 +58,7 @@ impl World {
         let velocity = &mut self.bodies.velocity[index];
         velocity.linear += velocity.angular.cross(shift);
         self.bodies.cold[index] = cold;
-        self.bodies.mass[index] = columns;
+        self.bodies.set_mass(index, columns);
         // What can't turn is in no tree.
         let joined = self.joints.of_body(self.bodies.slot[index]).next().is_some();
         self.joints.changed |= joined;

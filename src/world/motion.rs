@@ -150,6 +150,7 @@ impl World {
         self.make_place_for_forces()?;
         record!(self, AddForce(body, force, torque));
         let index = self.wake_body(index);
+        self.bodies.note_push();
         let sum = &mut self.bodies.force[index];
         sum.linear += force;
         sum.angular += torque;

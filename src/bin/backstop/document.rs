@@ -3,7 +3,7 @@
 use crate::args::RunOptions;
 use crate::trace::{Times, Trace};
 use backstop::scene::Scene;
-use backstop::{BodyHandle, BodyKind, Bytes, Category, Error, Settings, World};
+use backstop::{BodyHandle, BodyKind, Bytes, Category, Error, ModelPart, Settings, World};
 use serde::Serialize;
 
 #[derive(Debug, Serialize)]
@@ -16,6 +16,7 @@ pub(crate) struct Document {
     pub(crate) time_us: StageTimes,
     pub(crate) contacts: Contacts,
     pub(crate) memory: Memory,
+    pub(crate) model: Vec<Part>,
     pub(crate) hash: String,
 }
 
@@ -73,6 +74,32 @@ pub(crate) struct CategoryBytes {
     pub(crate) bytes: Bytes,
 }
 
+/// An optional part of the engine, after the last step.
+#[derive(Debug, Serialize)]
+pub(crate) struct Part {
+    pub(crate) name: &'static str,
+    pub(crate) needed: bool,
+    pub(crate) count: u32,
+    pub(crate) asked_by: &'static str,
+    pub(crate) bytes: usize,
+    pub(crate) time_us: Option<f32>,
+    pub(crate) stage: Option<&'static str>,
+}
+
+impl Part {
+    fn of(part: &ModelPart) -> Part {
+        Part {
+            name: part.feature.name(),
+            needed: part.is_needed(),
+            count: part.count,
+            asked_by: part.feature.asked_by(),
+            bytes: part.bytes,
+            time_us: part.time_us,
+            stage: part.feature.stage(),
+        }
+    }
+}
+
 impl Document {
     pub(crate) fn new(
         options: &RunOptions,
@@ -116,6 +143,7 @@ impl Document {
                 continuous: reserved(Category::Continuous),
                 meshes: reserved(Category::Meshes),
             },
+            model: world.model().iter().map(Part::of).collect(),
             hash: format!("{:016x}", world.hash()),
         })
     }

@@ -1,9 +1,9 @@
 //! `--report`: a page with charts, and the numbers that belong to them.
 
 use crate::charts;
-use crate::document::{CategoryBytes, Document};
+use crate::document::{CategoryBytes, Document, Part};
 use crate::html::{self, escape, figure, put, table};
-use crate::output::{bytes, micros};
+use crate::output::{bytes, count, micros};
 use crate::summary;
 use crate::trace::{STAGES, Times, Trace};
 use anyhow::anyhow;
@@ -62,6 +62,7 @@ fn page(document: &Document, trace: &Trace) -> String {
          of continuous collision is a category of its own.",
     );
     memory_table(&mut html, &document.memory.categories);
+    model_table(&mut html, document);
     settings_table(&mut html, &document.settings);
     html += html::TAIL;
     html
@@ -86,6 +87,24 @@ pub(crate) fn memory_table(html: &mut String, categories: &[CategoryBytes]) {
         })
         .collect();
     table(html, &["category", "live", "reserved", "peak"], 1, &rows);
+}
+
+fn model_table(html: &mut String, document: &Document) {
+    *html += "<h2>What the scene needs</h2>\n";
+    let row = |part: &Part| {
+        let name = part.name.replace('_', " ");
+        if !part.needed {
+            return vec![name, "not needed".into(), String::new(), bytes(part.bytes)];
+        }
+        let time = match (part.time_us, part.stage) {
+            (Some(time), _) => micros(time.into()),
+            (None, Some(stage)) => format!("in {stage}"),
+            (None, None) => String::new(),
+        };
+        vec![name, format!("{} {}", count(part.count.into()), part.asked_by), time, bytes(part.bytes)]
+    };
+    let rows: Vec<Vec<String>> = document.model.iter().map(row).collect();
+    table(html, &["part", "asked for by", "time in the last step", "bytes"], 3, &rows);
 }
 
 pub(crate) fn settings_table(html: &mut String, settings: &impl serde::Serialize) {

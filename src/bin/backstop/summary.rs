@@ -94,6 +94,8 @@ pub(crate) fn rows(document: &Document, trace: &Trace) -> Vec<(&'static str, Str
         rows.push(("shed", format!("{} points for lack of memory", count(shed))));
     }
     rows.push(("memory", memory));
+    let spare = document.model.iter().filter(|part| !part.needed).map(|part| part.name.replace('_', " "));
+    rows.push(("not needed", spare.collect::<Vec<_>>().join(", ")));
     rows.push(("hash", document.hash.clone()));
     rows
 }

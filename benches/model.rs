@@ -1,0 +1,95 @@
+//! What parts of the engine cost a scene that needs them, and save one that doesn't: `cargo bench --bench model [FILTER]`.
+//!
+//! The same pile of 4,096 bodies with a part and without it, step by step in turn, so that whatever else the machine does
+//! falls on both. Printed are medians of the step, and of reserved bytes the difference.
+#![allow(missing_docs, reason = "not an interface")]
+
+use backstop::scene::{Scene, builtin};
+use backstop::{Category, Continuous, Material, Settings, ShapeDesc, World};
+use std::time::Instant;
+
+const DT: f32 = 1.0 / 60.0;
+/// Steps until the pile lies, and steps that are timed.
+const WARM: u32 = 240;
+const TIMED: usize = 200;
+
+type Change = fn(&mut Scene, &mut Settings);
+
+/// With the part, and without it.
+const CASES: &[(&str, Change, Change)] = &[
+    (
+        "friction",
+        |_, _| {},
+        |scene, _| each(scene, |shape| shape.material = shape.material.with_friction(0.0)),
+    ),
+    // One shape that touches nothing is enough for previous velocities to be kept and contacts to be asked.
+    (
+        "restitution",
+        |scene, _| far(scene, |shape| shape.material = shape.material.with_restitution(0.5)),
+        |scene, _| far(scene, |_| {}),
+    ),
+    ("sleeping", |_, settings| (settings.sleeping, settings.sleep_time) = (true, f32::MAX), |_, _| {}),
+    ("listening", |scene, _| each(scene, |shape| shape.events = true), |_, _| {}),
+    ("continuous", |_, _| {}, |_, settings| settings.continuous = Continuous::Discrete),
+    ("hooks", |scene, _| far(scene, |shape| shape.hooks = true), |scene, _| far(scene, |_| {})),
+    ("sensors", |scene, _| far(scene, |shape| shape.sensor = true), |scene, _| far(scene, |_| {})),
+];
+
+fn each(scene: &mut Scene, change: fn(&mut ShapeDesc)) {
+    scene.bodies.iter_mut().flat_map(|body| &mut body.desc.shapes).for_each(change);
+}
+
+/// A shape that nothing comes near to.
+fn far(scene: &mut Scene, change: fn(&mut ShapeDesc)) {
+    let mut body = backstop::BodyDesc::fixed().at(backstop::glam::DVec3::Y * -500.0);
+    let mut shape = ShapeDesc::new(backstop::Geometry::cuboid(1.0, 1.0, 1.0));
+    shape.material = Material::default();
+    change(&mut shape);
+    body.shapes.push(shape);
+    scene.add("far", body);
+}
+
+fn world(change: Change) -> World {
+    let mut scene = builtin::pile();
+    let mut settings = Settings { gravity: scene.gravity, ..Settings::default() };
+    change(&mut scene, &mut settings);
+    let mut world = World::new(settings).expect("the settings are in range");
+    scene.add_to(&mut world).expect("a builtin scene is valid");
+    (0..WARM).for_each(|_| drop(step(&mut world)));
+    world
+}
+
+/// [us]
+fn step(world: &mut World) -> f64 {
+    let start = Instant::now();
+    world.step(DT).expect("dt is above zero");
+    start.elapsed().as_secs_f64() * 1e6
+}
+
+fn median(times: &mut [f64]) -> f64 {
+    times.sort_unstable_by(f64::total_cmp);
+    times[times.len() / 2]
+}
+
+fn main() {
+    // Cargo says `--bench`.
+    let filter = std::env::args().skip(1).find(|word| !word.starts_with('-'));
+    let wanted = |name: &str| filter.as_deref().is_none_or(|filter| name.contains(filter));
+    println!("{:<14}{:>10}{:>10}{:>8}{:>14}", "", "with", "without", "saved", "bytes saved");
+    for (name, with, without) in CASES.iter().filter(|case| wanted(case.0)) {
+        let mut worlds = [world(*with), world(*without)];
+        let mut times = [Vec::new(), Vec::new()];
+        for turn in 0..TIMED {
+            for which in [turn % 2, 1 - turn % 2] {
+                times[which].push(step(&mut worlds[which]));
+            }
+        }
+        let [a, b] = times.each_mut().map(|times| median(times));
+        let [more, less] = worlds.each_ref().map(|world| world.memory().total() as i64);
+        println!("{name:<14}{a:>7.0} us{b:>7.0} us{:>7.1}%{:>14}", 100.0 * (a - b) / a, more - less);
+        let rows = |world: &World| world.memory().category(Category::Rows).reserved as i64;
+        if *name == "friction" {
+            println!("{:<14}{:>46}", "  of rows", rows(&worlds[0]) - rows(&worlds[1]));
+        }
+    }
+}

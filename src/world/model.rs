@@ -1,0 +1,318 @@
+//! What of the engine a scene needs: each optional part with who asks for it, its bytes and its time, or "not needed".
+
+use super::World;
+use crate::body::BodyKind;
+use crate::lanes::Record;
+use crate::memory::bytes_of;
+use crate::shape::Kind;
+use glam::Vec3;
+use std::fmt;
+
+/// A part of the engine that not every scene needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[non_exhaustive]
+pub enum Feature {
+    /// Friction rows of contacts, and friction of impacts.
+    Friction,
+    /// Surfaces that move, as belts do.
+    SurfaceVelocities,
+    /// Velocities and displacements of the step before, and sweeps over impacts.
+    Restitution,
+    /// Swept paths, casts, contacts that may come, and the guard.
+    ContinuousCollision,
+    /// Gravity and forces.
+    Acceleration,
+    /// The column of forces that were applied.
+    Forces,
+    /// Axes along or about which bodies don't move.
+    LockedAxes,
+    /// Turning about axes that wander, of bodies with unequal moments of inertia.
+    GyroscopicTurning,
+    /// Bodies that move as they are told.
+    KinematicBodies,
+    /// Lists of bodies with more than one shape.
+    Compounds,
+    /// Convex hulls.
+    ConvexHulls,
+    /// Triangle meshes with their trees.
+    Meshes,
+    /// Height fields.
+    HeightFields,
+    /// Joints of any kind.
+    Joints,
+    /// Joints in trees, solved exactly.
+    JointTrees,
+    /// Locks in loops: points, lines, hinges and welds that are in no tree.
+    JointLocks,
+    /// Limits with a width.
+    JointLimits,
+    /// Drives: motors, and friction of joints.
+    JointDrives,
+    /// Springs, of limits and of drives.
+    JointSprings,
+    /// Joints that break.
+    BreakableJoints,
+    /// How long bodies rest, islands, and what these keep asleep.
+    Sleeping,
+    /// Begins, ends and hits of contacts.
+    ContactEvents,
+    /// Who is in which sensor.
+    Sensors,
+    /// What contact hooks say.
+    ContactHooks,
+    /// The tree that queries look into.
+    Queries,
+    /// The order of contacts and joints that are raised above others.
+    RaisedOrder,
+}
+
+impl Feature {
+    /// Every feature, in the order of reports.
+    pub const ALL: [Feature; 26] = [
+        Feature::Friction,
+        Feature::SurfaceVelocities,
+        Feature::Restitution,
+        Feature::ContinuousCollision,
+        Feature::Acceleration,
+        Feature::Forces,
+        Feature::LockedAxes,
+        Feature::GyroscopicTurning,
+        Feature::KinematicBodies,
+        Feature::Compounds,
+        Feature::ConvexHulls,
+        Feature::Meshes,
+        Feature::HeightFields,
+        Feature::Joints,
+        Feature::JointTrees,
+        Feature::JointLocks,
+        Feature::JointLimits,
+        Feature::JointDrives,
+        Feature::JointSprings,
+        Feature::BreakableJoints,
+        Feature::Sleeping,
+        Feature::ContactEvents,
+        Feature::Sensors,
+        Feature::ContactHooks,
+        Feature::Queries,
+        Feature::RaisedOrder,
+    ];
+
+    /// The name in reports and JSON.
+    pub fn name(self) -> &'static str {
+        self.words().0
+    }
+
+    /// What asks for it, and is counted in [`ModelPart::count`].
+    pub fn asked_by(self) -> &'static str {
+        self.words().1
+    }
+
+    /// The stage of [`StageTimes`](crate::StageTimes) that has its time; nothing if it takes none in a step.
+    pub fn stage(self) -> Option<&'static str> {
+        Some(self.words().2).filter(|stage| !stage.is_empty())
+    }
+
+    fn words(self) -> (&'static str, &'static str, &'static str) {
+        match self {
+            Feature::Friction => ("friction", "shapes with friction or contact hooks", "solve"),
+            Feature::SurfaceVelocities => ("surface_velocities", "contacts with a moving surface", "solve"),
+            Feature::Restitution => ("restitution", "shapes with restitution or contact hooks", "prepare"),
+            Feature::ContinuousCollision => {
+                ("continuous_collision", "bodies that are not discrete", "narrow")
+            }
+            Feature::Acceleration => ("acceleration", "dynamic bodies under gravity or forces", "broad"),
+            Feature::Forces => ("forces", "forces since the column was made", "broad"),
+            Feature::LockedAxes => ("locked_axes", "bodies with a locked axis", "broad"),
+            Feature::GyroscopicTurning => {
+                ("gyroscopic_turning", "bodies with unequal moments of inertia", "finish")
+            }
+            Feature::KinematicBodies => ("kinematic_bodies", "kinematic bodies", "broad"),
+            Feature::Compounds => ("compounds", "bodies with more than one shape", "broad"),
+            Feature::ConvexHulls => ("convex_hulls", "shapes", "narrow"),
+            Feature::Meshes => ("meshes", "shapes", "narrow"),
+            Feature::HeightFields => ("height_fields", "shapes", "narrow"),
+            Feature::Joints => ("joints", "joints", "prepare"),
+            Feature::JointTrees => ("joint_trees", "bodies in trees", "solve"),
+            Feature::JointLocks => ("joint_locks", "locks outside of trees", "solve"),
+            Feature::JointLimits => ("joint_limits", "limits with a width", "solve"),
+            Feature::JointDrives => ("joint_drives", "drives", "solve"),
+            Feature::JointSprings => ("joint_springs", "springs of limits and drives", "solve"),
+            Feature::BreakableJoints => ("breakable_joints", "joints that can break", "solve"),
+            Feature::Sleeping => ("sleeping", "dynamic bodies where sleeping is switched on", "finish"),
+            Feature::ContactEvents => ("contact_events", "shapes that are listened to", "solve"),
+            Feature::Sensors => ("sensors", "sensors", "finish"),
+            Feature::ContactHooks => ("contact_hooks", "shapes with contact hooks", "narrow"),
+            Feature::Queries => ("queries", "1 while queries are asked", ""),
+            Feature::RaisedOrder => ("raised_order", "bodies and joints that are raised", "prepare"),
+        }
+    }
+}
+
+impl fmt::Display for Feature {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.name().replace('_', " "))
+    }
+}
+
+/// A feature in a world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct ModelPart {
+    /// Which.
+    pub feature: Feature,
+    /// How many ask for it; [`Feature::asked_by`] says who. Zero: it is not needed.
+    pub count: u32,
+    /// Bytes that are reserved for it alone. What was needed until just now goes with the end of the next step; lists of events, once nobody can read them any more.
+    pub bytes: usize,
+    /// Its time in the last step, as far as it can be told apart from that of its [stage](Feature::stage) [us]; nothing if it
+    /// can't, and if it was not needed.
+    pub time_us: Option<f32>,
+}
+
+impl ModelPart {
+    /// Whether anything in the world asks for it.
+    pub fn is_needed(&self) -> bool {
+        self.count > 0
+    }
+}
+
+impl fmt::Display for ModelPart {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if !self.is_needed() && self.bytes == 0 {
+            return write!(f, "{}: not needed", self.feature);
+        }
+        let who = self.feature.asked_by();
+        write!(f, "{}: {} ({who}), {} bytes", self.feature, self.count, self.bytes)?;
+        match (self.time_us, self.feature.stage()) {
+            (Some(time), _) => write!(f, ", {time:.1} us"),
+            (None, Some(stage)) => write!(f, ", time in {stage}"),
+            (None, None) => Ok(()),
+        }
+    }
+}
+
+/// The optional parts of a world.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Model {
+    parts: Vec<ModelPart>,
+}
+
+impl Model {
+    /// One of the parts.
+    pub fn part(&self, feature: Feature) -> ModelPart {
+        self.parts[feature as usize]
+    }
+
+    /// All parts, in the order of [`Feature::ALL`].
+    pub fn iter(&self) -> impl Iterator<Item = &ModelPart> + '_ {
+        self.parts.iter()
+    }
+
+    /// Features that nothing in the world asks for.
+    pub fn not_needed(&self) -> impl Iterator<Item = Feature> + '_ {
+        self.parts.iter().filter(|part| !part.is_needed()).map(|part| part.feature)
+    }
+}
+
+/// One line for each part.
+impl fmt::Display for Model {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.parts.iter().try_for_each(|part| writeln!(f, "{part}"))
+    }
+}
+
+/// Times of parts in the last step [us]; zero for what was not needed.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct PartTimes {
+    pub(crate) restitution: f32,
+    pub(crate) joints: f32,
+    pub(crate) sleeping: f32,
+    pub(crate) events: f32,
+    pub(crate) sensors: f32,
+    pub(crate) hooks: f32,
+}
+
+/// What a kinematic body has in buffers of steps: its motion, its velocities and displacement in the solver.
+const OF_A_MOVER: usize = 4 * size_of::<Record>();
+
+impl World {
+    /// What the world's content needs of the engine: which optional parts, because of how many shapes, bodies or joints, and
+    /// what they cost. Who needs something is counted when it is added, changed or removed; of joints it is known how they
+    /// are solved once a step has been.
+    pub fn model(&self) -> Model {
+        Model { parts: Feature::ALL.iter().map(|&feature| self.model_part(feature)).collect() }
+    }
+
+    fn model_part(&self, feature: Feature) -> ModelPart {
+        let World { bodies, needs, joints, buffers, spent, events, .. } = self;
+        let dynamic = || bodies.all_dynamic().count() as u32;
+        let events = || events.parts(needs.events > 0);
+        let [beside, trees, locks, rows] = buffers.joints.parts();
+        let [in_trees, alone] = buffers.joints.counts();
+        let [own, of_locks, of_rows] = joints.parts();
+        // Limits, drives and springs share rows.
+        let kinds = joints.kinds_of_rows();
+        let shares = share_out(of_rows + rows, [kinds[0], kinds[1]]);
+        let (count, bytes, time) = match feature {
+            Feature::Friction => (needs.friction, buffers.rows.friction.bytes().1, None),
+            Feature::SurfaceVelocities => {
+                let moving = self.events.tweaks.iter().filter(|tweak| tweak.surface != Vec3::ZERO).count();
+                (moving as u32, bytes_of(&buffers.rows.surfaces).1, None)
+            }
+            Feature::Restitution => {
+                let bytes = bytes_of(&bodies.previous).1 + buffers.bounce.bytes().1;
+                (needs.restitution, bytes, Some(spent.restitution))
+            }
+            Feature::ContinuousCollision => {
+                let count = if self.is_continuous() { bodies.continuous } else { 0 };
+                let (manifolds, rows) = buffers.prepare.ahead_bytes();
+                let guard = buffers.finish.bytes().1;
+                (count, self.broad.continuous_bytes().1 + manifolds.1 + rows.1 + guard, None)
+            }
+            Feature::Acceleration => {
+                let count = if self.is_accelerated() { dynamic() } else { 0 };
+                (count, bytes_of(&buffers.forces.acceleration).1, None)
+            }
+            Feature::Forces => (bodies.pushes, bytes_of(&bodies.force).1, None),
+            Feature::LockedAxes => (bodies.locked, 0, None),
+            Feature::GyroscopicTurning => (bodies.uneven, 0, None),
+            Feature::KinematicBodies => {
+                let count = bodies.kind.iter().filter(|&&kind| kind == BodyKind::Kinematic).count();
+                (count as u32, (bodies.movers() - bodies.dynamic()) * OF_A_MOVER, None)
+            }
+            Feature::Compounds => (bodies.compounds, bodies.list_bytes(), None),
+            Feature::ConvexHulls => (needs.hulls, self.assets.bytes_of(Kind::Hull), None),
+            Feature::Meshes => (needs.meshes, self.assets.bytes_of(Kind::Mesh), None),
+            Feature::HeightFields => (needs.height_fields, self.assets.bytes_of(Kind::HeightField), None),
+            Feature::Joints => (joints.count as u32, own + beside, Some(spent.joints)),
+            Feature::JointTrees => (in_trees, trees, None),
+            Feature::JointLocks => (alone, of_locks + locks, None),
+            Feature::JointLimits => (kinds[0], shares[0], None),
+            Feature::JointDrives => (kinds[1], shares[1], None),
+            Feature::JointSprings => (kinds[2], 0, None),
+            Feature::BreakableJoints => (joints.breakable(), 0, None),
+            Feature::Sleeping => {
+                let [islands, kept] = self.sleep.bytes();
+                let count = if self.settings.sleeping { dynamic() } else { 0 };
+                (count, bytes_of(&bodies.rest).1 + islands.1 + kept.1, Some(spent.sleeping))
+            }
+            Feature::ContactEvents => (needs.events, events()[0], Some(spent.events)),
+            Feature::Sensors => (needs.sensors, events()[1], Some(spent.sensors)),
+            Feature::ContactHooks => (needs.hooks, events()[2], Some(spent.hooks)),
+            Feature::Queries => (u32::from(self.now.is_kept()), self.now.bytes().1, None),
+            Feature::RaisedOrder => {
+                (bodies.raised_count() + joints.raised(), buffers.prepare.raised_bytes(), None)
+            }
+        };
+        ModelPart { feature, count, bytes, time_us: time.filter(|_| count > 0) }
+    }
+}
+
+/// Bytes in proportion to two counts, all of them if either is above zero.
+fn share_out(bytes: usize, [a, b]: [u32; 2]) -> [usize; 2] {
+    let all = a as usize + b as usize;
+    let first = (bytes * a as usize).checked_div(all).unwrap_or(bytes);
+    [first, bytes - first]
+}

@@ -1,0 +1,140 @@
+//! What the content of the world requires of a step: counted when content comes, goes or changes, never looked for.
+
+use super::World;
+use crate::config::Continuous;
+use crate::shape::{Collider, EVENTS, HOOKS, Kind, SENSOR};
+use glam::Vec3;
+
+/// How many shapes ask for what; what nothing requires costs nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Needs {
+    /// Shapes with friction, or with hooks, which may give them some.
+    pub(crate) friction: u32,
+    /// Shapes with restitution, or with hooks, which may give them some.
+    pub(crate) restitution: u32,
+    /// Shapes that are listened to, are sensors, or have hooks.
+    pub(crate) events: u32,
+    pub(crate) sensors: u32,
+    pub(crate) hooks: u32,
+    /// Shapes by what they share.
+    pub(crate) hulls: u32,
+    pub(crate) meshes: u32,
+    pub(crate) height_fields: u32,
+}
+
+impl Needs {
+    /// Counts a collider that comes (1) or goes (-1).
+    pub(super) fn count(&mut self, collider: &Collider, change: i32) {
+        let has = |flag: u8| collider.flags & flag != 0;
+        let add = |count: &mut u32, set: bool| {
+            if set {
+                *count = count.wrapping_add_signed(change);
+            }
+        };
+        let material = &collider.material;
+        // A sensor pushes nothing.
+        let solid = !has(SENSOR);
+        let rubs = material.static_friction > 0.0 || material.dynamic_friction > 0.0;
+        add(&mut self.friction, solid && (rubs || has(HOOKS)));
+        add(&mut self.restitution, solid && (material.restitution > 0.0 || has(HOOKS)));
+        add(&mut self.events, has(EVENTS));
+        add(&mut self.sensors, has(SENSOR));
+        add(&mut self.hooks, has(HOOKS));
+        add(&mut self.hulls, collider.kind == Kind::Hull);
+        add(&mut self.meshes, collider.kind == Kind::Mesh);
+        add(&mut self.height_fields, collider.kind == Kind::HeightField);
+    }
+}
+
+/// Demand with buffers that are given back once nothing needs them: a bit each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Demand(u8);
+
+impl Demand {
+    const FRICTION: u8 = 1;
+    const RESTITUTION: u8 = 2;
+    const LISTENING: u8 = 4;
+    const HOOKS: u8 = 8;
+    const JOINTS: u8 = 16;
+    const CONTINUOUS: u8 = 32;
+    const RAISED: u8 = 64;
+    const ACCELERATION: u8 = 128;
+}
+
+impl World {
+    /// Whether any body is kept from passing through others.
+    #[inline]
+    pub(crate) fn is_continuous(&self) -> bool {
+        self.settings.continuous != Continuous::Discrete && self.bodies.continuous > 0
+    }
+
+    /// Whether anything accelerates bodies but contacts and joints.
+    #[inline]
+    pub(crate) fn is_accelerated(&self) -> bool {
+        self.settings.gravity != Vec3::ZERO || !self.bodies.force.is_empty()
+    }
+
+    /// What the step that begins needs.
+    pub(crate) fn demand(&self) -> Demand {
+        let listening = self.needs.events > 0 || self.needs.sensors > 0 || self.events.has_any();
+        let needed = [
+            (self.needs.friction > 0, Demand::FRICTION),
+            (self.needs.restitution > 0, Demand::RESTITUTION),
+            (listening, Demand::LISTENING),
+            (self.needs.hooks > 0, Demand::HOOKS),
+            (self.joints.count > 0 || !self.joints.broken.is_empty(), Demand::JOINTS),
+            (self.is_continuous(), Demand::CONTINUOUS),
+            (self.bodies.any_raised(), Demand::RAISED),
+            (self.is_accelerated(), Demand::ACCELERATION),
+        ];
+        Demand(needed.iter().fold(0, |all, (is, part)| all | u8::from(*is) * part))
+    }
+
+    /// At the end of a step that needed `now`: gives back what only earlier ones needed. With a budget place that was made
+    /// stays, so that what comes to need it again is never refused.
+    pub(crate) fn give_back(&mut self, now: Demand) {
+        if self.settings.budget.is_some() {
+            self.last_demand.0 |= now.0;
+            return;
+        }
+        let gone = self.last_demand.0 & !now.0;
+        self.last_demand = now;
+        if gone != 0 {
+            self.give_back_all(gone);
+        }
+    }
+
+    #[cold]
+    fn give_back_all(&mut self, gone: u8) {
+        let buffers = &mut self.buffers;
+        if gone & Demand::RESTITUTION != 0 {
+            buffers.bounce = Default::default();
+        }
+        if gone & Demand::LISTENING != 0 {
+            self.events.give_back();
+        }
+        if gone & Demand::HOOKS != 0 {
+            (self.events.tweaks, self.events.vetoed) = Default::default();
+            buffers.rows.surfaces = Vec::new();
+        }
+        if gone & Demand::JOINTS != 0 {
+            self.joints.give_back();
+            buffers.joints.give_back();
+            buffers.rows.seated = Vec::new();
+            buffers.finish.part_trees();
+            self.revisions.moving += 1;
+        }
+        if gone & Demand::CONTINUOUS != 0 {
+            buffers.finish.give_back();
+            buffers.prepare.forget_ahead();
+            self.broad.give_back_paths();
+        }
+        if gone & Demand::RAISED != 0 {
+            buffers.prepare.lower();
+        }
+        if gone & Demand::ACCELERATION != 0 {
+            buffers.forces.acceleration = Vec::new();
+        }
+        // Friction goes when rows are prepared, previous velocities and what sleeps when a step begins.
+    }
+}
