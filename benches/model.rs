@@ -55,7 +55,7 @@ fn world(change: Change) -> World {
     change(&mut scene, &mut settings);
     let mut world = World::new(settings).expect("the settings are in range");
     scene.add_to(&mut world).expect("a builtin scene is valid");
-    (0..WARM).for_each(|_| drop(step(&mut world)));
+    (0..WARM).for_each(|_| _ = step(&mut world));
     world
 }
 
