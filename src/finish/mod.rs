@@ -122,7 +122,7 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
         broad: &world.broad,
         colliders: &world.colliders.all,
         poses: &world.colliders.poses,
-        mode: world.settings.continuous,
+        mode: world.settings.stage_modes().guard,
         senses: world.needs.sensors > 0,
         vetoed: &world.events.vetoed,
     };
