@@ -44,7 +44,7 @@ pub enum ContinuousMethod {
     /// Discrete contacts, then each fast body is swept straight ahead, turned as at the end of the step. At the first hit
     /// the two stand at the time of impact, where the impact is resolved, and go on from there with their new
     /// velocities: at most 8 times a step, after which a body loses the rest of it (Erin Catto, *Continuous Collision*,
-    /// GDC 2013; the sweep as in Jolt).
+    /// GDC 2013; sweeps in PhysX and Jolt).
     LinearCast,
     /// The same with times of impact by conservative advancement over the whole motion, rotation included (Mirtich 1996;
     /// Zhang et al. 2006), tighter, and up to 64 times: slow, and the reference for the others.

@@ -30,7 +30,8 @@ use crate::world::World;
 use first_touch::{Search, Touch, first_touch};
 use glam::Vec3;
 use queue::{Hit, Queue};
-use track::{Track, Way};
+use track::Track;
+pub(crate) use track::Way;
 
 /// What it did in a step.
 #[derive(Clone, Copy, Debug, Default)]

@@ -8,7 +8,7 @@ use glam::{DVec3, Quat, Vec3};
 
 /// A straight way with an even turn, from a moment of the step to its end.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Way {
+pub(crate) struct Way {
     /// Fraction of the step at which it begins.
     pub(super) since: f32,
     pub(super) position: DVec3,
@@ -20,7 +20,7 @@ pub(super) struct Way {
 
 impl Way {
     /// Of what stands.
-    pub(super) fn still(pose: &Pose) -> Way {
+    pub(crate) fn still(pose: &Pose) -> Way {
         Way {
             since: 0.0,
             position: pose.position,
@@ -32,7 +32,7 @@ impl Way {
 
     /// From where a body stood at the start of the step, which is where its collider was placed, to where it stands at the
     /// end, about as often around as `turned` says [rad].
-    pub(super) fn taken(shape: &Collider, placed: &Pose, end: &Pose, turned: Vec3) -> Way {
+    pub(crate) fn taken(shape: &Collider, placed: &Pose, end: &Pose, turned: Vec3) -> Way {
         let rotation = (placed.rotation * shape.rotation.conjugate()).normalize();
         let position = placed.position - (rotation * shape.position).as_dvec3();
         Way {
@@ -45,7 +45,7 @@ impl Way {
     }
 
     /// What of it is left from a moment on.
-    pub(super) fn rest(&self, time: f32) -> BodyPath {
+    pub(crate) fn rest(&self, time: f32) -> BodyPath {
         let (done, left) = self.shares(time);
         BodyPath {
             centre: self.position + self.displacement.as_dvec3() * f64::from(done),

@@ -20,6 +20,8 @@ pub(crate) enum Command {
     Run(Box<RunOptions>),
     /// Shoot bodies of every shape at thin targets and count those that get through.
     Shots(ShotOptions),
+    /// Run methods of continuous collision side by side on six scenes (docs/continuous.md).
+    Compare(CompareOptions),
     /// Play a recorded run again, compare every step, and name the first that goes another way.
     Replay(ReplayOptions),
     /// Scenes that come with backstop.
@@ -159,6 +161,25 @@ pub(crate) struct ShotOptions {
     /// No progress.
     #[arg(long)]
     pub(crate) quiet: bool,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct CompareOptions {
+    /// Only this scene: talk, posts, blades, deflector, head_on or ragdoll_wall.
+    #[arg(long, value_name = "NAME")]
+    pub(crate) scene: Option<String>,
+    /// Steps of 1/60 s [default: what each scene is made for].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) steps: Option<u32>,
+    /// Threads that work on a step.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = threads)]
+    pub(crate) threads: usize,
+    /// How often each scene is run; a step's time is the median of its rounds.
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) rounds: u32,
+    /// Print one JSON document instead of tables (docs/json.md).
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 fn number(text: &str) -> Result<f32, String> {

@@ -2,6 +2,7 @@
 
 mod args;
 mod charts;
+mod compare;
 mod document;
 mod output;
 mod page;
@@ -22,6 +23,7 @@ fn main() -> ExitCode {
         Command::Run(options) => run::run(&options),
         Command::Replay(options) => replay::replay(&options),
         Command::Shots(options) => shots::shots(&options),
+        Command::Compare(options) => compare::print(&options),
         Command::Scenes { command: ScenesCommand::List } => list_scenes(),
         Command::Scenes { command: ScenesCommand::Write { folder } } => write_scenes(&folder),
     };
