@@ -6,8 +6,8 @@ mod common;
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::{Scene, builtin};
 use backstop::{
-    Axes, Axis, BodyDesc, BodyHandle, ContinuousMethod, Drive, Geometry, JointDesc, Limit, Material, Motion, Mover,
-    MoverReport, MoverSettings, QueryFilter, Ray, Settings, ShapeCast, Snapshot, Spring, World,
+    Axes, Axis, BodyDesc, BodyHandle, ContinuousMethod, Drive, Geometry, JointDesc, Limit, Material, Motion,
+    Mover, MoverReport, MoverSettings, QueryFilter, Ray, Settings, ShapeCast, Snapshot, Spring, World,
 };
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::Mutex;

@@ -1,8 +1,6 @@
 //! When two colliders first touch on what is left of their ways.
 
-use crate::narrow_phase::{
-    Asked, BodyPath, Cast, Motion, ask_mesh, cast_convex, cast_plane, tolerance,
-};
+use crate::narrow_phase::{Asked, BodyPath, Cast, Motion, ask_mesh, cast_convex, cast_plane, tolerance};
 use crate::shape::{Collider, Kind};
 use glam::Vec3;
 

@@ -325,7 +325,8 @@ impl View<'_> {
 
     /// How often the body of a collider was sent another way.
     fn turns(&self, collider: u32) -> u32 {
-        self.track_of(self.world.colliders.hot[collider as usize].body as usize).map_or(0, |track| track.turns)
+        self.track_of(self.world.colliders.hot[collider as usize].body as usize)
+            .map_or(0, |track| track.turns)
     }
 
     /// Whether an impact of two colliders would be met.
@@ -356,7 +357,8 @@ impl View<'_> {
         }
         let own = self.world.bodies.colliders[body].as_slice().first();
         let Some(&c) = own.filter(|_| body < self.world.bodies.movers()) else { return Way::still(pose) };
-        let (shape, placed) = (&self.world.colliders.all[c as usize], &self.world.colliders.poses[c as usize]);
+        let (shape, placed) =
+            (&self.world.colliders.all[c as usize], &self.world.colliders.poses[c as usize]);
         let turned = self.world.buffers.solver.delta[body].angular;
         let way = Way::taken(shape, placed, pose, turned);
         if self.rules.linear { Way { rotation: pose.rotation, spin: Vec3::ZERO, ..way } } else { way }
@@ -367,7 +369,7 @@ impl View<'_> {
         let shape = |c: u32| &self.world.colliders.all[c as usize];
         let path = |c: u32| self.way(shape(c).body as usize).rest(since);
         let turns = self.turns(a).max(self.turns(b));
-        let share = if self.rules.linear { 1.0 } else { tightness(turns) };
+        let share = if self.rules.linear { TIGHT } else { tightness(turns) };
         let search = Search { share, resting: REAL * self.world.settings.length_unit };
         let touch = first_touch((shape(a), &path(a)), (shape(b), &path(b)), search);
         touch.map_or(Touch::NEVER, |touch| Touch { time: since + touch.time * (1.0 - since), ..touch })
@@ -387,8 +389,11 @@ impl View<'_> {
     }
 }
 
-/// Share of the engine's tolerance for a touch. What touched once in a step is a little nearer than the tolerance was; for it
+/// Share of the engine's tolerance for a touch: that is for manifolds, this for times.
+const TIGHT: f32 = 0.1;
+
+/// The same for a pair whose bodies were sent another way already. What touched once in a step is a little nearer than the tolerance was; for it
 /// to be able to touch again, that shrinks each time, by less than a search may fall short of it.
 fn tightness(turns: u32) -> f32 {
-    (0..turns.min(12)).fold(0.1, |share, _| share * 0.4)
+    (0..turns.min(12)).fold(TIGHT, |share, _| share * 0.4)
 }

@@ -82,7 +82,10 @@ mod tests {
         for i in 0..500 {
             seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             let time = (seed >> 28) as f32 / 16.0;
-            assert!(queue.push(Hit { touch: Touch { time, ..Touch::NEVER }, a: i % 7, b: i, turns: [0; 2] }, &mut Room::ENDLESS));
+            assert!(queue.push(
+                Hit { touch: Touch { time, ..Touch::NEVER }, a: i % 7, b: i, turns: [0; 2] },
+                &mut Room::ENDLESS
+            ));
         }
         let mut last = (0, 0, 0);
         for _ in 0..500 {

@@ -76,14 +76,17 @@ impl Run<'_> {
     fn struck(&self, body: usize, track: Option<usize>, time: f32, end: &Pose) -> Struck {
         let bodies = &self.world.bodies;
         let Some(track) = track else {
-            return Struck { velocity: Record::default(), inverse_mass: 0.0, inverse_inertia: Sym3::default() };
+            return Struck {
+                velocity: Record::default(),
+                inverse_mass: 0.0,
+                inverse_inertia: Sym3::default(),
+            };
         };
         if body >= bodies.dynamic() {
             let velocity = bodies.velocity[body];
             return Struck { velocity, inverse_mass: 0.0, inverse_inertia: Sym3::default() };
         }
-        let mut velocity =
-            self.buffers.tracks[track].velocity_at(&bodies.velocity[body], time, self.dt);
+        let mut velocity = self.buffers.tracks[track].velocity_at(&bodies.velocity[body], time, self.dt);
         velocity.angular = self.carried(body, end, &bodies.pose[body], velocity.angular);
         let (inverse_mass, inverse_inertia) = (bodies.mass[body].inverse, world_inertia(bodies, body));
         Struck { velocity, inverse_mass, inverse_inertia }
@@ -116,7 +119,8 @@ impl Run<'_> {
             track.way.displacement = velocity.linear * left + track.pull * (0.5 * left * left);
             if linear {
                 // It turned for the whole step before it was swept; of that only the change is still to come.
-                pose.rotation = (exp_map((velocity.angular - spin_before) * left) * pose.rotation).normalize();
+                pose.rotation =
+                    (exp_map((velocity.angular - spin_before) * left) * pose.rotation).normalize();
                 track.way.rotation = pose.rotation;
             } else {
                 track.way.spin = velocity.angular * left;

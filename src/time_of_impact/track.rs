@@ -72,7 +72,11 @@ impl Way {
     }
 
     fn turned(&self, share: f32) -> Quat {
-        if self.spin == Vec3::ZERO { self.rotation } else { (exp_map(self.spin * share) * self.rotation).normalize() }
+        if self.spin == Vec3::ZERO {
+            self.rotation
+        } else {
+            (exp_map(self.spin * share) * self.rotation).normalize()
+        }
     }
 }
 

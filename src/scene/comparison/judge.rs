@@ -88,8 +88,7 @@ impl Judge {
                                 place.is_ok_and(|place| self.watched[k].through[place])
                             };
                             let distance = apart(&entrants[REFERENCE], entrant, &group.bodies);
-                            group.distance[k] =
-                                (!group.bodies.iter().any(through)).then_some(distance);
+                            group.distance[k] = (!group.bodies.iter().any(through)).then_some(distance);
                         }
                     }
                 }

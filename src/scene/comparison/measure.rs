@@ -1,7 +1,9 @@
 //! What of a world is measured: ghosts of a step, joints that are open, and how bodies that hang together move.
 
 use super::{Entrant, Scene};
-use crate::narrow_phase::{Asked, BodyPath, Cast, GHOST_GAP, Motion, NONE, ask_mesh, cast_convex, cast_plane};
+use crate::narrow_phase::{
+    Asked, BodyPath, Cast, GHOST_GAP, Motion, NONE, ask_mesh, cast_convex, cast_plane,
+};
 use crate::shape::Kind;
 use crate::step::MARGIN;
 use crate::time_of_impact::Way;
@@ -60,7 +62,8 @@ pub(super) fn opening(scene_joints: &[([usize; 2], [Vec3; 2])], entrant: &Entran
         let pose = world.position(body).ok().zip(world.rotation(body).ok());
         pose.map_or(DVec3::NAN, |(position, rotation)| position + (rotation * at).as_dvec3())
     };
-    let gap = |(bodies, at): &([usize; 2], [Vec3; 2])| (end(bodies[0], at[0]) - end(bodies[1], at[1])).length();
+    let gap =
+        |(bodies, at): &([usize; 2], [Vec3; 2])| (end(bodies[0], at[0]) - end(bodies[1], at[1])).length();
     scene_joints.iter().map(gap).fold(0.0, f64::max)
 }
 
@@ -117,7 +120,9 @@ pub(super) fn apart(one: &Entrant, other: &Entrant, group: &[usize]) -> f64 {
         let hot = |&c: &u32| &one.world.colliders.hot[c as usize];
         let own = one.world.bodies.colliders[i].as_slice().iter().map(hot);
         // A ball looks the same however it is turned.
-        let reach = own.fold(0.0_f32, |r, hot| r.max(hot.lever + if hot.kind == Kind::Sphere { 0.0 } else { hot.radius }));
+        let reach = own.fold(0.0_f32, |r, hot| {
+            r.max(hot.lever + if hot.kind == Kind::Sphere { 0.0 } else { hot.radius })
+        });
         let turn = q.rotation * p.rotation.conjugate();
         let swing = 2.0 * turn.xyz().length().min(1.0) * reach;
         Some((q.position - p.position).length() + f64::from(swing))

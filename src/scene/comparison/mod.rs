@@ -114,7 +114,7 @@ impl Contest {
         }
         let entrants = METHODS.iter().map(|method| Entrant::new(&scene, method, threads));
         let entrants: Vec<Entrant> = entrants.collect::<Result<_, _>>()?;
-        let judge = Judge::new(&scene, Truth::of(name), &entrants);
+        let judge = Judge::new(&scene, Truth::of(&scene), &entrants);
         Ok(Some(Contest { entrants, judge, step: 0, steps: scene.steps }))
     }
 

@@ -149,7 +149,11 @@ pub(crate) fn ragdoll_wall() -> Scene {
     let mut rng = Rng::new(25);
     let figure = Skeleton { friction: 1.0, ..Skeleton::humanoid() };
     for i in 0..6 {
-        let at = DVec3::new(-f64::from(rng.range(3.0, 6.0)), 5.0 * f64::from(i % 2) - 2.5, 5.0 * f64::from(i / 2) - 5.0);
+        let at = DVec3::new(
+            -f64::from(rng.range(3.0, 6.0)),
+            5.0 * f64::from(i % 2) - 2.5,
+            5.0 * f64::from(i / 2) - 5.0,
+        );
         let velocity = Vec3::new(rng.range(30.0, 60.0), rng.range(-5.0, 5.0), rng.range(-5.0, 5.0));
         throw(&mut scene, &figure, (at, rng.rotation()), velocity);
     }

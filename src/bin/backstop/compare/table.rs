@@ -5,8 +5,19 @@ use crate::output::{bytes, micros};
 use std::fmt::Write;
 
 const HEAD: [&str; 13] = [
-    "method", "median", "mean", "p95", "worst", "bytes", "continuous", "tunnelled", "ghosts", "energy lost",
-    "off by", "distance", "joints open",
+    "method",
+    "median",
+    "mean",
+    "p95",
+    "worst",
+    "bytes",
+    "continuous",
+    "tunnelled",
+    "ghosts",
+    "energy lost",
+    "off by",
+    "distance",
+    "joints open",
 ];
 
 pub(super) fn text(comparison: &Comparison) -> String {
