@@ -1,8 +1,8 @@
 //! The command line.
 
 use crate::view::Look;
-use backstop::Continuous;
 use backstop::glam::{DVec3, Vec3};
+use backstop::{Continuous, ContinuousMethod};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -67,6 +67,9 @@ pub(crate) struct RunOptions {
     /// How fast bodies are kept from passing through others: discrete (not at all), segment or volume.
     #[arg(long, value_name = "MODE", default_value = "segment", value_parser = continuous)]
     pub(crate) continuous: Continuous,
+    /// By which method: one-pass, speculative, linear-cast or conservative-advancement (docs/continuous.md).
+    #[arg(long, value_name = "NAME", default_value = "one-pass", value_parser = method)]
+    pub(crate) method: ContinuousMethod,
     /// Let bodies at rest fall asleep.
     #[arg(long)]
     pub(crate) sleep: bool,
@@ -233,6 +236,16 @@ fn continuous(text: &str) -> Result<Continuous, String> {
         "segment" => Ok(Continuous::Segment),
         "volume" => Ok(Continuous::Volume),
         _ => Err("must be discrete, segment or volume".into()),
+    }
+}
+
+fn method(text: &str) -> Result<ContinuousMethod, String> {
+    match text {
+        "one-pass" => Ok(ContinuousMethod::OnePass),
+        "speculative" => Ok(ContinuousMethod::Speculative),
+        "linear-cast" => Ok(ContinuousMethod::LinearCast),
+        "conservative-advancement" => Ok(ContinuousMethod::ConservativeAdvancement),
+        _ => Err("must be one-pass, speculative, linear-cast or conservative-advancement".into()),
     }
 }
 
