@@ -84,7 +84,7 @@ mod tests {
             let time = (seed >> 28) as f32 / 16.0;
             assert!(queue.push(
                 Hit { touch: Touch { time, ..Touch::NEVER }, a: i % 7, b: i, turns: [0; 2] },
-                &mut Room::ENDLESS
+                &mut Room::default()
             ));
         }
         let mut last = (0, 0, 0);

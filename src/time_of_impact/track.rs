@@ -85,7 +85,8 @@ fn turn_between(from: Quat, to: Quat, about: Vec3) -> Vec3 {
     let turn = to * from.conjugate();
     let turn = if turn.w < 0.0 { -turn } else { turn };
     let sine = turn.xyz().length();
-    if sine == 0.0 && about.length_squared() < 1.0 {
+    // What did not turn differs by rounding.
+    if sine < 1e-6 && about == Vec3::ZERO {
         return Vec3::ZERO;
     }
     let axis = if sine > 1e-6 { turn.xyz() / sine } else { about.normalize_or(Vec3::Y) };

@@ -133,19 +133,26 @@ fn goes_through(world: &World, i: usize) -> bool {
     let enters = |c: u32| {
         let (shape, old) = (&colliders.all[c as usize], &colliders.poses[c as usize]);
         let body = shape.body as usize;
-        let end = &world.bodies.pose[body];
-        let new = (end.position + (end.rotation * shape.position).as_dvec3(), end.rotation * shape.rotation);
-        let start = old.rotation.conjugate() * (from - old.position).as_vec3();
-        let end = new.1.conjugate() * (to - new.0).as_vec3();
-        body != i && passes(shape, start, end) && is_free(world, body)
+        let pose = &world.bodies.pose[body];
+        let back = old.rotation.conjugate();
+        let start = back * (from - old.position).as_vec3();
+        let new = pose.position + (pose.rotation * shape.position).as_dvec3();
+        let end = back * (to - new).as_vec3();
+        // However another turned on its way, the ball within it was there.
+        let size = if body < world.bodies.movers() { shape.inner_radius } else { shape.radius };
+        body != i
+            && nearest(start, end) <= size
+            && (body < world.bodies.movers() || segment_hits(shape, start, end).is_some())
+            && is_free(world, body)
     };
     (0..colliders.all.len() as u32).any(enters)
 }
 
-fn passes(shape: &Collider, start: Vec3, end: Vec3) -> bool {
+/// How near a way comes to the origin.
+fn nearest(start: Vec3, end: Vec3) -> f32 {
     let way = end - start;
     let along = (-start.dot(way) / way.length_squared().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
-    (start + way * along).length() <= shape.radius && segment_hits(shape, start, end).is_some()
+    (start + way * along).length()
 }
 
 /// Centre of mass of a collider's body at the start of the last step.
