@@ -29,6 +29,43 @@ impl Continuous {
     }
 }
 
+/// By which method bodies that are not [`Continuous::Discrete`] are kept from passing through others. All but the first are
+/// there to compare with; `docs/continuous.md` says how each works, what it costs and what it misses.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+pub enum ContinuousMethod {
+    /// What the predicted path strikes becomes a manifold of potential points, found at the pose of first touch and solved
+    /// with all others (Vincent Robert, GDC 2012), and the guard watches the centres.
+    #[default]
+    OnePass,
+    /// Speculative contacts: whoever is nearer than the relative motion gets the planes of the start of the step, and is
+    /// stopped by them whether or not it would have met the other (Paul Firth, *Speculative contacts*, 2011).
+    Speculative,
+    /// Discrete contacts, then each fast body is swept straight ahead, turned as at the end of the step. At the first hit
+    /// the two stand at the time of impact, where the impact is resolved, and go on from there with their new
+    /// velocities: at most 8 times a step, after which a body loses the rest of it (Erin Catto, *Continuous Collision*,
+    /// GDC 2013; sweeps in PhysX and Jolt).
+    LinearCast,
+    /// The same with times of impact by conservative advancement over the whole motion, rotation included (Mirtich 1996;
+    /// Zhang et al. 2006), tighter, and up to 64 times: slow, and the reference for the others.
+    ConservativeAdvancement,
+}
+
+impl ContinuousMethod {
+    /// Whether impacts are met one by one, each at its time.
+    pub(crate) fn meets_impacts(self) -> bool {
+        matches!(self, ContinuousMethod::LinearCast | ContinuousMethod::ConservativeAdvancement)
+    }
+}
+
+/// The modes that the stages of a step work with.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StageModes {
+    pub(crate) broad: Continuous,
+    pub(crate) narrow: Continuous,
+    pub(crate) guard: Continuous,
+}
+
 /// How friction of two directions is bounded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
@@ -68,6 +105,8 @@ pub struct Settings {
     /// The mode that [`Continuous::Segment`] bodies really use; `Discrete` switches continuous collision off for
     /// the whole world, `Volume` raises all that are not `Discrete`. Default `Segment`: each body's own mode.
     pub continuous: Continuous,
+    /// How bodies that are not `Discrete` are kept from passing through others. Default [`ContinuousMethod::OnePass`].
+    pub method: ContinuousMethod,
     /// Cone or box. Default cone.
     pub friction_cone: FrictionCone,
     /// Per patch or per point. Default patch.
@@ -119,6 +158,7 @@ impl Default for Settings {
             iterations: 1,
             threads: 1,
             continuous: Continuous::Segment,
+            method: ContinuousMethod::OnePass,
             friction_cone: FrictionCone::Cone,
             friction_model: FrictionModel::Patch,
             length_unit: 1.0,
@@ -141,6 +181,22 @@ impl Default for Settings {
 }
 
 impl Settings {
+    /// What the stages do of continuous collision.
+    pub(crate) fn stage_modes(&self) -> StageModes {
+        let (own, off) = (self.continuous, Continuous::Discrete);
+        match self.method {
+            ContinuousMethod::OnePass => StageModes { broad: own, narrow: own, guard: own },
+            ContinuousMethod::Speculative => {
+                let all = if own == off { off } else { Continuous::Volume };
+                StageModes { broad: all, narrow: all, guard: off }
+            }
+            // The contacts are discrete ones; what is fast is swept all the same, to know who may be struck.
+            ContinuousMethod::LinearCast | ContinuousMethod::ConservativeAdvancement => {
+                StageModes { broad: own, narrow: off, guard: off }
+            }
+        }
+    }
+
     /// Checks every range.
     ///
     /// # Errors

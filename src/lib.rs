@@ -39,7 +39,8 @@
 //! - [`ShapeDesc`], [`Geometry`], [`Material`], [`Filter`]: its shapes. [`ConvexHull`], [`TriangleMesh`] and
 //!   [`HeightField`] are built once and shared.
 //! - [`MassProperties`]: mass, centre and inertia, out of shapes or given.
-//! - [`Settings`], [`Continuous`]: gravity, substeps, threads, and how fast bodies are kept from passing through.
+//! - [`Settings`], [`Continuous`], [`ContinuousMethod`]: gravity, substeps, threads, and how fast bodies are kept from
+//!   passing through.
 //! - [`Ray`], [`ShapeCast`], [`QueryFilter`]: questions to a world, [`World::cast_ray`] and its kin.
 //! - [`World::contact_begins`], [`World::sensor_begins`], [`ContactHooks`]: what is heard of contacts, and a word on them.
 //! - [`Mover`]: a capsule that walks, for characters.
@@ -92,11 +93,12 @@ mod snapshot;
 mod solver;
 mod step;
 mod threads;
+mod time_of_impact;
 mod world;
 
 pub use body::{BodyDesc, BodyKind};
 pub use character::{Ground, Mover, MoverHit, MoverReport, MoverSettings};
-pub use config::{Continuous, FrictionCone, FrictionModel, Settings};
+pub use config::{Continuous, ContinuousMethod, FrictionCone, FrictionModel, Settings};
 pub use constraint::{Order, RowGroup};
 pub use error::Error;
 pub use events::{ContactEnd, ContactEvent, ContactHook, ContactHooks, MaybeSync, NoHooks, SensorEvent};

@@ -76,7 +76,7 @@ pub(crate) fn pairs(crew: &Crew<'_>, world: &mut World) -> (BroadStats, u32) {
         let poses = Shared::new(&mut world.colliders.poses);
         let (bodies, all) = (&world.bodies, &world.colliders.all);
         let motion = &world.buffers.forces.motion;
-        let whole = world.settings.continuous;
+        let whole = world.settings.stage_modes().broad;
         let starts = &*starts;
         crew.run((end - first).div_ceil(BLOCK), &|block| {
             for i in first + block * BLOCK..(first + (block + 1) * BLOCK).min(end) {

@@ -1,7 +1,7 @@
 //! One step on one screen.
 
 use crate::broad_phase::BroadStats;
-use crate::config::FrictionModel;
+use crate::config::{ContinuousMethod, FrictionModel};
 use crate::constraint::{
     BounceInput, BounceScratch, JointInput, JointRows, PrepareInput, PrepareScratch, Prepared, Rows, bounce,
     prepare,
@@ -15,7 +15,7 @@ use crate::narrow_phase::{Input, Scratch, collide};
 use crate::record::probe;
 use crate::threads::{Crew, Shared, with_crew};
 use crate::world::{PartTimes, World};
-use crate::{finish, forces, movers, solver};
+use crate::{finish, forces, movers, solver, time_of_impact};
 use std::time::Instant;
 
 /// Buffers that stages hand on to each other, kept from step to step.
@@ -30,6 +30,7 @@ pub(crate) struct Buffers {
     pub(crate) joints: JointRows,
     pub(crate) solver: solver::State,
     pub(crate) finish: finish::Buffers,
+    pub(crate) impacts: time_of_impact::Buffers,
     /// Length of the step [s].
     pub(crate) dt: f32,
     /// Length of the last substep [s]: impulses are warm-started in proportion.
@@ -41,6 +42,7 @@ impl Buffers {
     pub(crate) fn report(&self, report: &mut MemoryReport, continuous: bool) {
         let motion = if continuous { Category::Continuous } else { Category::Scratch };
         report.add(motion, bytes_of(&self.forces.motion));
+        report.add(Category::Continuous, self.impacts.bytes());
         report.add(Category::Scratch, self.forces.bytes());
         report.add(Category::Scratch, self.broad.bytes());
         report.add(Category::Scratch, self.narrow.bytes());
@@ -161,6 +163,7 @@ impl World {
         // Where pairs were shed, to have none says nothing.
         let fast = if broad.0.shed > 0 { 0 } else { broad.0.fast };
         let ended = finish::finish(crew, self, fast, dt);
+        let impacts = time_of_impact::meet_impacts(crew, self, dt);
         // Not before: hooks may have asked where things are.
         self.now.step(free);
         let watch = Watch::start(self.needs.sensors > 0);
@@ -174,7 +177,7 @@ impl World {
         let end = lap(clock, &mut times.finish);
         times.step = (end - start).as_secs_f32() * 1e6;
         self.buffers.last_h = dt / self.settings.substeps as f32;
-        self.report = StepReport::new(self, times, broad, narrow, prepared, pushed, ended);
+        self.report = StepReport::new(self, times, broad, narrow, prepared, pushed, (ended, impacts));
         (self.sleep.woke, self.sleep.slept) = (0, 0);
         self.note_peaks();
     }
@@ -217,7 +220,8 @@ impl World {
             real: REAL * unit,
             fast: FAST * unit,
             recycle: if self.settings.recycling { RECYCLE * unit } else { -1.0 },
-            mode: self.settings.continuous,
+            mode: self.settings.stage_modes().narrow,
+            speculative: self.settings.method == ContinuousMethod::Speculative,
             has_joints: &|body| joints.has_any(slots[body as usize]),
         };
         let scratch = &mut self.buffers.narrow;

@@ -6,8 +6,8 @@ mod common;
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::{Scene, builtin};
 use backstop::{
-    Axes, Axis, BodyDesc, BodyHandle, Drive, Geometry, JointDesc, Limit, Material, Motion, Mover,
-    MoverReport, MoverSettings, QueryFilter, Ray, Settings, ShapeCast, Snapshot, Spring, World,
+    Axes, Axis, BodyDesc, BodyHandle, ContinuousMethod, Drive, Geometry, JointDesc, Limit, Material, Motion,
+    Mover, MoverReport, MoverSettings, QueryFilter, Ray, Settings, ShapeCast, Snapshot, Spring, World,
 };
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::Mutex;
@@ -187,6 +187,40 @@ fn joined(threads: usize) -> usize {
 fn joints_allocate_nothing() {
     let _alone = ONE_AT_A_TIME.lock().unwrap();
     assert_eq!(joined(1), 0);
+}
+
+/// Elastic balls at 60 m/s in a closed box of thin walls: every step has impacts, whatever the method.
+#[test]
+fn every_method_of_continuous_collision_allocates_nothing() {
+    let _alone = ONE_AT_A_TIME.lock().unwrap();
+    use ContinuousMethod::{ConservativeAdvancement, LinearCast, Speculative};
+    for method in [Speculative, LinearCast, ConservativeAdvancement] {
+        let settings = Settings { method, gravity: Vec3::ZERO, ..settings(1) };
+        let mut world = World::new(settings).unwrap();
+        let material = Material::default().with_restitution(1.0).with_friction(0.0);
+        for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+            for side in [-3.0, 3.0] {
+                let half = Vec3::splat(3.0) - axis * 2.99;
+                let wall = common::shape(Geometry::cuboid(half.x, half.y, half.z), material);
+                let at = (axis * side).as_dvec3();
+                world.add_body(&BodyDesc::fixed().at(at).with_shape(wall)).unwrap();
+            }
+        }
+        let ground = common::shape(common::flat_mesh(4, 1.0), material);
+        world.add_body(&BodyDesc::fixed().at(DVec3::Y * -2.5).with_shape(ground)).unwrap();
+        for i in 0..48 {
+            let place = |i: i32| (i % 4) as f32 - 1.5;
+            let at = Vec3::new(place(i), place(i / 4), place(i / 16));
+            let turn = i as f32 * 2.4;
+            let velocity = Vec3::new(turn.cos(), (3.0 * turn).sin(), turn.sin()) * 60.0;
+            let ball = common::dynamic(Geometry::Sphere { radius: 0.1 }, material, at);
+            world.add_body(&ball.moving(velocity, Vec3::ONE)).unwrap();
+        }
+        let mut struck = 0;
+        let allocations = count(&mut world, 1500, |world, _| struck += world.report().struck);
+        assert_eq!(struck > 10_000, method != Speculative, "{method:?}: {struck}");
+        assert_eq!(allocations, 0, "{method:?}");
+    }
 }
 
 /// Rays, moving shapes, overlaps and nearest points after each step of a scene that moves.

@@ -62,6 +62,7 @@ fn a_run_prints_the_document_that_is_promised() {
     assert_eq!(document["steps"], 10);
     assert_eq!(document["settings"]["substeps"], 4);
     assert_eq!(document["settings"]["continuous"], "segment");
+    assert_eq!(document["settings"]["method"], "one-pass");
     numbers(&document["settings"]["gravity"], 3);
     // A floor, 12 layers of three bricks, three balls.
     let bodies = document["bodies"].as_array().expect("bodies");
@@ -96,13 +97,14 @@ fn a_run_prints_the_document_that_is_promised() {
 #[test]
 fn options_reach_the_world() {
     let arguments = "run tall_stack --steps 3 --dt 1/120 --substeps 1 --iterations 8 --threads 2 --continuous volume \
-                     --gravity 1,-2.5,0 --json";
+                     --method linear-cast --gravity 1,-2.5,0 --json";
     let document = document(&backstop(&arguments.split_whitespace().collect::<Vec<_>>()));
     let settings = &document["settings"];
     for (name, expected) in [("substeps", 1), ("iterations", 8), ("threads", 2)] {
         assert_eq!(settings[name], expected);
     }
     assert_eq!(settings["continuous"], "volume");
+    assert_eq!(settings["method"], "linear-cast");
     assert_eq!(settings["gravity"], serde_json::json!([1.0, -2.5, 0.0]));
     assert!((settings["dt"].as_f64().expect("dt") - 1.0 / 120.0).abs() < 1e-8);
 }
@@ -198,6 +200,52 @@ fn a_profile_has_both_costs_of_every_frame() {
     let lines = std::fs::read_to_string(table).expect("a table");
     assert_eq!(lines.lines().count(), 1 + 2 * 26);
     assert!(lines.starts_with("threads,step,discrete_us,continuous_us,additional,falling,swept,"));
+}
+
+#[test]
+fn methods_are_compared_on_a_scene() {
+    let run = |threads| {
+        let arguments = ["compare", "--scene", "deflector", "--rounds", "2", "--json", "--threads", threads];
+        document(&backstop(&arguments))
+    };
+    let comparison = run("1");
+    has_keys(&comparison, &["threads", "rounds", "scenes"]);
+    let scenes = comparison["scenes"].as_array().expect("scenes");
+    assert_eq!(scenes.len(), 1);
+    has_keys(&scenes[0], &["scene", "steps", "methods"]);
+    let methods = scenes[0]["methods"].as_array().expect("methods");
+    let names: Vec<_> = methods.iter().map(|method| method["name"].as_str().expect("a name")).collect();
+    let expected =
+        ["discrete", "linear-cast", "speculative", "segment", "volume", "conservative-advancement"];
+    assert_eq!(names, expected);
+    let measures = [
+        "tunnelled",
+        "ghosts",
+        "energy_lost",
+        "energy_error",
+        "distance_lost",
+        "distance_worst",
+        "joint_opening",
+        "impacts",
+        "bytes",
+        "continuous_bytes",
+    ];
+    let again = run("2");
+    for (i, method) in methods.iter().enumerate() {
+        has_keys(&method["time_us"], &["median", "mean", "p95", "max"]);
+        for measure in measures {
+            assert!(method[measure].is_number(), "{measure}");
+            if !measure.contains("bytes") {
+                assert_eq!(method[measure], again["scenes"][0]["methods"][i][measure], "{measure}");
+            }
+        }
+        // Each ball strikes its obstacle; discrete physics alone lets them through.
+        assert_eq!(method["impacts"], 32);
+        assert_eq!(method["tunnelled"].as_u64() > Some(0), i == 0, "{method}");
+    }
+    // The reference is off itself by nothing.
+    assert_eq!((&methods[5]["energy_error"], &methods[5]["distance_lost"]), (&0.0.into(), &0.0.into()));
+    refused(&["compare", "--scene", "nowhere"], 1, "there is no scene");
 }
 
 #[test]

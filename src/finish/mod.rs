@@ -135,7 +135,7 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
         broad: &world.broad,
         colliders: &world.colliders.all,
         poses: &world.colliders.poses,
-        mode: if continuous { world.settings.continuous } else { Continuous::Discrete },
+        mode: if continuous { world.settings.stage_modes().guard } else { Continuous::Discrete },
         senses: world.needs.sensors > 0,
         vetoed: &world.events.vetoed,
     };

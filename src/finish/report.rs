@@ -4,6 +4,7 @@ use super::Ended;
 use crate::broad_phase::BroadStats;
 use crate::constraint::Prepared;
 use crate::narrow_phase::NarrowStats;
+use crate::time_of_impact::Impacts;
 use crate::world::World;
 
 /// How long the stages took [us].
@@ -59,6 +60,11 @@ pub struct StepReport {
     pub uncoloured: u32,
     /// Bodies whose centre would have crossed static geometry, had the guard not held them.
     pub held: u32,
+    /// Impacts that were met one by one at their times, by methods that do so
+    /// ([`ContinuousMethod`](crate::ContinuousMethod)).
+    pub struck: u32,
+    /// Bodies that lost what was left of the step after too many of those.
+    pub stood: u32,
     /// Bodies that are asleep.
     pub asleep: u32,
     /// Bodies that fell asleep in the step, or since the one before.
@@ -80,7 +86,7 @@ impl StepReport {
         narrow: NarrowStats,
         prepared: Prepared,
         pushed: u32,
-        ended: Ended,
+        (ended, impacts): (Ended, Impacts),
     ) -> StepReport {
         StepReport {
             times,
@@ -96,7 +102,9 @@ impl StepReport {
             potential: prepared.potential,
             pushed,
             held: ended.held,
-            shed: broad.shed + narrow.shed + prepared.shed,
+            struck: impacts.struck,
+            stood: impacts.stood,
+            shed: broad.shed + narrow.shed + prepared.shed + impacts.shed,
             asleep: world.bodies.sleepers() as u32,
             slept: world.sleep.slept,
             woke: world.sleep.woke,

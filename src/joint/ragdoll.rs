@@ -164,21 +164,8 @@ impl Skeleton {
         velocity: Vec3,
     ) -> Result<Ragdoll, Error> {
         self.validate()?;
-        let descs: Vec<BodyDesc> = self
-            .bones
-            .iter()
-            .map(|bone| {
-                let along = bone.to - bone.from;
-                let half = (0.5 * along.length() - bone.radius).max(0.01 * bone.radius);
-                let mut shape = ShapeDesc::new(Geometry::capsule(half, bone.radius));
-                (shape.density, shape.material, shape.filter) = (self.density, self.material, self.filter);
-                BodyDesc::dynamic()
-                    .at(position + (rotation * (bone.from + bone.to) * 0.5).as_dvec3())
-                    .rotated(rotation * arc(Vec3::Y, along.normalize()))
-                    .moving(velocity, Vec3::ZERO)
-                    .with_shape(shape)
-            })
-            .collect();
+        let descs: Vec<BodyDesc> =
+            self.bones.iter().map(|bone| self.body(bone, (position, rotation), velocity)).collect();
         let bodies = world.add_bodies(&descs)?;
         let mut joints = Vec::new();
         for (bone, &body) in self.bones.iter().zip(&bodies) {
@@ -203,8 +190,21 @@ impl Skeleton {
         Ok(Ragdoll { bodies, joints })
     }
 
+    /// A bone of a skeleton that stands somewhere, turned.
+    pub(crate) fn body(&self, bone: &Bone, (position, rotation): (DVec3, Quat), velocity: Vec3) -> BodyDesc {
+        let along = bone.to - bone.from;
+        let half = (0.5 * along.length() - bone.radius).max(0.01 * bone.radius);
+        let mut shape = ShapeDesc::new(Geometry::capsule(half, bone.radius));
+        (shape.density, shape.material, shape.filter) = (self.density, self.material, self.filter);
+        BodyDesc::dynamic()
+            .at(position + (rotation * (bone.from + bone.to) * 0.5).as_dvec3())
+            .rotated(rotation * arc(Vec3::Y, along.normalize()))
+            .moving(velocity, Vec3::ZERO)
+            .with_shape(shape)
+    }
+
     /// With what a bone's joint limits, about the frames' axes.
-    fn joint(&self, bone: &Bone, desc: JointDesc) -> JointDesc {
+    pub(crate) fn joint(&self, bone: &Bone, desc: JointDesc) -> JointDesc {
         let about_x = Axes::One(Axis::X);
         let desc = match bone.joint {
             BoneJoint::Ball { swing, twist } => desc
@@ -232,7 +232,7 @@ impl Skeleton {
 
 impl Bone {
     /// The frames' x is the hinge's axis, or the bone.
-    fn axes(&self) -> Quat {
+    pub(crate) fn axes(&self) -> Quat {
         let x = match self.joint {
             BoneJoint::Hinge { axis, .. } => axis.normalize(),
             _ => {

@@ -241,7 +241,7 @@ fn finish_convex(
     let pair = &pairs[index as usize];
     let nearest = raw.points().iter().fold(f32::INFINITY, |s, p| s.min(p.separation));
     let (mut raw, mut fraction) = (raw, 0.0);
-    if approach.is_continuous() && nearest > 0.0 && raw.count > 0 {
+    if approach.is_continuous() && nearest > 0.0 && raw.count > 0 && !input.speculative {
         let fast = nearest > input.real && approach.most() > input.fast;
         let volume = approach.mode == Continuous::Volume;
         let strays = nearest <= input.margin && input.strays(pair);
@@ -302,7 +302,8 @@ fn finish_mesh(
     let most = approach.most();
     // Within half the ball that fits into it a body can't get past a triangle, and planes at the start will do.
     let continuous = approach.is_continuous();
-    let fast = continuous && most > input.fast.max(0.5 * a.inner_radius);
+    let casts_at_all = continuous && !input.speculative;
+    let fast = casts_at_all && most > input.fast.max(0.5 * a.inner_radius);
     // Where the body is, and what it may turn into: what it may reach further away is found by the cast.
     let reach = match (fast, continuous) {
         (true, _) => approach.spin.min(a.radius),
@@ -363,7 +364,7 @@ fn finish_mesh(
         let apart = nearest > tolerance(a, b).max(NO_GAP * input.real);
         let near = |m: &RawManifold| m.points().iter().any(|p| p.separation <= input.margin);
         let guess = |m: &RawManifold| would_push(&motion, m) && !(near(m) && input.strays(pair));
-        if continuous && apart && mesh.raw.iter().any(guess) {
+        if casts_at_all && apart && mesh.raw.iter().any(guess) {
             casts += 1;
             if !touches_mesh(shapes, (rel, &motion), &mut mesh.mesh) {
                 mesh.raw.retain(|m| !guess(m));

@@ -36,6 +36,8 @@ pub(crate) struct Input<'a> {
     pub(crate) recycle: f32,
     /// The world's; a pair's is in [`Approach::mode`].
     pub(crate) mode: Continuous,
+    /// Planes at the start of the step stop whoever could reach them: nothing is cast, nothing that is missed is dropped.
+    pub(crate) speculative: bool,
     /// Whether a body has joints.
     pub(crate) has_joints: &'a (dyn Fn(u32) -> bool + Sync),
 }
@@ -255,7 +257,9 @@ fn far(input: &Input<'_>, pair: &Pair, now: &Relative) -> bool {
     }
     let (a, b) = (&input.hot[pair.a as usize], &input.hot[pair.b as usize]);
     let (reach, approach) = (a.radius + b.radius, input.approach(pair));
-    let most = reach + input.margin + approach.most();
+    // What no kernel would look at.
+    let closing = if approach.is_continuous() { approach.most() } else { approach.most().min(input.margin) };
+    let most = reach + input.margin + closing;
     if now.position.length_squared() > most * most {
         return true;
     }

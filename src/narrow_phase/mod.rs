@@ -51,11 +51,14 @@ mod touched;
 
 pub(crate) use bins::GHOST_GAP;
 pub(crate) use cast::{cast_convex, cast_plane, tolerance};
-pub(crate) use cast_mesh::Triangles;
+pub(crate) use cast_mesh::{Asked, Cast, Triangles, ask_mesh};
 pub(crate) use collide::{Input, NarrowStats, Scratch, collide};
 pub(crate) use contact::{Contact, Contacts, NONE, Point};
+pub(crate) use convex::collide_convex;
 pub(crate) use gjk::{CoreGap, core_gap, distance};
 pub(crate) use manifold::{MAX_POINTS, RawManifold, RawPoint};
+pub(crate) use mesh::{MeshScratch, collide_mesh};
+pub(crate) use mesh_reach::Reach;
 pub(crate) use motion::{BodyPath, Motion};
 pub(crate) use simplex::{Simplex, from_triangle, off_triangle};
 pub(crate) use support::{Pose as SupportPose, Support};

@@ -2,6 +2,7 @@
 //!
 //! All bodies have friction 0.6, restitution 0 and, unless said otherwise, density 1000 kg/m³.
 
+use super::comparison::scenes;
 use super::rng::Rng;
 use super::{Scene, SceneJoint, Terrain};
 use crate::body::{BodyDesc, BodyKind};
@@ -25,6 +26,11 @@ pub const NAMES: &[&str] = &[
     "tall_stack",
     "joint_grid",
     "chain",
+    "posts",
+    "blades",
+    "deflector",
+    "head_on",
+    "ragdoll_wall",
 ];
 
 /// A scene by its name.
@@ -42,6 +48,11 @@ pub fn build(name: &str) -> Option<Scene> {
         "tall_stack" => tall_stack(),
         "joint_grid" => joint_grid(100),
         "chain" => chain(true),
+        "posts" => scenes::posts(),
+        "blades" => scenes::blades(),
+        "deflector" => scenes::deflector(),
+        "head_on" => scenes::head_on(),
+        "ragdoll_wall" => scenes::ragdoll_wall(),
         _ => return None,
     };
     scene.name = name.into();
@@ -308,7 +319,8 @@ mod tests {
     fn every_builtin_scene_has_its_bodies() {
         // Counted from the descriptions: a pyramid of 60 has 60 * 61 / 2 boxes.
         // Of the grid's upper row seven don't move.
-        let expected = [11, 1000, 1000, 1830, 5050, 4096, 10, 10, 10, 30, 9993, 21];
+        // Six figures have eleven limbs each; groups of 2, 3, 4, 5, 6, 2, ... meet head on.
+        let expected = [11, 1000, 1000, 1830, 5050, 4096, 10, 10, 10, 30, 9993, 21, 60, 16, 32, 45, 66];
         for (name, count) in NAMES.iter().zip(expected) {
             let scene = build(name).unwrap();
             assert_eq!((scene.name.as_str(), scene.dynamic_bodies()), (*name, count));

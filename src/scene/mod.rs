@@ -5,6 +5,7 @@
 //! with both extensions, and `write_animation` writes what a [`Recorder`] saw as a `.glb` that any viewer plays.
 
 pub mod builtin;
+pub mod comparison;
 mod rain;
 mod record;
 mod rng;

@@ -1,7 +1,7 @@
 //! Settings are part of a run: all that bits depend on is kept. Threads and the budget are the machine's, and stay.
 
 use super::words::{Reader, broken};
-use crate::config::{Continuous, FrictionCone, FrictionModel, Settings};
+use crate::config::{Continuous, ContinuousMethod, FrictionCone, FrictionModel, Settings};
 use crate::constraint::Order;
 use crate::error::Error;
 use crate::joint::{group_code, group_of};
@@ -20,7 +20,8 @@ pub(super) fn save(s: &Settings, out: &mut Vec<u32>) {
         s.recycling,
         s.sleeping,
     ];
-    out.extend([s.substeps, s.iterations, s.continuous as u32]);
+    // Mode and method share a word.
+    out.extend([s.substeps, s.iterations, s.continuous as u32 | (s.method as u32) << 8]);
     out.push(flags.iter().rev().fold(0, |bits, &set| bits << 1 | u32::from(set)));
     let numbers = [
         s.gravity.x,
@@ -46,7 +47,7 @@ pub(super) fn read(from: &mut Reader<'_>, own: &Settings) -> Result<Settings, Er
     let [substeps, iterations, mode, flags]: [u32; 4] = from.record::<_, 4>()?;
     let n: [f32; 12] = from.record::<_, 12>()?;
     let [event_capacity, order]: [u32; 2] = from.record::<_, 2>()?;
-    let continuous = mode_of(mode)?;
+    let (continuous, method) = (mode_of(mode & 0xFF)?, method_of(mode >> 8)?);
     let mut groups = Order::default().0;
     for (i, group) in groups.iter_mut().enumerate() {
         *group = group_of(order >> (4 * i) & 15)?.ok_or_else(|| broken("the order of rows"))?;
@@ -57,6 +58,7 @@ pub(super) fn read(from: &mut Reader<'_>, own: &Settings) -> Result<Settings, Er
         iterations,
         threads: own.threads,
         continuous,
+        method,
         friction_cone: if flag(flags, 0) { FrictionCone::Box } else { FrictionCone::Cone },
         friction_model: if flag(flags, 1) { FrictionModel::Point } else { FrictionModel::Patch },
         length_unit: n[3],
@@ -83,4 +85,10 @@ pub(super) fn read(from: &mut Reader<'_>, own: &Settings) -> Result<Settings, Er
 pub(super) fn mode_of(code: u32) -> Result<Continuous, Error> {
     let all = [Continuous::Discrete, Continuous::Segment, Continuous::Volume];
     all.into_iter().find(|&mode| mode as u32 == code).ok_or_else(|| broken("a mode"))
+}
+
+fn method_of(code: u32) -> Result<ContinuousMethod, Error> {
+    use ContinuousMethod::{ConservativeAdvancement, LinearCast, OnePass, Speculative};
+    let all = [OnePass, Speculative, LinearCast, ConservativeAdvancement];
+    all.into_iter().find(|&method| method as u32 == code).ok_or_else(|| broken("a method"))
 }

@@ -228,6 +228,9 @@ impl World {
             self.sleep.each(n.bodies, n.dynamic, f);
         }
         buffers.finish.each((n.movers, n.dynamic), n.joined, f);
+        if self.settings.method.meets_impacts() {
+            buffers.impacts.each(n.movers, f);
+        }
         if n.joined {
             buffers.joints.each(n.dynamic, f);
         }

@@ -1,8 +1,8 @@
 //! The command line.
 
 use crate::view::Look;
-use backstop::Continuous;
 use backstop::glam::{DVec3, Vec3};
+use backstop::{Continuous, ContinuousMethod};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -22,6 +22,8 @@ pub(crate) enum Command {
     Profile(ProfileOptions),
     /// Shoot bodies of every shape at thin targets and count those that get through.
     Shots(ShotOptions),
+    /// Run methods of continuous collision side by side on six scenes (docs/continuous.md).
+    Compare(CompareOptions),
     /// Play a recorded run again, compare every step, and name the first that goes another way.
     Replay(ReplayOptions),
     /// Scenes that come with backstop.
@@ -67,6 +69,9 @@ pub(crate) struct RunOptions {
     /// How fast bodies are kept from passing through others: discrete (not at all), segment or volume.
     #[arg(long, value_name = "MODE", default_value = "segment", value_parser = continuous)]
     pub(crate) continuous: Continuous,
+    /// By which method: one-pass, speculative, linear-cast or conservative-advancement (docs/continuous.md).
+    #[arg(long, value_name = "NAME", default_value = "one-pass", value_parser = method)]
+    pub(crate) method: ContinuousMethod,
     /// Let bodies at rest fall asleep.
     #[arg(long)]
     pub(crate) sleep: bool,
@@ -203,6 +208,25 @@ pub(crate) struct ShotOptions {
     pub(crate) quiet: bool,
 }
 
+#[derive(Args, Debug)]
+pub(crate) struct CompareOptions {
+    /// Only this scene: talk, posts, blades, deflector, head_on or ragdoll_wall.
+    #[arg(long, value_name = "NAME")]
+    pub(crate) scene: Option<String>,
+    /// Steps of 1/60 s [default: what each scene is made for].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) steps: Option<u32>,
+    /// Threads that work on a step.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = threads)]
+    pub(crate) threads: usize,
+    /// How often each scene is run; a step's time is the median of its rounds.
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) rounds: u32,
+    /// Print one JSON document instead of tables (docs/json.md).
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
 fn number(text: &str) -> Result<f32, String> {
     let value: f32 = text.trim().parse().map_err(|_| format!("\"{text}\" is not a number"))?;
     if value.is_finite() { Ok(value) } else { Err(format!("\"{text}\" is not finite")) }
@@ -254,6 +278,16 @@ fn continuous(text: &str) -> Result<Continuous, String> {
         "segment" => Ok(Continuous::Segment),
         "volume" => Ok(Continuous::Volume),
         _ => Err("must be discrete, segment or volume".into()),
+    }
+}
+
+fn method(text: &str) -> Result<ContinuousMethod, String> {
+    match text {
+        "one-pass" => Ok(ContinuousMethod::OnePass),
+        "speculative" => Ok(ContinuousMethod::Speculative),
+        "linear-cast" => Ok(ContinuousMethod::LinearCast),
+        "conservative-advancement" => Ok(ContinuousMethod::ConservativeAdvancement),
+        _ => Err("must be one-pass, speculative, linear-cast or conservative-advancement".into()),
     }
 }
 

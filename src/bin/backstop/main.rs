@@ -2,6 +2,7 @@
 
 mod args;
 mod charts;
+mod compare;
 mod document;
 mod html;
 mod output;
@@ -25,6 +26,7 @@ fn main() -> ExitCode {
         Command::Profile(options) => profile::profile(&options),
         Command::Replay(options) => replay::replay(&options),
         Command::Shots(options) => shots::shots(&options),
+        Command::Compare(options) => compare::print(&options),
         Command::Scenes { command: ScenesCommand::List } => list_scenes(),
         Command::Scenes { command: ScenesCommand::Write { folder } } => write_scenes(&folder),
     };

@@ -142,6 +142,7 @@ fn settings(options: &RunOptions, scene: &Scene) -> Settings {
         iterations: options.iterations.unwrap_or(default.iterations),
         threads: options.threads,
         continuous: options.continuous,
+        method: options.method,
         sleeping: options.sleep,
         ..default
     }

@@ -89,6 +89,13 @@ pub(crate) fn rows(document: &Document, trace: &Trace) -> Vec<(&'static str, Str
         // Beside the bodies that they join.
         rows.insert(2, ("joints", count(document.joints as u64)));
     }
+    let struck = trace.total(|r| r.struck);
+    if struck > 0 {
+        let stood = count(trace.total(|r| r.stood));
+        let text =
+            format!("{} met at their times; {stood} times a body lost the rest of a step", count(struck));
+        rows.push(("impacts", text));
+    }
     let shed = trace.total(|r| r.shed);
     if shed > 0 {
         rows.push(("shed", format!("{} points for lack of memory", count(shed))));

@@ -1,0 +1,166 @@
+//! Methods of continuous collision side by side: six scenes, each run under every method in the same process, frame by
+//! frame in turn, and judged by the same measures.
+//!
+//! [`Contest`] runs one scene; `docs/continuous.md` says what the measures mean and what came out.
+
+mod judge;
+mod measure;
+pub(crate) mod scenes;
+mod truth;
+
+pub use scenes::DT;
+
+use super::{Scene, builtin};
+use crate::config::{Continuous, ContinuousMethod, Settings};
+use crate::error::Error;
+use crate::handle::BodyHandle;
+use crate::memory::Category;
+use crate::world::World;
+use judge::Judge;
+use truth::Truth;
+
+/// A method as a world's settings choose it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Method {
+    /// In tables.
+    pub name: &'static str,
+    /// [`Settings::continuous`].
+    pub continuous: Continuous,
+    /// [`Settings::method`].
+    pub method: ContinuousMethod,
+}
+
+/// What is compared, in the order of every result; the last is the reference of the others.
+pub const METHODS: [Method; 6] = {
+    use ContinuousMethod::{ConservativeAdvancement, LinearCast, OnePass, Speculative};
+    const fn method(name: &'static str, continuous: Continuous, method: ContinuousMethod) -> Method {
+        Method { name, continuous, method }
+    }
+    [
+        method("discrete", Continuous::Discrete, OnePass),
+        method("linear-cast", Continuous::Segment, LinearCast),
+        method("speculative", Continuous::Segment, Speculative),
+        method("segment", Continuous::Segment, OnePass),
+        method("volume", Continuous::Volume, OnePass),
+        method("conservative-advancement", Continuous::Segment, ConservativeAdvancement),
+    ]
+};
+
+/// Index of the reference in [`METHODS`].
+pub const REFERENCE: usize = METHODS.len() - 1;
+
+/// The scenes, by their names in [`builtin`].
+pub const SCENES: [&str; 6] = ["talk", "posts", "blades", "deflector", "head_on", "ragdoll_wall"];
+
+/// Steps of the talk's scene: the last body strikes the ground at the 33rd.
+const TALK_STEPS: u32 = 45;
+
+/// A scene under every method at once.
+#[derive(Debug)]
+pub struct Contest {
+    entrants: Vec<Entrant>,
+    judge: Judge,
+    step: u32,
+    steps: u32,
+}
+
+/// A world under one method.
+#[derive(Debug)]
+pub(crate) struct Entrant {
+    pub(crate) world: World,
+    pub(crate) bodies: Vec<BodyHandle>,
+}
+
+/// How a method did on a scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Verdict {
+    /// Bodies that got through something, or that nothing stopped where something was.
+    pub tunnelled: u32,
+    /// Contacts that pushed in a step in which the two were never within 5 mm of each other, on their free ways or on
+    /// those they took.
+    pub ghosts: u32,
+    /// Share of its kinetic energy that a body, or joined bodies together, had lost one step after their first impact; the
+    /// mean.
+    pub energy_lost: f64,
+    /// The mean of what that is off the reference's, either way.
+    pub energy_error: f64,
+    /// How far a body that did not get through was, at the end of the step of its first impact, from where the reference
+    /// has it: its furthest point, in the mean [m].
+    pub distance_lost: f64,
+    /// The worst of those [m].
+    pub distance_worst: f64,
+    /// The furthest that a joint was open at the end of a step [m].
+    pub joint_opening: f64,
+    /// First impacts that energy and distance are the means of.
+    pub impacts: u32,
+    /// The most bytes reserved at any time, and of those what only continuous collision takes.
+    pub bytes: usize,
+    /// See `bytes`.
+    pub continuous_bytes: usize,
+}
+
+impl Contest {
+    /// One of [`SCENES`] at its start; `None` for another name. `threads`: as [`Settings::threads`].
+    ///
+    /// # Errors
+    /// If the number of threads is out of range.
+    pub fn new(name: &str, threads: usize) -> Result<Option<Contest>, Error> {
+        let Some(mut scene) = SCENES.contains(&name).then(|| builtin::build(name)).flatten() else {
+            return Ok(None);
+        };
+        if name == "talk" {
+            scene.steps = TALK_STEPS;
+        }
+        let entrants = METHODS.iter().map(|method| Entrant::new(&scene, method, threads));
+        let entrants: Vec<Entrant> = entrants.collect::<Result<_, _>>()?;
+        let judge = Judge::new(&scene, Truth::of(&scene), &entrants);
+        Ok(Some(Contest { entrants, judge, step: 0, steps: scene.steps }))
+    }
+
+    /// Steps that the scene is made for.
+    pub fn steps(&self) -> u32 {
+        self.steps
+    }
+
+    /// Steps every world in turn, a different one first each time, and judges what they did. Returns how long each took [us].
+    ///
+    /// # Errors
+    /// None that these scenes should give.
+    pub fn step(&mut self) -> Result<[f32; METHODS.len()], Error> {
+        let mut times = [0.0; METHODS.len()];
+        self.judge.before(&self.entrants);
+        for k in 0..METHODS.len() {
+            let i = (self.step as usize + k) % METHODS.len();
+            times[i] = self.entrants[i].world.step(DT)?.times.step;
+        }
+        self.step += 1;
+        self.judge.after(self.step, &self.entrants);
+        Ok(times)
+    }
+
+    /// How the methods did up to here.
+    pub fn verdicts(&self) -> [Verdict; METHODS.len()] {
+        let mut verdicts = self.judge.verdicts();
+        for (verdict, entrant) in verdicts.iter_mut().zip(&self.entrants) {
+            let memory = entrant.world.memory();
+            verdict.bytes = memory.iter().map(|(_, bytes)| bytes.peak).sum();
+            verdict.continuous_bytes = memory.category(Category::Continuous).peak;
+        }
+        verdicts
+    }
+}
+
+impl Entrant {
+    fn new(scene: &Scene, method: &Method, threads: usize) -> Result<Entrant, Error> {
+        let mut world = World::new(Settings {
+            gravity: scene.gravity,
+            continuous: method.continuous,
+            method: method.method,
+            threads,
+            ..Settings::default()
+        })?;
+        let bodies = scene.add_to(&mut world)?.bodies;
+        Ok(Entrant { world, bodies })
+    }
+}

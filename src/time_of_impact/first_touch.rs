@@ -1,0 +1,51 @@
+//! When two colliders first touch on what is left of their ways.
+
+use crate::narrow_phase::{Asked, BodyPath, Cast, Motion, ask_mesh, cast_convex, cast_plane, tolerance};
+use crate::shape::{Collider, Kind};
+use glam::Vec3;
+
+/// Of the search.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Search {
+    /// Of the engine's own tolerance for a touch.
+    pub(super) share: f32,
+    /// A triangle nearer than this at the start, or in whose plane a shape slides, is the solver's business [m].
+    pub(super) resting: f32,
+}
+
+/// A touch of two colliders.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Touch {
+    /// Of the step, 0..=1; more if there is none.
+    pub(super) time: f32,
+    /// Unit, from a to b.
+    pub(super) normal: Vec3,
+}
+
+impl Touch {
+    pub(super) const NEVER: Touch = Touch { time: 2.0, normal: Vec3::Y };
+}
+
+/// When the shapes first touch, as a fraction of the paths. What touches at their beginning does not count: the
+/// contacts of the step's start have seen to it.
+pub(super) fn first_touch(
+    (a, path_a): (&Collider, &BodyPath),
+    (b, path_b): (&Collider, &BodyPath),
+    search: Search,
+) -> Option<Touch> {
+    let motion = Motion::new(a, path_a, b, path_b);
+    let close = (tolerance(a, b) * search.share).max(2.0 * f32::EPSILON * a.radius);
+    let touch = match b.kind {
+        Kind::Plane => cast_plane(a, b, &motion, close),
+        Kind::Mesh | Kind::HeightField => {
+            let asked = Asked::first(close, search.resting.max(close));
+            match ask_mesh(a, b, &motion.relative(0.0), &motion, asked, None) {
+                Cast::First(touch) => Some(touch),
+                Cast::Near | Cast::Free => None,
+            }
+        }
+        _ => cast_convex(a, b, &motion, close),
+    };
+    let touch = touch.filter(|touch| touch.fraction > 0.0 && touch.fraction <= 1.0)?;
+    Some(Touch { time: touch.fraction, normal: touch.normal })
+}

@@ -1,0 +1,140 @@
+//! An impact of two bodies, solved by itself at the moment it happens.
+
+use crate::lanes::{self, Record, Sym3};
+use glam::Vec3;
+
+/// Most points of an impact: four manifolds.
+pub(super) const MOST: usize = 16;
+/// Gauss-Seidel sweeps over them: those of `bounce.rs` twice over, for here nothing comes after.
+const SWEEPS: usize = 16;
+
+/// One of the two, where it stands at the moment.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Struck {
+    pub(super) velocity: Record,
+    /// Zero if nothing moves it.
+    pub(super) inverse_mass: f32,
+    pub(super) inverse_inertia: Sym3<f32>,
+}
+
+impl Struck {
+    fn at(&self, arm: Vec3) -> Vec3 {
+        self.velocity.linear + self.velocity.angular.cross(arm)
+    }
+
+    fn turned(&self, torque: Vec3) -> Vec3 {
+        self.inverse_inertia.mul(lanes::Vec3::new(torque.x, torque.y, torque.z)).lane(0)
+    }
+
+    /// By how much a unit impulse along a direction changes the velocity there [1/kg].
+    fn ease(&self, arm: Vec3, along: Vec3) -> f32 {
+        let torque = arm.cross(along);
+        self.inverse_mass + torque.dot(self.turned(torque))
+    }
+
+    fn push(&mut self, arm: Vec3, impulse: Vec3) {
+        self.velocity.linear += impulse * self.inverse_mass;
+        self.velocity.angular += self.turned(arm.cross(impulse));
+    }
+}
+
+/// A point where they touch.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Point {
+    /// Unit, from a to b.
+    pub(super) normal: Vec3,
+    /// From the bodies' centres [m].
+    pub(super) arms: [Vec3; 2],
+}
+
+/// What the two are made of.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Law {
+    pub(super) friction: f32,
+    pub(super) restitution: f32,
+    /// Approach speeds below this don't bounce [m/s].
+    pub(super) threshold: f32,
+}
+
+/// Newton's restitution and Coulomb's friction at all points together, by sequential impulses. Returns how fast the two part
+/// at the point where they came together fastest [m/s], or nothing if they didn't come together.
+pub(super) fn resolve(a: &mut Struck, b: &mut Struck, points: &[Point], law: Law) -> Option<(f32, Vec3)> {
+    let mut rows = [(0.0_f32, 0.0_f32, Vec3::ZERO); MOST];
+    let speed = |a: &Struck, b: &Struck, p: &Point| p.normal.dot(b.at(p.arms[1]) - a.at(p.arms[0]));
+    let mut fastest = (0.0_f32, 0);
+    for (i, (row, p)) in rows.iter_mut().zip(points).enumerate() {
+        let approach = -speed(a, b, p);
+        row.0 = if approach > law.threshold { law.restitution * approach } else { 0.0 };
+        if approach > fastest.0 {
+            fastest = (approach, i);
+        }
+    }
+    if fastest.0 <= 0.0 {
+        return None;
+    }
+    for _ in 0..SWEEPS {
+        for ((target, load, rubbed), p) in rows.iter_mut().zip(points) {
+            let ease = a.ease(p.arms[0], p.normal) + b.ease(p.arms[1], p.normal);
+            if ease <= 0.0 {
+                continue;
+            }
+            let new = (*load + (*target - speed(a, b, p)) / ease).max(0.0);
+            let change = p.normal * (new - *load);
+            *load = new;
+            a.push(p.arms[0], -change);
+            b.push(p.arms[1], change);
+
+            let slip = (b.at(p.arms[1]) - a.at(p.arms[0])).reject_from_normalized(p.normal);
+            let Some(way) = slip.try_normalize() else { continue };
+            let ease = a.ease(p.arms[0], way) + b.ease(p.arms[1], way);
+            let wanted = *rubbed - way * (slip.length() / ease);
+            let most = law.friction * *load;
+            let now = wanted.clamp_length_max(most);
+            let change = now - *rubbed;
+            *rubbed = now;
+            a.push(p.arms[0], -change);
+            b.push(p.arms[1], change);
+        }
+    }
+    let hardest = &points[fastest.1];
+    Some((speed(a, b, hardest), hardest.normal))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ball(velocity: Vec3) -> Struck {
+        // 1 kg, radius 1: 2/5 m r².
+        let i = 2.5;
+        let inverse_inertia = Sym3 { xx: i, yy: i, zz: i, xy: 0.0, xz: 0.0, yz: 0.0 };
+        let velocity = Record { linear: velocity, ..Record::default() };
+        Struck { velocity, inverse_mass: 1.0, inverse_inertia }
+    }
+
+    fn wall() -> Struck {
+        Struck { velocity: Record::default(), inverse_mass: 0.0, inverse_inertia: Sym3::default() }
+    }
+
+    #[test]
+    fn a_rough_ball_that_hits_at_an_angle_leaves_rolling() {
+        // With mu large enough the slip ends: v_t' = 5/7 v_t for a solid ball without spin.
+        let (mut a, mut b) = (ball(Vec3::new(7.0, -3.0, 0.0)), wall());
+        let points = [Point { normal: Vec3::NEG_Y, arms: [Vec3::NEG_Y, Vec3::ZERO] }];
+        let law = Law { friction: 10.0, restitution: 0.5, threshold: 0.1 };
+        let (parting, _) = resolve(&mut a, &mut b, &points, law).unwrap();
+        assert!((parting - 1.5).abs() < 1e-5);
+        assert!((a.velocity.linear - Vec3::new(5.0, 1.5, 0.0)).length() < 1e-5, "{a:?}");
+        assert!((a.velocity.angular - Vec3::new(0.0, 0.0, -5.0)).length() < 1e-5);
+    }
+
+    #[test]
+    fn slip_takes_no_more_than_coulombs_share() {
+        let (mut a, mut b) = (ball(Vec3::new(7.0, -3.0, 0.0)), wall());
+        let points = [Point { normal: Vec3::NEG_Y, arms: [Vec3::NEG_Y, Vec3::ZERO] }];
+        let law = Law { friction: 0.2, restitution: 0.0, threshold: 0.1 };
+        resolve(&mut a, &mut b, &points, law).unwrap();
+        assert!((a.velocity.linear - Vec3::new(7.0 - 0.6, 0.0, 0.0)).length() < 1e-5, "{a:?}");
+        assert!(resolve(&mut a, &mut b, &points, law).is_none());
+    }
+}

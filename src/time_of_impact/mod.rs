@@ -1,0 +1,399 @@
+//! Impacts one after the other, each at its time: the methods that the engine is compared with.
+//!
+//! What comes in is a step that was solved with discrete contacts: displacements and velocities. What goes out are poses and
+//! velocities as if each impact had been met at its moment. A queue holds every touch that the ways of this step lead to.
+//! The earliest comes out, both bodies are put where they stand then, the impact is solved ([`impulse`]), and what is left
+//! of the step they go on with their new velocities: sub-steps of the two that were struck, not of the world. Their new
+//! ways are searched for touches, and touches of the old ones no longer hold. A body that was sent another way too often
+//! stands for the rest of the step, and so loses the time.
+//!
+//! Who may touch in the step is the broad phase's list of pairs; for a new way its trees are asked again. All but the first
+//! search is the work of one thread, in the order of times and then of indices, so the bits never depend on threads.
+//!
+//! Known weaknesses, kept because they belong to such methods: a limb that is sub-stepped leaves the limbs that it is
+//! joined to behind, and its joint opens; hooks and events hear of contacts of the step's start only; what sleeps is struck
+//! as if it were static, and woken by the next step.
+
+mod first_touch;
+mod impulse;
+mod queue;
+mod strike;
+mod track;
+
+use crate::broad_phase::{Aabb, Pair, STACK, Whom, aabb_of};
+use crate::config::{Continuous, ContinuousMethod, Settings};
+use crate::memory::{Buffer, Room, bytes_of};
+use crate::narrow_phase::{MeshScratch, RawManifold};
+use crate::step::{MARGIN, REAL};
+use crate::threads::{Crew, Shared, per_block};
+use crate::world::World;
+use first_touch::{Search, Touch, first_touch};
+use glam::Vec3;
+use queue::{Hit, Queue};
+use track::Track;
+pub(crate) use track::Way;
+
+/// What it did in a step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Impacts {
+    /// Impacts that were solved at their times.
+    pub(crate) struck: u32,
+    /// Bodies that lost what was left of the step.
+    pub(crate) stood: u32,
+    /// Touches that there was no room for.
+    pub(crate) shed: u32,
+}
+
+/// How a method goes about it.
+#[derive(Clone, Copy, Debug)]
+struct Rules {
+    /// Sweeps go straight, with shapes turned as at the end.
+    linear: bool,
+    /// How often a body may be sent another way.
+    most: u32,
+}
+
+impl Rules {
+    fn of(settings: &Settings) -> Option<Rules> {
+        match settings.method {
+            _ if settings.continuous == Continuous::Discrete => None,
+            // As many as Box2D allowed.
+            ContinuousMethod::LinearCast => Some(Rules { linear: true, most: 8 }),
+            ContinuousMethod::ConservativeAdvancement => Some(Rules { linear: false, most: 64 }),
+            _ => None,
+        }
+    }
+}
+
+/// Buffers of one step.
+#[derive(Debug, Default)]
+pub(crate) struct Buffers {
+    /// By body that can move: its track, or `NONE`.
+    track_of: Vec<u32>,
+    tracks: Vec<Track>,
+    queue: Queue,
+    /// By pair: when it first touches; beyond the step if it doesn't.
+    times: Vec<Touch>,
+    stack: Vec<u32>,
+    /// Colliders near a way.
+    near: Vec<u32>,
+    manifolds: Vec<RawManifold>,
+    mesh: MeshScratch,
+}
+
+const NONE: u32 = u32::MAX;
+/// Pairs a block.
+const BLOCK: usize = per_block(32, 1);
+
+impl Buffers {
+    /// Calls `f` with each buffer that has an entry for each body that can move, and the place that it needs for so many.
+    pub(crate) fn each(&mut self, movers: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        f(&mut self.track_of, movers);
+        f(&mut self.tracks, movers);
+        f(&mut self.stack, STACK);
+    }
+
+    pub(crate) fn bytes(&self) -> (usize, usize) {
+        [
+            bytes_of(&self.track_of),
+            bytes_of(&self.tracks),
+            self.queue.bytes(),
+            bytes_of(&self.times),
+            bytes_of(&self.stack),
+            bytes_of(&self.near),
+            bytes_of(&self.manifolds),
+            self.mesh.bytes(),
+        ]
+        .into_iter()
+        .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
+    }
+}
+
+/// Meets the impacts of a step of `dt` seconds that was solved and whose bodies stand at its end, if the method asks for
+/// that.
+pub(crate) fn meet_impacts(crew: &Crew<'_>, world: &mut World, dt: f32) -> Impacts {
+    let Some(rules) = Rules::of(&world.settings) else { return Impacts::default() };
+    let mut buffers = std::mem::take(&mut world.buffers.impacts);
+    let mut room = world.room();
+    // Of what this holds itself the world knows nothing while it is out.
+    room.take(buffers.bytes().1);
+    let mut run = Run { world, buffers: &mut buffers, rules, dt, room, impacts: Impacts::default() };
+    run.find_first(crew);
+    while let Some(hit) = run.buffers.queue.pop() {
+        run.strike(&hit);
+    }
+    run.note_ways();
+    let impacts = run.impacts;
+    world.buffers.impacts = buffers;
+    impacts
+}
+
+/// A step's impacts while they are met.
+struct Run<'a> {
+    world: &'a mut World,
+    buffers: &'a mut Buffers,
+    rules: Rules,
+    dt: f32,
+    room: Room,
+    impacts: Impacts,
+}
+
+impl Run<'_> {
+    /// Fills the queue with the touches that the ways of the step lead to.
+    fn find_first(&mut self, crew: &Crew<'_>) {
+        let movers = self.world.bodies.movers();
+        let Buffers { track_of, tracks, queue, times, .. } = &mut *self.buffers;
+        track_of.clear();
+        track_of.resize(movers, NONE);
+        tracks.clear();
+        queue.clear();
+        times.clear();
+        self.find_strays();
+        let strays = self.buffers.tracks.len();
+        let count = self.world.broad.pairs.len();
+        if strays == 0 && !self.world.broad.pairs.iter().any(|pair| pair.fast) {
+            return;
+        }
+        let mut times = std::mem::take(&mut self.buffers.times);
+        let place = self.room.fit(&mut times, count).min(count);
+        self.impacts.shed += (count - place) as u32;
+        times.resize(place, Touch::NEVER);
+        {
+            let (out, this) = (Shared::new(&mut times), self.view());
+            crew.run(place.div_ceil(BLOCK), &|block| {
+                for i in block * BLOCK..((block + 1) * BLOCK).min(place) {
+                    let pair = &this.world.broad.pairs[i];
+                    if pair.fast && !this.is_tracked(pair) && this.may_strike(pair.a, pair.b) {
+                        // SAFETY: each pair is in one block.
+                        unsafe { *out.get(i) = this.touch(pair.a, pair.b, 0.0) };
+                    }
+                }
+            });
+        }
+        for (i, touch) in times.iter().enumerate().filter(|(_, touch)| touch.time <= 1.0) {
+            let Pair { a, b, .. } = self.world.broad.pairs[i];
+            self.push(Hit { touch: *touch, a, b, turns: [0; 2] });
+        }
+        self.buffers.times = times;
+        for track in 0..strays {
+            self.search(track, 0.0);
+        }
+    }
+
+    /// Makes tracks for bodies that go another way than the broad phase looked along, because something pushed them.
+    fn find_strays(&mut self) {
+        let (margin, linear) = (MARGIN * self.world.settings.length_unit, self.rules.linear);
+        for i in 0..self.world.bodies.dynamic() {
+            let world = &*self.world;
+            let (went, meant) = (&world.buffers.solver.delta[i], &world.buffers.forces.motion[i]);
+            let aside = (went.linear - meant.linear).length();
+            let turned = if linear { 0.0 } else { (went.angular - meant.angular).length() };
+            if aside + turned == 0.0
+                || world.settings.continuous.of(world.bodies.traits[i].continuous) == Continuous::Discrete
+            {
+                continue;
+            }
+            let own = world.bodies.colliders[i].as_slice();
+            let far = own.iter().any(|&c| {
+                let hot = &world.colliders.hot[c as usize];
+                let least = world.colliders.all[c as usize].inner_radius;
+                let swing = (hot.lever + hot.radius) * turned.min(2.0);
+                // Who hardly moves gets through nothing.
+                let moves = went.linear.length() + (hot.lever + hot.radius) * went.angular.length();
+                aside + swing > margin && moves > 0.5 * least
+            });
+            if far {
+                self.track(i);
+            }
+        }
+    }
+
+    /// The track of a body that can move; made if there is none.
+    fn track(&mut self, body: usize) -> usize {
+        let known = self.buffers.track_of[body];
+        if known != NONE {
+            return known as usize;
+        }
+        let way = self.view().way(body);
+        let free = body < self.world.bodies.dynamic() && self.world.buffers.solver.delta[body].pad0 == 0.0;
+        let pull = if free { self.world.buffers.forces.acceleration[body].linear } else { Vec3::ZERO };
+        let start = way.position;
+        self.buffers.tracks.push(Track { body: body as u32, start, way, pull, turns: 0, stands: false });
+        self.buffers.track_of[body] = self.buffers.tracks.len() as u32 - 1;
+        self.buffers.tracks.len() - 1
+    }
+
+    /// Adds the touches that a body's way leads to from a moment on.
+    fn search(&mut self, track: usize, since: f32) {
+        if since >= 1.0 {
+            return;
+        }
+        let (body, way) = (self.buffers.tracks[track].body as usize, self.buffers.tracks[track].way);
+        let count = self.world.bodies.colliders[body].as_slice().len();
+        let mut near = std::mem::take(&mut self.buffers.near);
+        let mut stack = std::mem::take(&mut self.buffers.stack);
+        for k in 0..count {
+            let c = self.world.bodies.colliders[body].as_slice()[k];
+            if self.world.colliders.hot[c as usize].is_sensor() {
+                continue;
+            }
+            let bounds = self.view().bounds(c, &way, since);
+            near.clear();
+            let (room, shed) = (&mut self.room, &mut self.impacts.shed);
+            self.world.broad.in_box(&mut stack, Whom::All, &bounds, |other| {
+                *shed += u32::from(!room.push(&mut near, other));
+            });
+            // In an order that does not hang on the shape of a tree.
+            near.sort_unstable();
+            for &other in &near {
+                // Those that were sent another way are not where the tree has them.
+                let of = self.world.colliders.hot[other as usize].body as usize;
+                if self.buffers.track_of.get(of).is_none_or(|&track| track == NONE) {
+                    self.try_pair(c, other, since);
+                }
+            }
+            for other in 0..self.buffers.tracks.len() {
+                let Track { body: of, way, .. } = self.buffers.tracks[other];
+                for j in 0..self.world.bodies.colliders[of as usize].as_slice().len() {
+                    let d = self.world.bodies.colliders[of as usize].as_slice()[j];
+                    if other != track && self.view().bounds(d, &way, since).overlaps(&bounds) {
+                        self.try_pair(c, d, since);
+                    }
+                }
+            }
+        }
+        (self.buffers.near, self.buffers.stack) = (near, stack);
+    }
+
+    fn try_pair(&mut self, one: u32, other: u32, since: f32) {
+        let view = self.view();
+        if !view.may_strike(one, other) {
+            return;
+        }
+        let key = |c: u32| (view.world.colliders.hot[c as usize].kind, c);
+        let (a, b) = if key(one) <= key(other) { (one, other) } else { (other, one) };
+        let touch = view.touch(a, b, since);
+        let turns = [a, b].map(|c| view.turns(c));
+        if touch.time <= 1.0 {
+            self.push(Hit { touch, a, b, turns });
+        }
+    }
+
+    fn push(&mut self, hit: Hit) {
+        if !self.buffers.queue.push(hit, &mut self.room) {
+            self.impacts.shed += 1;
+        }
+    }
+
+    /// Restitution of the next step asks how far bodies really went.
+    fn note_ways(&mut self) {
+        for track in &self.buffers.tracks {
+            let i = track.body as usize;
+            if let Some(previous) = self.world.bodies.previous.get_mut(i) {
+                previous.moved = (self.world.bodies.pose[i].position - track.start).as_vec3();
+            }
+        }
+    }
+
+    fn view(&self) -> View<'_> {
+        View {
+            world: self.world,
+            track_of: &self.buffers.track_of,
+            tracks: &self.buffers.tracks,
+            rules: self.rules,
+        }
+    }
+}
+
+/// What searches read.
+struct View<'a> {
+    world: &'a World,
+    track_of: &'a [u32],
+    tracks: &'a [Track],
+    rules: Rules,
+}
+
+impl View<'_> {
+    fn track_of(&self, body: usize) -> Option<&Track> {
+        self.track_of.get(body).and_then(|&track| self.tracks.get(track as usize))
+    }
+
+    fn is_tracked(&self, pair: &Pair) -> bool {
+        let of = |c: u32| self.world.colliders.hot[c as usize].body as usize;
+        self.track_of(of(pair.a)).is_some() || self.track_of(of(pair.b)).is_some()
+    }
+
+    /// How often the body of a collider was sent another way.
+    fn turns(&self, collider: u32) -> u32 {
+        self.track_of(self.world.colliders.hot[collider as usize].body as usize)
+            .map_or(0, |track| track.turns)
+    }
+
+    /// Whether an impact of two colliders would be met.
+    fn may_strike(&self, a: u32, b: u32) -> bool {
+        let World { bodies, colliders, joints, settings, events, .. } = self.world;
+        let [x, y] = [a, b].map(|c| &colliders.hot[c as usize]);
+        let (i, k) = (x.body as usize, y.body as usize);
+        let dynamic = bodies.dynamic();
+        let filter = |c: u32| &colliders.all[c as usize].filter;
+        let there = |i: usize| i < bodies.movers() || !bodies.traits[i].disabled;
+        i != k
+            && (i < dynamic || k < dynamic)
+            && there(i)
+            && there(k)
+            && !x.is_sensor()
+            && !y.is_sensor()
+            && settings.continuous.of(x.mode.max(y.mode)) != Continuous::Discrete
+            && filter(a).allows(filter(b))
+            && !joints.keep_apart(bodies.slot[i], bodies.slot[k])
+            && (events.vetoed.is_empty() || events.vetoed.binary_search(&(a.min(b), a.max(b))).is_err())
+    }
+
+    /// The way of a body, as far as it is known.
+    fn way(&self, body: usize) -> Way {
+        let pose = &self.world.bodies.pose[body];
+        if let Some(track) = self.track_of(body) {
+            return track.way;
+        }
+        let own = self.world.bodies.colliders[body].as_slice().first();
+        let Some(&c) = own.filter(|_| body < self.world.bodies.movers()) else { return Way::still(pose) };
+        let (shape, placed) =
+            (&self.world.colliders.all[c as usize], &self.world.colliders.poses[c as usize]);
+        let turned = self.world.buffers.solver.delta[body].angular;
+        let way = Way::taken(shape, placed, pose, turned);
+        if self.rules.linear { Way { rotation: pose.rotation, spin: Vec3::ZERO, ..way } } else { way }
+    }
+
+    /// When two colliders first touch if nothing else happens after a moment.
+    fn touch(&self, a: u32, b: u32, since: f32) -> Touch {
+        let shape = |c: u32| &self.world.colliders.all[c as usize];
+        let path = |c: u32| self.way(shape(c).body as usize).rest(since);
+        let turns = self.turns(a).max(self.turns(b));
+        let share = if self.rules.linear { TIGHT } else { tightness(turns) };
+        let search = Search { share, resting: REAL * self.world.settings.length_unit };
+        let touch = first_touch((shape(a), &path(a)), (shape(b), &path(b)), search);
+        touch.map_or(Touch::NEVER, |touch| Touch { time: since + touch.time * (1.0 - since), ..touch })
+    }
+
+    /// A box around a collider on what is left of a way.
+    fn bounds(&self, collider: u32, way: &Way, since: f32) -> Aabb {
+        let shape = &self.world.colliders.all[collider as usize];
+        let rest = way.rest(since);
+        let (from, to) = (aabb_of(shape, rest.centre, rest.rotation), {
+            let end = way.at(1.0);
+            aabb_of(shape, end.position, end.rotation)
+        });
+        let arm = shape.position.length() + if shape.radius.is_finite() { shape.radius } else { 0.0 };
+        let swing = Vec3::splat((rest.spin.length() * arm).min(2.0 * arm));
+        Aabb { min: from.min.min(to.min) - swing, max: from.max.max(to.max) + swing }
+    }
+}
+
+/// Share of the engine's tolerance for a touch: that is for manifolds, this for times.
+const TIGHT: f32 = 0.1;
+
+/// The same for a pair whose bodies were sent another way already. What touched once in a step is a little nearer than the tolerance was; for it
+/// to be able to touch again, that shrinks each time, by less than a search may fall short of it.
+fn tightness(turns: u32) -> f32 {
+    (0..turns.min(12)).fold(TIGHT, |share, _| share * 0.4)
+}

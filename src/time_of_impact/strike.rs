@@ -1,0 +1,195 @@
+//! One impact: where it is, what it does, and where the two go from there.
+
+use super::impulse::{self, Law, Point, Struck, resolve};
+use super::queue::Hit;
+use super::track::Way;
+use super::{Buffers, Run};
+use crate::body::{Pose, carry_spin, exp_map};
+use crate::forces::{spins_freely, world_inertia};
+use crate::lanes::{Record, Sym3};
+use crate::narrow_phase::{RawManifold, Reach, Relative, Support, collide_convex, collide_mesh};
+use crate::shape::{Collider, Kind};
+use crate::step::REAL;
+use glam::Vec3;
+
+impl Run<'_> {
+    /// Meets an impact, if both bodies are still on the ways that lead to it.
+    pub(super) fn strike(&mut self, hit: &Hit) {
+        let view = self.view();
+        if [hit.a, hit.b].map(|c| view.turns(c)) != hit.turns {
+            return;
+        }
+        let of = |c: u32| self.world.colliders.hot[c as usize].body as usize;
+        let (i, k) = (of(hit.a), of(hit.b));
+        let dynamic = self.world.bodies.dynamic();
+        let tracks = [i, k].map(|body| (body < self.world.bodies.movers()).then(|| self.track(body)));
+        let goes = |run: &Self, side: usize| {
+            tracks[side].is_some_and(|t| [i, k][side] < dynamic && !run.buffers.tracks[t].stands)
+        };
+        if !goes(self, 0) && !goes(self, 1) {
+            // A kinematic body runs over one that lost its time: the next step's contacts see to it.
+            return;
+        }
+        self.impacts.struck += 1;
+        let time = hit.touch.time;
+        let ends = [i, k].map(|body| self.world.bodies.pose[body]);
+        for (body, track) in [i, k].into_iter().zip(tracks) {
+            if let Some(track) = track {
+                self.world.bodies.pose[body] = self.buffers.tracks[track].way.at(time);
+            }
+        }
+        let (points, count) = self.points(hit, [i, k]);
+        let mut a = self.struck(i, tracks[0], time, &ends[0]);
+        let mut b = self.struck(k, tracks[1], time, &ends[1]);
+        let before = [a.velocity.angular, b.velocity.angular];
+        let material = |c: u32| &self.world.colliders.all[c as usize].material;
+        let law = Law {
+            friction: material(hit.a).friction_with(material(hit.b)).1,
+            restitution: material(hit.a).restitution_with(material(hit.b)),
+            threshold: self.world.settings.restitution_threshold * self.world.settings.length_unit,
+        };
+        let met = resolve(&mut a, &mut b, &points[..count], law);
+        let (parting, normal) = met.unwrap_or((0.0, hit.touch.normal));
+        for (side, (body, struck)) in [(i, a), (k, b)].into_iter().enumerate() {
+            let Some(track) = tracks[side] else { continue };
+            if body >= dynamic {
+                // Kinematic: it goes on.
+                self.world.bodies.pose[body] = ends[side];
+                continue;
+            }
+            // What lies against the other is not pulled into it.
+            let into = if side == 0 { normal } else { -normal };
+            let pull = &mut self.buffers.tracks[track].pull;
+            if parting <= law.threshold {
+                *pull -= into * pull.dot(into).max(0.0);
+            }
+            self.send(body, track, time, struck.velocity, before[side]);
+        }
+        for side in 0..2 {
+            if let Some(track) = tracks[side].filter(|_| [i, k][side] < dynamic) {
+                self.search(track, time);
+            }
+        }
+    }
+
+    /// What an impact has to know of a body that stands where it is at the moment; `end`: where it would be at the end.
+    fn struck(&self, body: usize, track: Option<usize>, time: f32, end: &Pose) -> Struck {
+        let bodies = &self.world.bodies;
+        let Some(track) = track else {
+            return Struck {
+                velocity: Record::default(),
+                inverse_mass: 0.0,
+                inverse_inertia: Sym3::default(),
+            };
+        };
+        if body >= bodies.dynamic() {
+            let velocity = bodies.velocity[body];
+            return Struck { velocity, inverse_mass: 0.0, inverse_inertia: Sym3::default() };
+        }
+        let mut velocity = self.buffers.tracks[track].velocity_at(&bodies.velocity[body], time, self.dt);
+        velocity.angular = self.carried(body, end, &bodies.pose[body], velocity.angular);
+        let (inverse_mass, inverse_inertia) = (bodies.mass[body].inverse, world_inertia(bodies, body));
+        Struck { velocity, inverse_mass, inverse_inertia }
+    }
+
+    /// The spin of a body that turns freely from one pose to another.
+    fn carried(&self, body: usize, from: &Pose, to: &Pose, spin: Vec3) -> Vec3 {
+        let bodies = &self.world.bodies;
+        if self.rules.linear || !spins_freely(&bodies.mass[body], &bodies.traits[body], spin, self.dt) {
+            return spin;
+        }
+        carry_spin(from.rotation, to.rotation, spin, bodies.mass[body].inertia)
+    }
+
+    /// Sends a body on from where it stands with the velocity that the impact left it.
+    fn send(&mut self, body: usize, track: usize, time: f32, velocity: Record, spin_before: Vec3) {
+        let left = (1.0 - time) * self.dt;
+        let (linear, most) = (self.rules.linear, self.rules.most);
+        let mut velocity = velocity;
+        self.world.bodies.traits[body].lock(&mut velocity);
+        let track = &mut self.buffers.tracks[track];
+        let mut pose = self.world.bodies.pose[body];
+        if !track.stands {
+            track.turns += 1;
+            track.stands = track.turns >= most;
+            self.impacts.stood += u32::from(track.stands);
+        }
+        track.way = Way { since: time, ..Way::still(&pose) };
+        if !track.stands {
+            track.way.displacement = velocity.linear * left + track.pull * (0.5 * left * left);
+            if linear {
+                // It turned for the whole step before it was swept; of that only the change is still to come.
+                pose.rotation =
+                    (exp_map((velocity.angular - spin_before) * left) * pose.rotation).normalize();
+                track.way.rotation = pose.rotation;
+            } else {
+                track.way.spin = velocity.angular * left;
+            }
+        }
+        velocity.linear += track.pull * left;
+        let end = track.way.at(1.0);
+        velocity.angular = self.carried(body, &pose, &end, velocity.angular);
+        self.world.bodies.pose[body] = end;
+        let record = &mut self.world.bodies.velocity[body];
+        (record.linear, record.angular) = (velocity.linear, velocity.angular);
+    }
+
+    /// Where two colliders touch, with their bodies where they stand.
+    fn points(&mut self, hit: &Hit, bodies: [usize; 2]) -> ([Point; impulse::MOST], usize) {
+        let world = &*self.world;
+        let [a, b] = [hit.a, hit.b].map(|c| &world.colliders.all[c as usize]);
+        let [pose_a, pose_b] = bodies.map(|i| world.bodies.pose[i]);
+        let (at_a, at_b) = (place(a, &pose_a), place(b, &pose_b));
+        let back = at_a.rotation.conjugate();
+        let rel = Relative {
+            position: back * (at_b.position - at_a.position).as_vec3(),
+            rotation: back * at_b.rotation,
+        };
+        let margin = REAL * world.settings.length_unit;
+        let Buffers { manifolds, mesh, .. } = &mut *self.buffers;
+        manifolds.clear();
+        if matches!(b.kind, Kind::Mesh | Kind::HeightField) {
+            mesh.room = self.room;
+            mesh.nearby.forget();
+            collide_mesh(a, b, &rel, Reach::new(margin), mesh, manifolds);
+            self.room = mesh.room;
+            mesh.room = crate::memory::Room::ENDLESS;
+        } else {
+            let raw: RawManifold = collide_convex(a, b, &rel, margin);
+            self.room.push(manifolds, raw);
+        }
+        let mut points = [Point::default(); impulse::MOST];
+        let mut count = 0;
+        let from_centre = (at_a.position - pose_a.position).as_vec3();
+        let apart = (pose_a.position - pose_b.position).as_vec3();
+        let mut add = |normal: Vec3, position: Vec3| {
+            if let Some(point) = points.get_mut(count) {
+                let arm = from_centre + at_a.rotation * position;
+                *point = Point { normal, arms: [arm, arm + apart] };
+                count += 1;
+            }
+        };
+        for raw in manifolds.iter() {
+            raw.points().iter().for_each(|p| add(at_a.rotation * raw.normal, p.position));
+        }
+        if manifolds.iter().all(|raw| raw.count == 0) {
+            // The kernel sees no contact where the search for the time saw a touch: its word then.
+            let normal = hit.touch.normal;
+            let along = back * normal;
+            let shape = Support::of(a);
+            let tip = shape.map_or(Vec3::ZERO, |s| {
+                (s.support(along.as_dvec3()) + along.as_dvec3() * s.radius).as_vec3()
+            });
+            add(normal, tip);
+        }
+        (points, count)
+    }
+}
+
+/// Where a body's collider is.
+fn place(shape: &Collider, body: &Pose) -> Pose {
+    Pose {
+        position: body.position + (body.rotation * shape.position).as_dvec3(),
+        rotation: body.rotation * shape.rotation,
+    }
+}
