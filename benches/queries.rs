@@ -128,6 +128,10 @@ fn mesh() {
     batch("mesh, cameras 90 degrees", &world, &cameras(eye, 1.0, 100.0));
     batch("mesh, cameras 30 degrees", &world, &cameras(eye, 0.27, 100.0));
     batch("mesh, sensors around", &world, &sensors(over, -0.3, 100.0));
+    for call in [16, 32, 64] {
+        let name = format!("mesh, cameras 30 degrees, batch of {call}");
+        batch_of(call, &name, &world, &cameras(eye, 0.27, 100.0));
+    }
     batch("mesh, echoes", &world, &echoes(over, 50.0));
     let ball = Geometry::Sphere { radius: 0.5 };
     let parry_ball = SharedShape::ball(0.5);
@@ -170,18 +174,22 @@ fn compare_rays(name: &str, world: &World, rays: &[Ray], theirs: impl Fn(&ParryR
     batch(name, world, rays);
 }
 
-/// Rays in calls of 1024 beside the same rays one by one, call by call, each first as often as the other. Of each call the least time of all rounds
-/// counts: a busy machine adds to times and never takes from them.
+/// Rays in calls of 1024 beside the same rays one by one, call by call, each first as often as the other. Of each call
+/// the least time of all rounds counts: a busy machine adds to times and never takes from them.
 fn batch(name: &str, world: &World, rays: &[Ray]) {
-    let name = &format!("{name}, batch");
+    batch_of(1024, &format!("{name}, batch"), world, rays);
+}
+
+/// The same in calls of so many rays.
+fn batch_of(call: usize, name: &str, world: &World, rays: &[Ray]) {
     if !is_wanted(name) {
         return;
     }
     let filter = QueryFilter::new();
-    let mut hits = vec![None::<RayHit>; 1024];
-    let mut times = vec![(f64::INFINITY, f64::INFINITY); rays.len().div_ceil(1024)];
+    let mut hits = vec![None::<RayHit>; call];
+    let mut times = vec![(f64::INFINITY, f64::INFINITY); rays.len().div_ceil(call)];
     for round in 0..2 * ROUNDS {
-        for (rays, least) in rays.chunks(1024).zip(&mut times) {
+        for (rays, least) in rays.chunks(call).zip(&mut times) {
             let hits = &mut hits[..rays.len()];
             // The second finds in the cache what the first looked at.
             for turn in [round, round + 1] {

@@ -236,7 +236,7 @@ fn queries_allocate_nothing() {
         let at = DVec3::new(0.1, 3.0, 0.01 * f64::from(step % 100));
         let ray = Ray::new(at, Vec3::new(0.5, -9.0, 0.1));
         world.cast_ray_all(&ray, &filter, &mut rays).unwrap();
-        world.cast_rays(&[ray; 9], &filter, &mut [None; 9]).unwrap();
+        world.cast_rays(&[ray; 99], &filter, &mut [None; 99]).unwrap();
         let cast = ShapeCast::new(&shape, at, ray.path);
         world.cast_shape_all(&cast, &filter, &mut casts).unwrap();
         world.overlap(&shape, at, Quat::IDENTITY, &filter, &mut overlaps).unwrap();
