@@ -86,7 +86,7 @@ pub struct Verdict {
     /// The mean of what that is off the reference's, either way.
     pub energy_error: f64,
     /// How far a body that did not get through was, at the end of the step of its first impact, from where the reference
-    /// has it: its furthest point, in the mean [m].
+    /// has it: its furthest point, in the mean [m]; 0 if all got through.
     pub distance_lost: f64,
     /// The worst of those [m].
     pub distance_worst: f64,

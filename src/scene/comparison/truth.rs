@@ -5,7 +5,7 @@ use super::{Entrant, Scene, builtin};
 use crate::narrow_phase::{Relative, Support, distance};
 use crate::query::segment_hits;
 use crate::scene::{SceneBody, Terrain};
-use crate::shape::{Collider, Geometry};
+use crate::shape::Geometry;
 use crate::world::World;
 use glam::{DVec3, Quat, Vec3};
 
