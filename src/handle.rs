@@ -1,6 +1,6 @@
 //! What a caller holds: an index and a generation, so that a stale handle is noticed.
 
-use crate::memory::Buffer;
+use crate::memory::{Buffer, Room};
 
 macro_rules! handle {
     ($(#[$doc:meta])* $name:ident) => {
@@ -43,13 +43,17 @@ impl Slots {
             entry.1 = dense;
             (slot, entry.0)
         } else {
+            self.reserve(1);
             self.slots.push((1, dense));
             (self.slots.len() as u32 - 1, 1)
         }
     }
 
+    /// Makes place for so many more.
     pub(crate) fn reserve(&mut self, more: usize) {
-        self.slots.reserve(more.saturating_sub(self.free.len()));
+        let wanted = (self.slots.len() + more).saturating_sub(self.free.len());
+        let mut room = Room::ENDLESS;
+        room.fit(&mut self.slots, wanted);
     }
 
     /// The dense index, unless the handle is stale.

@@ -27,7 +27,7 @@ use crate::finish::StepReport;
 use crate::handle::{BodyHandle, ShapeHandle, Slots};
 use crate::joint::Joints;
 use crate::lanes::Record;
-use crate::memory::{Category, MemoryReport};
+use crate::memory::{Category, MemoryReport, Room};
 use crate::narrow_phase::Contacts;
 use crate::record::record;
 use crate::shape::{Collider, Geometry, Hot, Kind};
@@ -208,10 +208,8 @@ impl World {
         record!(self, |tape| AddBodies(descs.iter().map(|desc| tape.body(desc)).collect()));
         self.bodies.reserve(descs.len());
         let shapes = descs.iter().map(|d| d.shapes.len()).sum();
-        self.colliders.all.reserve(shapes);
-        self.colliders.hot.reserve(shapes);
-        self.colliders.poses.reserve(shapes);
         self.colliders.slots.reserve(shapes);
+        self.colliders.reserve(shapes);
         Ok(descs.iter().zip(masses).map(|(desc, (cold, mass))| self.insert(desc, cold, mass)).collect())
     }
 
@@ -517,6 +515,14 @@ impl World {
 }
 
 impl Colliders {
+    /// Makes place for so many more.
+    fn reserve(&mut self, more: usize) {
+        let (mut room, len) = (Room::ENDLESS, self.all.len() + more);
+        room.fit(&mut self.all, len);
+        room.fit(&mut self.hot, len);
+        room.fit(&mut self.poses, len);
+    }
+
     /// The collider's body has a new index.
     pub(crate) fn follow(&mut self, collider: u32, body: u32) {
         self.all[collider as usize].body = body;

@@ -8,7 +8,7 @@ use crate::constraint::{Order, RowGroup};
 use crate::forces::is_uneven;
 use crate::handle::Slots;
 use crate::lanes::Record;
-use crate::memory::{Buffer, bytes_of};
+use crate::memory::{Buffer, Room, bytes_of};
 use glam::{DVec3, Quat, Vec3};
 
 /// Pose of the centre of mass, in the principal axes of inertia.
@@ -303,24 +303,27 @@ impl Bodies {
         }
     }
 
+    /// Makes place for so many more.
     pub(crate) fn reserve(&mut self, more: usize) {
+        let (mut room, len) = (Room::ENDLESS, self.len() + more);
         self.slots.reserve(more);
-        self.slot.reserve(more);
-        self.kind.reserve(more);
-        self.pose.reserve(more);
-        self.velocity.reserve(more);
-        self.mass.reserve(more);
-        self.traits.reserve(more);
-        self.cold.reserve(more);
-        self.colliders.reserve(more);
+        room.fit(&mut self.slot, len);
+        room.fit(&mut self.kind, len);
+        room.fit(&mut self.pose, len);
+        room.fit(&mut self.velocity, len);
+        room.fit(&mut self.mass, len);
+        room.fit(&mut self.traits, len);
+        room.fit(&mut self.cold, len);
+        room.fit(&mut self.colliders, len);
         if !self.force.is_empty() {
-            self.force.reserve(more);
+            room.fit(&mut self.force, len);
         }
     }
 
     /// Adds a row and returns its slot and generation. `moved` is called for each body that changed its index.
     pub(crate) fn insert(&mut self, body: NewBody, mut moved: impl FnMut(&Colliders, u32)) -> (u32, u32) {
         let last = self.len() as u32;
+        self.reserve(1);
         self.count_traits((body.kind, &body.mass, &body.traits), 1);
         let handle = self.slots.insert(last);
         self.slot.push(handle.0);

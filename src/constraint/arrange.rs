@@ -233,6 +233,8 @@ fn sort(input: &PrepareInput<'_>, scratch: &mut PrepareScratch, mut quota: Quota
     keys.reset(input.order, input.bodies.raises());
     let (movers, any_raised) = (input.bodies.movers(), keys.any_raised());
     let (mut prepared, mut shed) = (Prepared::default(), 0);
+    // Under a budget there is place for all.
+    let mut room = Room::ENDLESS;
     // By number of points.
     let mut ahead = [0usize; 4];
     each_contact(input, |slot, contact| {
@@ -261,7 +263,8 @@ fn sort(input: &PrepareInput<'_>, scratch: &mut PrepareScratch, mut quota: Quota
             *left -= 1;
             let colour = colouring[group as usize].assign(a, b);
             let seated = group.is_static() && colour != OVERFLOW && input.seats.of(a.min(b)).is_some();
-            entries.push((part, keys.count((group, raised), colour, (!seated).then_some(count))));
+            let key = keys.count((group, raised), colour, (!seated).then_some(count));
+            room.push(entries, (part, key));
         };
         if input.per_point {
             (0..contact.count as usize).for_each(|point| enter(Part::point(slot, point), 1));
@@ -270,6 +273,7 @@ fn sort(input: &PrepareInput<'_>, scratch: &mut PrepareScratch, mut quota: Quota
         }
     });
     keys.line_up();
+    room.fit(sorted, entries.len());
     sorted.clear();
     sorted.resize(entries.len(), Part::NONE);
     for &(part, key) in entries.iter() {

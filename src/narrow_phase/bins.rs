@@ -108,9 +108,10 @@ impl Bins {
             starts[bin + 1] += starts[bin];
         }
         let total = starts[COUNT];
-        // Pairs are only taken in if there is room for this.
-        room.fit(&mut self.order, total as usize);
-        room.fit(&mut self.blocks, Self::most_blocks(total as usize));
+        // Pairs are only taken in if there is room for all of them here, which must not go to anything else.
+        let place = if room.is_endless() { total as usize } else { bin_of.len() };
+        room.fit(&mut self.order, place);
+        room.fit(&mut self.blocks, Self::most_blocks(place));
         self.order.clear();
         self.order.resize(total as usize, 0);
         self.blocks.clear();

@@ -33,6 +33,7 @@ impl World {
         let next = self.colliders.all.len() as u32;
         let (slot, _) = self.colliders.slots.insert(next);
         if slot == next {
+            self.colliders.reserve(1);
             self.colliders.hot.push(collider.hot(mode));
             self.colliders.all.push(collider);
             self.colliders.poses.push(self.bodies.pose[body]);
