@@ -55,7 +55,9 @@ fn world(change: Change) -> World {
     change(&mut scene, &mut settings);
     let mut world = World::new(settings).expect("the settings are in range");
     scene.add_to(&mut world).expect("a builtin scene is valid");
-    (0..WARM).for_each(|_| drop(step(&mut world)));
+    for _ in 0..WARM {
+        step(&mut world);
+    }
     world
 }
 
