@@ -56,8 +56,16 @@ fn a_run_prints_the_document_that_is_promised() {
     let document = document(&backstop(&["run", "scenes/tower.gltf", "--steps", "10", "--json"]));
     has_keys(
         &document,
-        &["scene", "settings", "steps", "bodies", "joints", "time_us", "contacts", "memory", "hash"],
+        &["scene", "settings", "steps", "bodies", "joints", "time_us", "contacts", "memory", "model", "hash"],
     );
+    let model = document["model"].as_array().expect("a list");
+    for part in model {
+        has_keys(part, &["name", "needed", "count", "asked_by", "bytes", "time_us", "stage"]);
+        assert_eq!(part["needed"], part["count"] != 0, "{part}");
+    }
+    let part = |name: &str| model.iter().find(|part| part["name"] == name).expect("a part");
+    assert_eq!(part("friction")["needed"], true);
+    assert_eq!((&part("joints")["needed"], &part("joints")["bytes"]), (&Value::Bool(false), &Value::from(0)));
     assert_eq!(document["scene"], "tower");
     assert_eq!(document["steps"], 10);
     assert_eq!(document["settings"]["substeps"], 4);

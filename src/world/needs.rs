@@ -87,7 +87,7 @@ impl World {
             (self.bodies.any_raised(), Demand::RAISED),
             (self.is_accelerated(), Demand::ACCELERATION),
         ];
-        Demand(needed.iter().fold(0, |all, (is, part)| all | u8::from(*is) * part))
+        Demand(needed.iter().fold(0, |all, (is, part)| all | (u8::from(*is) * part)))
     }
 
     /// At the end of a step that needed `now`: gives back what only earlier ones needed. With a budget place that was made
