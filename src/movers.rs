@@ -29,10 +29,15 @@ impl Buffers {
         f(&mut self.starts, bodies);
     }
 
+    /// Live and reserved bytes, without the list of pairs.
     pub(crate) fn bytes(&self) -> (usize, usize) {
-        [bytes_of(&self.movers), bytes_of(&self.starts), bytes_of(&self.removed)]
-            .into_iter()
-            .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
+        let (a, b) = (bytes_of(&self.movers), bytes_of(&self.starts));
+        (a.0 + b.0, a.1 + b.1)
+    }
+
+    /// The same of the pairs that ended.
+    pub(crate) fn removed_bytes(&self) -> (usize, usize) {
+        bytes_of(&self.removed)
     }
 }
 
@@ -45,7 +50,7 @@ const BLOCK: usize = per_block(128, 1);
 /// Finds the pairs of this step; also says how many ghosts left with the pairs that ended.
 pub(crate) fn pairs(crew: &Crew<'_>, world: &mut World) -> (BroadStats, u32) {
     let count = world.bodies.movers();
-    let mut room = world.room();
+    let mut rooms = world.rooms();
     let Buffers { movers, starts, removed } = &mut world.buffers.broad;
     starts.clear();
     let mut total = 0;
@@ -115,9 +120,12 @@ pub(crate) fn pairs(crew: &Crew<'_>, world: &mut World) -> (BroadStats, u32) {
     let margin = MARGIN * world.settings.length_unit;
     let narrow = &world.buffers.narrow;
     let rules = Rules { may_collide: &may_collide, order: &order, missing: &|pairs| narrow.missing(pairs) };
-    let stats = world.broad.update_within(crew, movers, margin, &rules, removed, &mut room);
+    let stats = world.broad.update_within(crew, movers, margin, &rules, removed, &mut rooms);
     let mut ghosts = 0;
     let mut removed = std::mem::take(removed);
+    if !removed.is_empty() {
+        world.grant_events();
+    }
     for pair in &removed {
         world.part(pair);
         ghosts += world.contacts.count_pushed(pair.contact);

@@ -153,6 +153,7 @@ impl World {
             now.step();
         }
         self.hear_sensors();
+        self.grant_events();
         self.events.finish(self.settings.event_capacity as usize);
         self.rest(crew, dt);
         let end = lap(clock, &mut times.finish);
@@ -189,7 +190,7 @@ impl World {
 
     fn narrow(&mut self, crew: &Crew<'_>) -> crate::narrow_phase::NarrowStats {
         let unit = self.settings.length_unit;
-        let mut room = self.room();
+        let mut rooms = self.rooms();
         let (joints, slots) = (&self.joints, &self.bodies.slot);
         let input = Input {
             colliders: &self.colliders.all,
@@ -205,14 +206,14 @@ impl World {
             has_joints: &|body| joints.has_any(slots[body as usize]),
         };
         let scratch = &mut self.buffers.narrow;
-        collide(crew, &input, &mut self.broad.pairs, &mut self.contacts, scratch, &mut room)
+        collide(crew, &input, &mut self.broad.pairs, &mut self.contacts, scratch, &mut rooms)
     }
 
     fn prepare(&mut self, crew: &Crew<'_>, dt: f32) -> Prepared {
         let unit = self.settings.length_unit;
         let forces = &self.buffers.forces;
         let (mut impacts, mut lost) = (0, 0);
-        let mut room = self.room();
+        let mut rooms = self.rooms();
         if self.needs.restitution > 0 {
             let input = BounceInput {
                 colliders: &self.colliders.all,
@@ -227,7 +228,9 @@ impl World {
             };
             let scratch = &mut self.buffers.bounce;
             let bodies = (&mut self.bodies, self.events.impulses.as_mut_slice());
-            (impacts, lost) = bounce(&input, &mut self.contacts.all, bodies, scratch, &mut room);
+            (impacts, lost) = rooms.within(Category::Scratch, |room| {
+                bounce(&input, &mut self.contacts.all, bodies, scratch, room)
+            });
         }
         let h = dt / self.settings.substeps as f32;
         let last = self.buffers.last_h;
@@ -252,6 +255,7 @@ impl World {
             };
             joints.fill_trees(crew, &input, &mut forces.inverse_inertia);
         }
+        let ahead = self.room_ahead(&rooms);
         let forces = &self.buffers.forces;
         let input = PrepareInput {
             bodies: &self.bodies,
@@ -264,6 +268,7 @@ impl World {
             inverse_inertia: &forces.inverse_inertia,
             real: REAL * unit,
             near: 2.0 * MARGIN * unit,
+            ahead,
             warm,
             stick: STICK * unit,
             order: self.settings.order,
@@ -271,7 +276,7 @@ impl World {
             tweaks: &self.events.tweaks,
             per_point: self.settings.friction_model == FrictionModel::Point,
         };
-        let prepared = prepare(crew, &input, &mut self.buffers.rows, &mut self.buffers.prepare, &mut room);
+        let prepared = prepare(crew, &input, &mut self.buffers.rows, &mut self.buffers.prepare, &mut rooms);
         if self.joints.count > 0 {
             let input = JointInput {
                 bodies: &self.bodies,

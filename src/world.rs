@@ -22,7 +22,7 @@ use crate::finish::StepReport;
 use crate::handle::{BodyHandle, ShapeHandle, Slots};
 use crate::joint::Joints;
 use crate::lanes::Record;
-use crate::memory::{Category, MemoryReport};
+use crate::memory::{Amounts, Category, MemoryReport, in_arc};
 use crate::narrow_phase::Contacts;
 use crate::record::record;
 use crate::shape::{Collider, EVENTS, Geometry, HOOKS, Hot, SENSOR};
@@ -30,6 +30,7 @@ use crate::sleep::Sleep;
 use crate::snapshot::Revisions;
 use crate::step::Buffers;
 use glam::{DVec3, Vec3};
+use std::sync::Arc;
 
 /// Bodies that move, collide and rest.
 ///
@@ -106,18 +107,21 @@ struct Assets {
 
 impl Assets {
     fn key(geometry: &Geometry) -> Option<(usize, Category, (usize, usize))> {
-        match geometry {
-            Geometry::Hull(hull) => {
-                Some((std::sync::Arc::as_ptr(hull) as usize, Category::Shapes, hull.bytes()))
-            }
-            Geometry::Mesh(mesh) => {
-                Some((std::sync::Arc::as_ptr(mesh) as usize, Category::Meshes, mesh.bytes()))
-            }
-            Geometry::HeightField(field) => {
-                Some((std::sync::Arc::as_ptr(field) as usize, Category::Meshes, field.bytes()))
-            }
-            _ => None,
+        // Its own bytes are told with itself; it lies in an `Arc`.
+        fn entry<T>(
+            shared: &Arc<T>,
+            category: Category,
+            (live, reserved): (usize, usize),
+        ) -> (usize, Category, (usize, usize)) {
+            let counts = in_arc::<T>() - size_of::<T>();
+            (Arc::as_ptr(shared) as usize, category, (live + counts, reserved + counts))
         }
+        Some(match geometry {
+            Geometry::Hull(hull) => entry(hull, Category::Shapes, hull.bytes()),
+            Geometry::Mesh(mesh) => entry(mesh, Category::Meshes, mesh.bytes()),
+            Geometry::HeightField(field) => entry(field, Category::Meshes, field.bytes()),
+            _ => return None,
+        })
     }
 
     fn add(&mut self, geometry: &Geometry) {
@@ -140,15 +144,15 @@ impl Assets {
         }
     }
 
-    /// Bytes that geometries would add, each counted once.
-    fn cost<'a>(&self, geometries: impl Iterator<Item = &'a Geometry>) -> usize {
+    /// Bytes that geometries would add, each counted once, and how many of them are new.
+    fn cost<'a>(&self, geometries: impl Iterator<Item = &'a Geometry>) -> (Amounts, usize) {
         let is_new = |key: usize| self.list.binary_search_by_key(&key, |e| e.0).is_err();
-        let known = geometries.filter_map(Self::key);
-        let mut new: Vec<(usize, usize)> =
-            known.filter(|(key, ..)| is_new(*key)).map(|(key, _, (_, reserved))| (key, reserved)).collect();
+        let mut new: Vec<_> = geometries.filter_map(Self::key).filter(|(key, ..)| is_new(*key)).collect();
         new.sort_unstable();
         new.dedup();
-        new.iter().map(|(_, reserved)| reserved).sum()
+        let mut bytes = Amounts::default();
+        new.iter().for_each(|&(_, category, (_, reserved))| bytes.add(category, reserved));
+        (bytes, new.len())
     }
 }
 

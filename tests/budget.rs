@@ -4,7 +4,7 @@ mod common;
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::{Scene, builtin};
-use backstop::{BodyDesc, Category, Geometry, Settings, ShapeDesc, Skeleton, World};
+use backstop::{BodyDesc, Budget, Category, Geometry, Settings, ShapeDesc, Skeleton, World};
 
 const DT: f32 = 1.0 / 60.0;
 const STEPS: u32 = 150;
@@ -26,6 +26,7 @@ fn crossfire() -> Scene {
 }
 
 fn settings(budget: Option<usize>, threads: usize) -> Settings {
+    let budget = budget.map_or(Budget::NONE, Budget::total);
     Settings { budget, threads, ..Settings::default() }
 }
 

@@ -3,7 +3,7 @@
 use super::bvh::Tree;
 use super::{BroadPhase, FILTER, MayCollide, NONE, Order, Pair, Path, Role};
 use crate::lanes::{Mask, f32x4};
-use crate::memory::{Buffer, Buffers, Made, Room, bytes_of, even_out};
+use crate::memory::{Amounts, Buffer, Buffers, Category, Made, Room, Rooms, bytes_of, even_out};
 use crate::threads::{Crew, per_block};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -58,7 +58,7 @@ pub(super) fn with_stacks(blocks: &mut Vec<Mutex<Block>>) -> Made<'_, Mutex<Bloc
 pub(crate) struct Rules<'a> {
     pub(crate) may_collide: MayCollide<'a>,
     pub(crate) order: Order<'a>,
-    /// Bytes that the later stages of the step lack for so many pairs.
+    /// Bytes that the later stages of the step lack for so many pairs, all of them scratch.
     pub(crate) missing: &'a dyn Fn(usize) -> usize,
 }
 
@@ -129,12 +129,12 @@ impl BroadPhase {
     }
 
     /// Searches for the pairs of all that changed; returns how many are new, and how many there was no room for.
-    pub(super) fn find_pairs(&mut self, crew: &Crew, rules: &Rules, room: &mut Room) -> (u32, u32) {
+    pub(super) fn find_pairs(&mut self, crew: &Crew, rules: &Rules, rooms: &mut Rooms) -> (u32, u32) {
         let (may_collide, order) = (rules.may_collide, rules.order);
         let wanted = self.changed.len().div_ceil(BLOCK);
-        let count = self.grow_blocks(wanted, room);
+        let count = rooms.within(Category::BroadPhase, |room| self.grow_blocks(wanted, room));
         let mut shed = self.changed.len().saturating_sub(count * BLOCK) as u32;
-        let share = self.share(count, room);
+        let share = self.share(count, &rooms.room(Category::BroadPhase));
         let this = &*self;
         this.run(crew, count, &|b| {
             let block = &mut *lock(&this.blocks[b]);
@@ -158,20 +158,20 @@ impl BroadPhase {
                 }
             }
         });
-        shed += self.settle(count, share, room);
+        shed += rooms.within(Category::BroadPhase, |room| self.settle(count, share, room));
         let before = self.pairs.len();
-        let left_out = self.take_in(count, rules, room);
+        let left_out = self.take_in(count, rules, rooms);
         ((self.pairs.len() - before) as u32, shed + left_out)
     }
 
     /// Appends what the blocks found, as far as there is room for it: first the pairs with what doesn't move.
-    fn take_in(&mut self, count: usize, rules: &Rules, room: &mut Room) -> u32 {
+    fn take_in(&mut self, count: usize, rules: &Rules, rooms: &mut Rooms) -> u32 {
         let found: usize = self.blocks[..count].iter().map(|block| lock(block).found.len()).sum();
         // Those that were taken out come back.
         let before = self.pairs.len() + self.away;
         let mut quota = [usize::MAX; 2];
-        if !room.is_endless() {
-            let most = self.most_pairs(before + found, rules, room);
+        if !rooms.is_endless() {
+            let most = self.most_pairs(before + found, rules, rooms);
             let granted = most.saturating_sub(before);
             let of_static = self.blocks[..count].iter().map(|block| {
                 let block = lock(block);
@@ -179,7 +179,8 @@ impl BroadPhase {
             });
             let of_static = of_static.sum::<usize>().min(granted);
             quota = [granted - of_static, of_static];
-            room.take(self.pairs.missing(most) + self.table.missing(most));
+            let missing = self.pairs.missing(most) + self.table.missing(most);
+            rooms.within(Category::BroadPhase, |room| room.take(missing));
             self.pairs.widen(most);
             self.table.widen(most);
         }
@@ -201,10 +202,12 @@ impl BroadPhase {
     }
 
     /// How many pairs, of so many wanted, there is room for in all that has an entry for each.
-    fn most_pairs(&self, wanted: usize, rules: &Rules, room: &Room) -> usize {
+    fn most_pairs(&self, wanted: usize, rules: &Rules, rooms: &Rooms) -> usize {
         let fits = |pairs: usize| {
-            let missing = self.pairs.missing(pairs) + self.table.missing(pairs);
-            missing + (rules.missing)(pairs) <= room.left()
+            let mut missing = Amounts::default();
+            missing.add(Category::BroadPhase, self.pairs.missing(pairs) + self.table.missing(pairs));
+            missing.add(Category::Scratch, (rules.missing)(pairs));
+            rooms.fits(&missing)
         };
         let (mut most, mut too_many) = (self.pairs.len(), wanted + 1);
         while too_many - most > 1 {

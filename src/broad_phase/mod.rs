@@ -30,7 +30,7 @@ mod timing;
 pub(crate) use bounds::aabb_of;
 
 use crate::config::Continuous;
-use crate::memory::{Buffer, Marks, Room, bytes_of};
+use crate::memory::{Buffer, Category, Marks, Rooms, bytes_of};
 use crate::threads::Crew;
 use bvh::{NONE, Tree};
 pub(crate) use current::{Current, Now, Present, Sorts};
@@ -294,7 +294,7 @@ impl BroadPhase {
         removed: &mut Vec<Pair>,
     ) -> BroadStats {
         let rules = Rules { may_collide, order, missing: &|_| 0 };
-        self.update_within(crew, movers, margin, &rules, removed, &mut Room::default())
+        self.update_within(crew, movers, margin, &rules, removed, &mut Rooms::ENDLESS.clone())
     }
 
     /// [`BroadPhase::update`] as far as there is room for it: pairs of movers among themselves are the first to be
@@ -306,7 +306,7 @@ impl BroadPhase {
         margin: f32,
         rules: &Rules,
         removed: &mut Vec<Pair>,
-        room: &mut Room,
+        rooms: &mut Rooms,
     ) -> BroadStats {
         let built = self.refresh(movers, margin);
         let (moved, fast) = (self.changed.len() as u32, self.paths.len() as u32);
@@ -316,9 +316,9 @@ impl BroadPhase {
             return stats;
         }
         let before = removed.len();
-        self.keep_pairs(crew, rules.may_collide, removed, room);
+        rooms.within(Category::BroadPhase, |room| self.keep_pairs(crew, rules.may_collide, removed, room));
         stats.removed = (removed.len() - before) as u32;
-        (stats.added, stats.shed) = self.find_pairs(crew, rules, room);
+        (stats.added, stats.shed) = self.find_pairs(crew, rules, rooms);
         if stats.shed > 0 {
             // All that were looked for now are looked for again.
             return stats;
@@ -521,7 +521,12 @@ impl BroadPhase {
         Population { slots: self.roles.len(), endless: self.unbounded.len(), ..self.counts }
     }
 
-    /// Calls `f` with each buffer that has an entry for each collider, and what place a step may need in it with so many
+    /// The buffer of what is swept.
+    pub(crate) fn paths(&mut self) -> &mut dyn Buffer {
+        &mut self.paths
+    }
+
+    /// Calls `f` with each other buffer that has an entry for each collider, and what place a step may need in it with so many
     /// that move, that don't, and that have no end.
     pub(crate) fn each(&mut self, n: Population, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
         let all = n.slots;
@@ -532,7 +537,6 @@ impl BroadPhase {
         f(&mut self.unbounded, n.endless);
         f(&mut self.new_statics, n.still);
         f(&mut self.new_movers, n.moving);
-        f(&mut self.paths, n.moving);
         f(&mut find::with_stacks(&mut self.blocks), all.div_ceil(find::BLOCK));
         self.statics.each(n.still, f);
         self.movers.each(n.moving, f);

@@ -115,6 +115,17 @@ impl More {
         let bodies = desc.bodies[0].slot.max(desc.bodies[1].slot) as usize + 1;
         More { joints: 1, breakable, bodies, ..More::of(&desc.limits, &desc.drives) }
     }
+
+    /// Both.
+    pub(crate) fn and(self, other: More) -> More {
+        More {
+            joints: self.joints + other.joints,
+            breakable: self.breakable + other.breakable,
+            locks: self.locks + other.locks,
+            rows: self.rows + other.rows,
+            bodies: self.bodies.max(other.bodies),
+        }
+    }
 }
 
 /// What a limit locks, if it does.

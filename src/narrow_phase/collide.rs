@@ -12,7 +12,7 @@ use crate::body::Pose;
 use crate::broad_phase::Pair;
 use crate::config::Continuous;
 use crate::lanes::{Quat, Record, Vec3, f32x8};
-use crate::memory::{Buffer, Room, bytes_of};
+use crate::memory::{Buffer, Category, Rooms, bytes_of};
 use crate::shape::{Collider, Hot, Kind};
 use crate::threads::{Crew, Shared, per_block};
 
@@ -165,12 +165,14 @@ pub(crate) fn collide(
     pairs: &mut [Pair],
     contacts: &mut Contacts,
     scratch: &mut Scratch,
-    room: &mut Room,
+    rooms: &mut Rooms,
 ) -> NarrowStats {
     // Pairs are only taken in if there is room for this.
-    room.fit(&mut scratch.relative, pairs.len());
-    room.fit(&mut scratch.bin_of, pairs.len());
-    scratch.bins.widen(pairs.len(), room);
+    rooms.within(Category::Scratch, |room| {
+        room.fit(&mut scratch.relative, pairs.len());
+        room.fit(&mut scratch.bin_of, pairs.len());
+        scratch.bins.widen(pairs.len(), room);
+    });
     place(crew, input, pairs, contacts, scratch);
     let Scratch { relative, bin_of, bins, found } = scratch;
     bins.sort(bin_of, EMPTIED);
@@ -178,7 +180,7 @@ pub(crate) fn collide(
         recycled: bin_of.iter().filter(|&&bin| bin == KEPT).count() as u32,
         ..NarrowStats::default()
     };
-    found.plan(bins, pairs, input, room);
+    rooms.within(Category::Scratch, |room| found.plan(bins, pairs, input, room));
     {
         let all = Shared::new(&mut contacts.all);
         let state = Shared::new(bin_of);
@@ -198,7 +200,7 @@ pub(crate) fn collide(
         stats.casts += block.casts;
         stats.ghosts += block.ghosts;
     }
-    stats.shed = found.commit((bins, bin_of), pairs, relative, contacts, input, room);
+    stats.shed = found.commit((bins, bin_of), pairs, relative, contacts, input, rooms);
     stats
 }
 

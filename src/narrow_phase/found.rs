@@ -10,7 +10,7 @@ use super::contact::{Contact, Contacts, NONE};
 use super::mesh::MeshScratch;
 use super::{RawManifold, Relative};
 use crate::broad_phase::Pair;
-use crate::memory::{Buffer, Buffers, Marks, Room, bytes_of, even_out};
+use crate::memory::{Buffer, Buffers, Category, Marks, Room, Rooms, bytes_of, even_out};
 use crate::threads::Shared;
 
 /// A contact of a pair that had none.
@@ -229,7 +229,7 @@ impl Found {
         relative: &[Relative],
         contacts: &mut Contacts,
         input: &Input<'_>,
-        room: &mut Room,
+        rooms: &mut Rooms,
     ) -> u32 {
         let mut shed = 0;
         for block in bins.blocks.iter().filter(|block| block.emptied > 0) {
@@ -250,17 +250,21 @@ impl Found {
                 let old = contacts.count(pairs[index as usize].contact);
                 wanted[1] += ((end - start) as usize).saturating_sub(old);
             }
-            room.take(self.share.left() - block.mesh.room.left());
+            let used = self.share.left() - block.mesh.room.left();
+            rooms.within(Category::Scratch, |room| room.take(used));
             shed += std::mem::take(&mut block.mesh.shed);
         }
         shed += bins.blocks.iter().map(|block| block.shed).sum::<u32>();
-        let place = contacts.make_place(wanted[0] + wanted[1], room);
+        let place =
+            rooms.within(Category::Manifolds, |room| contacts.make_place(wanted[0] + wanted[1], room));
         let short = place < wanted[0] + wanted[1];
         if short && place < wanted[1] {
             shed += evict(wanted[1] - place, pairs, contacts, input);
         }
         for block in &mut self.meshes {
-            shed += commit_meshes(block, pairs, relative, contacts, &mut self.chain, input, room);
+            shed += rooms.within(Category::Scratch, |room| {
+                commit_meshes(block, pairs, relative, contacts, &mut self.chain, input, room)
+            });
         }
         // In need, those of static geometry before the others.
         for class in if short { &[1, 0][..] } else { &[2] } {
@@ -280,7 +284,9 @@ impl Found {
                 }
             }
         }
-        room.within(PART, |room| even_out(&mut self.meshes, &mut self.marks, room));
+        rooms.within(Category::Scratch, |room| {
+            room.within(PART, |room| even_out(&mut self.meshes, &mut self.marks, room));
+        });
         shed
     }
 }

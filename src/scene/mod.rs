@@ -149,7 +149,7 @@ impl Scene {
     pub fn add_to(&self, world: &mut World) -> Result<Added, Error> {
         let bodies = world.add_bodies(&self.descs())?;
         let joints = self.joints.iter().map(|joint| match joint.desc(&bodies) {
-            Some(desc) => world.add_joint(&desc),
+            Some(desc) => Ok(desc),
             None => {
                 let value = joint.bodies[0].max(joint.bodies[1]) as f64;
                 Err(Error::OutOfRange {
@@ -159,7 +159,8 @@ impl Scene {
                 })
             }
         });
-        match joints.collect() {
+        let joints = joints.collect::<Result<Vec<_>, _>>().and_then(|joints| world.add_joints(&joints));
+        match joints {
             Ok(joints) => Ok(Added { bodies, joints }),
             Err(error) => {
                 // Their joints go with them.
