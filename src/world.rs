@@ -5,10 +5,12 @@ mod colliders;
 mod joints;
 mod mass;
 mod motion;
+mod plan;
 mod shapes;
 mod sleep;
 
 pub(crate) use motion::finite_position;
+pub(crate) use plan::Crowd;
 
 use mass::{columns_of, mass_of, movable};
 

@@ -4,8 +4,8 @@ mod common;
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
-    BodyDesc, BodyHandle, Budget, Category, ConvexHull, Error, Geometry, JointDesc, Material, QueryFilter, Ray,
-    RowGroup, Settings, ShapeDesc, Snapshot, World,
+    BodyDesc, BodyHandle, Budget, Category, ConvexHull, Error, Geometry, JointDesc, Material, QueryFilter,
+    Ray, RowGroup, Settings, ShapeDesc, Snapshot, World,
 };
 use std::sync::Arc;
 
@@ -70,13 +70,9 @@ fn hull() -> Geometry {
 fn each_category_refuses_what_it_has_no_place_for() {
     let (mut world, bodies) = world();
     let many: Vec<BodyDesc> = (0..50).map(|i| ball(DVec3::Y * (10.0 + f64::from(i)))).collect();
-    for category in [
-        Category::Bodies,
-        Category::Shapes,
-        Category::BroadPhase,
-        Category::Scratch,
-        Category::Continuous,
-    ] {
+    for category in
+        [Category::Bodies, Category::Shapes, Category::BroadPhase, Category::Scratch, Category::Continuous]
+    {
         refuses(&mut world, category, |world| world.add_bodies(&many));
         refuses(&mut world, category, |world| many.iter().map(|d| world.add_body(d)).next().unwrap());
     }
@@ -92,7 +88,9 @@ fn each_category_refuses_what_it_has_no_place_for() {
     let terrain = BodyDesc::fixed().with_shape(ShapeDesc::new(common::flat_mesh(20, 1.0)));
     refuses(&mut world, Category::Meshes, |world| world.add_body(&terrain));
     refuses(&mut world, Category::Bodies, |world| world.add_force(bodies[0], Vec3::Y, Vec3::ZERO));
-    refuses(&mut world, Category::Scratch, |world| world.raise_body(bodies[0], Some(RowGroup::StaticContacts)));
+    refuses(&mut world, Category::Scratch, |world| {
+        world.raise_body(bodies[0], Some(RowGroup::StaticContacts))
+    });
     let frames = world.frames_at([bodies[0], bodies[1]], DVec3::Y, Quat::IDENTITY).unwrap();
     let joint = JointDesc::ball([bodies[0], bodies[1]], frames);
     for category in [Category::Joints, Category::Scratch] {

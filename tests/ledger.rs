@@ -150,11 +150,11 @@ fn of_a_pile_that_falls_grows_and_is_cleared_away() {
 #[test]
 fn of_builtin_scenes() {
     for name in ["talk", "bullets", "bullets_box", "tall_stack", "chain"] {
-        let (mut ledger, _) = Ledger::of(|| builtin::build(name).unwrap(), Settings::default());
+        let (mut ledger, _bodies) = Ledger::of(|| builtin::build(name).unwrap(), Settings::default());
         ledger.steps(60);
         ledger.end();
     }
-    let (mut ledger, _) = Ledger::of(|| builtin::joint_grid(20), Settings::default());
+    let (mut ledger, _bodies) = Ledger::of(|| builtin::joint_grid(20), Settings::default());
     ledger.steps(30);
     ledger.end();
 }
@@ -254,6 +254,7 @@ fn of_all_that_a_world_can_do() {
             body.raised = Some(RowGroup::StaticContacts);
         }
         bodies.push(ledger.world.add_body(&body).unwrap());
+        drop(body);
         ledger.check("one more");
     }
     let mut slept = 0;

@@ -179,7 +179,7 @@ impl BroadPhase {
             });
             let of_static = of_static.sum::<usize>().min(granted);
             quota = [granted - of_static, of_static];
-            let missing = self.pairs.missing(most) + self.table.missing(most);
+            let missing = self.missing(most);
             rooms.within(Category::BroadPhase, |room| room.take(missing));
             self.pairs.widen(most);
             self.table.widen(most);
@@ -205,7 +205,7 @@ impl BroadPhase {
     fn most_pairs(&self, wanted: usize, rules: &Rules, rooms: &Rooms) -> usize {
         let fits = |pairs: usize| {
             let mut missing = Amounts::default();
-            missing.add(Category::BroadPhase, self.pairs.missing(pairs) + self.table.missing(pairs));
+            missing.add(Category::BroadPhase, self.missing(pairs));
             missing.add(Category::Scratch, (rules.missing)(pairs));
             rooms.fits(&missing)
         };

@@ -521,6 +521,16 @@ impl BroadPhase {
         Population { slots: self.roles.len(), endless: self.unbounded.len(), ..self.counts }
     }
 
+    /// Bytes that are lacking for so many pairs.
+    pub(crate) fn missing(&self, pairs: usize) -> usize {
+        self.pairs.missing(pairs) + self.table.missing(pairs)
+    }
+
+    /// Bytes that blocks take to find so many pairs in one step: each has the place of the one that found most.
+    pub(crate) fn missing_to_find(pairs: usize) -> usize {
+        pairs * size_of::<Pair>() * 6 / 5
+    }
+
     /// The buffer of what is swept.
     pub(crate) fn paths(&mut self) -> &mut dyn Buffer {
         &mut self.paths

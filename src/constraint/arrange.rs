@@ -3,7 +3,7 @@
 use super::batch::{BatchRef, Rows};
 use super::colour::{Colouring, OVERFLOW};
 use super::keys::{KINDS, Keys};
-use super::order::{Group, Stage};
+use super::order::{Group, Order, Stage};
 use super::prepare::PrepareInput;
 use super::seats::{Seat, Seated};
 use crate::memory::{Amounts, Buffer, Category, Rooms, bytes_of};
@@ -76,6 +76,17 @@ impl PrepareScratch {
     ) {
         self.keys.each(any_raised, f);
         self.colouring.iter_mut().for_each(|c| f(c.buffer(), dynamic));
+    }
+
+    /// Bytes that its lists lack for so many parts.
+    pub(crate) fn missing(&self, parts: usize) -> usize {
+        self.entries.missing(parts) + self.sorted.missing(parts) + self.ranges.missing(parts)
+    }
+
+    /// How many stages there may be.
+    pub(crate) fn most_stages(&mut self, input: Order) -> usize {
+        self.keys.reset(input, std::iter::empty());
+        self.keys.most_stages()
     }
 
     /// Bytes of contacts, and of rows, that continuous collision alone makes: live, and the most there ever were.
@@ -230,14 +241,9 @@ impl PrepareScratch {
             return 0;
         }
         let missing = |scratch: &Self, rows: &Rows, parts: usize| {
-            let lists = [
-                scratch.entries.missing(parts),
-                scratch.sorted.missing(parts),
-                scratch.ranges.missing(parts),
-            ];
             let seats = rows.seated.missing(if seated { parts } else { 0 });
             let mut missing = Amounts::default();
-            missing.add(Category::Scratch, lists.into_iter().sum());
+            missing.add(Category::Scratch, scratch.missing(parts));
             missing.add(Category::Rows, rows.schedule.missing(parts) + seats);
             missing
         };

@@ -199,6 +199,13 @@ impl Rows {
         self.single.resize_with(batches[4], Batch::default);
     }
 
+    /// Bytes that are lacking for so many batches of one to four points in stages.
+    pub(crate) fn missing(&self, batches: [usize; 4], stages: usize) -> usize {
+        let of = self.capacities();
+        let rows = (0..4).map(|i| batches[i].saturating_sub(of[i]) * Self::SIZES[i]).sum::<usize>();
+        rows + self.schedule.missing(batches.iter().sum()) + self.stages.missing(stages)
+    }
+
     /// Live and reserved bytes.
     pub(crate) fn bytes(&self) -> (usize, usize) {
         [

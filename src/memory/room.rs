@@ -12,8 +12,10 @@ impl Default for Room {
     }
 }
 
-/// A buffer is doubled, so that it seldom grows, while that takes no more than this part of what is left.
+/// A buffer grows ahead, so that it seldom grows, while that takes no more than this part of what is left.
 const PART: usize = 8;
+/// A buffer up to so many bytes is doubled, a larger one grows by a quarter: what nobody needs should not be shed for.
+const SMALL: usize = 1 << 14;
 
 impl Room {
     /// Of a world without a budget.
@@ -75,9 +77,10 @@ impl Room {
             return len;
         }
         let (size, before) = (size_of::<T>().max(1), buffer.capacity());
-        let double = len.max(2 * before);
-        let to = if (double - before).saturating_mul(size) <= self.left / PART {
-            double
+        let more = if before * size <= SMALL { before } else { before / 4 };
+        let ahead = len.max(before + more);
+        let to = if (ahead - before).saturating_mul(size) <= self.left / PART {
+            ahead
         } else {
             len.min(before + self.left / size)
         };

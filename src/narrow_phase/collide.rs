@@ -133,6 +133,11 @@ impl Scratch {
         self.relative.missing(pairs) + self.bin_of.missing(pairs) + self.bins.missing(pairs)
     }
 
+    /// Bytes that it takes to find so many contacts that are new in one step, and to look at so many pairs of meshes.
+    pub(crate) fn missing_to_find(&self, fresh: usize, of_meshes: usize) -> usize {
+        self.found.missing(fresh, of_meshes)
+    }
+
     /// Live and reserved bytes.
     pub(crate) fn bytes(&self) -> (usize, usize) {
         [bytes_of(&self.relative), bytes_of(&self.bin_of), self.bins.bytes(), self.found.bytes()]

@@ -4,7 +4,7 @@
 //! pairs are of a mesh, buffers of its own. One thread then commits them in the order of the blocks. Where the budget
 //! leaves too little place, what protects from static geometry is kept longest.
 
-use super::bins::{Bins, Block};
+use super::bins::{BLOCK as PAIRS, Bins, Block};
 use super::collide::{Input, near};
 use super::contact::{Contact, Contacts, NONE};
 use super::mesh::MeshScratch;
@@ -163,6 +163,14 @@ pub(crate) struct Found {
 }
 
 impl Found {
+    /// See [`Scratch::missing_to_find`](super::Scratch::missing_to_find). What a block of meshes needs beside the triangles
+    /// that it holds is taken to be as much again.
+    pub(crate) fn missing(&self, fresh: usize, of_meshes: usize) -> usize {
+        let blocks = of_meshes.div_ceil(PAIRS as usize);
+        let each = MeshBlock::default().mesh.least() * 2;
+        self.fresh.missing(fresh) + self.meshes.missing(blocks + blocks / 4) + blocks * each
+    }
+
     /// Live and reserved bytes.
     pub(crate) fn bytes(&self) -> (usize, usize) {
         let own = [bytes_of(&self.fresh), bytes_of(&self.meshes), bytes_of(&self.chain)];

@@ -5,6 +5,8 @@
 //! with both extensions, and `write_animation` writes what a [`Recorder`] saw as a `.glb` that any viewer plays.
 
 pub mod builtin;
+mod crowd;
+mod plan;
 mod rain;
 mod record;
 mod rng;
@@ -25,6 +27,7 @@ mod gltf_out;
 #[cfg(feature = "gltf")]
 mod obj;
 
+pub use plan::Plan;
 pub use record::Recorder;
 pub use terrain::Terrain;
 

@@ -198,6 +198,17 @@ impl World {
         Ok(())
     }
 
+    /// Bytes that are missing for bodies, some of them joined.
+    pub(super) fn lacking_for<'a>(
+        &mut self,
+        descs: impl IntoIterator<Item = &'a BodyDesc> + Clone,
+        joined: bool,
+    ) -> Amounts {
+        let more = self.counts_of(descs);
+        let counts = self.counts(Counts { joined, ..more });
+        self.lacking(counts)
+    }
+
     /// Bytes that are missing for so many.
     fn lacking(&mut self, counts: Counts) -> Amounts {
         let mut bytes = counts.once;

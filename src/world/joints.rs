@@ -27,6 +27,9 @@ impl World {
     /// # Errors
     /// As for [`World::add_joint`].
     pub fn add_joints(&mut self, descs: &[JointDesc]) -> Result<Vec<JointHandle>, Error> {
+        if descs.is_empty() {
+            return Ok(Vec::new());
+        }
         descs.iter().try_for_each(|desc| self.check_joint(desc))?;
         let more = descs.iter().map(More::of_joint).fold(More::default(), More::and);
         self.make_place_for_joints(more, false)?;

@@ -1,10 +1,11 @@
-//! `cargo backstop`: runs scenes, replays recordings, measures tunnelling, writes the shipped scenes.
+//! `cargo backstop`: runs scenes, plans their memory, replays recordings, measures tunnelling, writes the shipped scenes.
 
 mod args;
 mod charts;
 mod document;
 mod output;
 mod page;
+mod plan;
 mod replay;
 mod run;
 mod shots;
@@ -20,6 +21,7 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let done = match Options::parse().command {
         Command::Run(options) => run::run(&options),
+        Command::Plan(options) => plan::plan(&options),
         Command::Replay(options) => replay::replay(&options),
         Command::Shots(options) => shots::shots(&options),
         Command::Scenes { command: ScenesCommand::List } => list_scenes(),

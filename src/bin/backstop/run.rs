@@ -7,7 +7,7 @@ use crate::view::{self, Frames, Look, Opened, Viewer};
 use crate::{output, page, summary};
 use anyhow::{Context, bail};
 use backstop::scene::{self, Recorder, Scene};
-use backstop::{BodyHandle, Settings, World};
+use backstop::{BodyHandle, Budget, Settings, World};
 use std::io::BufWriter;
 use std::path::PathBuf;
 
@@ -143,11 +143,12 @@ fn settings(options: &RunOptions, scene: &Scene) -> Settings {
         threads: options.threads,
         continuous: options.continuous,
         sleeping: options.sleep,
+        budget: options.budget.map_or(default.budget, Budget::total),
         ..default
     }
 }
 
-fn default_steps(scene: &Scene, dt: f32) -> u32 {
+pub(crate) fn default_steps(scene: &Scene, dt: f32) -> u32 {
     let seconds = if scene.source.is_some() { SECONDS } else { scene.steps as f32 * SCENE_STEP };
     (seconds / dt).round().max(1.0) as u32
 }
