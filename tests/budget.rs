@@ -145,21 +145,6 @@ fn ragdolls_keep_to_the_budget_and_above_the_ground() {
     }
 }
 
-#[cfg(feature = "parallel")]
-#[test]
-fn what_is_shed_does_not_depend_on_threads() {
-    for (scene, share) in [(pile(), 0.1), (pile(), 0.4), (crossfire(), 0.1)] {
-        let wide = run(&scene, Some(1 << 30), 1, |_| {});
-        let budget = Some(wide.first + ((wide.most - wide.first) as f64 * share) as usize);
-        let alone = run(&scene, budget, 1, |_| {});
-        assert!(total(&alone) > 0);
-        for threads in [2, 3] {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            assert_eq!(pool.install(|| run(&scene, budget, threads, |_| {})), alone, "{threads} threads");
-        }
-    }
-}
-
 /// What lies on the floor bears what lies on it: support is the last that goes.
 #[test]
 fn a_pile_that_lacks_memory_still_lies_on_its_floor() {

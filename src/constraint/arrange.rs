@@ -336,8 +336,11 @@ fn sort(
     // A lane of a batch each.
     let rows: usize = ahead.iter().zip(Rows::SIZES).map(|(n, size)| n * size / 8).sum();
     scratch.ahead = (ahead.iter().sum::<usize>() * size_of::<Contact>(), rows);
+    // The most of both together, which the limit of continuous collision bounds.
     let (now, most) = (scratch.ahead, &mut scratch.most_ahead);
-    *most = (most.0.max(now.0), most.1.max(now.1));
+    if now.0 + now.1 > most.0 + most.1 {
+        *most = now;
+    }
     (prepared, shed)
 }
 

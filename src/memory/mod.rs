@@ -126,6 +126,7 @@ impl MemoryReport {
         let held = &mut self.bytes[from as usize];
         let live = live.min(held.live);
         let reserved = reserved.min(held.reserved - (held.live - live));
+        let live = live.min(reserved);
         held.live -= live;
         held.reserved -= reserved;
         held.peak = held.reserved;

@@ -19,7 +19,7 @@ const PILE: [f32; 2] = [10.0, 2.4];
 /// The same with the ground: of what is scattered (`bullets`: 1.8 and 0.7; `talk`, on bumps: 1.0 and 2.9).
 const GROUND: [f32; 2] = [1.2, 0.8];
 /// On a mesh that is not flat a body touches several patches.
-const BUMPY: f32 = 2.5;
+const BUMPY: f32 = 3.5;
 /// Of pairs of convex shapes without a contact, those whose balls are near enough to be looked at.
 const NEAR: f32 = 0.6;
 /// Boxes of bodies at rest are so much wider [length units].
