@@ -2,6 +2,7 @@
 
 use crate::constraint::Order;
 use crate::error::{Error, finite3, positive, within};
+use crate::memory::Budget;
 use glam::Vec3;
 
 /// How a body is kept from passing through others; of two, the greater is the dearer.
@@ -145,9 +146,9 @@ pub struct Settings {
     /// Most events of each sort that a step keeps; what is beyond is counted in
     /// [`StepReport::events_lost`](crate::StepReport::events_lost). Default 4096.
     pub event_capacity: u32,
-    /// Bytes that the world may reserve; `None` for no limit. What is added beyond is refused, and a step leaves out the
-    /// contacts that don't fit ([`StepReport::shed`](crate::StepReport::shed)). Default `None`.
-    pub budget: Option<usize>,
+    /// Bytes that the world may reserve, in all and of each category. What is added beyond is refused, and a step leaves out
+    /// the contacts that don't fit ([`StepReport::shed`](crate::StepReport::shed)). Default: no limit.
+    pub budget: Budget,
 }
 
 impl Default for Settings {
@@ -175,7 +176,7 @@ impl Default for Settings {
             sleep_time: 0.5,
             hit_speed: 1.0,
             event_capacity: 4096,
-            budget: None,
+            budget: Budget::NONE,
         }
     }
 }

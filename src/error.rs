@@ -97,13 +97,13 @@ pub enum Error {
         what: &'static str,
     },
     /// The addition does not fit into the memory budget.
-    #[error("the budget is exceeded: {category} asks for {asked} bytes, {left} are left")]
+    #[error("the budget is exceeded: {asked} bytes are asked for, {left} are left (for {category})")]
     Budget {
-        /// Which category asked.
+        /// The one whose own limit is too low. If it is the limit of the whole: the one that asks for most.
         category: Category,
-        /// Bytes asked for.
+        /// Bytes asked for: by the category, or, if it is the whole that is short, by all.
         asked: usize,
-        /// Bytes left in the budget.
+        /// Bytes left of that limit.
         left: usize,
     },
 }

@@ -22,7 +22,8 @@ pub(crate) struct Forces {
 }
 
 impl Forces {
-    /// Calls `f` with each buffer and the place that it needs for so many bodies that can move, and that can be pushed.
+    /// Calls `f` with each buffer but that of `motion` and the place that it needs for so many bodies that can move, and that
+    /// can be pushed.
     pub(crate) fn each(
         &mut self,
         (movers, dynamic): (usize, usize),
@@ -31,7 +32,6 @@ impl Forces {
         f(&mut self.acceleration, movers);
         f(&mut self.inverse_inertia, dynamic);
         f(&mut self.start, movers);
-        f(&mut self.motion, movers);
     }
 
     /// Live and reserved bytes, without the predicted motion.

@@ -108,7 +108,7 @@ pub use handle::{BodyHandle, JointHandle, ShapeHandle};
 pub use joint::{
     Axes, Axis, Bone, BoneJoint, Drive, Frame, JointDesc, Limit, Motion, Ragdoll, Skeleton, Spring,
 };
-pub use memory::{Bytes, Category, MemoryReport};
+pub use memory::{Budget, Bytes, Category, MemoryReport};
 pub use query::{ClosestPoint, Overlap, QueryFilter, Ray, RayHit, ShapeCast, ShapeHit};
 pub use shape::{
     Combine, ConvexHull, Filter, Geometry, HeightField, MassProperties, Material, ShapeDesc, TriangleMesh,

@@ -4,7 +4,7 @@ use crate::body::BodyKind;
 use crate::broad_phase::{BroadStats, Mover, Rules, aabb_of};
 use crate::config::Continuous;
 use crate::lanes::Record;
-use crate::memory::{Buffer, bytes_of};
+use crate::memory::{Buffer, Category, bytes_of};
 use crate::shape::Collider;
 use crate::threads::{Crew, Shared, per_block};
 use crate::world::World;
@@ -29,10 +29,15 @@ impl Buffers {
         f(&mut self.starts, bodies);
     }
 
+    /// Live and reserved bytes, without the list of pairs.
     pub(crate) fn bytes(&self) -> (usize, usize) {
-        [bytes_of(&self.movers), bytes_of(&self.starts), bytes_of(&self.removed)]
-            .into_iter()
-            .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
+        let (a, b) = (bytes_of(&self.movers), bytes_of(&self.starts));
+        (a.0 + b.0, a.1 + b.1)
+    }
+
+    /// The same of the pairs that ended.
+    pub(crate) fn removed_bytes(&self) -> (usize, usize) {
+        bytes_of(&self.removed)
     }
 }
 
@@ -48,7 +53,7 @@ const BLOCK: usize = per_block(128, 1);
 /// Finds the pairs of this step; also says how many ghosts left with the pairs that ended.
 pub(crate) fn pairs(crew: &Crew<'_>, world: &mut World) -> (BroadStats, u32) {
     let count = world.bodies.movers();
-    let mut room = world.room();
+    let mut rooms = world.rooms();
     let Buffers { movers, starts, removed } = &mut world.buffers.broad;
     starts.clear();
     let mut total = 0;
@@ -64,13 +69,13 @@ pub(crate) fn pairs(crew: &Crew<'_>, world: &mut World) -> (BroadStats, u32) {
         mode: Continuous::Discrete,
     };
     // A budget foresees place for all.
-    let wave = if room.is_endless() { WAVE } else { count.max(1) };
+    let wave = if rooms.is_endless() { WAVE } else { count.max(1) };
     world.broad.start_movers();
     for first in (0..count).step_by(wave) {
         let end = count.min(first + wave);
         let start = starts[first];
         let len = (starts.get(end).copied().unwrap_or(total) - start) as usize;
-        room.fit(movers, len);
+        rooms.within(Category::Scratch, |room| room.fit(movers, len));
         movers.resize(len, empty);
         let out = Shared::new(movers);
         let poses = Shared::new(&mut world.colliders.poses);
@@ -125,9 +130,12 @@ pub(crate) fn pairs(crew: &Crew<'_>, world: &mut World) -> (BroadStats, u32) {
     };
     let narrow = &world.buffers.narrow;
     let rules = Rules { may_collide: &may_collide, order: &order, missing: &|pairs| narrow.missing(pairs) };
-    let stats = world.broad.update_within(crew, &rules, removed, &mut room);
+    let stats = world.broad.update_within(crew, &rules, removed, &mut rooms);
     let mut ghosts = 0;
     let mut removed = std::mem::take(removed);
+    if !removed.is_empty() {
+        world.grant_events();
+    }
     for pair in &removed {
         world.part(pair);
         ghosts += world.contacts.count_pushed(pair.contact);

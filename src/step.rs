@@ -169,6 +169,7 @@ impl World {
         let watch = Watch::start(self.needs.sensors > 0);
         self.hear_sensors();
         self.spent.sensors = watch.stop();
+        self.grant_events();
         self.events.finish(self.settings.event_capacity as usize);
         let watch = Watch::start(self.settings.sleeping);
         self.rest(crew, dt);
@@ -208,7 +209,7 @@ impl World {
 
     fn narrow(&mut self, crew: &Crew<'_>) -> crate::narrow_phase::NarrowStats {
         let unit = self.settings.length_unit;
-        let mut room = self.room();
+        let mut rooms = self.rooms();
         let (joints, slots) = (&self.joints, &self.bodies.slot);
         let input = Input {
             colliders: &self.colliders.all,
@@ -225,14 +226,14 @@ impl World {
             has_joints: &|body| joints.has_any(slots[body as usize]),
         };
         let scratch = &mut self.buffers.narrow;
-        collide(crew, &input, &mut self.broad.pairs, &mut self.contacts, scratch, &mut room)
+        collide(crew, &input, &mut self.broad.pairs, &mut self.contacts, scratch, &mut rooms)
     }
 
     fn prepare(&mut self, crew: &Crew<'_>, dt: f32) -> Prepared {
         let unit = self.settings.length_unit;
         let forces = &self.buffers.forces;
         let (mut impacts, mut lost) = (0, 0);
-        let mut room = self.room();
+        let mut rooms = self.rooms();
         let watch = Watch::start(self.needs.restitution > 0);
         if self.needs.restitution > 0 {
             let input = BounceInput {
@@ -248,7 +249,9 @@ impl World {
             };
             let scratch = &mut self.buffers.bounce;
             let bodies = (&mut self.bodies, self.events.impulses.as_mut_slice());
-            (impacts, lost) = bounce(&input, &mut self.contacts.all, bodies, scratch, &mut room);
+            (impacts, lost) = rooms.within(Category::Scratch, |room| {
+                bounce(&input, &mut self.contacts.all, bodies, scratch, room)
+            });
         }
         self.spent.restitution = watch.stop();
         let watch = Watch::start(self.joints.count > 0);
@@ -276,6 +279,7 @@ impl World {
             joints.fill_trees(crew, &input, &mut forces.inverse_inertia);
         }
         self.spent.joints = watch.stop();
+        let ahead = self.room_ahead(&rooms);
         let forces = &self.buffers.forces;
         let input = PrepareInput {
             bodies: &self.bodies,
@@ -288,6 +292,7 @@ impl World {
             inverse_inertia: &forces.inverse_inertia,
             real: REAL * unit,
             near: 2.0 * MARGIN * unit,
+            ahead,
             warm,
             stick: STICK * unit,
             order: self.settings.order,
@@ -296,7 +301,7 @@ impl World {
             per_point: self.settings.friction_model == FrictionModel::Point,
             friction: self.needs.friction > 0,
         };
-        let prepared = prepare(crew, &input, &mut self.buffers.rows, &mut self.buffers.prepare, &mut room);
+        let prepared = prepare(crew, &input, &mut self.buffers.rows, &mut self.buffers.prepare, &mut rooms);
         if self.joints.count > 0 {
             let watch = Watch::start(true);
             let input = JointInput {

@@ -7,6 +7,7 @@ mod mass;
 mod model;
 mod motion;
 mod needs;
+mod plan;
 mod shapes;
 mod sleep;
 
@@ -14,6 +15,7 @@ pub(crate) use model::PartTimes;
 pub use model::{Feature, Model, ModelPart};
 pub(crate) use motion::finite_position;
 pub(crate) use needs::{Demand, Needs};
+pub(crate) use plan::Crowd;
 
 use mass::{columns_of, mass_of, movable};
 
@@ -27,7 +29,7 @@ use crate::finish::StepReport;
 use crate::handle::{BodyHandle, ShapeHandle, Slots};
 use crate::joint::Joints;
 use crate::lanes::Record;
-use crate::memory::{Category, MemoryReport, Room};
+use crate::memory::{Amounts, Category, MemoryReport, Room, in_arc};
 use crate::narrow_phase::Contacts;
 use crate::record::record;
 use crate::shape::{Collider, Geometry, Hot, Kind};
@@ -35,6 +37,7 @@ use crate::sleep::Sleep;
 use crate::snapshot::Revisions;
 use crate::step::Buffers;
 use glam::{DVec3, Vec3};
+use std::sync::Arc;
 
 /// Bodies that move, collide and rest.
 ///
@@ -87,14 +90,21 @@ struct Assets {
 
 impl Assets {
     fn key(geometry: &Geometry) -> Option<(usize, Kind, (usize, usize))> {
-        match geometry {
-            Geometry::Hull(hull) => Some((std::sync::Arc::as_ptr(hull) as usize, Kind::Hull, hull.bytes())),
-            Geometry::Mesh(mesh) => Some((std::sync::Arc::as_ptr(mesh) as usize, Kind::Mesh, mesh.bytes())),
-            Geometry::HeightField(field) => {
-                Some((std::sync::Arc::as_ptr(field) as usize, Kind::HeightField, field.bytes()))
-            }
-            _ => None,
+        // Its own bytes are told with itself; it lies in an `Arc`.
+        fn entry<T>(
+            shared: &Arc<T>,
+            kind: Kind,
+            (live, reserved): (usize, usize),
+        ) -> (usize, Kind, (usize, usize)) {
+            let counts = in_arc::<T>() - size_of::<T>();
+            (Arc::as_ptr(shared) as usize, kind, (live + counts, reserved + counts))
         }
+        Some(match geometry {
+            Geometry::Hull(hull) => entry(hull, Kind::Hull, hull.bytes()),
+            Geometry::Mesh(mesh) => entry(mesh, Kind::Mesh, mesh.bytes()),
+            Geometry::HeightField(field) => entry(field, Kind::HeightField, field.bytes()),
+            _ => return None,
+        })
     }
 
     fn add(&mut self, geometry: &Geometry) {
@@ -117,10 +127,13 @@ impl Assets {
         }
     }
 
+    fn category(kind: Kind) -> Category {
+        if kind == Kind::Hull { Category::Shapes } else { Category::Meshes }
+    }
+
     /// The category of each, and its bytes.
     fn bytes(&self) -> impl Iterator<Item = (Category, (usize, usize))> + '_ {
-        let category = |kind| if kind == Kind::Hull { Category::Shapes } else { Category::Meshes };
-        self.list.iter().map(move |&(_, _, kind, bytes)| (category(kind), bytes))
+        self.list.iter().map(|&(_, _, kind, bytes)| (Self::category(kind), bytes))
     }
 
     /// Reserved bytes of all of a kind.
@@ -128,15 +141,15 @@ impl Assets {
         self.list.iter().filter(|one| one.2 == kind).map(|one| one.3.1).sum()
     }
 
-    /// Bytes that geometries would add, each counted once.
-    fn cost<'a>(&self, geometries: impl Iterator<Item = &'a Geometry>) -> usize {
+    /// Bytes that geometries would add, each counted once, and how many of them are new.
+    fn cost<'a>(&self, geometries: impl Iterator<Item = &'a Geometry>) -> (Amounts, usize) {
         let is_new = |key: usize| self.list.binary_search_by_key(&key, |e| e.0).is_err();
-        let known = geometries.filter_map(Self::key);
-        let mut new: Vec<(usize, usize)> =
-            known.filter(|(key, ..)| is_new(*key)).map(|(key, _, (_, reserved))| (key, reserved)).collect();
+        let mut new: Vec<_> = geometries.filter_map(Self::key).filter(|(key, ..)| is_new(*key)).collect();
         new.sort_unstable();
         new.dedup();
-        new.iter().map(|(_, reserved)| reserved).sum()
+        let mut bytes = Amounts::default();
+        new.iter().for_each(|&(_, kind, (_, reserved))| bytes.add(Self::category(kind), reserved));
+        (bytes, new.len())
     }
 }
 

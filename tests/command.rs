@@ -408,3 +408,33 @@ fn crc(bytes: &[u8]) -> u32 {
     let bit = |crc: u32| if crc & 1 == 1 { crc >> 1 ^ 0xEDB8_8320 } else { crc >> 1 };
     !bytes.iter().fold(u32::MAX, |crc, &byte| (0..8).fold(crc ^ u32::from(byte), |crc, _| bit(crc)))
 }
+
+#[test]
+fn a_plan_is_compared_with_a_run() {
+    let planned = document(&backstop(&["plan", "scenes/tower.gltf", "--steps", "30", "--json", "--quiet"]));
+    has_keys(&planned, &["scene", "steps", "categories", "planned", "measured", "budget"]);
+    for line in planned["categories"].as_array().expect("a list") {
+        has_keys(line, &["name", "planned", "measured"]);
+        // What bodies and shapes take is no guess.
+        if ["bodies", "shapes", "meshes"].iter().any(|name| line["name"] == *name) {
+            assert_eq!(line["planned"], line["measured"], "{line}");
+        }
+    }
+    let of = |key: &str| planned[key].as_f64().expect("a number");
+    assert!((0.75..1.25).contains(&(of("planned") / of("measured"))), "{planned}");
+
+    let half = format!("{}", (of("measured") * 0.7) as u64);
+    let arguments =
+        ["plan", "scenes/tower.gltf", "--steps", "30", "--json", "--quiet", "--budget", half.as_str()];
+    let tight = document(&backstop(&arguments));
+    let trial = &tight["budget"];
+    has_keys(trial, &["bytes", "refused", "held", "shed", "first"]);
+    assert!(trial["held"].as_f64() <= trial["bytes"].as_f64(), "{trial}");
+    let output = backstop(&["plan", "scenes/tower.gltf", "--steps", "5", "--budget", "1KiB"]);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success() && text.contains("does not fit"), "{text}");
+    let ran =
+        document(&backstop(&["run", "scenes/tower.gltf", "--steps", "5", "--json", "--budget", "2MiB"]));
+    assert_eq!(ran["settings"]["budget"]["total"], 2 << 20);
+    refused(&["plan", "scenes/tower.gltf", "--budget", "1MB"], 2, "is no number of bytes");
+}

@@ -5,8 +5,8 @@ mod common;
 
 use backstop::glam::{DVec3, Mat3, Quat, Vec3};
 use backstop::{
-    Axes, Axis, BodyDesc, BodyHandle, Category, Drive, Error, Frame, Geometry, JointDesc, JointHandle, Limit,
-    MassProperties, Material, Motion, Settings, ShapeDesc, Spring, World,
+    Axes, Axis, BodyDesc, BodyHandle, Budget, Category, Drive, Error, Frame, Geometry, JointDesc,
+    JointHandle, Limit, MassProperties, Material, Motion, Settings, ShapeDesc, Spring, World,
 };
 use common::G;
 
@@ -932,13 +932,15 @@ fn a_joint_beyond_the_budget_is_refused_and_changes_nothing() {
         // Limited from the start, so that a step has its place already.
         let gravity = Vec3::Y * -G as f32;
         let mut world =
-            World::new(Settings { gravity, budget: Some(1 << 30), ..Settings::default() }).unwrap();
+            World::new(Settings { gravity, budget: Budget::total(1 << 30), ..Settings::default() }).unwrap();
         let ground = world.add_body(&BodyDesc::fixed()).unwrap();
         let bodies: Vec<BodyHandle> =
             (0..300).map(|i| world.add_body(&ball(DVec3::X * f64::from(i))).unwrap()).collect();
         world.step(DT).unwrap();
         let used = world.memory().total();
-        world.set_settings(Settings { budget: Some(used + budget), ..world.settings().clone() }).unwrap();
+        world
+            .set_settings(Settings { budget: Budget::total(used + budget), ..world.settings().clone() })
+            .unwrap();
         let mut random = Random(5);
         for (i, &body) in bodies.iter().enumerate() {
             let before = (world.hash(), world.joint_count(), world.memory());
@@ -972,12 +974,12 @@ fn a_joint_beyond_the_budget_is_refused_and_changes_nothing() {
 /// One joint with many rows is as dear as they are.
 #[test]
 fn rows_count_towards_the_budget() {
-    let settings = Settings { budget: Some(1 << 30), ..Settings::default() };
+    let settings = Settings { budget: Budget::total(1 << 30), ..Settings::default() };
     let mut world = World::new(settings).unwrap();
     let (ground, body, joint) = hanging(&mut world);
     world.step(DT).unwrap();
     let budget = world.memory().total() + 100_000;
-    world.set_settings(Settings { budget: Some(budget), ..world.settings().clone() }).unwrap();
+    world.set_settings(Settings { budget: Budget::total(budget), ..world.settings().clone() }).unwrap();
     let mut desc = JointDesc::new([ground, body], [Frame::default(); 2]);
     desc.drives = vec![Drive::friction(Motion::Angular, Axis::X, 1.0); 10_000];
     assert!(matches!(world.add_joint(&desc), Err(Error::Budget { category: Category::Joints, .. })));

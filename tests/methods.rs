@@ -7,8 +7,8 @@ use ContinuousMethod::{ConservativeAdvancement, LinearCast, OnePass, Speculative
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::builtin;
 use backstop::{
-    BodyDesc, BodyHandle, Continuous, ContinuousMethod, Geometry, Material, Settings, ShapeDesc, Snapshot,
-    World,
+    BodyDesc, BodyHandle, Budget, Continuous, ContinuousMethod, Geometry, Material, Settings, ShapeDesc,
+    Snapshot, World,
 };
 
 const DT: f32 = 1.0 / 60.0;
@@ -258,11 +258,13 @@ fn within_a_budget_touches_are_left_out() {
         // Half of what the steps would take, on top of what the bodies do.
         let mut half = None;
         for _ in 0..2 {
-            let settings = Settings { method, budget: Some(1 << 30), ..Settings::default() };
+            let settings = Settings { method, budget: Budget::total(1 << 30), ..Settings::default() };
             let (mut world, _) = common::world_of(&scene, settings);
             let empty = world.memory().total();
             let budget = half.unwrap_or(1 << 30);
-            world.set_settings(Settings { budget: Some(budget), ..world.settings().clone() }).unwrap();
+            world
+                .set_settings(Settings { budget: Budget::total(budget), ..world.settings().clone() })
+                .unwrap();
             let mut shed = 0;
             for _ in 0..20 {
                 world.step(DT).unwrap();

@@ -499,7 +499,7 @@ fn an_order_of_its_own_only_for_what_is_raised() {
 
 #[test]
 fn a_budget_keeps_the_place_that_was_made() {
-    let (mut world, balls) = plain(Settings { budget: Some(1 << 24), ..settings() });
+    let (mut world, balls) = plain(Settings { budget: backstop::Budget::total(1 << 24), ..settings() });
     let joint = {
         let bodies = [balls[0], balls[1]];
         let frames = world.frames_at(bodies, DVec3::new(0.5, 0.5, 0.0), Default::default()).unwrap();

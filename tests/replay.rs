@@ -6,9 +6,10 @@ use backstop::glam::{DVec3, Mat3, Quat, Vec2, Vec3};
 use backstop::replay::{Played, Progress, Recorded, RecordingBuffer, Replay, ReplayError, Stage};
 use backstop::scene::{Scene, Terrain, builtin};
 use backstop::{
-    Axes, Axis, BodyDesc, BodyHandle, BodyKind, ContactHook, ContactHooks, Continuous, ConvexHull, Drive,
-    Filter, Frame, Geometry, HeightField, JointDesc, JointHandle, Limit, MassProperties, Material, Motion,
-    Order, QueryFilter, Ray, RowGroup, Settings, ShapeDesc, ShapeHandle, Skeleton, TriangleMesh, World,
+    Axes, Axis, BodyDesc, BodyHandle, BodyKind, Budget, ContactHook, ContactHooks, Continuous, ConvexHull,
+    Drive, Filter, Frame, Geometry, HeightField, JointDesc, JointHandle, Limit, MassProperties, Material,
+    Motion, Order, QueryFilter, Ray, RowGroup, Settings, ShapeDesc, ShapeHandle, Skeleton, TriangleMesh,
+    World,
 };
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -309,9 +310,13 @@ impl Churn {
                 let mass = MassProperties { mass: 50.0, center: v * 0.1, inertia: Mat3::IDENTITY * 5.0 };
                 world.set_mass(body, mass)
             }
-            19 | 20 => {
+            19 => {
                 let desc = self.joint();
                 self.world.add_joint(&desc).map(|joint| self.joints.push(joint))
+            }
+            20 => {
+                let descs = [self.joint(), self.joint()];
+                self.world.add_joints(&descs).map(|joints| self.joints.extend(joints))
             }
             21 => joint.map_or(Ok(()), |joint| world.remove_joint(joint)),
             22 => joint.map_or(Ok(()), |joint| {
@@ -367,11 +372,12 @@ impl Churn {
 }
 
 /// Names of calls that are in any recording of a churn.
-const CALLS: [&str; 34] = [
+const CALLS: [&str; 35] = [
     "add_bodies",
     "add_body",
     "add_force",
     "add_joint",
+    "add_joints",
     "add_shape",
     "again",
     "apply_impulse",
@@ -429,7 +435,7 @@ fn thousands_of_calls_at_random_play_again() {
 /// be the same too.
 #[test]
 fn a_run_within_a_budget_plays_again() {
-    let settings = Settings { sleeping: true, budget: Some(1_200_000), ..Settings::default() };
+    let settings = Settings { sleeping: true, budget: Budget::total(1_200_000), ..Settings::default() };
     let (mut churn, buffer) = Churn::new(settings, 4);
     churn.run(400, 6);
     let (hash, memory) = (churn.world.hash(), churn.world.memory().total());

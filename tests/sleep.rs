@@ -5,7 +5,7 @@ mod common;
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::builtin;
 use backstop::{
-    BodyDesc, BodyHandle, Filter, Frame, Geometry, JointDesc, Material, Settings, ShapeDesc, World,
+    BodyDesc, BodyHandle, Budget, Filter, Frame, Geometry, JointDesc, Material, Settings, ShapeDesc, World,
 };
 
 const DT: f32 = 1.0 / 60.0;
@@ -384,12 +384,12 @@ fn bodies_come_and_go_while_others_sleep() {
 
 #[test]
 fn sleepers_keep_to_the_budget() {
-    let mut world = World::new(Settings { budget: Some(1 << 30), ..settings() }).unwrap();
+    let mut world = World::new(Settings { budget: Budget::total(1 << 30), ..settings() }).unwrap();
     world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Plane))).unwrap();
     let all: Vec<[BodyHandle; 3]> = (0..20).map(|i| stack(&mut world, f64::from(i) * 2.0)).collect();
     world.step(DT).unwrap();
     let budget = world.memory().total() + 40_000;
-    world.set_settings(Settings { budget: Some(budget), ..world.settings().clone() }).unwrap();
+    world.set_settings(Settings { budget: Budget::total(budget), ..world.settings().clone() }).unwrap();
     for round in 0..20 {
         run(&mut world, 2.0);
         assert!(world.memory().total() <= budget, "{round}");

@@ -281,8 +281,8 @@ impl Bodies {
         result
     }
 
-    /// Calls `f` with each buffer and the place that it needs for so many bodies.
-    pub(crate) fn each(&mut self, n: usize, previous: bool, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+    /// Calls `f` with each buffer but that of `previous` and the place that it needs for so many bodies.
+    pub(crate) fn each(&mut self, n: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
         self.slots.each(n, f);
         f(&mut self.slot, n);
         f(&mut self.kind, n);
@@ -294,9 +294,6 @@ impl Bodies {
         f(&mut self.colliders, n);
         if !self.force.is_empty() {
             f(&mut self.force, n);
-        }
-        if previous {
-            f(&mut self.previous, n);
         }
         if self.rests {
             f(&mut self.rest, n);

@@ -7,10 +7,10 @@
 //! and the way of one leaf for each that was added, moved or removed by hand.
 
 use super::bvh::{NONE, Tree};
-use super::{Aabb, BroadPhase, look_up};
+use super::{Aabb, BroadPhase, Population, look_up};
 use crate::body::IDLE;
 use crate::lanes::f32x4;
-use crate::memory::bytes_of;
+use crate::memory::{Buffer, bytes_of};
 use crate::shape::{Near, Slabs};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
@@ -49,7 +49,19 @@ pub(crate) struct Current {
 impl Current {
     /// A collider was added, moved or removed.
     pub(crate) fn touch(&mut self, collider: u32) {
+        if self.touched.len() == self.touched.capacity() {
+            // Where nobody asks for long, the same are touched over and over.
+            self.sort_touched();
+            if 2 * self.touched.len() > self.touched.capacity() {
+                self.touched.reserve(self.touched.capacity().max(4));
+            }
+        }
         self.touched.push(collider);
+    }
+
+    fn sort_touched(&mut self) {
+        self.touched.sort_unstable();
+        self.touched.dedup();
     }
 
     /// Any of so many colliders, or of those that were there before, may be another, elsewhere or gone.
@@ -76,11 +88,11 @@ impl Current {
             self.stepped = false;
         }
         if self.stepped {
+            self.sort_touched();
             self.follow(world);
             self.touched.append(&mut self.late);
         }
-        self.touched.sort_unstable();
-        self.touched.dedup();
+        self.sort_touched();
         let touched = std::mem::take(&mut self.touched);
         self.endless.retain(|c| touched.binary_search(c).is_err());
         self.late.retain(|c| touched.binary_search(c).is_err());
@@ -156,6 +168,19 @@ impl Current {
         new.clear();
     }
 
+    /// Calls `f` with each buffer and the place that it needs for so many colliders, if anybody ever asked.
+    fn each(&mut self, n: Population, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        if !self.made {
+            return;
+        }
+        self.tree.each(n.moving, f);
+        f(&mut self.place, n.slots);
+        f(&mut self.bounds, n.slots);
+        f(&mut self.endless, n.endless);
+        f(&mut self.touched, 2 * n.slots);
+        f(&mut self.new, n.moving);
+    }
+
     fn bytes(&self) -> (usize, usize) {
         let lists = [&self.place, &self.endless, &self.late, &self.touched, &self.new];
         let sum = lists.iter().fold(self.tree.bytes(), |s, list| {
@@ -216,6 +241,15 @@ impl Now {
             current.refresh(broad, world);
             current
         })
+    }
+
+    /// Calls `f` with each buffer that has an entry for each collider, and the place that it needs, once somebody asked.
+    pub(crate) fn each(&mut self, n: Population, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        // It stays as fresh as it is.
+        match self.fresh.get_mut() {
+            Some(current) => current.each(n, f),
+            None => self.stale.get_mut().unwrap_or_else(PoisonError::into_inner).each(n, f),
+        }
     }
 
     /// Live and reserved bytes.

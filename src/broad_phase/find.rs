@@ -3,7 +3,7 @@
 use super::bvh::Tree;
 use super::{BroadPhase, FILTER, MayCollide, NONE, Order, Pair, Path, Role};
 use crate::lanes::{Mask, f32x4};
-use crate::memory::{Buffer, Buffers, Made, Room, bytes_of, even_out};
+use crate::memory::{Amounts, Buffer, Buffers, Category, Made, Room, Rooms, bytes_of, even_out};
 use crate::threads::{Crew, Shared, per_block};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -67,7 +67,7 @@ pub(super) fn words_of(pairs: usize) -> usize {
 pub(crate) struct Rules<'a> {
     pub(crate) may_collide: MayCollide<'a>,
     pub(crate) order: Order<'a>,
-    /// Bytes that the later stages of the step lack for so many pairs.
+    /// Bytes that the later stages of the step lack for so many pairs, all of them scratch.
     pub(crate) missing: &'a dyn Fn(usize) -> usize,
 }
 
@@ -158,20 +158,20 @@ impl BroadPhase {
     }
 
     /// Searches for the pairs of all that changed; returns how many are new, and how many there was no room for.
-    pub(super) fn find_pairs(&mut self, crew: &Crew, rules: &Rules, room: &mut Room) -> (u32, u32) {
+    pub(super) fn find_pairs(&mut self, crew: &Crew, rules: &Rules, rooms: &mut Rooms) -> (u32, u32) {
         let wanted = self.changed.len().div_ceil(BLOCK);
         // A budget is shared out among all that want something of it.
-        let wave = if room.is_endless() { WAVE } else { wanted };
-        let count = self.grow_blocks(wanted.min(wave), room);
+        let wave = if rooms.is_endless() { WAVE } else { wanted };
+        let count = rooms.within(Category::BroadPhase, |room| self.grow_blocks(wanted.min(wave), room));
         let shed = if count < wanted.min(wave) { self.changed.len() - count * BLOCK } else { 0 };
         let (mut shed, before) = (shed as u32, self.pairs.len());
         let end = if shed > 0 { count } else { wanted };
         for first in (0..end).step_by(count.max(1)) {
             let count = count.min(end - first);
-            let share = self.share(count, room);
+            let share = self.share(count, &rooms.room(Category::BroadPhase));
             self.search(crew, first, count, rules);
-            shed += self.settle(count, share, room);
-            shed += self.take_in(count, rules, room);
+            shed += rooms.within(Category::BroadPhase, |room| self.settle(count, share, room));
+            shed += self.take_in(count, rules, rooms);
         }
         ((self.pairs.len() - before) as u32, shed)
     }
@@ -202,13 +202,13 @@ impl BroadPhase {
     }
 
     /// Appends what the blocks found, as far as there is room for it: first the pairs with what doesn't move.
-    fn take_in(&mut self, count: usize, rules: &Rules, room: &mut Room) -> u32 {
+    fn take_in(&mut self, count: usize, rules: &Rules, rooms: &mut Rooms) -> u32 {
         let found: usize = self.blocks[..count].iter().map(|block| lock(block).found.len()).sum();
         // Those that were taken out come back.
         let before = self.pairs.len() + self.away;
         let mut quota = [usize::MAX; 2];
-        if !room.is_endless() {
-            let most = self.most_pairs(before + found, rules, room);
+        if !rooms.is_endless() {
+            let most = self.most_pairs(before + found, rules, rooms);
             let granted = most.saturating_sub(before);
             let of_static = self.blocks[..count].iter().map(|block| {
                 let block = lock(block);
@@ -216,7 +216,8 @@ impl BroadPhase {
             });
             let of_static = of_static.sum::<usize>().min(granted);
             quota = [granted - of_static, of_static];
-            room.take(self.missing(most));
+            let missing = self.missing(most);
+            rooms.within(Category::BroadPhase, |room| room.take(missing));
             self.pairs.widen(most);
             self.changes.widen(words_of(most));
             self.table.widen(&self.pairs, most);
@@ -241,19 +242,19 @@ impl BroadPhase {
     }
 
     /// How many pairs, of so many wanted, there is room for in all that has an entry for each.
-    fn most_pairs(&self, wanted: usize, rules: &Rules, room: &Room) -> usize {
-        let fits = |pairs: usize| self.missing(pairs) + (rules.missing)(pairs) <= room.left();
+    fn most_pairs(&self, wanted: usize, rules: &Rules, rooms: &Rooms) -> usize {
+        let fits = |pairs: usize| {
+            let mut missing = Amounts::default();
+            missing.add(Category::BroadPhase, self.missing(pairs));
+            missing.add(Category::Scratch, (rules.missing)(pairs));
+            rooms.fits(&missing)
+        };
         let (mut most, mut too_many) = (self.pairs.len(), wanted + 1);
         while too_many - most > 1 {
             let middle = usize::midpoint(most, too_many);
             *if fits(middle) { &mut most } else { &mut too_many } = middle;
         }
         most
-    }
-
-    /// Bytes that are lacking here for so many pairs.
-    fn missing(&self, pairs: usize) -> usize {
-        self.pairs.missing(pairs) + self.table.missing(pairs) + self.changes.missing(words_of(pairs))
     }
 
     fn has_static(&self, (a, b): (u32, u32)) -> bool {

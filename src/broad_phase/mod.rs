@@ -31,7 +31,7 @@ mod timing;
 pub(crate) use bounds::aabb_of;
 
 use crate::config::Continuous;
-use crate::memory::{Buffer, Marks, Room, bytes_of};
+use crate::memory::{Buffer, Category, Marks, Room, Rooms, bytes_of};
 use crate::threads::Crew;
 use bvh::{NONE, Tree};
 pub(crate) use current::{Current, Now, Present, Sorts};
@@ -296,7 +296,7 @@ impl BroadPhase {
         let rules = Rules { may_collide, order, missing: &|_| 0 };
         self.start_movers();
         self.place_movers(movers, margin);
-        self.update_within(crew, &rules, removed, &mut Room::default())
+        self.update_within(crew, &rules, removed, &mut Rooms::ENDLESS.clone())
     }
 
     /// Finds the pairs of a step once its movers are placed (see [`BroadPhase::start_movers`]), as far as there is room for
@@ -307,7 +307,7 @@ impl BroadPhase {
         crew: &Crew,
         rules: &Rules,
         removed: &mut Vec<Pair>,
-        room: &mut Room,
+        rooms: &mut Rooms,
     ) -> BroadStats {
         let built = self.fit_trees();
         let (moved, fast) = (self.changed.len() as u32, self.paths.len() as u32);
@@ -317,9 +317,9 @@ impl BroadPhase {
             return stats;
         }
         let before = removed.len();
-        self.keep_pairs(crew, rules.may_collide, removed, room);
+        rooms.within(Category::BroadPhase, |room| self.keep_pairs(crew, rules.may_collide, removed, room));
         stats.removed = (removed.len() - before) as u32;
-        (stats.added, stats.shed) = self.find_pairs(crew, rules, room);
+        (stats.added, stats.shed) = self.find_pairs(crew, rules, rooms);
         if stats.shed > 0 {
             // All that were looked for now are looked for again.
             return stats;
@@ -539,7 +539,22 @@ impl BroadPhase {
         Population { slots: self.roles.len(), endless: self.unbounded.len(), ..self.counts }
     }
 
-    /// Calls `f` with each buffer that has an entry for each collider, and what place a step may need in it with so many
+    /// Bytes that are lacking for so many pairs.
+    pub(crate) fn missing(&self, pairs: usize) -> usize {
+        self.pairs.missing(pairs) + self.table.missing(pairs) + self.changes.missing(find::words_of(pairs))
+    }
+
+    /// Bytes that blocks take to find so many pairs in one step: each has the place of the one that found most.
+    pub(crate) fn missing_to_find(pairs: usize) -> usize {
+        pairs * size_of::<(u32, u32)>() * 6 / 5
+    }
+
+    /// The buffer of what is swept.
+    pub(crate) fn paths(&mut self) -> &mut dyn Buffer {
+        &mut self.paths
+    }
+
+    /// Calls `f` with each other buffer that has an entry for each collider, and what place a step may need in it with so many
     /// that move, that don't, and that have no end.
     pub(crate) fn each(&mut self, n: Population, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
         let all = n.slots;
@@ -550,7 +565,6 @@ impl BroadPhase {
         f(&mut self.unbounded, n.endless);
         f(&mut self.new_statics, n.still);
         f(&mut self.new_movers, n.moving);
-        f(&mut self.paths, n.moving);
         f(&mut find::with_stacks(&mut self.blocks), all.div_ceil(find::BLOCK));
         self.statics.each(n.still, f);
         self.movers.each(n.moving, f);

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::lanes::{Mask, f32x4};
+use crate::memory::Room;
 use glam::vec3;
 use std::hint::black_box;
 use std::time::Instant;
@@ -79,11 +80,11 @@ impl Bench {
         lap("place");
         broad.fit_movers();
         lap("fit");
-        let mut room = Room::default();
+        let (mut room, mut rooms) = (Room::default(), Rooms::ENDLESS);
         let rules = Rules { may_collide: &|_, _| true, order: &order, missing: &|_| 0 };
         broad.keep_pairs(&crew, rules.may_collide, &mut self.removed, &mut room);
         lap("keep");
-        broad.find_pairs(&crew, &rules, &mut room);
+        broad.find_pairs(&crew, &rules, &mut rooms);
         lap("find");
         for c in broad.changed.drain(..) {
             broad.marks[c as usize] = 0;

@@ -3,10 +3,10 @@
 use super::batch::{BatchRef, Rows, Tally};
 use super::colour::{Colouring, OVERFLOW};
 use super::keys::{KINDS, Keys};
-use super::order::{Group, Stage};
+use super::order::{Group, Order, Stage};
 use super::prepare::PrepareInput;
 use super::seats::{Seat, Seated};
-use crate::memory::{Buffer, Room, bytes_of};
+use crate::memory::{Amounts, Buffer, Category, Room, Rooms, bytes_of};
 use crate::narrow_phase::{Contact, NONE};
 
 /// What preparing counted.
@@ -93,6 +93,17 @@ impl PrepareScratch {
         self.keys.raised_bytes()
     }
 
+    /// Bytes that its lists lack for so many parts.
+    pub(crate) fn missing(&self, parts: usize) -> usize {
+        self.entries.missing(parts) + self.sorted.missing(parts) + self.ranges.missing(parts)
+    }
+
+    /// How many stages there may be.
+    pub(crate) fn most_stages(&mut self, input: Order) -> usize {
+        self.keys.reset(input, std::iter::empty());
+        self.keys.most_stages()
+    }
+
     /// Bytes of contacts, and of rows, that continuous collision alone makes: live, and the most there ever were.
     pub(crate) fn ahead_bytes(&self) -> ((usize, usize), (usize, usize)) {
         ((self.ahead.0, self.most_ahead.0), (self.ahead.1, self.most_ahead.1))
@@ -118,29 +129,30 @@ pub(crate) fn arrange(
     input: &PrepareInput<'_>,
     rows: &mut Rows,
     scratch: &mut PrepareScratch,
-    room: &mut Room,
+    rooms: &mut Rooms,
 ) -> Prepared {
-    if room.is_endless() {
-        let (prepared, _) = sort(input, scratch, [u32::MAX; 4]);
+    if rooms.is_endless() {
+        let (prepared, _) = sort(input, scratch, [u32::MAX; 4], Ahead::ANY);
         let batches = schedule(input, rows, scratch);
-        rows.resize(&batches, room);
+        rooms.within(Category::Rows, |room| rows.resize(&batches, room));
         return prepared;
     }
     // How many stages there may be.
     scratch.keys.reset(input.order, input.bodies.raises());
-    let parts = count(input);
+    let ahead = Ahead::new(input);
+    let parts = count(input, ahead);
     let total: u32 = parts.iter().sum();
-    let place = scratch.make_place(total as usize, !input.seats.is_empty(), rows, room) as u32;
+    let place = scratch.make_place(total as usize, !input.seats.is_empty(), rows, rooms) as u32;
     // The least number of parts to give up for which the rest fits, to within a 64th of them.
     let (mut too_few, mut enough) = (total - place, total);
     let mut shed = too_few;
     loop {
-        let (mut prepared, lost) = sort(input, scratch, quota(parts, shed));
+        let (mut prepared, lost) = sort(input, scratch, quota(parts, shed), ahead);
         let batches = schedule(input, rows, scratch);
-        if rows.make_place(&batches, room) {
+        if rooms.within(Category::Rows, |room| rows.make_place(&batches, room)) {
             enough = shed;
             if shed == too_few || enough - too_few <= 1 + total / 64 {
-                rows.resize(&batches, room);
+                rooms.within(Category::Rows, |room| rows.resize(&batches, room));
                 prepared.shed = lost;
                 return prepared;
             }
@@ -151,12 +163,57 @@ pub(crate) fn arrange(
     }
 }
 
-/// Parts of each group.
-fn count(input: &PrepareInput<'_>) -> Quota {
+/// Bytes that are granted to contacts that only continuous collision makes: of bodies among themselves, and with what is
+/// static.
+#[derive(Clone, Copy, Debug)]
+struct Ahead([usize; 2]);
+
+impl Ahead {
+    /// Without a limit.
+    const ANY: Ahead = Ahead([usize::MAX; 2]);
+
+    /// As much as is left, first for contacts with what is static.
+    fn new(input: &PrepareInput<'_>) -> Ahead {
+        if input.ahead == usize::MAX {
+            return Ahead::ANY;
+        }
+        let mut of_static = 0;
+        each_contact(input, |_, contact| {
+            if is_ahead(input, contact) && group_of(input, contact).is_static() {
+                of_static += Self::cost(contact);
+            }
+        });
+        let of_static = of_static.min(input.ahead);
+        Ahead([input.ahead - of_static, of_static])
+    }
+
+    /// The contact and a lane of a batch.
+    fn cost(contact: &Contact) -> usize {
+        size_of::<Contact>() + Rows::SIZES[contact.count as usize - 1].div_ceil(8)
+    }
+
+    /// Whether there is enough left for a contact of a group; takes it off if so.
+    fn admits(&mut self, contact: &Contact, group: Group) -> bool {
+        let left = &mut self.0[usize::from(group.is_static())];
+        let rest = left.checked_sub(Self::cost(contact));
+        *left = rest.unwrap_or(*left);
+        rest.is_some()
+    }
+}
+
+/// Whether discrete physics would not look for any point of it.
+fn is_ahead(input: &PrepareInput<'_>, contact: &Contact) -> bool {
+    contact.points().iter().all(|p| p.separation > input.near)
+}
+
+/// Parts of each group, but for contacts beyond the limit of continuous collision.
+fn count(input: &PrepareInput<'_>, mut ahead: Ahead) -> Quota {
     let mut parts = [0; 4];
     each_contact(input, |_, contact| {
-        parts[group_of(input, contact) as usize] +=
-            if input.per_point { u32::from(contact.count) } else { 1 };
+        let group = group_of(input, contact);
+        if !is_ahead(input, contact) || ahead.admits(contact, group) {
+            parts[group as usize] += if input.per_point { u32::from(contact.count) } else { 1 };
+        }
     });
     parts
 }
@@ -193,27 +250,27 @@ fn group_of(input: &PrepareInput<'_>, contact: &Contact) -> Group {
 
 impl PrepareScratch {
     /// Makes place for so many parts, as far as there is room; says for how many.
-    fn make_place(&mut self, parts: usize, seated: bool, rows: &mut Rows, room: &mut Room) -> usize {
+    fn make_place(&mut self, parts: usize, seated: bool, rows: &mut Rows, rooms: &mut Rooms) -> usize {
         let most_stages = self.keys.most_stages();
-        if room.fit(&mut rows.stages, most_stages) < most_stages {
+        if rooms.within(Category::Rows, |room| room.fit(&mut rows.stages, most_stages)) < most_stages {
             return 0;
         }
         let missing = |scratch: &Self, rows: &Rows, parts: usize| {
-            scratch.entries.missing(parts)
-                + scratch.sorted.missing(parts)
-                + scratch.ranges.missing(parts)
-                + rows.schedule.missing(parts)
-                + rows.seated.missing(if seated { parts } else { 0 })
+            let seats = rows.seated.missing(if seated { parts } else { 0 });
+            let mut missing = Amounts::default();
+            missing.add(Category::Scratch, scratch.missing(parts));
+            missing.add(Category::Rows, rows.schedule.missing(parts) + seats);
+            missing
         };
         let (mut place, mut too_many) = (0, parts + 1);
         while too_many - place > 1 {
             let middle = usize::midpoint(place, too_many);
-            *if missing(self, rows, middle) <= room.left() { &mut place } else { &mut too_many } = middle;
+            *if rooms.fits(&missing(self, rows, middle)) { &mut place } else { &mut too_many } = middle;
         }
-        if missing(self, rows, place) > room.left() {
+        if !rooms.fits(&missing(self, rows, place)) {
             return 0;
         }
-        room.take(missing(self, rows, place));
+        rooms.take(&missing(self, rows, place));
         self.entries.widen(place);
         self.sorted.widen(place);
         self.ranges.widen(place);
@@ -225,7 +282,12 @@ impl PrepareScratch {
 
 /// Contacts by group, colour and number of points, and what they count. Parts beyond the quota are left out; says how many
 /// points those have.
-fn sort(input: &PrepareInput<'_>, scratch: &mut PrepareScratch, mut quota: Quota) -> (Prepared, u32) {
+fn sort(
+    input: &PrepareInput<'_>,
+    scratch: &mut PrepareScratch,
+    mut quota: Quota,
+    mut granted: Ahead,
+) -> (Prepared, u32) {
     let PrepareScratch { colouring, keys, entries, sorted, .. } = scratch;
     let dynamic = input.bodies.dynamic();
     colouring.iter_mut().for_each(|c| c.reset(dynamic));
@@ -245,7 +307,11 @@ fn sort(input: &PrepareInput<'_>, scratch: &mut PrepareScratch, mut quota: Quota
         prepared.manifolds += 1;
         prepared.real += touching;
         prepared.potential += u32::from(contact.count) - touching;
-        if touching == 0 && contact.points().iter().all(|p| p.separation > input.near) {
+        if is_ahead(input, contact) {
+            if !granted.admits(contact, group) {
+                shed += u32::from(contact.count);
+                return;
+            }
             ahead[contact.count as usize - 1] += 1;
         }
         let raised = if any_raised {
@@ -290,8 +356,11 @@ fn sort(input: &PrepareInput<'_>, scratch: &mut PrepareScratch, mut quota: Quota
     let impact = if input.friction { Rows::SIZES[7] } else { 0 };
     let rows: usize = ahead.iter().zip(Rows::SIZES).map(|(n, size)| n * (size + impact) / 8).sum();
     scratch.ahead = (ahead.iter().sum::<usize>() * size_of::<Contact>(), rows);
+    // The most of both together, which the limit of continuous collision bounds.
     let (now, most) = (scratch.ahead, &mut scratch.most_ahead);
-    *most = (most.0.max(now.0), most.1.max(now.1));
+    if now.0 + now.1 > most.0 + most.1 {
+        *most = now;
+    }
     (prepared, shed)
 }
 

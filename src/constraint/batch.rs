@@ -208,6 +208,13 @@ impl Rows {
         self.each(&mut |buffer, i| buffer.resize(wanted[i], room));
     }
 
+    /// Bytes that so many batches of one to four points take in stages, where there are none yet.
+    pub(crate) fn missing(&self, batches: [usize; 4], stages: usize, friction: bool) -> usize {
+        let rub = if friction { Self::SIZES[5] } else { 0 };
+        let rows = (0..4).map(|i| batches[i] * (Self::SIZES[i] + rub)).sum::<usize>();
+        rows + self.schedule.missing(batches.iter().sum()) + self.stages.missing(stages)
+    }
+
     /// Live and reserved bytes.
     pub(crate) fn bytes(&self) -> (usize, usize) {
         [

@@ -41,6 +41,15 @@ pub(crate) const WIDEST_JOINT_BATCH: usize = {
     );
     if row > node { row } else { node }
 };
+/// Bytes of a joint's lock and of another row of it in a lane that is filled, and of a body in a tree that has no like.
+pub(crate) const JOINT_BYTES: [usize; 3] = {
+    type Row = joint_row::RowBatch<crate::lanes::f32x8, joint_measure::Tilt<crate::lanes::f32x8>>;
+    [
+        size_of::<joint_lock::PointBatch<crate::lanes::f32x8>>() / 8 + size_of::<u32>(),
+        size_of::<Row>() / 8 + size_of::<u32>(),
+        size_of::<joint_tree::Node<f32>>(),
+    ]
+};
 pub(crate) use joint_close::Closing;
 pub(crate) use joint_tour::{Along, guard};
 pub(crate) use order::{Group, Stage};

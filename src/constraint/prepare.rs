@@ -9,7 +9,7 @@ use crate::body::{Bodies, Pose};
 use crate::broad_phase::Pair;
 use crate::events::{Tweak, tweak_of};
 use crate::lanes::{GatherLanes, Lanes, Record, Sym3, Vec3, gather};
-use crate::memory::Room;
+use crate::memory::{Category, Rooms};
 use crate::narrow_phase::Contact;
 use crate::shape::{Collider, EVENTS, Hot};
 use crate::threads::{Crew, Shared, per_block};
@@ -30,6 +30,8 @@ pub(crate) struct PrepareInput<'a> {
     pub(crate) real: f32,
     /// Without continuous collision nothing further than this is looked for [m].
     pub(crate) near: f32,
+    /// Bytes that contacts further than that, and their rows, may take.
+    pub(crate) ahead: usize,
     /// Factor on the impulses of the last step: the ratio of the substeps; zero without warm starting.
     pub(crate) warm: f32,
     /// Slip speed below which friction is static [m/s].
@@ -56,13 +58,14 @@ pub(crate) fn prepare(
     input: &PrepareInput<'_>,
     rows: &mut Rows,
     scratch: &mut PrepareScratch,
-    room: &mut Room,
+    rooms: &mut Rooms,
 ) -> Prepared {
     rows.friction.set_needed(input.friction);
-    let prepared = arrange(input, rows, scratch, room);
+    let prepared = arrange(input, rows, scratch, rooms);
     rows.surfaces.clear();
     if input.tweaks.iter().any(|tweak| tweak.surface != glam::Vec3::ZERO)
-        && room.fit(&mut rows.surfaces, rows.schedule.len()) == rows.schedule.len()
+        && rooms.within(Category::Rows, |room| room.fit(&mut rows.surfaces, rows.schedule.len()))
+            == rows.schedule.len()
     {
         rows.surfaces.resize(rows.schedule.len(), [[0.0; 8]; 2]);
     }

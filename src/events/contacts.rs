@@ -11,9 +11,14 @@ impl World {
     /// Makes place for the impulses of contacts, if anyone listens.
     pub(crate) fn listen(&mut self) {
         let wanted = if self.needs.events > 0 { self.contacts.all.len() } else { 0 };
-        let impulses = &mut self.events.impulses;
-        impulses.clear();
-        impulses.resize(wanted, 0.0);
+        self.events.impulses.clear();
+        if wanted > 0 {
+            self.grant_events();
+        }
+        let Events { impulses, room, lost, .. } = &mut self.events;
+        let granted = room.fit(impulses, wanted);
+        impulses.resize(granted, 0.0);
+        *lost += (wanted - granted) as u32;
     }
 
     /// Compares who touches with who did, and measures impacts.
@@ -21,6 +26,7 @@ impl World {
         if self.needs.events == 0 {
             return;
         }
+        self.grant_events();
         let mut events = std::mem::take(&mut self.events);
         let mut pairs = std::mem::take(&mut self.broad.pairs);
         for pair in &mut pairs {
@@ -41,7 +47,7 @@ impl World {
         let mut slot = pair.contact;
         while slot != NONE {
             let contact = &self.contacts.all[slot as usize];
-            let pushed = events.impulses[slot as usize];
+            let pushed = events.impulses.get(slot as usize).copied().unwrap_or(0.0);
             impulse += pushed;
             for point in contact.points() {
                 if pushed > 0.0 || point.separation <= real {
@@ -59,7 +65,7 @@ impl World {
         let shapes = [pair.a, pair.b].map(|c| self.shape_handle(c));
         if pair.touching && !touches {
             let end = ContactEnd { shapes: [shapes[0].min(shapes[1]), shapes[0].max(shapes[1])] };
-            push(&mut events.ends, end, most, &mut events.lost);
+            push(&mut events.ends, end, most, (&mut events.room, &mut events.lost));
         }
         pair.touching = touches;
         let Some((_, contact, point)) = worst else { return };
@@ -76,10 +82,10 @@ impl World {
             event.normal = -normal;
         }
         if began {
-            push(&mut events.begins, event, most, &mut events.lost);
+            push(&mut events.begins, event, most, (&mut events.room, &mut events.lost));
         }
         if hit {
-            push(&mut events.hits, event, most, &mut events.lost);
+            push(&mut events.hits, event, most, (&mut events.room, &mut events.lost));
         }
     }
 

@@ -47,6 +47,10 @@ impl Tweak {
     pub(crate) const NONE: Tweak =
         Tweak { friction: [f32::NAN; 2], restitution: f32::NAN, surface: Vec3::ZERO };
 
+    fn is_none(&self) -> bool {
+        self.friction[0].is_nan() && self.restitution.is_nan() && self.surface == Vec3::ZERO
+    }
+
     pub(crate) fn friction_or(&self, own: (f32, f32)) -> (f32, f32) {
         if self.friction[0].is_nan() { own } else { self.friction.into() }
     }
@@ -189,10 +193,12 @@ impl World {
             self.events.tweaks.clear();
             return;
         }
+        self.grant_events();
         let mut tweaks = std::mem::take(&mut self.events.tweaks);
         let mut vetoed = std::mem::take(&mut self.events.vetoed);
         tweaks.clear();
-        tweaks.resize(self.contacts.all.len(), Tweak::NONE);
+        let granted = self.events.room.fit(&mut tweaks, self.contacts.all.len());
+        tweaks.resize(granted, Tweak::NONE);
         for place in 0..self.broad.pairs.len() {
             let pair = self.broad.pairs[place];
             let asks = |c: u32| self.colliders.hot[c as usize].has_hooks();
@@ -206,12 +212,20 @@ impl World {
                     let mut hook = ContactHook { world: self, contact, tweak: Tweak::NONE, vetoed: false };
                     hooks.contact(&mut hook);
                     passes |= hook.vetoed;
-                    tweaks[slot as usize] = hook.tweak;
+                    let tweak = hook.tweak;
+                    match tweaks.get_mut(slot as usize) {
+                        Some(place) => *place = tweak,
+                        // What was said can't be kept.
+                        None => self.events.lost += u32::from(!tweak.is_none()),
+                    }
                 }
                 slot = contact.next;
             }
-            if passes {
-                vetoed.push((pair.a.min(pair.b), pair.a.max(pair.b)));
+            // The guard has to know of it, or it would hold what is let through.
+            let listed =
+                passes && self.events.room.push(&mut vetoed, (pair.a.min(pair.b), pair.a.max(pair.b)));
+            self.events.lost += u32::from(passes && !listed);
+            if listed {
                 let mut slot = pair.contact;
                 while slot != NONE {
                     let contact = &mut self.contacts.all[slot as usize];

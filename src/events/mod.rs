@@ -19,7 +19,7 @@ pub(crate) use hooks::{Tweak, tweak_of};
 
 use crate::broad_phase::Pair;
 use crate::handle::{BodyHandle, ShapeHandle};
-use crate::memory::bytes_of;
+use crate::memory::{Room, bytes_of};
 use crate::world::World;
 use glam::{DVec3, Vec3};
 
@@ -76,6 +76,10 @@ pub(crate) struct Events {
     pub(crate) vetoed: Vec<(u32, u32)>,
     /// Events that there was no room for.
     pub(crate) lost: u32,
+    /// Ends between steps that there was no room for.
+    missed: u32,
+    /// What its buffers may still grow by.
+    pub(crate) room: Room,
 }
 
 impl Events {
@@ -93,6 +97,7 @@ impl Events {
     pub(crate) fn forget(&mut self) {
         self.start();
         self.gone.clear();
+        self.missed = 0;
     }
 
     /// Whether there are any of the last step, or pairs that ended since.
@@ -141,12 +146,13 @@ impl Events {
 
     /// Adds the ends of pairs that are gone, and sorts: the same for all who read whatever the order of pairs.
     pub(crate) fn finish(&mut self, most: usize) {
-        let Events { gone, ends, left, lost, .. } = self;
+        let Events { gone, ends, left, lost, missed, room, .. } = self;
+        *lost += std::mem::take(missed);
         for (a, b, sensor) in gone.drain(..) {
             if sensor {
-                push(left, SensorEvent { sensor: a, visitor: b, fraction: 0.0 }, most, lost);
+                push(left, SensorEvent { sensor: a, visitor: b, fraction: 0.0 }, most, (room, lost));
             } else {
-                push(ends, ContactEnd { shapes: [a.min(b), a.max(b)] }, most, lost);
+                push(ends, ContactEnd { shapes: [a.min(b), a.max(b)] }, most, (room, lost));
             }
         }
         self.begins.sort_by_key(|event| event.shapes);
@@ -158,10 +164,8 @@ impl Events {
     }
 }
 
-fn push<T>(events: &mut Vec<T>, event: T, most: usize, lost: &mut u32) {
-    if events.len() < most {
-        events.push(event);
-    } else {
+fn push<T>(events: &mut Vec<T>, event: T, most: usize, (room, lost): (&mut Room, &mut u32)) {
+    if events.len() >= most || !room.push(events, event) {
         *lost += 1;
     }
 }
@@ -232,7 +236,8 @@ impl World {
             let [a, b] = [pair.a, pair.b].map(|c| self.shape_handle(c));
             let sensor = |c: u32| self.colliders.hot[c as usize].is_sensor();
             let gone = if sensor(pair.b) { (b, a, true) } else { (a, b, sensor(pair.a)) };
-            self.events.gone.push(gone);
+            let Events { gone: list, room, missed, .. } = &mut self.events;
+            *missed += u32::from(!room.push(list, gone));
         }
     }
 }

@@ -18,6 +18,7 @@ impl World {
         if self.needs.sensors == 0 {
             return;
         }
+        self.grant_events();
         let mut events = std::mem::take(&mut self.events);
         let mut pairs = std::mem::take(&mut self.broad.pairs);
         let most = self.settings.event_capacity as usize;
@@ -36,12 +37,12 @@ impl World {
             let inside = self.meet(pair, true).is_some();
             if pair.touching {
                 if !inside {
-                    push(&mut events.left, event(1.0), most, &mut events.lost);
+                    push(&mut events.left, event(1.0), most, (&mut events.room, &mut events.lost));
                 }
             } else if let Some(fraction) = self.meet(pair, false).or(inside.then_some(1.0)) {
-                push(&mut events.entered, event(fraction), most, &mut events.lost);
+                push(&mut events.entered, event(fraction), most, (&mut events.room, &mut events.lost));
                 if !inside {
-                    push(&mut events.left, event(1.0), most, &mut events.lost);
+                    push(&mut events.left, event(1.0), most, (&mut events.room, &mut events.lost));
                 }
             }
             pair.touching = inside;

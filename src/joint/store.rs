@@ -115,6 +115,22 @@ impl More {
         let bodies = desc.bodies[0].slot.max(desc.bodies[1].slot) as usize + 1;
         More { joints: 1, breakable, bodies, ..More::of(&desc.limits, &desc.drives) }
     }
+
+    /// Locks, and other rows.
+    pub(crate) fn rows(&self) -> (usize, usize) {
+        (self.locks, self.rows)
+    }
+
+    /// Both.
+    pub(crate) fn and(self, other: More) -> More {
+        More {
+            joints: self.joints + other.joints,
+            breakable: self.breakable + other.breakable,
+            locks: self.locks + other.locks,
+            rows: self.rows + other.rows,
+            bodies: self.bodies.max(other.bodies),
+        }
+    }
 }
 
 /// What a limit locks, if it does.
@@ -320,7 +336,13 @@ impl Joints {
     /// Bytes that more takes: in the columns, and in the batches of a step, of which each row that none is arranged for
     /// may have one for itself.
     pub(crate) fn missing(&mut self, more: More) -> usize {
-        let mut bytes = (self.fresh + more.locks + more.rows) * crate::constraint::WIDEST_JOINT_BATCH;
+        let batches = (self.fresh + more.locks + more.rows) * crate::constraint::WIDEST_JOINT_BATCH;
+        batches + self.missing_columns(more)
+    }
+
+    /// The same in the columns alone.
+    pub(crate) fn missing_columns(&mut self, more: More) -> usize {
+        let mut bytes = 0;
         self.each(more, &mut |buffer, len| bytes += buffer.missing(len));
         bytes
     }

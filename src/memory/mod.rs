@@ -1,16 +1,22 @@
 //! Every long-lived byte belongs to a category; the report says how many, and what continuous physics adds.
 
+mod amounts;
+mod budget;
 mod column;
 mod room;
+mod rooms;
 
-pub(crate) use column::bytes_of;
+pub(crate) use amounts::Amounts;
+pub use budget::Budget;
+pub(crate) use column::{bytes_of, in_arc};
 pub(crate) use room::{Buffer, Buffers, Made, Marks, Room, even_out};
+pub(crate) use rooms::Rooms;
 
 use std::fmt;
 
 /// What a buffer is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Category {
     /// Poses, velocities, masses, handles.
     Bodies,
@@ -115,14 +121,21 @@ impl MemoryReport {
         bytes.peak = bytes.peak.max(bytes.reserved);
     }
 
-    /// Counts bytes under another category than the one that holds them.
+    /// Counts bytes under another category than the one that holds them, but none of those that it needs itself now.
     pub(crate) fn shift(&mut self, from: Category, to: Category, (live, reserved): (usize, usize)) {
         let held = &mut self.bytes[from as usize];
-        let (live, reserved) = (live.min(held.live), reserved.min(held.reserved));
+        let live = live.min(held.live);
+        let reserved = reserved.min(held.reserved - (held.live - live));
+        let live = live.min(reserved);
         held.live -= live;
         held.reserved -= reserved;
         held.peak = held.reserved;
         self.add(to, (live, reserved));
+    }
+
+    /// Takes over some categories of another report.
+    pub(crate) fn take_over(&mut self, other: &MemoryReport, categories: &[Category]) {
+        categories.iter().for_each(|&c| self.bytes[c as usize] = other.bytes[c as usize]);
     }
 
     /// Takes over the peaks of an earlier report.

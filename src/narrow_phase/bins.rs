@@ -42,7 +42,7 @@ const MESHES: Bin = Bin(KINDS * KINDS + 2);
 /// One bin a pair of kinds, the tapered ones, and those of meshes.
 const COUNT: usize = MESHES.0 as usize + 2 * KINDS as usize;
 /// Pairs a block of one bin: a multiple of eight.
-const BLOCK: u32 = per_block(64, 8) as u32;
+pub(super) const BLOCK: u32 = per_block(64, 8) as u32;
 
 impl Bin {
     pub(crate) fn of(a: &Hot, b: &Hot) -> Bin {

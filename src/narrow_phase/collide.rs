@@ -12,7 +12,7 @@ use crate::body::Pose;
 use crate::broad_phase::Pair;
 use crate::config::Continuous;
 use crate::lanes::{Lanes, Quat, Record, Vec3, f32x8};
-use crate::memory::{Buffer, Room, bytes_of};
+use crate::memory::{Buffer, Category, Rooms, bytes_of};
 use crate::shape::{Collider, Hot, Kind};
 use crate::threads::{Crew, Shared, per_block};
 
@@ -134,6 +134,11 @@ impl Scratch {
         self.bin_of.missing(pairs) + self.bins.missing(pairs)
     }
 
+    /// Bytes that it takes to find so many contacts that are new in one step, and to look at so many pairs of meshes.
+    pub(crate) fn missing_to_find(&self, fresh: usize, of_meshes: usize) -> usize {
+        self.found.missing(fresh, of_meshes)
+    }
+
     /// Live and reserved bytes.
     pub(crate) fn bytes(&self) -> (usize, usize) {
         [bytes_of(&self.bin_of), self.bins.bytes(), self.found.bytes()]
@@ -166,23 +171,23 @@ pub(crate) fn collide(
     pairs: &mut [Pair],
     contacts: &mut Contacts,
     scratch: &mut Scratch,
-    room: &mut Room,
+    rooms: &mut Rooms,
 ) -> NarrowStats {
     // Pairs are only taken in if there is room for this.
-    room.fit(&mut scratch.bin_of, pairs.len());
+    rooms.within(Category::Scratch, |room| room.fit(&mut scratch.bin_of, pairs.len()));
     place(crew, input, pairs, contacts, scratch);
     let Scratch { bin_of, bins, found } = scratch;
-    bins.sort(bin_of, EMPTIED, room);
+    rooms.within(Category::Scratch, |room| bins.sort(bin_of, EMPTIED, room));
     let mut stats = NarrowStats {
         recycled: bin_of.iter().filter(|&&bin| bin == KEPT).count() as u32,
         ..NarrowStats::default()
     };
-    found.plan(bins, pairs, input, room);
+    rooms.within(Category::Scratch, |room| found.plan(bins, pairs, input, room));
     let (mut first, end) = (0, bins.blocks.len());
     loop {
-        let last = found.wave(&mut bins.blocks, first, room);
+        let last = rooms.within(Category::Scratch, |room| found.wave(&mut bins.blocks, first, room));
         run_blocks(crew, input, (bins, first..last, bin_of), pairs, contacts, found);
-        stats.shed += found.commit((bins, first..last, bin_of), pairs, contacts, input, room);
+        stats.shed += found.commit((bins, first..last, bin_of), pairs, contacts, input, rooms);
         first = last;
         if first == end {
             break;

@@ -2,7 +2,7 @@
 
 use super::Relative;
 use super::manifold::{MAX_POINTS, RawManifold};
-use crate::memory::{Room, bytes_of};
+use crate::memory::{Buffer, Room, bytes_of};
 use glam::{Quat, Vec3};
 
 /// No contact.
@@ -196,6 +196,11 @@ impl Contacts {
             self.free.reserve_exact(self.all.capacity() - self.free.len());
         }
         self.free.len() + self.all.capacity().min(self.free.capacity()) - self.all.len()
+    }
+
+    /// Bytes that are lacking for so many.
+    pub(crate) fn missing(&self, contacts: usize) -> usize {
+        self.all.missing(contacts) + self.free.missing(contacts)
     }
 
     /// Puts a contact where [`Contacts::make_place`] made place for it, or returns [`NONE`].

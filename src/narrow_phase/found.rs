@@ -5,12 +5,12 @@
 //! leaves too little place, what protects from static geometry is kept longest.
 
 use super::RawManifold;
-use super::bins::{Bins, Block};
+use super::bins::{BLOCK as PAIRS, Bins, Block};
 use super::collide::{Input, near, relative_pose};
 use super::contact::{Contact, Contacts, NONE};
 use super::mesh::MeshScratch;
 use crate::broad_phase::Pair;
-use crate::memory::{Buffer, Buffers, Marks, Room, bytes_of, even_out};
+use crate::memory::{Buffer, Buffers, Category, Marks, Room, Rooms, bytes_of, even_out};
 use crate::threads::Shared;
 
 /// A contact of a pair that had none.
@@ -163,6 +163,14 @@ pub(crate) struct Found {
 }
 
 impl Found {
+    /// See [`Scratch::missing_to_find`](super::Scratch::missing_to_find). What a block of meshes needs beside the triangles
+    /// that it holds is taken to be as much again.
+    pub(crate) fn missing(&self, fresh: usize, of_meshes: usize) -> usize {
+        let blocks = of_meshes.div_ceil(PAIRS as usize);
+        let each = MeshBlock::default().mesh.least() * 2;
+        self.fresh.missing(fresh) + self.meshes.missing(blocks + blocks / 4) + blocks * each
+    }
+
     /// Live and reserved bytes.
     pub(crate) fn bytes(&self) -> (usize, usize) {
         let own = [bytes_of(&self.fresh), bytes_of(&self.meshes), bytes_of(&self.chain)];
@@ -251,7 +259,7 @@ impl Found {
         pairs: &mut [Pair],
         contacts: &mut Contacts,
         input: &Input<'_>,
-        room: &mut Room,
+        rooms: &mut Rooms,
     ) -> u32 {
         let (blocks, last) = (&bins.blocks[wave.clone()], wave.end == bins.blocks.len());
         let mut shed = 0;
@@ -274,17 +282,21 @@ impl Found {
                 let old = contacts.count(pairs[index as usize].contact);
                 wanted[1] += ((end - start) as usize).saturating_sub(old);
             }
-            room.take(self.share.left() - block.mesh.room.left());
+            let used = self.share.left() - block.mesh.room.left();
+            rooms.within(Category::Scratch, |room| room.take(used));
             shed += std::mem::take(&mut block.mesh.shed);
         }
         shed += blocks.iter().map(|block| block.shed).sum::<u32>();
-        let place = contacts.make_place(wanted[0] + wanted[1], room);
+        let place =
+            rooms.within(Category::Manifolds, |room| contacts.make_place(wanted[0] + wanted[1], room));
         let short = place < wanted[0] + wanted[1];
         if short && place < wanted[1] {
             shed += evict(wanted[1] - place, pairs, contacts, input);
         }
         for block in meshes {
-            shed += commit_meshes(block, pairs, contacts, &mut self.chain, input, room);
+            shed += rooms.within(Category::Scratch, |room| {
+                commit_meshes(block, pairs, contacts, &mut self.chain, input, room)
+            });
         }
         // In need, those of static geometry before the others.
         for class in if short { &[1, 0][..] } else { &[2] } {
@@ -305,7 +317,9 @@ impl Found {
             }
         }
         if last {
-            room.within(PART, |room| even_out(&mut self.meshes, &mut self.marks, room));
+            rooms.within(Category::Scratch, |room| {
+                room.within(PART, |room| even_out(&mut self.meshes, &mut self.marks, room));
+            });
         }
         shed
     }

@@ -167,6 +167,11 @@ impl MeshScratch {
         self.nearby.has_place(&mut self.room).then_some(&mut self.nearby)
     }
 
+    /// Bytes of the triangles that a look holds.
+    pub(crate) fn least(&mut self) -> usize {
+        self.nearby.buffer().missing(super::nearby::CHUNK)
+    }
+
     /// Bytes live and reserved.
     pub(crate) fn bytes(&self) -> (usize, usize) {
         let parts = [self.nearby.bytes(), self.patches.bytes(), self.merge.bytes()];

@@ -75,7 +75,7 @@ impl Eight {
 }
 
 /// So many times eight triangles are held. Where there are more, each question walks the tree.
-const CHUNK: usize = 16;
+pub(super) const CHUNK: usize = 16;
 
 /// See the module.
 #[derive(Default)]

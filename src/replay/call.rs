@@ -58,6 +58,7 @@ calls! {
     RaiseBody "raise_body" (BodyHandle, Option<RowGroup>),
     SetMass "set_mass" (BodyHandle, MassProperties),
     AddJoint "add_joint" (JointDesc),
+    AddJoints "add_joints" (Vec<JointDesc>),
     RemoveJoint "remove_joint" (JointHandle),
     SetJoint "set_joint" (JointHandle, Vec<Limit>, Vec<Drive>),
     RaiseJoint "raise_joint" (JointHandle, Option<RowGroup>),

@@ -281,6 +281,9 @@ impl<R: Read> Replay<R> {
             Call::AddJoint(desc) => {
                 self.world.add_joint(&desc)?;
             }
+            Call::AddJoints(descs) => {
+                self.world.add_joints(&descs)?;
+            }
             Call::RemoveJoint(joint) => self.world.remove_joint(joint)?,
             Call::SetJoint(joint, limits, drives) => self.world.set_joint(joint, &limits, &drives)?,
             Call::RaiseJoint(joint, above) => self.world.raise_joint(joint, above)?,

@@ -178,7 +178,7 @@ impl World {
 
     /// Notes a call that is about to change the world.
     pub(crate) fn note(&mut self, call: impl FnOnce(&mut Sink) -> Call) {
-        let asked = self.settings.budget.is_some() && self.now.is_fresh();
+        let asked = !self.settings.budget.is_none() && self.now.is_fresh();
         let Some(tape) = &mut self.tape else { return };
         let Some(sink) = &mut tape.sink else { return };
         if asked {
@@ -200,7 +200,7 @@ impl World {
 
     /// A step that is recorded or replayed.
     pub(crate) fn step_taped(&mut self, dt: f32, hooks: &dyn ContactHooks) {
-        let asked = self.settings.budget.is_some() && self.now.is_fresh();
+        let asked = !self.settings.budget.is_none() && self.now.is_fresh();
         let heard = Heard::new(hooks);
         self.step_once(dt, &heard);
         self.probe(Stage::Finish);

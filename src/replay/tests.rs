@@ -10,6 +10,7 @@ use crate::config::{Continuous, Settings};
 use crate::constraint::RowGroup;
 use crate::handle::BodyHandle;
 use crate::joint::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
+use crate::memory::Budget;
 use crate::scene::Terrain;
 use crate::shape::{
     ConvexHull, Filter, Geometry, HeightField, MassProperties, Material, ShapeDesc, TriangleMesh,
@@ -172,7 +173,7 @@ fn every_type(world: &mut World, bodies: [BodyHandle; 2]) {
     world.set_joint(joint, &[limit], &[drive]).unwrap();
     world.raise_joint(joint, Some(RowGroup::Contacts)).unwrap();
     world.raise_body(bodies[1], Some(RowGroup::StaticContacts)).unwrap();
-    world.set_settings(Settings { budget: Some(1 << 24), ..Settings::default() }).unwrap();
+    world.set_settings(Settings { budget: Budget::total(1 << 24), ..Settings::default() }).unwrap();
     world.set_origin(DVec3::X).unwrap();
     world.set_material(shape, Material::default()).unwrap();
     world.set_filter(shape, Filter::default()).unwrap();

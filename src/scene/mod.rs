@@ -6,6 +6,8 @@
 
 pub mod builtin;
 pub mod comparison;
+mod crowd;
+mod plan;
 mod rain;
 mod record;
 mod rng;
@@ -26,6 +28,7 @@ mod gltf_out;
 #[cfg(feature = "gltf")]
 mod obj;
 
+pub use plan::Plan;
 pub use record::Recorder;
 pub use terrain::Terrain;
 
@@ -150,7 +153,7 @@ impl Scene {
     pub fn add_to(&self, world: &mut World) -> Result<Added, Error> {
         let bodies = world.add_bodies(&self.descs())?;
         let joints = self.joints.iter().map(|joint| match joint.desc(&bodies) {
-            Some(desc) => world.add_joint(&desc),
+            Some(desc) => Ok(desc),
             None => {
                 let value = joint.bodies[0].max(joint.bodies[1]) as f64;
                 Err(Error::OutOfRange {
@@ -160,7 +163,8 @@ impl Scene {
                 })
             }
         });
-        match joints.collect() {
+        let joints = joints.collect::<Result<Vec<_>, _>>().and_then(|joints| world.add_joints(&joints));
+        match joints {
             Ok(joints) => Ok(Added { bodies, joints }),
             Err(error) => {
                 // Their joints go with them.

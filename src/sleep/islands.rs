@@ -8,7 +8,7 @@ use super::Sleep;
 use crate::body::{Bodies, BodyKind, Previous};
 use crate::broad_phase::Pair;
 use crate::joint::Joints;
-use crate::memory::{Buffer, bytes_of};
+use crate::memory::{Buffer, Category, bytes_of};
 use crate::narrow_phase::{Contacts, NONE};
 use crate::shape::Hot;
 use crate::step::REAL;
@@ -201,7 +201,7 @@ impl World {
 
     /// Puts islands to sleep of which `tired` says so, by their root and how long all of them have been at rest.
     fn send_tired_to_sleep(&mut self, tired: impl Fn(u32, f32) -> bool) {
-        let mut room = self.room();
+        let mut room = self.room(Category::BroadPhase);
         let World { bodies, colliders, broad, contacts, joints, sleep, .. } = self;
         let (dynamic, movers) = (bodies.dynamic() as u32, bodies.movers() as u32);
         let is_tired = |sleep: &Sleep, i: u32| {

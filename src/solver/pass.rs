@@ -229,7 +229,8 @@ pub(crate) fn add_impulses(rows: &Rows, impulses: &mut [f32]) {
     fn of<L: GatherLanes, const P: usize>(batch: &Batch<L, P>, impulses: &mut [f32]) {
         for lane in (0..L::N).filter(|lane| batch.heard >> lane & 1 != 0) {
             let sum: f32 = batch.points.iter().map(|p| p.impulse.lane(lane)).sum();
-            impulses[batch.contact[lane].slot()] += sum;
+            // Of those that there was no room for, nothing is heard.
+            impulses.get_mut(batch.contact[lane].slot()).into_iter().for_each(|impulse| *impulse += sum);
         }
     }
     for batch in &rows.schedule {

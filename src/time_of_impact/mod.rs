@@ -22,7 +22,7 @@ mod track;
 
 use crate::broad_phase::{Aabb, Pair, STACK, Whom, aabb_of};
 use crate::config::{Continuous, ContinuousMethod, Settings};
-use crate::memory::{Buffer, Room, bytes_of};
+use crate::memory::{Buffer, Category, Room, bytes_of};
 use crate::narrow_phase::{MeshScratch, RawManifold};
 use crate::step::{MARGIN, REAL};
 use crate::threads::{Crew, Shared, per_block};
@@ -114,7 +114,7 @@ impl Buffers {
 pub(crate) fn meet_impacts(crew: &Crew<'_>, world: &mut World, dt: f32) -> Impacts {
     let Some(rules) = Rules::of(&world.settings) else { return Impacts::default() };
     let mut buffers = std::mem::take(&mut world.buffers.impacts);
-    let mut room = world.room();
+    let mut room = world.room(Category::Continuous);
     // Of what this holds itself the world knows nothing while it is out.
     room.take(buffers.bytes().1);
     let mut run = Run { world, buffers: &mut buffers, rules, dt, room, impacts: Impacts::default() };

@@ -6,7 +6,7 @@ use crate::broad_phase::Population;
 use crate::error::Error;
 use crate::joint::More;
 use crate::lanes::Record;
-use crate::memory::{Buffer, Category, MemoryReport, Room, bytes_of};
+use crate::memory::{Amounts, Buffer, Category, MemoryReport, Room, Rooms, bytes_of};
 use crate::shape::{Geometry, ShapeDesc};
 
 /// How many there are, or will be, of what has an entry in buffers that a step can't do without.
@@ -20,23 +20,35 @@ struct Counts {
     raised: bool,
     /// Whether there are joints.
     joined: bool,
-    /// Bytes of compounds' lists and of geometry that the world doesn't have yet.
-    lists: usize,
+    /// Geometries, and the bytes of those that the world doesn't have yet and of compounds' lists.
     assets: usize,
+    once: Amounts,
 }
 
 impl World {
     /// Bytes by category.
     pub fn memory(&self) -> MemoryReport {
+        let mut report = self.buffers_by_category();
+        let (manifolds, rows) = self.buffers.prepare.ahead_bytes();
+        report.shift(Category::Manifolds, Category::Continuous, manifolds);
+        report.shift(Category::Rows, Category::Continuous, rows);
+        report.keep_peaks(&self.peaks);
+        report
+    }
+
+    /// Each buffer as a whole.
+    fn buffers_by_category(&self) -> MemoryReport {
         let mut report = MemoryReport::default();
         report.add(Category::Bodies, self.bodies.bytes());
         report.add(Category::Shapes, bytes_of(&self.colliders.all));
         report.add(Category::Shapes, bytes_of(&self.colliders.hot));
         report.add(Category::Shapes, bytes_of(&self.colliders.poses));
         report.add(Category::Shapes, self.colliders.slots.bytes());
+        report.add(Category::Shapes, bytes_of(&self.assets.list));
         self.assets.bytes().for_each(|(category, bytes)| report.add(category, bytes));
         report.add(Category::BroadPhase, self.broad.bytes());
         report.add(Category::BroadPhase, bytes_of(&self.removed));
+        report.add(Category::BroadPhase, self.buffers.broad.removed_bytes());
         report.add(Category::BroadPhase, self.now.bytes());
         report.add(Category::Manifolds, self.contacts.bytes());
         report.add(Category::Rows, self.buffers.rows.bytes());
@@ -48,10 +60,6 @@ impl World {
         report.add(Category::Bodies, islands);
         report.add(Category::BroadPhase, kept);
         self.buffers.report(&mut report, self.is_continuous());
-        let (manifolds, rows) = self.buffers.prepare.ahead_bytes();
-        report.shift(Category::Manifolds, Category::Continuous, manifolds);
-        report.shift(Category::Rows, Category::Continuous, rows);
-        report.keep_peaks(&self.peaks);
         report
     }
 
@@ -59,11 +67,36 @@ impl World {
         self.peaks = self.memory();
     }
 
-    /// What a step may still reserve.
-    pub(crate) fn room(&self) -> Room {
-        self.settings
-            .budget
-            .map_or(Room::ENDLESS, |budget| Room::new(budget.saturating_sub(self.memory().total())))
+    /// What may still be reserved.
+    pub(crate) fn rooms(&self) -> Rooms {
+        if self.settings.budget.is_none() {
+            return Rooms::ENDLESS;
+        }
+        let whole = self.buffers_by_category();
+        let mut held = self.memory();
+        // What continuous collision has of their buffers may be theirs in the next step.
+        held.take_over(&whole, &[Category::Manifolds, Category::Rows]);
+        Rooms::new(&self.settings.budget, &held, whole.total())
+    }
+
+    /// What may still be reserved of one category.
+    pub(crate) fn room(&self, category: Category) -> Room {
+        self.rooms().room(category)
+    }
+
+    /// What contacts that only continuous collision makes, and their rows, may take in a step: all that is left of its limit,
+    /// and what it had for them before.
+    pub(crate) fn room_ahead(&self, rooms: &Rooms) -> usize {
+        if self.settings.budget.limit_of(Category::Continuous).is_none() {
+            return usize::MAX;
+        }
+        let held = |report: MemoryReport| report.category(Category::Continuous).reserved;
+        rooms.own(Category::Continuous) + held(self.memory()) - held(self.buffers_by_category())
+    }
+
+    /// What events may still reserve, from here on.
+    pub(crate) fn grant_events(&mut self) {
+        self.events.room = self.room(Category::Events);
     }
 
     /// Makes place for bodies in all that has an entry for each, including what their steps can't do without, so that
@@ -72,21 +105,25 @@ impl World {
         if self.settings.budget.is_none() {
             return Ok(());
         }
-        let shapes = descs.iter().flat_map(|desc| &desc.shapes);
-        let mut more = Counts {
-            bodies: descs.len(),
-            assets: self.assets.cost(shapes.map(|shape| &shape.geometry)),
-            ..Counts::default()
-        };
+        let more = self.counts_of(descs);
+        self.make_place_for(more, descs.len() == 1)
+    }
+
+    /// What bodies bring.
+    fn counts_of<'a>(&self, descs: impl IntoIterator<Item = &'a BodyDesc> + Clone) -> Counts {
+        let shapes = descs.clone().into_iter().flat_map(|desc| &desc.shapes);
+        let (once, assets) = self.assets.cost(shapes.map(|shape| &shape.geometry));
+        let mut more = Counts { once, assets, ..Counts::default() };
         for desc in descs {
             let (moves, pushed) = (desc.kind != BodyKind::Static, desc.kind == BodyKind::Dynamic);
+            more.bodies += 1;
             more.movers += usize::from(moves);
             more.dynamic += usize::from(pushed);
-            more.lists += list_bytes(0, desc.shapes.len());
+            more.once.add(Category::Bodies, list_bytes(0, desc.shapes.len()));
             more.raised |= desc.raised.is_some();
             desc.shapes.iter().for_each(|shape| more.add_shape(desc.kind, shape));
         }
-        self.make_place_for(more)
+        more
     }
 
     /// The same for a further shape of a body that has some.
@@ -99,13 +136,19 @@ impl World {
         if self.settings.budget.is_none() {
             return Ok(());
         }
-        let mut more = Counts {
-            lists: list_bytes(has, has + 1),
-            assets: self.assets.cost(std::iter::once(&shape.geometry)),
-            ..Counts::default()
-        };
+        let (once, assets) = self.assets.cost(std::iter::once(&shape.geometry));
+        let mut more = Counts { once, assets, ..Counts::default() };
+        more.once.add(Category::Bodies, list_bytes(has, has + 1));
         more.add_shape(kind, shape);
-        self.make_place_for(more)
+        self.make_place_for(more, true)
+    }
+
+    /// Makes place for what bodies did in the step before, which restitution needs.
+    pub(super) fn make_place_for_restitution(&mut self, restitution: bool) -> Result<(), Error> {
+        if self.settings.budget.is_none() || !restitution {
+            return Ok(());
+        }
+        self.make_place_for(Counts { previous: true, ..Counts::default() }, false)
     }
 
     /// Makes place for the order of contacts of raised bodies.
@@ -113,17 +156,16 @@ impl World {
         if self.settings.budget.is_none() {
             return Ok(());
         }
-        self.make_place_for(Counts { raised, ..Counts::default() })
+        self.make_place_for(Counts { raised, ..Counts::default() }, false)
     }
 
     /// Makes the column of forces, which exists only once one was applied.
     pub(super) fn make_place_for_forces(&mut self) -> Result<(), Error> {
         let (column, bodies) = (&self.bodies.force, self.bodies.len());
         if column.is_empty() {
-            let (asked, left) = (column.missing(bodies), self.room().left());
-            if asked > left {
-                return Err(Error::Budget { category: Category::Bodies, asked, left });
-            }
+            let mut asked = Amounts::default();
+            asked.add(Category::Bodies, column.missing(bodies));
+            check(&asked, &self.rooms())?;
             self.bodies.force.widen(bodies);
             self.bodies.force.resize(bodies, Record::default());
         }
@@ -132,60 +174,68 @@ impl World {
 
     /// Makes place for what is there, whether or not the budget allows it: without it there is no step.
     pub(crate) fn make_place_for_step(&mut self) {
-        if self.settings.budget.is_some() {
+        if !self.settings.budget.is_none() {
             let counts = self.counts(Counts::default());
-            self.each_buffer(counts, &mut |buffer, len| buffer.widen(len));
+            self.each_buffer(counts, &mut |_, buffer, len| buffer.widen(len));
         }
     }
 
-    fn make_place_for(&mut self, more: Counts) -> Result<(), Error> {
-        let left = self.room().left();
+    /// `ahead`: and for others.
+    fn make_place_for(&mut self, more: Counts, ahead: bool) -> Result<(), Error> {
+        let rooms = self.rooms();
         let mut counts = self.counts(more);
-        let (rest, mut asked) = (more.lists + more.assets, 0);
         // Place for a quarter more while that takes a small part of what is left, so that bodies added one by one are
         // not all moved each time.
-        for ahead in [4, usize::MAX] {
-            let wider = counts.with_more(ahead);
-            asked = self.lacking(wider);
-            if ahead == usize::MAX || asked + rest <= left / 8 {
-                counts = wider;
-                break;
-            }
+        let wider = counts.with_more(4);
+        if ahead && rooms.part(AHEAD).fits(&self.lacking(wider)) {
+            counts = wider;
+        } else {
+            check(&self.lacking(counts), &rooms)?;
         }
-        if asked + rest > left {
-            let category = if more.assets > asked { Category::Meshes } else { Category::Bodies };
-            return Err(Error::Budget { category, asked: asked + rest, left });
-        }
-        if asked > 0 {
-            self.each_buffer(counts, &mut |buffer, len| buffer.widen(len));
-        }
+        self.each_buffer(counts, &mut |_, buffer, len| buffer.widen(len));
         Ok(())
     }
 
+    /// Bytes that are missing for bodies, some of them joined.
+    pub(super) fn lacking_for<'a>(
+        &mut self,
+        descs: impl IntoIterator<Item = &'a BodyDesc> + Clone,
+        joined: bool,
+    ) -> Amounts {
+        let more = self.counts_of(descs);
+        let counts = self.counts(Counts { joined, ..more });
+        self.lacking(counts)
+    }
+
     /// Bytes that are missing for so many.
-    fn lacking(&mut self, counts: Counts) -> usize {
-        let mut bytes = 0;
-        self.each_buffer(counts, &mut |buffer, len| bytes += buffer.missing(len));
+    fn lacking(&mut self, counts: Counts) -> Amounts {
+        let mut bytes = counts.once;
+        self.each_buffer(counts, &mut |category, buffer, len| bytes.add(category, buffer.missing(len)));
         bytes
     }
 
-    /// Makes place for a joint: in its columns, in the batches of steps, and in what steps keep of each body that may be
+    /// Makes place for joints, and ahead for others: in their columns, in the batches of steps, and in what steps keep of each body that may be
     /// joined.
-    pub(super) fn make_place_for_joint(&mut self, more: More) -> Result<(), Error> {
+    pub(super) fn make_place_for_joints(&mut self, more: More, ahead: bool) -> Result<(), Error> {
         if self.settings.budget.is_none() {
             return Ok(());
         }
         let counts = self.counts(Counts { joined: true, ..Counts::default() });
-        let of_bodies = self.lacking(counts);
-        let (asked, left) = (self.joints.missing(more) + of_bodies, self.room().left());
-        if asked > left {
-            return Err(Error::Budget { category: Category::Joints, asked, left });
-        }
-        self.each_buffer(counts, &mut |buffer, len| buffer.widen(len));
+        let further = if ahead { self.joints.ahead(more) } else { more };
+        let (rooms, of_bodies) = (self.rooms(), self.lacking(counts));
+        let mut asked = |more: More| {
+            let mut asked = of_bodies;
+            asked.add(Category::Joints, self.joints.missing(more));
+            asked
+        };
         // So that joints added one by one are not all moved each time.
-        let ahead = self.joints.ahead(more);
-        let far = self.joints.missing(ahead) + of_bodies <= left / 8;
-        self.joints.widen(if far { ahead } else { more });
+        let (wider, exact) = (asked(further), asked(more));
+        let far = rooms.part(AHEAD).fits(&wider);
+        if !far {
+            check(&exact, &rooms)?;
+        }
+        self.each_buffer(counts, &mut |_, buffer, len| buffer.widen(len));
+        self.joints.widen(if far { further } else { more });
         Ok(())
     }
 
@@ -206,35 +256,60 @@ impl World {
             previous: more.previous || self.needs.restitution > 0,
             joined: more.joined || self.joints.count > 0,
             raised: more.raised || self.bodies.raises().next().is_some(),
+            assets: self.assets.list.len() + more.assets,
             ..more
         }
     }
 
-    /// Calls `f` with each buffer that has an entry for each body or collider, and the place that it needs.
-    fn each_buffer(&mut self, n: Counts, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        self.bodies.each(n.bodies, n.previous, f);
-        let colliders = &mut self.colliders;
-        f(&mut colliders.all, n.colliders.slots);
-        f(&mut colliders.hot, n.colliders.slots);
-        f(&mut colliders.poses, n.colliders.slots);
-        colliders.slots.each(n.colliders.slots, f);
-        self.broad.each(n.colliders, f);
-        let buffers = &mut self.buffers;
-        buffers.forces.each((n.movers, n.dynamic), f);
-        buffers.broad.each((n.movers, n.colliders.moving), f);
-        buffers.prepare.each(n.dynamic, n.raised, f);
-        buffers.solver.each(n.movers, f);
-        if self.bodies.rests {
-            self.sleep.each(n.bodies, n.dynamic, f);
+    /// Calls `f` with each buffer that has an entry for each body or collider, its category, and the place that it needs.
+    fn each_buffer(&mut self, n: Counts, f: &mut dyn FnMut(Category, &mut dyn Buffer, usize)) {
+        use Category::{Bodies, BroadPhase, Continuous, Joints, Scratch, Shapes};
+        self.bodies.each(n.bodies, &mut |buffer, len| f(Bodies, buffer, len));
+        if n.previous {
+            f(Continuous, &mut self.bodies.previous, n.bodies);
         }
-        buffers.finish.each((n.movers, n.dynamic), n.joined, f);
+        let colliders = &mut self.colliders;
+        f(Shapes, &mut colliders.all, n.colliders.slots);
+        f(Shapes, &mut colliders.hot, n.colliders.slots);
+        f(Shapes, &mut colliders.poses, n.colliders.slots);
+        colliders.slots.each(n.colliders.slots, &mut |buffer, len| f(Shapes, buffer, len));
+        f(Shapes, &mut self.assets.list, n.assets);
+        self.broad.each(n.colliders, &mut |buffer, len| f(BroadPhase, buffer, len));
+        f(Continuous, self.broad.paths(), n.colliders.moving);
+        self.now.each(n.colliders, &mut |buffer, len| f(BroadPhase, buffer, len));
+        let buffers = &mut self.buffers;
+        f(Continuous, &mut buffers.forces.motion, n.movers);
+        let mut scratch = |buffer: &mut dyn Buffer, len: usize| f(Scratch, buffer, len);
+        buffers.forces.each((n.movers, n.dynamic), &mut scratch);
+        buffers.broad.each((n.movers, n.colliders.moving), &mut scratch);
+        buffers.prepare.each(n.dynamic, n.raised, &mut scratch);
+        buffers.solver.each(n.movers, &mut scratch);
+        buffers.finish.each((n.movers, n.dynamic), n.joined, &mut scratch);
+        if self.bodies.rests {
+            self.sleep.each(n.bodies, n.dynamic, &mut |buffer, len| f(Bodies, buffer, len));
+        }
         if self.settings.method.meets_impacts() {
-            buffers.impacts.each(n.movers, f);
+            buffers.impacts.each(n.movers, &mut |buffer, len| f(Continuous, buffer, len));
         }
         if n.joined {
-            buffers.joints.each(n.dynamic, f);
+            buffers.joints.each(n.dynamic, &mut |buffer, len| f(Joints, buffer, len));
         }
     }
+}
+
+/// Place for more than is asked for may take this part of what is left.
+const AHEAD: usize = 8;
+
+/// Whether so much fits; says what is short if it doesn't.
+fn check(asked: &Amounts, rooms: &Rooms) -> Result<(), Error> {
+    if rooms.fits(asked) {
+        return Ok(());
+    }
+    let short = |&category: &Category| asked.of(category) > rooms.own(category);
+    Err(match Category::ALL.into_iter().find(short) {
+        Some(category) => Error::Budget { category, asked: asked.of(category), left: rooms.own(category) },
+        None => Error::Budget { category: asked.largest(), asked: asked.total(), left: rooms.whole() },
+    })
 }
 
 impl Counts {
@@ -245,13 +320,15 @@ impl Counts {
             _ => &mut self.colliders.moving,
         } += 1;
         self.colliders.endless += usize::from(matches!(shape.geometry, Geometry::Plane));
-        self.previous |= shape.material.restitution > 0.0;
+        self.previous |= shape.material.restitution > 0.0 || shape.hooks;
     }
 
     /// One in `part` more of each.
     fn with_more(mut self, part: usize) -> Counts {
         let Population { slots, moving, still, endless } = &mut self.colliders;
-        let all = [&mut self.bodies, &mut self.movers, &mut self.dynamic, slots, moving, still, endless];
+        let assets = &mut self.assets;
+        let all =
+            [&mut self.bodies, &mut self.movers, &mut self.dynamic, slots, moving, still, endless, assets];
         all.into_iter().for_each(|n| *n += *n / part);
         self
     }

@@ -120,6 +120,9 @@ impl World {
         self.note_change(collider);
         self.removed.clear();
         self.broad.remove(collider, &mut self.removed);
+        if !self.removed.is_empty() {
+            self.grant_events();
+        }
         for place in 0..self.removed.len() {
             let pair = self.removed[place];
             self.part(&pair);

@@ -16,13 +16,38 @@ impl World {
     /// If a handle is stale, a number is out of range, both bodies are the same or neither is dynamic, or the budget
     /// does not allow it.
     pub fn add_joint(&mut self, desc: &JointDesc) -> Result<JointHandle, Error> {
+        self.check_joint(desc)?;
+        self.make_place_for_joints(More::of_joint(desc), true)?;
+        record!(self, AddJoint(desc.clone()));
+        Ok(self.insert_joint(desc))
+    }
+
+    /// Adds many joints: all of them, or none.
+    ///
+    /// # Errors
+    /// As for [`World::add_joint`].
+    pub fn add_joints(&mut self, descs: &[JointDesc]) -> Result<Vec<JointHandle>, Error> {
+        if descs.is_empty() {
+            return Ok(Vec::new());
+        }
+        descs.iter().try_for_each(|desc| self.check_joint(desc))?;
+        let more = descs.iter().map(More::of_joint).fold(More::default(), More::and);
+        self.make_place_for_joints(more, false)?;
+        record!(self, AddJoints(descs.to_vec()));
+        self.joints.widen(more);
+        Ok(descs.iter().map(|desc| self.insert_joint(desc)).collect())
+    }
+
+    fn check_joint(&self, desc: &JointDesc) -> Result<(), Error> {
         let bodies = [self.index(desc.bodies[0])?, self.index(desc.bodies[1])?];
         desc.validate()?;
         if bodies.iter().all(|&i| self.bodies.kind[i] != BodyKind::Dynamic) {
             return Err(Error::JointOfStill);
         }
-        self.make_place_for_joint(More::of_joint(desc))?;
-        record!(self, AddJoint(desc.clone()));
+        Ok(())
+    }
+
+    fn insert_joint(&mut self, desc: &JointDesc) -> JointHandle {
         self.wake_joined(desc.bodies.map(|body| body.slot));
         let bodies = desc.bodies.map(|body| self.bodies.slots.dense(body.slot) as usize);
         let frames = [0, 1].map(|side| {
@@ -35,7 +60,7 @@ impl World {
         self.revisions.moving += 1;
         let joint = self.joints.add(desc, frames);
         self.look_up_pairs_of(bodies[0]);
-        Ok(joint)
+        joint
     }
 
     /// Frames on two bodies that coincide where the bodies are now: at a point of the world, with the axes that a rotation
@@ -79,7 +104,7 @@ impl World {
         let slot = self.joint(joint)?;
         limits.iter().try_for_each(Limit::validate)?;
         drives.iter().try_for_each(Drive::validate)?;
-        self.make_place_for_joint(More::of(limits, drives))?;
+        self.make_place_for_joints(More::of(limits, drives), true)?;
         record!(self, SetJoint(joint, limits.to_vec(), drives.to_vec()));
         self.wake_joined(self.joints.all[slot as usize].bodies);
         self.revisions.moving += 1;

@@ -93,7 +93,7 @@ impl World {
     /// At the end of a step that needed `now`: gives back what only earlier ones needed. With a budget place that was made
     /// stays, so that what comes to need it again is never refused.
     pub(crate) fn give_back(&mut self, now: Demand) {
-        if self.settings.budget.is_some() {
+        if !self.settings.budget.is_none() {
             self.last_demand.0 |= now.0;
             return;
         }

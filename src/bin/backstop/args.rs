@@ -20,6 +20,8 @@ pub(crate) enum Command {
     Run(Box<RunOptions>),
     /// What continuous collision costs, frame by frame and in bytes.
     Profile(ProfileOptions),
+    /// Predict the memory that a scene takes, run it, and compare.
+    Plan(PlanOptions),
     /// Shoot bodies of every shape at thin targets and count those that get through.
     Shots(ShotOptions),
     /// Run methods of continuous collision side by side on six scenes (docs/continuous.md).
@@ -84,6 +86,10 @@ pub(crate) struct RunOptions {
     /// Seed of the rain.
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub(crate) seed: u64,
+    /// Bytes that the world may reserve: a number, or one with KiB, MiB or GiB. Contacts beyond are left out [default: no
+    /// limit].
+    #[arg(long, value_name = "BYTES", value_parser = bytes)]
+    pub(crate) budget: Option<usize>,
     /// Write the scene with its motion as a glTF animation.
     #[arg(long, value_name = "FILE.glb")]
     pub(crate) out: Option<PathBuf>,
@@ -105,6 +111,37 @@ pub(crate) struct RunOptions {
     #[arg(long)]
     pub(crate) json: bool,
     /// No summary, no progress, no notes.
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct PlanOptions {
+    /// A file or the name of a builtin scene, as for `run`.
+    #[arg(value_name = "FILE")]
+    pub(crate) scene: String,
+    /// Steps to run [default: as many as make 10 s, or what the builtin scene asks for].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) steps: Option<u32>,
+    /// How fast bodies are kept from passing through others: discrete (not at all), segment or volume.
+    #[arg(long, value_name = "MODE", default_value = "segment", value_parser = continuous)]
+    pub(crate) continuous: Continuous,
+    /// Let bodies at rest fall asleep.
+    #[arg(long)]
+    pub(crate) sleep: bool,
+    /// Rain this many bodies of mixed shapes onto the scene from above.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) drop: usize,
+    /// Seed of the rain.
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// A budget to try: bytes, or a number with KiB, MiB or GiB. Says whether the scene fits and what is shed.
+    #[arg(long, value_name = "BYTES", value_parser = bytes)]
+    pub(crate) budget: Option<usize>,
+    /// Print one JSON document instead of the table (docs/json.md).
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// No progress.
     #[arg(long)]
     pub(crate) quiet: bool,
 }
@@ -258,6 +295,21 @@ fn gravity(text: &str) -> Result<Vec3, String> {
     }
 }
 
+fn bytes(text: &str) -> Result<usize, String> {
+    let text = text.trim();
+    let units = [("KiB", 10), ("MiB", 20), ("GiB", 30)];
+    let unit = units.into_iter().find_map(|(name, shift)| text.strip_suffix(name).map(|rest| (rest, shift)));
+    let (number, shift) = unit.unwrap_or((text, 0));
+    let number = number.trim();
+    let wrong = || format!("\"{text}\" is no number of bytes, like 4096, 512KiB or 1.5MiB");
+    if shift == 0 {
+        return number.parse().map_err(|_| wrong());
+    }
+    let value: f64 = number.parse().map_err(|_| wrong())?;
+    let value = value * f64::from(1u32 << shift);
+    if (0.0..=1e15).contains(&value) { Ok(value as usize) } else { Err(wrong()) }
+}
+
 fn place(text: &str) -> Result<DVec3, String> {
     let parts: Vec<f32> = text.split(',').map(number).collect::<Result<_, _>>()?;
     match parts[..] {
@@ -308,6 +360,10 @@ mod tests {
         assert!(seconds("0").is_err() && seconds("1/0").is_err() && seconds("x").is_err());
         assert_eq!(gravity("1.62").unwrap(), Vec3::new(0.0, -1.62, 0.0));
         assert_eq!(gravity("1,-2,0.5").unwrap(), Vec3::new(1.0, -2.0, 0.5));
+        assert_eq!(bytes("4096").unwrap(), 4096);
+        assert_eq!(bytes("1.5 KiB").unwrap(), 1536);
+        assert_eq!(bytes("12MiB").unwrap(), 12 << 20);
+        assert!(bytes("12MB").is_err() && bytes("-1KiB").is_err() && bytes("1.5").is_err());
         assert_eq!(size("64x48").unwrap(), (64, 48));
         assert!(size("64").is_err() && size("0x9").is_err() && size("9x99999").is_err());
         assert_eq!(place("1,-2,0.5").unwrap(), DVec3::new(1.0, -2.0, 0.5));

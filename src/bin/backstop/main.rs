@@ -1,4 +1,4 @@
-//! `cargo backstop`: runs scenes, replays recordings, measures tunnelling, writes the shipped scenes.
+//! `cargo backstop`: runs scenes, plans their memory, replays recordings, measures tunnelling, writes the shipped scenes.
 
 mod args;
 mod charts;
@@ -7,6 +7,7 @@ mod document;
 mod html;
 mod output;
 mod page;
+mod plan;
 mod profile;
 mod replay;
 mod run;
@@ -24,6 +25,7 @@ fn main() -> ExitCode {
     let done = match Options::parse().command {
         Command::Run(options) => run::run(&options),
         Command::Profile(options) => profile::profile(&options),
+        Command::Plan(options) => plan::plan(&options),
         Command::Replay(options) => replay::replay(&options),
         Command::Shots(options) => shots::shots(&options),
         Command::Compare(options) => compare::print(&options),

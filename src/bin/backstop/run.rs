@@ -7,7 +7,7 @@ use crate::view::{self, Frames, Look, Opened, Viewer};
 use crate::{output, page, summary};
 use anyhow::{Context, bail};
 use backstop::scene::{self, Recorder, Scene};
-use backstop::{BodyHandle, Settings, World};
+use backstop::{BodyHandle, Budget, Settings, World};
 use std::io::BufWriter;
 use std::path::PathBuf;
 
@@ -144,6 +144,7 @@ fn settings(options: &RunOptions, scene: &Scene) -> Settings {
         continuous: options.continuous,
         method: options.method,
         sleeping: options.sleep,
+        budget: options.budget.map_or(default.budget, Budget::total),
         ..default
     }
 }

@@ -1,0 +1,298 @@
+//! How many pairs and contacts a scene may come to, as far as that shows before anything moves.
+//!
+//! Two looks, and the larger counts. *At the start*: boxes that touch are pairs, and if shapes touch there, contacts with all
+//! their points; what is stacked stays about so. *Once all is down*: dynamic bodies that no joint holds up come down on the
+//! static ground. If their footprints would cover it, they lie on each other and have the contacts that bodies have in a pile;
+//! if they cover little of it, each has its contact with the ground.
+
+use super::Scene;
+use crate::body::{BodyDesc, BodyKind};
+use crate::broad_phase::{Aabb, aabb_of};
+use crate::config::{Continuous, Settings};
+use crate::shape::{Collider, Kind, ShapeDesc};
+use crate::world::Crowd;
+use glam::Vec3;
+
+/// In a pile that comes down: pairs, and contacts, of each body with others (builtin scene `pile`: 10.9 and 2.6 with the
+/// ground's).
+const PILE: [f32; 2] = [10.0, 2.4];
+/// The same with the ground: of what is scattered (`bullets`: 1.8 and 0.7; `talk`, on bumps: 1.0 and 2.9).
+const GROUND: [f32; 2] = [1.2, 0.8];
+/// On a mesh that is not flat a body touches several patches.
+const BUMPY: f32 = 3.5;
+/// Of pairs of convex shapes without a contact, those whose balls are near enough to be looked at.
+const NEAR: f32 = 0.6;
+/// Boxes of bodies at rest are so much wider [length units].
+const FAT: f32 = 0.1;
+/// Shapes this near touch [length units].
+const CLOSE: f32 = 0.01;
+/// Of the contacts of fast bodies, those that are further than discrete physics looks.
+const AHEAD: f32 = 0.5;
+/// A step [s].
+const STEP: f32 = 1.0 / 60.0;
+/// Buffers that grow as they are needed end about so much larger than needed.
+const SLACK: f32 = 1.12;
+
+/// A shape that may move.
+struct Shape {
+    body: usize,
+    bounds: Aabb,
+    kind: Kind,
+    dynamic: bool,
+}
+
+/// How many of each there will be.
+pub(super) fn expect(scene: &Scene, settings: &Settings) -> Crowd {
+    let start = at_start(scene, settings);
+    let down = once_down(scene, settings);
+    let most = |a: usize, b: usize| if b > a { (b as f32 * SLACK) as usize } else { a };
+    let contacts: usize = down.contacts.iter().sum();
+    let mut crowd = if contacts > start.contacts.iter().sum() {
+        let contacts = down.contacts.map(|n| (n as f32 * SLACK) as usize);
+        Crowd { contacts, ..down }
+    } else {
+        start
+    };
+    crowd.pairs = most(start.pairs, down.pairs);
+    crowd.fresh = most(start.fresh, down.fresh);
+    crowd.of_meshes = most(start.of_meshes, down.of_meshes);
+    crowd.ahead = ahead(scene, settings);
+    crowd.branches = branches(scene);
+    crowd
+}
+
+fn collider(shape: &ShapeDesc) -> Collider {
+    let geometry = &shape.geometry;
+    Collider {
+        kind: Kind::of(geometry),
+        body: 0,
+        size: geometry.size(),
+        position: shape.position,
+        rotation: shape.rotation.normalize(),
+        radius: geometry.radius(),
+        inner_radius: geometry.inner_radius(),
+        geometry: geometry.clone(),
+        material: shape.material,
+        filter: shape.filter,
+        density: shape.density,
+        flags: shape.flags(),
+        user_data: 0,
+    }
+}
+
+fn shapes(scene: &Scene) -> Vec<Shape> {
+    let of_body = |(body, desc): (usize, &BodyDesc)| {
+        let dynamic = desc.kind == BodyKind::Dynamic;
+        let shape = move |shape: &ShapeDesc| {
+            let c = collider(shape);
+            Shape { body, bounds: aabb_of(&c, desc.position, desc.rotation), kind: c.kind, dynamic }
+        };
+        desc.shapes.iter().map(shape).collect::<Vec<_>>()
+    };
+    scene.bodies.iter().map(|body| &body.desc).enumerate().flat_map(of_body).collect()
+}
+
+/// Of contacts with all their points the class by points, one less.
+fn full(a: Kind, b: Kind) -> usize {
+    match (a.min(b), a.max(b)) {
+        (Kind::Sphere, _) => 0,
+        (Kind::Capsule, _) => 1,
+        _ => 3,
+    }
+}
+
+/// Pairs and contacts where the scene begins.
+fn at_start(scene: &Scene, settings: &Settings) -> Crowd {
+    let mut all = shapes(scene);
+    let mut joined: Vec<[usize; 2]> = scene
+        .joints
+        .iter()
+        .filter(|j| !j.collide)
+        .map(|j| [j.bodies[0].min(j.bodies[1]), j.bodies[0].max(j.bodies[1])])
+        .collect();
+    joined.sort_unstable();
+    // Along the axis on which boxes are apart most.
+    let axis = widest(&all);
+    all.sort_by(|a, b| a.bounds.min[axis].total_cmp(&b.bounds.min[axis]));
+    let (fat, close) = (FAT * settings.length_unit, CLOSE * settings.length_unit);
+    let mut crowd = Crowd::default();
+    let mut open: Vec<usize> = Vec::new();
+    for i in 0..all.len() {
+        let a = &all[i];
+        open.retain(|&k| all[k].bounds.max[axis] + fat >= a.bounds.min[axis]);
+        for b in open.iter().map(|&k| &all[k]) {
+            let meet = |gap: f32| {
+                let gap = Vec3::splat(gap);
+                Aabb { min: a.bounds.min - gap, max: a.bounds.max + gap }.overlaps(&b.bounds)
+            };
+            let bodies = [a.body.min(b.body), a.body.max(b.body)];
+            if a.body == b.body
+                || !(a.dynamic || b.dynamic)
+                || !meet(fat)
+                || joined.binary_search(&bodies).is_ok()
+            {
+                continue;
+            }
+            crowd.pairs += 1;
+            let of_mesh = [a.kind, b.kind].iter().any(|&k| k == Kind::Mesh || k == Kind::HeightField);
+            *if of_mesh { &mut crowd.of_meshes } else { &mut crowd.fresh } += 1;
+            // The box of a mesh says little.
+            if !of_mesh && meet(close) {
+                crowd.contacts[full(a.kind, b.kind)] += 1;
+            }
+        }
+        open.push(i);
+    }
+    crowd
+}
+
+fn widest(all: &[Shape]) -> usize {
+    let finite = all.iter().map(|s| s.bounds.min).filter(|v| v.is_finite());
+    let low = finite.clone().fold(Vec3::INFINITY, Vec3::min);
+    let size = finite.fold(Vec3::NEG_INFINITY, Vec3::max) - low;
+    (0..3).fold(0, |a, b| if size[b] > size[a] { b } else { a })
+}
+
+/// Pairs and contacts once all has come down.
+fn once_down(scene: &Scene, settings: &Settings) -> Crowd {
+    if scene.gravity == Vec3::ZERO && settings.gravity == Vec3::ZERO {
+        return Crowd::default();
+    }
+    let hangs = hanging(scene);
+    let (mut footprints, mut falling) = (0.0, 0.0);
+    // Spheres, capsules, others.
+    let mut kinds = [0.0f32; 3];
+    let mut ground: Option<Aabb> = None;
+    let (mut of_meshes, mut bumpy, mut endless) = (false, false, false);
+    for shape in shapes(scene) {
+        let size = shape.bounds.max - shape.bounds.min;
+        match scene.bodies[shape.body].desc.kind {
+            BodyKind::Dynamic if !hangs[shape.body] => {
+                footprints += size.x * size.z;
+                falling += 1.0;
+                kinds[match shape.kind {
+                    Kind::Sphere => 0,
+                    Kind::Capsule => 1,
+                    _ => 2,
+                }] += 1.0;
+            }
+            BodyKind::Static if !size.is_finite() => endless = true,
+            BodyKind::Static => {
+                let all = ground.get_or_insert(shape.bounds);
+                *all = Aabb { min: all.min.min(shape.bounds.min), max: all.max.max(shape.bounds.max) };
+                if matches!(shape.kind, Kind::Mesh | Kind::HeightField) {
+                    of_meshes = true;
+                    bumpy |= size.y > 0.01 * size.x.max(size.z);
+                }
+            }
+            _ => {}
+        }
+    }
+    let area = match ground {
+        _ if endless => f32::INFINITY,
+        Some(box_of_all) => {
+            let size = box_of_all.max - box_of_all.min;
+            size.x * size.z
+        }
+        None => return Crowd::default(),
+    };
+    // How many layers there would be.
+    let layers = footprints / area.max(f32::MIN_POSITIVE);
+    let piled = 1.0 - libm::expf(-layers);
+    let on_ground = falling * if layers > 1.0 { 1.0 / layers } else { 1.0 };
+    let bumps = if bumpy { BUMPY } else { 1.0 };
+    let [pairs, contacts] = [0, 1].map(|i| (falling * piled * PILE[i], on_ground * GROUND[i]));
+    let contacts = [contacts.0, contacts.1 * bumps];
+
+    // A share of the shapes, whose contacts have few points unless they lie on a face.
+    let [sphere, capsule, _] = kinds.map(|n| n / falling.max(1.0));
+    let mut by_points = [0.0f32; 4];
+    let mut add = |share: f32, parts: [f32; 4]| {
+        by_points.iter_mut().zip(parts).for_each(|(n, part)| *n += share * part);
+    };
+    let (round, other) = (1.0 - sphere, 1.0 - sphere - capsule);
+    add(contacts[0] * (1.0 - round * round), [1.0, 0.0, 0.0, 0.0]);
+    add(contacts[0] * (round * round - other * other), [0.7, 0.3, 0.0, 0.0]);
+    add(contacts[0] * other * other, [0.4, 0.2, 0.1, 0.3]);
+    add(contacts[1] * sphere, [1.0, 0.0, 0.0, 0.0]);
+    add(contacts[1] * capsule, [0.4, 0.6, 0.0, 0.0]);
+    add(contacts[1] * other, [0.2, 0.3, 0.1, 0.4]);
+    let all = pairs.0 + pairs.1;
+    let with_meshes = if of_meshes { pairs.1 } else { 0.0 };
+    let bare = (all - with_meshes - contacts[0]).max(0.0);
+    Crowd {
+        pairs: all as usize,
+        of_meshes: with_meshes as usize,
+        fresh: (bare * NEAR) as usize,
+        contacts: by_points.map(|n| n as usize),
+        ..Crowd::default()
+    }
+}
+
+/// The share of contacts that only continuous collision makes: of bodies that are fast to begin with.
+fn ahead(scene: &Scene, settings: &Settings) -> f32 {
+    let dynamic = scene.bodies.iter().map(|body| &body.desc).filter(|desc| desc.kind == BodyKind::Dynamic);
+    let is_fast = |desc: &&BodyDesc| {
+        let way = desc.linear_velocity.length() * STEP;
+        way > FAT * settings.length_unit && settings.continuous.of(desc.continuous) != Continuous::Discrete
+    };
+    let (all, fast) = (dynamic.clone().count(), dynamic.filter(is_fast).count());
+    AHEAD * fast as f32 / all.max(1) as f32
+}
+
+/// Bodies that hang together by joints: of each the lowest index of all.
+fn islands(scene: &Scene) -> Vec<usize> {
+    let mut parent: Vec<usize> = (0..scene.bodies.len()).collect();
+    let root = |parent: &mut Vec<usize>, mut i: usize| {
+        while parent[i] != i {
+            parent[i] = parent[parent[i]];
+            i = parent[i];
+        }
+        i
+    };
+    let is_dynamic = |i: usize| scene.bodies.get(i).is_some_and(|b| b.desc.kind == BodyKind::Dynamic);
+    for joint in &scene.joints {
+        let [a, b] = joint.bodies;
+        if is_dynamic(a) && is_dynamic(b) {
+            let (a, b) = (root(&mut parent, a), root(&mut parent, b));
+            parent[a.max(b)] = a.min(b);
+        }
+    }
+    (0..parent.len()).map(|i| root(&mut parent, i)).collect()
+}
+
+/// Whether each body hangs, by joints, on something that does not fall.
+fn hanging(scene: &Scene) -> Vec<bool> {
+    let of = islands(scene);
+    let mut held = vec![false; of.len()];
+    for [a, b] in scene.joints.iter().map(|joint| joint.bodies) {
+        for (i, other) in [(a, b), (b, a)] {
+            let still = scene.bodies.get(other).is_some_and(|b| b.desc.kind != BodyKind::Dynamic);
+            if still && i < held.len() {
+                held[of[i]] = true;
+            }
+        }
+    }
+    of.iter().map(|&root| held[root]).collect()
+}
+
+/// Bodies in trees of joints that no other tree is like: such a tree has a lane for itself.
+fn branches(scene: &Scene) -> usize {
+    let of = islands(scene);
+    let (mut bodies, mut joints) = (vec![0usize; of.len()], vec![0usize; of.len()]);
+    of.iter().for_each(|&root| bodies[root] += 1);
+    for [a, b] in scene.joints.iter().map(|joint| joint.bodies) {
+        let dynamic = [a, b]
+            .into_iter()
+            .find(|&i| scene.bodies.get(i).is_some_and(|body| body.desc.kind == BodyKind::Dynamic));
+        dynamic.into_iter().for_each(|i| joints[of[i]] += 1);
+    }
+    // Without a loop, and hanging on one thing at most.
+    let is_tree = |&i: &usize| joints[i] > 0 && joints[i] <= bodies[i];
+    let sizes: Vec<usize> = (0..of.len()).filter(is_tree).map(|i| bodies[i]).collect();
+    let alone = |&&size: &&usize| sizes.iter().filter(|&&other| other == size).count() == 1;
+    if sizes.len() > MANY { 0 } else { sizes.iter().filter(alone).sum() }
+}
+
+/// With more trees than that there are some that are alike.
+const MANY: usize = 64;

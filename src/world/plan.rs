@@ -1,0 +1,74 @@
+//! What a world will hold, before there is one: the sizes are those of its own buffers.
+
+use super::World;
+use crate::body::BodyDesc;
+use crate::broad_phase::BroadPhase;
+use crate::config::Settings;
+use crate::constraint::JOINT_BYTES;
+use crate::joint::{JointDesc, More};
+use crate::memory::{Amounts, Category};
+
+/// How many there will be at most of what comes and goes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Crowd {
+    pub(crate) pairs: usize,
+    /// Pairs with meshes and height fields.
+    pub(crate) of_meshes: usize,
+    /// Contacts that are new in one step.
+    pub(crate) fresh: usize,
+    /// Contacts by their points.
+    pub(crate) contacts: [usize; 4],
+    /// The share of them that only continuous collision makes.
+    pub(crate) ahead: f32,
+    /// Bodies in trees of joints that have no like.
+    pub(crate) branches: usize,
+}
+
+impl World {
+    /// Bytes by category of a world with a budget in which nothing is short.
+    pub(crate) fn planned<'a>(
+        settings: &Settings,
+        bodies: impl IntoIterator<Item = &'a BodyDesc> + Clone,
+        joints: &[JointDesc],
+        crowd: &Crowd,
+    ) -> Amounts {
+        // No body ever comes into it: it only knows how large things are.
+        let mut empty = World { settings: settings.clone(), ..World::default() };
+        empty.bodies.rests = settings.sleeping;
+        let mut shapes =
+            bodies.clone().into_iter().flat_map(|body| &body.shapes).filter(|shape| !shape.sensor);
+        let friction = shapes.any(|shape| {
+            shape.hooks || shape.material.static_friction > 0.0 || shape.material.dynamic_friction > 0.0
+        });
+        let mut bytes = empty.lacking_for(bodies, !joints.is_empty());
+
+        let more = joints.iter().map(More::of_joint).fold(More::default(), More::and);
+        bytes.add(Category::Joints, empty.joints.missing_columns(more));
+        let [lock, row, branch] = JOINT_BYTES;
+        let (locks, rows) = more.rows();
+        let in_lanes = locks.saturating_sub(crowd.branches);
+        bytes.add(Category::Joints, in_lanes * lock + rows * row + crowd.branches * branch);
+
+        let contacts: usize = crowd.contacts.iter().sum();
+        bytes.add(Category::BroadPhase, empty.broad.missing(crowd.pairs));
+        bytes.add(Category::BroadPhase, BroadPhase::missing_to_find(crowd.pairs));
+        let buffers = &mut empty.buffers;
+        let narrow = &buffers.narrow;
+        bytes.add(Category::Scratch, narrow.missing(crowd.pairs));
+        bytes.add(Category::Scratch, narrow.missing_to_find(crowd.fresh, crowd.of_meshes));
+        bytes.add(Category::Scratch, buffers.prepare.missing(contacts));
+        let manifolds = empty.contacts.missing(contacts);
+        // Each number of points ends with batches that are not full.
+        let batches = crowd.contacts.map(|n| (n.div_ceil(8) + ENDS).min(n));
+        let stages = buffers.prepare.most_stages(settings.order);
+        let rows = buffers.rows.missing(batches, stages, friction);
+        let ahead = |bytes: usize| (bytes as f32 * crowd.ahead) as usize;
+        bytes.add(Category::Manifolds, manifolds - ahead(manifolds));
+        bytes.add(Category::Rows, rows - ahead(rows));
+        bytes.add(Category::Continuous, ahead(manifolds) + ahead(rows));
+        bytes
+    }
+}
+
+/// Batches that are not full, of each number of points: contacts of some colours are few.
+const ENDS: usize = 2;
