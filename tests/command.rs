@@ -247,9 +247,11 @@ fn methods_are_compared_on_a_scene() {
                 assert_eq!(method[measure], again["scenes"][0]["methods"][i][measure], "{measure}");
             }
         }
-        // Each ball strikes its obstacle; discrete physics alone lets them through.
+        // Each ball strikes its obstacle. Discrete physics lets them through, and speculative contacts some of those that the
+        // obstacle threw off their way.
         assert_eq!(method["impacts"], 32);
-        assert_eq!(method["tunnelled"].as_u64() > Some(0), i == 0, "{method}");
+        let lets_through = ["discrete", "speculative"].contains(&names[i]);
+        assert_eq!(method["tunnelled"].as_u64() > Some(0), lets_through, "{method}");
     }
     // The reference is off itself by nothing.
     assert_eq!((&methods[5]["energy_error"], &methods[5]["distance_lost"]), (&0.0.into(), &0.0.into()));
