@@ -9,7 +9,7 @@ pub use crate::narrow_phase::bench::{cast, convex, distance, lanes, mesh};
 use crate::constraint::contact_row::{Motion, Pass, Softness, solve};
 use crate::constraint::{Batch, FrictionRow, Group, PrepareInput, PrepareScratch, Rows, prepare};
 use crate::lanes::{Record, Vec3, f32x8, gather, scatter};
-use crate::memory::Room;
+use crate::memory::Rooms;
 use crate::scene::builtin;
 use crate::threads::{Crew, Shared};
 use crate::{Settings, World};
@@ -135,6 +135,7 @@ pub fn preparing() -> Kernel {
             inverse_inertia: &forces.inverse_inertia,
             real: crate::step::REAL,
             near: 0.02,
+            ahead: usize::MAX,
             warm: 1.0,
             stick: 0.01,
             order: crate::constraint::Order::default(),
@@ -143,7 +144,7 @@ pub fn preparing() -> Kernel {
             per_point: false,
             friction: true,
         };
-        prepare(&Crew::alone(), &input, &mut rows, &mut scratch, &mut Room::default());
+        prepare(&Crew::alone(), &input, &mut rows, &mut scratch, &mut Rooms::ENDLESS.clone());
         black_box(&mut rows);
     })
 }
