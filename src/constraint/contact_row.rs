@@ -287,43 +287,7 @@ pub(super) fn sweep<
     let n = batch.normal;
 
     if FRICTION && let Some(f) = friction {
-        let t2 = n.cross(f.tangent);
-        let limit = batch.points.iter().fold(L::zero(), |s, p| s + p.impulse * p.real) * f.coefficient;
-        let (tangential, slide_mass, twist_mass) = response.friction(f);
-        let mut u = -(v.va + v.wa.cross(f.arm_a));
-        let mut spin = -v.wa;
-        if TWO {
-            u += v.vb + v.wb.cross(f.arm_b);
-            spin += v.wb;
-        }
-        let (mut u1, mut u2) = (u.dot(f.tangent), u.dot(t2));
-        if let Some(surface) = pass.surfaces.get(batch.surface as usize) {
-            u1 += L::load(&surface[0]);
-            u2 += L::load(&surface[1]);
-        }
-        let old = f.impulse;
-        let mut new = [0, 1].map(|i| old[i] - (tangential[i] * u1 + tangential[i + 1] * u2));
-        if pass.friction_box {
-            new = new.map(|x| x.clamp(-limit, limit));
-        } else {
-            // What sticks needs the impulse that stops it. What slides has friction against its motion, and that
-            // impulse, cut to the cone, would point elsewhere unless the mass is the same in all directions.
-            let sticks = (new[0] * new[0] + new[1] * new[1]).le(limit * limit);
-            if (!sticks).any() {
-                let slid = [old[0] - slide_mass * u1, old[1] - slide_mass * u2];
-                let length = (slid[0] * slid[0] + slid[1] * slid[1]).sqrt();
-                let scale = L::select(length.gt(limit), limit / length, L::one());
-                new = std::array::from_fn(|i| L::select(sticks, new[i], slid[i] * scale));
-            }
-        }
-        let bound = limit * f.radius;
-        let twist = (f.twist - twist_mass * spin.dot(n)).clamp(-bound, bound);
-        let q = f.tangent * (new[0] - old[0]) + t2 * (new[1] - old[1]);
-        let w = n * (twist - f.twist);
-        (f.impulse, f.twist) = (new, twist);
-        let ta = f.arm_a.cross(q) + w;
-        let tb = if TWO { f.arm_b.cross(q) + w } else { ta };
-        response.apply::<TWO>(batch, v, q, ta, tb);
+        rub::<L, P, TWO, R>(batch, f, v, pass, response);
     }
 
     let speed = relative::<L, TWO>(n, v);
@@ -400,6 +364,55 @@ pub(super) fn sweep<
     }
     response.apply::<TWO>(batch, v, n * sum, ta, tb);
     true
+}
+
+/// The rows along the surface, and against twist.
+#[inline(always)]
+fn rub<L: GatherLanes, const P: usize, const TWO: bool, R: Response<L, P>>(
+    batch: &Batch<L, P>,
+    f: &mut FrictionRow<L>,
+    v: &mut Pair<L>,
+    pass: &Pass<'_>,
+    response: &mut R,
+) {
+    let n = batch.normal;
+    let t2 = n.cross(f.tangent);
+    let limit = batch.points.iter().fold(L::zero(), |s, p| s + p.impulse * p.real) * f.coefficient;
+    let (tangential, slide_mass, twist_mass) = response.friction(f);
+    let mut u = -(v.va + v.wa.cross(f.arm_a));
+    let mut spin = -v.wa;
+    if TWO {
+        u += v.vb + v.wb.cross(f.arm_b);
+        spin += v.wb;
+    }
+    let (mut u1, mut u2) = (u.dot(f.tangent), u.dot(t2));
+    if let Some(surface) = pass.surfaces.get(batch.surface as usize) {
+        u1 += L::load(&surface[0]);
+        u2 += L::load(&surface[1]);
+    }
+    let old = f.impulse;
+    let mut new = [0, 1].map(|i| old[i] - (tangential[i] * u1 + tangential[i + 1] * u2));
+    if pass.friction_box {
+        new = new.map(|x| x.clamp(-limit, limit));
+    } else {
+        // What sticks needs the impulse that stops it. What slides has friction against its motion, and that
+        // impulse, cut to the cone, would point elsewhere unless the mass is the same in all directions.
+        let sticks = (new[0] * new[0] + new[1] * new[1]).le(limit * limit);
+        if (!sticks).any() {
+            let slid = [old[0] - slide_mass * u1, old[1] - slide_mass * u2];
+            let length = (slid[0] * slid[0] + slid[1] * slid[1]).sqrt();
+            let scale = L::select(length.gt(limit), limit / length, L::one());
+            new = std::array::from_fn(|i| L::select(sticks, new[i], slid[i] * scale));
+        }
+    }
+    let bound = limit * f.radius;
+    let twist = (f.twist - twist_mass * spin.dot(n)).clamp(-bound, bound);
+    let q = f.tangent * (new[0] - old[0]) + t2 * (new[1] - old[1]);
+    let w = n * (twist - f.twist);
+    (f.impulse, f.twist) = (new, twist);
+    let ta = f.arm_a.cross(q) + w;
+    let tb = if TWO { f.arm_b.cross(q) + w } else { ta };
+    response.apply::<TWO>(batch, v, q, ta, tb);
 }
 
 /// Speed of `b` away from `a` along the normal, and what their spins add to it at a point.
