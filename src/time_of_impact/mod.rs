@@ -216,7 +216,9 @@ impl Run<'_> {
         }
         let way = self.view().way(body);
         let free = body < self.world.bodies.dynamic() && self.world.buffers.solver.delta[body].pad0 == 0.0;
-        let pull = if free { self.world.buffers.forces.acceleration[body].linear } else { Vec3::ZERO };
+        // Where nothing pulls there is no such column.
+        let pull = self.world.buffers.forces.acceleration.get(body).filter(|_| free);
+        let pull = pull.map_or(Vec3::ZERO, |pull| pull.linear);
         let start = way.position;
         self.buffers.tracks.push(Track { body: body as u32, start, way, pull, turns: 0, stands: false });
         self.buffers.track_of[body] = self.buffers.tracks.len() as u32 - 1;

@@ -193,6 +193,12 @@ pub(crate) struct ProfileOptions {
     /// What is compared with discrete: segment or volume.
     #[arg(long, value_name = "MODE", default_value = "segment", value_parser = continuous)]
     pub(crate) continuous: Continuous,
+    /// Compare methods of continuous collision on their six scenes too, as `compare` does.
+    #[arg(long)]
+    pub(crate) compare: bool,
+    /// How often they run; medians count.
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000), requires = "compare")]
+    pub(crate) rounds: u32,
     /// Write a page with charts: index.html and its pictures.
     #[arg(long, value_name = "DIR")]
     pub(crate) report: Option<PathBuf>,

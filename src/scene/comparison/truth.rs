@@ -103,7 +103,7 @@ fn deflector_walls(scene: &Scene) -> Vec<Wall> {
 fn is_free(world: &World, i: usize) -> bool {
     let forces = &world.buffers.forces;
     let Some(start) = forces.start.get(i) else { return true };
-    let meant = start.linear + forces.acceleration[i].linear * DT;
+    let meant = start.linear + forces.acceleration.get(i).map_or(Vec3::ZERO, |pull| pull.linear) * DT;
     (world.bodies.velocity[i].linear - meant).length() <= 1e-4 * (1.0 + meant.length())
 }
 

@@ -2,6 +2,8 @@
 
 mod table;
 
+pub(crate) use table::{HEAD, rows, text};
+
 use crate::args::CompareOptions;
 use crate::output;
 use crate::trace::Times;
@@ -44,7 +46,7 @@ pub(crate) fn print(options: &CompareOptions) -> anyhow::Result<()> {
     if options.json {
         return output::print_json(&comparison);
     }
-    output::print(&table::text(&comparison))
+    output::print(&text(&comparison))
 }
 
 /// Runs the scenes.

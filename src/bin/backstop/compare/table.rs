@@ -1,10 +1,10 @@
 //! A table per scene, for a person.
 
-use super::Comparison;
+use super::{Comparison, MethodResult, SceneResult};
 use crate::output::{bytes, micros};
 use std::fmt::Write;
 
-const HEAD: [&str; 13] = [
+pub(crate) const HEAD: [&str; 13] = [
     "method",
     "median",
     "mean",
@@ -20,30 +20,13 @@ const HEAD: [&str; 13] = [
     "joints open",
 ];
 
-pub(super) fn text(comparison: &Comparison) -> String {
+pub(crate) fn text(comparison: &Comparison) -> String {
     let mut text = String::new();
     for scene in &comparison.scenes {
         let impacts = scene.methods.first().map_or(0, |method| method.verdict.impacts);
         let _ = writeln!(text, "{}: {} steps, {impacts} first impacts", scene.scene, scene.steps);
-        let rows = scene.methods.iter().map(|method| {
-            let (v, t) = (&method.verdict, &method.time_us);
-            [
-                method.name.to_owned(),
-                micros(t.median),
-                micros(t.mean),
-                micros(t.p95),
-                micros(t.max),
-                bytes(v.bytes),
-                bytes(v.continuous_bytes),
-                v.tunnelled.to_string(),
-                v.ghosts.to_string(),
-                format!("{:.1}%", 100.0 * v.energy_lost),
-                format!("{:.1}%", 100.0 * v.energy_error),
-                metres(v.distance_lost),
-                metres(v.joint_opening),
-            ]
-        });
-        let rows: Vec<[String; 13]> = std::iter::once(HEAD.map(str::to_owned)).chain(rows).collect();
+        let head = HEAD.iter().map(|&name| name.to_owned()).collect();
+        let rows: Vec<Vec<String>> = std::iter::once(head).chain(rows(scene)).collect();
         let wide = |k: usize| rows.iter().map(|row| row[k].chars().count()).max().unwrap_or(0);
         for row in &rows {
             for (k, cell) in row.iter().enumerate() {
@@ -55,6 +38,29 @@ pub(super) fn text(comparison: &Comparison) -> String {
         text.push('\n');
     }
     text
+}
+
+/// The cells of a scene's table, method by method.
+pub(crate) fn rows(scene: &SceneResult) -> Vec<Vec<String>> {
+    let row = |method: &MethodResult| {
+        let (v, t) = (&method.verdict, &method.time_us);
+        vec![
+            method.name.to_owned(),
+            micros(t.median),
+            micros(t.mean),
+            micros(t.p95),
+            micros(t.max),
+            bytes(v.bytes),
+            bytes(v.continuous_bytes),
+            v.tunnelled.to_string(),
+            v.ghosts.to_string(),
+            format!("{:.1}%", 100.0 * v.energy_lost),
+            format!("{:.1}%", 100.0 * v.energy_error),
+            metres(v.distance_lost),
+            metres(v.joint_opening),
+        ]
+    };
+    scene.methods.iter().map(row).collect()
 }
 
 /// Metres in the unit that suits them.

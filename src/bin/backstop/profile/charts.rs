@@ -198,6 +198,7 @@ mod tests {
                 runs: vec![Run::new(1, measured)],
                 memory: Memory::new(&memory, 0),
                 hash: String::new(),
+                comparison: None,
             };
             let run = &ledger.runs[0];
             for drawn in [

@@ -1,6 +1,7 @@
 //! What the frames come to: `profile --json` and `--csv`. docs/json.md says what the fields mean.
 
 use super::measure::{Frame, Measured, StageCost};
+use crate::compare::Comparison;
 use crate::document::CategoryBytes;
 use anyhow::Context;
 use backstop::{Category, MemoryReport, Settings};
@@ -19,6 +20,9 @@ pub(crate) struct Ledger {
     pub(crate) runs: Vec<Run>,
     pub(crate) memory: Memory,
     pub(crate) hash: String,
+    /// Methods of continuous collision side by side on their six scenes, if that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) comparison: Option<Comparison>,
 }
 
 #[derive(Debug, Serialize)]

@@ -5,8 +5,8 @@ mod ledger;
 mod measure;
 mod page;
 
-use crate::args::ProfileOptions;
-use crate::{output, run};
+use crate::args::{CompareOptions, ProfileOptions};
+use crate::{compare, output, run};
 use anyhow::{Context, bail};
 use backstop::Settings;
 use backstop::scene::{self, Scene};
@@ -45,6 +45,9 @@ pub(crate) fn profile(options: &ProfileOptions) -> anyhow::Result<()> {
         for path in written.iter().chain(&options.csv) {
             text += &format!("{:<12}{}\n", "written", path.display());
         }
+        if let Some(comparison) = &ledger.comparison {
+            text += &format!("\n{}", compare::text(comparison));
+        }
         output::print(&text)?;
     }
     Ok(())
@@ -82,6 +85,8 @@ fn measure_all(options: &ProfileOptions, scene: &Scene) -> anyhow::Result<Ledger
         last = Some(measured);
     }
     bar.finish_and_clear();
+    let compared =
+        CompareOptions { scene: None, steps: None, threads: 1, rounds: options.rounds, json: false };
     let last = last.context("no number of threads is given")?;
     Ok(Ledger {
         scene: scene.name.clone(),
@@ -91,6 +96,7 @@ fn measure_all(options: &ProfileOptions, scene: &Scene) -> anyhow::Result<Ledger
         runs,
         memory: Memory::new(&last.memory, scene.dynamic_bodies()),
         hash: format!("{:016x}", last.hash),
+        comparison: options.compare.then(|| compare::compare(&compared)).transpose()?,
     })
 }
 

@@ -3,6 +3,7 @@
 use super::charts;
 use super::ledger::{Ledger, Run};
 use crate::charts::{Drawn, svg};
+use crate::compare;
 use crate::html::{self, escape, figure, put, table};
 use crate::output::{bytes, count, micros};
 use crate::page::{memory_table, settings_table};
@@ -66,6 +67,13 @@ fn page(ledger: &Ledger) -> String {
         "Reserved bytes. Continuous: what exists only because of continuous collision.",
     );
     memory_table(&mut html, &ledger.memory.categories);
+    if let Some(comparison) = &ledger.comparison {
+        html += "<h2>Methods side by side</h2>\n<p>Six scenes, six methods; docs/continuous.md says what the columns mean.</p>\n";
+        for scene in &comparison.scenes {
+            let _ = writeln!(html, "<h3>{}: {} steps</h3>", escape(scene.scene), scene.steps);
+            table(&mut html, &compare::HEAD, 1, &compare::rows(scene));
+        }
+    }
     settings_table(&mut html, &ledger.settings);
     html += html::TAIL;
     html
