@@ -216,3 +216,24 @@ fn what_is_shed_does_not_depend_on_threads() {
         }
     }
 }
+
+#[test]
+fn events_beyond_their_limit_are_lost_and_nothing_else_changes() {
+    let mut scene = pile();
+    for body in &mut scene.bodies {
+        body.desc.shapes.iter_mut().for_each(|s| s.events = true);
+    }
+    let lost = |budget: Budget| {
+        let mut lost = 0;
+        let ran = run(&scene, budget, 1, |_, world| lost += world.report().events_lost);
+        (ran, lost)
+    };
+    let (wide, none) = lost(Budget::NONE.with(Category::Events, 1 << 30));
+    assert_eq!(none, 0);
+    for share in [0, 4] {
+        let limit = wide.most[Category::Events as usize] * share / 10;
+        let (tight, lost) = lost(Budget::NONE.with(Category::Events, limit));
+        assert!(lost > 0, "{limit}");
+        assert_eq!((tight.hash, tight.shed()), (wide.hash, 0));
+    }
+}
