@@ -141,9 +141,10 @@ fn what_is_asked_for_is_taken_and_no_more() {
     limit(&mut world, Budget::total(used.total() + asked));
     world.add_bodies(&many).unwrap();
     assert_eq!(world.memory().total(), used.total() + asked);
+    // Rows that are short of place take that of others which is not needed; what is left over may go to pairs.
     for _ in 0..60 {
         world.step(DT).unwrap();
-        assert_eq!(world.memory().total(), used.total() + asked);
+        assert!(world.memory().total() <= used.total() + asked);
     }
 }
 

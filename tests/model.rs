@@ -277,13 +277,12 @@ fn geometry_is_counted_by_kind() {
     ];
     for (feature, geometry, category) in cases {
         let (mut world, _) = plain(settings());
-        // Place for two more shapes.
-        let all: Vec<BodyHandle> =
-            (0..2).map(|_| world.add_body(&BodyDesc::fixed().with_shape(ball())).unwrap()).collect();
+        let desc = BodyDesc::fixed().with_shape(smooth(geometry));
+        // Place for two more shapes, and in the list of geometries.
+        let all: Vec<BodyHandle> = (0..2).map(|_| world.add_body(&desc).unwrap()).collect();
         world.remove_bodies(&all).unwrap();
         let before = bytes(&world, category);
         absent(&world, feature);
-        let desc = BodyDesc::fixed().with_shape(smooth(geometry));
         let [one, two] = [(); 2].map(|()| world.add_body(&desc).unwrap());
         // Both have the same.
         present(&world, feature, 2);

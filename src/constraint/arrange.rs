@@ -166,36 +166,42 @@ pub(crate) fn arrange(
 /// Bytes that are granted to contacts that only continuous collision makes: of bodies among themselves, and with what is
 /// static.
 #[derive(Clone, Copy, Debug)]
-struct Ahead([usize; 2]);
+struct Ahead {
+    left: [usize; 2],
+    /// Of a batch, what friction of impacts takes.
+    impact: usize,
+}
 
 impl Ahead {
     /// Without a limit.
-    const ANY: Ahead = Ahead([usize::MAX; 2]);
+    const ANY: Ahead = Ahead { left: [usize::MAX; 2], impact: 0 };
 
     /// As much as is left, first for contacts with what is static.
     fn new(input: &PrepareInput<'_>) -> Ahead {
         if input.ahead == usize::MAX {
             return Ahead::ANY;
         }
+        let whole = Ahead { left: [input.ahead, 0], impact: impact_bytes(input) };
         let mut of_static = 0;
         each_contact(input, |_, contact| {
             if is_ahead(input, contact) && group_of(input, contact).is_static() {
-                of_static += Self::cost(contact);
+                of_static += whole.cost(contact);
             }
         });
         let of_static = of_static.min(input.ahead);
-        Ahead([input.ahead - of_static, of_static])
+        Ahead { left: [input.ahead - of_static, of_static], ..whole }
     }
 
     /// The contact and a lane of a batch.
-    fn cost(contact: &Contact) -> usize {
-        size_of::<Contact>() + Rows::SIZES[contact.count as usize - 1].div_ceil(8)
+    fn cost(&self, contact: &Contact) -> usize {
+        size_of::<Contact>() + (Rows::SIZES[contact.count as usize - 1] + self.impact).div_ceil(8)
     }
 
     /// Whether there is enough left for a contact of a group; takes it off if so.
     fn admits(&mut self, contact: &Contact, group: Group) -> bool {
-        let left = &mut self.0[usize::from(group.is_static())];
-        let rest = left.checked_sub(Self::cost(contact));
+        let cost = self.cost(contact);
+        let left = &mut self.left[usize::from(group.is_static())];
+        let rest = left.checked_sub(cost);
         *left = rest.unwrap_or(*left);
         rest.is_some()
     }
@@ -353,7 +359,7 @@ fn sort(
         }
     }
     // A lane of a batch each.
-    let impact = if input.friction { Rows::SIZES[7] } else { 0 };
+    let impact = impact_bytes(input);
     let rows: usize = ahead.iter().zip(Rows::SIZES).map(|(n, size)| n * (size + impact) / 8).sum();
     scratch.ahead = (ahead.iter().sum::<usize>() * size_of::<Contact>(), rows);
     // The most of both together, which the limit of continuous collision bounds.
@@ -362,6 +368,11 @@ fn sort(
         *most = now;
     }
     (prepared, shed)
+}
+
+/// What the friction of impacts takes of a batch.
+fn impact_bytes(input: &PrepareInput<'_>) -> usize {
+    if input.friction { Rows::SIZES[7] } else { 0 }
 }
 
 /// The seat of the body of a contact with what is static.
