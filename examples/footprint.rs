@@ -63,7 +63,8 @@ fn measure(name: &str) -> Result<(), Box<dyn std::error::Error>> {
         line("reported, the mesh included", total);
         line("of it the mesh", meshes);
         line("own memory, since before the mesh", after.0.saturating_sub(start.0));
-        assert!(total <= 3_000_000, "{total}");
+        let own = after.0.saturating_sub(start.0);
+        assert!(total <= 3_000_000 && own <= 3_000_000, "{own} bytes, {total} reported");
     }
     Ok(())
 }

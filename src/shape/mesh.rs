@@ -39,7 +39,7 @@ impl TriangleMesh {
     /// # Errors
     /// A coordinate is not finite or beyond 1e7, an index has no vertex, no triangle has an area, or there are more
     /// than 2^28 triangles.
-    pub fn new(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<TriangleMesh, Error> {
+    pub fn new(mut vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<TriangleMesh, Error> {
         for v in &vertices {
             finite3("mesh vertex", *v)?;
             crate::error::within("mesh vertex", v.abs().max_element(), 0.0, MOST, "within 1e7")?;
@@ -54,12 +54,10 @@ impl TriangleMesh {
                 value: index.into(),
             });
         }
-        let (vertices, triangles) = weld(&vertices, triangles);
+        let triangles = weld(&mut vertices, &triangles);
         if triangles.is_empty() {
             return Err(Error::Degenerate("no triangle of the mesh has an area".into()));
         }
-        let edges = find_edges(&vertices, &triangles);
-
         let mut items: Vec<Item> = (0..)
             .zip(&triangles)
             .map(|(triangle, t)| {
@@ -69,27 +67,27 @@ impl TriangleMesh {
             .collect();
         let tree = MeshBvh::build(&mut items);
 
-        // Leaf order for triangles, order of first use for vertices: what is near is near in memory.
+        // Leaf order for triangles, order of first use for vertices: what is near is near in memory. Place for what stays is
+        // made before what is larger goes: many allocators would put what comes after that between what is left of it.
         let mut renamed = vec![u32::MAX; vertices.len()];
         let mut sorted = Vec::with_capacity(vertices.len());
-        let triangles: Vec<[u32; 3]> = items
-            .iter()
-            .map(|item| {
-                let t = item.triangle as usize;
-                std::array::from_fn(|k| {
-                    let v = triangles[t][k] as usize;
-                    if renamed[v] == u32::MAX {
-                        renamed[v] = sorted.len() as u32;
-                        sorted.push(vertices[v]);
-                    }
-                    renamed[v] | (edges[t].fold(k) as u32) << VERTEX_BITS
-                })
+        let mut in_order: Vec<[u32; 3]> = Vec::with_capacity(triangles.len());
+        let edges = find_edges(&vertices, &triangles);
+        in_order.extend(items.iter().map(|item| {
+            let t = item.triangle as usize;
+            std::array::from_fn(|k| {
+                let v = triangles[t][k] as usize;
+                if renamed[v] == u32::MAX {
+                    renamed[v] = sorted.len() as u32;
+                    sorted.push(vertices[v]);
+                }
+                renamed[v] | (edges[t].fold(k) as u32) << VERTEX_BITS
             })
-            .collect();
+        }));
         sorted.shrink_to_fit();
         let min = sorted.iter().fold(Vec3::INFINITY, |m, v| m.min(*v));
         let max = sorted.iter().fold(Vec3::NEG_INFINITY, |m, v| m.max(*v));
-        Ok(TriangleMesh { vertices: sorted, triangles, tree, min, max })
+        Ok(TriangleMesh { vertices: sorted, triangles: in_order, tree, min, max })
     }
 
     /// Corners of its bounding box [m].
@@ -346,9 +344,10 @@ impl Leaf {
 }
 
 /// Makes equal vertices one and drops triangles without area and those that are there already, either way round.
-fn weld(vertices: &[Vec3], triangles: Vec<[u32; 3]>) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+fn weld(vertices: &mut [Vec3], triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     // Adding zero makes of -0 a +0, so that equal numbers are equal bits.
-    let bits = |v: u32| (vertices[v as usize] + Vec3::ZERO).to_array().map(f32::to_bits);
+    vertices.iter_mut().for_each(|v| *v += Vec3::ZERO);
+    let bits = |v: u32| vertices[v as usize].to_array().map(f32::to_bits);
     let mut order: Vec<u32> = (0..vertices.len() as u32).collect();
     order.sort_unstable_by_key(|&v| (bits(v), v));
     let mut first: Vec<u32> = (0..vertices.len() as u32).collect();
@@ -373,8 +372,7 @@ fn weld(vertices: &[Vec3], triangles: Vec<[u32; 3]>) -> (Vec<Vec3>, Vec<[u32; 3]
     kept.dedup_by_key(|(sorted, _)| *sorted);
     let mut kept: Vec<u32> = kept.into_iter().map(|(_, i)| i).collect();
     kept.sort_unstable();
-    let triangles = kept.into_iter().map(|i| welded[i as usize]).collect();
-    (vertices.iter().map(|v| *v + Vec3::ZERO).collect(), triangles)
+    kept.into_iter().map(|i| welded[i as usize]).collect()
 }
 
 /// Meshes and numbers that tests share.

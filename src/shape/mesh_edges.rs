@@ -99,17 +99,35 @@ impl Edges {
 
 /// The folds of every triangle of an indexed mesh whose equal vertices are one.
 pub(crate) fn find_edges(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Edges> {
-    // Both uses of an edge come together when sorted by its ends.
-    let mut uses: Vec<(u64, u32)> = Vec::with_capacity(3 * triangles.len());
-    for (t, triangle) in triangles.iter().enumerate() {
-        for e in 0..3 {
-            let (a, b) = (triangle[e], triangle[(e + 1) % 3]);
-            uses.push((u64::from(a.min(b)) << 32 | u64::from(a.max(b)), (t * 3 + e) as u32));
+    // Uses of edges by the lower of their ends: a counting sort, with the other end and where the use is.
+    let each = |f: &mut dyn FnMut(u32, (u32, u32))| {
+        for (t, triangle) in triangles.iter().enumerate() {
+            for e in 0..3 {
+                let (a, b) = (triangle[e], triangle[(e + 1) % 3]);
+                f(a.min(b), (a.max(b), (t * 3 + e) as u32));
+            }
         }
+    };
+    let mut ends = vec![0u32; vertices.len() + 1];
+    each(&mut |low, _| ends[low as usize + 1] += 1);
+    for i in 0..vertices.len() {
+        ends[i + 1] += ends[i];
     }
-    uses.sort_unstable();
+    let mut uses = vec![(0, 0); 3 * triangles.len()];
+    each(&mut |low, of| {
+        uses[ends[low as usize] as usize] = of;
+        ends[low as usize] += 1;
+    });
+    // Now each is where the uses of its vertex end.
+    let mut first = 0;
+    for &end in &ends[..vertices.len()] {
+        uses[first..end as usize].sort_unstable();
+        first = end as usize;
+    }
     let mut edges = vec![Edges::new([Fold::Open; 3]); triangles.len()];
-    for group in uses.chunk_by(|one, other| one.0 == other.0) {
+    let starts = std::iter::once(0).chain(ends.iter().map(|&end| end as usize));
+    let of_vertices = starts.zip(&ends[..vertices.len()]).map(|(start, &end)| &uses[start..end as usize]);
+    for group in of_vertices.flat_map(|uses| uses.chunk_by(|one, other| one.0 == other.0)) {
         let [(_, one), (_, other)] = *group else { continue };
         let corners = |at: u32| {
             let (triangle, e) = (triangles[at as usize / 3], at as usize % 3);

@@ -193,11 +193,11 @@ pub(crate) struct ProfileOptions {
     /// What is compared with discrete: segment or volume.
     #[arg(long, value_name = "MODE", default_value = "segment", value_parser = continuous)]
     pub(crate) continuous: Continuous,
-    /// Compare methods of continuous collision on their six scenes too, as `compare` does.
+    /// Leave out the comparison of methods on their six scenes (`compare`).
     #[arg(long)]
-    pub(crate) compare: bool,
-    /// How often they run; medians count.
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000), requires = "compare")]
+    pub(crate) no_compare: bool,
+    /// How often these are run; a step's time is the median of its rounds.
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(crate) rounds: u32,
     /// Write a page with charts: index.html and its pictures.
     #[arg(long, value_name = "DIR")]

@@ -20,7 +20,7 @@ pub(crate) struct Ledger {
     pub(crate) runs: Vec<Run>,
     pub(crate) memory: Memory,
     pub(crate) hash: String,
-    /// Methods of continuous collision side by side on their six scenes, if that was asked for.
+    /// Methods of continuous collision side by side on their six scenes, unless they were left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) comparison: Option<Comparison>,
 }

@@ -96,7 +96,7 @@ fn measure_all(options: &ProfileOptions, scene: &Scene) -> anyhow::Result<Ledger
         runs,
         memory: Memory::new(&last.memory, scene.dynamic_bodies()),
         hash: format!("{:016x}", last.hash),
-        comparison: options.compare.then(|| compare::compare(&compared)).transpose()?,
+        comparison: (!options.no_compare).then(|| compare::compare(&compared)).transpose()?,
     })
 }
 
