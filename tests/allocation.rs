@@ -61,14 +61,8 @@ fn settings(threads: usize) -> Settings {
     Settings { threads, ..Settings::default() }
 }
 
-fn resting_pile() -> Scene {
-    let mut scene = builtin::pile();
-    scene.bodies.truncate(305);
-    scene
-}
-
 fn resting(threads: usize) -> usize {
-    let (mut world, _) = common::world_of(&resting_pile(), settings(threads));
+    let (mut world, _) = common::world_of(&common::small_pile(), settings(threads));
     count(&mut world, 400, |_, _| {})
 }
 
@@ -131,7 +125,7 @@ fn a_scene_past_its_densest_moment_allocates_nothing() {
         (builtin::bullets(false), 300),
         (builtin::bullets(true), 100),
         // It settles layer by layer: the last contacts come late.
-        (resting_pile(), 250),
+        (common::small_pile(), 250),
     ] {
         let steps = steps_that_allocate(&scene, densest + 300);
         println!("{}: {steps:?}", scene.name);
@@ -227,7 +221,7 @@ fn every_method_of_continuous_collision_allocates_nothing() {
 #[test]
 fn queries_allocate_nothing() {
     let _alone = ONE_AT_A_TIME.lock().unwrap();
-    let (mut world, bodies) = common::world_of(&resting_pile(), settings(1));
+    let (mut world, bodies) = common::world_of(&common::small_pile(), settings(1));
     let filter = QueryFilter::new();
     let (mut rays, mut casts) = (Vec::with_capacity(999), Vec::with_capacity(999));
     let (mut overlaps, mut points) = (Vec::with_capacity(999), Vec::with_capacity(999));
@@ -255,7 +249,7 @@ fn queries_allocate_nothing() {
 #[test]
 fn movers_allocate_nothing() {
     let _alone = ONE_AT_A_TIME.lock().unwrap();
-    let (mut world, _) = common::world_of(&resting_pile(), settings(1));
+    let (mut world, _) = common::world_of(&common::small_pile(), settings(1));
     let mut movers = [0.0, 2.0, 4.0].map(|x| {
         (Mover::new(MoverSettings::default(), DVec3::new(x, 6.0, 8.0)).unwrap(), MoverReport::default())
     });
@@ -278,7 +272,8 @@ fn movers_allocate_nothing() {
 fn a_rollback_allocates_nothing() {
     let _alone = ONE_AT_A_TIME.lock().unwrap();
     for sleeping in [false, true] {
-        let (mut world, bodies) = common::world_of(&resting_pile(), Settings { sleeping, ..settings(1) });
+        let (mut world, bodies) =
+            common::world_of(&common::small_pile(), Settings { sleeping, ..settings(1) });
         common::steps(&mut world, 400, 1.0 / 60.0);
         let mut ring: Vec<Snapshot> = (0..9).map(|_| Snapshot::new()).collect();
         let mut rounds = |count: usize| {

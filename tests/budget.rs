@@ -3,27 +3,11 @@
 mod common;
 
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::scene::{Scene, builtin};
+use backstop::scene::Scene;
 use backstop::{BodyDesc, Budget, Category, Geometry, Settings, ShapeDesc, Skeleton, World};
 
 const DT: f32 = 1.0 / 60.0;
 const STEPS: u32 = 150;
-
-/// Three hundred bodies of every shape fall into a box.
-fn pile() -> Scene {
-    let mut scene = builtin::pile();
-    scene.bodies.truncate(305);
-    scene
-}
-
-/// A thousand fast bodies that bounce off a mesh and off each other.
-fn crossfire() -> Scene {
-    let mut scene = builtin::bullets(false);
-    for body in &mut scene.bodies {
-        body.desc.shapes.iter_mut().for_each(|s| s.material.restitution = 0.5);
-    }
-    scene
-}
 
 fn settings(budget: Option<usize>, threads: usize) -> Settings {
     let budget = budget.map_or(Budget::NONE, Budget::total);
@@ -56,16 +40,16 @@ fn total(run: &Run) -> u32 {
 
 #[test]
 fn with_enough_budget_nothing_is_shed_and_nothing_changes() {
-    let free = run(&pile(), None, 1, |_| {});
+    let free = run(&common::small_pile(), None, 1, |_| {});
     assert_eq!(total(&free), 0);
     // Twice as much: buffers that are doubled may be doubled once more.
-    let limited = run(&pile(), Some(4 * free.most), 1, |_| {});
+    let limited = run(&common::small_pile(), Some(4 * free.most), 1, |_| {});
     assert_eq!((total(&limited), limited.hash), (0, free.hash));
 }
 
 #[test]
 fn a_falling_pile_keeps_to_any_budget_that_its_bodies_fit_in() {
-    let scene = pile();
+    let scene = common::small_pile();
     let wide = run(&scene, Some(1 << 30), 1, |_| {});
     assert_eq!(total(&wide), 0);
     let mut before = u32::MAX;
@@ -88,7 +72,7 @@ fn a_falling_pile_keeps_to_any_budget_that_its_bodies_fit_in() {
 
 #[test]
 fn bullets_on_a_mesh_keep_to_the_budget_and_to_their_side() {
-    let scene = crossfire();
+    let scene = common::crossfire();
     let wide = run(&scene, Some(1 << 30), 1, |_| {});
     assert_eq!(total(&wide), 0);
     for share in [0.0, 0.05, 0.2] {
@@ -148,7 +132,7 @@ fn ragdolls_keep_to_the_budget_and_above_the_ground() {
 /// What lies on the floor bears what lies on it: support is the last that goes.
 #[test]
 fn a_pile_that_lacks_memory_still_lies_on_its_floor() {
-    let scene = pile();
+    let scene = common::small_pile();
     let wide = run(&scene, Some(1 << 30), 1, |_| {});
     let budget = wide.first + (wide.most - wide.first) / 2;
     let tight = run(&scene, Some(budget), 1, |world| {
@@ -162,7 +146,7 @@ fn a_pile_that_lacks_memory_still_lies_on_its_floor() {
 
 #[test]
 fn a_budget_below_what_is_there_stops_all_growth_but_no_step() {
-    let (mut world, _) = common::world_of(&pile(), settings(None, 1));
+    let (mut world, _) = common::world_of(&common::small_pile(), settings(None, 1));
     common::steps(&mut world, 30, DT);
     let used = world.memory().total();
     world.set_settings(settings(Some(used / 2), 1)).unwrap();

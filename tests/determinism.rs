@@ -13,14 +13,6 @@ use backstop::{
 };
 use std::sync::Arc;
 
-/// A third of a thousand bodies of every shape fall into a heap.
-fn small_pile() -> Scene {
-    let mut scene = builtin::pile();
-    // The floor, its four walls, and three hundred of the bodies, in the middle of the box.
-    scene.bodies.truncate(305);
-    scene
-}
-
 fn pyramid() -> Scene {
     builtin::large_pyramid(20)
 }
@@ -45,7 +37,7 @@ fn hash_after(scene: &Scene, steps: u32, threads: usize) -> u64 {
 fn cases() -> [(Scene, u32, u64); 5] {
     [
         (builtin::talk(), 120, PINNED[0]),
-        (small_pile(), 120, PINNED[1]),
+        (common::small_pile(), 120, PINNED[1]),
         (pyramid(), 90, PINNED[2]),
         (builtin::bullets(false), 60, PINNED[3]),
         (crossfire(), 60, PINNED[4]),
@@ -156,7 +148,7 @@ fn every_build_and_any_number_of_threads_give_the_pinned_hash_of_joints() {
 #[test]
 fn the_same_calls_give_the_same_bits() {
     let run = || {
-        let (mut world, bodies) = common::world_of(&small_pile(), Settings::default());
+        let (mut world, bodies) = common::world_of(&common::small_pile(), Settings::default());
         for (i, &body) in bodies.iter().enumerate().skip(5) {
             if i % 7 == 0 {
                 world.remove_body(body).unwrap();

@@ -106,12 +106,6 @@ impl Ledger {
     }
 }
 
-fn pile() -> Scene {
-    let mut scene = builtin::pile();
-    scene.bodies.truncate(305);
-    scene
-}
-
 fn ball(at: DVec3) -> BodyDesc {
     BodyDesc::dynamic().at(at).with_shape(ShapeDesc::new(Geometry::Sphere { radius: 0.3 }))
 }
@@ -126,7 +120,7 @@ fn an_empty_world_holds_nothing() {
 
 #[test]
 fn of_a_pile_that_falls_grows_and_is_cleared_away() {
-    let (mut ledger, bodies) = Ledger::of(pile, Settings::default());
+    let (mut ledger, bodies) = Ledger::of(common::small_pile, Settings::default());
     ledger.steps(90);
     for &body in &bodies[5..100] {
         ledger.world.remove_body(body).unwrap();
@@ -290,7 +284,7 @@ fn of_all_that_a_world_can_do() {
 /// A snapshot is the caller's while there is one. What is restored is counted like anything else.
 #[test]
 fn of_a_world_that_goes_back() {
-    let (mut ledger, bodies) = Ledger::of(pile, Settings::default());
+    let (mut ledger, bodies) = Ledger::of(common::small_pile, Settings::default());
     ledger.steps(20);
     let before = live();
     let mut snapshot = Snapshot::new();
@@ -313,7 +307,7 @@ fn at_two_threads() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
     for steps in [0, 1, 10, 60] {
         for name in ["pile", "bullets", "talk"] {
-            let scene = || if name == "pile" { pile() } else { builtin::build(name).unwrap() };
+            let scene = || if name == "pile" { common::small_pile() } else { builtin::build(name).unwrap() };
             let run = |threads: usize| {
                 let (mut world, _) = common::world_of(&scene(), Settings { threads, ..Settings::default() });
                 common::steps(&mut world, steps, DT);

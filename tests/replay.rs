@@ -57,17 +57,13 @@ fn plays_again(bytes: &[u8], hash: u64) -> Played {
     all.unwrap()
 }
 
-fn small_pile() -> Scene {
-    let mut scene = builtin::pile();
-    scene.bodies.truncate(305);
-    scene
-}
-
 #[test]
 fn scenes_play_again() {
-    for (scene, sleeping, steps) in
-        [(builtin::talk(), false, 180), (small_pile(), false, 120), (builtin::large_pyramid(12), true, 180)]
-    {
+    for (scene, sleeping, steps) in [
+        (builtin::talk(), false, 180),
+        (common::small_pile(), false, 120),
+        (builtin::large_pyramid(12), true, 180),
+    ] {
         let settings = Settings { sleeping, ..Settings::default() };
         // What is written before the first step: bodies and meshes.
         let (_, start, _) = record_scene(&scene, settings.clone(), 0);
@@ -87,7 +83,7 @@ fn scenes_play_again() {
 
 #[test]
 fn recording_changes_nothing() {
-    let scene = small_pile();
+    let scene = common::small_pile();
     let (_, _, hash) = record_scene(&scene, Settings::default(), 60);
     let (mut world, _) = common::world_of(&scene, Settings::default());
     common::steps(&mut world, 60, DT);
@@ -553,7 +549,7 @@ fn shared_geometry_is_written_once_by_content() {
 
 #[test]
 fn other_settings_are_found_out() {
-    let scene = small_pile();
+    let scene = common::small_pile();
     let (bytes, ..) = record_scene(&scene, Settings::default(), 60);
     let diverges = |change: fn(&mut Settings)| {
         let mut replay = Replay::open_with(&bytes[..], change).unwrap();
@@ -630,7 +626,7 @@ fn outcome(bytes: &[u8]) -> Result<Played, ReplayError> {
 
 #[test]
 fn a_file_that_is_cut_off_plays_as_far_as_it_goes() {
-    let (bytes, ..) = record_scene(&small_pile(), Settings::default(), 300);
+    let (bytes, ..) = record_scene(&common::small_pile(), Settings::default(), 300);
     // Blocks are of 64 KiB.
     let half = &bytes[..bytes.len() / 2];
     let mut replay = Replay::open(half).unwrap();

@@ -4,27 +4,11 @@
 mod common;
 
 use backstop::glam::Vec3;
-use backstop::scene::{Scene, builtin};
+use backstop::scene::Scene;
 use backstop::{Budget, Category, QueryFilter, Settings, ShapeCast, Snapshot, World};
 
 const DT: f32 = 1.0 / 60.0;
 const STEPS: u32 = 150;
-
-/// Three hundred bodies of every shape fall into a box.
-fn pile() -> Scene {
-    let mut scene = builtin::pile();
-    scene.bodies.truncate(305);
-    scene
-}
-
-/// A thousand fast bodies that bounce off a mesh and off each other.
-fn crossfire() -> Scene {
-    let mut scene = builtin::bullets(false);
-    for body in &mut scene.bodies {
-        body.desc.shapes.iter_mut().for_each(|s| s.material.restitution = 0.5);
-    }
-    scene
-}
 
 /// What a run shows.
 #[derive(Debug, PartialEq)]
@@ -107,7 +91,7 @@ fn all_inside(world: &World) {
 
 #[test]
 fn quality_falls_step_by_step_and_nothing_falls_through_the_ground() {
-    let scene = pile();
+    let scene = common::small_pile();
     let wide = run(&scene, Budget::total(1 << 30), 1, |_, _| {});
     let (first, most) = (wide.first[10], wide.most[10]);
     let (mut shed, mut overlaps) = (Vec::new(), Vec::new());
@@ -138,7 +122,7 @@ fn quality_falls_step_by_step_and_nothing_falls_through_the_ground() {
 /// Each category for itself, with as much as it likes of all others.
 #[test]
 fn each_category_keeps_to_its_own_limit() {
-    for (name, scene) in [("pile", pile()), ("crossfire", crossfire())] {
+    for (name, scene) in [("pile", common::small_pile()), ("crossfire", common::crossfire())] {
         let wide = run(&scene, Budget::total(1 << 30), 1, |_, _| {});
         for category in [
             Category::BroadPhase,
@@ -165,7 +149,7 @@ fn each_category_keeps_to_its_own_limit() {
 /// Bullets that only continuous collision stops: without place for it the guard holds their centres.
 #[test]
 fn without_place_for_continuous_collision_the_guard_still_holds() {
-    let scene = crossfire();
+    let scene = common::crossfire();
     let first = run(&scene, Budget::total(1 << 30), 1, |_, _| {}).first[Category::Continuous as usize];
     let mut held = 0;
     let tight = run(&scene, Budget::NONE.with(Category::Continuous, first), 1, |_, world| {
@@ -195,12 +179,12 @@ fn what_is_shed_does_not_depend_on_threads() {
     };
     type Limit<'a> = &'a dyn Fn(&Run, f64) -> Budget;
     let cases: [(Scene, Limit<'_>); 6] = [
-        (pile(), &whole),
-        (crossfire(), &whole),
-        (pile(), &of(Category::BroadPhase)),
-        (pile(), &of(Category::Manifolds)),
-        (crossfire(), &of(Category::Continuous)),
-        (crossfire(), &of(Category::Scratch)),
+        (common::small_pile(), &whole),
+        (common::crossfire(), &whole),
+        (common::small_pile(), &of(Category::BroadPhase)),
+        (common::small_pile(), &of(Category::Manifolds)),
+        (common::crossfire(), &of(Category::Continuous)),
+        (common::crossfire(), &of(Category::Scratch)),
     ];
     for (scene, limit) in cases {
         let wide = run(&scene, Budget::total(1 << 30), 1, |_, _| {});
@@ -219,7 +203,7 @@ fn what_is_shed_does_not_depend_on_threads() {
 
 #[test]
 fn events_beyond_their_limit_are_lost_and_nothing_else_changes() {
-    let mut scene = pile();
+    let mut scene = common::small_pile();
     for body in &mut scene.bodies {
         body.desc.shapes.iter_mut().for_each(|s| s.events = true);
     }

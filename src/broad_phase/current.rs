@@ -3,8 +3,8 @@
 //! The trees of the step are no help to them: a step moves bodies after its trees were made, boxes there are fat or
 //! swept, and what was added or moved by hand waits for the next step. So queries have a tree of their own over tight
 //! boxes: of what can move, and of static colliders that have no place in the static tree yet. It is made by the first
-//! query after a change and costs nothing while nobody asks: about 70 ns for each collider that can move after a step (benches/queries.rs),
-//! and the way of one leaf for each that was added, moved or removed by hand.
+//! query after a change and costs nothing while nobody asks: about 70 ns for each collider that can move after a step
+//! (benches/queries.rs), and the way of one leaf for each that was added, moved or removed by hand.
 
 use super::bvh::{NONE, Tree};
 use super::{Aabb, BroadPhase, Population, look_up};

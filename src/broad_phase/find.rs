@@ -2,7 +2,7 @@
 
 use super::bvh::Tree;
 use super::{BroadPhase, FILTER, MayCollide, NONE, Order, Pair, Path, Role};
-use crate::lanes::{Mask, f32x4};
+use crate::lanes::{Mask, f32x4, ones};
 use crate::memory::{Amounts, Buffer, Buffers, Category, Made, Room, Rooms, bytes_of, even_out};
 use crate::threads::{Crew, Shared, per_block};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -81,17 +81,6 @@ impl Block {
 /// The colliders of what a block found.
 fn pair_of(&(a, b): &(u32, u32)) -> (u32, u32) {
     (a & !FAST, b)
-}
-
-/// The bits that are set, upwards.
-fn ones(mut bits: u64) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let bit = bits.trailing_zeros() as usize;
-        (bits != 0).then(|| {
-            bits &= bits - 1;
-            bit
-        })
-    })
 }
 
 /// A block is only a buffer that is cleared before use: what a panicking thread left in it does no harm.

@@ -5,9 +5,11 @@
 //! a lane computes the same bits at any width and on any instruction set. All `cfg` by instruction set
 //! stays in this folder.
 
+mod bits;
 mod gather;
 mod math;
 
+pub(crate) use bits::ones;
 pub(crate) use gather::{GatherLanes, Record, gather, scatter};
 pub(crate) use math::{Quat, Sym3, Vec3};
 pub(crate) use wide::{f32x4, f32x8};

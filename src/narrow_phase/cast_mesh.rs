@@ -8,6 +8,7 @@ use super::nearby::{Eight, Extent, Ground, Nearby};
 use super::simplex::Simplex;
 use super::support::Support;
 use super::touched::Touched;
+use crate::lanes::ones;
 use crate::shape::{Collider, HeightField, TriangleMesh};
 use glam::{DVec3, Vec3};
 
@@ -341,17 +342,6 @@ impl Search<'_> {
         }
         sweep.touch_after(t, placed, gap, simplex, *limit)
     }
-}
-
-/// The places of the bits that are set.
-fn ones(mut bits: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        (bits != 0).then(|| {
-            let place = bits.trailing_zeros() as usize;
-            bits &= bits - 1;
-            place
-        })
-    })
 }
 
 #[cfg(test)]

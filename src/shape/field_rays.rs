@@ -2,9 +2,9 @@
 
 use super::HeightField;
 use super::height_field::{SIDE, STACK, Square};
-use super::stream::{bits, spread};
+use super::stream::spread;
 use super::triangle_rays::{TriangleRays, take};
-use crate::lanes::{Lanes, Mask, f32x4};
+use crate::lanes::{Lanes, Mask, f32x4, ones};
 
 impl HeightField {
     /// [`HeightField::ray`] for rays together, each to the same bits.
@@ -16,7 +16,7 @@ impl HeightField {
             waiting -= 1;
             let (square, all) = stack[waiting];
             let mut here = 0;
-            for ray in bits(all) {
+            for ray in ones(all) {
                 here |= u64::from(square.entry <= rays.nearest[ray].0) << ray;
             }
             if square.level == 0 {
@@ -30,7 +30,7 @@ impl HeightField {
                     break;
                 }
                 let (mut into, mut first) = ([0u64; 4], f32x4::splat(f32::INFINITY));
-                for ray in bits(here) {
+                for ray in ones(here) {
                     let (meets, entry) = rays.paths[ray].meets::<f32x4>(low, high);
                     let meets = meets & Lanes::le(entry, f32x4::splat(rays.nearest[ray].0));
                     first = Lanes::min(<f32x4 as Lanes>::select(meets, entry, first), first);
@@ -60,7 +60,7 @@ impl HeightField {
             let corners = self.triangle(index);
             let [a, b, c] = corners;
             let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-            for ray in bits(here) {
+            for ray in ones(here) {
                 if let Some(entry) = paths[ray].meets_one(low, high)
                     && entry <= nearest[ray].0
                     && let Some(t) = tests[ray].hit(corners)

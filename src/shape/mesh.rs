@@ -5,10 +5,9 @@ use super::mesh_bvh::{Item, LEAF, MAX_TRIANGLES, MeshBvh, triangles};
 use super::mesh_edges::{Edges, find_edges};
 use super::segment_triangle::SegmentTest;
 use super::slabs::{Near, Slabs};
-use super::stream::bits;
 use super::triangle_rays::{TriangleRays, take};
 use crate::error::{Error, finite3};
-use crate::lanes::{Lanes, Mask, f32x4, f32x8};
+use crate::lanes::{Lanes, Mask, f32x4, f32x8, ones};
 use glam::Vec3;
 
 /// Of the largest coordinate [m]: squares of areas stay finite.
@@ -228,7 +227,7 @@ impl TriangleMesh {
         walk.through(&self.tree, stream, *rays, &mut |leaf, rays, stream| {
             let (first, count) = triangles(leaf);
             let leaf = self.leaf(first, count);
-            for ray in bits(rays) {
+            for ray in ones(rays) {
                 leaf.nearest(&tests[ray], first, stream.entry[ray], &mut nearest[ray]);
                 stream.most[ray] = nearest[ray].0;
             }

@@ -33,7 +33,7 @@ pub(crate) use mesh_edges::{Edges, FLAT_COSINE, Fold};
 pub(crate) use slabs::{Near, Slabs};
 #[cfg(feature = "replay")]
 pub(crate) use stored::{StoredField, StoredHull, StoredMesh};
-pub(crate) use stream::{FourTree, RAYS, Stream, Walk, bits};
+pub(crate) use stream::{FourTree, RAYS, Stream, Walk};
 pub(crate) use triangle_rays::TriangleRays;
 
 use crate::error::{Error, finite, finite3, positive, within};

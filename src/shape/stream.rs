@@ -9,7 +9,7 @@
 //! rays part: Benthin et al., *Combining Single and Packet-Ray Tracing for Arbitrary Ray Distributions* (2012).
 
 use super::slabs::Slabs;
-use crate::lanes::{Lanes, Mask, f32x4};
+use crate::lanes::{Lanes, Mask, f32x4, ones};
 
 /// Most rays of a stream: a bit each.
 pub(crate) const RAYS: usize = 64;
@@ -97,7 +97,7 @@ impl Walk {
             if !root {
                 let page = &self.entries[level as usize - 1];
                 let mut left = 0;
-                for ray in bits(rays) {
+                for ray in ones(rays) {
                     let entry = page[ray][lane as usize % 4];
                     stream.entry[ray] = entry;
                     left |= u64::from(entry <= stream.most[ray]) << ray;
@@ -113,7 +113,7 @@ impl Walk {
                 continue;
             }
             if rays.count_ones() <= FEW || level as usize == LEVELS {
-                for ray in bits(rays) {
+                for ray in ones(rays) {
                     let (slabs, most) = (stream.slabs[ray], stream.most[ray]);
                     tree.alone(child, &slabs, most, &mut |at, entry, _| {
                         stream.entry[ray] = entry;
@@ -127,7 +127,7 @@ impl Walk {
             let page = &mut self.entries[level as usize];
             let mut into = [0u64; 4];
             let mut first = f32x4::splat(f32::INFINITY);
-            for ray in bits(rays) {
+            for ray in ones(rays) {
                 let entry = stream.slabs[ray].enter_sides(&sides, stream.most[ray]);
                 page[ray] = entry.to_array();
                 first = Lanes::min(first, entry);
@@ -158,17 +158,4 @@ pub(super) fn spread(into: &mut [u64; 4], lanes: u32, ray: usize) {
     for (lane, into) in into.iter_mut().enumerate() {
         *into |= u64::from(lanes >> lane & 1) << ray;
     }
-}
-
-/// The numbers of the bits that are set.
-#[inline(always)]
-pub(crate) fn bits(mut set: u64) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let bit = set.trailing_zeros() as usize;
-        (set != 0).then(|| {
-            set &= set - 1;
-            // It is below 64: so the compiler sees it.
-            bit % RAYS
-        })
-    })
 }

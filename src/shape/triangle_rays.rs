@@ -82,9 +82,10 @@ pub(super) fn take(nearest: &mut (f32, u32), t: f32, index: u32) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::ones;
     use crate::lanes::{Mask, f32x8};
     use crate::shape::mesh::testing::{Random, bumpy, terrain};
-    use crate::shape::{Corners, HeightField, bits};
+    use crate::shape::{Corners, HeightField};
     use std::sync::Arc;
 
     /// Fans and rays from anywhere to anywhere, through the vertices half of the time.
@@ -129,7 +130,7 @@ mod tests {
                 together.put(ray, &shape, from, if ray % 9 == 8 { Vec3::ZERO } else { path }, most);
             }
             together.cast(&shape);
-            for ray in bits(together.rays()) {
+            for ray in ones(together.rays()) {
                 let (from, path) = rays[ray];
                 let alone = match &shape {
                     Geometry::Mesh(mesh) => mesh.ray(from, path, most, false),

@@ -163,7 +163,8 @@ pub struct ModelPart {
     pub feature: Feature,
     /// How many ask for it; [`Feature::asked_by`] says who. Zero: it is not needed.
     pub count: u32,
-    /// Bytes that are reserved for it alone. What was needed until just now goes with the end of the next step; lists of events, once nobody can read them any more.
+    /// Bytes that are reserved for it alone. What was needed until just now goes with the end of the next step; lists of
+    /// events, once nobody can read them any more.
     pub bytes: usize,
     /// Its time in the last step, as far as it can be told apart from that of its [stage](Feature::stage) [us]; nothing if it
     /// can't, and if it was not needed.

@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "each test uses a part of it")]
 
 use backstop::glam::{DVec3, Quat, Vec3};
-use backstop::scene::Scene;
+use backstop::scene::{Scene, builtin};
 use backstop::{
     Axes, Axis, BodyDesc, BodyHandle, Drive, Frame, Geometry, JointDesc, Limit, Material, Motion, Settings,
     ShapeDesc, Spring, TriangleMesh, World,
@@ -175,4 +175,21 @@ pub(crate) fn joints_without_colour(world: &mut World, post: Vec3) -> Vec<BodyHa
         hung.join(0, ball, |b, f| JointDesc::hinge(b, f).with_drive(motor));
     }
     hung.bodies
+}
+
+/// Three hundred bodies of every shape fall into a box.
+pub(crate) fn small_pile() -> Scene {
+    let mut scene = builtin::pile();
+    // The floor, its four walls, and three hundred of the bodies, in the middle of the box.
+    scene.bodies.truncate(305);
+    scene
+}
+
+/// A thousand fast bodies that bounce off a mesh and off each other.
+pub(crate) fn crossfire() -> Scene {
+    let mut scene = builtin::bullets(false);
+    for body in &mut scene.bodies {
+        body.desc.shapes.iter_mut().for_each(|s| s.material.restitution = 0.5);
+    }
+    scene
 }

@@ -98,7 +98,20 @@ macro_rules! legend {
     };
 }
 
-pub(crate) use {frame, legend};
+/// Lines with their names in a legend.
+macro_rules! draw_lines {
+    ($chart:expr, $lines:expr) => {
+        for (name, colour, line) in $lines {
+            $chart
+                .draw_series(LineSeries::new(line, colour.stroke_width(2)))?
+                .label(name)
+                .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], colour.stroke_width(3)));
+        }
+        legend!($chart);
+    };
+}
+
+pub(crate) use {draw_lines, frame, legend};
 
 /// Time of each stage, stacked. The axis ends where all but the slowest hundredth of columns fit; the caption of the
 /// page says how long the slowest step took.
@@ -158,25 +171,27 @@ pub(crate) fn contacts(area: &Area<'_>, trace: &Trace) -> Drawn {
         columns.map(|range| f64::from(reports[range].iter().map(what).max().unwrap_or(0))).collect()
     };
     let drawn: Vec<_> = lines.iter().map(|&(name, colour, what)| (name, colour, most(what))).collect();
-    let top = drawn.iter().flat_map(|(_, _, line)| line).fold(4.0f64, |m, p| m.max(p.1));
+    counts(area, "Contacts", &columns, drawn)
+}
+
+/// A line of a chart: its name, and where it goes.
+pub(crate) type Line = (&'static str, RGBColor, Vec<(f64, f64)>);
+
+/// Counts in a step, the most of each column.
+pub(crate) fn counts(area: &Area<'_>, title: &str, columns: &Columns, lines: Vec<Line>) -> Drawn {
+    let top = lines.iter().flat_map(|(_, _, line)| line).fold(4.0f64, |m, p| m.max(p.1));
     // Room for the legend.
     let top = 1.4 * top;
     let mut chart = frame!(
         area,
-        "Contacts",
-        0.0..reports.len() as f64 + 1.0,
+        title,
+        0.0..columns.steps as f64 + 1.0,
         0.0..top,
         columns.axis("most"),
         "count in a step",
         &|y| plain(*y, top)
     );
-    for (name, colour, line) in drawn {
-        chart
-            .draw_series(LineSeries::new(line, colour.stroke_width(2)))?
-            .label(name)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], colour.stroke_width(3)));
-    }
-    legend!(chart);
+    draw_lines!(chart, lines);
     Ok(())
 }
 

@@ -13,6 +13,7 @@ mod replay;
 mod run;
 mod shots;
 mod summary;
+mod threads;
 mod trace;
 mod view;
 

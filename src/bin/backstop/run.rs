@@ -2,6 +2,7 @@
 
 use crate::args::RunOptions;
 use crate::document::Document;
+use crate::threads::with_threads;
 use crate::trace::Trace;
 use crate::view::{self, Frames, Look, Opened, Viewer};
 use crate::{output, page, summary};
@@ -21,12 +22,9 @@ const FRAME_RATE: f32 = 60.0;
 pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
     // Fails before the work is done, not after it.
     for file in [&options.out, &options.record].into_iter().flatten() {
-        let Some(folder) = file.parent().filter(|f| !f.as_os_str().is_empty()) else { continue };
-        std::fs::create_dir_all(folder).with_context(|| format!("can't make {}", folder.display()))?;
+        output::make_folder_of(file)?;
     }
-    if let Some(folder) = &options.report {
-        std::fs::create_dir_all(folder).with_context(|| format!("can't make {}", folder.display()))?;
-    }
+    options.report.as_deref().map_or(Ok(()), output::make_folder)?;
     let mut scene = scene::open(&options.scene)?;
     // Rain comes from above, and gravity says where that is.
     scene.gravity = options.gravity.unwrap_or(scene.gravity);
@@ -62,13 +60,7 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
         }
         None => None,
     };
-    let ran = match options.threads {
-        1 => simulate(options, &scene, frames),
-        threads => {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            pool.context("can't start threads")?.install(|| simulate(options, &scene, frames))
-        }
-    }?;
+    let ran = with_threads(options.threads, || simulate(options, &scene, frames))?;
     write(options, &scene, &ran)
 }
 

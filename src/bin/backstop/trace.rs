@@ -35,15 +35,22 @@ pub(crate) struct Times {
 impl Times {
     pub(crate) fn of(values: impl Iterator<Item = f32>) -> Times {
         let mut sorted: Vec<f64> = values.map(f64::from).collect();
-        sorted.sort_unstable_by(f64::total_cmp);
-        let Some(&max) = sorted.last() else { return Times::default() };
-        let n = sorted.len();
+        if sorted.is_empty() {
+            return Times::default();
+        }
+        let (median, n) = (median(&mut sorted), sorted.len());
         // The smallest value that at least this share of all does not exceed.
         let quantile = |share: f64| sorted[((share * n as f64).ceil() as usize).clamp(1, n) - 1];
-        let median =
-            if n.is_multiple_of(2) { 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]) } else { sorted[n / 2] };
-        Times { median, mean: sorted.iter().sum::<f64>() / n as f64, p95: quantile(0.95), max }
+        let mean = sorted.iter().sum::<f64>() / n as f64;
+        Times { median, mean, p95: quantile(0.95), max: sorted[n - 1] }
     }
+}
+
+/// Of at least one value; they are sorted.
+pub(crate) fn median(values: &mut [f64]) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    let n = values.len();
+    0.5 * (values[(n - 1) / 2] + values[n / 2])
 }
 
 impl Trace {

@@ -1,11 +1,11 @@
 //! The rays of a stream and the shapes that they meet.
 
-use crate::lanes::f32x4;
+use crate::lanes::{f32x4, ones};
 use crate::query::candidates::{Candidate, turn_back};
 use crate::query::filter::{QueryFilter, Sees};
 use crate::query::ray::{Ray, RayHit};
 use crate::query::ray_shape::{Met, Way, meet};
-use crate::shape::{Geometry, RAYS, Slabs, Stream, TriangleRays, Walk, bits};
+use crate::shape::{Geometry, RAYS, Slabs, Stream, TriangleRays, Walk};
 use crate::world::World;
 use glam::{DVec3, Vec3};
 
@@ -69,7 +69,7 @@ impl RayStream {
                     among.meet(&candidate, rays, here, stream, first);
                 }
                 _ => {
-                    for i in bits(here) {
+                    for i in ones(here) {
                         if let Some(met) = meet(&candidate, &rays[i], stream.most[i], false)
                             && !(met.inside && skip)
                         {
@@ -110,7 +110,7 @@ impl Among {
     ) {
         let geometry = &candidate.shape.geometry;
         self.rays.clear();
-        for i in bits(here) {
+        for i in ones(here) {
             let start = candidate.local(rays[i].from);
             let path = turn_back(candidate.place.rotation, rays[i].path.as_dvec3());
             if let Some(way) = Way::new(geometry, start, path, stream.most[i]) {
@@ -119,7 +119,7 @@ impl Among {
             }
         }
         self.rays.cast(geometry);
-        for i in bits(self.rays.rays()) {
+        for i in ones(self.rays.rays()) {
             if let Some((t, index)) = self.rays.first(i) {
                 let (way, start, path) = &self.ways[i];
                 let met = way.met(geometry, *start, *path, t, index);

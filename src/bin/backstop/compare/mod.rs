@@ -6,6 +6,7 @@ pub(crate) use table::{HEAD, rows, text};
 
 use crate::args::CompareOptions;
 use crate::output;
+use crate::threads::with_threads;
 use crate::trace::Times;
 use anyhow::{Context, bail};
 use backstop::scene::comparison::{Contest, METHODS, SCENES, Verdict};
@@ -59,13 +60,7 @@ pub(crate) fn compare(options: &CompareOptions) -> anyhow::Result<Comparison> {
         }
     }
     let run = || scenes.iter().map(|name| scene(name, options)).collect::<anyhow::Result<_>>();
-    let scenes = match options.threads {
-        1 => run(),
-        threads => {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            pool.context("can't start threads")?.install(run)
-        }
-    }?;
+    let scenes = with_threads(options.threads, run)?;
     Ok(Comparison { threads: options.threads, rounds: options.rounds, scenes })
 }
 

@@ -3,9 +3,10 @@
 use super::ledger::{Ledger, Run};
 use super::measure::Frame;
 use crate::charts::{
-    Area, BLUE, Columns, Drawn, GREEN, INK, ORANGE, PALE, RED, RULE, SKY, frame, legend, plain, text,
+    Area, BLUE, Columns, Drawn, GREEN, INK, ORANGE, PALE, RED, RULE, SKY, counts, draw_lines, frame, legend,
+    plain, text,
 };
-use crate::output::bytes;
+use crate::output::{bytes, count_threads};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -26,23 +27,16 @@ pub(crate) fn cost(area: &Area<'_>, run: &Run) -> Drawn {
     let top = top * scale;
     let mut chart = frame!(
         area,
-        format!("Time of a step from the same state, {}", threads(run)),
+        format!("Time of a step from the same state, {}", count_threads(run.threads)),
         0.0..run.frames.len() as f64 + 1.0,
         0.0..top,
         columns.axis("mean"),
         format!("time [{unit}]"),
         &|y| plain(*y, top)
     );
-    for (name, colour, line) in drawn {
-        chart
-            .draw_series(LineSeries::new(
-                line.into_iter().map(|(x, y)| (x, y * scale)),
-                colour.stroke_width(2),
-            ))?
-            .label(name)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], colour.stroke_width(3)));
-    }
-    legend!(chart);
+    let scaled = |line: Vec<(f64, f64)>| line.into_iter().map(|(x, y)| (x, y * scale)).collect::<Vec<_>>();
+    let lines = drawn.into_iter().map(|(name, colour, line)| (name, colour, scaled(line)));
+    draw_lines!(chart, lines);
     Ok(())
 }
 
@@ -56,7 +50,7 @@ pub(crate) fn additional(area: &Area<'_>, run: &Run) -> Drawn {
     let low = sorted[0].clamp(-0.5 * top, 0.0);
     let mut chart = frame!(
         area,
-        format!("Additional time of the continuous step, {}", threads(run)),
+        format!("Additional time of the continuous step, {}", count_threads(run.threads)),
         0.0..run.frames.len() as f64 + 1.0,
         low..top,
         columns.axis("mean"),
@@ -142,24 +136,7 @@ pub(crate) fn potential(area: &Area<'_>, run: &Run) -> Drawn {
         columns.map(of).map(|(x, y)| (x, f64::from(y))).collect()
     };
     let drawn: Vec<_> = lines.iter().map(|&(name, colour, what)| (name, colour, most(what))).collect();
-    let top = 1.4 * drawn.iter().flat_map(|(_, _, line)| line).fold(4.0f64, |m, p| m.max(p.1));
-    let mut chart = frame!(
-        area,
-        "What continuous collision found",
-        0.0..run.frames.len() as f64 + 1.0,
-        0.0..top,
-        columns.axis("most"),
-        "count in a step",
-        &|y| plain(*y, top)
-    );
-    for (name, colour, line) in drawn {
-        chart
-            .draw_series(LineSeries::new(line, colour.stroke_width(2)))?
-            .label(name)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], colour.stroke_width(3)));
-    }
-    legend!(chart);
-    Ok(())
+    counts(area, "What continuous collision found", &columns, drawn)
 }
 
 fn means(columns: &Columns, run: &Run, what: fn(&Frame) -> f64) -> Vec<(f64, f64)> {
@@ -168,10 +145,6 @@ fn means(columns: &Columns, run: &Run, what: fn(&Frame) -> f64) -> Vec<(f64, f64
         run.frames[range].iter().map(what).sum::<f64>() / count
     };
     columns.map(of).collect()
-}
-
-fn threads(run: &Run) -> String {
-    if run.threads == 1 { "1 thread".into() } else { format!("{} threads", run.threads) }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Each frame from one snapshot, discrete and continuous in turn.
 
-use crate::trace::STAGES;
+use crate::trace::{STAGES, median};
 use anyhow::Context;
 use backstop::scene::Scene;
 use backstop::{Category, Continuous, MemoryReport, Settings, Snapshot, StepReport, World};
@@ -169,11 +169,4 @@ fn count(
         held: continuous.held,
         ..frame
     }
-}
-
-/// Of at least one value.
-fn median(values: &mut [f64]) -> f64 {
-    values.sort_unstable_by(f64::total_cmp);
-    let n = values.len();
-    0.5 * (values[(n - 1) / 2] + values[n / 2])
 }

@@ -6,6 +6,7 @@ mod measure;
 mod page;
 
 use crate::args::{CompareOptions, ProfileOptions};
+use crate::threads::with_threads;
 use crate::{compare, output, run};
 use anyhow::{Context, bail};
 use backstop::Settings;
@@ -19,13 +20,8 @@ const TALK: &str = "scenes/talk.glb";
 
 pub(crate) fn profile(options: &ProfileOptions) -> anyhow::Result<()> {
     // Fails before the work is done, not after it.
-    if let Some(folder) = &options.report {
-        std::fs::create_dir_all(folder).with_context(|| format!("can't make {}", folder.display()))?;
-    }
-    if let Some(folder) = options.csv.as_ref().and_then(|f| f.parent()).filter(|f| !f.as_os_str().is_empty())
-    {
-        std::fs::create_dir_all(folder).with_context(|| format!("can't make {}", folder.display()))?;
-    }
+    options.report.as_deref().map_or(Ok(()), output::make_folder)?;
+    options.csv.as_deref().map_or(Ok(()), output::make_folder_of)?;
     let scene = open(options)?;
     if !options.quiet {
         scene.notes.iter().for_each(|note| eprintln!("note: {note}"));
@@ -98,15 +94,4 @@ fn measure_all(options: &ProfileOptions, scene: &Scene) -> anyhow::Result<Ledger
         hash: format!("{:016x}", last.hash),
         comparison: (!options.no_compare).then(|| compare::compare(&compared)).transpose()?,
     })
-}
-
-/// Runs something where a step finds so many threads.
-fn with_threads<R: Send>(threads: usize, f: impl FnOnce() -> anyhow::Result<R> + Send) -> anyhow::Result<R> {
-    match threads {
-        1 => f(),
-        _ => {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            pool.context("can't start threads")?.install(f)
-        }
-    }
 }

@@ -5,7 +5,7 @@ use super::ledger::{Ledger, Run};
 use crate::charts::{Drawn, svg};
 use crate::compare;
 use crate::html::{self, escape, figure, put, table};
-use crate::output::{bytes, count, micros};
+use crate::output::{bytes, count, count_threads, micros};
 use crate::page::{memory_table, settings_table};
 use anyhow::anyhow;
 use std::fmt::Write;
@@ -108,12 +108,11 @@ pub(crate) fn rows(ledger: &Ledger) -> Vec<(String, String)> {
     ];
     for run in &ledger.runs {
         let a = &run.additional;
-        let threads = if run.threads == 1 { "1 thread".into() } else { format!("{} threads", run.threads) };
         let falling = a.falling.map_or("never falling".into(), |falling| {
             format!("falling {falling:+.1} % ({} frames)", count(a.falling_frames as u64))
         });
         rows.push((
-            threads,
+            count_threads(run.threads),
             format!(
                 "discrete {}, continuous {} a step: average {:+.1} %, {falling}, most {:+.1} % (frame {}), least {:+.1} %, \
                  of all time {:+.1} %",

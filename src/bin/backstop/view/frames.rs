@@ -21,7 +21,7 @@ pub(crate) struct Frames {
 impl Frames {
     /// Makes the folder if it is not there.
     pub(crate) fn new(folder: PathBuf, every: u32, viewer: Viewer) -> anyhow::Result<Frames> {
-        std::fs::create_dir_all(&folder).with_context(|| format!("can't make {}", folder.display()))?;
+        crate::output::make_folder(&folder)?;
         Ok(Frames { folder, every: every.max(1), count: 0, viewer })
     }
 
