@@ -92,15 +92,6 @@ struct Arc {
     reach: f64,
 }
 
-/// A shape's turn around its body's centre.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Spin {
-    /// Rotation vector over the step [rad].
-    pub(super) vector: Vec3,
-    /// Extent of the core across its axis [m].
-    pub(super) reach: f32,
-}
-
 /// Both shapes at a moment.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Placed {
@@ -263,11 +254,6 @@ impl<'a> Sweep<'a> {
         if motion.b.spin != Vec3::ZERO {
             self.turn_b = Arc::of(&motion.b, self.tolerance, &triangle);
         }
-    }
-
-    /// How a turns; nothing where that is too little to be seen.
-    pub(super) fn spin(&self) -> Spin {
-        Spin { vector: self.turn_a.spin.as_vec3(), reach: self.turn_a.reach as f32 }
     }
 
     pub(super) fn b_spins(&self) -> bool {

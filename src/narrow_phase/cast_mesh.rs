@@ -2,9 +2,10 @@
 
 use super::Relative;
 use super::cast::{Other, Placed, Sweep, Touch};
+use super::mesh_path::{BoxPath, ShapePath};
 use super::mesh_sweep::MeshSweep;
 use super::motion::Motion;
-use super::nearby::{Eight, Extent, Ground, Nearby};
+use super::nearby::{Eight, Ground, Nearby};
 use super::simplex::Simplex;
 use super::support::Support;
 use super::touched::Touched;
@@ -74,21 +75,38 @@ pub(crate) fn ask_mesh(
     rel: &Relative,
     motion: &Motion,
     asked: Asked,
-    nearby: Option<&mut Nearby>,
+    mut nearby: Option<&mut Nearby>,
 ) -> Cast {
     let Some(ground) = Ground::of(mesh) else { return Cast::Free };
-    cast_along(a, rel, motion, asked, |path, search| {
-        if let (Some(nearby), Some(extent)) = (nearby, path.as_box()) {
-            nearby.gather(&ground, extent, &mut |found| {
-                found.each().for_each(|(eight, lanes)| search.look(eight, lanes));
-            });
-            return;
+    let Some(shape) = Support::of(a) else { return Cast::Free };
+    let turns = motion.b.spin != Vec3::ZERO;
+    if turns && asked.alone >= 0.0 {
+        return Cast::Near;
+    }
+    let path = (!turns).then(|| ShapePath::new(a, rel, motion, &asked));
+    if let (Some(path), Some(nearby)) = (&path, &mut nearby)
+        && let Some(extent) = path.in_box().as_box()
+    {
+        let mut passes = true;
+        nearby.gather(&ground, extent, &mut |found| {
+            passes = passes && found.each().all(|(eight, lanes)| path.passes(eight, lanes));
+        });
+        if passes {
+            return Cast::Free;
         }
-        match ground {
-            Ground::Mesh(mesh) => search.go_along(mesh, path),
-            Ground::Field(field) => search.go_along(field, path),
-        }
-    })
+    }
+    let mut search = Search::new(shape, motion, asked);
+    let path = search.prepare(a, rel, path);
+    match (nearby, path.as_box()) {
+        (Some(nearby), Some(extent)) => nearby.gather(&ground, extent, &mut |found| {
+            found.each().for_each(|(eight, lanes)| search.look(eight, lanes));
+        }),
+        _ => match ground {
+            Ground::Mesh(mesh) => search.go_along(mesh, &path),
+            Ground::Field(field) => search.go_along(field, &path),
+        },
+    }
+    search.finish()
 }
 
 macro_rules! triangles {
@@ -110,63 +128,6 @@ macro_rules! triangles {
 triangles!(TriangleMesh);
 triangles!(HeightField);
 
-/// A cast against the triangles that `walk` shows it.
-fn cast_along(
-    a: &Collider,
-    rel: &Relative,
-    motion: &Motion,
-    asked: Asked,
-    walk: impl FnOnce(&Path, &mut Search<'_>),
-) -> Cast {
-    let Some(shape) = Support::of(a) else { return Cast::Free };
-    let turns = motion.b.spin != Vec3::ZERO;
-    if turns && asked.alone >= 0.0 {
-        return Cast::Near;
-    }
-    let nothing = Support::triangle([Vec3::ZERO; 3]);
-    let sweep = Sweep::new(shape, Other::Convex(nothing), motion, asked.tolerance);
-    let path = sweep.path_in_b(motion);
-    // `f32` rounds the path; the tolerance alone may be less than that in a large mesh.
-    let slack = f64::from(asked.tolerance.max(asked.alone)) + 1e-6 * (path.from.length() + path.to.length());
-    let inflate = path.inflate + DVec3::splat(slack);
-    let path = Path { from: path.from.as_vec3(), to: path.to.as_vec3(), inflate: inflate.as_vec3() };
-    let filter = (!turns).then(|| MeshSweep::new(a, rel, motion, &sweep.spin()));
-    let mut search = Search {
-        start: sweep.placed(0.0),
-        later: None,
-        motion,
-        asked,
-        sweep,
-        filter,
-        waiting: Eight::default(),
-        sifted: Eight::default(),
-        earliest: [0.0; 8],
-        first: None,
-        limit: 1.0,
-        near: false,
-    };
-    walk(&path, &mut search);
-    search.finish()
-}
-
-/// The way of a box in the mesh's frame.
-struct Path {
-    from: Vec3,
-    to: Vec3,
-    /// Half extents.
-    inflate: Vec3,
-}
-
-impl Path {
-    /// The box around all of it, if that holds hardly more than the path itself.
-    fn as_box(&self) -> Option<Extent> {
-        let half = (self.to - self.from).abs() * 0.5;
-        let reach = half + self.inflate;
-        let middle = (self.from + self.to) * 0.5;
-        half.cmple(self.inflate).all().then(|| (middle - reach, middle + reach))
-    }
-}
-
 /// A cast that is under way.
 ///
 /// Eight triangles at a time are looked at in lanes: most have planes that are not reached. The others wait until there
@@ -174,12 +135,12 @@ impl Path {
 /// end the first is searched exactly. Whatever that finds ends the motion for all others, and of them few can be touched
 /// within what is left of it, as the same look tells.
 struct Search<'a> {
+    shape: Support<'a>,
     motion: &'a Motion,
     asked: Asked,
-    sweep: Sweep<'a>,
-    start: Placed,
-    /// In the middle and at the end of the step, once anything is looked at.
-    later: Option<(Placed, Placed)>,
+    /// Once anything is searched exactly.
+    exact: Option<Exact<'a>>,
+    /// If the mesh doesn't turn.
     filter: Option<MeshSweep<'a>>,
     /// Triangles whose planes are reached.
     waiting: Eight,
@@ -192,12 +153,60 @@ struct Search<'a> {
     near: bool,
 }
 
+/// What an exact search needs.
+struct Exact<'a> {
+    sweep: Sweep<'a>,
+    start: Placed,
+    /// In the middle and at the end of the step, once that matters.
+    later: Option<(Placed, Placed)>,
+}
+
 /// What rounding may make of an earliest fraction.
 const EARLY: f64 = 1e-5;
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    fn new(shape: Support<'a>, motion: &'a Motion, asked: Asked) -> Search<'a> {
+        Search {
+            shape,
+            motion,
+            asked,
+            exact: None,
+            filter: None,
+            waiting: Eight::default(),
+            sifted: Eight::default(),
+            earliest: [0.0; 8],
+            first: None,
+            limit: 1.0,
+            near: false,
+        }
+    }
+
+    /// Makes ready for looks at triangles along the path, which is that of a mesh that doesn't turn; the path that they
+    /// are along.
+    fn prepare(&mut self, a: &'a Collider, rel: &Relative, path: Option<ShapePath>) -> BoxPath {
+        let (motion, tolerance) = (self.motion, self.asked.tolerance);
+        if let Some(path) = path {
+            self.filter = Some(MeshSweep::new(a, rel, motion, tolerance));
+            return path.in_box();
+        }
+        let path = self.exact().sweep.path_in_b(motion);
+        // `f32` rounds the path; the tolerance alone may be less than that in a large mesh.
+        let slack = f64::from(tolerance) + 1e-6 * (path.from.length() + path.to.length());
+        let inflate = (path.inflate + DVec3::splat(slack)).as_vec3();
+        BoxPath { from: path.from.as_vec3(), to: path.to.as_vec3(), inflate }
+    }
+
+    fn exact(&mut self) -> &mut Exact<'a> {
+        let Search { shape, motion, asked, .. } = self;
+        self.exact.get_or_insert_with(|| {
+            let nothing = Support::triangle([Vec3::ZERO; 3]);
+            let sweep = Sweep::new(*shape, Other::Convex(nothing), motion, asked.tolerance);
+            Exact { start: sweep.placed(0.0), sweep, later: None }
+        })
+    }
+
     /// Looks at triangles along a path, nearer ones first.
-    fn go_along<T: Triangles + ?Sized>(&mut self, mesh: &T, path: &Path) {
+    fn go_along<T: Triangles + ?Sized>(&mut self, mesh: &T, path: &BoxPath) {
         let mut seen = Eight::default();
         let mut visit = |index: u32, corners: [Vec3; 3], _entry: f32| -> f32 {
             seen.push(index, corners);
@@ -275,7 +284,7 @@ impl Search<'_> {
             && f64::from(self.earliest[next]) < self.limit
         {
             left &= !(1 << next);
-            let Some(touch) = self.exact(self.sifted.corners.triangle(next), f64::from(self.earliest[next]))
+            let Some(touch) = self.touch(self.sifted.corners.triangle(next), f64::from(self.earliest[next]))
             else {
                 continue;
             };
@@ -296,16 +305,17 @@ impl Search<'_> {
     }
 
     /// When a triangle is touched, if that is before the limit. Not before `earliest`; zero: it may be rested on.
-    fn exact(&mut self, corners: [Vec3; 3], earliest: f64) -> Option<Touch> {
-        let Search { sweep, start, limit, .. } = self;
+    fn touch(&mut self, corners: [Vec3; 3], earliest: f64) -> Option<Touch> {
+        let (motion, limit) = (self.motion, self.limit);
         let (tolerance, resting) = (f64::from(self.asked.tolerance), f64::from(self.asked.resting));
+        let Exact { sweep, start, later } = self.exact();
         let triangle = Support::triangle(corners);
         let [p, q, r] = corners.map(Vec3::as_dvec3);
         let up = start.rotation_b * (q - p).cross(r - p).normalize_or_zero();
         let corner = start.rotation_b * p + start.offset;
         // From the shape's origin to the plane.
         let down = if up.dot(corner) > 0.0 { up } else { -up };
-        sweep.set_triangle(triangle, self.motion, down);
+        sweep.set_triangle(triangle, motion, down);
         let mut from = (0.0, *start);
         if !sweep.b_spins() {
             let height = sweep.gap_along(start, down);
@@ -313,7 +323,7 @@ impl Search<'_> {
                 let t = earliest - EARLY;
                 from = (t, sweep.placed(t));
             } else if height.abs() <= resting {
-                let (middle, end) = self.later.get_or_insert_with(|| (sweep.placed(0.5), sweep.placed(1.0)));
+                let (middle, end) = later.get_or_insert_with(|| (sweep.placed(0.5), sweep.placed(1.0)));
                 if [middle, end].iter().all(|placed| sweep.gap_along(placed, down) >= -resting) {
                     return None;
                 }
@@ -321,7 +331,7 @@ impl Search<'_> {
             let height = if from.0 > 0.0 { sweep.gap_along(&from.1, down) } else { height };
             if height > if from.0 > 0.0 { tolerance } else { resting.max(tolerance) } {
                 // Its plane is touched before it is, and mostly at a point of it.
-                let (t, placed) = sweep.reach_plane(from, height, down, *limit)?;
+                let (t, placed) = sweep.reach_plane(from, height, down, limit)?;
                 let point = sweep.furthest(&placed, down) - placed.offset;
                 let corners = [p, q, r].map(|v| placed.rotation_b * v);
                 let inside = |i: usize| {
@@ -340,7 +350,7 @@ impl Search<'_> {
         if t == 0.0 && gap.0 <= resting {
             return None;
         }
-        sweep.touch_after(t, placed, gap, simplex, *limit)
+        sweep.touch_after(t, placed, gap, simplex, limit)
     }
 }
 
@@ -402,8 +412,12 @@ mod tests {
 
     fn cast(a: &Collider, soup: &Soup, motion: &Motion, tolerance: f32, resting: f32) -> Option<Touch> {
         let asked = Asked::first(tolerance, resting);
-        match cast_along(a, &motion.relative(0.0), motion, asked, |path, search| search.go_along(soup, path))
-        {
+        let rel = motion.relative(0.0);
+        let path = (motion.b.spin == Vec3::ZERO).then(|| ShapePath::new(a, &rel, motion, &asked));
+        let mut search = Search::new(Support::of(a)?, motion, asked);
+        let path = search.prepare(a, &rel, path);
+        search.go_along(soup, &path);
+        match search.finish() {
             Cast::First(touch) => Some(touch),
             _ => None,
         }

@@ -7,7 +7,6 @@
 //! or four parts.
 
 use super::Relative;
-use super::cast::Spin;
 use super::cast_mesh::Asked;
 use super::mesh::Triangles;
 use super::mesh_reach::bounds;
@@ -15,6 +14,7 @@ use super::mesh_sphere::nearest;
 use super::motion::{Motion, turn};
 use super::nearby::Eight;
 use super::polytope::Pose;
+use super::spin::Spin;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::shape::{Collider, Geometry};
 use glam::{DQuat, Mat3, Vec3};
@@ -86,6 +86,9 @@ pub(super) struct MeshSweep<'a> {
     /// Angle times extent across the axis [m]: times the share of the spin across a direction it is how much the
     /// velocity along that direction may change within the step.
     bend: f32,
+    /// A gap up to this is none [m]: the tolerance, with what is allowed for rounding. Once something is touched, only
+    /// the latter: what would merely come as close as that by then changes nothing.
+    least: f32,
     /// Allowed for rounding [m].
     slack: f32,
 }
@@ -120,11 +123,12 @@ const FLAT: f32 = 0.01;
 
 impl<'a> MeshSweep<'a> {
     /// `rel`: of the mesh in the shape's frame at the start.
-    pub(super) fn new(shape: &'a Collider, rel: &Relative, motion: &Motion, spin: &Spin) -> MeshSweep<'a> {
+    pub(super) fn new(shape: &'a Collider, rel: &Relative, motion: &Motion, tolerance: f32) -> MeshSweep<'a> {
         let to_local = motion.a.rotation.conjugate();
         let way = to_local * motion.displacement;
         let lever = to_local * motion.a.lever;
-        let local = to_local * spin.vector;
+        let Spin { vector, reach } = Spin::of(shape, to_local * motion.a.spin, lever, tolerance);
+        let slack = 2e-6 * (rel.position.length() + way.length() + shape.radius + lever.length());
         MeshSweep {
             shape,
             around: bounds(shape).unwrap_or((Vec3::ZERO, Vec3::splat(shape.radius))),
@@ -133,15 +137,16 @@ impl<'a> MeshSweep<'a> {
             moments: OnceCell::new(),
             way,
             lever,
-            spin: local,
-            bend: spin.vector.length() * spin.reach,
-            slack: 2e-6 * (rel.position.length() + way.length() + shape.radius + lever.length()),
+            spin: vector,
+            bend: vector.length() * reach,
+            least: tolerance + slack,
+            slack,
         }
     }
 
-    /// From now on only what is touched up to this fraction of the step counts.
+    /// Something is touched at this fraction of the step: from now on only what would be entered before that counts.
     pub(super) fn end_at(&mut self, fraction: f32) {
-        self.until = fraction;
+        (self.until, self.least) = (fraction, self.slack);
         self.moments = OnceCell::new();
     }
 
@@ -179,22 +184,22 @@ impl<'a> MeshSweep<'a> {
     /// is what the shape rests on: it is within `resting` of the triangle's plane, and stays so.
     #[inline(always)]
     pub(super) fn by_planes(&self, eight: &Eight, lanes: u32, asked: &Asked) -> Reached {
-        let &Asked { tolerance, resting, alone, .. } = asked;
+        let &Asked { resting, alone, .. } = asked;
         let triangles = Triangles::new(eight, lanes, &self.pose, Vec3::ZERO);
-        let hidden = asked.known.hides(&triangles, asked.lip);
+        let hidden = asked.known.hides(&triangles.corners, asked.lip);
         // Triangles of no area have no plane.
         let flat = !triangles.valid & lanes;
         if (!hidden).bits() & triangles.valid == 0 && alone < 0.0 {
             return Reached { lanes: flat, near: false };
         }
-        let (start, path) = self.above(&triangles, tolerance);
+        let (start, path) = self.above(&triangles);
         let alone = f32x8::splat(alone);
         let mut close = start.le(alone);
         if close.bits() & triangles.valid != 0 {
             let (_, axis, _) = triangles.separate(self.around.0, self.around.1);
             close = close & axis.le(alone);
         }
-        let mut away = path.least.gt(path.limit) | hidden;
+        let mut away = self.lasts(&path) | hidden;
         let resting = f32x8::splat(resting);
         let level = start.abs().le(resting);
         if (level & !away).any() {
@@ -214,10 +219,10 @@ impl<'a> MeshSweep<'a> {
 
     /// The gaps to the planes at the start, and how they change.
     #[inline(always)]
-    fn above(&self, triangles: &Triangles, tolerance: f32) -> (f32x8, Gaps) {
+    fn above(&self, triangles: &Triangles) -> (f32x8, Gaps) {
         let down = -triangles.front;
         let start = triangles.height - reach(self.shape, down);
-        let mut path = Gaps::new(start, self.limit(down, tolerance));
+        let mut path = self.gaps(start, down);
         self.moments().ends().for_each(|end| path.go_on(self.gap(triangles.height, down, end)));
         (start, path)
     }
@@ -228,11 +233,11 @@ impl<'a> MeshSweep<'a> {
     pub(super) fn sift(&self, eight: &Eight, lanes: u32, asked: &Asked) -> (u32, [f32; 8]) {
         let triangles = Triangles::new(eight, lanes, &self.pose, Vec3::ZERO);
         let flat = !triangles.valid & lanes;
-        let (start, path) = self.above(&triangles, asked.tolerance);
-        let mut away = path.least.gt(path.limit);
+        let (start, path) = self.above(&triangles);
+        let mut away = self.lasts(&path);
         let (mut first, mut apart) = (self.earliest(&path), start);
         if (!away).bits() & triangles.valid != 0 {
-            self.search(&triangles, asked.tolerance, &mut away, (&mut first, &mut apart));
+            self.search(&triangles, &mut away, (&mut first, &mut apart));
         }
         first = Lanes::select(apart.gt(f32x8::splat(asked.resting)), first, f32x8::zero());
         (triangles.valid & !away.bits() | flat, first.to_array())
@@ -243,13 +248,7 @@ impl<'a> MeshSweep<'a> {
     /// the triangle along one, the next is its reflection at the line between the points that overlap the most
     /// (Chung and Wang, *Quick collision detection of polytopes in virtual environments*, 1996).
     #[inline(always)]
-    fn search(
-        &self,
-        triangles: &Triangles,
-        tolerance: f32,
-        away: &mut Away,
-        (first, apart): (&mut f32x8, &mut f32x8),
-    ) {
+    fn search(&self, triangles: &Triangles, away: &mut Away, (first, apart): (&mut f32x8, &mut f32x8)) {
         let unit = |v: LaneVec3<f32x8>| {
             let length = v.length();
             let some = length.gt(f32x8::splat(f32::MIN_POSITIVE));
@@ -263,7 +262,7 @@ impl<'a> MeshSweep<'a> {
             let mut furthest = support(self.shape, u);
             let mut along = furthest.dot(u);
             let (near, far) = nearest_corner(triangles, u);
-            let mut path = Gaps::new(far - along, self.limit(u, tolerance));
+            let mut path = self.gaps(far - along, u);
             *apart = Lanes::select(known, Lanes::max(*apart, path.last), *apart);
             for end in moments.ends() {
                 let point = end.point(support(self.shape, end.seen(u)));
@@ -272,7 +271,7 @@ impl<'a> MeshSweep<'a> {
                 furthest = LaneVec3::select(then.gt(along), point, furthest);
                 along = Lanes::max(then, along);
             }
-            *away = *away | (known & path.least.gt(path.limit));
+            *away = *away | (known & self.lasts(&path));
             *first = Lanes::max(*first, Lanes::select(known, self.earliest(&path), f32x8::zero()));
             if (!*away).bits() & triangles.valid == 0 {
                 return;
@@ -282,13 +281,19 @@ impl<'a> MeshSweep<'a> {
         }
     }
 
-    /// How large a gap along a direction must be at both ends of a part of the motion to last for all of it [m].
+    /// A gap along a direction at the start.
     #[inline(always)]
-    fn limit(&self, direction: LaneVec3<f32x8>, tolerance: f32) -> f32x8 {
+    fn gaps(&self, start: f32x8, direction: LaneVec3<f32x8>) -> Gaps {
         let across = LaneVec3::<f32x8>::splat(self.spin).cross(direction).length();
         let parts = self.moments().count;
-        let bend = self.sagitta() / (parts * parts) as f32;
-        across * f32x8::splat(bend) + f32x8::splat(tolerance + self.slack)
+        let sagitta = across * f32x8::splat(self.sagitta() / (parts * parts) as f32);
+        Gaps::new(start, sagitta, f32x8::splat(self.least))
+    }
+
+    /// Whether a gap is never closed.
+    #[inline(always)]
+    fn lasts(&self, path: &Gaps) -> Away {
+        path.least.gt(f32x8::splat(self.least))
     }
 
     /// The fraction of the step before which a gap is not closed.
@@ -307,11 +312,15 @@ impl<'a> MeshSweep<'a> {
 type Away = <f32x8 as Lanes>::Mask;
 
 /// How gaps along directions change from moment to moment.
+///
+/// Between two moments a gap is no less than its chord less a parabola as high as the sagitta in the middle.
 struct Gaps {
     last: f32x8,
+    /// A lower bound of all up to now.
     least: f32x8,
-    /// Between two moments a gap is at least that of the chord less the sagitta; this allows for it.
-    limit: f32x8,
+    sagitta: f32x8,
+    /// What counts as closed.
+    closed: f32x8,
     /// Parts of the motion that surely pass before it is closed.
     open: f32x8,
     /// One where it is open still.
@@ -320,19 +329,31 @@ struct Gaps {
 
 impl Gaps {
     #[inline(always)]
-    fn new(start: f32x8, limit: f32x8) -> Gaps {
-        Gaps { last: start, least: start, limit, open: f32x8::zero(), going: f32x8::one() }
+    fn new(start: f32x8, sagitta: f32x8, closed: f32x8) -> Gaps {
+        Gaps { last: start, least: start, sagitta, closed, open: f32x8::zero(), going: f32x8::one() }
     }
 
     /// Goes on to the end of the next part.
     #[inline(always)]
     fn go_on(&mut self, next: f32x8) {
-        let zero = f32x8::zero();
-        let closing = Lanes::max(self.last - next, f32x8::splat(f32::MIN_POSITIVE));
-        let lasts = Lanes::max((self.last - self.limit) / closing, zero);
-        self.open += self.going * Lanes::min(lasts, f32x8::one());
-        self.going = Lanes::select(lasts.lt(f32x8::one()), zero, self.going);
-        self.least = Lanes::min(self.least, next);
+        let (zero, one, four) = (f32x8::zero(), f32x8::one(), f32x8::splat(4.0));
+        // last + u (next - last) - u (1 - u) curve
+        let curve = four * self.sagitta;
+        let grows = next - self.last;
+        let steep = grows.abs().ge(curve);
+        let some = Lanes::select(steep, one, curve);
+        let dip = (self.last + next) * f32x8::splat(0.5) - self.sagitta - grows * grows / (four * some);
+        self.least = Lanes::min(self.least, Lanes::select(steep, Lanes::min(self.last, next), dip));
+        // The first u at which that is what counts as closed.
+        let (falls, over) = (curve - grows, self.last - self.closed);
+        let root = falls * falls - four * curve * over;
+        let sum = falls + Lanes::max(root, zero).sqrt();
+        let meets = root.ge(zero) & falls.gt(zero);
+        let lasts = (over + over) / Lanes::select(meets, sum, one);
+        let lasts = Lanes::select(meets, Lanes::min(lasts, one), one);
+        let lasts = Lanes::select(over.gt(zero), lasts, zero);
+        self.open += self.going * lasts;
+        self.going = Lanes::select(lasts.lt(one), zero, self.going);
         self.last = next;
     }
 }
@@ -410,28 +431,29 @@ mod tests {
             let motion = Motion::new(&a, &pa, &b, &pb);
             let eps = tolerance(&a, &b);
             let mut eight = Eight::default();
+            // With the tolerance, and nearly without: what counts once something is touched.
             let mut exact = Vec::new();
             for k in 0..8 {
                 let at = random.cube() * 2.0;
                 let triangle = [at + random.cube(), at + random.cube(), at + random.cube()];
                 eight.push(k, triangle);
-                let sweep = Sweep::new(
-                    Support::of(&a).unwrap(),
-                    Other::Convex(Support::triangle(triangle)),
-                    &motion,
-                    eps,
-                );
-                exact.push((sweep.first_touch(1.0), sweep.spin()));
+                exact.push([eps, 1e-3 * eps].map(|eps| {
+                    let other = Other::Convex(Support::triangle(triangle));
+                    Sweep::new(Support::of(&a).unwrap(), other, &motion, eps).first_touch(1.0)
+                }));
             }
-            let mut sweep = MeshSweep::new(&a, &motion.relative(0.0), &motion, &exact[0].1);
+            let mut sweep = MeshSweep::new(&a, &motion.relative(0.0), &motion, eps);
             for until in [1.0, 0.6, 0.2] {
-                sweep.end_at(until);
+                if until < 1.0 {
+                    sweep.end_at(until);
+                }
                 let asked = Asked::first(eps, 0.0);
                 let Reached { lanes, .. } = sweep.by_planes(&eight, eight.lanes(), &asked);
                 let (lanes, earliest) = sweep.sift(&eight, lanes, &asked);
-                for (k, (touch, _)) in exact.iter().enumerate() {
+                for (k, touch) in exact.iter().enumerate() {
                     all += 1;
                     left_out += 1 - (lanes >> k & 1);
+                    let touch = touch[usize::from(until < 1.0)];
                     let Some(touch) = touch.filter(|t| (1e-6..=until).contains(&t.fraction)) else {
                         continue;
                     };

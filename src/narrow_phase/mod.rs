@@ -33,6 +33,7 @@ mod mesh_hull;
 mod mesh_hull_face;
 mod mesh_merge;
 mod mesh_patch;
+mod mesh_path;
 mod mesh_reach;
 mod mesh_sphere;
 mod mesh_sweep;
@@ -46,6 +47,7 @@ mod simplex;
 mod sphere_box;
 mod sphere_capsule;
 mod sphere_sphere;
+mod spin;
 mod support;
 mod touched;
 

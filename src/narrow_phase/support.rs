@@ -203,7 +203,7 @@ fn hull_half_extents(hull: &ConvexHull, rotation: DMat3) -> DVec3 {
 
 /// Eight vertices.
 #[inline(always)]
-fn vertices([x, y, z]: &[[f32; 8]; 3]) -> LaneVec3<f32x8> {
+pub(super) fn vertices([x, y, z]: &[[f32; 8]; 3]) -> LaneVec3<f32x8> {
     LaneVec3::new(f32x8::new(*x), f32x8::new(*y), f32x8::new(*z))
 }
 

@@ -1,7 +1,7 @@
 //! What of a mesh or height field a shape rests on, which a cast has no need to look at.
 
-use super::mesh::Triangles;
-use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
+use super::polytope::Pose;
+use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8, ones};
 use crate::shape::{Collider, Kind};
 use glam::Vec3;
 
@@ -69,14 +69,33 @@ impl Touched {
         self.triangles[..self.triangle_count].contains(&triangle)
     }
 
+    pub(super) fn is_empty(&self) -> bool {
+        self.triangle_count == 0 && self.plane_count == 0
+    }
+
+    /// The same in the frame that has this pose in the present one.
+    pub(super) fn seen_from(&self, pose: &Pose) -> Touched {
+        let mut seen = *self;
+        for (front, offset) in &mut seen.planes[..self.plane_count] {
+            *offset -= front.dot(pose.position);
+            *front = pose.back(*front);
+        }
+        seen
+    }
+
+    /// Of some of eight triangles, by a bit for each, those that are not among the touched ones.
+    pub(super) fn without(&self, lanes: u32, index: &[u32; 8]) -> u32 {
+        ones(lanes).filter(|&lane| !self.has(index[lane])).fold(0, |left, lane| left | 1 << lane)
+    }
+
     /// Which of eight triangles lie in one of the planes, or no more than `lip` beside it [m]: the contact there is one
     /// with them too. If it keeps all of the shape in front of the plane, also those behind it.
     #[inline(always)]
-    pub(super) fn hides(&self, triangles: &Triangles, lip: f32) -> <f32x8 as Lanes>::Mask {
+    pub(super) fn hides(&self, corners: &[LaneVec3<f32x8>; 3], lip: f32) -> <f32x8 as Lanes>::Mask {
         let mut hidden = f32x8::one().lt(f32x8::zero());
         for &(front, offset) in &self.planes[..self.plane_count] {
             let front = LaneVec3::splat(front);
-            let heights = triangles.corners.map(|corner| front.dot(corner) - f32x8::splat(offset));
+            let heights = corners.map(|corner| front.dot(corner) - f32x8::splat(offset));
             let most = Lanes::max(Lanes::max(heights[0], heights[1]), heights[2]);
             let least = Lanes::min(Lanes::min(heights[0], heights[1]), heights[2]);
             let depth = f32x8::splat(if self.whole { f32::INFINITY } else { lip });
@@ -88,8 +107,8 @@ impl Touched {
 
 #[cfg(test)]
 mod tests {
+    use super::super::mesh::Triangles;
     use super::super::nearby::Eight;
-    use super::super::polytope::Pose;
     use super::*;
     use crate::lanes::Mask;
 
@@ -107,10 +126,10 @@ mod tests {
         let wall = [Vec3::new(4.0, -1.0, 0.0), Vec3::new(4.0, -1.0, 1.0), Vec3::new(4.0, 0.0, 0.0)];
         eight.push(4, wall);
         let triangles = Triangles::new(&eight, eight.lanes(), &Pose::IDENTITY, Vec3::ZERO);
-        assert_eq!(touched.hides(&triangles, 5e-4).bits() & eight.lanes(), 0b00011);
+        assert_eq!(touched.hides(&triangles.corners, 5e-4).bits() & eight.lanes(), 0b00011);
         touched.whole = true;
-        assert_eq!(touched.hides(&triangles, 5e-4).bits() & eight.lanes(), 0b01011);
-        assert_eq!(Touched::default().hides(&triangles, 5e-4).bits() & eight.lanes(), 0);
+        assert_eq!(touched.hides(&triangles.corners, 5e-4).bits() & eight.lanes(), 0b01011);
+        assert_eq!(Touched::default().hides(&triangles.corners, 5e-4).bits() & eight.lanes(), 0);
     }
 
     #[test]
