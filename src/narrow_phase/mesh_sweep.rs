@@ -199,7 +199,7 @@ impl<'a> MeshSweep<'a> {
             let (_, axis, _) = triangles.separate(self.around.0, self.around.1);
             close = close & axis.le(alone);
         }
-        let mut away = self.lasts(&path) | hidden;
+        let mut away = path.least.gt(f32x8::splat(self.least)) | hidden;
         let resting = f32x8::splat(resting);
         let level = start.abs().le(resting);
         if (level & !away).any() {
@@ -223,7 +223,9 @@ impl<'a> MeshSweep<'a> {
         let down = -triangles.front;
         let start = triangles.height - reach(self.shape, down);
         let mut path = self.gaps(start, down);
-        self.moments().ends().for_each(|end| path.go_on(self.gap(triangles.height, down, end)));
+        self.moments().ends().for_each(|end| {
+            path.go_on(self.gap(triangles.height, down, end));
+        });
         (start, path)
     }
 
@@ -233,22 +235,31 @@ impl<'a> MeshSweep<'a> {
     pub(super) fn sift(&self, eight: &Eight, lanes: u32, asked: &Asked) -> (u32, [f32; 8]) {
         let triangles = Triangles::new(eight, lanes, &self.pose, Vec3::ZERO);
         let flat = !triangles.valid & lanes;
-        let (start, path) = self.above(&triangles);
-        let mut away = self.lasts(&path);
-        let (mut first, mut apart) = (self.earliest(&path), start);
-        if (!away).bits() & triangles.valid != 0 {
-            self.search(&triangles, &mut away, (&mut first, &mut apart));
+        let mut kept = Kept::new(self.moments().count);
+        let down = -triangles.front;
+        let start = triangles.height - reach(self.shape, down);
+        let mut path = self.gaps(start, down);
+        for (part, end) in self.moments().ends().enumerate() {
+            let least = path.go_on(self.gap(triangles.height, down, end));
+            kept.parts[part] = least.gt(path.closed);
         }
-        first = Lanes::select(apart.gt(f32x8::splat(asked.resting)), first, f32x8::zero());
-        (triangles.valid & !away.bits() | flat, first.to_array())
+        kept.first = path.open;
+        let mut apart = start;
+        if (!kept.always()).bits() & triangles.valid != 0 {
+            self.search(&triangles, &mut kept, &mut apart);
+        }
+        let share = f32x8::splat(self.until / self.moments().count as f32);
+        let first = Lanes::max(kept.first, kept.leading()) * share;
+        let first = Lanes::select(apart.gt(f32x8::splat(asked.resting)), first, f32x8::zero());
+        (triangles.valid & !kept.always().bits() | flat, first.to_array())
     }
 
-    /// Beside a triangle its plane may well be crossed: looks for another direction along which the gap lasts. The
-    /// first is that to the point of the triangle that is nearest to where the shape is halfway. If its path overlaps
-    /// the triangle along one, the next is its reflection at the line between the points that overlap the most
-    /// (Chung and Wang, *Quick collision detection of polytopes in virtual environments*, 1996).
+    /// Beside a triangle its plane may well be crossed: looks for other directions along which the gap lasts, for each
+    /// part of the motion. The first is that to the point of the triangle that is nearest to where the shape is halfway.
+    /// If its path overlaps the triangle along one, the next is its reflection at the line between the points that
+    /// overlap the most (Chung and Wang, *Quick collision detection of polytopes in virtual environments*, 1996).
     #[inline(always)]
-    fn search(&self, triangles: &Triangles, away: &mut Away, (first, apart): (&mut f32x8, &mut f32x8)) {
+    fn search(&self, triangles: &Triangles, kept: &mut Kept, apart: &mut f32x8) {
         let unit = |v: LaneVec3<f32x8>| {
             let length = v.length();
             let some = length.gt(f32x8::splat(f32::MIN_POSITIVE));
@@ -259,21 +270,28 @@ impl<'a> MeshSweep<'a> {
         let (point, _) = nearest(triangles, moved);
         let (mut u, mut known) = unit(point - moved);
         for _ in 0..ROUNDS {
-            let mut furthest = support(self.shape, u);
-            let mut along = furthest.dot(u);
+            let mut before = support(self.shape, u);
+            let mut reached = before.dot(u);
             let (near, far) = nearest_corner(triangles, u);
-            let mut path = self.gaps(far - along, u);
+            let mut path = self.gaps(far - reached, u);
             *apart = Lanes::select(known, Lanes::max(*apart, path.last), *apart);
-            for end in moments.ends() {
+            // Of the parts that are left, the point that overlaps the most.
+            let (mut furthest, mut along) = (before, f32x8::splat(f32::MIN));
+            for (part, end) in moments.ends().enumerate() {
                 let point = end.point(support(self.shape, end.seen(u)));
                 let then = point.dot(u);
-                path.go_on(far - then);
-                furthest = LaneVec3::select(then.gt(along), point, furthest);
-                along = Lanes::max(then, along);
+                let least = path.go_on(far - then);
+                kept.parts[part] = kept.parts[part] | (known & least.gt(path.closed));
+                let left = !kept.parts[part];
+                for (point, then) in [(before, reached), (point, then)] {
+                    let further = left & then.gt(along);
+                    furthest = LaneVec3::select(further, point, furthest);
+                    along = Lanes::select(further, then, along);
+                }
+                (before, reached) = (point, then);
             }
-            *away = *away | (known & self.lasts(&path));
-            *first = Lanes::max(*first, Lanes::select(known, self.earliest(&path), f32x8::zero()));
-            if (!*away).bits() & triangles.valid == 0 {
+            kept.first = Lanes::max(kept.first, Lanes::select(known, path.open, f32x8::zero()));
+            if (!kept.always()).bits() & triangles.valid == 0 {
                 return;
             }
             let (line, some) = unit(near - furthest);
@@ -288,18 +306,6 @@ impl<'a> MeshSweep<'a> {
         let parts = self.moments().count;
         let sagitta = across * f32x8::splat(self.sagitta() / (parts * parts) as f32);
         Gaps::new(start, sagitta, f32x8::splat(self.least))
-    }
-
-    /// Whether a gap is never closed.
-    #[inline(always)]
-    fn lasts(&self, path: &Gaps) -> Away {
-        path.least.gt(f32x8::splat(self.least))
-    }
-
-    /// The fraction of the step before which a gap is not closed.
-    #[inline(always)]
-    fn earliest(&self, path: &Gaps) -> f32x8 {
-        path.open * f32x8::splat(self.until / self.moments().count as f32)
     }
 
     /// The gap along directions to what is `far` from the origin along them [m].
@@ -333,9 +339,9 @@ impl Gaps {
         Gaps { last: start, least: start, sagitta, closed, open: f32x8::zero(), going: f32x8::one() }
     }
 
-    /// Goes on to the end of the next part.
+    /// Goes on to the end of the next part; answers a lower bound of the gaps in it.
     #[inline(always)]
-    fn go_on(&mut self, next: f32x8) {
+    fn go_on(&mut self, next: f32x8) -> f32x8 {
         let (zero, one, four) = (f32x8::zero(), f32x8::one(), f32x8::splat(4.0));
         // last + u (next - last) - u (1 - u) curve
         let curve = four * self.sagitta;
@@ -343,7 +349,8 @@ impl Gaps {
         let steep = grows.abs().ge(curve);
         let some = Lanes::select(steep, one, curve);
         let dip = (self.last + next) * f32x8::splat(0.5) - self.sagitta - grows * grows / (four * some);
-        self.least = Lanes::min(self.least, Lanes::select(steep, Lanes::min(self.last, next), dip));
+        let least = Lanes::select(steep, Lanes::min(self.last, next), dip);
+        self.least = Lanes::min(self.least, least);
         // The first u at which that is what counts as closed.
         let (falls, over) = (curve - grows, self.last - self.closed);
         let root = falls * falls - four * curve * over;
@@ -355,6 +362,39 @@ impl Gaps {
         self.open += self.going * lasts;
         self.going = Lanes::select(lasts.lt(one), zero, self.going);
         self.last = next;
+        least
+    }
+}
+
+/// In which parts of the motion the shape keeps away from each of eight triangles.
+struct Kept {
+    parts: [Away; PARTS],
+    count: usize,
+    /// Parts that surely pass before one is reached, by a single direction.
+    first: f32x8,
+}
+
+impl Kept {
+    #[inline(always)]
+    fn new(count: usize) -> Kept {
+        let never = f32x8::one().lt(f32x8::zero());
+        Kept { parts: [never; PARTS], count, first: f32x8::zero() }
+    }
+
+    #[inline(always)]
+    fn always(&self) -> Away {
+        self.parts[1..self.count].iter().fold(self.parts[0], |all, part| all & *part)
+    }
+
+    /// So many parts, from the start on, in which it does.
+    #[inline(always)]
+    fn leading(&self) -> f32x8 {
+        let (mut sum, mut going) = (f32x8::zero(), f32x8::one());
+        for part in &self.parts[..self.count] {
+            going = Lanes::select(*part, going, f32x8::zero());
+            sum += going;
+        }
+        sum
     }
 }
 
