@@ -13,6 +13,7 @@ use crate::constraint::{Closing, JointRows, Rows};
 use crate::forces::Forces;
 use crate::lanes::{Lanes, Mask, Record, f32x8};
 use crate::memory::{Buffer, bytes_of};
+use crate::step::REAL;
 use crate::threads::{Crew, Shared, per_block};
 pub(crate) use pass::store;
 use pass::{Joined, Kind, Passes, add_impulses};
@@ -72,6 +73,7 @@ pub(crate) fn solve(
         push_speed: settings.push_speed * settings.length_unit,
         slop: settings.slop * settings.length_unit,
         shift: SHIFT * settings.length_unit,
+        real: REAL * settings.length_unit,
         friction_box: settings.friction_cone == FrictionCone::Box,
         joint_push: JOINT_PUSH * settings.length_unit,
         joint: Softness::new(
@@ -148,7 +150,7 @@ pub(crate) fn solve(
         if joined_at_all {
             Passes::close(crew, rows, &joined, &motion, &closing(settings));
         }
-        if passes.run(crew, Kind::Relax, rows, &joined, &motion) && rows.friction.needed {
+        if passes.run(crew, Kind::Relax, rows, &joined, &motion) && rows.rubs() {
             // What was pushed before it touched has its friction now; if that is much, the points share the load that it
             // shifts.
             if passes.run(crew, Kind::Rub, rows, &joined, &motion) {
