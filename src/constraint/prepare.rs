@@ -111,6 +111,13 @@ fn fill_all(
 
 /// What a batch needs of its contacts, transposed: a column of eight lanes for each number. Inert lanes are zero.
 struct Columns<const P: usize> {
+    /// Bodies, contacts and bits of the lanes: see [`Batch`].
+    a: [u32; 8],
+    b: [u32; 8],
+    contact: [Part; 8],
+    write: [u8; 2],
+    swapped: u8,
+    heard: u8,
     rotation: [[f32; 8]; 4],
     normal: [[f32; 8]; 3],
     /// From the batch's body a to the origin of the contact's shape a, at the time of the contact.
@@ -147,14 +154,22 @@ fn sym3<L: Lanes>(c: &[[f32; 8]; 6]) -> Sym3<L> {
 }
 
 /// Looks up one lane after another: each contact is touched once, and the arithmetic is left to the lanes.
-fn gather_columns<L: GatherLanes, const P: usize, const B: usize>(
-    batch: &mut Batch<L, P, B>,
+///
+/// Not inlined: of all that makes a batch this is the most code, and it is the same for any width and any bodies `b`.
+#[inline(never)]
+fn gather_columns<const P: usize>(
     parts: &[Part],
     touching: bool,
     seats: Option<&Seats>,
     input: &PrepareInput<'_>,
 ) -> Columns<P> {
     let mut out = Columns {
+        a: [0; 8],
+        b: [0; 8],
+        contact: [Part::NONE; 8],
+        write: [0; 2],
+        swapped: 0,
+        heard: 0,
         rotation: [[0.0; 8]; 4],
         normal: [[0.0; 8]; 3],
         origin: [[0.0; 8]; 3],
@@ -172,9 +187,6 @@ fn gather_columns<L: GatherLanes, const P: usize, const B: usize>(
         coefficient: [[0.0; 8]; 2],
     };
     let (dynamic, movers) = (input.bodies.dynamic() as u32, input.bodies.movers() as u32);
-    (batch.write_a, batch.write_b, batch.swapped) = (0, 0, 0);
-    batch.contact = [Part::NONE; 8];
-    (batch.heard, batch.surface) = (0, u32::MAX);
     let mut first = 0;
     for (place, &part) in parts.iter().enumerate() {
         let contact = &input.contacts[part.slot()];
@@ -187,15 +199,12 @@ fn gather_columns<L: GatherLanes, const P: usize, const B: usize>(
         if place == 0 {
             first = lane;
         }
-        batch.contact[lane] = part;
-        batch.swapped |= u8::from(swap) << lane;
-        batch.write_a |= u8::from(a < dynamic) << lane;
-        batch.write_b |= u8::from(b < dynamic) << lane;
-        batch.a[lane] = a;
-        if B > 0 {
-            // A static body has no record: its velocity is never used.
-            batch.b[0].index[lane] = if b < movers { b } else { a };
-        }
+        out.contact[lane] = part;
+        out.swapped |= u8::from(swap) << lane;
+        out.write[0] |= u8::from(a < dynamic) << lane;
+        out.write[1] |= u8::from(b < dynamic) << lane;
+        // A static body has no record: its velocity is never used.
+        (out.a[lane], out.b[lane]) = (a, if b < movers { b } else { a });
 
         let at = |body: u32| &input.bodies.pose[body as usize].position;
         let mut between = (*at(shape_a.body) - *at(shape_b.body)).as_vec3();
@@ -211,7 +220,7 @@ fn gather_columns<L: GatherLanes, const P: usize, const B: usize>(
         for (column, x) in out.rotation.iter_mut().zip(pose.rotation.to_array()) {
             column[lane] = x;
         }
-        for (side, body) in [a, b].into_iter().enumerate().take(1 + B) {
+        for (side, body) in [a, b].into_iter().enumerate() {
             if let Some(i) = input.inverse_inertia.get(body as usize) {
                 out.inverse_mass[side][lane] = input.bodies.mass[body as usize].inverse;
                 for (column, x) in
@@ -238,7 +247,7 @@ fn gather_columns<L: GatherLanes, const P: usize, const B: usize>(
             put3(&mut out.friction, lane, contact.friction * (share * input.warm));
             out.twist[lane] = contact.twist * input.warm;
         }
-        batch.heard |= u8::from((shape_a.flags | shape_b.flags) & EVENTS != 0) << lane;
+        out.heard |= u8::from((shape_a.flags | shape_b.flags) & EVENTS != 0) << lane;
         if !input.friction {
             continue;
         }
@@ -249,9 +258,8 @@ fn gather_columns<L: GatherLanes, const P: usize, const B: usize>(
         let (sticking, sliding) = friction;
         (out.coefficient[0][lane], out.coefficient[1][lane]) = (sticking, sliding);
     }
-    for lane in (0..8).filter(|&lane| batch.contact[lane] == Part::NONE) {
-        batch.a[lane] = batch.a[first];
-        batch.b.iter_mut().for_each(|b| b.index[lane] = b.index[first]);
+    for lane in (0..8).filter(|&lane| out.contact[lane] == Part::NONE) {
+        (out.a[lane], out.b[lane]) = (out.a[first], out.b[first]);
     }
     out
 }
@@ -264,7 +272,10 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
     (seats, surface): (Option<&Seats>, Option<(usize, &mut Surface)>),
     input: &PrepareInput<'_>,
 ) {
-    let columns = gather_columns(batch, parts, matches!(rub, Rub::Touching(_)), seats, input);
+    let columns = gather_columns::<P>(parts, matches!(rub, Rub::Touching(_)), seats, input);
+    (batch.a, batch.contact, batch.surface) = (columns.a, columns.contact, u32::MAX);
+    [batch.write_a, batch.write_b] = columns.write;
+    (batch.swapped, batch.heard) = (columns.swapped, columns.heard);
     let turn = crate::lanes::Quat {
         v: Vec3::new(
             L::load(&columns.rotation[0]),
@@ -282,6 +293,7 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
     (batch.inverse_mass_a, batch.inverse_inertia_a) = (ma, ia);
     let (mb, ib) = if B > 0 {
         let b = &mut batch.b[0];
+        b.index = columns.b;
         b.inverse_mass = L::load(&columns.inverse_mass[1]);
         b.inverse_inertia = sym3(&columns.inverse_inertia[1]);
         (b.inverse_mass, b.inverse_inertia)

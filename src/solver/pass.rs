@@ -59,14 +59,13 @@ impl Passes {
         &self,
         crew: &Crew<'_>,
         kind: Kind,
-        rows: &mut Rows,
+        views: &Views<'_>,
         joined: &Joined<'_>,
         motion: &Motion<'_, '_>,
     ) -> bool {
         let pushes = AtomicBool::new(false);
-        let views = rows.views();
         let surfaces = views.surfaces;
-        let along = (&views, &self.of(Group::Static, kind, surfaces));
+        let along = (views, &self.of(Group::Static, kind, surfaces));
         let mut joints = joined.stages;
         for stage in views.stages {
             if !joints.is_empty() {
@@ -133,16 +132,15 @@ impl Passes {
     /// Closes the joints of trees that came apart.
     pub(crate) fn close(
         crew: &Crew<'_>,
-        rows: &mut Rows,
+        along: &Views<'_>,
         joined: &Joined<'_>,
         motion: &Motion<'_, '_>,
         closing: &Closing,
     ) {
-        let along = rows.views();
         for stage in joined.stages.iter().filter(|stage| stage.kind == JointType::Tree) {
             // SAFETY: each batch is in one stage, and no body that can be moved is in two.
             let one = |i: usize| unsafe {
-                JointRows::close(joined.views, TreeRef::new(i, stage.single), motion, closing, &along);
+                JointRows::close(joined.views, TreeRef::new(i, stage.single), motion, closing, along);
             };
             share_out(crew, stage.start as usize..stage.end as usize, false, &one);
         }
@@ -210,7 +208,7 @@ unsafe fn step<L: GatherLanes, const P: usize, const B: usize>(
 }
 
 /// Adds the normal impulses of the substep to those of the contacts that someone listens to.
-pub(crate) fn add_impulses(rows: &mut Rows, impulses: &mut [f32]) {
+pub(crate) fn add_impulses(views: &Views<'_>, impulses: &mut [f32]) {
     fn of<L: GatherLanes, const P: usize, const B: usize>(batch: &Batch<L, P, B>, impulses: &mut [f32]) {
         for lane in (0..L::N).filter(|lane| batch.heard >> lane & 1 != 0) {
             let sum: f32 = batch.points.iter().map(|p| p.impulse.lane(lane)).sum();
@@ -218,7 +216,6 @@ pub(crate) fn add_impulses(rows: &mut Rows, impulses: &mut [f32]) {
             impulses.get_mut(batch.contact[lane].slot()).into_iter().for_each(|impulse| *impulse += sum);
         }
     }
-    let views = rows.views();
     for stage in views.stages {
         for &batch in &views.schedule[stage.start as usize..stage.end as usize] {
             // SAFETY: there is no other thread.
