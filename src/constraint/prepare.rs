@@ -321,8 +321,8 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
         point.held = L::select(possible, L::load(&columns.held[i]), L::zero());
         point.stiffness = k;
         point.impulse = L::select(possible, L::load(&columns.impulse[i]), L::zero());
-        for k in 0..i {
-            let both = batch.points[k].arm_a.dot(turned_a[i]) + arms_b[k].dot(turned_b[i]);
+        for (k, other_b) in arms_b.iter().enumerate().take(i) {
+            let both = batch.points[k].arm_a.dot(turned_a[i]) + other_b.dot(turned_b[i]);
             batch.couple(k, i, ma + mb + both);
         }
     }
