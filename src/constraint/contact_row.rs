@@ -102,7 +102,7 @@ impl<L: GatherLanes> Pair<L> {
         records: &Shared<'_, Record>,
     ) -> Self {
         // SAFETY: by the contract.
-        unsafe { Self::load_bodies(&batch.a, batch.b.first().map(|b| &b.index), records) }
+        unsafe { Self::load_bodies(&batch.a, if B > 0 { Some(&batch.b[0].index) } else { None }, records) }
     }
 
     /// The same of bodies in lists.
@@ -118,7 +118,10 @@ impl<L: GatherLanes> Pair<L> {
         // SAFETY: by the contract. One by one: a slice of all would include those that other threads write.
         let record = |i| unsafe { records.read(i) };
         let (va, wa) = gather(record, a);
-        let (vb, wb) = b.map_or((Vec3::zero(), Vec3::zero()), |b| gather(record, b));
+        let (vb, wb) = match b {
+            Some(b) => gather(record, b),
+            None => (Vec3::zero(), Vec3::zero()),
+        };
         Pair { va, wa, vb, wb }
     }
 
@@ -130,7 +133,7 @@ impl<L: GatherLanes> Pair<L> {
         batch: &Batch<L, P, B>,
         records: &Shared<'_, Record>,
     ) {
-        let b = batch.b.first().map(|b| (&b.index, u32::from(batch.write_b)));
+        let b = if B > 0 { Some((&batch.b[0].index, u32::from(batch.write_b))) } else { None };
         // SAFETY: by the contract.
         unsafe { self.save_bodies((&batch.a, u32::from(batch.write_a)), b, records) };
     }
