@@ -7,7 +7,7 @@ pub use crate::broad_phase::bench::kernels as broad_phase;
 pub use crate::narrow_phase::bench::{cast, convex, distance, lanes, mesh};
 
 use crate::constraint::contact_row::{Motion, Pass, Softness, solve};
-use crate::constraint::{Batch, FrictionRow, Group, PrepareInput, PrepareScratch, Rows, prepare};
+use crate::constraint::{Batch, BatchRef, FrictionRow, Group, PrepareInput, PrepareScratch, Rows, prepare};
 use crate::lanes::{Record, Vec3, f32x8, gather, scatter};
 use crate::memory::Rooms;
 use crate::scene::builtin;
@@ -76,14 +76,17 @@ pub fn rows() -> Vec<Kernel> {
 
 fn pass<const FRICTION: bool>(name: &str, relax: bool) -> Kernel {
     let mut world = wall();
-    let rows = std::mem::take(&mut world.buffers.rows);
-    let mut batches: Vec<(Batch<f32x8, 4>, FrictionRow<f32x8>)> = Vec::new();
+    let mut rows = std::mem::take(&mut world.buffers.rows);
+    let rows = rows.views();
+    let mut batches: Vec<(Batch<f32x8, 4, 1>, FrictionRow<f32x8, 1>)> = Vec::new();
     for stage in rows.stages.iter().filter(|s| s.group == Group::Dynamic && !s.serial) {
         let of_stage = &rows.schedule[stage.start as usize..stage.end as usize];
-        let both = |friction: u32, index: u32| {
-            (rows.p4[index as usize], rows.friction.lanes.rows[friction as usize])
+        let both = |of: &BatchRef| {
+            let lanes = &rows.two.lanes;
+            // SAFETY: there is no other thread.
+            unsafe { Some((lanes.p4.read(of.index as usize), *lanes.friction.touching(*of)?)) }
         };
-        batches.extend(of_stage.iter().filter(|b| b.points == 4).map(|b| both(b.friction, b.index)));
+        batches.extend(of_stage.iter().filter(|b| b.points == 4).filter_map(both));
     }
     let movers = world.bodies.movers();
     let mut velocity = world.bodies.velocity[..movers].to_vec();
@@ -96,6 +99,7 @@ fn pass<const FRICTION: bool>(name: &str, relax: bool) -> Kernel {
         push_speed: 3.0,
         slop: 0.0005,
         shift: 0.25,
+        real: crate::step::REAL,
         friction_box: false,
         relax,
         surfaces: &[],
@@ -111,7 +115,7 @@ fn pass<const FRICTION: bool>(name: &str, relax: bool) -> Kernel {
         let motion = Motion { velocity: &velocity, delta: &delta, base: &base };
         for (batch, friction) in &mut batches {
             // SAFETY: one thread, one batch at a time; the indices are those of the world that the records are from.
-            unsafe { solve::<f32x8, 4, true, FRICTION>(batch, Some(friction), &motion, &pass) };
+            unsafe { solve::<f32x8, 4, 1, FRICTION>(batch, Some(friction), &motion, &pass) };
         }
     })
 }

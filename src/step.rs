@@ -152,7 +152,7 @@ impl World {
             }
             let poses = &self.colliders.poses;
             let contacts = Shared::new(&mut self.contacts.all);
-            solver::store(crew, &self.buffers.rows, dt, &contacts, &|c| poses[c as usize].rotation)
+            solver::store(crew, &mut self.buffers.rows, dt, &contacts, &|c| poses[c as usize].rotation)
         };
         let watch = Watch::start(self.needs.events > 0);
         self.hear_contacts();

@@ -408,7 +408,7 @@ impl BroadPhase {
             proxy.path = self.paths.len() as u32;
             // Under a budget there is place for all.
             let mut room = Room::ENDLESS;
-            room.push(&mut self.paths, Path::new(&mover, margin));
+            room.push_within(&mut self.paths, Path::new(&mover, margin), self.counts.moving);
         } else {
             self.roles[c] = Role::Slow;
             proxy.bounds = proxy::fat_box(mover, margin);

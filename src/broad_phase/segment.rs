@@ -41,14 +41,22 @@ pub(super) struct Path {
     start: glam::Vec3,
     /// Half of its motion [m].
     half: glam::Vec3,
-    /// Middle of the path [m].
-    middle: glam::Vec3,
     /// Half extents of its box, with spin and margin [m].
+    extent: glam::Vec3,
+    spin: f32,
+    margin: f32,
+}
+
+/// A path for a look-up.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Segment {
+    middle: glam::Vec3,
+    /// Half of its length and direction [m].
+    half: glam::Vec3,
+    /// Half extents of the box that moves [m].
     extent: glam::Vec3,
     /// What rounding may have moved `middle` by [m].
     rounding: glam::Vec3,
-    spin: f32,
-    margin: f32,
 }
 
 impl Path {
@@ -56,16 +64,12 @@ impl Path {
     pub(super) fn new(mover: &Mover, margin: f32) -> Path {
         let Aabb { min, max } = mover.aabb;
         let start = min * 0.5 + max * 0.5;
-        let half = mover.motion * 0.5;
-        let middle = start + half;
         let reach = glam::Vec3::splat(mover.spin + margin);
         Path {
             collider: mover.collider,
             start,
-            half,
-            middle,
+            half: mover.motion * 0.5,
             extent: (max - start).max(start - min) + reach,
-            rounding: (middle - start - half).abs(),
             spin: mover.spin,
             margin,
         }
@@ -78,13 +82,14 @@ impl Path {
 
     /// Of a step that is over: only whose it was matters.
     pub(super) fn past(collider: u32) -> Path {
-        Path { collider, ..Path::between(glam::Vec3::ZERO, glam::Vec3::ZERO, glam::Vec3::ZERO) }
+        let zero = glam::Vec3::ZERO;
+        Path { collider, start: zero, half: zero, extent: zero, spin: 0.0, margin: 0.0 }
     }
 
     /// Whether the path touches a box that doesn't move (or holds all of its own motion within the step).
     #[inline]
     pub(super) fn hits(&self, target: &Aabb) -> bool {
-        let lanes = PathLanes::<f32>::of(self, ROUNDING);
+        let lanes = PathLanes::<f32>::of(&self.segment(), ROUNDING);
         lanes.hits(Vec3::splat(target.min), Vec3::splat(target.max))
     }
 
@@ -106,19 +111,24 @@ impl Path {
     /// For the boxes of a tree's nodes.
     #[inline]
     pub(super) fn lanes<L: Lanes>(&self) -> PathLanes<L> {
-        PathLanes::of(self, ROUNDING_INNER)
+        self.segment().lanes()
+    }
+
+    #[inline]
+    fn segment(&self) -> Segment {
+        let Path { start, half, extent, .. } = *self;
+        let middle = start + half;
+        Segment { middle, half, extent, rounding: (middle - start - half).abs() }
     }
 
     /// A path for a look-up: from one point to another with half extents around it [m]. The ends may have been
     /// rounded from `f64`: what that moved them by is covered.
-    pub(super) fn between(from: glam::Vec3, to: glam::Vec3, extent: glam::Vec3) -> Path {
+    pub(super) fn between(from: glam::Vec3, to: glam::Vec3, extent: glam::Vec3) -> Segment {
         let limit = glam::Vec3::splat(LARGEST);
         let (from, to) = (from.clamp(-limit, limit), to.clamp(-limit, limit));
         let half = (to - from) * 0.5;
         let middle = from + half;
-        Path {
-            collider: u32::MAX,
-            start: from,
+        Segment {
             half,
             middle,
             extent,
@@ -126,9 +136,15 @@ impl Path {
             rounding: (middle - from - half).abs()
                 + (middle + half - to).abs()
                 + from.abs().max(to.abs()) * ROUNDING * 0.25,
-            spin: 0.0,
-            margin: 0.0,
         }
+    }
+}
+
+impl Segment {
+    /// For the boxes of a tree's nodes.
+    #[inline]
+    pub(super) fn lanes<L: Lanes>(&self) -> PathLanes<L> {
+        PathLanes::of(self, ROUNDING_INNER)
     }
 }
 
@@ -145,7 +161,7 @@ pub(super) struct PathLanes<L> {
 
 impl<L: Lanes> PathLanes<L> {
     #[inline(always)]
-    fn of(path: &Path, rounding: f32) -> Self {
+    fn of(path: &Segment, rounding: f32) -> Self {
         let grow = path.extent * (1.0 + rounding) + path.rounding + path.half.abs() * (2.0 * rounding);
         PathLanes {
             middle: Vec3::splat(path.middle),
@@ -265,7 +281,7 @@ mod tests {
                     |slack| slabs(path.start.as_dvec3(), motion, path.extent.as_dvec3(), min, max, slack);
                 let hit = path.hits(&target);
                 assert!(hit || !exact(0.0), "missed: {path:?} {target:?}");
-                let slack = 2e-4 + path.rounding.max_element() as f64 * 2.0;
+                let slack = 2e-4 + path.segment().rounding.max_element() as f64 * 2.0;
                 assert!(!hit || exact(slack), "made up: {path:?} {target:?}");
                 (hits, misses) = (hits + u32::from(hit), misses + u32::from(!hit));
                 // What a node's test says no to, the exact one must not say yes to.

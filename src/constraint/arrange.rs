@@ -1,10 +1,11 @@
 //! Which contacts get rows, in which order: by importance, colour and size.
 
-use super::batch::{BatchRef, Rows, Tally};
+use super::batch::BatchRef;
 use super::colour::{Colouring, OVERFLOW};
 use super::keys::{KINDS, Keys};
 use super::order::{Group, Order, Stage};
 use super::prepare::PrepareInput;
+use super::rows::{Rows, Tally};
 use super::seats::{Seat, Seated};
 use crate::memory::{Amounts, Buffer, Category, Room, Rooms, bytes_of};
 use crate::narrow_phase::{Contact, NONE};
@@ -168,38 +169,41 @@ pub(crate) fn arrange(
 #[derive(Clone, Copy, Debug)]
 struct Ahead {
     left: [usize; 2],
-    /// Of a batch, what friction of impacts takes.
-    impact: usize,
+    /// Bytes of the contact and a lane of a batch: with what may move and what is static, by the number of points.
+    cost: [[usize; 4]; 2],
 }
 
 impl Ahead {
     /// Without a limit.
-    const ANY: Ahead = Ahead { left: [usize::MAX; 2], impact: 0 };
+    const ANY: Ahead = Ahead { left: [usize::MAX; 2], cost: [[0; 4]; 2] };
 
     /// As much as is left, first for contacts with what is static.
     fn new(input: &PrepareInput<'_>) -> Ahead {
         if input.ahead == usize::MAX {
             return Ahead::ANY;
         }
-        let whole = Ahead { left: [input.ahead, 0], impact: impact_bytes(input) };
+        let whole = Ahead {
+            left: [input.ahead, 0],
+            cost: ahead_lanes(input).map(|side| side.map(|lane| lane.div_ceil(8) + size_of::<Contact>())),
+        };
         let mut of_static = 0;
         each_contact(input, |_, contact| {
-            if is_ahead(input, contact) && group_of(input, contact).is_static() {
-                of_static += whole.cost(contact);
+            let group = group_of(input, contact);
+            if is_ahead(input, contact) && group.is_static() {
+                of_static += whole.cost(contact, group);
             }
         });
         let of_static = of_static.min(input.ahead);
         Ahead { left: [input.ahead - of_static, of_static], ..whole }
     }
 
-    /// The contact and a lane of a batch.
-    fn cost(&self, contact: &Contact) -> usize {
-        size_of::<Contact>() + (Rows::SIZES[contact.count as usize - 1] + self.impact).div_ceil(8)
+    fn cost(&self, contact: &Contact, group: Group) -> usize {
+        self.cost[usize::from(group.is_static())][contact.count as usize - 1]
     }
 
     /// Whether there is enough left for a contact of a group; takes it off if so.
     fn admits(&mut self, contact: &Contact, group: Group) -> bool {
-        let cost = self.cost(contact);
+        let cost = self.cost(contact, group);
         let left = &mut self.left[usize::from(group.is_static())];
         let rest = left.checked_sub(cost);
         *left = rest.unwrap_or(*left);
@@ -303,8 +307,8 @@ fn sort(
     let (mut prepared, mut shed) = (Prepared::default(), 0);
     // Under a budget there is place for all.
     let mut room = Room::ENDLESS;
-    // By number of points.
-    let mut ahead = [0usize; 4];
+    // With what may move and what is static, by number of points.
+    let mut ahead = [[0usize; 4]; 2];
     each_contact(input, |slot, contact| {
         let body = |c: u32| input.hot[c as usize].body as usize;
         let (a, b) = (body(contact.a), body(contact.b));
@@ -318,7 +322,7 @@ fn sort(
                 shed += u32::from(contact.count);
                 return;
             }
-            ahead[contact.count as usize - 1] += 1;
+            ahead[usize::from(group.is_static())][contact.count as usize - 1] += 1;
         }
         let raised = if any_raised {
             let raised = |body: usize| input.bodies.traits[body].raised;
@@ -359,8 +363,8 @@ fn sort(
         }
     }
     // A lane of a batch each.
-    let impact = impact_bytes(input);
-    let rows: usize = ahead.iter().zip(Rows::SIZES).map(|(n, size)| n * (size + impact) / 8).sum();
+    let (ahead, batches) = (ahead.as_flattened(), ahead_lanes(input));
+    let rows: usize = ahead.iter().zip(batches.as_flattened()).map(|(n, batch)| n * batch / 8).sum();
     scratch.ahead = (ahead.iter().sum::<usize>() * size_of::<Contact>(), rows);
     // The most of both together, which the limit of continuous collision bounds.
     let (now, most) = (scratch.ahead, &mut scratch.most_ahead);
@@ -370,9 +374,10 @@ fn sort(
     (prepared, shed)
 }
 
-/// What the friction of impacts takes of a batch.
-fn impact_bytes(input: &PrepareInput<'_>) -> usize {
-    if input.friction { Rows::SIZES[7] } else { 0 }
+/// Bytes of batches of contacts that may touch, with their friction: with what may move and what is static, by the number of
+/// points.
+fn ahead_lanes(input: &PrepareInput<'_>) -> [[usize; 4]; 2] {
+    Rows::SIZES.map(|side| std::array::from_fn(|i| side[i] + if input.friction { side[7] } else { 0 }))
 }
 
 /// The seat of the body of a contact with what is static.
@@ -385,17 +390,18 @@ fn seat_of(input: &PrepareInput<'_>, part: Part) -> Option<Seat> {
 /// Batches of each stage. Says how many there are of each kind.
 fn schedule(input: &PrepareInput<'_>, rows: &mut Rows, scratch: &mut PrepareScratch) -> Tally {
     let PrepareScratch { keys, sorted, ranges, .. } = scratch;
-    let mut tally: Tally = [0; 9];
-    let mut next = |kind: usize| {
-        tally[kind] += 1;
-        tally[kind] as u32 - 1
-    };
-    let mut batch = |points: usize, potential: bool| {
+    let mut tally = Tally::default();
+    let mut batch = |points: usize, group: Group| {
+        let mut next = |kind: usize| {
+            let count = &mut tally[usize::from(group.is_static())][kind];
+            *count += 1;
+            *count as u32 - 1
+        };
         // Without points: of one lane.
         let single = points == 0;
         let index = next(if single { 4 } else { points - 1 });
-        let friction =
-            if input.friction { next(5 + 2 * usize::from(potential) + usize::from(single)) } else { 0 };
+        let kind = 5 + 2 * usize::from(group.is_potential()) + usize::from(single);
+        let friction = if input.friction { next(kind) } else { 0 };
         BatchRef { points: points as u8, seated: false, index, friction }
     };
     rows.schedule.clear();
@@ -416,7 +422,7 @@ fn schedule(input: &PrepareInput<'_>, rows: &mut Rows, scratch: &mut PrepareScra
         for at in (start..unseated).step_by(width) {
             // Of its first part, which has most.
             let points = 4 - ends[..4].iter().filter(|&&end| at >= end).count();
-            rows.schedule.push(batch(if serial { 0 } else { points }, potential));
+            rows.schedule.push(batch(if serial { 0 } else { points }, layer.group));
             ranges.push((at, (width as u32).min(unseated - at)));
         }
         let mut at = unseated as usize;
@@ -427,7 +433,7 @@ fn schedule(input: &PrepareInput<'_>, rows: &mut Rows, scratch: &mut PrepareScra
                 batch_of.iter().map(|part| part.range(&input.contacts[part.slot()]).1).max().unwrap_or(1);
             let Some((tree, node)) = place(&batch_of[0]) else { continue };
             let points = if tree.is_single() { 0 } else { most };
-            let contact = BatchRef { seated: true, ..batch(points, potential) };
+            let contact = BatchRef { seated: true, ..batch(points, layer.group) };
             rows.schedule.push(contact);
             rows.seated.push(Seated { tree, node, potential, batch: contact });
             ranges.push((at as u32, batch_of.len() as u32));

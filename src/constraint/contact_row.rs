@@ -2,9 +2,10 @@
 //! impulses and for soft substeps.
 
 use super::arrange::Part;
-use super::batch::{Batch, Surface};
+use super::batch::{Batch, PointRow};
 use super::friction::FrictionRow;
 use super::impact_friction::potential_load;
+use super::rows::Surface;
 use crate::lanes::{GatherLanes, Lanes, Mask, Record, Vec3, gather, scatter};
 use crate::threads::Shared;
 
@@ -66,11 +67,13 @@ pub(crate) struct Pass<'a> {
     pub(crate) slop: f32,
     /// Friction of an impact that changes the slip by no more than this shifts no loads worth speaking of [m/s].
     pub(crate) shift: f32,
+    /// A point whose separation was no more than this touches: its impulse bounds friction [m].
+    pub(crate) real: f32,
     /// Friction as a box instead of a cone.
     pub(crate) friction_box: bool,
     /// What pushing overlap apart added to the velocities is taken out again.
     pub(crate) relax: bool,
-    /// See [`Rows::surfaces`](super::batch::Rows::surfaces).
+    /// See [`Rows::surfaces`](super::Rows::surfaces).
     pub(crate) surfaces: &'a [Surface],
 }
 
@@ -94,21 +97,56 @@ impl<L: GatherLanes> Pair<L> {
     /// # Safety
     /// The bodies of the batch are this thread's, or are not written in this stage.
     #[inline(always)]
-    pub(super) unsafe fn load<const TWO: bool>([a, b]: [&[u32; 8]; 2], records: &Shared<'_, Record>) -> Self {
+    pub(super) unsafe fn load<const P: usize, const B: usize>(
+        batch: &Batch<L, P, B>,
+        records: &Shared<'_, Record>,
+    ) -> Self {
+        // SAFETY: by the contract.
+        unsafe { Self::load_bodies(&batch.a, if B > 0 { Some(&batch.b[0].index) } else { None }, records) }
+    }
+
+    /// The same of bodies in lists.
+    ///
+    /// # Safety
+    /// As for [`Pair::load`].
+    #[inline(always)]
+    pub(super) unsafe fn load_bodies(
+        a: &[u32; 8],
+        b: Option<&[u32; 8]>,
+        records: &Shared<'_, Record>,
+    ) -> Self {
         // SAFETY: by the contract. One by one: a slice of all would include those that other threads write.
         let record = |i| unsafe { records.read(i) };
         let (va, wa) = gather(record, a);
-        let (vb, wb) = if TWO { gather(record, b) } else { (Vec3::zero(), Vec3::zero()) };
+        let (vb, wb) = match b {
+            Some(b) => gather(record, b),
+            None => (Vec3::zero(), Vec3::zero()),
+        };
         Pair { va, wa, vb, wb }
     }
 
     /// # Safety
     /// As for [`Pair::load`].
     #[inline(always)]
-    pub(super) unsafe fn save<const TWO: bool>(
+    pub(super) unsafe fn save<const P: usize, const B: usize>(
         &self,
-        [a, b]: [&[u32; 8]; 2],
-        [write_a, write_b]: [u32; 2],
+        batch: &Batch<L, P, B>,
+        records: &Shared<'_, Record>,
+    ) {
+        let b = if B > 0 { Some((&batch.b[0].index, u32::from(batch.write_b))) } else { None };
+        // SAFETY: by the contract.
+        unsafe { self.save_bodies((&batch.a, u32::from(batch.write_a)), b, records) };
+    }
+
+    /// The same of bodies in lists, with a bit for each that may be written.
+    ///
+    /// # Safety
+    /// As for [`Pair::load`].
+    #[inline(always)]
+    pub(super) unsafe fn save_bodies(
+        &self,
+        (a, write_a): (&[u32; 8], u32),
+        b: Option<(&[u32; 8], u32)>,
         records: &Shared<'_, Record>,
     ) {
         let write = |linear, angular, index: &[u32; 8], mask: u32| {
@@ -121,25 +159,26 @@ impl<L: GatherLanes> Pair<L> {
             }
         };
         write(self.va, self.wa, a, write_a);
-        if TWO {
+        if let Some((b, write_b)) = b {
             write(self.vb, self.wb, b, write_b);
         }
     }
 
     /// Applies an impulse `p` on `b` and `-p` on `a`, with angular impulses `ta` (taken from `a`) and `tb`.
     #[inline(always)]
-    pub(super) fn apply<const P: usize, const TWO: bool>(
+    pub(super) fn apply<const P: usize, const B: usize>(
         &mut self,
-        batch: &Batch<L, P>,
+        batch: &Batch<L, P, B>,
         p: Vec3<L>,
         ta: Vec3<L>,
         tb: Vec3<L>,
     ) {
         self.va -= p * batch.inverse_mass_a;
         self.wa -= batch.inverse_inertia_a.mul(ta);
-        if TWO {
-            self.vb += p * batch.inverse_mass_b;
-            self.wb += batch.inverse_inertia_b.mul(tb);
+        if B > 0 {
+            let b = &batch.b[0];
+            self.vb += p * b.inverse_mass;
+            self.wb += b.inverse_inertia.mul(tb);
         }
     }
 }
@@ -149,9 +188,9 @@ impl<L: GatherLanes> Pair<L> {
 /// # Safety
 /// The bodies of the batch that it may write are in no other batch of the stage.
 #[inline(always)]
-pub(crate) unsafe fn warm_start<L: GatherLanes, const P: usize, const TWO: bool, const FRICTION: bool>(
-    batch: &Batch<L, P>,
-    friction: Option<&mut FrictionRow<L>>,
+pub(crate) unsafe fn warm_start<L: GatherLanes, const P: usize, const B: usize, const FRICTION: bool>(
+    batch: &Batch<L, P, B>,
+    friction: Option<&mut FrictionRow<L, B>>,
     velocity: &Shared<'_, Record>,
 ) {
     // So it is with most that may meet.
@@ -159,13 +198,13 @@ pub(crate) unsafe fn warm_start<L: GatherLanes, const P: usize, const TWO: bool,
         return;
     }
     // SAFETY: by the contract.
-    let mut v = unsafe { Pair::load::<TWO>([&batch.a, &batch.b], velocity) };
+    let mut v = unsafe { Pair::load(batch, velocity) };
     let (mut sum, mut ta, mut tb) = (L::zero(), Vec3::zero(), Vec3::zero());
     for point in &batch.points {
         sum += point.impulse;
         ta += point.arm_a * point.impulse;
-        if TWO {
-            tb += point.arm_b * point.impulse;
+        if B > 0 {
+            tb += point.arm_b[0] * point.impulse;
         }
     }
     let mut p = batch.normal * sum;
@@ -173,74 +212,67 @@ pub(crate) unsafe fn warm_start<L: GatherLanes, const P: usize, const TWO: bool,
         let q = f.tangent * f.impulse[0] + batch.normal.cross(f.tangent) * f.impulse[1];
         p += q;
         ta += f.arm_a.cross(q) + batch.normal * f.twist;
-        if TWO {
-            tb += f.arm_b.cross(q) + batch.normal * f.twist;
+        if B > 0 {
+            tb += f.arm_b[0].cross(q) + batch.normal * f.twist;
         }
     }
-    v.apply::<P, TWO>(batch, p, ta, tb);
+    v.apply(batch, p, ta, tb);
     // SAFETY: by the contract.
-    unsafe { v.save::<TWO>([&batch.a, &batch.b], [batch.write_a, batch.write_b], velocity) };
+    unsafe { v.save(batch, velocity) };
 }
 
 /// By how much impulses of a batch change the velocities of its bodies.
-pub(super) trait Response<L: GatherLanes, const P: usize> {
+pub(super) trait Response<L: GatherLanes, const P: usize, const B: usize> {
     /// Effective mass of a point's row [kg]; zero without a point.
     #[inline(always)]
-    fn mass(&self, batch: &Batch<L, P>, i: usize) -> L {
+    fn mass(&self, batch: &Batch<L, P, B>, i: usize) -> L {
         batch.points[i].mass
     }
     /// By how much a unit impulse at one point changes the normal velocity of another [1/kg].
     #[inline(always)]
-    fn stiffness(&self, batch: &Batch<L, P>, i: usize, k: usize) -> L {
+    fn stiffness(&self, batch: &Batch<L, P, B>, i: usize, k: usize) -> L {
         if i == k { batch.points[i].stiffness } else { batch.coupling(i.min(k), i.max(k)) }
     }
     /// Inverse of the matrix of the tangential rows, its smaller eigenvalue [kg], and the mass against twist [kg m²].
     #[inline(always)]
-    fn friction(&self, f: &FrictionRow<L>) -> ([L; 3], L, L) {
+    fn friction(&self, f: &FrictionRow<L, B>) -> ([L; 3], L, L) {
         (f.mass, f.slide_mass, f.twist_mass)
     }
     /// Applies an impulse `p` on `b` and `-p` on `a`, with angular impulses `ta` (taken from `a`) and `tb`.
     #[inline(always)]
-    fn apply<const TWO: bool>(
-        &mut self,
-        batch: &Batch<L, P>,
-        v: &mut Pair<L>,
-        p: Vec3<L>,
-        ta: Vec3<L>,
-        tb: Vec3<L>,
-    ) {
-        v.apply::<P, TWO>(batch, p, ta, tb);
+    fn apply(&mut self, batch: &Batch<L, P, B>, v: &mut Pair<L>, p: Vec3<L>, ta: Vec3<L>, tb: Vec3<L>) {
+        v.apply(batch, p, ta, tb);
     }
 }
 
 /// Two bodies that nothing else holds.
 pub(super) struct Free;
 
-impl<L: GatherLanes, const P: usize> Response<L, P> for Free {}
+impl<L: GatherLanes, const P: usize, const B: usize> Response<L, P, B> for Free {}
 
 /// One Gauss-Seidel step over the rows of a batch. Says whether potential points push.
 ///
 /// # Safety
 /// The bodies of the batch that it may write are in no other batch of the stage.
 #[inline(always)]
-pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const TWO: bool, const FRICTION: bool>(
-    batch: &mut Batch<L, P>,
-    friction: Option<&mut FrictionRow<L>>,
+pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const B: usize, const FRICTION: bool>(
+    batch: &mut Batch<L, P, B>,
+    friction: Option<&mut FrictionRow<L, B>>,
     motion: &Motion<'_, '_>,
     pass: &Pass<'_>,
 ) -> bool {
     // SAFETY: by the contract.
-    let mut v = unsafe { Pair::load::<TWO>([&batch.a, &batch.b], motion.velocity) };
+    let mut v = unsafe { Pair::load(batch, motion.velocity) };
     if pass.relax {
         // SAFETY: displacements are not written while rows are solved.
-        unsafe { follow::<L, P, TWO>(batch, motion) };
+        unsafe { follow::<L, P, B>(batch, motion) };
     }
-    if !sweep::<L, P, TWO, FRICTION, _>(batch, friction, &mut v, pass, &mut Free) {
+    if !sweep::<L, P, B, FRICTION, _>(batch, friction, &mut v, pass, &mut Free) {
         return false;
     }
     // SAFETY: by the contract.
-    unsafe { v.save::<TWO>([&batch.a, &batch.b], [batch.write_a, batch.write_b], motion.velocity) };
-    pass.relax && potential_load(batch).0.gt(L::zero()).any()
+    unsafe { v.save(batch, motion.velocity) };
+    pass.relax && potential_load(batch, pass.real).0.gt(L::zero()).any()
 }
 
 /// Separations after displacements. Bodies are moved before the rows relax, and not again before they are solved in the
@@ -249,15 +281,15 @@ pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const TWO: bool, cons
 /// # Safety
 /// No thread writes displacements.
 #[inline(always)]
-pub(super) unsafe fn follow<L: GatherLanes, const P: usize, const TWO: bool>(
-    batch: &mut Batch<L, P>,
+pub(super) unsafe fn follow<L: GatherLanes, const P: usize, const B: usize>(
+    batch: &mut Batch<L, P, B>,
     motion: &Motion<'_, '_>,
 ) {
     // SAFETY: by the contract.
-    let d = unsafe { Pair::load::<TWO>([&batch.a, &batch.b], motion.delta) };
-    let gap = relative::<L, TWO>(batch.normal, &d);
+    let d = unsafe { Pair::load(batch, motion.delta) };
+    let gap = relative::<L, B>(batch.normal, &d);
     for point in &mut batch.points {
-        point.now = point.separation + gap + row::<L, TWO>(&d, point);
+        point.now = point.separation + gap + row::<L, B>(&d, point);
     }
 }
 
@@ -271,12 +303,12 @@ pub(super) unsafe fn follow<L: GatherLanes, const P: usize, const TWO: bool>(
 pub(super) fn sweep<
     L: GatherLanes,
     const P: usize,
-    const TWO: bool,
+    const B: usize,
     const FRICTION: bool,
-    R: Response<L, P>,
+    R: Response<L, P, B>,
 >(
-    batch: &mut Batch<L, P>,
-    friction: Option<&mut FrictionRow<L>>,
+    batch: &mut Batch<L, P, B>,
+    friction: Option<&mut FrictionRow<L, B>>,
     v: &mut Pair<L>,
     pass: &Pass<'_>,
     response: &mut R,
@@ -287,10 +319,10 @@ pub(super) fn sweep<
     let n = batch.normal;
 
     if FRICTION && let Some(f) = friction {
-        rub::<L, P, TWO, R>(batch, f, v, pass, response);
+        rub::<L, P, B, R>(batch, f, v, pass, response);
     }
 
-    let speed = relative::<L, TWO>(n, v);
+    let speed = relative::<L, B>(n, v);
     let (mut sum, mut ta, mut tb) = (L::zero(), Vec3::zero(), Vec3::zero());
     let mut u = [L::zero(); P];
     let mut bias = [L::zero(); P];
@@ -301,7 +333,7 @@ pub(super) fn sweep<
     for i in 0..P {
         let point = batch.points[i];
         let s = point.now;
-        u[i] = speed + row::<L, TWO>(v, &point);
+        u[i] = speed + row::<L, B>(v, &point);
         impulse[i] = point.impulse;
         // Apart: only what would close the gap within this substep is taken away, and rigidly so.
         let speculative = s * L::splat(pass.inverse_h);
@@ -329,7 +361,7 @@ pub(super) fn sweep<
         }
     }
     if P > 1 {
-        let (push, on) = level::<L, P, R>(batch, response, &u, &bias, &impulse, (&mass, &yielding));
+        let (push, on) = level(batch, response, &u, &bias, &impulse, (&mass, &yielding));
         for i in 0..P {
             let change = push * on[i];
             impulse[i] += change;
@@ -358,31 +390,33 @@ pub(super) fn sweep<
         }
         sum += change;
         ta += batch.points[i].arm_a * change;
-        if TWO {
-            tb += batch.points[i].arm_b * change;
+        if B > 0 {
+            tb += batch.points[i].arm_b[0] * change;
         }
     }
-    response.apply::<TWO>(batch, v, n * sum, ta, tb);
+    response.apply(batch, v, n * sum, ta, tb);
     true
 }
 
 /// The rows along the surface, and against twist.
 #[inline(always)]
-fn rub<L: GatherLanes, const P: usize, const TWO: bool, R: Response<L, P>>(
-    batch: &Batch<L, P>,
-    f: &mut FrictionRow<L>,
+fn rub<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
+    batch: &Batch<L, P, B>,
+    f: &mut FrictionRow<L, B>,
     v: &mut Pair<L>,
     pass: &Pass<'_>,
     response: &mut R,
 ) {
     let n = batch.normal;
     let t2 = n.cross(f.tangent);
-    let limit = batch.points.iter().fold(L::zero(), |s, p| s + p.impulse * p.real) * f.coefficient;
+    let real = L::splat(pass.real);
+    let load = |p: &PointRow<L, B>| L::select(p.separation.le(real), p.impulse, L::zero());
+    let limit = batch.points.iter().fold(L::zero(), |s, p| s + load(p)) * f.coefficient;
     let (tangential, slide_mass, twist_mass) = response.friction(f);
     let mut u = -(v.va + v.wa.cross(f.arm_a));
     let mut spin = -v.wa;
-    if TWO {
-        u += v.vb + v.wb.cross(f.arm_b);
+    if B > 0 {
+        u += v.vb + v.wb.cross(f.arm_b[0]);
         spin += v.wb;
     }
     let (mut u1, mut u2) = (u.dot(f.tangent), u.dot(t2));
@@ -411,20 +445,20 @@ fn rub<L: GatherLanes, const P: usize, const TWO: bool, R: Response<L, P>>(
     let w = n * (twist - f.twist);
     (f.impulse, f.twist) = (new, twist);
     let ta = f.arm_a.cross(q) + w;
-    let tb = if TWO { f.arm_b.cross(q) + w } else { ta };
-    response.apply::<TWO>(batch, v, q, ta, tb);
+    let tb = if B > 0 { f.arm_b[0].cross(q) + w } else { ta };
+    response.apply(batch, v, q, ta, tb);
 }
 
 /// Speed of `b` away from `a` along the normal, and what their spins add to it at a point.
 #[inline(always)]
-pub(super) fn relative<L: Lanes, const TWO: bool>(n: Vec3<L>, p: &Pair<L>) -> L {
-    if TWO { n.dot(p.vb - p.va) } else { -n.dot(p.va) }
+pub(super) fn relative<L: Lanes, const B: usize>(n: Vec3<L>, p: &Pair<L>) -> L {
+    if B > 0 { n.dot(p.vb - p.va) } else { -n.dot(p.va) }
 }
 
 #[inline(always)]
-pub(super) fn row<L: Lanes, const TWO: bool>(p: &Pair<L>, point: &super::batch::PointRow<L>) -> L {
+pub(super) fn row<L: Lanes, const B: usize>(p: &Pair<L>, point: &PointRow<L, B>) -> L {
     let a = point.arm_a.dot(p.wa);
-    if TWO { point.arm_b.dot(p.wb) - a } else { -a }
+    if B > 0 { point.arm_b[0].dot(p.wb) - a } else { -a }
 }
 
 /// The one impulse that, given to every point that bears load or is closing, leaves them no velocity error on average;
@@ -434,8 +468,8 @@ pub(super) fn row<L: Lanes, const TWO: bool>(p: &Pair<L>, point: &super::batch::
 /// others would turn it back, never quite: a tower that stands straight would learn to lean. After this step a body
 /// that lies flat and evenly loaded has nothing left for the sweep.
 #[inline(always)]
-fn level<L: GatherLanes, const P: usize, R: Response<L, P>>(
-    batch: &Batch<L, P>,
+fn level<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
+    batch: &Batch<L, P, B>,
     response: &R,
     u: &[L; P],
     bias: &[L; P],
@@ -469,9 +503,9 @@ fn level<L: GatherLanes, const P: usize, R: Response<L, P>>(
 
 /// Hands the impulses of each lane to `sink`: of the points, the largest of the step, of friction (on the contact's own `b`) and of twist.
 #[inline(always)]
-pub(crate) fn store<L: Lanes, const P: usize>(
-    batch: &Batch<L, P>,
-    friction: Option<&FrictionRow<L>>,
+pub(crate) fn store<L: Lanes, const P: usize, const B: usize>(
+    batch: &Batch<L, P, B>,
+    friction: Option<&FrictionRow<L, B>>,
     mut sink: impl FnMut(Part, &[f32; P], f32, glam::Vec3, f32),
 ) {
     let (friction, twist) = friction.map_or((Vec3::zero(), L::zero()), |f| {

@@ -3,17 +3,17 @@
 
 use super::batch::BatchRef;
 use super::order::Group;
-use crate::lanes::{Lanes, Vec3, f32x8};
-use crate::memory::bytes_of;
+use crate::lanes::{Lanes, Vec3};
 use crate::threads::Shared;
+use bytemuck::{Pod, Zeroable};
 
 /// Friction of a manifold that touches, at its centre: two rows along the tangents and one against twist.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 #[repr(C)]
-pub(crate) struct FrictionRow<L> {
+pub(crate) struct FrictionRow<L, const B: usize> {
     pub(crate) tangent: Vec3<L>,
     pub(crate) arm_a: Vec3<L>,
-    pub(crate) arm_b: Vec3<L>,
+    pub(crate) arm_b: [Vec3<L>; B],
     /// Inverse of the 2x2 matrix of the tangential rows [kg]: (11, 12, 22).
     pub(crate) mass: [L; 3],
     /// The smaller eigenvalue of that inverse [kg]: a step against the slip that never overshoots.
@@ -29,82 +29,59 @@ pub(crate) struct FrictionRow<L> {
 }
 
 /// What the friction of an impact takes: all that is kept of a manifold that may touch, which rubs on nothing before it does.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 #[repr(C)]
-pub(crate) struct ImpactRow<L> {
+pub(crate) struct ImpactRow<L, const B: usize> {
     /// Of the arm of body `a` the part along the normal, which all points share [m].
     pub(crate) along: L,
     /// From the arm of body `a` to that of body `b` [m].
-    pub(crate) to_b: Vec3<L>,
+    pub(crate) to_b: [Vec3<L>; B],
     pub(crate) coefficient: L,
 }
 
-impl<L: Lanes> FrictionRow<L> {
+// SAFETY: zero is a value of every field.
+unsafe impl<L: Zeroable, const B: usize> Zeroable for FrictionRow<L, B> {}
+// SAFETY: it is nothing but lanes, of which any bits are numbers, in the order of C.
+unsafe impl<L: Lanes + Pod, const B: usize> Pod for FrictionRow<L, B> {}
+// SAFETY: zero is a value of every field.
+unsafe impl<L: Zeroable, const B: usize> Zeroable for ImpactRow<L, B> {}
+// SAFETY: as for `FrictionRow`.
+unsafe impl<L: Lanes + Pod, const B: usize> Pod for ImpactRow<L, B> {}
+
+impl<L: Lanes, const B: usize> FrictionRow<L, B> {
     /// What of it the friction of an impact takes.
     #[inline(always)]
-    pub(super) fn of_impact(&self, normal: Vec3<L>) -> ImpactRow<L> {
+    pub(super) fn of_impact(&self, normal: Vec3<L>) -> ImpactRow<L, B> {
         ImpactRow {
             along: normal.dot(self.arm_a),
-            to_b: self.arm_b - self.arm_a,
+            to_b: self.arm_b.map(|arm_b| arm_b - self.arm_a),
             coefficient: self.coefficient,
         }
     }
 }
 
-/// Friction of batches of one width.
-#[derive(Debug, Default)]
-pub(crate) struct FrictionRows<L> {
-    /// Of batches of contacts that touch, and of those that may.
-    pub(crate) rows: Vec<FrictionRow<L>>,
-    pub(crate) impacts: Vec<ImpactRow<L>>,
-}
-
-/// All friction of a step; nothing where no shape has any.
-#[derive(Debug, Default)]
-pub(crate) struct Friction {
-    /// Whether there is any.
-    pub(crate) needed: bool,
-    pub(crate) lanes: FrictionRows<f32x8>,
-    pub(crate) single: FrictionRows<f32>,
-}
-
-impl Friction {
-    /// Live and reserved bytes.
-    pub(crate) fn bytes(&self) -> (usize, usize) {
-        let of = [
-            bytes_of(&self.lanes.rows),
-            bytes_of(&self.lanes.impacts),
-            bytes_of(&self.single.rows),
-            bytes_of(&self.single.impacts),
-        ];
-        of.into_iter().fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
-    }
-
-    /// Whether contacts rub from now on; if not, their place is given back.
-    pub(crate) fn set_needed(&mut self, needed: bool) {
-        if self.needed != needed {
-            *self = Friction { needed, ..Friction::default() };
-        }
-    }
-}
-
 /// The friction of a batch, to be filled.
-pub(super) enum Rub<'a, L> {
+pub(super) enum Rub<'a, L, const B: usize> {
     Nothing,
-    Touching(&'a mut FrictionRow<L>),
-    Impact(&'a mut ImpactRow<L>),
+    Touching(&'a mut FrictionRow<L, B>),
+    Impact(&'a mut ImpactRow<L, B>),
 }
 
-/// Friction of batches of one width, for several threads.
-pub(crate) struct FrictionView<'a, L> {
+/// Friction of batches of one sort, for several threads; nothing where no shape has any.
+pub(crate) struct FrictionView<'a, L, const B: usize> {
     needed: bool,
-    rows: Shared<'a, FrictionRow<L>>,
-    impacts: Shared<'a, ImpactRow<L>>,
+    /// Of batches of contacts that touch, and of those that may.
+    rows: Shared<'a, FrictionRow<L, B>>,
+    impacts: Shared<'a, ImpactRow<L, B>>,
 }
 
-impl<'a, L: Lanes> FrictionView<'a, L> {
-    pub(super) fn new(needed: bool, of: &'a mut FrictionRows<L>) -> Self {
-        FrictionView { needed, rows: Shared::new(&mut of.rows), impacts: Shared::new(&mut of.impacts) }
+impl<'a, L: Lanes, const B: usize> FrictionView<'a, L, B> {
+    pub(super) fn new(
+        needed: bool,
+        rows: &'a mut [FrictionRow<L, B>],
+        impacts: &'a mut [ImpactRow<L, B>],
+    ) -> Self {
+        FrictionView { needed, rows: Shared::new(rows), impacts: Shared::new(impacts) }
     }
 
     /// The rows of a batch of contacts that touch; nothing if there is no friction.
@@ -113,7 +90,7 @@ impl<'a, L: Lanes> FrictionView<'a, L> {
     /// No other thread works on the batch.
     #[inline(always)]
     #[allow(clippy::mut_from_ref, reason = "the contract is the caller's, see `Shared::get`")]
-    pub(crate) unsafe fn touching(&self, batch: BatchRef) -> Option<&mut FrictionRow<L>> {
+    pub(crate) unsafe fn touching(&self, batch: BatchRef) -> Option<&mut FrictionRow<L, B>> {
         // SAFETY: by the contract; each batch has rows of its own.
         if self.needed { Some(unsafe { self.rows.get(batch.friction as usize) }) } else { None }
     }
@@ -123,7 +100,7 @@ impl<'a, L: Lanes> FrictionView<'a, L> {
     /// # Safety
     /// No other thread works on the batch.
     #[inline(always)]
-    pub(crate) unsafe fn of_impact(&self, batch: BatchRef, group: Group, normal: Vec3<L>) -> ImpactRow<L> {
+    pub(crate) unsafe fn of_impact(&self, batch: BatchRef, group: Group, normal: Vec3<L>) -> ImpactRow<L, B> {
         let i = batch.friction as usize;
         // SAFETY: by the contract; each batch has rows of its own.
         unsafe {
@@ -134,7 +111,7 @@ impl<'a, L: Lanes> FrictionView<'a, L> {
     /// # Safety
     /// As for [`FrictionView::touching`].
     #[inline(always)]
-    pub(super) unsafe fn to_fill(&self, batch: BatchRef, group: Group) -> Rub<'_, L> {
+    pub(super) unsafe fn to_fill(&self, batch: BatchRef, group: Group) -> Rub<'_, L, B> {
         let i = batch.friction as usize;
         // SAFETY: by the contract; each batch has rows of its own.
         unsafe {

@@ -16,28 +16,28 @@ use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
 /// # Safety
 /// The bodies of the batch that it may write are in no other batch of the stage.
 #[inline(never)]
-pub(crate) unsafe fn rub<L: GatherLanes, const P: usize, const TWO: bool>(
-    batch: &Batch<L, P>,
-    (friction, of, group): (&FrictionView<'_, L>, BatchRef, Group),
+pub(crate) unsafe fn rub<L: GatherLanes, const P: usize, const B: usize>(
+    batch: &Batch<L, P, B>,
+    (friction, of, group): (&FrictionView<'_, L, B>, BatchRef, Group),
     motion: &Motion<'_, '_>,
     pass: &Pass<'_>,
 ) -> bool {
-    let (load, arm) = potential_load(batch);
+    let (load, arm) = potential_load(batch, pass.real);
     let pushed = load.gt(L::zero());
     if !pushed.any() {
         return false;
     }
     // SAFETY: by the contract.
-    let mut v = unsafe { Pair::load::<TWO>([&batch.a, &batch.b], motion.velocity) };
+    let mut v = unsafe { Pair::load(batch, motion.velocity) };
     let n = batch.normal;
     // SAFETY: by the contract.
     let f = unsafe { friction.of_impact(of, group, n) };
     // Where the load was: n x (r x n) is r without its part along n, which all points share.
     let aside = n.cross(arm) * L::select(pushed, L::one() / load, L::zero());
     let arm_a = aside + n * f.along;
-    let arm_b = arm_a + f.to_b;
+    let arm_b = if B > 0 { arm_a + f.to_b[0] } else { arm_a };
     let mut u = -(v.va + v.wa.cross(arm_a));
-    if TWO {
+    if B > 0 {
         u += v.vb + v.wb.cross(arm_b);
     }
     let u = u - n * n.dot(u);
@@ -46,29 +46,32 @@ pub(crate) unsafe fn rub<L: GatherLanes, const P: usize, const TWO: bool>(
     let way = u * L::select(slides, L::one() / speed, L::zero());
     let (ta, tb) = (arm_a.cross(way), arm_b.cross(way));
     let mut k = batch.inverse_mass_a + ta.dot(batch.inverse_inertia_a.mul(ta));
-    if TWO {
-        k += batch.inverse_mass_b + tb.dot(batch.inverse_inertia_b.mul(tb));
+    if B > 0 {
+        k += batch.b[0].inverse_mass + tb.dot(batch.b[0].inverse_inertia.mul(tb));
     }
     // No more than stops the slip: so it takes energy and never adds any.
     let most = L::select(slides & k.gt(L::zero()), speed / k, L::zero());
     let p = -(load * f.coefficient).min(most);
-    v.apply::<P, TWO>(batch, way * p, ta * p, tb * p);
+    v.apply(batch, way * p, ta * p, tb * p);
     // SAFETY: by the contract.
-    let mut b = unsafe { Pair::load::<TWO>([&batch.a, &batch.b], motion.base) };
-    b.apply::<P, TWO>(batch, way * p, ta * p, tb * p);
+    let mut b = unsafe { Pair::load(batch, motion.base) };
+    b.apply(batch, way * p, ta * p, tb * p);
     // SAFETY: by the contract.
     unsafe {
-        v.save::<TWO>([&batch.a, &batch.b], [batch.write_a, batch.write_b], motion.velocity);
-        b.save::<TWO>([&batch.a, &batch.b], [batch.write_a, batch.write_b], motion.base);
+        v.save(batch, motion.velocity);
+        b.save(batch, motion.base);
     }
     (p.abs() * k).gt(L::splat(pass.shift)).any()
 }
 
-/// What potential points bear, and the sum of their arms x loads.
+/// What potential points bear, and the sum of their arms x loads. `real`: a separation up to this is one that touches [m].
 #[inline(always)]
-pub(super) fn potential_load<L: Lanes, const P: usize>(batch: &Batch<L, P>) -> (L, Vec3<L>) {
+pub(super) fn potential_load<L: Lanes, const P: usize, const B: usize>(
+    batch: &Batch<L, P, B>,
+    real: f32,
+) -> (L, Vec3<L>) {
     batch.points.iter().fold((L::zero(), Vec3::zero()), |(sum, arm), point| {
-        let load = point.impulse * (L::one() - point.real);
+        let load = L::select(point.separation.le(L::splat(real)), L::zero(), point.impulse);
         (sum + load, arm + point.arm_a * load)
     })
 }

@@ -116,16 +116,16 @@ fn turned_on(by: glam::Vec3, more: glam::Vec3) -> glam::Vec3 {
 /// Keeps a displacement of body `a` of each lane from crossing contacts any further than overlap that is left alone.
 #[inline(always)]
 pub(super) fn keep_out<L: GatherLanes, const P: usize>(
-    batch: &Batch<L, P>,
+    batch: &Batch<L, P, 0>,
     moved: &mut Pair<L>,
     closing: &Closing,
-    response: &mut impl Response<L, P>,
+    response: &mut impl Response<L, P, 0>,
 ) {
     for (i, point) in batch.points.iter().enumerate() {
         let room = (point.now + L::splat(closing.slop)).max(L::zero());
-        let over = relative::<L, false>(batch.normal, moved) + row::<L, false>(moved, point) + room;
+        let over = relative::<L, 0>(batch.normal, moved) + row(moved, point) + room;
         let mass = response.mass(batch, i);
         let p = L::select(mass.gt(L::zero()), (-(over * mass)).max(L::zero()), L::zero());
-        response.apply::<false>(batch, moved, batch.normal * p, point.arm_a * p, Vec3::zero());
+        response.apply(batch, moved, batch.normal * p, point.arm_a * p, Vec3::zero());
     }
 }

@@ -78,7 +78,7 @@ impl<L: GatherLanes> Ends<L> {
     #[inline(always)]
     pub(super) unsafe fn load(&self, records: &Shared<'_, Record>) -> Pair<L> {
         // SAFETY: by the contract.
-        unsafe { Pair::load::<true>([&self.body[0], &self.body[1]], records) }
+        unsafe { Pair::load_bodies(&self.body[0], Some(&self.body[1]), records) }
     }
 
     /// # Safety
@@ -86,7 +86,10 @@ impl<L: GatherLanes> Ends<L> {
     #[inline(always)]
     pub(super) unsafe fn save(&self, v: &Pair<L>, motion: &Motion<'_, '_>) {
         // SAFETY: by the contract.
-        unsafe { v.save::<true>([&self.body[0], &self.body[1]], self.write, motion.velocity) }
+        unsafe {
+            let [a, b] = [0, 1].map(|i| (&self.body[i], self.write[i]));
+            v.save_bodies(a, Some(b), motion.velocity)
+        }
     }
 
     /// Applies an impulse on the second body, its opposite on the first, and angular impulses: the one is taken from the

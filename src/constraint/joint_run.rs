@@ -8,8 +8,9 @@ use super::joint_line::LineBatch;
 use super::joint_lock::{PointBatch, TurnBatch};
 use super::joint_measure::{Distance, Slide, Tilt, Turn, Twist};
 use super::joint_row::RowBatch;
-use super::joint_tour::{Along, Ask, Toured};
+use super::joint_tour::{Ask, Toured};
 use super::joint_tree::TreeBatch;
+use super::rows::Views;
 use super::seats::{Seated, TreeRef};
 use crate::lanes::f32x8;
 use crate::threads::Shared;
@@ -76,7 +77,7 @@ impl JointRows {
         i: usize,
         motion: &Motion<'_, '_>,
         pass: Option<&JointPass>,
-        (along, touching): (&Along<'_>, &Pass<'_>),
+        (along, touching): (&Views<'_>, &Pass<'_>),
     ) {
         macro_rules! go {
             ($lanes:expr, $single:expr) => {
@@ -108,14 +109,14 @@ impl JointRows {
                         (false, None) => views.trees.get(i).warm_start(motion),
                         (false, Some(pass)) => {
                             let touch = |seated: &Seated, body: &mut Toured<'_, f32x8>| {
-                                along.lanes(seated, Ask::Solve(touching), body, motion)
+                                along.tour(seated, Ask::Solve(touching), body, motion)
                             };
                             views.trees.get(i).solve(motion, pass, along.seated, touch);
                         }
                         (true, None) => views.tree.get(i).warm_start(motion),
                         (true, Some(pass)) => {
                             let touch = |seated: &Seated, body: &mut Toured<'_, f32>| {
-                                along.single(seated, Ask::Solve(touching), body, motion)
+                                along.tour_single(seated, Ask::Solve(touching), body, motion)
                             };
                             views.tree.get(i).solve(motion, pass, along.seated, touch);
                         }
@@ -134,17 +135,17 @@ impl JointRows {
         tree: TreeRef,
         motion: &Motion<'_, '_>,
         closing: &Closing,
-        along: &Along<'_>,
+        along: &Views<'_>,
     ) {
         // SAFETY: by the contract; contacts go along with one batch.
         unsafe {
             if tree.is_single() {
                 views.tree.get(tree.index()).close(motion, closing, along.seated, |seated, ask, body| {
-                    along.single(seated, ask, body, motion);
+                    along.tour_single(seated, ask, body, motion);
                 });
             } else {
                 views.trees.get(tree.index()).close(motion, closing, along.seated, |seated, ask, body| {
-                    along.lanes(seated, ask, body, motion);
+                    along.tour(seated, ask, body, motion);
                 });
             }
         }

@@ -6,34 +6,20 @@
 //! (`Node::whole`), and a walk along the tree hands on what the contacts of one body change to the next, so that each of them
 //! sees velocities that all joints allow: Gauss-Seidel in the coordinates of the joints, at the cost of one more solution.
 
-use super::batch::{Batch, BatchRef, Rows};
+use super::batch::Batch;
 use super::contact_row::{Free, Motion, Pair, Pass, Response, follow, relative, row, sweep};
-use super::friction::{FrictionRow, FrictionView};
+use super::friction::FrictionRow;
 use super::impact_friction::potential_load;
 use super::joint_close::{Closing, keep_out};
 use super::joint_ends::NONE;
 use super::joint_tree::{Node, TreeBatch};
-use super::order::Stage;
+use super::rows::Views;
 use super::seats::Seated;
 use super::spatial::{Sym6, Twist};
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, f32x8};
-use crate::threads::Shared;
 
 /// Walks a pass: the second finds what contacts of one body left to those of another.
 const TOURS: u32 = 2;
-
-/// All batches of contacts, for several threads, and which of them go along with trees.
-pub(crate) struct Along<'a> {
-    pub(crate) seated: &'a [Seated],
-    pub(crate) p1: Shared<'a, Batch<f32x8, 1>>,
-    pub(crate) p2: Shared<'a, Batch<f32x8, 2>>,
-    pub(crate) p3: Shared<'a, Batch<f32x8, 3>>,
-    pub(crate) p4: Shared<'a, Batch<f32x8, 4>>,
-    pub(crate) single: Shared<'a, Batch<f32, 4>>,
-    /// Of batches of eight lanes, and of one.
-    pub(crate) friction: FrictionView<'a, f32x8>,
-    pub(crate) friction_single: FrictionView<'a, f32>,
-}
 
 /// What is asked of the contacts of a body on a walk along its tree.
 #[derive(Clone, Copy)]
@@ -46,43 +32,27 @@ pub(super) enum Ask<'a> {
     Stop(&'a Closing),
 }
 
-impl<'a> Along<'a> {
-    pub(crate) fn of(rows: &'a mut Rows) -> (Along<'a>, &'a [BatchRef], &'a [Stage]) {
-        let Rows { p1, p2, p3, p4, single, friction, schedule, stages, seated, .. } = rows;
-        let (p1, p2, p3, p4) = (Shared::new(p1), Shared::new(p2), Shared::new(p3), Shared::new(p4));
-        let along = Along {
-            seated,
-            p1,
-            p2,
-            p3,
-            p4,
-            single: Shared::new(single),
-            friction: FrictionView::new(friction.needed, &mut friction.lanes),
-            friction_single: FrictionView::new(friction.needed, &mut friction.single),
-        };
-        (along, schedule, stages)
-    }
-
+impl Views<'_> {
     /// Contacts of one body of each of up to eight trees.
     ///
     /// # Safety
     /// No other thread works on the trees, and none writes displacements.
-    pub(super) unsafe fn lanes(
+    pub(super) unsafe fn tour(
         &self,
         seated: &Seated,
         ask: Ask<'_>,
         body: &mut Toured<'_, f32x8>,
         motion: &Motion<'_, '_>,
     ) {
-        let i = seated.batch.index as usize;
+        let (i, lanes) = (seated.batch.index as usize, &self.one.lanes);
         // SAFETY: by the contract; a batch has the contacts of one batch of trees.
         unsafe {
-            let rubs = if seated.potential { None } else { self.friction.touching(seated.batch) };
+            let rubs = if seated.potential { None } else { lanes.friction.touching(seated.batch) };
             match seated.batch.points {
-                1 => touch(self.p1.get(i), rubs, ask, body, motion),
-                2 => touch(self.p2.get(i), rubs, ask, body, motion),
-                3 => touch(self.p3.get(i), rubs, ask, body, motion),
-                _ => touch(self.p4.get(i), rubs, ask, body, motion),
+                1 => touch(lanes.p1.get(i), rubs, ask, body, motion),
+                2 => touch(lanes.p2.get(i), rubs, ask, body, motion),
+                3 => touch(lanes.p3.get(i), rubs, ask, body, motion),
+                _ => touch(lanes.p4.get(i), rubs, ask, body, motion),
             }
         }
     }
@@ -90,19 +60,19 @@ impl<'a> Along<'a> {
     /// Contacts of one body of one tree.
     ///
     /// # Safety
-    /// As for [`Along::lanes`].
-    pub(super) unsafe fn single(
+    /// As for [`Views::tour`].
+    pub(super) unsafe fn tour_single(
         &self,
         seated: &Seated,
         ask: Ask<'_>,
         body: &mut Toured<'_, f32>,
         motion: &Motion<'_, '_>,
     ) {
-        let i = seated.batch.index as usize;
+        let (i, single) = (seated.batch.index as usize, &self.one.single);
         // SAFETY: by the contract; a batch has the contacts of one tree.
         unsafe {
-            let rubs = if seated.potential { None } else { self.friction_single.touching(seated.batch) };
-            touch(self.single.get(i), rubs, ask, body, motion)
+            let rubs = if seated.potential { None } else { single.friction.touching(seated.batch) };
+            touch(single.all.get(i), rubs, ask, body, motion)
         }
     }
 }
@@ -225,7 +195,7 @@ const LEAST: f32 = 1e-4;
 
 impl<'a, L: Lanes, const P: usize> Whole<'a, L, P> {
     #[inline(always)]
-    fn new(whole: &'a Sym6<L>, batch: &Batch<L, P>, rubs: Option<&FrictionRow<L>>) -> Self {
+    fn new(whole: &'a Sym6<L>, batch: &Batch<L, P, 0>, rubs: Option<&FrictionRow<L, 0>>) -> Self {
         let n = batch.normal;
         let (zero, one) = (L::zero(), L::one());
         let mut stiffness = [[zero; P]; P];
@@ -260,28 +230,21 @@ impl<'a, L: Lanes, const P: usize> Whole<'a, L, P> {
     }
 }
 
-impl<L: GatherLanes, const P: usize> Response<L, P> for Whole<'_, L, P> {
+impl<L: GatherLanes, const P: usize> Response<L, P, 0> for Whole<'_, L, P> {
     #[inline(always)]
-    fn mass(&self, _: &Batch<L, P>, i: usize) -> L {
+    fn mass(&self, _: &Batch<L, P, 0>, i: usize) -> L {
         self.mass[i]
     }
     #[inline(always)]
-    fn stiffness(&self, _: &Batch<L, P>, i: usize, k: usize) -> L {
+    fn stiffness(&self, _: &Batch<L, P, 0>, i: usize, k: usize) -> L {
         self.stiffness[i][k]
     }
     #[inline(always)]
-    fn friction(&self, _: &FrictionRow<L>) -> ([L; 3], L, L) {
+    fn friction(&self, _: &FrictionRow<L, 0>) -> ([L; 3], L, L) {
         self.friction
     }
     #[inline(always)]
-    fn apply<const TWO: bool>(
-        &mut self,
-        _: &Batch<L, P>,
-        v: &mut Pair<L>,
-        p: Vec3<L>,
-        ta: Vec3<L>,
-        _: Vec3<L>,
-    ) {
+    fn apply(&mut self, _: &Batch<L, P, 0>, v: &mut Pair<L>, p: Vec3<L>, ta: Vec3<L>, _: Vec3<L>) {
         let push = Twist { linear: -p, angular: -ta };
         self.push.add(push);
         let change = self.whole.mul(&push);
@@ -296,27 +259,27 @@ impl<L: GatherLanes, const P: usize> Response<L, P> for Whole<'_, L, P> {
 /// The batch is no other thread's, and no thread writes displacements.
 #[inline(always)]
 unsafe fn touch<L: GatherLanes, const P: usize>(
-    batch: &mut Batch<L, P>,
-    rubs: Option<&mut FrictionRow<L>>,
+    batch: &mut Batch<L, P, 0>,
+    rubs: Option<&mut FrictionRow<L, 0>>,
     ask: Ask<'_>,
     body: &mut Toured<'_, L>,
     motion: &Motion<'_, '_>,
 ) {
     if !matches!(ask, Ask::Solve(Pass { relax: false, .. })) {
         // SAFETY: by the contract.
-        unsafe { follow::<L, P, false>(batch, motion) };
+        unsafe { follow(batch, motion) };
     }
     let (zero, v) = (Vec3::zero(), body.velocity);
     let mut v = Pair { va: v.linear, wa: v.angular, vb: zero, wb: zero };
     body.push = match (ask, rubs) {
         (Ask::Solve(pass), None) => {
             let mut whole = Whole::new(body.whole, batch, None);
-            sweep::<L, P, false, false, _>(batch, None, &mut v, pass, &mut whole);
+            sweep::<L, P, 0, false, _>(batch, None, &mut v, pass, &mut whole);
             whole.push
         }
         (Ask::Solve(pass), Some(rubs)) => {
             let mut whole = Whole::new(body.whole, batch, Some(rubs));
-            sweep::<L, P, false, true, _>(batch, Some(rubs), &mut v, pass, &mut whole);
+            sweep::<L, P, 0, true, _>(batch, Some(rubs), &mut v, pass, &mut whole);
             whole.push
         }
         (Ask::Push(closing), _) => {
@@ -341,32 +304,31 @@ unsafe fn touch<L: GatherLanes, const P: usize>(
 /// # Safety
 /// As for [`solve`](super::contact_row::solve).
 #[inline(always)]
-pub(crate) unsafe fn guard<L: GatherLanes, const P: usize>(
-    batch: &Batch<L, P>,
+pub(crate) unsafe fn guard<L: GatherLanes, const P: usize, const B: usize>(
+    batch: &Batch<L, P, B>,
     motion: &Motion<'_, '_>,
     pass: &Pass<'_>,
 ) -> bool {
-    let (a, write) = ([&batch.a, &batch.b], [batch.write_a, batch.write_b]);
     let zero = Vec3::zero();
     // SAFETY: by the contract.
-    let mut v = unsafe { Pair::load::<false>(a, motion.velocity) };
+    let mut v = unsafe { Pair::load(batch, motion.velocity) };
     let (mut sum, mut moment) = (L::zero(), zero);
     for point in &batch.points {
-        let u = relative::<L, false>(batch.normal, &v) + row::<L, false>(&v, point);
+        let u = relative::<L, B>(batch.normal, &v) + row(&v, point);
         let gap = (point.now * L::splat(pass.inverse_h)).max(L::zero());
         let push = L::select(point.mass.gt(L::zero()), (-((u + gap) * point.mass)).max(L::zero()), L::zero());
-        v.apply::<P, false>(batch, batch.normal * push, point.arm_a * push, zero);
+        v.apply(batch, batch.normal * push, point.arm_a * push, zero);
         sum += push;
         moment += point.arm_a * push;
     }
     if sum.gt(L::zero()).any() {
         // SAFETY: by the contract.
         unsafe {
-            let mut base = Pair::load::<false>(a, motion.base);
-            base.apply::<P, false>(batch, batch.normal * sum, moment, zero);
-            v.save::<false>(a, write, motion.velocity);
-            base.save::<false>(a, write, motion.base);
+            let mut base = Pair::load(batch, motion.base);
+            base.apply(batch, batch.normal * sum, moment, zero);
+            v.save(batch, motion.velocity);
+            base.save(batch, motion.base);
         }
     }
-    pass.relax && potential_load(batch).0.gt(L::zero()).any()
+    pass.relax && potential_load(batch, pass.real).0.gt(L::zero()).any()
 }

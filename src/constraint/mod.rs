@@ -22,11 +22,12 @@ mod joint_trees;
 mod keys;
 mod order;
 mod prepare;
+mod rows;
 mod seats;
 mod spatial;
 
 pub(crate) use arrange::{Part, PrepareScratch, Prepared};
-pub(crate) use batch::{Batch, BatchRef, Rows, Surface};
+pub(crate) use batch::{Batch, BatchRef};
 pub(crate) use bounce::{BounceInput, BounceScratch, bounce};
 pub(crate) use friction::{FrictionRow, FrictionView};
 pub(crate) use impact_friction::rub;
@@ -51,8 +52,9 @@ pub(crate) const JOINT_BYTES: [usize; 3] = {
     ]
 };
 pub(crate) use joint_close::Closing;
-pub(crate) use joint_tour::{Along, guard};
+pub(crate) use joint_tour::guard;
 pub(crate) use order::{Group, Stage};
 pub use order::{Order, RowGroup};
 pub(crate) use prepare::{PrepareInput, prepare};
+pub(crate) use rows::{Rows, Surface, Views, with_batch};
 pub(crate) use seats::{Seat, Seats, TreeRef};

@@ -1,9 +1,10 @@
 //! Contacts -> batches: arranged by importance, colour and size, the contacts fill the lanes.
 
 use super::arrange::{Part, PrepareScratch, Prepared, arrange};
-use super::batch::{Batch, Rows, Surface};
-use super::friction::{FrictionView, Rub};
-use super::order::{Group, Order};
+use super::batch::Batch;
+use super::friction::Rub;
+use super::order::Order;
+use super::rows::{Rows, Surface, Views, with_batch};
 use super::seats::{Seat, Seats};
 use crate::body::{Bodies, Pose};
 use crate::broad_phase::Pair;
@@ -52,7 +53,6 @@ pub(crate) struct PrepareInput<'a> {
 const BLOCK: usize = per_block(8, 1);
 
 /// Builds all batches of the step, as far as there is room for them.
-#[allow(clippy::needless_range_loop, reason = "the index is also that of the ranges")]
 pub(crate) fn prepare(
     crew: &Crew<'_>,
     input: &PrepareInput<'_>,
@@ -60,7 +60,7 @@ pub(crate) fn prepare(
     scratch: &mut PrepareScratch,
     rooms: &mut Rooms,
 ) -> Prepared {
-    rows.friction.set_needed(input.friction);
+    rows.set_rubs(input.friction);
     let prepared = arrange(input, rows, scratch, rooms);
     rows.surfaces.clear();
     if input.tweaks.iter().any(|tweak| tweak.surface != glam::Vec3::ZERO)
@@ -69,13 +69,23 @@ pub(crate) fn prepare(
     {
         rows.surfaces.resize(rows.schedule.len(), [[0.0; 8]; 2]);
     }
-    let Rows { p1, p2, p3, p4, single, friction, schedule, stages, surfaces, .. } = rows;
-    let rubs = FrictionView::new(friction.needed, &mut friction.lanes);
-    let rubs_single = FrictionView::new(friction.needed, &mut friction.single);
+    let mut surfaces = std::mem::take(&mut rows.surfaces);
+    fill_all(crew, input, &rows.views(), &mut surfaces, scratch);
+    rows.surfaces = surfaces;
+    prepared
+}
+
+/// Fills the batches of the schedule.
+#[allow(clippy::needless_range_loop, reason = "the index is also that of the ranges")]
+fn fill_all(
+    crew: &Crew<'_>,
+    input: &PrepareInput<'_>,
+    views: &Views<'_>,
+    surfaces: &mut [Surface],
+    scratch: &PrepareScratch,
+) {
     let (moving, surfaces) = (!surfaces.is_empty(), Shared::new(surfaces));
-    let (p1, p2, p3, p4) = (Shared::new(p1), Shared::new(p2), Shared::new(p3), Shared::new(p4));
-    let single = Shared::new(single);
-    let (schedule, stages, scratch) = (&*schedule, &*stages, &*scratch);
+    let (schedule, stages) = (views.schedule, views.stages);
     crew.run(schedule.len().div_ceil(BLOCK), &|block| {
         let mut stage = stages.partition_point(|s| s.end as usize <= block * BLOCK);
         for place in block * BLOCK..((block + 1) * BLOCK).min(schedule.len()) {
@@ -85,33 +95,29 @@ pub(crate) fn prepare(
             let group = stages[stage].group;
             let (first, count) = scratch.ranges[place];
             let contacts = &scratch.sorted[first as usize..(first + count) as usize];
-            let batch = schedule[place];
-            let i = batch.index as usize;
-            let seats = batch.seated.then_some(input.seats);
+            let of = schedule[place];
+            let seats = of.seated.then_some(input.seats);
             // SAFETY: as below.
             let surface = moving.then(|| (place, unsafe { surfaces.get(place) }));
             // SAFETY: each batch stands in the schedule once, so no other block fills it.
             unsafe {
-                if batch.points == 0 {
-                    let rub = rubs_single.to_fill(batch, group);
-                    fill(single.get(i), rub, contacts, group, (seats, surface), input);
-                    continue;
-                }
-                let rub = rubs.to_fill(batch, group);
-                match batch.points {
-                    1 => fill(p1.get(i), rub, contacts, group, (seats, surface), input),
-                    2 => fill(p2.get(i), rub, contacts, group, (seats, surface), input),
-                    3 => fill(p3.get(i), rub, contacts, group, (seats, surface), input),
-                    _ => fill(p4.get(i), rub, contacts, group, (seats, surface), input),
-                }
+                with_batch!(views, group, of, |batch, friction| {
+                    fill(batch, friction.to_fill(of, group), contacts, (seats, surface), input)
+                });
             }
         }
     });
-    prepared
 }
 
 /// What a batch needs of its contacts, transposed: a column of eight lanes for each number. Inert lanes are zero.
 struct Columns<const P: usize> {
+    /// Bodies, contacts and bits of the lanes: see [`Batch`].
+    a: [u32; 8],
+    b: [u32; 8],
+    contact: [Part; 8],
+    write: [u8; 2],
+    swapped: u8,
+    heard: u8,
     rotation: [[f32; 8]; 4],
     normal: [[f32; 8]; 3],
     /// From the batch's body a to the origin of the contact's shape a, at the time of the contact.
@@ -148,14 +154,22 @@ fn sym3<L: Lanes>(c: &[[f32; 8]; 6]) -> Sym3<L> {
 }
 
 /// Looks up one lane after another: each contact is touched once, and the arithmetic is left to the lanes.
-fn gather_columns<L: GatherLanes, const P: usize>(
-    batch: &mut Batch<L, P>,
+///
+/// Not inlined: of all that makes a batch this is the most code, and it is the same for any width and any bodies `b`.
+#[inline(never)]
+fn gather_columns<const P: usize>(
     parts: &[Part],
     touching: bool,
     seats: Option<&Seats>,
     input: &PrepareInput<'_>,
 ) -> Columns<P> {
     let mut out = Columns {
+        a: [0; 8],
+        b: [0; 8],
+        contact: [Part::NONE; 8],
+        write: [0; 2],
+        swapped: 0,
+        heard: 0,
         rotation: [[0.0; 8]; 4],
         normal: [[0.0; 8]; 3],
         origin: [[0.0; 8]; 3],
@@ -173,9 +187,6 @@ fn gather_columns<L: GatherLanes, const P: usize>(
         coefficient: [[0.0; 8]; 2],
     };
     let (dynamic, movers) = (input.bodies.dynamic() as u32, input.bodies.movers() as u32);
-    (batch.write_a, batch.write_b, batch.swapped) = (0, 0, 0);
-    batch.contact = [Part::NONE; 8];
-    (batch.heard, batch.surface) = (0, u32::MAX);
     let mut first = 0;
     for (place, &part) in parts.iter().enumerate() {
         let contact = &input.contacts[part.slot()];
@@ -188,12 +199,12 @@ fn gather_columns<L: GatherLanes, const P: usize>(
         if place == 0 {
             first = lane;
         }
-        batch.contact[lane] = part;
-        batch.swapped |= u32::from(swap) << lane;
-        batch.write_a |= u32::from(a < dynamic) << lane;
-        batch.write_b |= u32::from(b < dynamic) << lane;
+        out.contact[lane] = part;
+        out.swapped |= u8::from(swap) << lane;
+        out.write[0] |= u8::from(a < dynamic) << lane;
+        out.write[1] |= u8::from(b < dynamic) << lane;
         // A static body has no record: its velocity is never used.
-        (batch.a[lane], batch.b[lane]) = (a, if b < movers { b } else { a });
+        (out.a[lane], out.b[lane]) = (a, if b < movers { b } else { a });
 
         let at = |body: u32| &input.bodies.pose[body as usize].position;
         let mut between = (*at(shape_a.body) - *at(shape_b.body)).as_vec3();
@@ -236,7 +247,7 @@ fn gather_columns<L: GatherLanes, const P: usize>(
             put3(&mut out.friction, lane, contact.friction * (share * input.warm));
             out.twist[lane] = contact.twist * input.warm;
         }
-        batch.heard |= u32::from((shape_a.flags | shape_b.flags) & EVENTS != 0) << lane;
+        out.heard |= u8::from((shape_a.flags | shape_b.flags) & EVENTS != 0) << lane;
         if !input.friction {
             continue;
         }
@@ -247,22 +258,24 @@ fn gather_columns<L: GatherLanes, const P: usize>(
         let (sticking, sliding) = friction;
         (out.coefficient[0][lane], out.coefficient[1][lane]) = (sticking, sliding);
     }
-    for lane in (0..8).filter(|&lane| batch.contact[lane] == Part::NONE) {
-        (batch.a[lane], batch.b[lane]) = (batch.a[first], batch.b[first]);
+    for lane in (0..8).filter(|&lane| out.contact[lane] == Part::NONE) {
+        (out.a[lane], out.b[lane]) = (out.a[first], out.b[first]);
     }
     out
 }
 
 /// Fills the lanes of a batch; lanes without a contact get rows without mass.
-fn fill<L: GatherLanes, const P: usize>(
-    batch: &mut Batch<L, P>,
-    rub: Rub<'_, L>,
+fn fill<L: GatherLanes, const P: usize, const B: usize>(
+    batch: &mut Batch<L, P, B>,
+    rub: Rub<'_, L, B>,
     parts: &[Part],
-    group: Group,
     (seats, surface): (Option<&Seats>, Option<(usize, &mut Surface)>),
     input: &PrepareInput<'_>,
 ) {
-    let columns = gather_columns(batch, parts, matches!(rub, Rub::Touching(_)), seats, input);
+    let columns = gather_columns::<P>(parts, matches!(rub, Rub::Touching(_)), seats, input);
+    (batch.a, batch.contact, batch.surface) = (columns.a, columns.contact, u32::MAX);
+    [batch.write_a, batch.write_b] = columns.write;
+    (batch.swapped, batch.heard) = (columns.swapped, columns.heard);
     let turn = crate::lanes::Quat {
         v: Vec3::new(
             L::load(&columns.rotation[0]),
@@ -274,14 +287,22 @@ fn fill<L: GatherLanes, const P: usize>(
     .to_matrix();
     let sign = L::load(&columns.sign);
     let n = turn.mul(vec3(&columns.normal)) * sign;
-    let (ma, mb) = (L::load(&columns.inverse_mass[0]), L::load(&columns.inverse_mass[1]));
-    let (ia, ib) = (sym3(&columns.inverse_inertia[0]), sym3(&columns.inverse_inertia[1]));
+    let (ma, ia) = (L::load(&columns.inverse_mass[0]), sym3(&columns.inverse_inertia[0]));
     let (origin, to_b) = (vec3::<L>(&columns.origin), vec3::<L>(&columns.to_b));
     (batch.normal, batch.peak) = (n, L::zero());
-    (batch.inverse_mass_a, batch.inverse_mass_b) = (ma, mb);
-    (batch.inverse_inertia_a, batch.inverse_inertia_b) = (ia, ib);
+    (batch.inverse_mass_a, batch.inverse_inertia_a) = (ma, ia);
+    let (mb, ib) = if B > 0 {
+        let b = &mut batch.b[0];
+        b.index = columns.b;
+        b.inverse_mass = L::load(&columns.inverse_mass[1]);
+        b.inverse_inertia = sym3(&columns.inverse_inertia[1]);
+        (b.inverse_mass, b.inverse_inertia)
+    } else {
+        (L::zero(), Sym3::default())
+    };
     let (mut ra, mut rb) = ([Vec3::<L>::zero(); P], [Vec3::<L>::zero(); P]);
     let (mut turned_a, mut turned_b) = ([Vec3::<L>::zero(); P], [Vec3::<L>::zero(); P]);
+    let mut arms_b = [Vec3::<L>::zero(); P];
     let mut present = [L::zero(); P];
     for i in 0..P {
         present[i] = L::load(&columns.present[i]);
@@ -293,15 +314,15 @@ fn fill<L: GatherLanes, const P: usize>(
         let possible = present[i].gt(L::zero()) & k.gt(L::zero());
         let s = L::load(&columns.separation[i]);
         let point = &mut batch.points[i];
-        (point.arm_a, point.arm_b) = (arm_a, arm_b);
+        (point.arm_a, point.arm_b) = (arm_a, [arm_b; B]);
+        arms_b[i] = arm_b;
         (point.separation, point.now) = (s, s);
         point.mass = L::select(possible, L::one() / k, L::zero());
         point.held = L::select(possible, L::load(&columns.held[i]), L::zero());
         point.stiffness = k;
         point.impulse = L::select(possible, L::load(&columns.impulse[i]), L::zero());
-        point.real = L::select(s.le(L::splat(input.real)), present[i], L::zero());
-        for k in 0..i {
-            let both = batch.points[k].arm_a.dot(turned_a[i]) + batch.points[k].arm_b.dot(turned_b[i]);
+        for (k, other_b) in arms_b.iter().enumerate().take(i) {
+            let both = batch.points[k].arm_a.dot(turned_a[i]) + other_b.dot(turned_b[i]);
             batch.couple(k, i, ma + mb + both);
         }
     }
@@ -317,12 +338,12 @@ fn fill<L: GatherLanes, const P: usize>(
     let f = match rub {
         Rub::Nothing => return,
         Rub::Impact(f) => {
-            (f.along, f.to_b, f.coefficient) = (n.dot(fa), fb - fa, sliding);
+            (f.along, f.to_b, f.coefficient) = (n.dot(fa), [fb - fa; B], sliding);
             return;
         }
         Rub::Touching(f) => f,
     };
-    (f.arm_a, f.arm_b) = (fa, fb);
+    (f.arm_a, f.arm_b) = (fa, [fb; B]);
 
     let radius = ra.iter().zip(&present).fold(L::zero(), |s, (&r, &x)| s + (r - fa).length() * x) * share;
     let (t1, t2) = n.tangents();
@@ -347,8 +368,13 @@ fn fill<L: GatherLanes, const P: usize>(
 
     let velocity = &input.bodies.velocity;
     let record = |i: usize| velocity[i];
-    let ((va, wa), (vb, wb)) = (gather::<L>(record, &batch.a), gather::<L>(record, &batch.b));
-    let at_b = if group.is_static() { Vec3::zero() } else { vb + wb.cross(fb) };
+    let (va, wa) = gather::<L>(record, &batch.a);
+    let at_b = if B > 0 {
+        let (vb, wb) = gather::<L>(record, &batch.b[0].index);
+        vb + wb.cross(fb)
+    } else {
+        Vec3::zero()
+    };
     let mut slip = at_b - (va + wa.cross(fa));
     if let Some((place, surface)) = surface {
         let past = Vec3::<L>::from_fn(|lane| {

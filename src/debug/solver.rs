@@ -1,8 +1,7 @@
 //! The graph that the solver coloured: contacts as lines between bodies.
 
 use super::{Colour, DebugDraw, DrawOptions, Element, Ink};
-use crate::constraint::{Batch, Part};
-use crate::lanes::Lanes;
+use crate::constraint::Part;
 use crate::world::World;
 use glam::DVec3;
 
@@ -10,26 +9,15 @@ use glam::DVec3;
 const NO_COLOUR: Colour = Colour::new(255, 255, 255);
 
 pub(super) fn draw(world: &World, options: &DrawOptions, out: &mut dyn DebugDraw) {
-    let rows = &world.buffers.rows;
+    let (rows, arranged) = (&world.buffers.rows, &world.buffers.prepare);
     for (n, stage) in rows.stages.iter().enumerate() {
         let colour = if stage.serial { NO_COLOUR } else { Colour::nth(n) };
         let ink = Ink { element: Element::SolverColour, colour };
         let mut part = |part: Part| draw_part(world, part, ink, options, out);
-        for batch in &rows.schedule[stage.start as usize..stage.end as usize] {
-            let i = batch.index as usize;
-            match batch.points {
-                1 => each(&rows.p1[i], &mut part),
-                2 => each(&rows.p2[i], &mut part),
-                3 => each(&rows.p3[i], &mut part),
-                4 => each(&rows.p4[i], &mut part),
-                _ => each(&rows.single[i], &mut part),
-            }
+        for &(first, count) in &arranged.ranges[stage.start as usize..stage.end as usize] {
+            arranged.sorted[first as usize..(first + count) as usize].iter().for_each(|&of| part(of));
         }
     }
-}
-
-fn each<L: Lanes, const P: usize>(batch: &Batch<L, P>, f: &mut dyn FnMut(Part)) {
-    batch.contact[..L::N].iter().filter(|part| **part != Part::NONE).for_each(|part| f(*part));
 }
 
 fn draw_part(world: &World, part: Part, ink: Ink, options: &DrawOptions, out: &mut dyn DebugDraw) {

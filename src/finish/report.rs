@@ -109,7 +109,7 @@ impl StepReport {
             slept: world.sleep.slept,
             woke: world.sleep.woke,
             events_lost: world.events.lost,
-            uncoloured: world.buffers.rows.single.len() as u32,
+            uncoloured: world.buffers.rows.uncoloured() as u32,
             batches: world.buffers.rows.schedule.len() as u32,
         }
     }

@@ -6,7 +6,7 @@
 use super::guard::Guard;
 use crate::body::{Bodies, Pose, exp_map};
 use crate::constraint::contact_row::Motion;
-use crate::constraint::{Along, Closing, JointRows, Rows, Seat};
+use crate::constraint::{Closing, JointRows, Rows, Seat};
 use crate::lanes::Record;
 use crate::threads::Shared;
 use glam::Vec3;
@@ -63,7 +63,7 @@ impl Trees<'_> {
     }
 
     fn close(&mut self, seat: Seat) {
-        let (along, ..) = Along::of(self.rows);
+        let along = self.rows.views();
         // Of the solver's state only displacements are looked at.
         let (velocity, base) = (&mut [][..], &mut [][..]);
         let (velocity, base, delta) = (Shared::new(velocity), Shared::new(base), Shared::new(self.delta));

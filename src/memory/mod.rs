@@ -5,12 +5,14 @@ mod budget;
 mod column;
 mod room;
 mod rooms;
+mod slab;
 
 pub(crate) use amounts::Amounts;
 pub use budget::Budget;
 pub(crate) use column::{bytes_of, in_arc};
 pub(crate) use room::{Buffer, Buffers, Made, Marks, Room, even_out};
 pub(crate) use rooms::Rooms;
+pub(crate) use slab::{Cut, Slab};
 
 use std::fmt;
 

@@ -80,13 +80,13 @@ impl Room {
     /// the room doesn't suffice.
     #[inline]
     pub(crate) fn fit<T>(&mut self, buffer: &mut Vec<T>, len: usize) -> usize {
-        if len <= buffer.capacity() { len } else { self.grow(buffer, len) }
+        if len <= buffer.capacity() { len } else { self.grow(buffer, len, usize::MAX) }
     }
 
     #[cold]
-    fn grow<T>(&mut self, buffer: &mut Vec<T>, len: usize) -> usize {
+    fn grow<T>(&mut self, buffer: &mut Vec<T>, len: usize, most: usize) -> usize {
         let (size, before) = (size_of::<T>().max(1), buffer.capacity());
-        let generous = generous::<T>(before, len);
+        let generous = generous::<T>(before, len).min(most.max(len));
         if self.is_endless() {
             buffer.reserve_exact(generous - buffer.len());
             return len;
@@ -106,8 +106,14 @@ impl Room {
     /// Appends if there is place; says whether there was.
     #[inline]
     pub(crate) fn push<T>(&mut self, buffer: &mut Vec<T>, value: T) -> bool {
+        self.push_within(buffer, value, usize::MAX)
+    }
+
+    /// The same for a buffer that never has to hold more than so many.
+    #[inline]
+    pub(crate) fn push_within<T>(&mut self, buffer: &mut Vec<T>, value: T, most: usize) -> bool {
         let len = buffer.len() + 1;
-        let fits = len <= buffer.capacity() || self.grow(buffer, len) >= len;
+        let fits = len <= buffer.capacity() || self.grow(buffer, len, most) >= len;
         if fits {
             buffer.push(value);
         }

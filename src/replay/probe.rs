@@ -229,7 +229,7 @@ fn narrow(world: &World, hash: &mut Hash) {
 
 fn prepare(world: &World, hash: &mut Hash) {
     let rows = &world.buffers.rows;
-    hash.pair(rows.schedule.len() as u32, rows.single.len() as u32);
+    hash.pair(rows.schedule.len() as u32, rows.uncoloured() as u32);
     for &(a, b) in &world.events.vetoed {
         hash.pair(a, b);
     }

@@ -39,6 +39,7 @@ struct Shape {
     bounds: Aabb,
     kind: Kind,
     dynamic: bool,
+    moves: bool,
 }
 
 /// How many of each there will be.
@@ -46,9 +47,9 @@ pub(super) fn expect(scene: &Scene, settings: &Settings) -> Crowd {
     let start = at_start(scene, settings);
     let down = once_down(scene, settings);
     let most = |a: usize, b: usize| if b > a { (b as f32 * SLACK) as usize } else { a };
-    let contacts: usize = down.contacts.iter().sum();
-    let mut crowd = if contacts > start.contacts.iter().sum() {
-        let contacts = down.contacts.map(|n| (n as f32 * SLACK) as usize);
+    let contacts = |crowd: &Crowd| crowd.contacts.iter().flatten().sum::<usize>();
+    let mut crowd = if contacts(&down) > contacts(&start) {
+        let contacts = down.contacts.map(|side| side.map(|n| (n as f32 * SLACK) as usize));
         Crowd { contacts, ..down }
     } else {
         start
@@ -82,10 +83,10 @@ fn collider(shape: &ShapeDesc) -> Collider {
 
 fn shapes(scene: &Scene) -> Vec<Shape> {
     let of_body = |(body, desc): (usize, &BodyDesc)| {
-        let dynamic = desc.kind == BodyKind::Dynamic;
+        let (dynamic, moves) = (desc.kind == BodyKind::Dynamic, desc.kind != BodyKind::Static);
         let shape = move |shape: &ShapeDesc| {
             let c = collider(shape);
-            Shape { body, bounds: aabb_of(&c, desc.position, desc.rotation), kind: c.kind, dynamic }
+            Shape { body, bounds: aabb_of(&c, desc.position, desc.rotation), kind: c.kind, dynamic, moves }
         };
         desc.shapes.iter().map(shape).collect::<Vec<_>>()
     };
@@ -138,7 +139,8 @@ fn at_start(scene: &Scene, settings: &Settings) -> Crowd {
             *if of_mesh { &mut crowd.of_meshes } else { &mut crowd.fresh } += 1;
             // The box of a mesh says little.
             if !of_mesh && meet(close) {
-                crowd.contacts[full(a.kind, b.kind)] += 1;
+                let one_is_static = !(a.moves && b.moves);
+                crowd.contacts[usize::from(one_is_static)][full(a.kind, b.kind)] += 1;
             }
         }
         open.push(i);
@@ -206,17 +208,17 @@ fn once_down(scene: &Scene, settings: &Settings) -> Crowd {
 
     // A share of the shapes, whose contacts have few points unless they lie on a face.
     let [sphere, capsule, _] = kinds.map(|n| n / falling.max(1.0));
-    let mut by_points = [0.0f32; 4];
-    let mut add = |share: f32, parts: [f32; 4]| {
-        by_points.iter_mut().zip(parts).for_each(|(n, part)| *n += share * part);
+    let mut by_points = [[0.0f32; 4]; 2];
+    let mut add = |side: usize, share: f32, parts: [f32; 4]| {
+        by_points[side].iter_mut().zip(parts).for_each(|(n, part)| *n += contacts[side] * share * part);
     };
     let (round, other) = (1.0 - sphere, 1.0 - sphere - capsule);
-    add(contacts[0] * (1.0 - round * round), [1.0, 0.0, 0.0, 0.0]);
-    add(contacts[0] * (round * round - other * other), [0.7, 0.3, 0.0, 0.0]);
-    add(contacts[0] * other * other, [0.4, 0.2, 0.1, 0.3]);
-    add(contacts[1] * sphere, [1.0, 0.0, 0.0, 0.0]);
-    add(contacts[1] * capsule, [0.4, 0.6, 0.0, 0.0]);
-    add(contacts[1] * other, [0.2, 0.3, 0.1, 0.4]);
+    add(0, 1.0 - round * round, [1.0, 0.0, 0.0, 0.0]);
+    add(0, round * round - other * other, [0.7, 0.3, 0.0, 0.0]);
+    add(0, other * other, [0.4, 0.2, 0.1, 0.3]);
+    add(1, sphere, [1.0, 0.0, 0.0, 0.0]);
+    add(1, capsule, [0.4, 0.6, 0.0, 0.0]);
+    add(1, other, [0.2, 0.3, 0.1, 0.4]);
     let all = pairs.0 + pairs.1;
     let with_meshes = if of_meshes { pairs.1 } else { 0.0 };
     let bare = (all - with_meshes - contacts[0]).max(0.0);
@@ -224,7 +226,7 @@ fn once_down(scene: &Scene, settings: &Settings) -> Crowd {
         pairs: all as usize,
         of_meshes: with_meshes as usize,
         fresh: (bare * NEAR) as usize,
-        contacts: by_points.map(|n| n as usize),
+        contacts: by_points.map(|side| side.map(|n| n as usize)),
         ..Crowd::default()
     }
 }

@@ -13,6 +13,7 @@ use crate::constraint::{Closing, JointRows, Rows};
 use crate::forces::Forces;
 use crate::lanes::{Lanes, Mask, Record, f32x8};
 use crate::memory::{Buffer, bytes_of};
+use crate::step::REAL;
 use crate::threads::{Crew, Shared, per_block};
 pub(crate) use pass::store;
 use pass::{Joined, Kind, Passes, add_impulses};
@@ -72,6 +73,7 @@ pub(crate) fn solve(
         push_speed: settings.push_speed * settings.length_unit,
         slop: settings.slop * settings.length_unit,
         shift: SHIFT * settings.length_unit,
+        real: REAL * settings.length_unit,
         friction_box: settings.friction_cone == FrictionCone::Box,
         joint_push: JOINT_PUSH * settings.length_unit,
         joint: Softness::new(
@@ -91,6 +93,7 @@ pub(crate) fn solve(
     let base = Shared::new(&mut state.base);
     let motion = Motion { velocity: &velocity, delta: &delta, base: &base };
     let views = joints.views();
+    let (rubs, batches) = (rows.rubs(), rows.views());
     let joined = Joined { stages: &joint_stages, views: &views };
     for substep in 0..settings.substeps {
         // Velocities take gravity and forces. From the second substep on, warm starting is one addition a body: rows
@@ -110,10 +113,10 @@ pub(crate) fn solve(
             (*b, *v) = (record(free), record(if i < dynamic { free + warm } else { free }));
         });
         if substep == 0 {
-            passes.run(crew, Kind::WarmStart, rows, &joined, &motion);
+            passes.run(crew, Kind::WarmStart, &batches, &joined, &motion);
         }
         for _ in 0..settings.iterations {
-            passes.run(crew, Kind::Solve, rows, &joined, &motion);
+            passes.run(crew, Kind::Solve, &batches, &joined, &motion);
         }
         if joined_at_all {
             all_bodies(crew, movers, |i| {
@@ -146,17 +149,17 @@ pub(crate) fn solve(
             *d = record(lanes(*d) + (moved + f32x8::new(PAD) * f32x8::splat(touched)));
         });
         if joined_at_all {
-            Passes::close(crew, rows, &joined, &motion, &closing(settings));
+            Passes::close(crew, &batches, &joined, &motion, &closing(settings));
         }
-        if passes.run(crew, Kind::Relax, rows, &joined, &motion) && rows.friction.needed {
+        if passes.run(crew, Kind::Relax, &batches, &joined, &motion) && rubs {
             // What was pushed before it touched has its friction now; if that is much, the points share the load that it
             // shifts.
-            if passes.run(crew, Kind::Rub, rows, &joined, &motion) {
-                passes.run(crew, Kind::Relax, rows, &joined, &motion);
+            if passes.run(crew, Kind::Rub, &batches, &joined, &motion) {
+                passes.run(crew, Kind::Relax, &batches, &joined, &motion);
             }
         }
         if !impulses.is_empty() {
-            add_impulses(rows, impulses);
+            add_impulses(&batches, impulses);
         }
     }
     if let Some(traits) = locks {

@@ -4,8 +4,8 @@ use crate::constraint::contact_row::{
     HOLD, Motion, Pass, SHARE, Softness, solve, store as store_batch, warm_start,
 };
 use crate::constraint::{
-    Along, Batch, BatchRef, Closing, FrictionRow, FrictionView, Group, JointPass, JointRows, JointStage,
-    JointType, JointViews, Rows, Stage, Surface, TreeRef, guard, rub,
+    Batch, BatchRef, Closing, FrictionRow, FrictionView, Group, JointPass, JointRows, JointStage, JointType,
+    JointViews, Rows, Stage, Surface, TreeRef, Views, guard, rub, with_batch,
 };
 use crate::lanes::GatherLanes;
 use crate::narrow_phase::{Contact, Point};
@@ -31,6 +31,7 @@ pub(crate) struct Passes {
     pub(crate) push_speed: f32,
     pub(crate) slop: f32,
     pub(crate) shift: f32,
+    pub(crate) real: f32,
     pub(crate) friction_box: bool,
     /// Of what joints lock.
     pub(crate) joint: Softness,
@@ -58,36 +59,29 @@ impl Passes {
         &self,
         crew: &Crew<'_>,
         kind: Kind,
-        rows: &mut Rows,
+        views: &Views<'_>,
         joined: &Joined<'_>,
         motion: &Motion<'_, '_>,
     ) -> bool {
         let pushes = AtomicBool::new(false);
-        let surfaces = std::mem::take(&mut rows.surfaces);
-        let (along, schedule, stages) = Along::of(rows);
-        let Along { p1, p2, p3, p4, single, friction, friction_single, .. } = &along;
-        let along = (&along, &self.of(Group::Static, kind, &surfaces));
+        let surfaces = views.surfaces;
+        let along = (views, &self.of(Group::Static, kind, surfaces));
         let mut joints = joined.stages;
-        for stage in stages {
+        for stage in views.stages {
             if !joints.is_empty() {
                 let before = joints.partition_point(|joint| joint.place < stage.place);
                 self.run_joints(crew, kind, &joints[..before], joined.views, motion, along);
                 joints = &joints[before..];
             }
-            let pass = self.of(stage.group, kind, &surfaces);
+            let pass = self.of(stage.group, kind, surfaces);
             let one = |index: usize| {
-                let batch = schedule[index];
-                let i = batch.index as usize;
+                let of = views.schedule[index];
                 // SAFETY: each batch stands in the schedule once; no dynamic body is twice in a stage, unless the stage
                 // is serial, and then one thread has it all.
                 let pushed = unsafe {
-                    match batch.points {
-                        1 => step(kind, stage.group, batch, p1.get(i), friction, motion, &pass),
-                        2 => step(kind, stage.group, batch, p2.get(i), friction, motion, &pass),
-                        3 => step(kind, stage.group, batch, p3.get(i), friction, motion, &pass),
-                        4 => step(kind, stage.group, batch, p4.get(i), friction, motion, &pass),
-                        _ => step(kind, stage.group, batch, single.get(i), friction_single, motion, &pass),
-                    }
+                    with_batch!(views, stage.group, of, |batch, friction| {
+                        step(kind, stage.group, of, batch, friction, motion, &pass)
+                    })
                 };
                 if pushed {
                     pushes.store(true, Ordering::Relaxed);
@@ -96,7 +90,6 @@ impl Passes {
             share_out(crew, stage.start as usize..stage.end as usize, stage.serial, &one);
         }
         self.run_joints(crew, kind, joints, joined.views, motion, along);
-        rows.surfaces = surfaces;
         pushes.into_inner()
     }
 
@@ -107,7 +100,7 @@ impl Passes {
         stages: &[JointStage],
         views: &JointViews<'_>,
         motion: &Motion<'_, '_>,
-        along: (&Along<'_>, &Pass<'_>),
+        along: (&Views<'_>, &Pass<'_>),
     ) {
         if kind == Kind::Rub {
             return;
@@ -139,16 +132,15 @@ impl Passes {
     /// Closes the joints of trees that came apart.
     pub(crate) fn close(
         crew: &Crew<'_>,
-        rows: &mut Rows,
+        along: &Views<'_>,
         joined: &Joined<'_>,
         motion: &Motion<'_, '_>,
         closing: &Closing,
     ) {
-        let (along, ..) = Along::of(rows);
         for stage in joined.stages.iter().filter(|stage| stage.kind == JointType::Tree) {
             // SAFETY: each batch is in one stage, and no body that can be moved is in two.
             let one = |i: usize| unsafe {
-                JointRows::close(joined.views, TreeRef::new(i, stage.single), motion, closing, &along);
+                JointRows::close(joined.views, TreeRef::new(i, stage.single), motion, closing, along);
             };
             share_out(crew, stage.start as usize..stage.end as usize, false, &one);
         }
@@ -161,6 +153,7 @@ impl Passes {
             push_speed: self.push_speed,
             slop: self.slop,
             shift: self.shift,
+            real: self.real,
             friction_box: self.friction_box,
             relax: kind == Kind::Relax,
             surfaces,
@@ -186,61 +179,47 @@ fn share_out(crew: &Crew<'_>, batches: Range<usize>, serial: bool, one: &(impl F
 /// # Safety
 /// The bodies of the batch that it may write are in no other batch that is worked on now.
 #[inline(always)]
-unsafe fn step<L: GatherLanes, const P: usize>(
+unsafe fn step<L: GatherLanes, const P: usize, const B: usize>(
     kind: Kind,
     group: Group,
     of: BatchRef,
-    batch: &mut Batch<L, P>,
-    friction: &FrictionView<'_, L>,
+    batch: &mut Batch<L, P, B>,
+    friction: &FrictionView<'_, L, B>,
     motion: &Motion<'_, '_>,
     pass: &Pass<'_>,
 ) -> bool {
     // SAFETY: by the contract.
     unsafe {
-        let (v, two) = (motion.velocity, !group.is_static());
         if kind == Kind::Rub {
-            let friction = (friction, of, group);
-            return if two {
-                rub::<L, P, true>(batch, friction, motion, pass)
-            } else {
-                rub::<L, P, false>(batch, friction, motion, pass)
-            };
+            return rub(batch, (friction, of, group), motion, pass);
         }
-        if kind != Kind::WarmStart && of.seated {
+        if B == 0 && kind != Kind::WarmStart && of.seated {
             return guard(batch, motion, pass);
         }
         let rows = if group.is_potential() { None } else { friction.touching(of) };
-        match (kind, two, rows) {
-            (Kind::WarmStart, true, Some(f)) => warm_start::<L, P, true, true>(batch, Some(f), v),
-            (Kind::WarmStart, true, None) => warm_start::<L, P, true, false>(batch, None, v),
-            (Kind::WarmStart, false, Some(f)) => warm_start::<L, P, false, true>(batch, Some(f), v),
-            (Kind::WarmStart, false, None) => warm_start::<L, P, false, false>(batch, None, v),
-            (_, true, Some(f)) => return solve::<L, P, true, true>(batch, Some(f), motion, pass),
-            (_, true, None) => return solve::<L, P, true, false>(batch, None, motion, pass),
-            (_, false, Some(f)) => return solve::<L, P, false, true>(batch, Some(f), motion, pass),
-            (_, false, None) => return solve::<L, P, false, false>(batch, None, motion, pass),
+        match (kind, rows) {
+            (Kind::WarmStart, Some(f)) => warm_start::<L, P, B, true>(batch, Some(f), motion.velocity),
+            (Kind::WarmStart, None) => warm_start::<L, P, B, false>(batch, None, motion.velocity),
+            (_, Some(f)) => return solve::<L, P, B, true>(batch, Some(f), motion, pass),
+            (_, None) => return solve::<L, P, B, false>(batch, None, motion, pass),
         }
         false
     }
 }
 
 /// Adds the normal impulses of the substep to those of the contacts that someone listens to.
-pub(crate) fn add_impulses(rows: &Rows, impulses: &mut [f32]) {
-    fn of<L: GatherLanes, const P: usize>(batch: &Batch<L, P>, impulses: &mut [f32]) {
+pub(crate) fn add_impulses(views: &Views<'_>, impulses: &mut [f32]) {
+    fn of<L: GatherLanes, const P: usize, const B: usize>(batch: &Batch<L, P, B>, impulses: &mut [f32]) {
         for lane in (0..L::N).filter(|lane| batch.heard >> lane & 1 != 0) {
             let sum: f32 = batch.points.iter().map(|p| p.impulse.lane(lane)).sum();
             // Of those that there was no room for, nothing is heard.
             impulses.get_mut(batch.contact[lane].slot()).into_iter().for_each(|impulse| *impulse += sum);
         }
     }
-    for batch in &rows.schedule {
-        let i = batch.index as usize;
-        match batch.points {
-            1 => of(&rows.p1[i], impulses),
-            2 => of(&rows.p2[i], impulses),
-            3 => of(&rows.p3[i], impulses),
-            4 => of(&rows.p4[i], impulses),
-            _ => of(&rows.single[i], impulses),
+    for stage in views.stages {
+        for &batch in &views.schedule[stage.start as usize..stage.end as usize] {
+            // SAFETY: there is no other thread.
+            unsafe { with_batch!(views, stage.group, batch, |batch, _friction| of(batch, impulses)) };
         }
     }
 }
@@ -248,32 +227,28 @@ pub(crate) fn add_impulses(rows: &Rows, impulses: &mut [f32]) {
 /// Writes impulses back to the contacts. Says how many contacts pushed before they touched.
 pub(crate) fn store(
     crew: &Crew<'_>,
-    rows: &Rows,
+    rows: &mut Rows,
     dt: f32,
     contacts: &Shared<'_, Contact>,
     rotation_of: &(dyn Fn(u32) -> glam::Quat + Sync),
 ) -> u32 {
     let pushed = AtomicU32::new(0);
-    let hold = (dt / HOLD).min(1.0);
+    let (hold, views) = ((dt / HOLD).min(1.0), rows.views());
     let block = |stage: &Stage, index: usize| {
-        let batch = rows.schedule[index];
-        let i = batch.index as usize;
+        let of = views.schedule[index];
         let potential = stage.group.is_potential();
-        // Of what may touch there are no rows.
-        let f = if potential { usize::MAX } else { batch.friction as usize };
-        let (lanes, single) = (&rows.friction.lanes.rows, &rows.friction.single.rows);
-        let count = match batch.points {
-            1 => put(&rows.p1[i], lanes.get(f), potential, hold, contacts, rotation_of),
-            2 => put(&rows.p2[i], lanes.get(f), potential, hold, contacts, rotation_of),
-            3 => put(&rows.p3[i], lanes.get(f), potential, hold, contacts, rotation_of),
-            4 => put(&rows.p4[i], lanes.get(f), potential, hold, contacts, rotation_of),
-            _ => put(&rows.single[i], single.get(f), potential, hold, contacts, rotation_of),
+        // SAFETY: each batch stands in the schedule once. Of what may touch there are no rows.
+        let count = unsafe {
+            with_batch!(views, stage.group, of, |batch, friction| {
+                let rows = if potential { None } else { friction.touching(of) };
+                put(batch, rows.as_deref(), potential, hold, contacts, rotation_of)
+            })
         };
         if count > 0 {
             pushed.fetch_add(count, Ordering::Relaxed);
         }
     };
-    for stage in &rows.stages {
+    for stage in views.stages {
         let (start, end) = (stage.start as usize, stage.end as usize);
         if stage.serial {
             // Points of one contact may both be here.
@@ -295,9 +270,9 @@ fn take(point: &mut Point, impulse: f32, hold: f32) {
     point.held = lasting + (bears - lasting) * hold;
 }
 
-fn put<L: GatherLanes, const P: usize>(
-    batch: &Batch<L, P>,
-    friction: Option<&FrictionRow<L>>,
+fn put<L: GatherLanes, const P: usize, const B: usize>(
+    batch: &Batch<L, P, B>,
+    friction: Option<&FrictionRow<L, B>>,
     potential: bool,
     hold: f32,
     contacts: &Shared<'_, Contact>,

@@ -257,7 +257,7 @@ impl World {
         let kinds = joints.kinds_of_rows();
         let shares = share_out(of_rows + rows, [kinds[0], kinds[1]]);
         let (count, bytes, time) = match feature {
-            Feature::Friction => (needs.friction, buffers.rows.friction.bytes().1, None),
+            Feature::Friction => (needs.friction, buffers.rows.friction_bytes(), None),
             Feature::SurfaceVelocities => {
                 let moving = self.events.tweaks.iter().filter(|tweak| tweak.surface != Vec3::ZERO).count();
                 (moving as u32, bytes_of(&buffers.rows.surfaces).1, None)

@@ -16,8 +16,8 @@ pub(crate) struct Crowd {
     pub(crate) of_meshes: usize,
     /// Contacts that are new in one step.
     pub(crate) fresh: usize,
-    /// Contacts by their points.
-    pub(crate) contacts: [usize; 4],
+    /// Contacts by their points: between bodies that move, and with what is static.
+    pub(crate) contacts: [[usize; 4]; 2],
     /// The share of them that only continuous collision makes.
     pub(crate) ahead: f32,
     /// Bodies in trees of joints that have no like.
@@ -49,7 +49,7 @@ impl World {
         let in_lanes = locks.saturating_sub(crowd.branches);
         bytes.add(Category::Joints, in_lanes * lock + rows * row + crowd.branches * branch);
 
-        let contacts: usize = crowd.contacts.iter().sum();
+        let contacts: usize = crowd.contacts.iter().flatten().sum();
         bytes.add(Category::BroadPhase, empty.broad.missing(crowd.pairs));
         bytes.add(Category::BroadPhase, BroadPhase::missing_to_find(crowd.pairs));
         let buffers = &mut empty.buffers;
@@ -59,7 +59,7 @@ impl World {
         bytes.add(Category::Scratch, buffers.prepare.missing(contacts));
         let manifolds = empty.contacts.missing(contacts);
         // Each number of points ends with batches that are not full.
-        let batches = crowd.contacts.map(|n| (n.div_ceil(8) + ENDS).min(n));
+        let batches = crowd.contacts.map(|side| side.map(|n| (n.div_ceil(8) + ENDS).min(n)));
         let stages = buffers.prepare.most_stages(settings.order);
         let rows = buffers.rows.missing(batches, stages, friction);
         let ahead = |bytes: usize| (bytes as f32 * crowd.ahead) as usize;

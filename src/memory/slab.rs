@@ -1,0 +1,129 @@
+//! One buffer for arrays that are all filled anew in each step.
+//!
+//! It holds what they need together, not the most that each of them ever needed. And allocators widen it where it is, or move
+//! it by its pages: it asks for no more alignment than they give anyway. A vector whose elements want 32 bytes is moved by
+//! hand instead (new memory, a copy, and the old freed), and what is freed that way stays behind as a hole.
+
+use super::{Buffer, Room};
+use bytemuck::{Pod, Zeroable};
+
+/// What memory is counted in.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, align(16))]
+struct Piece([u64; 2]);
+
+/// Of elements of eight lanes.
+const ALIGN: usize = 32;
+
+/// See the module.
+#[derive(Debug, Default)]
+pub(crate) struct Slab {
+    memory: Vec<Piece>,
+}
+
+/// Pieces that so many bytes take, wherever the first piece is.
+const fn pieces(bytes: usize) -> usize {
+    if bytes == 0 { 0 } else { (bytes + ALIGN - size_of::<Piece>()).div_ceil(size_of::<Piece>()) }
+}
+
+impl Slab {
+    /// Bytes that it lacks to hold so many.
+    pub(crate) fn missing(&self, bytes: usize) -> usize {
+        self.memory.missing(pieces(bytes))
+    }
+
+    /// Bytes that it has beyond what it takes to hold so many.
+    pub(crate) fn spare(&self, bytes: usize) -> usize {
+        self.memory.capacity().saturating_sub(pieces(bytes)) * size_of::<Piece>()
+    }
+
+    /// Makes place for so many bytes, not for more.
+    pub(crate) fn widen(&mut self, bytes: usize) {
+        self.memory.widen(pieces(bytes));
+    }
+
+    /// Gives up what it has beyond that.
+    pub(crate) fn shrink(&mut self, bytes: usize) {
+        self.memory.truncate(pieces(bytes));
+        self.memory.shrink_to(pieces(bytes));
+    }
+
+    /// Makes sure that so many bytes can be handed out, for which there is place or room without end.
+    pub(crate) fn fit(&mut self, bytes: usize, room: &mut Room) {
+        let pieces = room.fit(&mut self.memory, pieces(bytes));
+        if self.memory.len() < pieces {
+            self.memory.resize(pieces, Piece::zeroed());
+        }
+    }
+
+    /// Its bytes from the first one on that is aligned for all.
+    fn start(&self) -> usize {
+        self.memory.as_ptr().align_offset(ALIGN).min(self.memory.len()) * size_of::<Piece>()
+    }
+
+    /// All of it, to be handed out piece by piece. What is in it is of no meaning.
+    pub(crate) fn cut(&mut self) -> Cut<'_> {
+        let start = self.start();
+        Cut { rest: &mut bytemuck::cast_slice_mut(&mut self.memory)[start..] }
+    }
+
+    /// Live and reserved bytes, of which so many are handed out.
+    pub(crate) fn bytes(&self, used: usize) -> (usize, usize) {
+        let bytes = |pieces: usize| pieces * size_of::<Piece>();
+        (bytes(pieces(used).min(self.memory.len())), bytes(self.memory.capacity()))
+    }
+}
+
+/// What is left of a [`Slab`].
+pub(crate) struct Cut<'a> {
+    rest: &'a mut [u8],
+}
+
+impl<'a> Cut<'a> {
+    /// The next so many of a type; those of the larger alignment come first.
+    pub(crate) fn next<T: Pod>(&mut self, len: usize) -> &'a mut [T] {
+        if len == 0 {
+            return &mut [];
+        }
+        let (own, rest) = std::mem::take(&mut self.rest).split_at_mut(len * size_of::<T>());
+        self.rest = rest;
+        bytemuck::cast_slice_mut(own)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::f32x8;
+
+    #[test]
+    fn arrays_lie_one_behind_the_other() {
+        let (mut slab, mut room) = (Slab::default(), Room::ENDLESS);
+        for (wide, narrow) in [(0, 0), (3, 5), (1, 900), (200, 7), (0, 2)] {
+            let bytes = wide * 32 + narrow * 4;
+            slab.fit(bytes, &mut room);
+            let mut cut = slab.cut();
+            let (a, b) = (cut.next::<f32x8>(wide), cut.next::<u32>(narrow));
+            a.fill(f32x8::splat(wide as f32));
+            b.fill(narrow as u32);
+            assert!(a.iter().all(|x| x.to_array() == [wide as f32; 8]));
+            assert!(b.iter().all(|&x| x == narrow as u32));
+            let (live, reserved) = slab.bytes(bytes);
+            assert!(live >= bytes && live <= reserved && live < bytes + 32 + 16);
+        }
+    }
+
+    #[test]
+    fn what_is_missing_is_what_it_takes() {
+        let (mut slab, mut room) = (Slab::default(), Room::new(10_000));
+        assert_eq!((slab.missing(0), slab.bytes(0)), (0, (0, 0)));
+        let missing = slab.missing(1000);
+        slab.widen(1000);
+        assert_eq!(slab.bytes(0), (0, missing));
+        slab.fit(1000, &mut room);
+        assert_eq!((slab.missing(1000), room.left()), (0, 10_000));
+        let spare = slab.spare(100);
+        slab.shrink(100);
+        assert_eq!((slab.bytes(100).1, slab.missing(100)), (missing - spare, 0));
+    }
+}
