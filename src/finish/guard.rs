@@ -57,6 +57,14 @@ impl Guard<'_> {
         own.iter().fold(0.0, |r, &c| r.max(self.inner_of(c)))
     }
 
+    /// Whether a body is one shape, well around its centre: then what the shape passes by further than `near` [m], the
+    /// guard of the centre would not notice.
+    pub(super) fn is_around(&self, own: &[u32], near: f32) -> bool {
+        let &[c] = own else { return false };
+        let c = &self.colliders[c as usize];
+        c.position.length() + near <= 0.5 * c.inner_radius
+    }
+
     fn inner_of(&self, collider: u32) -> f32 {
         let c = &self.colliders[collider as usize];
         if c.is_sensor() {

@@ -18,8 +18,10 @@ use crate::constraint::Seat;
 use crate::forces::spins_freely;
 use crate::lanes::{self, Record, Sym3};
 use crate::memory::{Buffer, Made, bytes_of};
-use crate::shape::Collider;
+use crate::narrow_phase::Scratch;
+use crate::shape::Hot;
 use crate::solver::closing;
+use crate::step::REAL;
 use crate::threads::{Crew, Shared, per_block};
 use crate::world::World;
 use std::sync::Mutex;
@@ -30,8 +32,8 @@ pub(crate) struct Buffers {
     stacks: Vec<Mutex<Vec<u32>>>,
     /// Of each dynamic body: it need not be looked at in there.
     pub(crate) clear: Vec<Clear>,
-    /// Of each dynamic body, if there are fast ones: something static is near its predicted path.
-    beside: Vec<bool>,
+    /// Of each dynamic body, if there are fast ones: whether something static is near its predicted path.
+    beside: Vec<Beside>,
     /// Bodies of trees that were cut short, and the share of their ways that they went.
     cut: Mutex<Vec<(Seat, f32)>>,
 }
@@ -92,25 +94,38 @@ pub(crate) struct Ended {
     pub(crate) held: u32,
 }
 
+/// What static geometry there is along the predicted path of a body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Beside {
+    /// None that it has a pair with.
+    Nothing,
+    /// Some, but its shapes pass all of it by.
+    Passed,
+    /// Some that may be touched.
+    Reached,
+}
+
 /// Marks the dynamic bodies that have a pair with something static; none if nothing is fast: what is slow is
 /// known to be clear of most already.
 fn mark_beside(
-    beside: &mut Vec<bool>,
+    beside: &mut Vec<Beside>,
     fast: u32,
-    movers: usize,
-    dynamic: usize,
+    (movers, dynamic): (usize, usize),
     pairs: &[Pair],
-    colliders: &[Collider],
+    colliders: &[Hot],
+    narrow: &Scratch,
 ) {
     beside.clear();
     if fast == 0 {
         return;
     }
-    beside.resize(dynamic, false);
-    for pair in pairs {
+    beside.resize(dynamic, Beside::Nothing);
+    for (k, pair) in pairs.iter().enumerate() {
         let [a, b] = [pair.a, pair.b].map(|c| colliders[c as usize].body as usize);
-        if a >= movers || b >= movers {
-            beside.get_mut(a.min(b)).into_iter().for_each(|mark| *mark = true);
+        if (a >= movers || b >= movers)
+            && let Some(mark) = beside.get_mut(a.min(b))
+        {
+            *mark = (*mark).max(if narrow.is_clear(k) { Beside::Passed } else { Beside::Reached });
         }
     }
 }
@@ -140,8 +155,10 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
         vetoed: &world.events.vetoed,
     };
     clear.resize(if continuous { dynamic } else { 0 }, Clear::default());
-    mark_beside(beside, fast, movers, dynamic, &world.broad.pairs, &world.colliders.all);
+    let narrow = &world.buffers.narrow;
+    mark_beside(beside, fast, (movers, dynamic), &world.broad.pairs, &world.colliders.hot, narrow);
     let beside = &*beside;
+    let real = REAL * world.settings.length_unit;
     let bodies = &mut world.bodies;
     let delta = &world.buffers.solver.delta;
     let start = &world.buffers.forces.start;
@@ -188,8 +205,13 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
                 pose.rotation = turned;
             }
             let mut moved = d.linear;
-            // What met nothing went along the path that the broad phase looked along.
-            let alone = !touched && beside.get(i).is_some_and(|beside| !beside);
+            // What met nothing went along the path that the broad phase and the narrow phase looked along.
+            let alone = !touched
+                && beside.get(i).is_some_and(|beside| match beside {
+                    Beside::Nothing => true,
+                    Beside::Passed => guard.is_around(colliders[i].as_slice(), real),
+                    Beside::Reached => false,
+                });
             if i < dynamic && !alone && guard.wants(&traits[i], colliders[i].as_slice()) {
                 let (own, from) = (colliders[i].as_slice(), pose.position);
                 // SAFETY: each body is in one block.
