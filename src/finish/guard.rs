@@ -16,14 +16,14 @@
 //! and who is overrun is carried along.
 
 use crate::body::{Bodies, Pose, Traits};
-use crate::broad_phase::{Aabb, BroadPhase, Pair, Whom};
+use crate::broad_phase::{BroadPhase, Pair};
 use crate::config::Continuous;
 use crate::constraint::{Seat, Seats};
 use crate::lanes::Record;
 use crate::narrow_phase::{Relative, Support, distance, from_triangle};
 use crate::query::segment_hits;
 use crate::shape::{Collider, Geometry};
-use glam::{DVec3, Mat3, Quat, Vec3};
+use glam::{DVec3, Quat, Vec3};
 
 /// What the guard reads.
 pub(crate) struct Guard<'a> {
@@ -37,13 +37,6 @@ pub(crate) struct Guard<'a> {
     pub(crate) vetoed: &'a [(u32, u32)],
 }
 
-/// A ball without static geometry, from some time before.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Clear {
-    pub(crate) centre: DVec3,
-    pub(crate) radius: f32,
-}
-
 /// Share of the inner ball that a centre keeps from a surface when it is held.
 pub(super) const KEEP: f32 = 0.25;
 /// Share of that distance that it keeps when it runs along a surface.
@@ -55,14 +48,6 @@ impl Guard<'_> {
     /// Radius of a ball that fits into the body [m].
     pub(super) fn inner(&self, own: &[u32]) -> f32 {
         own.iter().fold(0.0, |r, &c| r.max(self.inner_of(c)))
-    }
-
-    /// Whether a body is one shape, well around its centre: then what the shape passes by further than `near` [m], the
-    /// guard of the centre would not notice.
-    pub(super) fn is_around(&self, own: &[u32], near: f32) -> bool {
-        let &[c] = own else { return false };
-        let c = &self.colliders[c as usize];
-        c.position.length() + near <= 0.5 * c.inner_radius
     }
 
     fn inner_of(&self, collider: u32) -> f32 {
@@ -80,38 +65,9 @@ impl Guard<'_> {
             && self.mode.of(traits.continuous) != Continuous::Discrete
     }
 
-    /// Whether a body may move so far unseen, because nothing static is that near to its centre.
-    pub(crate) fn is_clear(
-        &self,
-        stack: &mut Vec<u32>,
-        own: &[u32],
-        clear: &mut Clear,
-        from: DVec3,
-        moved: Vec3,
-    ) -> bool {
-        let to = from + moved.as_dvec3();
-        if moved == Vec3::ZERO || (to - clear.centre).length() < f64::from(clear.radius) {
-            return true;
-        }
-        // Half of the inner ball: of a body that lies on something, that much is free; and it holds few triangles.
-        let most = 0.5 * self.inner(own);
-        if moved.length() >= most {
-            return false;
-        }
-        *clear = Clear { centre: from, radius: self.clearance(stack, from, most) };
-        moved.length() < clear.radius
-    }
-
-    /// Distance of a point from static surfaces, or `most` if that is less; zero inside of a solid shape [m].
-    fn clearance(&self, stack: &mut Vec<u32>, centre: DVec3, most: f32) -> f32 {
-        let (least, _) = self.nearest(stack, &[], centre, most);
-        // Of what `f32` resolves nothing is left over.
-        (least - 1e-6 * (least + centre.as_vec3().abs().max_element())).max(0.0)
-    }
-
     /// Distance of a point from the nearest static surface that `own` may meet, and the direction away from it; `most` and
     /// no direction if there is none within that.
-    fn nearest(&self, stack: &mut Vec<u32>, own: &[u32], centre: DVec3, most: f32) -> (f32, Vec3) {
+    pub(super) fn nearest(&self, stack: &mut Vec<u32>, own: &[u32], centre: DVec3, most: f32) -> (f32, Vec3) {
         let at = centre.as_vec3();
         let (mut least, mut away) = (most, Vec3::ZERO);
         self.broad.statics_on_path(stack, at, at, Vec3::splat(most), |c| {
@@ -188,35 +144,6 @@ impl Guard<'_> {
         true
     }
 
-    /// Whether no triangle, and nothing else static, meets the box around a way, wider by `least`: so it is for most that
-    /// fly or roll, and then there is nothing to enter and nothing to graze.
-    fn is_free(&self, stack: &mut Vec<u32>, own: &[u32], from: DVec3, way: Vec3, least: f32) -> bool {
-        let middle = from + (way * 0.5).as_dvec3();
-        let half = way.abs() * 0.5 + 1.01 * least;
-        // More than what rounding takes.
-        let slack = |at: Vec3| Vec3::splat(2e-6 * (at.abs() + half).max_element());
-        let around = |at: Vec3, half: Vec3| Aabb { min: at - half - slack(at), max: at + half + slack(at) };
-        let mut any = false;
-        self.broad.in_box(stack, Whom::Statics, &around(middle.as_vec3(), half), |c| {
-            let (collider, pose) = (&self.colliders[c as usize], &self.poses[c as usize]);
-            if any || !self.may_meet(own, c) {
-                return;
-            }
-            any = match &collider.geometry {
-                Geometry::Mesh(mesh) => {
-                    let back = Mat3::from_quat(pose.rotation.conjugate());
-                    let at = back * (middle - pose.position).as_vec3();
-                    let half =
-                        back.x_axis.abs() * half.x + back.y_axis.abs() * half.y + back.z_axis.abs() * half.z;
-                    let Aabb { min, max } = around(at, half);
-                    mesh.meets_box(min, max)
-                }
-                _ => true,
-            };
-        });
-        !any
-    }
-
     /// A path that runs along a surface without entering it may end so close that the next one begins on the other side,
     /// by a rounding: such an end is lifted to `least` [m] from the surface. Says whether it had to be.
     fn keep_off(&self, stack: &mut Vec<u32>, own: &[u32], from: DVec3, moved: &mut Vec3, least: f32) -> bool {
@@ -231,7 +158,7 @@ impl Guard<'_> {
     }
 
     /// Whether all solid shapes of a body collide with another, now.
-    fn may_meet(&self, own: &[u32], other: u32) -> bool {
+    pub(super) fn may_meet(&self, own: &[u32], other: u32) -> bool {
         let collider = |c: u32| &self.colliders[c as usize];
         let other_filter = &collider(other).filter;
         let meets = |&o: &u32| {

@@ -1,12 +1,13 @@
 //! Displacements -> poses; nothing may have crossed static geometry on the way; then the report.
 
 mod ends;
+mod free;
 mod guard;
 mod report;
 mod trees;
 
 use ends::Crossing;
-pub(crate) use guard::Clear;
+pub(crate) use free::Clear;
 use guard::Guard;
 pub use report::{StageTimes, StepReport};
 use trees::Trees;

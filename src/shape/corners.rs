@@ -1,7 +1,7 @@
 //! The corners of triangles in lanes.
 
 use super::mesh_bvh::meets;
-use crate::lanes::{Mask, Vec3 as LaneVec3, f32x8};
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use glam::Vec3;
 
 /// Eight triangles, by corner, axis and lane.
@@ -36,9 +36,30 @@ impl Corners {
         meets(self.bounds(), (LaneVec3::splat(min), LaneVec3::splat(max))).bits()
     }
 
+    /// A bit for each triangle whose plane a segment keeps away from: see [`beyond`].
+    #[inline(always)]
+    pub(crate) fn beyond(&self, from: Vec3, to: Vec3, reach: f32) -> u32 {
+        beyond([0, 1, 2].map(|k| self.corner(k)), from, to, reach).bits()
+    }
+
     #[inline(always)]
     pub(crate) fn triangle(&self, lane: usize) -> [Vec3; 3] {
         let at = |k: usize| Vec3::from(self.0[k].map(|axis| axis[lane]));
         [at(0), at(1), at(2)]
     }
+}
+
+/// Whether a segment is all on one side of a triangle's plane, and further than `reach` from it [m]. Of a triangle without
+/// area no plane is known.
+#[inline(always)]
+pub(crate) fn beyond<L: Lanes>([a, b, c]: [LaneVec3<L>; 3], from: Vec3, to: Vec3, reach: f32) -> L::Mask {
+    let (one, other) = (b - a, c - a);
+    let normal = one.cross(other);
+    let (start, end) = (LaneVec3::splat(from) - a, LaneVec3::splat(to) - a);
+    let (first, last) = (start.dot(normal), end.dot(normal));
+    // Sixteen roundings of the longest products: the normal of a sliver is uncertain.
+    let sum = |v: LaneVec3<L>| v.x + v.y + v.z;
+    let rounding = sum(one.abs()) * sum(other.abs()) * sum(start.abs().max(end.abs())) * L::splat(1e-6);
+    let least = normal.length() * L::splat(reach) + rounding;
+    (first.gt(least) & last.gt(least)) | (first.lt(-least) & last.lt(-least))
 }
