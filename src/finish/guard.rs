@@ -22,13 +22,14 @@ use crate::constraint::{Seat, Seats};
 use crate::lanes::Record;
 use crate::narrow_phase::{Relative, Support, distance, from_triangle};
 use crate::query::segment_hits;
-use crate::shape::{Collider, Geometry};
+use crate::shape::{Collider, Geometry, Hot};
 use glam::{DVec3, Quat, Vec3};
 
 /// What the guard reads.
 pub(crate) struct Guard<'a> {
     pub(crate) broad: &'a BroadPhase,
     pub(crate) colliders: &'a [Collider],
+    pub(crate) hot: &'a [Hot],
     pub(crate) poses: &'a [Pose],
     pub(crate) mode: Continuous,
     /// Whether any shape is a sensor.
@@ -217,7 +218,7 @@ impl Guard<'_> {
         let (dynamic, movers) = (bodies.dynamic(), bodies.movers());
         let mut held = 0;
         for pair in pairs {
-            let body = |c: u32| self.colliders[c as usize].body as usize;
+            let body = |c: u32| self.hot[c as usize].body as usize;
             let (mover, other) = if body(pair.a) < dynamic { (pair.a, pair.b) } else { (pair.b, pair.a) };
             let (i, k) = (body(mover), body(other));
             if i >= dynamic || k < dynamic || k >= movers || !self.parts(pair) {
@@ -295,11 +296,15 @@ impl Guard<'_> {
         let mut held = 0;
         for _ in 0..PASSES {
             let before = held;
-            for pair in pairs.iter().filter(|pair| pair.fast && self.parts(pair)) {
-                let body = |c: u32| self.colliders[c as usize].body as usize;
+            for pair in pairs.iter().filter(|pair| pair.fast) {
+                let body = |c: u32| self.hot[c as usize].body as usize;
                 let (i, k) = (body(pair.a), body(pair.b));
                 let tree = |i: usize| seats.of(i).map(Seat::of_tree);
-                if i >= dynamic || k >= dynamic || tree(i).is_some() && tree(i) == tree(k) {
+                if i >= dynamic
+                    || k >= dynamic
+                    || tree(i).is_some() && tree(i) == tree(k)
+                    || !self.parts(pair)
+                {
                     continue;
                 }
                 // Either centre through the other shape.

@@ -19,7 +19,6 @@ use crate::constraint::Seat;
 use crate::forces::spins_freely;
 use crate::lanes::{self, Record, Sym3};
 use crate::memory::{Buffer, Made, bytes_of};
-use crate::narrow_phase::Scratch;
 use crate::shape::Hot;
 use crate::solver::closing;
 use crate::step::REAL;
@@ -33,8 +32,8 @@ pub(crate) struct Buffers {
     stacks: Vec<Mutex<Vec<u32>>>,
     /// Of each dynamic body: it need not be looked at in there.
     pub(crate) clear: Vec<Clear>,
-    /// Of each dynamic body, if there are fast ones: whether something static is near its predicted path.
-    beside: Vec<Beside>,
+    /// Of each dynamic body, if there are fast ones: something static is near its predicted path.
+    beside: Vec<bool>,
     /// Bodies of trees that were cut short, and the share of their ways that they went.
     cut: Mutex<Vec<(Seat, f32)>>,
 }
@@ -95,38 +94,27 @@ pub(crate) struct Ended {
     pub(crate) held: u32,
 }
 
-/// What static geometry there is along the predicted path of a body.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Beside {
-    /// None that it has a pair with.
-    Nothing,
-    /// Some, but its shapes pass all of it by.
-    Passed,
-    /// Some that may be touched.
-    Reached,
-}
-
-/// Marks the dynamic bodies that have a pair with something static; none if nothing is fast: what is slow is
-/// known to be clear of most already.
+/// Marks the dynamic bodies that something static may touch on their predicted paths: by a pair with it that the narrow
+/// phase did not see them miss. None if nothing is fast: what is slow is known to be clear of most already.
 fn mark_beside(
-    beside: &mut Vec<Beside>,
+    beside: &mut Vec<bool>,
     fast: u32,
     (movers, dynamic): (usize, usize),
-    pairs: &[Pair],
-    colliders: &[Hot],
-    narrow: &Scratch,
+    (pairs, colliders): (&[Pair], &[Hot]),
+    missed: impl Fn(usize, usize) -> bool,
 ) {
     beside.clear();
     if fast == 0 {
         return;
     }
-    beside.resize(dynamic, Beside::Nothing);
+    beside.resize(dynamic, false);
     for (k, pair) in pairs.iter().enumerate() {
         let [a, b] = [pair.a, pair.b].map(|c| colliders[c as usize].body as usize);
+        let body = a.min(b);
         if (a >= movers || b >= movers)
-            && let Some(mark) = beside.get_mut(a.min(b))
+            && let Some(mark) = beside.get_mut(body)
         {
-            *mark = (*mark).max(if narrow.is_clear(k) { Beside::Passed } else { Beside::Reached });
+            *mark |= !missed(k, body);
         }
     }
 }
@@ -150,16 +138,19 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
     let guard = Guard {
         broad: &world.broad,
         colliders: &world.colliders.all,
+        hot: &world.colliders.hot,
         poses: &world.colliders.poses,
         mode: if continuous { world.settings.stage_modes().guard } else { Continuous::Discrete },
         senses: world.needs.sensors > 0,
         vetoed: &world.events.vetoed,
     };
     clear.resize(if continuous { dynamic } else { 0 }, Clear::default());
-    let narrow = &world.buffers.narrow;
-    mark_beside(beside, fast, (movers, dynamic), &world.broad.pairs, &world.colliders.hot, narrow);
+    let (bodies, narrow) = (&world.bodies, &world.buffers.narrow);
+    let (hot, real) = (&world.colliders.hot, REAL * world.settings.length_unit);
+    mark_beside(beside, fast, (movers, dynamic), (&world.broad.pairs, hot), |pair, body| {
+        narrow.is_clear(pair) && guard.is_around(bodies.colliders[body].as_slice(), real)
+    });
     let beside = &*beside;
-    let real = REAL * world.settings.length_unit;
     let bodies = &mut world.bodies;
     let delta = &world.buffers.solver.delta;
     let start = &world.buffers.forces.start;
@@ -207,12 +198,7 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
             }
             let mut moved = d.linear;
             // What met nothing went along the path that the broad phase and the narrow phase looked along.
-            let alone = !touched
-                && beside.get(i).is_some_and(|beside| match beside {
-                    Beside::Nothing => true,
-                    Beside::Passed => guard.is_around(colliders[i].as_slice(), real),
-                    Beside::Reached => false,
-                });
+            let alone = !touched && beside.get(i).is_some_and(|beside| !beside);
             if i < dynamic && !alone && guard.wants(&traits[i], colliders[i].as_slice()) {
                 let (own, from) = (colliders[i].as_slice(), pose.position);
                 // SAFETY: each body is in one block.

@@ -63,3 +63,38 @@ pub(crate) fn beyond<L: Lanes>([a, b, c]: [LaneVec3<L>; 3], from: Vec3, to: Vec3
     let least = normal.length() * L::splat(reach) + rounding;
     (first.gt(least) & last.gt(least)) | (first.lt(-least) & last.lt(-least))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shape::mesh::testing::Random;
+    use glam::DVec3;
+
+    /// By the same question in `f64`: how far the nearer end is from the plane, if both are on one side of it.
+    #[test]
+    fn what_is_beyond_a_plane_is_as_far_from_it_as_it_says() {
+        let mut random = Random(5);
+        let mut count = [0; 2];
+        for i in 0..4000 {
+            let size = [0.01, 1.0, 100.0][i % 3];
+            let mut v = |size: f32| random.cube() * size;
+            let (a, side) = (v(100.0), v(size));
+            // Every fourth is a sliver: the third corner is almost on the first side.
+            let third = if i % 4 == 0 { a + side * 0.7 + v(1e-5 * size) } else { a + v(size) };
+            let corners = [a, a + side, third];
+            let (from, to) = (a + v(2.0 * size), a + v(2.0 * size));
+            let reach = 0.1 * size;
+            let yes = beyond::<f32>(corners.map(LaneVec3::splat), from, to, reach);
+            count[usize::from(yes)] += 1;
+            if yes {
+                let [a, b, c, from, to] = [a, a + side, third, from, to].map(Vec3::as_dvec3);
+                let normal: DVec3 = (b - a).cross(c - a).normalize();
+                let (start, end) = (normal.dot(from - a), normal.dot(to - a));
+                assert!(start * end > 0.0 && start.abs().min(end.abs()) > f64::from(reach), "{i}");
+            }
+        }
+        assert!(count[0] > 500 && count[1] > 500, "{count:?}");
+        let flat = [Vec3::ZERO, Vec3::X, Vec3::X * 2.0].map(LaneVec3::<f32>::splat);
+        assert!(!beyond(flat, Vec3::Y, Vec3::Y * 2.0, 0.1));
+    }
+}
