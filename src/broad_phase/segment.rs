@@ -34,7 +34,7 @@ const ROUNDING: f32 = 8.0 / (1 << 24) as f32;
 const ROUNDING_INNER: f32 = 4.0 * ROUNDING;
 
 /// A path longer than this many of its boxes is looked along; of a shorter one the box around it is searched, which costs
-/// a third, and finds few that the path misses (benches/steps.rs, `bullets`: from 8 on no difference).
+/// a third, and finds few that the path misses (scene `bullets`: from 8 on no difference).
 const LONG: f32 = 8.0;
 
 /// The segment that a fast mover moves along within the step.
