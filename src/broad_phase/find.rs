@@ -172,7 +172,7 @@ impl BroadPhase {
             block.found.clear();
             let start = (first + b) * BLOCK;
             for &c in &self.changed[start..self.changed.len().min(start + BLOCK)] {
-                let path = self.path(c).filter(|_| self.roles[c as usize] == Role::Fast);
+                let path = self.path(c).filter(|path| self.roles[c as usize] == Role::Fast && path.is_long());
                 self.partners(c, path, block);
                 self.keep_reported(c, &mut block.partners);
                 for &other in &block.partners {

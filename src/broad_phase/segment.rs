@@ -33,6 +33,10 @@ const ROUNDING: f32 = 8.0 / (1 << 24) as f32;
 /// The same for boxes of inner nodes: wide enough that rounding never hides a box that would answer yes by itself.
 const ROUNDING_INNER: f32 = 4.0 * ROUNDING;
 
+/// A path longer than this many of its boxes is looked along; of a shorter one the box around it is searched, which costs
+/// a third, and finds few that the path misses (scene `bullets`: from 8 on no difference).
+const LONG: f32 = 8.0;
+
 /// The segment that a fast mover moves along within the step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Path {
@@ -78,6 +82,11 @@ impl Path {
     /// Its length and direction [m].
     pub(super) fn motion(&self) -> glam::Vec3 {
         self.half * 2.0
+    }
+
+    /// Whether the box around all of it holds much more than the path itself.
+    pub(super) fn is_long(&self) -> bool {
+        self.half.abs().cmpgt(self.extent * LONG).any()
     }
 
     /// Of a step that is over: only whose it was matters.

@@ -16,32 +16,26 @@
 //! and who is overrun is carried along.
 
 use crate::body::{Bodies, Pose, Traits};
-use crate::broad_phase::{Aabb, BroadPhase, Pair, Whom};
+use crate::broad_phase::{BroadPhase, Pair};
 use crate::config::Continuous;
 use crate::constraint::{Seat, Seats};
 use crate::lanes::Record;
 use crate::narrow_phase::{Relative, Support, distance, from_triangle};
 use crate::query::segment_hits;
-use crate::shape::{Collider, Geometry};
-use glam::{DVec3, Mat3, Quat, Vec3};
+use crate::shape::{Collider, Geometry, Hot};
+use glam::{DVec3, Quat, Vec3};
 
 /// What the guard reads.
 pub(crate) struct Guard<'a> {
     pub(crate) broad: &'a BroadPhase,
     pub(crate) colliders: &'a [Collider],
+    pub(crate) hot: &'a [Hot],
     pub(crate) poses: &'a [Pose],
     pub(crate) mode: Continuous,
     /// Whether any shape is a sensor.
     pub(crate) senses: bool,
     /// Pairs that hooks let pass through each other, sorted.
     pub(crate) vetoed: &'a [(u32, u32)],
-}
-
-/// A ball without static geometry, from some time before.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Clear {
-    pub(crate) centre: DVec3,
-    pub(crate) radius: f32,
 }
 
 /// Share of the inner ball that a centre keeps from a surface when it is held.
@@ -72,38 +66,9 @@ impl Guard<'_> {
             && self.mode.of(traits.continuous) != Continuous::Discrete
     }
 
-    /// Whether a body may move so far unseen, because nothing static is that near to its centre.
-    pub(crate) fn is_clear(
-        &self,
-        stack: &mut Vec<u32>,
-        own: &[u32],
-        clear: &mut Clear,
-        from: DVec3,
-        moved: Vec3,
-    ) -> bool {
-        let to = from + moved.as_dvec3();
-        if moved == Vec3::ZERO || (to - clear.centre).length() < f64::from(clear.radius) {
-            return true;
-        }
-        // Half of the inner ball: of a body that lies on something, that much is free; and it holds few triangles.
-        let most = 0.5 * self.inner(own);
-        if moved.length() >= most {
-            return false;
-        }
-        *clear = Clear { centre: from, radius: self.clearance(stack, from, most) };
-        moved.length() < clear.radius
-    }
-
-    /// Distance of a point from static surfaces, or `most` if that is less; zero inside of a solid shape [m].
-    fn clearance(&self, stack: &mut Vec<u32>, centre: DVec3, most: f32) -> f32 {
-        let (least, _) = self.nearest(stack, &[], centre, most);
-        // Of what `f32` resolves nothing is left over.
-        (least - 1e-6 * (least + centre.as_vec3().abs().max_element())).max(0.0)
-    }
-
     /// Distance of a point from the nearest static surface that `own` may meet, and the direction away from it; `most` and
     /// no direction if there is none within that.
-    fn nearest(&self, stack: &mut Vec<u32>, own: &[u32], centre: DVec3, most: f32) -> (f32, Vec3) {
+    pub(super) fn nearest(&self, stack: &mut Vec<u32>, own: &[u32], centre: DVec3, most: f32) -> (f32, Vec3) {
         let at = centre.as_vec3();
         let (mut least, mut away) = (most, Vec3::ZERO);
         self.broad.statics_on_path(stack, at, at, Vec3::splat(most), |c| {
@@ -180,35 +145,6 @@ impl Guard<'_> {
         true
     }
 
-    /// Whether no triangle, and nothing else static, meets the box around a way, wider by `least`: so it is for most that
-    /// fly or roll, and then there is nothing to enter and nothing to graze.
-    fn is_free(&self, stack: &mut Vec<u32>, own: &[u32], from: DVec3, way: Vec3, least: f32) -> bool {
-        let middle = from + (way * 0.5).as_dvec3();
-        let half = way.abs() * 0.5 + 1.01 * least;
-        // More than what rounding takes.
-        let slack = |at: Vec3| Vec3::splat(2e-6 * (at.abs() + half).max_element());
-        let around = |at: Vec3, half: Vec3| Aabb { min: at - half - slack(at), max: at + half + slack(at) };
-        let mut any = false;
-        self.broad.in_box(stack, Whom::Statics, &around(middle.as_vec3(), half), |c| {
-            let (collider, pose) = (&self.colliders[c as usize], &self.poses[c as usize]);
-            if any || !self.may_meet(own, c) {
-                return;
-            }
-            any = match &collider.geometry {
-                Geometry::Mesh(mesh) => {
-                    let back = Mat3::from_quat(pose.rotation.conjugate());
-                    let at = back * (middle - pose.position).as_vec3();
-                    let half =
-                        back.x_axis.abs() * half.x + back.y_axis.abs() * half.y + back.z_axis.abs() * half.z;
-                    let Aabb { min, max } = around(at, half);
-                    mesh.meets_box(min, max)
-                }
-                _ => true,
-            };
-        });
-        !any
-    }
-
     /// A path that runs along a surface without entering it may end so close that the next one begins on the other side,
     /// by a rounding: such an end is lifted to `least` [m] from the surface. Says whether it had to be.
     fn keep_off(&self, stack: &mut Vec<u32>, own: &[u32], from: DVec3, moved: &mut Vec3, least: f32) -> bool {
@@ -223,7 +159,7 @@ impl Guard<'_> {
     }
 
     /// Whether all solid shapes of a body collide with another, now.
-    fn may_meet(&self, own: &[u32], other: u32) -> bool {
+    pub(super) fn may_meet(&self, own: &[u32], other: u32) -> bool {
         let collider = |c: u32| &self.colliders[c as usize];
         let other_filter = &collider(other).filter;
         let meets = |&o: &u32| {
@@ -282,7 +218,7 @@ impl Guard<'_> {
         let (dynamic, movers) = (bodies.dynamic(), bodies.movers());
         let mut held = 0;
         for pair in pairs {
-            let body = |c: u32| self.colliders[c as usize].body as usize;
+            let body = |c: u32| self.hot[c as usize].body as usize;
             let (mover, other) = if body(pair.a) < dynamic { (pair.a, pair.b) } else { (pair.b, pair.a) };
             let (i, k) = (body(mover), body(other));
             if i >= dynamic || k < dynamic || k >= movers || !self.parts(pair) {
@@ -360,11 +296,15 @@ impl Guard<'_> {
         let mut held = 0;
         for _ in 0..PASSES {
             let before = held;
-            for pair in pairs.iter().filter(|pair| pair.fast && self.parts(pair)) {
-                let body = |c: u32| self.colliders[c as usize].body as usize;
+            for pair in pairs.iter().filter(|pair| pair.fast) {
+                let body = |c: u32| self.hot[c as usize].body as usize;
                 let (i, k) = (body(pair.a), body(pair.b));
                 let tree = |i: usize| seats.of(i).map(Seat::of_tree);
-                if i >= dynamic || k >= dynamic || tree(i).is_some() && tree(i) == tree(k) {
+                if i >= dynamic
+                    || k >= dynamic
+                    || tree(i).is_some() && tree(i) == tree(k)
+                    || !self.parts(pair)
+                {
                     continue;
                 }
                 // Either centre through the other shape.

@@ -1,12 +1,13 @@
 //! Displacements -> poses; nothing may have crossed static geometry on the way; then the report.
 
 mod ends;
+mod free;
 mod guard;
 mod report;
 mod trees;
 
 use ends::Crossing;
-pub(crate) use guard::Clear;
+pub(crate) use free::Clear;
 use guard::Guard;
 pub use report::{StageTimes, StepReport};
 use trees::Trees;
@@ -18,8 +19,9 @@ use crate::constraint::Seat;
 use crate::forces::spins_freely;
 use crate::lanes::{self, Record, Sym3};
 use crate::memory::{Buffer, Made, bytes_of};
-use crate::shape::Collider;
+use crate::shape::Hot;
 use crate::solver::closing;
+use crate::step::REAL;
 use crate::threads::{Crew, Shared, per_block};
 use crate::world::World;
 use std::sync::Mutex;
@@ -92,25 +94,27 @@ pub(crate) struct Ended {
     pub(crate) held: u32,
 }
 
-/// Marks the dynamic bodies that have a pair with something static; none if nothing is fast: what is slow is
-/// known to be clear of most already.
+/// Marks the dynamic bodies that something static may touch on their predicted paths: by a pair with it that the narrow
+/// phase did not see them miss. None if nothing is fast: what is slow is known to be clear of most already.
 fn mark_beside(
     beside: &mut Vec<bool>,
     fast: u32,
-    movers: usize,
-    dynamic: usize,
-    pairs: &[Pair],
-    colliders: &[Collider],
+    (movers, dynamic): (usize, usize),
+    (pairs, colliders): (&[Pair], &[Hot]),
+    missed: impl Fn(usize, usize) -> bool,
 ) {
     beside.clear();
     if fast == 0 {
         return;
     }
     beside.resize(dynamic, false);
-    for pair in pairs {
+    for (k, pair) in pairs.iter().enumerate() {
         let [a, b] = [pair.a, pair.b].map(|c| colliders[c as usize].body as usize);
-        if a >= movers || b >= movers {
-            beside.get_mut(a.min(b)).into_iter().for_each(|mark| *mark = true);
+        let body = a.min(b);
+        if (a >= movers || b >= movers)
+            && let Some(mark) = beside.get_mut(body)
+        {
+            *mark |= !missed(k, body);
         }
     }
 }
@@ -134,13 +138,18 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
     let guard = Guard {
         broad: &world.broad,
         colliders: &world.colliders.all,
+        hot: &world.colliders.hot,
         poses: &world.colliders.poses,
         mode: if continuous { world.settings.stage_modes().guard } else { Continuous::Discrete },
         senses: world.needs.sensors > 0,
         vetoed: &world.events.vetoed,
     };
     clear.resize(if continuous { dynamic } else { 0 }, Clear::default());
-    mark_beside(beside, fast, movers, dynamic, &world.broad.pairs, &world.colliders.all);
+    let (bodies, narrow) = (&world.bodies, &world.buffers.narrow);
+    let (hot, real) = (&world.colliders.hot, REAL * world.settings.length_unit);
+    mark_beside(beside, fast, (movers, dynamic), (&world.broad.pairs, hot), |pair, body| {
+        narrow.is_clear(pair) && guard.is_around(bodies.colliders[body].as_slice(), real)
+    });
     let beside = &*beside;
     let bodies = &mut world.bodies;
     let delta = &world.buffers.solver.delta;
@@ -188,7 +197,7 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
                 pose.rotation = turned;
             }
             let mut moved = d.linear;
-            // What met nothing went along the path that the broad phase looked along.
+            // What met nothing went along the path that the broad phase and the narrow phase looked along.
             let alone = !touched && beside.get(i).is_some_and(|beside| !beside);
             if i < dynamic && !alone && guard.wants(&traits[i], colliders[i].as_slice()) {
                 let (own, from) = (colliders[i].as_slice(), pose.position);

@@ -383,6 +383,9 @@ fn finish_mesh(
     }
     let found = mesh.end(index, start);
     out.count_casts(casts);
+    if let Cast::Free = flight {
+        out.clear(index);
+    }
     if pair.contact != NONE {
         // SAFETY: the contact is this pair's, and this block has the pair.
         let contact = unsafe { contacts.get(pair.contact as usize) };

@@ -7,7 +7,7 @@
 use super::Relative;
 use super::bins::{Bin, Bins, run_bin};
 use super::contact::{Contact, Contacts, NONE};
-use super::found::{EMPTIED, Found};
+use super::found::{CLEAR, EMPTIED, Found};
 use crate::body::Pose;
 use crate::broad_phase::Pair;
 use crate::config::Continuous;
@@ -137,6 +137,11 @@ impl Scratch {
     /// Bytes that it takes to find so many contacts that are new in one step, and to look at so many pairs of meshes.
     pub(crate) fn missing_to_find(&self, fresh: usize, of_meshes: usize) -> usize {
         self.found.missing(fresh, of_meshes)
+    }
+
+    /// Whether the shapes of a continuous pair, by its place in the list, are surely apart all along the predicted way.
+    pub(crate) fn is_clear(&self, pair: usize) -> bool {
+        matches!(self.bin_of.get(pair), Some(&(FAR | CLEAR)))
     }
 
     /// Live and reserved bytes.

@@ -114,6 +114,12 @@ impl Out<'_> {
         self.block.emptied += 1;
     }
 
+    /// Says that a pair, which has no contact, is not touched on the whole of the predicted way, nor near at its start.
+    pub(crate) fn clear(&mut self, index: u32) {
+        // SAFETY: the pair is this block's.
+        unsafe { *self.state.get(index as usize) = CLEAR };
+    }
+
     pub(crate) fn count_casts(&mut self, casts: u32) {
         self.block.casts += casts;
     }
@@ -150,6 +156,8 @@ impl Places<'_> {
 
 /// State of a pair: its contacts go. No bin has this number or a higher one.
 pub(crate) const EMPTIED: u8 = u8::MAX - 2;
+/// State of a pair once it was looked at: see [`Out::clear`]. No bin has this number.
+pub(crate) const CLEAR: u8 = u8::MAX - 3;
 
 /// Buffers of one step.
 #[derive(Debug, Default)]

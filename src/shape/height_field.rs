@@ -1,5 +1,6 @@
 //! Height fields.
 
+use super::corners::beyond;
 use super::mesh_bvh::Path;
 use super::mesh_edges::{Edges, Fold};
 use super::segment_triangle::SegmentTest;
@@ -437,6 +438,15 @@ impl HeightField {
         let mut any = false;
         self.visit_box(min, max, &mut |i, corners| any = any || f(i, corners));
         any
+    }
+
+    /// Whether any triangle may be within `reach` [m] of a segment, as far as boxes and planes tell.
+    pub(crate) fn nears(&self, from: Vec3, to: Vec3, reach: f32) -> bool {
+        let mut near = false;
+        self.visit_box(from.min(to) - reach, from.max(to) + reach, &mut |_, corners| {
+            near = near || !beyond::<f32>(corners.map(LaneVec3::splat), from, to, reach);
+        });
+        near
     }
 
     /// Corners of a triangle [m], in the order of its winding, by the index that queries report; nothing if there is no

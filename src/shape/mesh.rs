@@ -150,11 +150,13 @@ impl TriangleMesh {
         });
     }
 
-    /// Whether the bounding box of any triangle meets a box.
-    pub(crate) fn meets_box(&self, min: Vec3, max: Vec3) -> bool {
+    /// Whether any triangle may be within `reach` [m] of a segment, as far as boxes and planes tell.
+    pub(crate) fn nears(&self, from: Vec3, to: Vec3, reach: f32) -> bool {
+        let (min, max) = (from.min(to) - reach, from.max(to) + reach);
         self.tree.any_in_box(min, max, |first, count| {
-            let leaf = self.leaf(first, count);
-            leaf.corners.meeting(min, max) & leaf.lanes != 0
+            let Leaf { corners, lanes } = self.leaf(first, count);
+            let near = corners.meeting(min, max) & lanes;
+            near != 0 && near & !corners.beyond(from, to, reach) != 0
         })
     }
 

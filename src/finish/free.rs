@@ -1,0 +1,102 @@
+//! What proves at a glance that a centre may go its way.
+//!
+//! Bodies fly, roll and lie: hardly any centre gets near to a surface. So the paths of most need no exact look: nothing
+//! touched them and the narrow phase saw them pass all static geometry by; or they don't leave a ball that is known to
+//! be empty; or they stay on one side of all that is around.
+
+use super::guard::Guard;
+use crate::broad_phase::{Aabb, Whom};
+use crate::shape::Geometry;
+use glam::{DVec3, Vec3};
+
+/// A ball without static geometry, from some time before.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Clear {
+    pub(crate) centre: DVec3,
+    pub(crate) radius: f32,
+}
+
+/// More than what rounding takes of such coordinates [m].
+fn slack(low: Vec3, high: Vec3) -> f32 {
+    4e-6 * low.abs().max(high.abs()).max_element()
+}
+
+impl Guard<'_> {
+    /// Whether a body is one shape, well around its centre: then of what the shape passes by, or enters by no more than
+    /// `near` [m], the guard of the centre would not notice anything.
+    pub(super) fn is_around(&self, own: &[u32], near: f32) -> bool {
+        let &[c] = own else { return false };
+        let c = &self.colliders[c as usize];
+        c.position.length() + near <= 0.5 * c.inner_radius
+    }
+
+    /// Whether a body may move so far unseen, because nothing static is that near to its centre.
+    pub(super) fn is_clear(
+        &self,
+        stack: &mut Vec<u32>,
+        own: &[u32],
+        clear: &mut Clear,
+        from: DVec3,
+        moved: Vec3,
+    ) -> bool {
+        let to = from + moved.as_dvec3();
+        if moved == Vec3::ZERO || (to - clear.centre).length() < f64::from(clear.radius) {
+            return true;
+        }
+        // Half of the inner ball: of a body that lies on something, that much is free; and it holds few triangles.
+        let most = 0.5 * self.inner(own);
+        if moved.length() >= most {
+            return false;
+        }
+        *clear = Clear { centre: from, radius: self.clearance(stack, from, most) };
+        moved.length() < clear.radius
+    }
+
+    /// Distance of a point from static surfaces, or `most` if that is less; zero inside of a solid shape [m].
+    fn clearance(&self, stack: &mut Vec<u32>, centre: DVec3, most: f32) -> f32 {
+        let free = self.is_free(stack, &[], centre, Vec3::ZERO, most);
+        let least = if free { most } else { self.nearest(stack, &[], centre, most).0 };
+        // Of what `f32` resolves nothing is left over.
+        (least - 1e-6 * (least + centre.as_vec3().abs().max_element())).max(0.0)
+    }
+
+    /// Whether a way surely keeps further than `least` [m] from all that is static: it stays on one side of the planes of
+    /// all triangles whose boxes are near. So it is for most that fly or roll, and then there is nothing to enter and
+    /// nothing to graze. "No" says nothing.
+    pub(super) fn is_free(
+        &self,
+        stack: &mut Vec<u32>,
+        own: &[u32],
+        from: DVec3,
+        way: Vec3,
+        least: f32,
+    ) -> bool {
+        let least = 1.01 * least;
+        let (start, end) = (from.as_vec3(), (from + way.as_dvec3()).as_vec3());
+        let reach = least + slack(start, end);
+        let around = Aabb { min: start.min(end) - reach, max: start.max(end) + reach };
+        let mut free = true;
+        self.broad.in_box(stack, Whom::Statics, &around, |c| {
+            let (collider, pose) = (&self.colliders[c as usize], &self.poses[c as usize]);
+            if !free || !self.may_meet(own, c) {
+                return;
+            }
+            let back = pose.rotation.conjugate();
+            let start = back * (from - pose.position).as_vec3();
+            let end = start + back * way;
+            let reach = least + slack(start, end);
+            free = match &collider.geometry {
+                Geometry::Mesh(mesh) => !mesh.nears(start, end, reach),
+                Geometry::HeightField(field) => !field.nears(start, end, reach),
+                Geometry::Plane => start.y.min(end.y) > reach,
+                Geometry::Box { half_extents } => {
+                    let apart = start.min(end) - *half_extents;
+                    let beyond = -start.max(end) - *half_extents;
+                    apart.max(beyond).max_element() > reach
+                }
+                _ => false,
+            };
+        });
+        free
+    }
+}
