@@ -1,15 +1,22 @@
-//! A cylinder against triangles, one triangle at a time, once boxes around them are found to be near.
+//! A cylinder against triangles: its deepest point over each, eight triangles at a time; the distance of one from the
+//! other only where that does not tell.
+//!
+//! For what is over a triangle the same holds as for a hull ([`mesh_hull`](super::mesh_hull)): no way out is shorter than
+//! along the triangle's normal.
 
 use super::RawPoint;
 use super::clip::Cloud;
-use super::convex::collide_triangle;
+use super::convex::{PREFERENCE, collide_triangle};
 use super::cylinder::over_triangle;
 use super::mesh::Triangles;
 use super::mesh_found::{Found, named, outline};
+use super::mesh_hull::inside;
 use super::mesh_patch::{Patches, Verdict};
+use super::mesh_sphere::nearest;
+use super::mesh_sweep::{nearest_corner, reach};
 use super::nearby::Ground;
-use crate::lanes::{Lanes, Mask, f32x8};
-use crate::shape::{Collider, Geometry};
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8, ones};
+use crate::shape::Collider;
 use glam::Vec3;
 
 /// Adds a patch for every triangle that is nearer than its margin. `around`: middle and half extents of the box around
@@ -23,18 +30,42 @@ pub(super) fn touch(
     patches: &mut Patches,
 ) {
     let (_, axis, _) = triangles.separate(middle, half);
-    let mut bits = axis.le(margins).bits() & triangles.valid;
-    while bits != 0 {
-        let lane = bits.trailing_zeros() as usize;
-        bits &= bits - 1;
-        // Deepest below the face, of all of the shape.
-        let (front, height) = (triangles.front.lane(lane), triangles.height.lane(lane));
-        let margin = margins.lane(lane);
-        let face = height - extent(a, -front);
-        if face > margin {
-            continue;
-        }
+    let near = axis.le(margins);
+    if near.bits() & triangles.valid == 0 {
+        return;
+    }
+    let rims = rims(a, -triangles.front);
+    // Deepest below the face, of all of the shape.
+    let face = triangles.height - Lanes::max(rims[0].1, rims[1].1);
+    let near = near & face.le(margins);
+    if near.bits() & triangles.valid == 0 {
+        return;
+    }
+    let near = near & !beside(a, triangles, margins);
+    let slight = f32x8::splat(PREFERENCE.1 * a.radius);
+    let needed = Lanes::max(face * f32x8::splat(-PREFERENCE.0) - slight, f32x8::zero());
+    let [one, other] = rims.map(|(point, reach)| {
+        let deepest = (triangles.height - reach).le(face + slight);
+        deepest & inside(triangles, point).ge(needed)
+    });
+    let over_it = (one | other).bits();
+    let (face, margins) = (face.to_array(), margins.to_array());
+    for lane in ones(near.bits() & triangles.valid) {
+        let (front, face, margin) = (triangles.front.lane(lane), face[lane], margins[lane]);
         let touch = triangles.touch(lane, ground);
+        let over = |points: &mut Vec<RawPoint>| {
+            let mut cloud = Cloud::new();
+            over_triangle(a, &outline(&touch), front, margin, &mut cloud);
+            points.extend(named(&touch, cloud.points()));
+        };
+        if over_it >> lane & 1 != 0 {
+            let first = patches.points.len();
+            over(&mut patches.points);
+            if patches.points.len() > first {
+                patches.add(touch, -front, Some(face), first);
+                continue;
+            }
+        }
         let manifold = collide_triangle(a, touch.corners, margin);
         if manifold.count == 0 {
             continue;
@@ -48,20 +79,31 @@ pub(super) fn touch(
         };
         let found = Found { normal: manifold.normal, apart, face, margin, verdict };
         let own = |points: &mut Vec<RawPoint>| points.extend(named(&touch, manifold.points()));
-        let over = |points: &mut Vec<RawPoint>| {
-            let mut cloud = Cloud::new();
-            over_triangle(a, &outline(&touch), front, margin, &mut cloud);
-            points.extend(named(&touch, cloud.points()));
-        };
         found.add(&touch, (middle, half), own, over, patches);
     }
 }
 
-/// How far a cylinder reaches along a direction from its centre [m].
-fn extent(a: &Collider, d: Vec3) -> f32 {
-    let Geometry::Cylinder { half_height: h, radius_bottom, radius_top } = a.geometry else {
-        return f32::MAX;
-    };
-    let flat = (d.x * d.x + d.z * d.z).sqrt();
-    (h * d.y + radius_top * flat).max(-h * d.y + radius_bottom * flat)
+/// Of the bottom's rim and the top's, the point that is furthest along eight unit directions, and how far [m].
+#[inline(always)]
+fn rims(a: &Collider, d: LaneVec3<f32x8>) -> [(LaneVec3<f32x8>, f32x8); 2] {
+    let [half_height, bottom, top, _] = a.size;
+    let across = (d.x * d.x + d.z * d.z).sqrt();
+    let scale = f32x8::one() / Lanes::select(across.gt(f32x8::zero()), across, f32x8::one());
+    let (x, z) = (d.x * scale, d.z * scale);
+    [(-half_height, bottom), (half_height, top)].map(|(y, radius)| {
+        let (y, radius) = (f32x8::splat(y), f32x8::splat(radius));
+        (LaneVec3::new(x * radius, y, z * radius), y * d.y + radius * across)
+    })
+}
+
+/// Which triangles are further away than their margins, along the directions to their nearest points from the shape's
+/// origin.
+#[inline(always)]
+fn beside(a: &Collider, triangles: &Triangles, margins: f32x8) -> <f32x8 as Lanes>::Mask {
+    let (point, _) = nearest(triangles, LaneVec3::zero());
+    let length = point.length();
+    let some = length.gt(f32x8::splat(f32::MIN_POSITIVE));
+    let u = point * (f32x8::one() / Lanes::select(some, length, f32x8::one()));
+    let (_, far) = nearest_corner(triangles, u);
+    some & (far - reach(a, u)).gt(margins)
 }

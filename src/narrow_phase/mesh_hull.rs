@@ -35,7 +35,7 @@ fn furthest(p: &Polytope, d: LaneVec3<f32x8>) -> (f32x8, f32x8) {
 
 /// How far inside each triangle a point is, seen along the triangle's normal; negative outside [m].
 #[inline(always)]
-fn inside(triangles: &Triangles, at: LaneVec3<f32x8>) -> f32x8 {
+pub(super) fn inside(triangles: &Triangles, at: LaneVec3<f32x8>) -> f32x8 {
     let [a, b, c] = triangles.corners;
     let winding = (b - a).cross(c - b);
     let side = |from: LaneVec3<f32x8>, to: LaneVec3<f32x8>| {

@@ -403,7 +403,7 @@ const ROUNDS: usize = 4;
 
 /// The corner of each triangle that is nearest along a direction, and how far that is [m].
 #[inline(always)]
-fn nearest_corner(triangles: &Triangles, u: LaneVec3<f32x8>) -> (LaneVec3<f32x8>, f32x8) {
+pub(super) fn nearest_corner(triangles: &Triangles, u: LaneVec3<f32x8>) -> (LaneVec3<f32x8>, f32x8) {
     let [a, b, c] = triangles.corners;
     let (along_a, along_b, along_c) = (u.dot(a), u.dot(b), u.dot(c));
     let b_first = along_b.lt(along_a);
