@@ -119,7 +119,7 @@ struct Moments {
 /// Most parts of a motion.
 const PARTS: usize = 4;
 /// A part whose sagitta is more than this share of the shape's radius is cut in two.
-const FLAT: f32 = 0.01;
+const FLAT: f32 = 0.04;
 
 impl<'a> MeshSweep<'a> {
     /// `rel`: of the mesh in the shape's frame at the start.
