@@ -203,7 +203,7 @@ impl<'a> MeshSweep<'a> {
         let resting = f32x8::splat(resting);
         let level = start.abs().le(resting);
         if (level & !away).any() {
-            let (mut lowest, down) = (path.least, -triangles.front);
+            let (mut lowest, down) = (path.lowest, -triangles.front);
             if self.moments().count == 1 {
                 let middle = self.moment(0.5, turn(self.spin.as_dvec3() * (0.5 * f64::from(self.until))));
                 lowest = Lanes::min(lowest, self.gap(triangles.height, down, &middle));
@@ -322,8 +322,9 @@ type Away = <f32x8 as Lanes>::Mask;
 /// Between two moments a gap is no less than its chord less a parabola as high as the sagitta in the middle.
 struct Gaps {
     last: f32x8,
-    /// A lower bound of all up to now.
+    /// A lower bound of all up to now, and the least of those at the moments.
     least: f32x8,
+    lowest: f32x8,
     sagitta: f32x8,
     /// What counts as closed.
     closed: f32x8,
@@ -336,7 +337,15 @@ struct Gaps {
 impl Gaps {
     #[inline(always)]
     fn new(start: f32x8, sagitta: f32x8, closed: f32x8) -> Gaps {
-        Gaps { last: start, least: start, sagitta, closed, open: f32x8::zero(), going: f32x8::one() }
+        Gaps {
+            last: start,
+            least: start,
+            lowest: start,
+            sagitta,
+            closed,
+            open: f32x8::zero(),
+            going: f32x8::one(),
+        }
     }
 
     /// Goes on to the end of the next part; answers a lower bound of the gaps in it.
@@ -361,6 +370,7 @@ impl Gaps {
         let lasts = Lanes::select(over.gt(zero), lasts, zero);
         self.open += self.going * lasts;
         self.going = Lanes::select(lasts.lt(one), zero, self.going);
+        self.lowest = Lanes::min(self.lowest, next);
         self.last = next;
         least
     }
