@@ -539,22 +539,11 @@ mod tests {
             if i % 2 == 0 {
                 a.position = random.cube();
             }
-            let soup = Soup(
-                (0..20)
-                    .map(|_| {
-                        let at = random.cube() * 6.0;
-                        [at + random.cube(), at + random.cube(), at + random.cube()]
-                    })
-                    .collect(),
+            let soup = Soup((0..20).map(|_| random.triangle(6.0)).collect());
+            let (mut pa, pb) = (
+                random.body(9.0, [0.0, 1.0, 6.0][i % 3]),
+                random.body(1.0, if i % 4 == 0 { 0.5 } else { 0.0 }),
             );
-            let mut body = |far: f32, turns: f32| BodyPath {
-                centre: (random.direction() * far).as_dvec3(),
-                rotation: random.rotation(),
-                displacement: random.direction() * far,
-                spin: random.cube() * turns,
-            };
-            let (mut pa, pb) =
-                (body(9.0, [0.0, 1.0, 6.0][i % 3]), body(1.0, if i % 4 == 0 { 0.5 } else { 0.0 }));
             pa.displacement = pa.centre.as_vec3() * -2.0 + pb.displacement * 3.0;
             let b = mesh();
             let motion = Motion::new(&a, &pa, &b, &pb);

@@ -1,5 +1,6 @@
 //! Random shapes and poses for the tests of this folder and of the queries.
 
+use super::motion::BodyPath;
 use crate::shape::{Collider, ConvexHull, Filter, Geometry, Kind, Material};
 use glam::{DQuat, DVec3, Quat, Vec3};
 use std::sync::Arc;
@@ -39,6 +40,21 @@ impl Random {
     pub(crate) fn rotation(&mut self) -> Quat {
         let (v, w) = (self.cube(), self.range(0.01, 1.0));
         Quat::from_xyzw(v.x, v.y, v.z, w).normalize()
+    }
+    /// The way of a body that begins so far from the origin and goes as far [m], and turns by up to so much about each axis
+    /// [rad].
+    pub(crate) fn body(&mut self, far: f32, turns: f32) -> BodyPath {
+        BodyPath {
+            centre: (self.direction() * far).as_dvec3(),
+            rotation: self.rotation(),
+            displacement: self.direction() * far,
+            spin: self.cube() * turns,
+        }
+    }
+    /// A triangle of about a metre, about so far from the origin [m].
+    pub(crate) fn triangle(&mut self, far: f32) -> [Vec3; 3] {
+        let at = self.cube() * far;
+        [at + self.cube(), at + self.cube(), at + self.cube()]
     }
     /// Turned at random, or by quarter turns, so that faces and edges lie parallel.
     pub(crate) fn rotation_or_aligned(&mut self) -> Quat {

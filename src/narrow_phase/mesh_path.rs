@@ -123,13 +123,7 @@ mod tests {
                 (a.position, a.rotation) = (random.cube(), random.rotation());
             }
             let b = collider(Geometry::Plane);
-            let mut body = |far: f32, turns: f32| BodyPath {
-                centre: (random.direction() * far).as_dvec3(),
-                rotation: random.rotation(),
-                displacement: random.direction() * far,
-                spin: random.cube() * turns,
-            };
-            let (mut pa, pb) = (body(4.0, [0.0, 0.5, 3.0][i % 3]), body(1.0, 0.0));
+            let (mut pa, pb) = (random.body(4.0, [0.0, 0.5, 3.0][i % 3]), random.body(1.0, 0.0));
             pa.displacement = pa.centre.as_vec3() * -0.7 + pb.displacement;
             let motion = Motion::new(&a, &pa, &b, &pb);
             let asked = Asked::first(tolerance(&a, &b), 0.0);
@@ -148,8 +142,7 @@ mod tests {
                 }
             }
             for k in 0..8 {
-                let at = random.cube() * 2.0;
-                let triangle = [at + random.cube(), at + random.cube(), at + random.cube()];
+                let triangle = random.triangle(2.0);
                 let mut eight = Eight::default();
                 eight.push(k, triangle);
                 let other = Other::Convex(Support::triangle(triangle));

@@ -192,7 +192,7 @@ impl<'a> MeshSweep<'a> {
         if (!hidden).bits() & triangles.valid == 0 && alone < 0.0 {
             return Reached { lanes: flat, near: false };
         }
-        let (start, path) = self.above(&triangles);
+        let (start, path) = self.above(&triangles, |_, _| {});
         let alone = f32x8::splat(alone);
         let mut close = start.le(alone);
         if close.bits() & triangles.valid != 0 {
@@ -217,15 +217,16 @@ impl<'a> MeshSweep<'a> {
         Reached { lanes: left | flat, near: close.bits() & triangles.valid != 0 }
     }
 
-    /// The gaps to the planes at the start, and how they change.
+    /// The gaps to the planes at the start, and how they change; `each` gets every part, and where its gap lasts.
     #[inline(always)]
-    fn above(&self, triangles: &Triangles) -> (f32x8, Gaps) {
+    fn above(&self, triangles: &Triangles, mut each: impl FnMut(usize, Away)) -> (f32x8, Gaps) {
         let down = -triangles.front;
         let start = triangles.height - reach(self.shape, down);
         let mut path = self.gaps(start, down);
-        self.moments().ends().for_each(|end| {
-            path.go_on(self.gap(triangles.height, down, end));
-        });
+        for (part, end) in self.moments().ends().enumerate() {
+            let least = path.go_on(self.gap(triangles.height, down, end));
+            each(part, least.gt(path.closed));
+        }
         (start, path)
     }
 
@@ -236,15 +237,8 @@ impl<'a> MeshSweep<'a> {
         let triangles = Triangles::new(eight, lanes, &self.pose, Vec3::ZERO);
         let flat = !triangles.valid & lanes;
         let mut kept = Kept::new(self.moments().count);
-        let down = -triangles.front;
-        let start = triangles.height - reach(self.shape, down);
-        let mut path = self.gaps(start, down);
-        for (part, end) in self.moments().ends().enumerate() {
-            let least = path.go_on(self.gap(triangles.height, down, end));
-            kept.parts[part] = least.gt(path.closed);
-        }
+        let (mut apart, path) = self.above(&triangles, |part, lasts| kept.parts[part] = lasts);
         kept.first = path.open;
-        let mut apart = start;
         if (!kept.always()).bits() & triangles.valid != 0 {
             self.search(&triangles, &mut kept, &mut apart);
         }
@@ -455,7 +449,6 @@ impl Moment {
 mod tests {
     use super::super::cast::{Other, Sweep, tolerance};
     use super::super::fixtures::{CONVEX, Random, collider};
-    use super::super::motion::BodyPath;
     use super::super::support::Support;
     use super::*;
 
@@ -470,13 +463,7 @@ mod tests {
                 a.position = random.cube();
             }
             let b = collider(Geometry::Plane);
-            let mut body = |far: f32, turns: f32| BodyPath {
-                centre: (random.direction() * far).as_dvec3(),
-                rotation: random.rotation(),
-                displacement: random.direction() * far,
-                spin: random.cube() * turns,
-            };
-            let (mut pa, pb) = (body(4.0, [0.0, 0.5, 3.0][i % 3]), body(1.0, 0.0));
+            let (mut pa, pb) = (random.body(4.0, [0.0, 0.5, 3.0][i % 3]), random.body(1.0, 0.0));
             pa.displacement = pa.centre.as_vec3() * -2.0 + pb.displacement * 3.0;
             let motion = Motion::new(&a, &pa, &b, &pb);
             let eps = tolerance(&a, &b);
@@ -484,8 +471,7 @@ mod tests {
             // With the tolerance, and nearly without: what counts once something is touched.
             let mut exact = Vec::new();
             for k in 0..8 {
-                let at = random.cube() * 2.0;
-                let triangle = [at + random.cube(), at + random.cube(), at + random.cube()];
+                let triangle = random.triangle(2.0);
                 eight.push(k, triangle);
                 exact.push([eps, 1e-3 * eps].map(|eps| {
                     let other = Other::Convex(Support::triangle(triangle));
