@@ -4,7 +4,7 @@
 
 use super::comparison::scenes;
 use super::rng::Rng;
-use super::{Scene, SceneJoint, Terrain};
+use super::{Scene, SceneJoint, Standing, Terrain};
 use crate::body::{BodyDesc, BodyKind};
 use crate::joint::{Axes, Frame, Limit, Motion};
 use crate::shape::{ConvexHull, Geometry, ShapeDesc, TriangleMesh};
@@ -33,7 +33,7 @@ pub const NAMES: &[&str] = &[
     "ragdoll_wall",
 ];
 
-/// A scene by its name.
+/// A scene by its name; a [`Standing`] structure too, as `tower_30`.
 pub fn build(name: &str) -> Option<Scene> {
     let mut scene = match name {
         "talk" => talk(),
@@ -53,7 +53,7 @@ pub fn build(name: &str) -> Option<Scene> {
         "deflector" => scenes::deflector(),
         "head_on" => scenes::head_on(),
         "ragdoll_wall" => scenes::ragdoll_wall(),
-        _ => return None,
+        _ => Standing::named(name, None)?.scene(1.0, 1000.0),
     };
     scene.name = name.into();
     Some(scene)

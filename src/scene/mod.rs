@@ -12,6 +12,7 @@ mod rain;
 mod record;
 mod rng;
 pub mod shots;
+mod standing;
 mod terrain;
 mod weld;
 
@@ -30,6 +31,7 @@ mod obj;
 
 pub use plan::Plan;
 pub use record::Recorder;
+pub use standing::Standing;
 pub use terrain::Terrain;
 
 #[cfg(feature = "gltf")]

@@ -1,0 +1,84 @@
+//! Whether what stands stays standing: how far the top of a structure has gone, and how fast its bodies are, every 5 s.
+//!
+//!     cargo run --release --example rest -- tower 30 120 --hz 60 --substeps 4
+//!
+//! Structure, size and seconds, then `--hz`, `--substeps`, `--iterations`, `--friction patch|point`, `--scale` [m],
+//! `--density` [kg/m³]. Without arguments a tower of five stands for 20 s and the example asserts that.
+
+use backstop::scene::Standing;
+use backstop::{BodyHandle, Error, FrictionModel, Settings, World};
+
+/// Root of the mean square, and the greatest, of the speeds [m/s].
+fn speeds(world: &World, bodies: &[BodyHandle]) -> Result<[f64; 2], Error> {
+    let (mut sum, mut most) = (0.0, 0.0_f64);
+    for &body in bodies {
+        let square = world.linear_velocity(body)?.as_dvec3().length_squared();
+        (sum, most) = (sum + square, most.max(square));
+    }
+    Ok([(sum / bodies.len() as f64).sqrt(), most.sqrt()])
+}
+
+/// Prints a line every 5 s; the way of the top sideways and down [m], and the speeds, in the end.
+fn stand(
+    structure: Standing,
+    settings: Settings,
+    density: f32,
+    hz: f32,
+    seconds: u32,
+) -> Result<[f64; 4], Error> {
+    let (mut world, bodies) = structure.build(settings, density)?;
+    let top = *bodies.last().ok_or(Error::StaleBody)?;
+    let start = world.position(top)?;
+    println!(
+        "{}, {} bodies\n  time   top aside    top down   rms speed   top speed",
+        structure.name(),
+        bodies.len()
+    );
+    let mut last = [0.0; 4];
+    let (mut second, mut steps) = (0, 0_u32);
+    while second < seconds {
+        second = (second + 5).min(seconds);
+        while f64::from(steps) < (f64::from(second) * f64::from(hz)).round() {
+            world.step(1.0 / hz)?;
+            steps += 1;
+        }
+        let way = world.position(top)? - start;
+        let [rms, most] = speeds(&world, &bodies)?;
+        last = [way.x.hypot(way.z), -way.y, rms, most];
+        let [aside, down, ..] = last;
+        println!("{second:4} s  {aside:8.2e} m {down:9.2e} m  {rms:8.2e} m/s {most:8.2e} m/s");
+    }
+    Ok(last)
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut settings = Settings::default();
+    let (mut hz, mut density, mut plain) = (60.0, 1000.0, Vec::new());
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        let Some(option) = argument.strip_prefix("--") else {
+            plain.push(argument);
+            continue;
+        };
+        let value = arguments.next().ok_or_else(|| format!("--{option} needs a value"))?;
+        match option {
+            "hz" => hz = value.parse()?,
+            "substeps" => settings.substeps = value.parse()?,
+            "iterations" => settings.iterations = value.parse()?,
+            "friction" if value == "point" => settings.friction_model = FrictionModel::Point,
+            "friction" if value == "patch" => settings.friction_model = FrictionModel::Patch,
+            "scale" => settings.length_unit = value.parse()?,
+            "density" => density = value.parse()?,
+            _ => return Err(format!("--{option} {value}: no such option").into()),
+        }
+    }
+    let number = |i: usize| plain.get(i).map(|text: &String| text.parse::<u32>()).transpose();
+    let Some(name) = plain.first() else {
+        let [aside, down, rms, _] = stand(Standing::Tower(5), settings, density, hz, 20)?;
+        assert!(aside < 1e-4 && down < 0.005 && rms < 1e-4, "{aside} m aside, {down} m down, {rms} m/s");
+        return Ok(());
+    };
+    let structure = Standing::named(name, number(1)?.map(|n| n as usize)).ok_or("no such structure")?;
+    stand(structure, settings, density, hz, number(2)?.unwrap_or(60))?;
+    Ok(())
+}
