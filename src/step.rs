@@ -150,9 +150,8 @@ impl World {
                 // Each point adds its share.
                 self.forget_friction();
             }
-            let poses = &self.colliders.poses;
             let contacts = Shared::new(&mut self.contacts.all);
-            solver::store(crew, &mut self.buffers.rows, dt, &contacts, &|c| poses[c as usize].rotation)
+            solver::store(crew, &mut self.buffers.rows, dt, &contacts)
         };
         let watch = Watch::start(self.needs.events > 0);
         self.hear_contacts();

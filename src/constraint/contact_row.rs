@@ -1,4 +1,4 @@
-//! The rows of a contact: friction, then normal. One kernel for every width and number of points, for sequential
+//! The rows of a contact: normal, then friction. One kernel for every width and number of points, for sequential
 //! impulses and for soft substeps.
 
 use super::arrange::Part;
@@ -25,11 +25,12 @@ pub(crate) struct Softness {
 }
 
 /// Time in which a load becomes one that is borne rigidly [s]. Shorter, and it comes near the period in which a stack
-/// of sixty boxes sways, which then never ends; longer, and the stack sinks further before it rises again.
-pub(crate) const HOLD: f32 = 1.0;
+/// of eighty boxes sways, which then never ends; longer, and the stack sinks further before it rises again.
+pub(crate) const HOLD: f32 = 2.0;
 
 /// Share of a lasting load that is borne rigidly. The rest still compresses the spring, so that a stack keeps a tenth
-/// of its depth and, with it, stiffness against leaning: borne in full, a tower of thirty leans ten times as far.
+/// of its depth. All points of a manifold bear the mean of their shares rigidly (`prepare.rs`): what differs between
+/// them, which is what resists leaning, always acts on the spring.
 pub(crate) const SHARE: f32 = 0.9;
 
 impl Softness {
@@ -39,10 +40,10 @@ impl Softness {
     /// the velocity error that a pass removes goes to zero; the push removes the share `b` of the overlap in a
     /// substep, and the share `y` of the impulse yields. With `p` passes the sway obeys
     /// s³ + (p r + y) s² + (p + b) r s + b r = 0, which by Routh decays for every r if and only if y > b / (p + b), and
-    /// with `b` and `y` as below that is (2 pi hertz h)² < p. Two thirds of that frequency leave a margin: at four
-    /// fifths a pyramid of sixty rows trembles.
+    /// with `b` and `y` as below that is (2 pi hertz h)² < p. Five ninths of that frequency leave a margin: at two
+    /// thirds a box on one a thousand times lighter rocks, ever more.
     pub(crate) fn stiffest(passes: u32, h: f32) -> f32 {
-        0.106 * (passes as f32).sqrt() / h
+        0.088 * (passes as f32).sqrt() / h
     }
 
     /// Spring of `hertz` and damping ratio `zeta`, for a substep of `h` seconds.
@@ -318,10 +319,6 @@ pub(super) fn sweep<
     let pushes = L::splat(if pass.relax { 0.0 } else { 1.0 }).gt(L::zero());
     let n = batch.normal;
 
-    if FRICTION && let Some(f) = friction {
-        rub::<L, P, B, R>(batch, f, v, pass, response);
-    }
-
     let speed = relative::<L, B>(n, v);
     let (mut sum, mut ta, mut tb) = (L::zero(), Vec3::zero(), Vec3::zero());
     let mut u = [L::zero(); P];
@@ -395,6 +392,14 @@ pub(super) fn sweep<
         }
     }
     response.apply(batch, v, n * sum, ta, tb);
+    // Never against what pushes overlap apart: such friction would tie the tilt that a leaning stack sinks into to the way
+    // its boxes go sideways, and feed the lean (docs/decisions/frozen-contacts.md).
+    if FRICTION
+        && pass.relax
+        && let Some(f) = friction
+    {
+        rub::<L, P, B, R>(batch, f, v, pass, response);
+    }
     true
 }
 

@@ -207,17 +207,21 @@ fn gather_columns<const P: usize>(
         (out.a[lane], out.b[lane]) = (a, if b < movers { b } else { a });
 
         let at = |body: u32| &input.bodies.pose[body as usize].position;
-        let mut between = (*at(shape_a.body) - *at(shape_b.body)).as_vec3();
-        if contact.fraction > 0.0 {
-            let moved = |body: u32| input.motion.get(body as usize).map_or(glam::Vec3::ZERO, |m| m.linear);
-            between += (moved(shape_a.body) - moved(shape_b.body)) * contact.fraction;
-        }
         let own = (pose.position - *at(shape_a.body)).as_vec3();
+        let between = if contact.fraction > 0.0 {
+            let moved = |body: u32| input.motion.get(body as usize).map_or(glam::Vec3::ZERO, |m| m.linear);
+            (*at(shape_a.body) - *at(shape_b.body)).as_vec3()
+                + (moved(shape_a.body) - moved(shape_b.body)) * contact.fraction
+        } else {
+            // As the shapes stood when the contact was found.
+            let own_b = (input.poses[contact.b as usize].position - *at(shape_b.body)).as_vec3();
+            own_b - own - contact.frame * contact.found_at.position
+        };
         put3(&mut out.origin, lane, if swap { own + between } else { own });
         put3(&mut out.to_b, lane, if swap { -between } else { between });
         out.sign[lane] = if swap { -1.0 } else { 1.0 };
         put3(&mut out.normal, lane, contact.normal);
-        for (column, x) in out.rotation.iter_mut().zip(pose.rotation.to_array()) {
+        for (column, x) in out.rotation.iter_mut().zip(contact.frame.to_array()) {
             column[lane] = x;
         }
         for (side, body) in [a, b].into_iter().enumerate() {
@@ -231,11 +235,13 @@ fn gather_columns<const P: usize>(
             }
         }
         let (start, count) = part.range(contact);
+        // See `SHARE`.
+        let held = contact.points().iter().map(|p| p.held).sum::<f32>() / f32::from(contact.count);
         for (i, point) in contact.points[start..start + count].iter().enumerate().take(P) {
             put3(&mut out.position[i], lane, point.position);
             out.separation[i][lane] = point.separation;
             out.impulse[i][lane] = point.impulse * input.warm;
-            out.held[i][lane] = point.held * input.warm;
+            out.held[i][lane] = held * input.warm;
             out.present[i][lane] = 1.0;
         }
         if touching {

@@ -286,7 +286,8 @@ fn finish_convex(
     if raw.count == 0 {
         out.empty(index);
     } else {
-        contact.renew(&raw, *rel, near(input, pair));
+        let frame = input.poses[pair.a as usize].rotation;
+        contact.renew(&raw, (*rel, frame), near(input, pair));
         contact.fraction = fraction;
     }
 }

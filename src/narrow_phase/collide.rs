@@ -364,7 +364,7 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
     while slot != NONE {
         // SAFETY: by the contract.
         let contact = unsafe { all.get(slot as usize) };
-        contact.follow(now);
+        contact.follow(now, input.poses[pair.a as usize].rotation);
         slot = contact.next;
     }
     true

@@ -5,6 +5,10 @@ use super::manifold::{MAX_POINTS, RawManifold};
 use crate::memory::{Buffer, Room, bytes_of};
 use glam::{Quat, Vec3};
 
+/// A kept contact turns with its bodies once they have turned together by more than this [rad]: what rides on a
+/// turntable has its normals right within that.
+const FROZEN: f32 = 0.01;
+
 /// No contact.
 pub(crate) const NONE: u32 = u32::MAX;
 
@@ -48,6 +52,9 @@ pub(crate) struct Contact {
     pub(crate) twist: f32,
     /// Pose of `b` in `a` when the contact was found.
     pub(crate) found_at: Relative,
+    /// Rotation of shape `a` when the contact was found: rows act along this normal and at these arms while the contact
+    /// is kept (docs/decisions/frozen-contacts.md).
+    pub(crate) frame: Quat,
 }
 
 impl Contact {
@@ -65,6 +72,7 @@ impl Contact {
             friction: Vec3::ZERO,
             twist: 0.0,
             found_at: Relative { position: Vec3::ZERO, rotation: Quat::IDENTITY },
+            frame: Quat::IDENTITY,
         }
     }
 
@@ -74,9 +82,9 @@ impl Contact {
 
     /// Takes a new manifold and keeps the impulses of points that are the same: by key, else by place.
     /// `near`: how close two points must be to count as one [m].
-    pub(crate) fn renew(&mut self, raw: &RawManifold, found_at: Relative, near: f32) {
+    pub(crate) fn renew(&mut self, raw: &RawManifold, (found_at, frame): (Relative, Quat), near: f32) {
         let old = *self;
-        self.take(raw, found_at);
+        self.take(raw, found_at, frame);
         if old.count == 0 || old.normal.dot(raw.normal) < 0.7 {
             (self.friction, self.twist) = (Vec3::ZERO, 0.0);
             return;
@@ -85,10 +93,10 @@ impl Contact {
     }
 
     /// Sets the points without impulses.
-    pub(crate) fn take(&mut self, raw: &RawManifold, found_at: Relative) {
+    pub(crate) fn take(&mut self, raw: &RawManifold, found_at: Relative, frame: Quat) {
         self.count = raw.count as u8;
         self.normal = raw.normal;
-        self.found_at = found_at;
+        (self.found_at, self.frame) = (found_at, frame);
         self.fraction = 0.0;
         self.struck = std::mem::take(&mut self.pushed);
         for (point, new) in self.points.iter_mut().zip(raw.points()) {
@@ -147,8 +155,12 @@ impl Contact {
     }
 
     /// Moves the points with the bodies, for a pair that hardly moved since its contact was found.
-    pub(crate) fn follow(&mut self, now: &Relative) {
+    pub(crate) fn follow(&mut self, now: &Relative, frame: Quat) {
         let separation = self.separations(now);
+        let turned = frame * self.frame.conjugate();
+        if turned.xyz().length_squared() > 0.25 * FROZEN * FROZEN {
+            self.frame = frame;
+        }
         for (point, separation) in self.points[..self.count as usize].iter_mut().zip(separation) {
             point.separation = separation;
         }

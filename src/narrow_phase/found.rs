@@ -317,7 +317,8 @@ impl Found {
                         continue;
                     }
                     let mut contact = Contact::new(pair.a, pair.b);
-                    contact.take(&found.raw, relative_pose(pair, input.poses));
+                    let frame = input.poses[pair.a as usize].rotation;
+                    contact.take(&found.raw, relative_pose(pair, input.poses), frame);
                     contact.fraction = found.fraction;
                     pair.contact = contacts.insert(contact);
                     shed += if pair.contact == NONE { found.raw.count } else { 0 };
@@ -402,7 +403,7 @@ fn commit_meshes(
         let mut last = NONE;
         for (raw, fraction) in &block.many[start as usize..end as usize] {
             let mut contact = Contact::new(pair.a, pair.b);
-            contact.take(raw, now);
+            contact.take(raw, now, input.poses[pair.a as usize].rotation);
             contact.fraction = *fraction;
             contact.struck = chain.iter().any(|old| old.pushed);
             // The manifold of the last step whose normal is nearest.

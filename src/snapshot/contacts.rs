@@ -45,7 +45,7 @@ const KEYS_OF_16: u32 = 2;
 const KEYS_OF_32: u32 = 3;
 
 /// The most words that a contact takes.
-const MOST: usize = 1 + 1 + 3 + 4 + 7 + MAX_POINTS * 8;
+const MOST: usize = 1 + 1 + 3 + 4 + 11 + MAX_POINTS * 8;
 
 /// Whether two colliders fit into one word.
 pub(super) fn is_narrow(slots: usize) -> bool {
@@ -168,6 +168,7 @@ fn save_contact(contact: &Contact, kept: bool, out: &mut Vec<u32>) {
     if kept {
         line.put(words::<3>(contact.found_at.position));
         line.put(words::<4>(contact.found_at.rotation.to_array()));
+        line.put(words::<4>(contact.frame.to_array()));
     }
     let moved = kept && points.iter().any(|p| p.found.to_bits() != p.separation.to_bits());
     flag(MOVED, moved);
@@ -300,7 +301,11 @@ fn check_contact(contact: &Contact) -> Result<(), Error> {
     all_finite(&words::<3>(contact.found_at.position))?;
     let turn = contact.found_at.rotation.length_squared();
     let unit = |x: f32| (0.9..1.1).contains(&x);
-    if !unit(turn) || !unit(contact.normal.length_squared()) || !(0.0..=1.0).contains(&contact.fraction) {
+    if !unit(turn)
+        || !unit(contact.frame.length_squared())
+        || !unit(contact.normal.length_squared())
+        || !(0.0..=1.0).contains(&contact.fraction)
+    {
         return Err(broken("a contact"));
     }
     for p in contact.points() {
@@ -336,6 +341,7 @@ fn read_contact(from: &mut Reader<'_>, (a, b): (u32, u32), to: &mut Vec<Contact>
     if flags & FOUND != 0 {
         contact.found_at.position = from.record::<Vec3, 3>()?;
         contact.found_at.rotation = glam::Quat::from_array(from.record::<[f32; 4], 4>()?);
+        contact.frame = glam::Quat::from_array(from.record::<[f32; 4], 4>()?);
     }
     let mut keys = [0u32; MAX_POINTS];
     match flags >> KEYS & 3 {

@@ -225,13 +225,7 @@ pub(crate) fn add_impulses(views: &Views<'_>, impulses: &mut [f32]) {
 }
 
 /// Writes impulses back to the contacts. Says how many contacts pushed before they touched.
-pub(crate) fn store(
-    crew: &Crew<'_>,
-    rows: &mut Rows,
-    dt: f32,
-    contacts: &Shared<'_, Contact>,
-    rotation_of: &(dyn Fn(u32) -> glam::Quat + Sync),
-) -> u32 {
+pub(crate) fn store(crew: &Crew<'_>, rows: &mut Rows, dt: f32, contacts: &Shared<'_, Contact>) -> u32 {
     let pushed = AtomicU32::new(0);
     let (hold, views) = ((dt / HOLD).min(1.0), rows.views());
     let block = |stage: &Stage, index: usize| {
@@ -241,7 +235,7 @@ pub(crate) fn store(
         let count = unsafe {
             with_batch!(views, stage.group, of, |batch, friction| {
                 let rows = if potential { None } else { friction.touching(of) };
-                put(batch, rows.as_deref(), potential, hold, contacts, rotation_of)
+                put(batch, rows.as_deref(), potential, hold, contacts)
             })
         };
         if count > 0 {
@@ -276,7 +270,6 @@ fn put<L: GatherLanes, const P: usize, const B: usize>(
     potential: bool,
     hold: f32,
     contacts: &Shared<'_, Contact>,
-    rotation_of: &(dyn Fn(u32) -> glam::Quat + Sync),
 ) -> u32 {
     let (mut count, rubs) = (0, friction.is_some());
     store_batch(batch, friction, |part, impulses, peak, friction, twist| {
@@ -284,7 +277,7 @@ fn put<L: GatherLanes, const P: usize, const B: usize>(
         // serial.
         let contact = unsafe { contacts.get(part.slot()) };
         let pushed = potential && peak > 0.0;
-        let friction = if rubs { rotation_of(contact.a).conjugate() * friction } else { glam::Vec3::ZERO };
+        let friction = if rubs { contact.frame.conjugate() * friction } else { glam::Vec3::ZERO };
         // Of a contact whose points are apart, another may have pushed already.
         count += u32::from(pushed && !contact.pushed);
         if let Some(point) = part.only() {
