@@ -6,7 +6,7 @@
 //! how it is computed and how exact it is.
 //!
 //! ```
-//! use backstop::lab::{Probe, find_rest, stability};
+//! use backstop::lab::{Probe, Verdict, find_rest, stability};
 //! use backstop::scene::Standing;
 //! use backstop::Settings;
 //!
@@ -15,7 +15,7 @@
 //! let dt = 1.0 / 60.0;
 //! find_rest(&mut world, dt, 5.0)?;
 //! let found = stability(&world, &Probe::new(dt))?;
-//! assert!(found.radius < 1.0 + 1e-5 + found.noise);
+//! assert_eq!(found.verdict(), Verdict::Stable);
 //! # Ok(())
 //! # }
 //! ```
@@ -78,6 +78,8 @@ impl Probe {
 pub struct Stability {
     /// Numbers of the state.
     pub unknowns: usize,
+    /// Length of a step [s].
+    pub dt: f32,
     /// Steps that the map spans.
     pub steps: u32,
     /// Spectral radius per step: how the leading mode grows, over ten horizons or, if it hardly does, over forty.
@@ -94,10 +96,27 @@ pub struct Stability {
     pub changed: usize,
 }
 
+/// What the spectral radius says, as far as its noise lets it be told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Nothing grows by more than 1e-5 a step, or by so little that the noise hides it.
+    Stable,
+    /// Something does, by more than three times the noise.
+    Unstable,
+    /// Neither, and the noise would hide a growth by e in 20 s.
+    Unclear,
+}
+
 impl Stability {
-    /// Whether nothing grows by more than 1e-5 a step, as far as the noise lets that be told.
-    pub fn is_stable(&self) -> bool {
-        self.radius <= 1.0 + 1e-5 + self.noise
+    /// Which of the three.
+    pub fn verdict(&self) -> Verdict {
+        if self.radius > 1.0 + 1e-5 + 3.0 * self.noise {
+            Verdict::Unstable
+        } else if 3.0 * self.noise > 0.05 * f64::from(self.dt) {
+            Verdict::Unclear
+        } else {
+            Verdict::Stable
+        }
     }
 }
 
@@ -155,12 +174,13 @@ pub fn stability(world: &World, probe: &Probe) -> Result<Stability, Error> {
         let modulus = per_step(ritz.modulus());
         let growth = modulus.ln() / f64::from(probe.dt);
         let (shares, bodies) = map.lives(&ritz.re);
-        let frequency = frequency(&mut map, ritz, probe.dt)?;
+        let frequency = frequency(&mut map, ritz, probe)?;
         modes.push(Mode { modulus, growth, frequency, residual: ritz.residual, shares, bodies });
     }
     let Some(first) = found.first() else {
         return Ok(Stability {
             unknowns: map.unknowns(),
+            dt: probe.dt,
             steps,
             radius: 0.0,
             noise: 0.0,
@@ -177,6 +197,7 @@ pub fn stability(world: &World, probe: &Probe) -> Result<Stability, Error> {
     let radius = rate.exp();
     Ok(Stability {
         unknowns: map.unknowns(),
+        dt: probe.dt,
         steps,
         radius,
         noise: noise * radius,
@@ -228,13 +249,17 @@ fn unit(mut v: Vec<f64>) -> (Vec<f64>, f64) {
     (v, length)
 }
 
-/// Of a mode [Hz]: a single step turns it by its angle, which the horizon wraps.
-fn frequency(map: &mut StepMap, ritz: &Ritz, dt: f32) -> Result<f64, Error> {
+/// Of a mode [Hz]: the angle by which the horizon turns it, and as many whole turns as the angle of a single step says.
+fn frequency(map: &mut StepMap, ritz: &Ritz, probe: &Probe) -> Result<f64, Error> {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
     let re = map.apply(&ritz.re, 1, 1.0)?;
     let im = map.apply(&ritz.im, 1, 1.0)?;
     // The mode is re + i im; its image, projected back on it.
     let over = dot(&ritz.re, &re) + dot(&ritz.im, &im);
     let across = dot(&ritz.re, &im) - dot(&ritz.im, &re);
-    Ok(across.atan2(over).abs() / (std::f64::consts::TAU * f64::from(dt)))
+    let steps = f64::from(probe.steps());
+    let (about, exact) = (across.atan2(over) * steps, ritz.value.arg());
+    let turns = ((about - exact) / std::f64::consts::TAU).round();
+    let angle = (exact + turns * std::f64::consts::TAU) / steps;
+    Ok(angle.abs() / (std::f64::consts::TAU * f64::from(probe.dt)))
 }

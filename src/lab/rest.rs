@@ -12,6 +12,8 @@ pub struct Rest {
     pub steps: u32,
     /// Root of the mean square of the bodies' speeds then [m/s].
     pub speed: f64,
+    /// The furthest that any body had gone [m]: what has fallen rests too.
+    pub moved: f64,
 }
 
 /// Steps between two looks.
@@ -33,18 +35,23 @@ pub fn find_rest(world: &mut World, dt: f32, seconds: f32) -> Result<Rest, Error
     within("seconds", seconds, 0.0, 1e6, "in 0..=1e6")?;
     let mut calmest = Snapshot::new();
     let mut copy = copy_of(world, &mut calmest)?;
-    let mut best = Rest { steps: 0, speed: f64::INFINITY };
+    let mut best = Rest { steps: 0, speed: f64::INFINITY, moved: 0.0 };
     let steps = (seconds / dt).round() as u32;
     for step in 1..=steps {
         copy.step(dt)?;
         if step % EVERY == 0 || step == steps {
             let speed = speed(&copy);
             if speed < best.speed {
-                best = Rest { steps: step, speed };
+                best = Rest { steps: step, speed, moved: 0.0 };
                 copy.snapshot(&mut calmest);
             }
         }
     }
+    let places =
+        |world: &World| world.bodies().map(|b| world.centre_of_mass(b)).collect::<Result<Vec<_>, _>>();
+    let start = places(world)?;
     world.restore(&calmest)?;
+    let way = start.iter().zip(places(world)?).map(|(a, b)| (b - *a).length());
+    best.moved = way.fold(0.0, f64::max);
     Ok(best)
 }
