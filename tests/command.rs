@@ -441,3 +441,21 @@ fn a_plan_is_compared_with_a_run() {
     assert_eq!(ran["settings"]["budget"]["total"], 2 << 20);
     refused(&["plan", "scenes/tower.gltf", "--budget", "1MB"], 2, "is no number of bytes");
 }
+
+/// A box on the ground has modes that neither grow nor fade, those that friction holds, and none that grows.
+#[test]
+fn a_box_at_rest_is_stable() {
+    let output = backstop(&["stability", "tower", "--size", "1", "--settle", "3", "--json"]);
+    let found = document(&output);
+    assert_eq!(found["verdict"], "stable");
+    assert_eq!(found["scene"], "tower_1");
+    // Twelve numbers of the body, two for each of four points, friction and twist.
+    assert_eq!(found["unknowns"], 24);
+    let [radius, growth] = ["radius", "growth"].map(|key| found[key].as_f64().expect("a number"));
+    assert!((radius - 1.0).abs() < 1e-3 && growth.abs() < 0.06, "{found}");
+    let text = backstop(&["stability", "tower_1", "--settle", "3"]).stdout;
+    let text = String::from_utf8(text).expect("UTF-8");
+    assert!(text.contains("spectral radius") && text.contains("stable"), "{text}");
+    refused(&["stability", "nonsense"], 1, "nor a builtin scene");
+    refused(&["stability", "--friction-model", "glue"], 2, "patch or point");
+}
