@@ -48,7 +48,7 @@ fn a_pendulum_upside_down_grows_as_theory_has_it() {
     }
 }
 
-/// The same hanging: it swings at that rate, and the modulus says what a step takes away.
+/// The same hanging: it swings at that rate, and gains nothing.
 #[test]
 fn a_pendulum_that_hangs_swings_as_theory_has_it() {
     let world = pendulum(-1.0, Geometry::Sphere { radius: 0.2 });
@@ -63,7 +63,8 @@ fn a_pendulum_that_hangs_swings_as_theory_has_it() {
             found.radius - 1.0,
             found.noise
         );
-        assert!((mode.frequency / expected - 1.0).abs() < 0.01, "{} Hz", mode.frequency);
+        assert!((mode.frequency / expected - 1.0).abs() < 0.001, "{} Hz", mode.frequency);
+        assert!(found.verdict() != Verdict::Unstable, "it gains: 1 {:+.1e} a step", found.radius - 1.0);
     }
 }
 
@@ -74,7 +75,7 @@ fn stand(structures: &[Standing], settings: Settings, rates: &[f32]) {
         let dt = 1.0 / hz;
         let rest = find_rest(&mut world, dt, 15.0).unwrap();
         let found = stability(&world, &Probe::new(dt)).unwrap();
-        let name = structure.name();
+        let (name, unit) = (structure.name(), f64::from(settings.length_unit));
         println!(
             "{name} at {hz} Hz: radius 1 {:+.1e} (noise {:.1e}), {:.4}/s, at rest {:.1e} m/s",
             found.radius - 1.0,
@@ -82,32 +83,32 @@ fn stand(structures: &[Standing], settings: Settings, rates: &[f32]) {
             found.growth,
             rest.speed
         );
-        assert!(rest.moved < 0.1, "{name} at {hz} Hz: {} m off where it was put", rest.moved);
-        assert!(rest.speed < 1e-4, "{name} at {hz} Hz: {} m/s", rest.speed);
+        assert!(rest.moved < 0.1 * unit, "{name} at {hz} Hz: {} m off where it was put", rest.moved);
+        assert!(rest.speed < 1e-4 * unit, "{name} at {hz} Hz: {} m/s", rest.speed);
         assert_eq!(found.verdict(), Verdict::Stable, "{name} at {hz} Hz grows by {:.3}/s", found.growth);
     }
 }
 
-/// Seen before: 0.57/s at 10 boxes, 0.62/s at 15, 0.58/s at 20, leaning.
+/// Seen before: 0.6/s from 10 boxes on, leaning.
 #[test]
 fn nothing_grows_in_towers() {
     stand(&[2, 5, 10, 20].map(Standing::Tower), Settings::default(), &[60.0]);
 }
 
-/// Seen before: 0.5 to 0.8/s.
+/// Seen before: 0.45/s at 30 Hz.
 #[test]
 fn nothing_grows_in_a_tower_at_other_rates() {
     stand(&[Standing::Tower(15)], Settings::default(), &[30.0, 120.0]);
 }
 
-/// Seen before: 0.65/s at 10 boxes, which never came to rest.
+/// Seen before: 0.58/s at 10 boxes, which never came to rest.
 #[test]
 fn nothing_grows_with_friction_at_points() {
     let settings = Settings { friction_model: FrictionModel::Point, ..Settings::default() };
     stand(&[3, 10].map(Standing::Tower), settings, &[60.0]);
 }
 
-/// Sequential impulses, and more substeps.
+/// Sequential impulses, and more substeps. Seen before: 0.62/s at 1 substep and 8 iterations.
 #[test]
 fn nothing_grows_with_iterations_or_more_substeps() {
     for (substeps, iterations) in [(1, 8), (8, 1)] {
@@ -115,21 +116,21 @@ fn nothing_grows_with_iterations_or_more_substeps() {
     }
 }
 
-/// The load that a box bears may come in many ways here: the statics don't say by which points. Seen before: 1.8/s in the
-/// pyramid of 10, which never came to rest; 3/s in the wall.
+/// The load that a box bears may come in many ways here: the statics don't say by which points. Seen before: 0.37/s in the
+/// pyramid of 8; larger ones and walls never came to rest.
 #[test]
 fn nothing_grows_where_statics_leave_a_choice() {
     let wall = Standing::Wall { width: 6, height: 4 };
     stand(&[Standing::Pyramid(5), Standing::Pyramid(8), wall], Settings::default(), &[60.0]);
 }
 
-/// Seen before: 0.34/s.
+/// Seen before: 0.28/s.
 #[test]
 fn nothing_grows_on_a_light_box() {
     stand(&[Standing::Light(1000.0)], Settings::default(), &[60.0]);
 }
 
-/// A structure of a hundredth of the size, in a world that knows.
+/// A structure of a hundredth of the size, in a world that knows. Seen before: it fell within 15 s.
 #[test]
 fn nothing_grows_in_a_tower_of_centimetres() {
     stand(&[Standing::Tower(10)], Settings { length_unit: 0.01, ..Settings::default() }, &[60.0]);

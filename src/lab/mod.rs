@@ -44,8 +44,8 @@ pub struct Probe {
     /// Time that the map spans [s]: the longer, the finer eigenvalues near 1 are told from it. Default 2.
     pub horizon: f32,
     /// The greatest component of what the state is displaced by: lengths in length units, angles in radians, velocities
-    /// by the time in which a body falls a length, impulses by the weight of a body in a substep. Default 5e-5: well above
-    /// the rounding of poses (1e-7), and below what lifts a contact off.
+    /// by the time in which a body falls a length, impulses by what a hundred bodies weigh in a substep. Default 5e-5:
+    /// well above the rounding of poses (1e-7), and below what lifts a contact off.
     pub displacement: f64,
     /// Dimension of the Krylov space, of which the leading modes are found: at least 1. Default 30.
     pub dimension: usize,
