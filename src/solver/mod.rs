@@ -9,7 +9,7 @@ mod pass;
 use crate::body::Bodies;
 use crate::config::{FrictionCone, Settings};
 use crate::constraint::contact_row::{Motion, Softness};
-use crate::constraint::{Closing, JointRows, Rows};
+use crate::constraint::{Closing, JointRows, Restitution, Rows, Struck};
 use crate::forces::Forces;
 use crate::lanes::{Lanes, Mask, Record, f32x8};
 use crate::memory::{Buffer, bytes_of};
@@ -52,12 +52,12 @@ pub(crate) fn solve(
     bodies: &mut Bodies,
     forces: &Forces,
     (rows, joints): (&mut Rows, &mut JointRows),
-    impulses: &mut [f32],
+    (impacts, impulses): (&mut Restitution, &mut [f32]),
     state: &mut State,
 ) {
     let movers = bodies.movers();
     let h = dt / settings.substeps as f32;
-    let Forces { acceleration, start, .. } = forces;
+    let Forces { acceleration, .. } = forces;
     state.delta.clear();
     // One more for all that stands still, which joints may be fixed to.
     state.delta.resize(movers + 1, Record::default());
@@ -96,17 +96,32 @@ pub(crate) fn solve(
     let (rubs, batches) = (rows.rubs(), rows.views());
     let joined = Joined { stages: &joint_stages, views: &views };
     for substep in 0..settings.substeps {
+        if !impacts.is_empty() {
+            let unit = settings.length_unit;
+            // SAFETY: between stages this thread is alone.
+            let (velocity, base, delta) =
+                unsafe { (velocity.part(0..known), base.part(0..movers), delta.part(0..movers)) };
+            let mut struck = Struck {
+                velocity,
+                base,
+                delta,
+                acceleration,
+                inverse_inertia: &forces.inverse_inertia,
+                mass: &bodies.mass,
+                traits: &bodies.traits,
+                h,
+                threshold: settings.restitution_threshold * unit,
+                together: TOGETHER * unit,
+            };
+            impacts.meet(&mut struck, impulses);
+        }
         // Velocities take gravity and forces. From the second substep on, warm starting is one addition a body: rows
         // keep their directions within a step, so the impulses of the substep before change the velocities by just
         // what they did then. Those of joints turn, and see to it themselves.
         all_bodies(crew, movers, |i| {
             // SAFETY: each body is in one block.
-            let (v, b, d) = unsafe { (velocity.get(i), base.get(i), delta.get(i)) };
+            let (v, b) = unsafe { (velocity.get(i), base.get(i)) };
             let now = lanes(*v);
-            if substep == 0 && now.eq(lanes(start[i])).bits() & BOTH != BOTH {
-                // It bounced off something already.
-                d.pad0 = 1.0;
-            }
             let warm = if substep == 0 { f32x8::ZERO } else { now - lanes(*b) };
             let pull = acceleration.get(i).map_or(f32x8::ZERO, |&pull| lanes(pull) * f32x8::splat(h));
             let free = now + pull;
@@ -186,6 +201,9 @@ const JOINT_DAMPING: f32 = 2.0;
 
 /// Trees whose joints are open by more are closed after bodies moved [length units] or [rad].
 const JOINT_OPEN: f32 = 0.0005;
+
+/// Points that are apart by no more than this when another bounces do so with it [length units].
+const TOGETHER: f32 = 0.0005;
 
 /// Friction of an impact that changes the slip by more than this shifts the load [length units/s].
 const SHIFT: f32 = 0.25;

@@ -1,0 +1,291 @@
+//! The impacts of a substep, one after the other.
+//!
+//! An impact at the time `t` of the substep changes `v` to `v'`. The body is moved by `(v - v') t` and has `v'` from the
+//! start of the substep, so it ends where it would be had it turned round at the surface, with gravity's work done on the
+//! way in and out: a ball rises to e² of its height at any step. On this path separations are as good as on the first one, so what comes
+//! next in the same substep needs no bookkeeping. Joined bodies are not moved, which would tear their joints: they turn
+//! round before the surface, by less than they go in a substep.
+
+use super::{Link, NONE, Restitution, Spot, queue};
+use crate::body::{Mass, Traits};
+use crate::lanes::{self, Record, Sym3};
+use glam::Vec3;
+
+/// The bodies in a substep.
+pub(crate) struct Bodies<'a> {
+    /// Of all that can move, before they take acceleration.
+    pub(crate) velocity: &'a mut [Record],
+    /// Velocities of the substep before any row acted, which warm starting counts from.
+    pub(crate) base: &'a mut [Record],
+    /// Displacement since the start of the step.
+    pub(crate) delta: &'a mut [Record],
+    pub(crate) acceleration: &'a [Record],
+    pub(crate) inverse_inertia: &'a [Sym3<f32>],
+    pub(crate) mass: &'a [Mass],
+    pub(crate) traits: &'a [Traits],
+    /// Length of the substep [s].
+    pub(crate) h: f32,
+    /// Approach speeds below this don't bounce [m/s].
+    pub(crate) threshold: f32,
+    /// Points that are apart by no more than this when another touches take part [m].
+    pub(crate) together: f32,
+}
+
+/// Most points that are solved together: four manifolds.
+const MOST: usize = 16;
+/// Gauss-Seidel sweeps over them at most, and the share of the approach speed at which they end.
+const SWEEPS: u32 = 64;
+const EXACT: f32 = 1e-6;
+/// Impacts of a site in a substep, after which the rows have it. A ball between two that close in on it bounces without end.
+const HITS: u32 = 256;
+
+impl Restitution {
+    /// Solves what closes within the substep. Impulses are added to those of their contacts, where these are kept.
+    pub(crate) fn meet(&mut self, bodies: &mut Bodies<'_>, impulses: &mut [f32]) {
+        for i in 0..self.wakeful.len() {
+            self.sites[self.wakeful[i] as usize].hits = 0;
+            self.look(self.wakeful[i], 0.0, bodies);
+        }
+        while let Some(&site) = self.queue.first() {
+            let time = self.sites[site as usize].time;
+            self.solve(site, time, bodies, impulses);
+            self.count += 1;
+            self.sites[site as usize].hits += 1;
+            for body in self.sites[site as usize].bodies {
+                let mut link = self.struck.get(body as usize).map_or(Link::NONE, |struck| struck.first);
+                while link.site != NONE {
+                    let site = &mut self.sites[link.site as usize];
+                    if !site.wakeful {
+                        site.wakeful = true;
+                        self.wakeful.push(link.site);
+                    }
+                    let next = site.next[link.side as usize];
+                    self.look(link.site, time, bodies);
+                    link = next;
+                }
+            }
+        }
+    }
+
+    /// Finds when a site next closes, from a moment on.
+    fn look(&mut self, index: u32, now: f32, bodies: &Bodies<'_>) {
+        let site = &mut self.sites[index as usize];
+        (site.time, site.approach) = (f32::INFINITY, 0.0);
+        if site.hits < HITS {
+            for spot in &self.spots[site.first as usize..][..site.count as usize] {
+                if let Some((time, approach)) = bodies.closing(spot, now)
+                    && (time < site.time || time == site.time && approach > site.approach)
+                {
+                    (site.time, site.approach) = (time, approach);
+                }
+            }
+        }
+        queue::update(&mut self.queue, &mut self.sites, index);
+    }
+
+    /// Newton's law at all points of a site that touch and approach at a moment, then friction.
+    fn solve(&mut self, site: u32, time: f32, bodies: &mut Bodies<'_>, impulses: &mut [f32]) {
+        let site = &self.sites[site as usize];
+        let spots = &self.spots[site.first as usize..][..site.count as usize];
+        let mut moving = site.bodies.map(|body| Moving::new(bodies, body, time));
+        let mut rows = [Row::default(); MOST];
+        let mut count = 0;
+        for (i, spot) in spots.iter().enumerate() {
+            let approach = -spot.speed(|body| velocity(&moving, bodies, body));
+            let ease = ease(&moving, spot, spot.normal);
+            if count < MOST && approach > 0.0 && ease > 0.0 && bodies.gap(spot, time) <= bodies.together {
+                rows[count] = Row { spot: i, target: spot.restitution * approach, ease, impulse: 0.0 };
+                count += 1;
+            }
+        }
+        let rows = &mut rows[..count];
+        let exact = rows.iter().fold(0.0_f32, |most, row| most.max(row.target)) * EXACT;
+        for _ in 0..SWEEPS {
+            let mut worst = 0.0_f32;
+            for row in rows.iter_mut() {
+                let spot = &spots[row.spot];
+                let speed = spot.speed(|body| velocity(&moving, bodies, body));
+                let new = (row.impulse + (row.target - speed) / row.ease).max(0.0);
+                let change = new - row.impulse;
+                row.impulse = new;
+                push(&mut moving, spot, spot.normal * change);
+                worst = worst.max(change.abs() * row.ease);
+            }
+            if count == 1 || worst <= exact {
+                break;
+            }
+        }
+        for row in rows.iter() {
+            let spot = &spots[row.spot];
+            rub(&mut moving, bodies, spot, row.impulse);
+            if let Some(sum) = impulses.get_mut(spot.slot as usize) {
+                *sum += row.impulse;
+            }
+        }
+        for moving in moving.iter().filter(|moving| moving.body != NONE) {
+            let joined = self.struck[moving.body as usize].joined;
+            bodies.turn_round(moving, if joined { 0.0 } else { time });
+        }
+    }
+}
+
+/// A point in an impact.
+#[derive(Clone, Copy, Debug, Default)]
+struct Row {
+    spot: usize,
+    /// Separating speed to reach [m/s].
+    target: f32,
+    /// By how much a unit impulse changes the speed [1/kg].
+    ease: f32,
+    impulse: f32,
+}
+
+/// A body in an impact.
+#[derive(Clone, Copy, Debug)]
+struct Moving {
+    body: u32,
+    /// At the moment.
+    velocity: Record,
+    before: Record,
+    /// By world axis: locked ones have none.
+    inverse_mass: Vec3,
+    inverse_inertia: Sym3<f32>,
+}
+
+impl Moving {
+    fn new(bodies: &Bodies<'_>, body: u32, time: f32) -> Moving {
+        let i = body as usize;
+        let Some(&inverse_inertia) = bodies.inverse_inertia.get(i) else {
+            return Moving {
+                body: NONE,
+                velocity: Record::default(),
+                before: Record::default(),
+                inverse_mass: Vec3::ZERO,
+                inverse_inertia: Sym3::default(),
+            };
+        };
+        let velocity = bodies.velocity_at(i, time);
+        let inverse = bodies.mass[i].inverse;
+        let mut free = Record { linear: Vec3::splat(inverse), ..Record::default() };
+        bodies.traits[i].lock(&mut free);
+        Moving { body, velocity, before: velocity, inverse_mass: free.linear, inverse_inertia }
+    }
+
+    fn turned(&self, torque: Vec3) -> Vec3 {
+        self.inverse_inertia.mul(lanes::Vec3::new(torque.x, torque.y, torque.z)).lane(0)
+    }
+}
+
+/// The velocity of any body in an impact.
+fn velocity(moving: &[Moving; 2], bodies: &Bodies<'_>, body: usize) -> Record {
+    match moving.iter().find(|moving| moving.body as usize == body) {
+        Some(moving) => moving.velocity,
+        // Nothing pushes it, and nothing pulls it.
+        None => bodies.velocity.get(body).copied().unwrap_or_default(),
+    }
+}
+
+/// By how much a unit impulse along a direction changes the velocity there [1/kg].
+fn ease(moving: &[Moving; 2], spot: &Spot, along: Vec3) -> f32 {
+    let mut sum = 0.0;
+    for moving in moving {
+        for (body, arm) in spot.bodies.into_iter().zip(spot.arms) {
+            if body == moving.body {
+                let torque = arm.cross(along);
+                sum += along.dot(along * moving.inverse_mass) + torque.dot(moving.turned(torque));
+            }
+        }
+    }
+    sum
+}
+
+/// Applies an impulse to the second body of a point, and its opposite to the first.
+fn push(moving: &mut [Moving; 2], spot: &Spot, impulse: Vec3) {
+    for moving in moving {
+        for (side, impulse) in [-impulse, impulse].into_iter().enumerate() {
+            if spot.bodies[side] == moving.body {
+                moving.velocity.linear += impulse * moving.inverse_mass;
+                moving.velocity.angular += moving.turned(spot.arms[side].cross(impulse));
+            }
+        }
+    }
+}
+
+/// Friction of a normal impulse: against the slip, and no more than stops it, so it takes energy and never adds any.
+fn rub(moving: &mut [Moving; 2], bodies: &Bodies<'_>, spot: &Spot, impulse: f32) {
+    let slip = spot.slip(|body| velocity(moving, bodies, body)).reject_from_normalized(spot.normal);
+    let Some(way) = slip.try_normalize() else { return };
+    let ease = ease(moving, spot, way);
+    if ease > 0.0 {
+        push(moving, spot, way * -(spot.friction * impulse).min(slip.length() / ease));
+    }
+}
+
+impl Bodies<'_> {
+    fn velocity_at(&self, body: usize, time: f32) -> Record {
+        let (mut v, pull) = (self.velocity[body], self.pull(body));
+        v.linear += pull.linear * time;
+        v.angular += pull.angular * time;
+        v
+    }
+
+    fn pull(&self, body: usize) -> Record {
+        self.acceleration.get(body).copied().unwrap_or_default()
+    }
+
+    /// Separation at a moment of the substep [m].
+    fn gap(&self, spot: &Spot, time: f32) -> f32 {
+        let [gap, speed, pull] = self.fall(spot);
+        gap + (speed + 0.5 * pull * time) * time
+    }
+
+    /// Separation, speed and acceleration of parting, all as from the start of the substep.
+    fn fall(&self, spot: &Spot) -> [f32; 3] {
+        [
+            spot.separation + spot.speed(|body| self.delta.get(body).copied().unwrap_or_default()),
+            spot.speed(|body| self.velocity.get(body).copied().unwrap_or_default()),
+            spot.speed(|body| self.pull(body)),
+        ]
+    }
+
+    /// When a point closes in what is left of the substep, if it is fast enough to bounce, and how fast it is [m/s].
+    fn closing(&self, spot: &Spot, now: f32) -> Option<(f32, f32)> {
+        let [gap, speed, pull] = self.fall(spot);
+        let gap = gap + (speed + 0.5 * pull * now) * now;
+        let speed = speed + pull * now;
+        let left = self.h - now;
+        let fast = |approach: f32| approach > self.threshold;
+        if gap <= 0.0 {
+            return fast(-speed).then_some((now, -speed));
+        }
+        // As far as the rows go, which take all of the acceleration first: what they would stop must have bounced.
+        if gap + (speed + pull.min(0.0) * left) * left > 0.0 {
+            return None;
+        }
+        let root = (speed * speed - 2.0 * pull * gap).max(0.0).sqrt();
+        let time = 2.0 * gap / (root - speed);
+        let time = if time >= 0.0 { time.min(left) } else { left };
+        let approach = -(speed + pull * time);
+        fast(approach).then_some((now + time, approach))
+    }
+
+    /// Gives a body its velocity after an impact at a moment.
+    fn turn_round(&mut self, moving: &Moving, time: f32) {
+        let i = moving.body as usize;
+        let mut change = Record {
+            linear: moving.velocity.linear - moving.before.linear,
+            angular: moving.velocity.angular - moving.before.angular,
+            ..Record::default()
+        };
+        self.traits[i].lock(&mut change);
+        for velocity in [&mut self.velocity[i], &mut self.base[i]] {
+            velocity.linear += change.linear;
+            velocity.angular += change.angular;
+        }
+        let delta = &mut self.delta[i];
+        delta.linear -= change.linear * time;
+        delta.angular -= change.angular * time;
+        // It is not free.
+        delta.pad0 = 1.0;
+    }
+}
