@@ -241,6 +241,7 @@ impl World {
                 pairs: &self.broad.pairs,
                 contacts: &self.contacts.all,
                 joints: &self.joints,
+                motion: &forces.motion,
                 acceleration: &forces.acceleration,
                 tweaks: &self.events.tweaks,
                 threshold: self.settings.restitution_threshold * unit,

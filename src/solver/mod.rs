@@ -95,25 +95,28 @@ pub(crate) fn solve(
     let views = joints.views();
     let (rubs, batches) = (rows.rubs(), rows.views());
     let joined = Joined { stages: &joint_stages, views: &views };
+    // What impacts see and change. No stage may run while this is held.
+    let struck = || {
+        let unit = settings.length_unit;
+        // SAFETY: it is called between stages, where this thread is alone.
+        let (velocity, base, delta) =
+            unsafe { (velocity.part(0..known), base.part(0..movers), delta.part(0..movers)) };
+        Struck {
+            velocity,
+            base,
+            delta,
+            acceleration,
+            inverse_inertia: &forces.inverse_inertia,
+            mass: &bodies.mass,
+            traits: &bodies.traits,
+            h,
+            threshold: settings.restitution_threshold * unit,
+            together: TOGETHER * unit,
+        }
+    };
     for substep in 0..settings.substeps {
         if !impacts.is_empty() {
-            let unit = settings.length_unit;
-            // SAFETY: between stages this thread is alone.
-            let (velocity, base, delta) =
-                unsafe { (velocity.part(0..known), base.part(0..movers), delta.part(0..movers)) };
-            let mut struck = Struck {
-                velocity,
-                base,
-                delta,
-                acceleration,
-                inverse_inertia: &forces.inverse_inertia,
-                mass: &bodies.mass,
-                traits: &bodies.traits,
-                h,
-                threshold: settings.restitution_threshold * unit,
-                together: TOGETHER * unit,
-            };
-            impacts.meet(&mut struck, impulses);
+            impacts.meet(&mut struck(), impulses);
         }
         // Velocities take gravity and forces. From the second substep on, warm starting is one addition a body: rows
         // keep their directions within a step, so the impulses of the substep before change the velocities by just
@@ -163,6 +166,9 @@ pub(crate) fn solve(
             let touched = if same & BOTH == BOTH { 0.0 } else { 1.0 };
             *d = record(lanes(*d) + (moved + f32x8::new(PAD) * f32x8::splat(touched)));
         });
+        if !impacts.is_empty() {
+            impacts.go_on(&mut struck());
+        }
         if joined_at_all {
             Passes::close(crew, &batches, &joined, &motion, &closing(settings));
         }

@@ -19,6 +19,8 @@ pub(crate) struct FindInput<'a> {
     pub(crate) pairs: &'a [Pair],
     pub(crate) contacts: &'a [Contact],
     pub(crate) joints: &'a Joints,
+    /// Predicted motion of each body that can move.
+    pub(crate) motion: &'a [Record],
     /// Acceleration of each body that can move; may be empty.
     pub(crate) acceleration: &'a [Record],
     /// What hooks said of each contact; empty if there are none.
@@ -59,6 +61,7 @@ pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut 
     let mut spots = std::mem::take(&mut impacts.spots);
     spots.sort_unstable_by_key(|spot| (pushed(spot), spot.slot, spot.point));
     let place = room.fit(&mut impacts.struck, dynamic as usize);
+    let place = place.min(room.fit(&mut impacts.moved, dynamic as usize));
     if place < dynamic as usize {
         impacts.spots = spots;
         impacts.clear();
@@ -68,6 +71,8 @@ pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut 
     let struck = |i: u32| Struck {
         first: Link::NONE,
         joined: joints.has_any(input.bodies.slot[i as usize]),
+        moved: Record::default(),
+        listed: false,
     };
     impacts.struck.extend((0..dynamic).map(struck));
     let mut first = 0;
@@ -128,7 +133,12 @@ fn each_spot(input: &FindInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot) -> bool
         let [at_a, at_b] = bodies.map(|body| input.bodies.pose[body as usize].position);
         let normal = shape.rotation * contact.normal;
         let from_centre = (shape.position - at_a).as_vec3();
-        let apart = (at_a - at_b).as_vec3();
+        let mut apart = (at_a - at_b).as_vec3();
+        if contact.fraction > 0.0 {
+            // Found at the touch, so the arms are those of the touch.
+            let [moved_a, moved_b] = bodies.map(|body| input.motion.get(body as usize).map_or(Vec3::ZERO, |m| m.linear));
+            apart += (moved_a - moved_b) * contact.fraction;
+        }
         for (i, point) in contact.points().iter().enumerate() {
             let arm = shape.rotation * point.position + from_centre;
             let spot = Spot {

@@ -1,10 +1,13 @@
 //! The impacts of a substep, one after the other.
 //!
-//! An impact at the time `t` of the substep changes `v` to `v'`. The body is moved by `(v - v') t` and has `v'` from the
-//! start of the substep, so it ends where it would be had it turned round at the surface, with gravity's work done on the
-//! way in and out: a ball rises to e² of its height at any step. On this path separations are as good as on the first one, so what comes
-//! next in the same substep needs no bookkeeping. Joined bodies are not moved, which would tear their joints: they turn
-//! round before the surface, by less than they go in a substep.
+//! An impact at the time `t` of the substep changes `v` to `v'`. From then on the body is as if it had had `v'` from the
+//! start of the substep and begun it moved by `(v - v') t`; it ends where it would be had it turned round at the surface,
+//! with gravity's work done on the way in and out, so a ball rises to e² of its height at any step. On that path
+//! separations follow as on any other, and what comes next in the substep needs no bookkeeping. Joined bodies are not
+//! moved, which would tear their joints: they turn round before the surface, by less than they go in a substep.
+//!
+//! Rows ask what is crossed by the end of the substep, so they get the mean velocity, which leads there from where the
+//! body really begins; once bodies have moved, the velocity is what the last impact left ([`Restitution::go_on`]).
 
 use super::{Link, NONE, Restitution, Spot, queue};
 use crate::body::{Mass, Traits};
@@ -36,6 +39,9 @@ const MOST: usize = 16;
 /// Gauss-Seidel sweeps over them at most, and the share of the approach speed at which they end.
 const SWEEPS: u32 = 64;
 const EXACT: f32 = 1e-6;
+/// What ends a substep nearer than this counts as touching: a share of the way it came, and of what touches together.
+const SLACK: f32 = 1e-4;
+const NEAR: f32 = 0.02;
 /// Impacts of a site in a substep, after which the rows have it. A ball between two that close in on it bounces without end.
 const HITS: u32 = 256;
 
@@ -46,6 +52,11 @@ impl Restitution {
             self.sites[self.wakeful[i] as usize].hits = 0;
             self.look(self.wakeful[i], 0.0, bodies);
         }
+        for &body in &self.moved {
+            let struck = &mut self.struck[body as usize];
+            (struck.moved, struck.listed) = (Record::default(), false);
+        }
+        self.moved.clear();
         while let Some(&site) = self.queue.first() {
             let time = self.sites[site as usize].time;
             self.solve(site, time, bodies, impulses);
@@ -64,6 +75,23 @@ impl Restitution {
                     link = next;
                 }
             }
+        }
+        let share = 1.0 / bodies.h;
+        for &body in &self.moved {
+            let (i, moved) = (body as usize, &self.struck[body as usize].moved);
+            add(&mut bodies.delta[i], moved, -1.0);
+            add(&mut bodies.velocity[i], moved, share);
+            add(&mut bodies.base[i], moved, share);
+        }
+    }
+
+    /// Gives what was struck the velocities of the end of the substep, after bodies have moved.
+    pub(crate) fn go_on(&self, bodies: &mut Bodies<'_>) {
+        let share = -1.0 / bodies.h;
+        for &body in &self.moved {
+            let (i, moved) = (body as usize, &self.struck[body as usize].moved);
+            add(&mut bodies.velocity[i], moved, share);
+            add(&mut bodies.base[i], moved, share);
         }
     }
 
@@ -123,8 +151,15 @@ impl Restitution {
             }
         }
         for moving in moving.iter().filter(|moving| moving.body != NONE) {
-            let joined = self.struck[moving.body as usize].joined;
-            bodies.turn_round(moving, if joined { 0.0 } else { time });
+            let change = bodies.turn_round(moving);
+            let struck = &mut self.struck[moving.body as usize];
+            if !struck.joined && time > 0.0 {
+                if !std::mem::replace(&mut struck.listed, true) {
+                    self.moved.push(moving.body);
+                }
+                add(&mut struck.moved, &change, -time);
+                add(&mut bodies.delta[moving.body as usize], &change, -time);
+            }
         }
     }
 }
@@ -258,8 +293,10 @@ impl Bodies<'_> {
         if gap <= 0.0 {
             return fast(-speed).then_some((now, -speed));
         }
-        // As far as the rows go, which take all of the acceleration first: what they would stop must have bounced.
-        if gap + (speed + pull.min(0.0) * left) * left > 0.0 {
+        // As far as the rows go, which take all of the acceleration first, and a little further: what they would stop must
+        // have bounced.
+        let closed = -(speed + pull.min(0.0) * left) * left;
+        if gap > closed + closed.abs() * SLACK + self.together * NEAR {
             return None;
         }
         let root = (speed * speed - 2.0 * pull * gap).max(0.0).sqrt();
@@ -269,8 +306,8 @@ impl Bodies<'_> {
         fast(approach).then_some((now + time, approach))
     }
 
-    /// Gives a body its velocity after an impact at a moment.
-    fn turn_round(&mut self, moving: &Moving, time: f32) {
+    /// Gives a body its velocity after an impact; says by how much it changed.
+    fn turn_round(&mut self, moving: &Moving) -> Record {
         let i = moving.body as usize;
         let mut change = Record {
             linear: moving.velocity.linear - moving.before.linear,
@@ -278,14 +315,15 @@ impl Bodies<'_> {
             ..Record::default()
         };
         self.traits[i].lock(&mut change);
-        for velocity in [&mut self.velocity[i], &mut self.base[i]] {
-            velocity.linear += change.linear;
-            velocity.angular += change.angular;
-        }
-        let delta = &mut self.delta[i];
-        delta.linear -= change.linear * time;
-        delta.angular -= change.angular * time;
+        add(&mut self.velocity[i], &change, 1.0);
+        add(&mut self.base[i], &change, 1.0);
         // It is not free.
-        delta.pad0 = 1.0;
+        self.delta[i].pad0 = 1.0;
+        change
     }
+}
+
+fn add(to: &mut Record, what: &Record, times: f32) {
+    to.linear += what.linear * times;
+    to.angular += what.angular * times;
 }

@@ -12,6 +12,7 @@ mod find;
 mod meet;
 mod queue;
 
+use crate::lanes::Record;
 use crate::memory::bytes_of;
 pub(crate) use find::{FindInput, find};
 use glam::Vec3;
@@ -75,6 +76,9 @@ struct Struck {
     first: Link,
     /// It hangs on joints, which would be torn by moving it alone.
     joined: bool,
+    /// In this substep, by its impacts, if it is in the list of those.
+    moved: Record,
+    listed: bool,
 }
 
 /// The impacts of a step.
@@ -86,6 +90,8 @@ pub(crate) struct Restitution {
     /// Sites by time, a binary heap.
     queue: Vec<u32>,
     wakeful: Vec<u32>,
+    /// Bodies that were moved in this substep.
+    moved: Vec<u32>,
     /// Impacts that were solved.
     pub(crate) count: u32,
 }
@@ -102,6 +108,7 @@ impl Restitution {
             bytes_of(&self.struck),
             bytes_of(&self.queue),
             bytes_of(&self.wakeful),
+            bytes_of(&self.moved),
         ]
         .into_iter()
         .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
@@ -113,6 +120,7 @@ impl Restitution {
         self.struck.clear();
         self.queue.clear();
         self.wakeful.clear();
+        self.moved.clear();
         self.count = 0;
     }
 }
