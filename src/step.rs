@@ -137,8 +137,9 @@ impl World {
 
         let buffers = &mut self.buffers;
         let (rows, state) = ((&mut buffers.rows, &mut buffers.joints), &mut buffers.solver);
-        let impacts = (&mut buffers.restitution, self.events.impulses.as_mut_slice());
-        solver::solve(crew, &self.settings, dt, &mut self.bodies, &buffers.forces, rows, impacts, state);
+        let impulses = self.events.impulses.as_mut_slice();
+        let impacts = (&mut buffers.restitution, impulses, self.colliders.all.as_slice());
+        solver::solve(crew, &self.settings, dt, &mut self.bodies, &mut buffers.forces, rows, impacts, state);
         prepared.impacts = self.buffers.restitution.count;
         let watch = Watch::start(self.joints.count > 0);
         self.store_joints(dt);

@@ -13,6 +13,7 @@ use crate::constraint::{Closing, JointRows, Restitution, Rows, Struck};
 use crate::forces::Forces;
 use crate::lanes::{Lanes, Mask, Record, f32x8};
 use crate::memory::{Buffer, bytes_of};
+use crate::shape::Collider;
 use crate::step::REAL;
 use crate::threads::{Crew, Shared, per_block};
 pub(crate) use pass::store;
@@ -50,14 +51,13 @@ pub(crate) fn solve(
     settings: &Settings,
     dt: f32,
     bodies: &mut Bodies,
-    forces: &Forces,
+    forces: &mut Forces,
     (rows, joints): (&mut Rows, &mut JointRows),
-    (impacts, impulses): (&mut Restitution, &mut [f32]),
+    (impacts, impulses, colliders): (&mut Restitution, &mut [f32], &[Collider]),
     state: &mut State,
 ) {
     let movers = bodies.movers();
     let h = dt / settings.substeps as f32;
-    let Forces { acceleration, .. } = forces;
     state.delta.clear();
     // One more for all that stands still, which joints may be fixed to.
     state.delta.resize(movers + 1, Record::default());
@@ -95,28 +95,27 @@ pub(crate) fn solve(
     let views = joints.views();
     let (rubs, batches) = (rows.rubs(), rows.views());
     let joined = Joined { stages: &joint_stages, views: &views };
-    // What impacts see and change. No stage may run while this is held.
-    let struck = || {
-        let unit = settings.length_unit;
-        // SAFETY: it is called between stages, where this thread is alone.
-        let (velocity, base, delta) =
-            unsafe { (velocity.part(0..known), base.part(0..movers), delta.part(0..movers)) };
-        Struck {
-            velocity,
-            base,
-            delta,
-            acceleration,
-            inverse_inertia: &forces.inverse_inertia,
-            mass: &bodies.mass,
-            traits: &bodies.traits,
-            h,
-            threshold: settings.restitution_threshold * unit,
-            together: TOGETHER * unit,
-        }
-    };
+    let (mass, traits, own) = (&bodies.mass, &bodies.traits, &bodies.colliders);
     for substep in 0..settings.substeps {
         if !impacts.is_empty() {
-            impacts.meet(&mut struck(), impulses);
+            // SAFETY: between stages this thread is alone.
+            let (velocity, base, delta) =
+                unsafe { (velocity.part(0..known), base.part(0..movers), delta.part(0..movers)) };
+            let mut struck = Struck {
+                velocity,
+                base,
+                delta,
+                acceleration: &mut forces.acceleration,
+                inverse_inertia: &forces.inverse_inertia,
+                mass,
+                traits,
+                colliders: (own, colliders),
+                h,
+                left: h * (settings.substeps - substep) as f32,
+                threshold: settings.restitution_threshold * settings.length_unit,
+                together: TOGETHER * settings.length_unit,
+            };
+            impacts.meet(&mut struck, impulses);
         }
         // Velocities take gravity and forces. From the second substep on, warm starting is one addition a body: rows
         // keep their directions within a step, so the impulses of the substep before change the velocities by just
@@ -126,7 +125,7 @@ pub(crate) fn solve(
             let (v, b) = unsafe { (velocity.get(i), base.get(i)) };
             let now = lanes(*v);
             let warm = if substep == 0 { f32x8::ZERO } else { now - lanes(*b) };
-            let pull = acceleration.get(i).map_or(f32x8::ZERO, |&pull| lanes(pull) * f32x8::splat(h));
+            let pull = forces.acceleration.get(i).map_or(f32x8::ZERO, |&pull| lanes(pull) * f32x8::splat(h));
             let free = now + pull;
             (*b, *v) = (record(free), record(if i < dynamic { free + warm } else { free }));
         });
@@ -156,7 +155,7 @@ pub(crate) fn solve(
             let mut moved = now * f32x8::splat(h);
             if i < dynamic
                 && same & LINEAR == LINEAR
-                && let Some(&fall) = acceleration.get(i)
+                && let Some(&fall) = forces.acceleration.get(i)
             {
                 // Nothing touched the body: its path is the parabola, not the chord of semi-implicit Euler.
                 moved -= lanes(Record { angular: glam::Vec3::ZERO, ..fall }) * f32x8::splat(0.5 * h * h);
@@ -167,7 +166,9 @@ pub(crate) fn solve(
             *d = record(lanes(*d) + (moved + f32x8::new(PAD) * f32x8::splat(touched)));
         });
         if !impacts.is_empty() {
-            impacts.go_on(&mut struck());
+            // SAFETY: as above.
+            let (velocity, base) = unsafe { (velocity.part(0..known), base.part(0..movers)) };
+            impacts.go_on(h, velocity, base);
         }
         if joined_at_all {
             Passes::close(crew, &batches, &joined, &motion, &closing(settings));

@@ -73,6 +73,7 @@ pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut 
         joined: joints.has_any(input.bodies.slot[i as usize]),
         moved: Record::default(),
         listed: false,
+        stands: false,
     };
     impacts.struck.extend((0..dynamic).map(struck));
     let mut first = 0;

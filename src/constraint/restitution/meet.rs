@@ -6,12 +6,17 @@
 //! separations follow as on any other, and what comes next in the substep needs no bookkeeping. Joined bodies are not
 //! moved, which would tear their joints: they turn round before the surface, by less than they go in a substep.
 //!
+//! Contacts were found along the predicted motion. What is thrown off it so far that it could get through something
+//! unknown stands where it is for the rest of the step, at its new speed: the next step looks along that. It loses time,
+//! but no energy.
+//!
 //! Rows ask what is crossed by the end of the substep, so they get the mean velocity, which leads there from where the
 //! body really begins; once bodies have moved, the velocity is what the last impact left ([`Restitution::go_on`]).
 
-use super::{Link, NONE, Restitution, Spot, queue};
-use crate::body::{Mass, Traits};
+use super::{Link, NONE, Restitution, Spot, Struck, queue};
+use crate::body::{Colliders, Mass, Traits};
 use crate::lanes::{self, Record, Sym3};
+use crate::shape::Collider;
 use glam::Vec3;
 
 /// The bodies in a substep.
@@ -22,12 +27,15 @@ pub(crate) struct Bodies<'a> {
     pub(crate) base: &'a mut [Record],
     /// Displacement since the start of the step.
     pub(crate) delta: &'a mut [Record],
-    pub(crate) acceleration: &'a [Record],
+    /// What stands until the end of the step loses it.
+    pub(crate) acceleration: &'a mut [Record],
     pub(crate) inverse_inertia: &'a [Sym3<f32>],
     pub(crate) mass: &'a [Mass],
     pub(crate) traits: &'a [Traits],
-    /// Length of the substep [s].
+    pub(crate) colliders: (&'a [Colliders], &'a [Collider]),
+    /// Length of the substep, and what is left of the step at its start [s].
     pub(crate) h: f32,
+    pub(crate) left: f32,
     /// Approach speeds below this don't bounce [m/s].
     pub(crate) threshold: f32,
     /// Points that are apart by no more than this when another touches take part [m].
@@ -48,15 +56,18 @@ const HITS: u32 = 256;
 impl Restitution {
     /// Solves what closes within the substep. Impulses are added to those of their contacts, where these are kept.
     pub(crate) fn meet(&mut self, bodies: &mut Bodies<'_>, impulses: &mut [f32]) {
+        self.moved.retain(|&body| {
+            let struck = &mut self.struck[body as usize];
+            (struck.moved, struck.listed) = (Record::default(), struck.stands);
+            if struck.stands {
+                bodies.stand(body as usize, struck, 0.0);
+            }
+            struck.stands
+        });
         for i in 0..self.wakeful.len() {
             self.sites[self.wakeful[i] as usize].hits = 0;
             self.look(self.wakeful[i], 0.0, bodies);
         }
-        for &body in &self.moved {
-            let struck = &mut self.struck[body as usize];
-            (struck.moved, struck.listed) = (Record::default(), false);
-        }
-        self.moved.clear();
         while let Some(&site) = self.queue.first() {
             let time = self.sites[site as usize].time;
             self.solve(site, time, bodies, impulses);
@@ -76,6 +87,7 @@ impl Restitution {
                 }
             }
         }
+        self.hold_back(bodies);
         let share = 1.0 / bodies.h;
         for &body in &self.moved {
             let (i, moved) = (body as usize, &self.struck[body as usize].moved);
@@ -86,12 +98,45 @@ impl Restitution {
     }
 
     /// Gives what was struck the velocities of the end of the substep, after bodies have moved.
-    pub(crate) fn go_on(&self, bodies: &mut Bodies<'_>) {
-        let share = -1.0 / bodies.h;
+    pub(crate) fn go_on(&self, h: f32, velocity: &mut [Record], base: &mut [Record]) {
+        let share = -1.0 / h;
         for &body in &self.moved {
             let (i, moved) = (body as usize, &self.struck[body as usize].moved);
-            add(&mut bodies.velocity[i], moved, share);
-            add(&mut bodies.base[i], moved, share);
+            add(&mut velocity[i], moved, share);
+            add(&mut base[i], moved, share);
+        }
+    }
+
+    /// What would run into something that stands, but not if that moved on, stands too.
+    fn hold_back(&mut self, bodies: &mut Bodies<'_>) {
+        let mut held = self.moved.iter().any(|&body| self.struck[body as usize].stands);
+        while std::mem::take(&mut held) {
+            for &site in &self.wakeful {
+                let site = &self.sites[site as usize];
+                let stands = |&body: &u32| self.struck.get(body as usize).is_some_and(|struck| struck.stands);
+                if site.bodies.iter().filter(|body| stands(body)).count() != 1 {
+                    continue;
+                }
+                let moved = |body: usize| self.struck.get(body).map_or(Record::default(), |s| s.moved);
+                let meets = self.spots[site.first as usize..][..site.count as usize].iter().any(|spot| {
+                    let before = bodies.gap(spot, 0.0) - spot.speed(moved);
+                    let after = bodies.gap(spot, bodies.h);
+                    after < 0.0 && after < before
+                });
+                let body = site.bodies.into_iter().find(|body| *body != NONE && !stands(body));
+                let Some(i) = body.filter(|_| meets).map(|body| body as usize) else { continue };
+                let struck = &mut self.struck[i];
+                if struck.joined {
+                    continue;
+                }
+                if !std::mem::replace(&mut struck.listed, true) {
+                    self.moved.push(i as u32);
+                }
+                let back = struck.moved;
+                bodies.shift(i, struck, &back, -1.0);
+                bodies.stand(i, struck, 0.0);
+                held = true;
+            }
         }
     }
 
@@ -152,13 +197,16 @@ impl Restitution {
         }
         for moving in moving.iter().filter(|moving| moving.body != NONE) {
             let change = bodies.turn_round(moving);
-            let struck = &mut self.struck[moving.body as usize];
-            if !struck.joined && time > 0.0 {
-                if !std::mem::replace(&mut struck.listed, true) {
-                    self.moved.push(moving.body);
-                }
-                add(&mut struck.moved, &change, -time);
-                add(&mut bodies.delta[moving.body as usize], &change, -time);
+            let (i, struck) = (moving.body as usize, &mut self.struck[moving.body as usize]);
+            if struck.joined {
+                continue;
+            }
+            if !std::mem::replace(&mut struck.listed, true) {
+                self.moved.push(moving.body);
+            }
+            bodies.shift(i, struck, &change, if struck.stands { -bodies.h } else { -time });
+            if !struck.stands && bodies.goes_astray(i, &change, bodies.left - time) {
+                bodies.stand(i, struck, time);
             }
         }
     }
@@ -304,6 +352,40 @@ impl Bodies<'_> {
         let time = if time >= 0.0 { time.min(left) } else { left };
         let approach = -(speed + pull * time);
         fast(approach).then_some((now + time, approach))
+    }
+
+    /// Begins a body's substep elsewhere, by some seconds of a velocity.
+    fn shift(&mut self, body: usize, struck: &mut Struck, by: &Record, times: f32) {
+        add(&mut struck.moved, by, times);
+        add(&mut self.delta[body], by, times);
+    }
+
+    /// Keeps a body where it is from a moment of the substep on, and at its velocity.
+    fn stand(&mut self, body: usize, struck: &mut Struck, time: f32) {
+        let pull = self.pull(body);
+        for velocity in [&mut self.velocity[body], &mut self.base[body]] {
+            add(velocity, &pull, time);
+        }
+        let velocity = self.velocity[body];
+        self.shift(body, struck, &velocity, time - self.h);
+        self.shift(body, struck, &pull, -0.5 * time * time);
+        if let Some(pull) = self.acceleration.get_mut(body) {
+            *pull = Record::default();
+        }
+        struck.stands = true;
+        // It is not free.
+        self.delta[body].pad0 = 1.0;
+    }
+
+    /// Whether a change of velocity takes a body so far off its way in some seconds that it could get through something:
+    /// by half of its inner ball.
+    fn goes_astray(&self, body: usize, change: &Record, left: f32) -> bool {
+        let (of, all) = self.colliders;
+        of[body].as_slice().iter().any(|&c| {
+            let shape = &all[c as usize];
+            let reach = shape.position.length() + shape.radius;
+            (change.linear.length() + change.angular.length() * reach) * left > 0.5 * shape.inner_radius
+        })
     }
 
     /// Gives a body its velocity after an impact; says by how much it changed.

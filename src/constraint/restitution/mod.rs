@@ -79,6 +79,8 @@ struct Struck {
     /// In this substep, by its impacts, if it is in the list of those.
     moved: Record,
     listed: bool,
+    /// It stays where it is for the rest of the step.
+    stands: bool,
 }
 
 /// The impacts of a step.
