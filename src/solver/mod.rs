@@ -95,7 +95,7 @@ pub(crate) fn solve(
     let views = joints.views();
     let (rubs, batches) = (rows.rubs(), rows.views());
     let joined = Joined { stages: &joint_stages, views: &views };
-    let (mass, traits, own) = (&bodies.mass, &bodies.traits, &bodies.colliders);
+    let (pose, mass, traits, own) = (&bodies.pose, &bodies.mass, &bodies.traits, &bodies.colliders);
     for substep in 0..settings.substeps {
         if !impacts.is_empty() {
             // SAFETY: between stages this thread is alone.
@@ -109,7 +109,9 @@ pub(crate) fn solve(
                 inverse_inertia: &forces.inverse_inertia,
                 mass,
                 traits,
+                pose,
                 colliders: (own, colliders),
+                done: h * substep as f32,
                 h,
                 left: h * (settings.substeps - substep) as f32,
                 threshold: settings.restitution_threshold * settings.length_unit,

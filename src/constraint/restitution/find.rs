@@ -74,6 +74,8 @@ pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut 
         moved: Record::default(),
         listed: false,
         stands: false,
+        last: 0.0,
+        turned: None,
     };
     impacts.struck.extend((0..dynamic).map(struck));
     let mut first = 0;

@@ -14,10 +14,11 @@
 //! body really begins; once bodies have moved, the velocity is what the last impact left ([`Restitution::go_on`]).
 
 use super::{Link, NONE, Restitution, Spot, Struck, queue};
-use crate::body::{Colliders, Mass, Traits};
+use crate::body::{Colliders, Mass, Pose, Traits, turn_freely};
+use crate::forces::{is_uneven, turned_inertia};
 use crate::lanes::{self, Record, Sym3};
 use crate::shape::Collider;
-use glam::Vec3;
+use glam::{Quat, Vec3};
 
 /// The bodies in a substep.
 pub(crate) struct Bodies<'a> {
@@ -32,8 +33,10 @@ pub(crate) struct Bodies<'a> {
     pub(crate) inverse_inertia: &'a [Sym3<f32>],
     pub(crate) mass: &'a [Mass],
     pub(crate) traits: &'a [Traits],
+    pub(crate) pose: &'a [Pose],
     pub(crate) colliders: (&'a [Colliders], &'a [Collider]),
-    /// Length of the substep, and what is left of the step at its start [s].
+    /// What is done of the step and what is left of it at the start of the substep, and its length [s].
+    pub(crate) done: f32,
     pub(crate) h: f32,
     pub(crate) left: f32,
     /// Approach speeds below this don't bounce [m/s].
@@ -56,6 +59,7 @@ const HITS: u32 = 256;
 impl Restitution {
     /// Solves what closes within the substep. Impulses are added to those of their contacts, where these are kept.
     pub(crate) fn meet(&mut self, bodies: &mut Bodies<'_>, impulses: &mut [f32]) {
+        self.struck.iter_mut().for_each(|struck| struck.last = 0.0);
         self.moved.retain(|&body| {
             let struck = &mut self.struck[body as usize];
             (struck.moved, struck.listed) = (Record::default(), struck.stands);
@@ -132,9 +136,7 @@ impl Restitution {
                 if !std::mem::replace(&mut struck.listed, true) {
                     self.moved.push(i as u32);
                 }
-                let back = struck.moved;
-                bodies.shift(i, struck, &back, -1.0);
-                bodies.stand(i, struck, 0.0);
+                bodies.stand(i, struck, struck.last);
                 held = true;
             }
         }
@@ -160,7 +162,8 @@ impl Restitution {
     fn solve(&mut self, site: u32, time: f32, bodies: &mut Bodies<'_>, impulses: &mut [f32]) {
         let site = &self.sites[site as usize];
         let spots = &self.spots[site.first as usize..][..site.count as usize];
-        let mut moving = site.bodies.map(|body| Moving::new(bodies, body, time));
+        let turned = |body: u32| self.struck.get(body as usize).and_then(|struck| struck.turned);
+        let mut moving = site.bodies.map(|body| Moving::new(bodies, body, turned(body), time));
         let mut rows = [Row::default(); MOST];
         let mut count = 0;
         for (i, spot) in spots.iter().enumerate() {
@@ -198,6 +201,10 @@ impl Restitution {
         for moving in moving.iter().filter(|moving| moving.body != NONE) {
             let change = bodies.turn_round(moving);
             let (i, struck) = (moving.body as usize, &mut self.struck[moving.body as usize]);
+            struck.last = time;
+            if let Some(rotation) = moving.rotation {
+                struck.turned = Some((rotation, bodies.done + time));
+            }
             if struck.joined {
                 continue;
             }
@@ -233,10 +240,13 @@ struct Moving {
     /// By world axis: locked ones have none.
     inverse_mass: Vec3,
     inverse_inertia: Sym3<f32>,
+    /// If its axes may wander.
+    rotation: Option<Quat>,
 }
 
 impl Moving {
-    fn new(bodies: &Bodies<'_>, body: u32, time: f32) -> Moving {
+    /// `turned`: its orientation at its last impact of the step, and when that was.
+    fn new(bodies: &Bodies<'_>, body: u32, turned: Option<(Quat, f32)>, time: f32) -> Moving {
         let i = body as usize;
         let Some(&inverse_inertia) = bodies.inverse_inertia.get(i) else {
             return Moving {
@@ -245,13 +255,22 @@ impl Moving {
                 before: Record::default(),
                 inverse_mass: Vec3::ZERO,
                 inverse_inertia: Sym3::default(),
+                rotation: None,
             };
         };
-        let velocity = bodies.velocity_at(i, time);
-        let inverse = bodies.mass[i].inverse;
+        let before = bodies.velocity_at(i, time);
+        let (mut velocity, mut inverse_inertia, mut rotation) = (before, inverse_inertia, None);
+        let mass = &bodies.mass[i];
+        if is_uneven(mass, &bodies.traits[i]) {
+            // Its inertia and its spin are those of the moment.
+            let (from, since) = turned.unwrap_or((bodies.pose[i].rotation, 0.0));
+            let (to, spin) = turn_freely(from, velocity.angular, mass.inertia, bodies.done + time - since);
+            (velocity.angular, inverse_inertia, rotation) = (spin, turned_inertia(to, mass), Some(to));
+        }
+        let inverse = mass.inverse;
         let mut free = Record { linear: Vec3::splat(inverse), ..Record::default() };
         bodies.traits[i].lock(&mut free);
-        Moving { body, velocity, before: velocity, inverse_mass: free.linear, inverse_inertia }
+        Moving { body, velocity, before, inverse_mass: free.linear, inverse_inertia, rotation }
     }
 
     fn turned(&self, torque: Vec3) -> Vec3 {
@@ -373,8 +392,13 @@ impl Bodies<'_> {
             *pull = Record::default();
         }
         struck.stands = true;
-        // It is not free.
-        self.delta[body].pad0 = 1.0;
+        self.not_alone(body);
+    }
+
+    /// Says that a body is not where it was to go. The whole ones in this pad count the substeps in which rows acted.
+    fn not_alone(&mut self, body: usize) {
+        let pad = &mut self.delta[body].pad0;
+        *pad = pad.max(0.5);
     }
 
     /// Whether a change of velocity takes a body so far off its way in some seconds that it could get through something:
@@ -399,8 +423,7 @@ impl Bodies<'_> {
         self.traits[i].lock(&mut change);
         add(&mut self.velocity[i], &change, 1.0);
         add(&mut self.base[i], &change, 1.0);
-        // It is not free.
-        self.delta[i].pad0 = 1.0;
+        self.not_alone(i);
         change
     }
 }

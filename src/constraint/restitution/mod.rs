@@ -15,7 +15,7 @@ mod queue;
 use crate::lanes::Record;
 use crate::memory::bytes_of;
 pub(crate) use find::{FindInput, find};
-use glam::Vec3;
+use glam::{Quat, Vec3};
 pub(crate) use meet::Bodies;
 
 /// None.
@@ -81,6 +81,10 @@ struct Struck {
     listed: bool,
     /// It stays where it is for the rest of the step.
     stands: bool,
+    /// When it was last struck in this substep [s].
+    last: f32,
+    /// Orientation at its last impact in this step, and when that was [s], if its axes may wander.
+    turned: Option<(Quat, f32)>,
 }
 
 /// The impacts of a step.
@@ -99,6 +103,11 @@ pub(crate) struct Restitution {
 }
 
 impl Restitution {
+    /// How a body stood at its last impact in the step, and when that was [s], if its axes may wander.
+    pub(crate) fn turned(&self, body: usize) -> Option<(Quat, f32)> {
+        self.struck.get(body).and_then(|struck| struck.turned)
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
         self.wakeful.is_empty()
     }
