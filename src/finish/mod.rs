@@ -180,10 +180,8 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
             if uneven && i < dynamic && !touched && spins_freely(&mass[i], &traits[i], start[i].angular, dt) {
                 (pose.rotation, velocity.angular) =
                     turn_freely(pose.rotation, start[i].angular, mass[i].inertia, dt);
-            } else if d.pad0 < 1.0
-                && let Some((rotation, time)) = impacts.turned(i)
-            {
-                // It bounced, and nothing else touched it.
+            } else if let Some((rotation, time)) = impacts.turned(i) {
+                // It bounced, and its spin is that of the moment.
                 (pose.rotation, velocity.angular) =
                     turn_freely(rotation, velocity.angular, mass[i].inertia, dt - time);
             } else {

@@ -186,6 +186,8 @@ pub(crate) fn solve(
             add_impulses(&batches, impulses);
         }
     }
+    // SAFETY: no stage runs.
+    impacts.let_go(dt, unsafe { velocity.part(0..known) });
     if let Some(traits) = locks {
         // SAFETY: each body is in one block.
         all_bodies(crew, movers, |i| traits[i].lock(unsafe { velocity.get(i) }));

@@ -62,6 +62,7 @@ pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut 
     spots.sort_unstable_by_key(|spot| (pushed(spot), spot.slot, spot.point));
     let place = room.fit(&mut impacts.struck, dynamic as usize);
     let place = place.min(room.fit(&mut impacts.moved, dynamic as usize));
+    let place = place.min(room.fit(&mut impacts.standing, dynamic as usize));
     if place < dynamic as usize {
         impacts.spots = spots;
         impacts.clear();
@@ -74,7 +75,7 @@ pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut 
         moved: Record::default(),
         listed: false,
         stands: false,
-        last: 0.0,
+        kept: Record::default(),
         turned: None,
     };
     impacts.struck.extend((0..dynamic).map(struck));

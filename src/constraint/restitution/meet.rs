@@ -53,21 +53,19 @@ const EXACT: f32 = 1e-6;
 /// What ends a substep nearer than this counts as touching: a share of the way it came, and of what touches together.
 const SLACK: f32 = 1e-4;
 const NEAR: f32 = 0.02;
+/// What the pad of a displacement says of a body that bounced and that no rows acted on: they add one in each substep.
+const ALONE: f32 = 0.5;
 /// Impacts of a site in a substep, after which the rows have it. A ball between two that close in on it bounces without end.
 const HITS: u32 = 256;
 
 impl Restitution {
     /// Solves what closes within the substep. Impulses are added to those of their contacts, where these are kept.
     pub(crate) fn meet(&mut self, bodies: &mut Bodies<'_>, impulses: &mut [f32]) {
-        self.struck.iter_mut().for_each(|struck| struck.last = 0.0);
-        self.moved.retain(|&body| {
+        for &body in &self.moved {
             let struck = &mut self.struck[body as usize];
-            (struck.moved, struck.listed) = (Record::default(), struck.stands);
-            if struck.stands {
-                bodies.stand(body as usize, struck, 0.0);
-            }
-            struck.stands
-        });
+            (struck.moved, struck.listed) = (Record::default(), false);
+        }
+        self.moved.clear();
         for i in 0..self.wakeful.len() {
             self.sites[self.wakeful[i] as usize].hits = 0;
             self.look(self.wakeful[i], 0.0, bodies);
@@ -91,7 +89,6 @@ impl Restitution {
                 }
             }
         }
-        self.hold_back(bodies);
         let share = 1.0 / bodies.h;
         for &body in &self.moved {
             let (i, moved) = (body as usize, &self.struck[body as usize].moved);
@@ -111,44 +108,13 @@ impl Restitution {
         }
     }
 
-    /// What would run into something that stands, but not if that moved on, stands too.
-    fn hold_back(&mut self, bodies: &mut Bodies<'_>) {
-        let mut held = self.moved.iter().any(|&body| self.struck[body as usize].stands);
-        while std::mem::take(&mut held) {
-            for &site in &self.wakeful {
-                let site = &self.sites[site as usize];
-                let stands = |&body: &u32| self.struck.get(body as usize).is_some_and(|struck| struck.stands);
-                if site.bodies.iter().filter(|body| stands(body)).count() != 1 {
-                    continue;
-                }
-                let moved = |body: usize| self.struck.get(body).map_or(Record::default(), |s| s.moved);
-                let meets = self.spots[site.first as usize..][..site.count as usize].iter().any(|spot| {
-                    let before = bodies.gap(spot, 0.0) - spot.speed(moved);
-                    let after = bodies.gap(spot, bodies.h);
-                    after < 0.0 && after < before
-                });
-                let body = site.bodies.into_iter().find(|body| *body != NONE && !stands(body));
-                let Some(i) = body.filter(|_| meets).map(|body| body as usize) else { continue };
-                let struck = &mut self.struck[i];
-                if struck.joined {
-                    continue;
-                }
-                if !std::mem::replace(&mut struck.listed, true) {
-                    self.moved.push(i as u32);
-                }
-                bodies.stand(i, struck, struck.last);
-                held = true;
-            }
-        }
-    }
-
     /// Finds when a site next closes, from a moment on.
     fn look(&mut self, index: u32, now: f32, bodies: &Bodies<'_>) {
         let site = &mut self.sites[index as usize];
         (site.time, site.approach) = (f32::INFINITY, 0.0);
         if site.hits < HITS {
             for spot in &self.spots[site.first as usize..][..site.count as usize] {
-                if let Some((time, approach)) = bodies.closing(spot, now)
+                if let Some((time, approach)) = bodies.closing(spot, &self.struck, now)
                     && (time < site.time || time == site.time && approach > site.approach)
                 {
                     (site.time, site.approach) = (time, approach);
@@ -162,17 +128,24 @@ impl Restitution {
     fn solve(&mut self, site: u32, time: f32, bodies: &mut Bodies<'_>, impulses: &mut [f32]) {
         let site = &self.sites[site as usize];
         let spots = &self.spots[site.first as usize..][..site.count as usize];
-        let turned = |body: u32| self.struck.get(body as usize).and_then(|struck| struck.turned);
-        let mut moving = site.bodies.map(|body| Moving::new(bodies, body, turned(body), time));
+        let of = |body: u32| self.struck.get(body as usize);
+        let mut moving = site.bodies.map(|body| Moving::new(bodies, body, of(body), time));
         let mut rows = [Row::default(); MOST];
-        let mut count = 0;
+        let (mut count, mut fastest) = (0, 0.0_f32);
         for (i, spot) in spots.iter().enumerate() {
             let approach = -spot.speed(|body| velocity(&moving, bodies, body));
             let ease = ease(&moving, spot, spot.normal);
             if count < MOST && approach > 0.0 && ease > 0.0 && bodies.gap(spot, time) <= bodies.together {
                 rows[count] = Row { spot: i, target: spot.restitution * approach, ease, impulse: 0.0 };
-                count += 1;
+                (count, fastest) = (count + 1, fastest.max(approach));
             }
+        }
+        if fastest <= bodies.threshold {
+            // It runs into something that would not be there any more: it waits with it.
+            for moving in moving.iter().filter(|moving| moving.body != NONE) {
+                self.stand(moving.body, bodies, time);
+            }
+            return;
         }
         let rows = &mut rows[..count];
         let exact = rows.iter().fold(0.0_f32, |most, row| most.max(row.target)) * EXACT;
@@ -199,22 +172,63 @@ impl Restitution {
             }
         }
         for moving in moving.iter().filter(|moving| moving.body != NONE) {
-            let change = bodies.turn_round(moving);
-            let (i, struck) = (moving.body as usize, &mut self.struck[moving.body as usize]);
-            struck.last = time;
+            let (i, change) = (moving.body as usize, moving.change(&bodies.traits[moving.body as usize]));
+            let struck = &mut self.struck[i];
             if let Some(rotation) = moving.rotation {
                 struck.turned = Some((rotation, bodies.done + time));
             }
-            if struck.joined {
+            bodies.delta[i].pad0 = bodies.delta[i].pad0.max(ALONE);
+            if struck.stands {
+                add(&mut struck.kept, &change, 1.0);
                 continue;
             }
-            if !std::mem::replace(&mut struck.listed, true) {
-                self.moved.push(moving.body);
+            add(&mut bodies.velocity[i], &change, 1.0);
+            add(&mut bodies.base[i], &change, 1.0);
+            if !struck.joined {
+                self.shift(moving.body, bodies, &change, -time);
+                if bodies.goes_astray(i, &change, bodies.left - time) {
+                    self.stand(moving.body, bodies, time);
+                }
             }
-            bodies.shift(i, struck, &change, if struck.stands { -bodies.h } else { -time });
-            if !struck.stands && bodies.goes_astray(i, &change, bodies.left - time) {
-                bodies.stand(i, struck, time);
-            }
+        }
+    }
+
+    /// Begins a body's substep elsewhere, by some seconds of a velocity.
+    fn shift(&mut self, body: u32, bodies: &mut Bodies<'_>, by: &Record, times: f32) {
+        let struck = &mut self.struck[body as usize];
+        if !std::mem::replace(&mut struck.listed, true) {
+            self.moved.push(body);
+        }
+        add(&mut struck.moved, by, times);
+        add(&mut bodies.delta[body as usize], by, times);
+    }
+
+    /// Keeps a body where it is from a moment of the substep to the end of the step, and its velocity for what comes then.
+    fn stand(&mut self, body: u32, bodies: &mut Bodies<'_>, time: f32) {
+        let (i, struck) = (body as usize, &mut self.struck[body as usize]);
+        if struck.stands || struck.joined {
+            return;
+        }
+        let (velocity, pull) = (bodies.velocity[i], bodies.pull(i));
+        (struck.stands, struck.kept) = (true, bodies.velocity_at(i, time));
+        self.standing.push(body);
+        self.shift(body, bodies, &velocity, time);
+        self.shift(body, bodies, &pull, 0.5 * time * time);
+        add(&mut bodies.velocity[i], &velocity, -1.0);
+        add(&mut bodies.base[i], &velocity, -1.0);
+        if let Some(pull) = bodies.acceleration.get_mut(i) {
+            *pull = Record::default();
+        }
+        bodies.delta[i].pad0 = bodies.delta[i].pad0.max(ALONE);
+    }
+
+    /// Gives what stood its velocity, at the end of the step.
+    pub(crate) fn let_go(&mut self, dt: f32, velocity: &mut [Record]) {
+        for &body in &self.standing {
+            let struck = &mut self.struck[body as usize];
+            add(&mut velocity[body as usize], &struck.kept, 1.0);
+            // It did not turn.
+            struck.turned = struck.turned.map(|(rotation, _)| (rotation, dt));
         }
     }
 }
@@ -245,8 +259,7 @@ struct Moving {
 }
 
 impl Moving {
-    /// `turned`: its orientation at its last impact of the step, and when that was.
-    fn new(bodies: &Bodies<'_>, body: u32, turned: Option<(Quat, f32)>, time: f32) -> Moving {
+    fn new(bodies: &Bodies<'_>, body: u32, struck: Option<&Struck>, time: f32) -> Moving {
         let i = body as usize;
         let Some(&inverse_inertia) = bodies.inverse_inertia.get(i) else {
             return Moving {
@@ -258,12 +271,14 @@ impl Moving {
                 rotation: None,
             };
         };
-        let before = bodies.velocity_at(i, time);
+        let mut before = bodies.velocity_at(i, time);
+        add(&mut before, &struck.map_or(Record::default(), |struck| struck.kept), 1.0);
         let (mut velocity, mut inverse_inertia, mut rotation) = (before, inverse_inertia, None);
         let mass = &bodies.mass[i];
         if is_uneven(mass, &bodies.traits[i]) {
             // Its inertia and its spin are those of the moment.
-            let (from, since) = turned.unwrap_or((bodies.pose[i].rotation, 0.0));
+            let (from, since) = struck.and_then(|s| s.turned).unwrap_or((bodies.pose[i].rotation, 0.0));
+            let since = if struck.is_some_and(|s| s.stands) { bodies.done + time } else { since };
             let (to, spin) = turn_freely(from, velocity.angular, mass.inertia, bodies.done + time - since);
             (velocity.angular, inverse_inertia, rotation) = (spin, turned_inertia(to, mass), Some(to));
         }
@@ -271,6 +286,14 @@ impl Moving {
         let mut free = Record { linear: Vec3::splat(inverse), ..Record::default() };
         bodies.traits[i].lock(&mut free);
         Moving { body, velocity, before, inverse_mass: free.linear, inverse_inertia, rotation }
+    }
+
+    /// Of its velocity.
+    fn change(&self, traits: &Traits) -> Record {
+        let mut change = self.velocity;
+        add(&mut change, &self.before, -1.0);
+        traits.lock(&mut change);
+        change
     }
 
     fn turned(&self, torque: Vec3) -> Vec3 {
@@ -350,55 +373,31 @@ impl Bodies<'_> {
         ]
     }
 
-    /// When a point closes in what is left of the substep, if it is fast enough to bounce, and how fast it is [m/s].
-    fn closing(&self, spot: &Spot, now: f32) -> Option<(f32, f32)> {
+    /// When a point closes in what is left of the substep, and how fast [m/s], if there is something to do about it: it is
+    /// fast enough to bounce, or one runs into another that stands.
+    fn closing(&self, spot: &Spot, struck: &[Struck], now: f32) -> Option<(f32, f32)> {
         let [gap, speed, pull] = self.fall(spot);
         let gap = gap + (speed + 0.5 * pull * now) * now;
         let speed = speed + pull * now;
         let left = self.h - now;
-        let fast = |approach: f32| approach > self.threshold;
-        if gap <= 0.0 {
-            return fast(-speed).then_some((now, -speed));
+        let stand = spot.bodies.iter().any(|&body| struck.get(body as usize).is_some_and(|s| s.stands));
+        let kept = if stand { spot.speed(|i| struck.get(i).map_or(Record::default(), |s| s.kept)) } else { 0.0 };
+        let mut time = 0.0;
+        if gap > 0.0 {
+            // As far as the rows go, which take all of the acceleration first, and a little further: what they would stop must
+            // have bounced.
+            let closed = -(speed + pull.min(0.0) * left) * left;
+            if gap > closed + closed.abs() * SLACK + self.together * NEAR {
+                return None;
+            }
+            let root = (speed * speed - 2.0 * pull * gap).max(0.0).sqrt();
+            time = 2.0 * gap / (root - speed);
+            time = if time >= 0.0 { time.min(left) } else { left };
         }
-        // As far as the rows go, which take all of the acceleration first, and a little further: what they would stop must
-        // have bounced.
-        let closed = -(speed + pull.min(0.0) * left) * left;
-        if gap > closed + closed.abs() * SLACK + self.together * NEAR {
-            return None;
-        }
-        let root = (speed * speed - 2.0 * pull * gap).max(0.0).sqrt();
-        let time = 2.0 * gap / (root - speed);
-        let time = if time >= 0.0 { time.min(left) } else { left };
-        let approach = -(speed + pull * time);
-        fast(approach).then_some((now + time, approach))
-    }
-
-    /// Begins a body's substep elsewhere, by some seconds of a velocity.
-    fn shift(&mut self, body: usize, struck: &mut Struck, by: &Record, times: f32) {
-        add(&mut struck.moved, by, times);
-        add(&mut self.delta[body], by, times);
-    }
-
-    /// Keeps a body where it is from a moment of the substep on, and at its velocity.
-    fn stand(&mut self, body: usize, struck: &mut Struck, time: f32) {
-        let pull = self.pull(body);
-        for velocity in [&mut self.velocity[body], &mut self.base[body]] {
-            add(velocity, &pull, time);
-        }
-        let velocity = self.velocity[body];
-        self.shift(body, struck, &velocity, time - self.h);
-        self.shift(body, struck, &pull, -0.5 * time * time);
-        if let Some(pull) = self.acceleration.get_mut(body) {
-            *pull = Record::default();
-        }
-        struck.stands = true;
-        self.not_alone(body);
-    }
-
-    /// Says that a body is not where it was to go. The whole ones in this pad count the substeps in which rows acted.
-    fn not_alone(&mut self, body: usize) {
-        let pad = &mut self.delta[body].pad0;
-        *pad = pad.max(0.5);
+        let runs = -(speed + pull * time);
+        let approach = runs - kept;
+        let approach = if stand { approach.max(runs) } else { approach };
+        (approach > self.threshold).then_some((now + time, approach))
     }
 
     /// Whether a change of velocity takes a body so far off its way in some seconds that it could get through something:
@@ -410,21 +409,6 @@ impl Bodies<'_> {
             let reach = shape.position.length() + shape.radius;
             (change.linear.length() + change.angular.length() * reach) * left > 0.5 * shape.inner_radius
         })
-    }
-
-    /// Gives a body its velocity after an impact; says by how much it changed.
-    fn turn_round(&mut self, moving: &Moving) -> Record {
-        let i = moving.body as usize;
-        let mut change = Record {
-            linear: moving.velocity.linear - moving.before.linear,
-            angular: moving.velocity.angular - moving.before.angular,
-            ..Record::default()
-        };
-        self.traits[i].lock(&mut change);
-        add(&mut self.velocity[i], &change, 1.0);
-        add(&mut self.base[i], &change, 1.0);
-        self.not_alone(i);
-        change
     }
 }
 

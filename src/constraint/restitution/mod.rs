@@ -79,10 +79,9 @@ struct Struck {
     /// In this substep, by its impacts, if it is in the list of those.
     moved: Record,
     listed: bool,
-    /// It stays where it is for the rest of the step.
+    /// It stays where it is for the rest of the step, and goes on with this velocity then.
     stands: bool,
-    /// When it was last struck in this substep [s].
-    last: f32,
+    kept: Record,
     /// Orientation at its last impact in this step, and when that was [s], if its axes may wander.
     turned: Option<(Quat, f32)>,
 }
@@ -98,6 +97,8 @@ pub(crate) struct Restitution {
     wakeful: Vec<u32>,
     /// Bodies that were moved in this substep.
     moved: Vec<u32>,
+    /// Bodies that stand.
+    standing: Vec<u32>,
     /// Impacts that were solved.
     pub(crate) count: u32,
 }
@@ -120,6 +121,7 @@ impl Restitution {
             bytes_of(&self.queue),
             bytes_of(&self.wakeful),
             bytes_of(&self.moved),
+            bytes_of(&self.standing),
         ]
         .into_iter()
         .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
@@ -132,6 +134,7 @@ impl Restitution {
         self.queue.clear();
         self.wakeful.clear();
         self.moved.clear();
+        self.standing.clear();
         self.count = 0;
     }
 }
