@@ -49,12 +49,14 @@ pub(crate) struct Bodies<'a> {
 const MOST: usize = 16;
 /// Gauss-Seidel sweeps over them at most, and the share of the approach speed at which they end.
 const SWEEPS: u32 = 64;
-const EXACT: f32 = 1e-6;
+const EXACT: f32 = 1e-5;
 /// What ends a substep nearer than this counts as touching: a share of the way it came, and of what touches together.
 const SLACK: f32 = 1e-4;
 const NEAR: f32 = 0.02;
 /// What the pad of a displacement says of a body that bounced and that no rows acted on: they add one in each substep.
 const ALONE: f32 = 0.5;
+/// Share of the threshold: what runs into something that stands more slowly than this is left to the rows.
+const CREEP: f32 = 0.05;
 /// Impacts of a site in a substep, after which the rows have it. A ball between two that close in on it bounces without end.
 const HITS: u32 = 256;
 
@@ -147,22 +149,15 @@ impl Restitution {
             }
             return;
         }
-        let rows = &mut rows[..count];
-        let exact = rows.iter().fold(0.0_f32, |most, row| most.max(row.target)) * EXACT;
-        for _ in 0..SWEEPS {
-            let mut worst = 0.0_f32;
-            for row in rows.iter_mut() {
-                let spot = &spots[row.spot];
-                let speed = spot.speed(|body| velocity(&moving, bodies, body));
-                let new = (row.impulse + (row.target - speed) / row.ease).max(0.0);
-                let change = new - row.impulse;
-                row.impulse = new;
-                push(&mut moving, spot, spot.normal * change);
-                worst = worst.max(change.abs() * row.ease);
-            }
-            if count == 1 || worst <= exact {
-                break;
-            }
+        let before = moving;
+        let mut rows = &mut rows[..count];
+        if !strike(&mut moving, bodies, spots, rows) {
+            // The fastest alone: its impact is exact, and the others come next.
+            moving = before;
+            let fastest = (1..count).fold(0, |k, i| if rows[i].target > rows[k].target { i } else { k });
+            rows = &mut rows[fastest..=fastest];
+            rows[0].impulse = 0.0;
+            strike(&mut moving, bodies, spots, rows);
         }
         for row in rows.iter() {
             let spot = &spots[row.spot];
@@ -226,11 +221,34 @@ impl Restitution {
     pub(crate) fn let_go(&mut self, dt: f32, velocity: &mut [Record]) {
         for &body in &self.standing {
             let struck = &mut self.struck[body as usize];
-            add(&mut velocity[body as usize], &struck.kept, 1.0);
+            // What rows did to it meanwhile they did to a body that was not there any more.
+            let velocity = &mut velocity[body as usize];
+            (velocity.linear, velocity.angular) = (struck.kept.linear, struck.kept.angular);
             // It did not turn.
             struck.turned = struck.turned.map(|(rotation, _)| (rotation, dt));
         }
     }
+}
+
+/// Newton's law at some points, together. Says whether it holds; what almost holds takes energy or adds some.
+fn strike(moving: &mut [Moving; 2], bodies: &Bodies<'_>, spots: &[Spot], rows: &mut [Row]) -> bool {
+    let exact = rows.iter().fold(0.0_f32, |most, row| most.max(row.target)) * EXACT;
+    for _ in 0..SWEEPS {
+        let mut worst = 0.0_f32;
+        for row in rows.iter_mut() {
+            let spot = &spots[row.spot];
+            let speed = spot.speed(|body| velocity(moving, bodies, body));
+            let new = (row.impulse + (row.target - speed) / row.ease).max(0.0);
+            let change = new - row.impulse;
+            row.impulse = new;
+            push(moving, spot, spot.normal * change);
+            worst = worst.max(change.abs() * row.ease);
+        }
+        if rows.len() == 1 || worst <= exact {
+            return true;
+        }
+    }
+    false
 }
 
 /// A point in an impact.
@@ -396,8 +414,9 @@ impl Bodies<'_> {
         }
         let runs = -(speed + pull * time);
         let approach = runs - kept;
-        let approach = if stand { approach.max(runs) } else { approach };
-        (approach > self.threshold).then_some((now + time, approach))
+        // The rows must not push what stands: its velocity is not what they see.
+        let acts = approach > self.threshold || stand && runs > CREEP * self.threshold;
+        acts.then_some((now + time, approach.max(runs)))
     }
 
     /// Whether a change of velocity takes a body so far off its way in some seconds that it could get through something:
