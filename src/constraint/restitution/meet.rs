@@ -115,8 +115,10 @@ impl Restitution {
         let site = &mut self.sites[index as usize];
         (site.time, site.approach) = (f32::INFINITY, 0.0);
         if site.hits < HITS {
-            for spot in &self.spots[site.first as usize..][..site.count as usize] {
-                if let Some((time, approach)) = bodies.closing(spot, &self.struck, now)
+            let spots = &self.spots[site.first as usize..][..site.count as usize];
+            let next = if bodies.will_touch(spots) { bodies.h } else { 0.0 };
+            for spot in spots {
+                if let Some((time, approach)) = bodies.closing(spot, &self.struck, now, next)
                     && (time < site.time || time == site.time && approach > site.approach)
                 {
                     (site.time, site.approach) = (time, approach);
@@ -134,10 +136,11 @@ impl Restitution {
         let mut moving = site.bodies.map(|body| Moving::new(bodies, body, of(body), time));
         let mut rows = [Row::default(); MOST];
         let (mut count, mut fastest) = (0, 0.0_f32);
+        let next = if time >= bodies.h && bodies.will_touch(spots) { bodies.h } else { 0.0 };
         for (i, spot) in spots.iter().enumerate() {
             let approach = -spot.speed(|body| velocity(&moving, bodies, body));
             let ease = ease(&moving, spot, spot.normal);
-            if count < MOST && approach > 0.0 && ease > 0.0 && bodies.gap(spot, time) <= bodies.together {
+            if count < MOST && approach > 0.0 && ease > 0.0 && bodies.gap(spot, time) <= bodies.together + approach * next {
                 rows[count] = Row { spot: i, target: spot.restitution * approach, ease, impulse: 0.0 };
                 (count, fastest) = (count + 1, fastest.max(approach));
             }
@@ -391,9 +394,17 @@ impl Bodies<'_> {
         ]
     }
 
+    /// Whether any of some points touches at the end of the substep.
+    fn will_touch(&self, spots: &[Spot]) -> bool {
+        spots.len() > 1 && spots.iter().any(|spot| self.gap(spot, self.h) <= self.together)
+    }
+
     /// When a point closes in what is left of the substep, and how fast [m/s], if there is something to do about it: it is
     /// fast enough to bounce, or one runs into another that stands.
-    fn closing(&self, spot: &Spot, struck: &[Struck], now: f32) -> Option<(f32, f32)> {
+    ///
+    /// `next`: rows that touch come to rest as a whole, and take away what other points would cross in the next substep. So
+    /// these bounce at the end of this one.
+    fn closing(&self, spot: &Spot, struck: &[Struck], now: f32, next: f32) -> Option<(f32, f32)> {
         let [gap, speed, pull] = self.fall(spot);
         let gap = gap + (speed + 0.5 * pull * now) * now;
         let speed = speed + pull * now;
@@ -405,7 +416,8 @@ impl Bodies<'_> {
             // As far as the rows go, which take all of the acceleration first, and a little further: what they would stop must
             // have bounced.
             let closed = -(speed + pull.min(0.0) * left) * left;
-            if gap > closed + closed.abs() * SLACK + self.together * NEAR {
+            let rest = gap - closed - closed.abs() * SLACK - self.together * NEAR;
+            if rest > 0.0 && rest > -(speed + pull * left) * next {
                 return None;
             }
             let root = (speed * speed - 2.0 * pull * gap).max(0.0).sqrt();
