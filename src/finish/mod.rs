@@ -198,8 +198,11 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
                 let (own, from) = (colliders[i].as_slice(), pose.position);
                 // SAFETY: each body is in one block.
                 let clear = unsafe { clear.get(i) };
+                // What bounced meets what it was thrown at with its speed, in the next step.
+                let (mut kept, bounced) = (*velocity, impacts.bounced(i));
+                let stopped = if bounced { &mut kept } else { &mut *velocity };
                 if !guard.is_clear(stack, own, clear, from, moved)
-                    && guard.hold(stack, own, from, &mut moved, velocity)
+                    && guard.hold(stack, own, from, &mut moved, stopped)
                 {
                     held.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
                     note(seat, moved.length() / d.linear.length());

@@ -72,6 +72,7 @@ pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut 
     let struck = |i: u32| Struck {
         first: Link::NONE,
         joined: joints.has_any(input.bodies.slot[i as usize]),
+        bounced: false,
         moved: Record::default(),
         listed: false,
         stands: false,

@@ -75,7 +75,6 @@ impl Restitution {
         while let Some(&site) = self.queue.first() {
             let time = self.sites[site as usize].time;
             self.solve(site, time, bodies, impulses);
-            self.count += 1;
             self.sites[site as usize].hits += 1;
             for body in self.sites[site as usize].bodies {
                 let mut link = self.struck.get(body as usize).map_or(Link::NONE, |struck| struck.first);
@@ -152,6 +151,7 @@ impl Restitution {
             }
             return;
         }
+        self.count += 1;
         let before = moving;
         let mut rows = &mut rows[..count];
         if !strike(&mut moving, bodies, spots, rows) {
@@ -172,6 +172,7 @@ impl Restitution {
         for moving in moving.iter().filter(|moving| moving.body != NONE) {
             let (i, change) = (moving.body as usize, moving.change(&bodies.traits[moving.body as usize]));
             let struck = &mut self.struck[i];
+            struck.bounced = true;
             if let Some(rotation) = moving.rotation {
                 struck.turned = Some((rotation, bodies.done + time));
             }

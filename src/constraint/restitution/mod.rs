@@ -76,6 +76,8 @@ struct Struck {
     first: Link,
     /// It hangs on joints, which would be torn by moving it alone.
     joined: bool,
+    /// In this step.
+    bounced: bool,
     /// In this substep, by its impacts, if it is in the list of those.
     moved: Record,
     listed: bool,
@@ -107,6 +109,11 @@ impl Restitution {
     /// How a body stood at its last impact in the step, and when that was [s], if its axes may wander.
     pub(crate) fn turned(&self, body: usize) -> Option<(Quat, f32)> {
         self.struck.get(body).and_then(|struck| struck.turned)
+    }
+
+    /// Whether a body bounced in the step.
+    pub(crate) fn bounced(&self, body: usize) -> bool {
+        self.struck.get(body).is_some_and(|struck| struck.bounced)
     }
 
     pub(crate) fn is_empty(&self) -> bool {
