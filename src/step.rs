@@ -3,7 +3,8 @@
 use crate::broad_phase::BroadStats;
 use crate::config::{ContinuousMethod, FrictionModel};
 use crate::constraint::{
-    FindInput, JointInput, JointRows, PrepareInput, PrepareScratch, Prepared, Restitution, Rows, find, prepare,
+    FindInput, JointInput, JointRows, PrepareInput, PrepareScratch, Prepared, Restitution, Rows, find,
+    prepare,
 };
 use crate::error::{Error, positive};
 use crate::events::{ContactHooks, NoHooks};

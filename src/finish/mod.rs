@@ -228,7 +228,7 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
     let mut held = held.into_inner();
     let Ok(cut) = cut.get_mut() else { return Ended { held } };
     if guard.mode != Continuous::Discrete {
-        held += guard.hold_movers(&world.broad.pairs, bodies, seats, cut);
+        held += guard.hold_movers(&world.broad.pairs, bodies, impacts, seats, cut);
     }
     if !cut.is_empty()
         && let Some(Ok(mut stack)) = stacks.first().map(|s| s.lock())

@@ -141,7 +141,8 @@ fn each_spot(input: &FindInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot) -> bool
         let mut apart = (at_a - at_b).as_vec3();
         if contact.fraction > 0.0 {
             // Found at the touch, so the arms are those of the touch.
-            let [moved_a, moved_b] = bodies.map(|body| input.motion.get(body as usize).map_or(Vec3::ZERO, |m| m.linear));
+            let [moved_a, moved_b] =
+                bodies.map(|body| input.motion.get(body as usize).map_or(Vec3::ZERO, |m| m.linear));
             apart += (moved_a - moved_b) * contact.fraction;
         }
         for (i, point) in contact.points().iter().enumerate() {

@@ -139,7 +139,11 @@ impl Restitution {
         for (i, spot) in spots.iter().enumerate() {
             let approach = -spot.speed(|body| velocity(&moving, bodies, body));
             let ease = ease(&moving, spot, spot.normal);
-            if count < MOST && approach > 0.0 && ease > 0.0 && bodies.gap(spot, time) <= bodies.together + approach * next {
+            if count < MOST
+                && approach > 0.0
+                && ease > 0.0
+                && bodies.gap(spot, time) <= bodies.together + approach * next
+            {
                 rows[count] = Row { spot: i, target: spot.restitution * approach, ease, impulse: 0.0 };
                 (count, fastest) = (count + 1, fastest.max(approach));
             }
@@ -411,7 +415,8 @@ impl Bodies<'_> {
         let speed = speed + pull * now;
         let left = self.h - now;
         let stand = spot.bodies.iter().any(|&body| struck.get(body as usize).is_some_and(|s| s.stands));
-        let kept = if stand { spot.speed(|i| struck.get(i).map_or(Record::default(), |s| s.kept)) } else { 0.0 };
+        let kept =
+            if stand { spot.speed(|i| struck.get(i).map_or(Record::default(), |s| s.kept)) } else { 0.0 };
         let mut time = 0.0;
         if gap > 0.0 {
             // As far as the rows go, which take all of the acceleration first, and a little further: what they would stop must
