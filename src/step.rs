@@ -252,6 +252,8 @@ impl World {
             };
             let impacts = &mut self.buffers.restitution;
             lost = rooms.within(Category::Scratch, |room| find(&input, impacts, room));
+        } else {
+            self.buffers.restitution.clear();
         }
         self.spent.restitution = watch.stop();
         let watch = Watch::start(self.joints.count > 0);

@@ -35,16 +35,22 @@ pub(crate) struct FindInput<'a> {
 /// Lists the manifolds with restitution, if any of them closes within the step. Returns how many there was no room for.
 pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut Room) -> u32 {
     impacts.clear();
-    let mut any = false;
+    let (mut any, mut count) = (false, 0);
     for pair in input.pairs {
         each_spot(input, pair, &mut |spot| {
             any |= input.closes(&spot);
-            !any
+            count += 1;
+            true
         });
-        if any {
-            break;
-        }
     }
+    // Whether anything closes or not: a scene past its densest moment does not grow any more.
+    room.fit(&mut impacts.spots, count);
+    room.fit(&mut impacts.sites, count);
+    room.fit(&mut impacts.queue, count);
+    room.fit(&mut impacts.wakeful, count);
+    room.fit(&mut impacts.struck, input.bodies.dynamic());
+    room.fit(&mut impacts.moved, input.bodies.dynamic());
+    room.fit(&mut impacts.standing, input.bodies.dynamic());
     if !any {
         return 0;
     }

@@ -134,7 +134,8 @@ impl Restitution {
         .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
     }
 
-    fn clear(&mut self) {
+    /// Forgets the last step.
+    pub(crate) fn clear(&mut self) {
         self.spots.clear();
         self.sites.clear();
         self.struck.clear();
