@@ -113,8 +113,8 @@ pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut 
         if wakeful {
             impacts.wakeful.push(index as u32);
         }
-        for side in 0..2 {
-            if let Some(struck) = impacts.struck.get_mut(bodies[side] as usize) {
+        for (side, body) in bodies.into_iter().enumerate() {
+            if let Some(struck) = impacts.struck.get_mut(body as usize) {
                 let link = Link { site: index as u32, side: side as u32 };
                 impacts.sites[index].next[side] = std::mem::replace(&mut struck.first, link);
             }
