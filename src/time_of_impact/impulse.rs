@@ -5,7 +5,7 @@ use glam::Vec3;
 
 /// Most points of an impact: four manifolds.
 pub(super) const MOST: usize = 16;
-/// Gauss-Seidel sweeps over them: those of `bounce.rs` twice over, for here nothing comes after.
+/// Gauss-Seidel sweeps over them.
 const SWEEPS: usize = 16;
 
 /// One of the two, where it stands at the moment.
