@@ -57,6 +57,7 @@ pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut 
     let mut shed = 0;
     for pair in input.pairs {
         each_spot(input, pair, &mut |spot| {
+            let spot = Spot { order: impacts.spots.len() as u32, ..spot };
             shed += u32::from(!room.push(&mut impacts.spots, spot));
             true
         });
@@ -65,7 +66,7 @@ pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut 
     let pushed = |spot: &Spot| spot.pushed(dynamic);
     // By the bodies, and then in the order of the list, which has no two alike.
     let mut spots = std::mem::take(&mut impacts.spots);
-    spots.sort_unstable_by_key(|spot| (pushed(spot), spot.slot, spot.point));
+    spots.sort_unstable_by_key(|spot| (pushed(spot), spot.order));
     let place = room.fit(&mut impacts.struck, dynamic as usize);
     let place = place.min(room.fit(&mut impacts.moved, dynamic as usize));
     let place = place.min(room.fit(&mut impacts.standing, dynamic as usize));
@@ -151,7 +152,7 @@ fn each_spot(input: &FindInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot) -> bool
                 bodies.map(|body| input.motion.get(body as usize).map_or(Vec3::ZERO, |m| m.linear));
             apart += (moved_a - moved_b) * contact.fraction;
         }
-        for (i, point) in contact.points().iter().enumerate() {
+        for point in contact.points() {
             let arm = shape.rotation * point.position + from_centre;
             let spot = Spot {
                 bodies,
@@ -161,7 +162,7 @@ fn each_spot(input: &FindInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot) -> bool
                 restitution,
                 friction,
                 slot,
-                point: i as u32,
+                order: 0,
             };
             if restitution > 0.0 && !f(spot) {
                 return;

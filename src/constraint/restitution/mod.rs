@@ -33,9 +33,10 @@ struct Spot {
     separation: f32,
     restitution: f32,
     friction: f32,
-    /// Of the contact, and which of its points it is.
+    /// Of the contact.
     slot: u32,
-    point: u32,
+    /// Among all spots, in the order of pairs: a restored snapshot may have given contacts other slots.
+    order: u32,
 }
 
 /// All points of two bodies, or of one and all that nothing moves: they are solved together, so that a body that lands
