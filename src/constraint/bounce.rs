@@ -6,6 +6,7 @@
 //! ball rises to e² of its height whatever the step. Impacts are few, so they are solved one by one, before the
 //! substeps; what must not move into each other is then the substeps' business.
 
+use super::prepare::GONE;
 use crate::body::{Bodies, Pose};
 use crate::broad_phase::Pair;
 use crate::events::{Tweak, tweak_of};
@@ -158,9 +159,9 @@ fn find(
         let inertia = |body: u32, arm: Vec3| {
             input.inverse_inertia.get(body as usize).map_or(0.0, |i| arm.dot(apply(i, arm)))
         };
-        let mass = |body: u32| bodies.mass[body as usize].inverse;
+        let mass = |body: u32| inverse_mass(bodies, body, normal);
         let k = mass(a) + mass(b) + inertia(a, arm_a) + inertia(b, arm_b);
-        if k > 0.0 {
+        if k > GONE * (bodies.mass[a as usize].inverse + bodies.mass[b as usize].inverse) {
             let mass = 1.0 / k;
             let target = restitution * approach;
             let impact =
@@ -219,7 +220,7 @@ fn rub(impact: &Impact, input: &BounceInput<'_>, bodies: &mut Bodies) {
         input
             .inverse_inertia
             .get(body as usize)
-            .map_or(0.0, |i| bodies.mass[body as usize].inverse + turned.dot(apply(i, turned)))
+            .map_or(0.0, |i| inverse_mass(bodies, body, way) + turned.dot(apply(i, turned)))
     };
     let k = ease(impact.a, impact.ra) + ease(impact.b, impact.rb);
     if k > 0.0 {
@@ -234,10 +235,16 @@ fn push(impact: &Impact, input: &BounceInput<'_>, bodies: &mut Bodies, p: Vec3, 
         if let Some(inertia) = input.inverse_inertia.get(body as usize) {
             let inverse = bodies.mass[body as usize].inverse;
             let velocity = &mut bodies.velocity[body as usize];
-            velocity.linear += p * inverse;
+            velocity.linear += bodies.traits[body as usize].free(p) * inverse;
             velocity.angular += apply(inertia, t);
         }
     }
+}
+
+/// Of a body, along a direction [1/kg]: none of its locked axes.
+fn inverse_mass(bodies: &Bodies, body: u32, along: Vec3) -> f32 {
+    let (mass, traits) = (bodies.mass[body as usize].inverse, &bodies.traits[body as usize]);
+    if traits.locks == 0 { mass } else { traits.free(along).length_squared() * mass }
 }
 
 fn apply(inertia: &Sym3<f32>, v: Vec3) -> Vec3 {
