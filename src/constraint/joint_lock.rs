@@ -63,9 +63,11 @@ impl<L: Lanes> Owned for PointBatch<L> {
 
 /// Velocity of the second point per impulse on it: the matrix whose inverse is the effective mass [1/kg].
 #[inline(always)]
-pub(super) fn mobility<L: Lanes>(ends: &Ends<L>, arm: &[Vec3<L>; 2]) -> Sym3<L> {
-    let mass = ends.inverse_mass[0] + ends.inverse_mass[1];
-    let mut sum = Sym3 { xx: mass, yy: mass, zz: mass, ..Sym3::default() };
+pub(super) fn mobility<L: GatherLanes>(ends: &Ends<L>, arm: &[Vec3<L>; 2]) -> Sym3<L> {
+    let one = L::one();
+    let [on_a, on_b] = ends.moving(Vec3::new(one, one, one));
+    let mass = on_a * ends.inverse_mass[0] + on_b * ends.inverse_mass[1];
+    let mut sum = Sym3 { xx: mass.x, yy: mass.y, zz: mass.z, ..Sym3::default() };
     for (r, inertia) in arm.iter().zip(&ends.inverse_inertia) {
         let (x, y, z) = (
             Vec3::new(L::zero(), r.z, -r.y),

@@ -85,7 +85,6 @@ pub(crate) fn solve(
     let joint_stages = std::mem::take(&mut joints.stages);
     let joined_at_all = !joint_stages.is_empty();
     let dynamic = bodies.dynamic();
-    let locks = (bodies.locked > 0).then_some(bodies.traits.as_slice());
     // Of what stands still the first is enough: all are zero.
     let known = bodies.velocity.len().min(movers + 1);
     let velocity = Shared::new(&mut bodies.velocity[..known]);
@@ -130,9 +129,6 @@ pub(crate) fn solve(
         all_bodies(crew, movers, |i| {
             // SAFETY: each body is in one block.
             let (v, d, b) = unsafe { (velocity.get(i), delta.get(i), base.get(i)) };
-            if let Some(traits) = locks {
-                traits[i].lock(v);
-            }
             let (now, before) = (lanes(*v), lanes(*b));
             let same = now.eq(before).bits();
             let mut moved = now * f32x8::splat(h);
@@ -161,10 +157,6 @@ pub(crate) fn solve(
         if !impulses.is_empty() {
             add_impulses(&batches, impulses);
         }
-    }
-    if let Some(traits) = locks {
-        // SAFETY: each body is in one block.
-        all_bodies(crew, movers, |i| traits[i].lock(unsafe { velocity.get(i) }));
     }
     joints.stages = joint_stages;
 }
