@@ -8,7 +8,7 @@
 //! same shape share the lanes.
 
 use super::contact_row::Motion;
-use super::joint_ends::{JointPass, NONE, bend, inverse, swerve, turned};
+use super::joint_ends::{JointPass, NONE, across, bend, inverse, swerve, turned};
 use super::joint_tour::Toured;
 use super::order::Place;
 use super::seats::Seated;
@@ -74,19 +74,29 @@ pub(crate) struct Node<L> {
     pub(super) free: Sym6<L>,
     /// Impulse at the joint per velocity that it doesn't allow.
     pub(super) stiff: Sym6<L>,
+    /// The same of both bodies, the parent with what hangs on it but for this branch and those before it; and the velocity of
+    /// that parent per impulse on it.
+    joined: Sym6<L>,
+    rest: Sym6<L>,
     /// Velocity of the body per impulse on it, with the whole tree: if it has contacts that go along.
     pub(super) whole: Sym6<L>,
     /// How much of that is pulled [kg m²].
     pulled: L,
     /// Of one pass.
-    sum: Sym6<L>,
     pub(super) velocity: Twist<L>,
+    /// Of what a root hangs on.
+    pub(super) anchored: Twist<L>,
     pub(super) carried: Twist<L>,
     pub(super) asked: Twist<L>,
     pub(super) change: Twist<L>,
     pub(super) pending: Twist<L>,
-    /// What contacts that go along turn the body by.
-    pub(super) pushed: Vec3<L>,
+    /// What contacts that go along push the body by; with what its joints do; and what of `carried` the parent had from the
+    /// branches after this one.
+    pub(super) pushed: Twist<L>,
+    pushes: Twist<L>,
+    beside: Twist<L>,
+    /// Of the joint, taken from the body at its arm.
+    force: Twist<L>,
 }
 
 impl<L: Lanes> Default for Node<L> {
@@ -125,10 +135,15 @@ impl<L: Lanes> Default for Node<L> {
             stiff: Sym6::zero(),
             whole: Sym6::zero(),
             pending: Twist::zero(),
-            pushed: zero,
+            pushed: Twist::zero(),
+            pushes: Twist::zero(),
+            beside: Twist::zero(),
+            force: Twist::zero(),
+            joined: Sym6::zero(),
+            rest: Sym6::zero(),
             pulled: L::zero(),
-            sum: Sym6::zero(),
             velocity: Twist::zero(),
+            anchored: Twist::zero(),
             carried: Twist::zero(),
             asked: Twist::zero(),
             change: Twist::zero(),
@@ -199,32 +214,24 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// From the leaves to the root: what each body is like with all that hangs on it.
     pub(super) fn factor(&mut self) {
         for node in &mut self.nodes {
-            let mass = Sym3 { xx: node.mass, yy: node.mass, zz: node.mass, ..Sym3::default() };
-            node.sum = Sym6 { linear: mass, mixed: [Vec3::zero(); 3], angular: node.braced };
+            let mass = node.inverse_mass;
+            let mass = Sym3 { xx: mass, yy: mass, zz: mass, ..Sym3::default() };
+            node.free = Sym6 { linear: mass, mixed: [Vec3::zero(); 3], angular: node.braced_inverse };
         }
         for i in (0..self.nodes.len()).rev() {
-            let node = &mut self.nodes[i];
-            node.free = node.sum.inverse();
+            let (parent, node) = self.with_parent(i);
             if !node.jointed {
                 continue;
             }
             let [arm, above] = node.arm_now;
-            node.stiff = match node.turns {
-                Turns::Freely => node.free.point_at(arm),
-                Turns::AboutAxis => node.sum.shifted(arm).without_turning_about(node.axis_now),
-                Turns::Not => node.sum.shifted(arm),
-            };
-            if node.parent == NONE {
-                continue;
+            let mut mobility = node.free.mobility_at(arm);
+            node.stiff = node.held_by(&mobility);
+            if let Some(parent) = parent {
+                node.rest = parent.free;
+                mobility.add(&node.rest.mobility_at(above));
+                node.joined = node.held_by(&mobility);
+                parent.free = node.rest.joined_at(above, &node.joined);
             }
-            // What the joint makes the parent feel.
-            let (stiff, parent) = (node.stiff.shifted(-above), node.parent);
-            let sum = &mut self.nodes[parent as usize].sum;
-            sum.linear = plus(&sum.linear, &stiff.linear);
-            for (own, column) in sum.mixed.iter_mut().zip(stiff.mixed) {
-                *own += column;
-            }
-            sum.angular = plus(&sum.angular, &stiff.angular);
         }
         if self.contacts.0 < self.contacts.1 {
             self.answer();
@@ -345,40 +352,74 @@ impl<L: GatherLanes> TreeBatch<L> {
             self.turn_along();
         }
         let rate = if pass.relax { L::zero() } else { self.share * L::splat(pass.inverse_h) };
-        self.gather_up(|node| {
+        let beside = |node: &Node<L>| {
             let mut beside =
                 Twist { linear: pass.bias(node.apart_now, rate), angular: pass.bias(node.error_now, rate) };
             if !pass.relax {
                 beside.add(node.bend);
             }
             beside
-        });
+        };
+        self.gather_up(beside);
         let own = &contacts[self.contacts.0 as usize..self.contacts.1 as usize];
         if !own.is_empty() {
             self.tour(own, touch);
+            self.gather_up(beside);
         }
-        for i in 0..self.nodes.len() {
-            let (parent, node) = self.with_parent(i);
-            let (change, force) = node.answered(parent.map_or(Twist::zero(), |parent| parent.change));
-            node.impulse -= force.linear;
-            node.twist -= force.angular;
-            node.change = change;
-            node.gained += change.angular - node.braced_inverse.mul(node.pushed);
-            node.velocity.add(change);
+        self.answer_all();
+        for node in &mut self.nodes {
+            node.impulse -= node.force.linear;
+            node.twist -= node.force.angular;
+            node.gained += node.change.angular - node.braced_inverse.mul(node.pushed.angular);
+            node.velocity.add(node.change);
         }
         // SAFETY: by the contract.
         unsafe { self.save(motion) };
     }
 
+    /// From the root to the leaves: impulses of joints that answer what is asked for, and the changes of velocity by them and
+    /// by what pushes.
+    ///
+    /// A joint's impulse follows from the mobility of both its bodies, and a body's change from its own inertia: what a light
+    /// body between heavy ones bears is a small difference of what is carried past it, and would be lost in that.
+    pub(super) fn answer_all(&mut self) {
+        for i in 0..self.nodes.len() {
+            let (parent, node) = self.with_parent(i);
+            node.pushes = node.pushed;
+            if !node.jointed {
+                continue;
+            }
+            let [arm, other] = node.arm_now;
+            node.force = match parent {
+                Some(parent) => {
+                    let mut asked = node.asked;
+                    node.beside.add(parent.pushes);
+                    asked.subtract(node.rest.mul(&node.beside).seen_at(other));
+                    let force = node.joined.mul(&asked);
+                    parent.pushes.add(force.moved(other));
+                    force
+                }
+                None => node.stiff.mul(&node.asked),
+            };
+            node.pushes.subtract(node.force.moved(arm));
+        }
+        for node in &mut self.nodes {
+            let Twist { linear, angular } = node.pushes;
+            node.change =
+                Twist { linear: linear * node.inverse_mass, angular: node.braced_inverse.mul(angular) };
+        }
+    }
+
     /// From the leaves to the root: what velocities, and what is asked for beside them, leave to each joint.
     #[inline(always)]
     pub(super) fn gather_up(&mut self, beside: impl Fn(&Node<L>) -> Twist<L>) {
+        self.nodes.iter_mut().for_each(|node| node.carried = node.pushed);
         for i in (0..self.nodes.len()).rev() {
             let (parent, node) = self.with_parent(i);
             if !node.jointed {
                 continue;
             }
-            let above = parent.as_ref().map_or(node.change, |parent| parent.velocity);
+            let above = parent.as_ref().map_or(node.anchored, |parent| parent.velocity);
             let carried = node.free.mul(&node.carried);
             let [arm, other] = node.arm_now;
             node.asked = Twist {
@@ -387,6 +428,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             };
             node.asked.add(beside(node));
             if let Some(parent) = parent {
+                node.beside = parent.carried;
                 parent.carried.add(node.stiff.mul(&node.asked).moved(other));
             }
         }
@@ -457,7 +499,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
-    /// Velocities; of what a root hangs on into its `change`.
+    /// Velocities.
     ///
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
@@ -467,10 +509,10 @@ impl<L: GatherLanes> TreeBatch<L> {
         for node in &mut self.nodes {
             let (linear, angular) = gather(read, &node.body);
             node.velocity = Twist { linear, angular };
-            (node.carried, node.pushed) = (Twist::zero(), Vec3::zero());
+            node.pushed = Twist::zero();
             if node.parent == NONE {
                 let (linear, angular) = gather(read, &node.anchor);
-                node.change = Twist { linear, angular };
+                node.anchored = Twist { linear, angular };
             }
         }
     }
@@ -492,6 +534,16 @@ impl<L: GatherLanes> TreeBatch<L> {
 const SAFE: f32 = 0.5;
 
 impl<L: Lanes> Node<L> {
+    /// Impulse at the joint per velocity that it doesn't allow, of what has such a mobility there.
+    #[inline(always)]
+    fn held_by(&self, mobility: &Sym6<L>) -> Sym6<L> {
+        mobility.inverse_with(match self.turns {
+            Turns::Freely => Sym3::default(),
+            Turns::AboutAxis => across(&mobility.angular, self.axis_now),
+            Turns::Not => inverse(&mobility.angular),
+        })
+    }
+
     /// Adds the stiffness that an impulse at an arm makes, if it pulls.
     #[inline(always)]
     fn pull(&mut self, impulse: Vec3<L>, arm: Vec3<L>, h: L) {
