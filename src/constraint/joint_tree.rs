@@ -413,14 +413,16 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// From the leaves to the root: what velocities, and what is asked for beside them, leave to each joint.
     #[inline(always)]
     pub(super) fn gather_up(&mut self, beside: impl Fn(&Node<L>) -> Twist<L>) {
-        self.nodes.iter_mut().for_each(|node| node.carried = node.pushed);
+        self.nodes.iter_mut().for_each(|node| node.carried = Twist::zero());
         for i in (0..self.nodes.len()).rev() {
             let (parent, node) = self.with_parent(i);
             if !node.jointed {
                 continue;
             }
             let above = parent.as_ref().map_or(node.anchored, |parent| parent.velocity);
-            let carried = node.free.mul(&node.carried);
+            let mut carried = node.carried;
+            carried.add(node.pushed);
+            let carried = node.free.mul(&carried);
             let [arm, other] = node.arm_now;
             node.asked = Twist {
                 linear: node.velocity.at(arm) + carried.at(arm) - above.at(other),
