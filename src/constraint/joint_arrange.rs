@@ -204,6 +204,12 @@ impl JointRows {
         [&beside[..], &trees, &locks, &rows].map(|all| all.iter().map(|bytes| bytes.1).sum())
     }
 
+    /// How many trees have bodies that count as heavier than they are.
+    pub(crate) fn weighted_trees(&self) -> u32 {
+        let in_lanes = self.trees.iter().map(|tree| tree.weighted.count_ones()).sum::<u32>();
+        in_lanes + self.tree.iter().map(|tree| tree.weighted).sum::<u32>()
+    }
+
     /// How many bodies are in trees, and how many locks are in none.
     pub(crate) fn counts(&self) -> [u32; 2] {
         let in_lanes = self.trees.iter().map(TreeBatch::bodies).sum::<u32>();

@@ -322,7 +322,6 @@ pub(super) fn tree<L: GatherLanes>(
             }
             let inverse = bodies.mass[own].inverse;
             node.inverse_mass.set_lane(lane, inverse);
-            node.mass.set_lane(lane, 1.0 / inverse);
             put_sym(&mut own_inverse, lane, &inverse_inertia[own]);
             if node.jointed {
                 let at = Placed::new(dense.map(|i| &bodies.pose[i]), &joint.frames);
