@@ -266,6 +266,11 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
+    /// Trees that touch nothing: what pulls in them is no blow.
+    fn is_alone(&self) -> L::Mask {
+        self.share.gt(L::splat(TOUCHING))
+    }
+
     /// What pulls at an arm turns a body back, the faster the lighter the body is: a chain that bears a thousand times its
     /// own weight is a string with a note too high for the substep, and would tear itself apart. Where that is so, the
     /// pull is taken into the inertia, as if it were followed through the substep (Andrews, Teichmann and Kry,
@@ -274,14 +279,14 @@ impl<L: GatherLanes> TreeBatch<L> {
         for node in &mut self.nodes {
             (node.braced, node.pulled) = (Sym3::default(), L::zero());
         }
-        let h = L::splat(h);
+        let (h, alone) = (L::splat(h), self.is_alone());
         for i in 0..self.nodes.len() {
             let (parent, node) = self.with_parent(i);
             if !node.jointed {
                 continue;
             }
             let size = node.impulse.length();
-            let blow = size.gt(node.steady);
+            let blow = size.gt(node.steady) & !alone;
             let steady = L::select(blow, node.steady / L::select(blow, size, L::one()), L::one());
             let impulse = node.impulse * steady;
             node.pull(impulse, node.arm_now[0], h);
@@ -357,6 +362,10 @@ impl<L: GatherLanes> TreeBatch<L> {
         if pass.moved {
             // SAFETY: displacements are not written while rows are solved.
             unsafe { self.follow(motion) };
+            if self.is_alone().any() {
+                // A load may come within a substep.
+                self.brace(self.h);
+            }
             self.factor();
             self.fresh = true;
         }
