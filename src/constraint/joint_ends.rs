@@ -2,7 +2,7 @@
 
 use super::batch::unlocked;
 use super::contact_row::{Motion, Pair, Softness};
-use crate::lanes::{GatherLanes, Lanes, Mask, Record, Sym3, Vec3};
+use crate::lanes::{GatherLanes, Lanes, Mask, Record, Sym3, Vec3, scatter};
 use crate::threads::Shared;
 use std::f32::consts::PI;
 
@@ -93,6 +93,21 @@ impl<L: GatherLanes> Ends<L> {
         unsafe {
             let [a, b] = [0, 1].map(|i| (&self.body[i], self.write[i]));
             v.save_bodies(a, Some(b), motion.velocity)
+        }
+    }
+
+    /// Writes displacements. What is said beside them stays as it is.
+    ///
+    /// # Safety
+    /// As for [`Pair::load`], of displacements.
+    #[inline(always)]
+    pub(super) unsafe fn save_moved(&self, d: &Pair<L>, motion: &Motion<'_, '_>) {
+        for (side, out) in [scatter(d.va, d.wa), scatter(d.vb, d.wb)].into_iter().enumerate() {
+            for lane in (0..L::N).filter(|lane| self.write[side] >> lane & 1 != 0) {
+                // SAFETY: by the contract.
+                let to = unsafe { motion.delta.get(self.body[side][lane] as usize) };
+                (to.linear, to.angular) = (out[lane].linear, out[lane].angular);
+            }
         }
     }
 

@@ -136,9 +136,7 @@ impl<L: GatherLanes> PointBatch<L> {
         if !pass.relax {
             slip += self.bend;
         }
-        let (rate, scale, give) = pass.numbers::<L>();
-        let p = -(self.mass.mul(slip + pass.bias(self.apart_now, rate)) * scale
-            + (self.impulse - self.held) * give);
+        let p = -self.mass.mul(slip);
         let (ta, tb) = (ra.cross(p), rb.cross(p));
         self.impulse += p;
         self.moment[0] += ta;
@@ -146,6 +144,22 @@ impl<L: GatherLanes> PointBatch<L> {
         self.ends.apply(&mut v, p, ta, tb);
         // SAFETY: by the contract.
         unsafe { self.ends.save(&v, motion) };
+    }
+
+    /// Moves the bodies so that the points are together.
+    ///
+    /// # Safety
+    /// No other thread works on the bodies of the batch, and none writes their displacements.
+    #[inline(never)]
+    pub(crate) unsafe fn close(&mut self, motion: &Motion<'_, '_>, most: f32) {
+        // SAFETY: by the contract.
+        let mut d = unsafe { self.ends.load(motion.delta) };
+        self.follow(&d);
+        let [ra, rb] = self.arm_now;
+        let p = -self.mass.mul(at_most(self.apart_now, most));
+        self.ends.apply(&mut d, p, ra.cross(p), rb.cross(p));
+        // SAFETY: by the contract.
+        unsafe { self.ends.save_moved(&d, motion) };
     }
 
     /// Arms, separation and mass after displacements.
@@ -157,6 +171,13 @@ impl<L: GatherLanes> PointBatch<L> {
         self.apart_now = self.apart + (d.vb - d.va) + (now_b - rb) - (now_a - ra);
         self.mass = inverse(&mobility(&self.ends, &self.arm_now));
     }
+}
+
+/// An error, or as much of it as is closed at once.
+#[inline(always)]
+pub(super) fn at_most<L: Lanes>(error: Vec3<L>, most: f32) -> Vec3<L> {
+    let (length, most) = (error.length(), L::splat(most));
+    error * L::select(length.gt(most), most / length, L::one())
 }
 
 /// Bodies that turn as one, or (`HINGE`) about one axis only.
@@ -230,14 +251,7 @@ impl<L: GatherLanes, const HINGE: bool> TurnBatch<L, HINGE> {
         if pass.moved {
             // SAFETY: displacements are not written while rows are solved.
             let d = unsafe { self.ends.load(motion.delta) };
-            if HINGE {
-                self.axis_now = turned(d.wa, self.axis[0]);
-                self.error_now = self.axis_now.cross(turned(d.wb, self.axis[1]));
-                self.mass = across(&self.ends.turning(), self.axis_now);
-            } else {
-                // What both turn together changes nothing.
-                self.error_now = self.error + (d.wb - d.wa);
-            }
+            self.follow(&d);
         }
         // SAFETY: by the contract.
         let mut v = unsafe { self.ends.load(motion.velocity) };
@@ -252,12 +266,38 @@ impl<L: GatherLanes, const HINGE: bool> TurnBatch<L, HINGE> {
         if HINGE {
             slip += swerve(v.wb, self.axis_now, pass.ahead()) - swerve(v.wa, self.axis_now, pass.ahead());
         }
-        let (rate, scale, give) = pass.numbers::<L>();
-        let t = -(self.mass.mul(slip + pass.bias(self.error_now, rate)) * scale
-            + (self.impulse - self.held) * give);
+        let t = -self.mass.mul(slip);
         self.impulse += t;
         self.ends.turn(&mut v, t);
         // SAFETY: by the contract.
         unsafe { self.ends.save(&v, motion) };
+    }
+
+    /// Turns the bodies as they are locked.
+    ///
+    /// # Safety
+    /// No other thread works on the bodies of the batch, and none writes their displacements.
+    #[inline(never)]
+    pub(crate) unsafe fn close(&mut self, motion: &Motion<'_, '_>, most: f32) {
+        // SAFETY: by the contract.
+        let mut d = unsafe { self.ends.load(motion.delta) };
+        self.follow(&d);
+        let t = -self.mass.mul(at_most(self.error_now, most));
+        self.ends.turn(&mut d, t);
+        // SAFETY: by the contract.
+        unsafe { self.ends.save_moved(&d, motion) };
+    }
+
+    /// Axis, error and mass after displacements.
+    #[inline(always)]
+    fn follow(&mut self, d: &Pair<L>) {
+        if HINGE {
+            self.axis_now = turned(d.wa, self.axis[0]);
+            self.error_now = self.axis_now.cross(turned(d.wb, self.axis[1]));
+            self.mass = across(&self.ends.turning(), self.axis_now);
+        } else {
+            // What both turn together changes nothing.
+            self.error_now = self.error + (d.wb - d.wa);
+        }
     }
 }
