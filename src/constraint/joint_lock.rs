@@ -5,7 +5,7 @@
 //! apart: arms are turned along, and so is the effective mass.
 
 use super::contact_row::{Motion, Pair};
-use super::joint_ends::{Ends, JointPass, Owned, TINY, across, bend, inverse, swerve, turned};
+use super::joint_ends::{Ends, JointPass, Owned, TINY, across, inverse, swerve, turned};
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
 
 /// Points that stay together.
@@ -22,8 +22,6 @@ pub(crate) struct PointBatch<L> {
     /// Moments of the impulse, at the arms at which its parts acted [N m s].
     pub(crate) moment: [Vec3<L>; 2],
     pub(crate) apart_now: Vec3<L>,
-    /// How much faster they part in the mean over the substep than at its start [m/s].
-    bend: Vec3<L>,
     /// Impulse per velocity error [kg].
     pub(crate) mass: Sym3<L>,
     /// Of the last substep [N s].
@@ -43,7 +41,6 @@ impl<L: Lanes> Default for PointBatch<L> {
             arm_now: [zero; 2],
             moment: [zero; 2],
             apart_now: zero,
-            bend: zero,
             mass: Sym3::default(),
             impulse: zero,
             held: zero,
@@ -127,15 +124,8 @@ impl<L: GatherLanes> PointBatch<L> {
             v.wa -= self.ends.inverse_inertia[0].mul(moment[0] - self.moment[0]);
             v.wb += self.ends.inverse_inertia[1].mul(moment[1] - self.moment[1]);
             self.moment = moment;
-            // As bodies turned before any row acted: what rows ask for that can't be met turns them any way within a pass.
-            // SAFETY: these velocities are not written while rows are solved.
-            let (before, h) = (unsafe { self.ends.load(motion.base) }, pass.ahead());
-            self.bend = bend(before.wb, rb, h) - bend(before.wa, ra, h);
         }
-        let mut slip = v.vb + v.wb.cross(rb) - v.va - v.wa.cross(ra);
-        if !pass.relax {
-            slip += self.bend;
-        }
+        let slip = v.vb + v.wb.cross(rb) - v.va - v.wa.cross(ra);
         let p = -self.mass.mul(slip);
         let (ta, tb) = (ra.cross(p), rb.cross(p));
         self.impulse += p;

@@ -139,7 +139,7 @@ impl Passes {
         closing: &Closing,
     ) {
         let most = self.joint_push / self.inverse_h;
-        for stage in joined.stages.iter().filter(|stage| stage.kind.is_lock()) {
+        for stage in (0..JOINT_SWEEPS).flat_map(|_| joined.stages).filter(|stage| stage.kind.is_lock()) {
             // SAFETY: each batch is in one stage; no dynamic body is twice in it, unless it is of rows that found no
             // colour, and then one thread has it all.
             let one = |i: usize| unsafe { JointRows::close_locks(joined.views, stage, i, motion, most) };
