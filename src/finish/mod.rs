@@ -92,6 +92,8 @@ fn stacks_of(all: &mut Vec<Mutex<Vec<u32>>>) -> Made<'_, Mutex<Vec<u32>>> {
 pub(crate) struct Ended {
     /// Bodies that the guard held.
     pub(crate) held: u32,
+    /// Bodies whose motion was no number.
+    pub(crate) stopped: u32,
 }
 
 /// Marks the dynamic bodies that something static may touch on their predicted paths: by a pair with it that the narrow
@@ -126,6 +128,7 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
     let (movers, dynamic) = (world.bodies.movers(), world.bodies.dynamic());
     let blocks = movers.div_ceil(BLOCK);
     let held = std::sync::atomic::AtomicU32::new(0);
+    let stopped = std::sync::atomic::AtomicU32::new(0);
     let continuous = world.is_continuous();
     let Buffers { stacks, clear, beside, cut } = &mut world.buffers.finish;
     if continuous {
@@ -148,7 +151,7 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
     });
     let beside = &*beside;
     let bodies = &mut world.bodies;
-    let delta = &world.buffers.solver.delta;
+    let delta = Shared::new(&mut world.buffers.solver.delta);
     let (start, impacts) = (&world.buffers.forces.start, &world.buffers.restitution);
     let (keep, uneven) = (!bodies.previous.is_empty(), bodies.uneven > 0);
     let previous = Shared::new(&mut bodies.previous);
@@ -171,9 +174,16 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
         let mut own = stacks.get(block).and_then(|stack| stack.lock().ok());
         let stack = own.as_deref_mut().unwrap_or(&mut none);
         for i in block * BLOCK..((block + 1) * BLOCK).min(movers) {
-            let d = &delta[i];
             // SAFETY: each body is in one block.
-            let (pose, velocity) = unsafe { (pose.get(i), velocity.get(i)) };
+            let (pose, velocity, d) = unsafe { (pose.get(i), velocity.get(i), delta.get(i)) };
+            if !is_sound(d) || !is_sound(velocity) {
+                *d = Record::default();
+                // That of a kinematic one is the caller's.
+                if i < dynamic {
+                    *velocity = Record::default();
+                }
+                stopped.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            }
             let touched = d.pad0 != 0.0;
             let seat = seats.of(i);
             let before = seat.map(|_| *pose);
@@ -225,8 +235,8 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
             }
         }
     });
-    let mut held = held.into_inner();
-    let Ok(cut) = cut.get_mut() else { return Ended { held } };
+    let (mut held, stopped) = (held.into_inner(), stopped.into_inner());
+    let Ok(cut) = cut.get_mut() else { return Ended { held, stopped } };
     if guard.mode != Continuous::Discrete {
         held += guard.hold_movers(&world.broad.pairs, bodies, impacts, seats, cut);
     }
@@ -245,7 +255,52 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
     {
         held += guard.hold_kinematic(&world.broad.pairs, bodies, &mut stack, dt);
     }
-    Ended { held }
+    if stopped > 0 {
+        forget_impulses(world);
+    }
+    Ended { held, stopped }
+}
+
+/// Whether a displacement or a velocity is a number, and one that can be worked with.
+#[inline(always)]
+fn is_sound(r: &Record) -> bool {
+    let most = r.linear.abs().max_element() + r.angular.abs().max_element();
+    // Not a number is neither.
+    most < MOST && r.linear.is_finite() && r.angular.is_finite()
+}
+
+/// Speeds [m/s], [rad/s] and ways [m], [rad] beyond are as good as no number: their squares would be none soon.
+const MOST: f32 = 1e18;
+
+/// Where impulses are no numbers, nothing is warm-started with them.
+fn forget_impulses(world: &mut World) {
+    for pair in &world.broad.pairs {
+        let mut slot = pair.contact;
+        while let Some(contact) = world.contacts.all.get_mut(slot as usize) {
+            let sum =
+                contact.points.iter().fold(contact.twist, |sum, point| sum + point.impulse + point.held);
+            if !(sum.is_finite() && contact.friction.is_finite()) {
+                contact.points.iter_mut().for_each(|point| (point.impulse, point.held) = (0.0, 0.0));
+                (contact.friction, contact.twist) = (glam::Vec3::ZERO, 0.0);
+            }
+            slot = contact.next;
+        }
+    }
+    for lock in &mut world.joints.locks {
+        if !(lock.impulse.is_finite() && lock.held.is_finite() && lock.steady.is_finite()) {
+            (lock.impulse, lock.held, lock.steady) = (glam::Vec3::ZERO, 0.0, 0.0);
+        }
+    }
+    for joint in &mut world.joints.all {
+        if !(joint.force.is_finite() && joint.torque.is_finite()) {
+            (joint.force, joint.torque) = (glam::Vec3::ZERO, glam::Vec3::ZERO);
+        }
+    }
+    for row in &mut world.joints.rows {
+        if !(row.impulse[0].is_finite() && row.impulse[1].is_finite() && row.held.is_finite()) {
+            (row.impulse, row.held) = ([0.0; 2], 0.0);
+        }
+    }
 }
 
 /// Takes away the speed with which an end of a body goes into something.

@@ -85,7 +85,6 @@ pub(crate) fn solve(
     let joint_stages = std::mem::take(&mut joints.stages);
     let joined_at_all = !joint_stages.is_empty();
     let dynamic = bodies.dynamic();
-    let locks = (bodies.locked > 0).then_some(bodies.traits.as_slice());
     // Of what stands still the first is enough: all are zero.
     let known = bodies.velocity.len().min(movers + 1);
     let velocity = Shared::new(&mut bodies.velocity[..known]);
@@ -149,9 +148,6 @@ pub(crate) fn solve(
         all_bodies(crew, movers, |i| {
             // SAFETY: each body is in one block.
             let (v, d, b) = unsafe { (velocity.get(i), delta.get(i), base.get(i)) };
-            if let Some(traits) = locks {
-                traits[i].lock(v);
-            }
             let (now, before) = (lanes(*v), lanes(*b));
             let same = now.eq(before).bits();
             let mut moved = now * f32x8::splat(h);
@@ -173,7 +169,7 @@ pub(crate) fn solve(
             impacts.go_on(h, velocity, base);
         }
         if joined_at_all {
-            Passes::close(crew, &batches, &joined, &motion, &closing(settings));
+            passes.close(crew, &batches, &joined, &motion, &closing(settings));
         }
         if passes.run(crew, Kind::Relax, &batches, &joined, &motion) && rubs {
             // What was pushed before it touched has its friction now; if that is much, the points share the load that it
@@ -188,10 +184,6 @@ pub(crate) fn solve(
     }
     // SAFETY: no stage runs.
     impacts.let_go(dt, unsafe { velocity.part(0..known) });
-    if let Some(traits) = locks {
-        // SAFETY: each body is in one block.
-        all_bodies(crew, movers, |i| traits[i].lock(unsafe { velocity.get(i) }));
-    }
     joints.stages = joint_stages;
 }
 
