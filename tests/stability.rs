@@ -98,13 +98,18 @@ fn passes(substeps: u32, iterations: u32) -> Settings {
 
 /// A test of its own for each structure, with the settings and the rate [Hz] it stands at.
 macro_rules! nothing_grows {
-    ($($(#[$about:meta])* $name:ident: $structure:expr, $settings:expr, $hz:expr;)*) => {$(
-        $(#[$about])*
-        #[test]
-        fn $name() {
-            stand($structure, $settings, $hz);
+    ($($(#[$about:meta])* $name:ident: $structure:expr, $settings:expr, $hz:expr;)*) => {
+        mod nothing_grows {
+            use super::*;
+            $(
+                $(#[$about])*
+                #[test]
+                fn $name() {
+                    stand($structure, $settings, $hz);
+                }
+            )*
         }
-    )*};
+    };
 }
 
 nothing_grows! {
