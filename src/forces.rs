@@ -5,7 +5,7 @@ use crate::lanes::{Record, Sym3};
 use crate::memory::{Buffer, bytes_of};
 use crate::threads::{Crew, Shared, per_block};
 use crate::world::World;
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Quat, Vec3};
 use std::ops::Range;
 
 /// What is computed of each body before anything collides.
@@ -178,8 +178,14 @@ pub(crate) fn world_inertia(bodies: &Bodies, i: usize) -> Sym3<f32> {
 /// The same of a body whose axes are all free.
 #[inline(always)]
 fn free_inertia(bodies: &Bodies, i: usize) -> Sym3<f32> {
-    let r = Mat3::from_quat(bodies.pose[i].rotation);
-    let [x, y, z] = diagonal(&r, bodies.mass[i].inverse_inertia);
+    turned_inertia(bodies.pose[i].rotation, &bodies.mass[i])
+}
+
+/// The same of a body in some orientation.
+#[inline(always)]
+pub(crate) fn turned_inertia(rotation: Quat, mass: &Mass) -> Sym3<f32> {
+    let r = Mat3::from_quat(rotation);
+    let [x, y, z] = diagonal(&r, mass.inverse_inertia);
     Sym3 { xx: x.x, yy: y.y, zz: z.z, xy: x.y, xz: x.z, yz: y.z }
 }
 

@@ -59,6 +59,7 @@
 //! - `serde`: settings, materials, filters and reports can be serialised.
 //! - `gltf`: scenes from files, animations to files.
 //! - `replay`: a run can be recorded and played again, see `replay`.
+//! - `lab`: measure whether what rests is stable, see `lab`.
 //! - `cli`: the command `backstop`.
 
 #[cfg(feature = "internals")]
@@ -76,6 +77,8 @@ mod finish;
 mod forces;
 mod handle;
 mod joint;
+#[cfg(feature = "lab")]
+pub mod lab;
 mod lanes;
 mod memory;
 mod movers;

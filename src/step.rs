@@ -3,7 +3,7 @@
 use crate::broad_phase::BroadStats;
 use crate::config::{ContinuousMethod, FrictionModel};
 use crate::constraint::{
-    BounceInput, BounceScratch, JointInput, JointRows, PrepareInput, PrepareScratch, Prepared, Rows, bounce,
+    FindInput, JointInput, JointRows, PrepareInput, PrepareScratch, Prepared, Restitution, Rows, find,
     prepare,
 };
 use crate::error::{Error, positive};
@@ -24,7 +24,7 @@ pub(crate) struct Buffers {
     pub(crate) forces: Forces,
     pub(crate) broad: movers::Buffers,
     pub(crate) narrow: Scratch,
-    pub(crate) bounce: BounceScratch,
+    pub(crate) restitution: Restitution,
     pub(crate) prepare: PrepareScratch,
     pub(crate) rows: Rows,
     pub(crate) joints: JointRows,
@@ -46,7 +46,7 @@ impl Buffers {
         report.add(Category::Scratch, self.forces.bytes());
         report.add(Category::Scratch, self.broad.bytes());
         report.add(Category::Scratch, self.narrow.bytes());
-        report.add(Category::Scratch, self.bounce.bytes());
+        report.add(Category::Scratch, self.restitution.bytes());
         report.add(Category::Scratch, self.prepare.bytes());
         report.add(Category::Joints, self.joints.bytes());
         report.add(Category::Scratch, self.solver.bytes());
@@ -67,8 +67,6 @@ const FAST: f32 = 0.01;
 const RECYCLE: f32 = 0.005;
 /// Slip speed below which friction is static [m/s per length unit].
 const STICK: f32 = 0.01;
-/// Gauss-Seidel sweeps over the impacts of a step.
-const IMPACT_SWEEPS: u32 = 8;
 
 impl World {
     /// Moves the world on by `dt` seconds and says what that took.
@@ -134,14 +132,16 @@ impl World {
         clock = lap(clock, &mut times.narrow);
 
         self.listen();
-        let prepared = self.prepare(crew, dt);
+        let mut prepared = self.prepare(crew, dt);
         probe!(self, Prepare);
         clock = lap(clock, &mut times.prepare);
 
         let buffers = &mut self.buffers;
         let (rows, state) = ((&mut buffers.rows, &mut buffers.joints), &mut buffers.solver);
-        let impulses = &mut self.events.impulses;
-        solver::solve(crew, &self.settings, dt, &mut self.bodies, &buffers.forces, rows, impulses, state);
+        let impulses = self.events.impulses.as_mut_slice();
+        let impacts = (&mut buffers.restitution, impulses, self.colliders.all.as_slice());
+        solver::solve(crew, &self.settings, dt, &mut self.bodies, &mut buffers.forces, rows, impacts, state);
+        prepared.impacts = self.buffers.restitution.count;
         let watch = Watch::start(self.joints.count > 0);
         self.store_joints(dt);
         self.spent.joints += watch.stop();
@@ -231,26 +231,28 @@ impl World {
     fn prepare(&mut self, crew: &Crew<'_>, dt: f32) -> Prepared {
         let unit = self.settings.length_unit;
         let forces = &self.buffers.forces;
-        let (mut impacts, mut lost) = (0, 0);
+        let mut lost = 0;
         let mut rooms = self.rooms();
         let watch = Watch::start(self.needs.restitution > 0);
         if self.needs.restitution > 0 {
-            let input = BounceInput {
+            let input = FindInput {
+                bodies: &self.bodies,
                 colliders: &self.colliders.all,
                 poses: &self.colliders.poses,
                 pairs: &self.broad.pairs,
-                inverse_inertia: &forces.inverse_inertia,
+                contacts: &self.contacts.all,
+                joints: &self.joints,
+                motion: &forces.motion,
                 acceleration: &forces.acceleration,
-                real: REAL * unit,
-                threshold: self.settings.restitution_threshold * unit,
-                iterations: IMPACT_SWEEPS,
                 tweaks: &self.events.tweaks,
+                threshold: self.settings.restitution_threshold * unit,
+                real: REAL * unit,
+                dt,
             };
-            let scratch = &mut self.buffers.bounce;
-            let bodies = (&mut self.bodies, self.events.impulses.as_mut_slice());
-            (impacts, lost) = rooms.within(Category::Scratch, |room| {
-                bounce(&input, &mut self.contacts.all, bodies, scratch, room)
-            });
+            let impacts = &mut self.buffers.restitution;
+            lost = rooms.within(Category::Scratch, |room| find(&input, impacts, room));
+        } else {
+            self.buffers.restitution.clear();
         }
         self.spent.restitution = watch.stop();
         let watch = Watch::start(self.joints.count > 0);
@@ -317,7 +319,7 @@ impl World {
             self.buffers.joints.fill(crew, &input);
             self.spent.joints += watch.stop();
         }
-        Prepared { impacts: impacts as u32, shed: prepared.shed + lost, ..prepared }
+        Prepared { shed: prepared.shed + lost, ..prepared }
     }
 }
 

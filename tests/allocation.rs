@@ -90,7 +90,7 @@ fn moving(threads: usize) -> usize {
         );
     }
     // Long enough for the rarest crowd to have been there once.
-    count(&mut world, 3000, |world, step| {
+    count(&mut world, 4000, |world, step| {
         let angle = 0.05 * (step as f32 * 0.05).sin();
         world.move_kinematic(table, DVec3::Y, Quat::from_rotation_z(angle), 1.0 / 60.0).unwrap();
     })

@@ -20,6 +20,7 @@ fn pyramid() -> Scene {
 /// Fast bodies that meet each other and the ground, and bounce.
 fn crossfire() -> Scene {
     let mut scene = builtin::bullets(true);
+    scene.name = "crossfire".into();
     for body in &mut scene.bodies {
         body.desc.shapes.iter_mut().for_each(|s| s.material.restitution = 0.5);
     }

@@ -5,5 +5,5 @@ mod motion;
 mod store;
 
 pub use desc::{BodyDesc, BodyKind};
-pub(crate) use motion::{carry_spin, exp_map, tumble, wobble};
-pub(crate) use store::{Bodies, Cold, IDLE, Mass, NewBody, Pose, Previous, Traits};
+pub(crate) use motion::{carry_spin, exp_map, turn_freely};
+pub(crate) use store::{Bodies, Cold, Colliders, IDLE, Mass, NewBody, Pose, Previous, Traits};

@@ -69,6 +69,15 @@ impl Traits {
         }
     }
 
+    /// What of a vector is left along the axes that are free.
+    #[inline]
+    pub(crate) fn free(&self, mut v: Vec3) -> Vec3 {
+        for axis in (0..3).filter(|axis| self.locks >> axis & 1 != 0) {
+            v[axis] = 0.0;
+        }
+        v
+    }
+
     pub(crate) fn lock_bits(translation: [bool; 3], rotation: [bool; 3]) -> u8 {
         (0..3).map(|i| (translation[i] as u8) << i | (rotation[i] as u8) << (i + 3)).sum()
     }

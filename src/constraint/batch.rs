@@ -1,7 +1,7 @@
 //! Rows of contacts, packed in lanes.
 
 use super::arrange::Part;
-use crate::lanes::{Lanes, Sym3, Vec3, f32x8};
+use crate::lanes::{Lanes, Mask, Sym3, Vec3, f32x8};
 use bytemuck::{Pod, Zeroable};
 
 /// One normal row per lane.
@@ -69,8 +69,10 @@ pub(crate) struct Batch<L, const P: usize, const B: usize> {
     pub(crate) swapped: u8,
     /// Bit per lane: someone listens to the contact.
     pub(crate) heard: u8,
+    /// Axes along which the bodies `a` and `b` are locked: see [`unlocked`].
+    pub(crate) locks: [u32; 2],
     /// To the end of a multiple of eight lanes: no byte is without a value.
-    _pad: [u32; 6],
+    _pad: [u32; 4],
 }
 
 // SAFETY: zero is a value of every field.
@@ -84,6 +86,13 @@ impl<L: Lanes, const P: usize, const B: usize> Batch<L, P, B> {
     const LANES: usize = 3 + 7 + (9 + 1 + 3 * B) * P + 2 + 1 + 7 * B;
     const NO_GAPS: () =
         assert!(size_of::<Self>() == Self::LANES * size_of::<L>() + (8 + 8 * B + 8 + 1 + 1 + 6) * 4);
+
+    /// What of an impulse on both bodies moves each of them.
+    #[inline(always)]
+    pub(super) fn moving(&self, p: Vec3<L>) -> [Vec3<L>; 2] {
+        // A branch and not masks for all: few scenes have a locked body.
+        if self.locks == [0; 2] { [p; 2] } else { self.locks.map(|locks| unlocked(locks, p)) }
+    }
 
     /// By how much an impulse at point `i` changes the normal velocity of point `k`, and the other way round [1/kg]; `i < k`.
     #[inline(always)]
@@ -101,6 +110,19 @@ impl<L: Lanes, const P: usize, const B: usize> Batch<L, P, B> {
             self.more_coupling[at - P] = coupling;
         }
     }
+}
+
+/// What of an impulse moves bodies: nothing moves them along locked axes. Of `locks` a byte is x, the next y, then z, with
+/// a bit per lane.
+#[inline(always)]
+pub(super) fn unlocked<L: Lanes>(locks: u32, p: Vec3<L>) -> Vec3<L> {
+    let free = |x, bits: u32| L::select(L::Mask::from_bits(bits & 0xff), L::zero(), x);
+    Vec3::new(free(p.x, locks), free(p.y, locks >> 8), free(p.z, locks >> 16))
+}
+
+/// The bits of a lane in [`Batch::locks`], from those of a body.
+pub(super) fn lock_bits(locks: u8, lane: usize) -> u32 {
+    (0..3).map(|axis| u32::from(locks >> axis & 1) << (8 * axis + lane)).sum()
 }
 
 /// Index of a pair of points in [`Batch::coupling`]; `i < k`.

@@ -174,11 +174,12 @@ impl<L: GatherLanes> Pair<L> {
         ta: Vec3<L>,
         tb: Vec3<L>,
     ) {
-        self.va -= p * batch.inverse_mass_a;
+        let [on_a, on_b] = batch.moving(p);
+        self.va -= on_a * batch.inverse_mass_a;
         self.wa -= batch.inverse_inertia_a.mul(ta);
         if B > 0 {
             let b = &batch.b[0];
-            self.vb += p * b.inverse_mass;
+            self.vb += on_b * b.inverse_mass;
             self.wb += b.inverse_inertia.mul(tb);
         }
     }

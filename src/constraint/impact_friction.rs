@@ -45,9 +45,10 @@ pub(crate) unsafe fn rub<L: GatherLanes, const P: usize, const B: usize>(
     let slides = speed.gt(L::zero());
     let way = u * L::select(slides, L::one() / speed, L::zero());
     let (ta, tb) = (arm_a.cross(way), arm_b.cross(way));
-    let mut k = batch.inverse_mass_a + ta.dot(batch.inverse_inertia_a.mul(ta));
+    let [on_a, on_b] = batch.moving(way);
+    let mut k = on_a.length_squared() * batch.inverse_mass_a + ta.dot(batch.inverse_inertia_a.mul(ta));
     if B > 0 {
-        k += batch.b[0].inverse_mass + tb.dot(batch.b[0].inverse_inertia.mul(tb));
+        k += on_b.length_squared() * batch.b[0].inverse_mass + tb.dot(batch.b[0].inverse_inertia.mul(tb));
     }
     // No more than stops the slip: so it takes energy and never adds any.
     let most = L::select(slides & k.gt(L::zero()), speed / k, L::zero());

@@ -36,6 +36,13 @@ pub(crate) enum JointType {
     Tree,
 }
 
+impl JointType {
+    /// Whether it locks directions all at once, without bounds.
+    pub(crate) fn is_lock(self) -> bool {
+        matches!(self, JointType::Point | JointType::Weld | JointType::Hinge | JointType::Line)
+    }
+}
+
 /// Batches of one type that may be solved at the same time: one colour of one group.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct JointStage {
@@ -202,6 +209,12 @@ impl JointRows {
             self.turns.bytes(),
         ];
         [&beside[..], &trees, &locks, &rows].map(|all| all.iter().map(|bytes| bytes.1).sum())
+    }
+
+    /// How many trees have bodies that count as heavier than they are.
+    pub(crate) fn weighted_trees(&self) -> u32 {
+        let in_lanes = self.trees.iter().map(|tree| tree.weighted.count_ones()).sum::<u32>();
+        in_lanes + self.tree.iter().map(|tree| tree.weighted).sum::<u32>()
     }
 
     /// How many bodies are in trees, and how many locks are in none.

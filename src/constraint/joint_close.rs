@@ -8,7 +8,7 @@
 use super::batch::Batch;
 use super::contact_row::{Motion, Pair, Response, relative, row};
 use super::joint_tour::{Ask, Toured};
-use super::joint_tree::TreeBatch;
+use super::joint_tree::{Node, TreeBatch};
 use super::seats::Seated;
 use super::spatial::Twist;
 use crate::lanes::{GatherLanes, Mask, Vec3, scatter};
@@ -48,19 +48,18 @@ impl<L: GatherLanes> TreeBatch<L> {
                 return;
             }
             for node in &mut self.nodes {
-                (node.velocity, node.carried, node.change) = (Twist::zero(), Twist::zero(), Twist::zero());
+                (node.velocity, node.anchored, node.pushed) = (Twist::zero(), Twist::zero(), Twist::zero());
             }
             self.factor();
-            self.gather_up(|node| Twist { linear: node.apart_now, angular: node.error_now });
+            let open = |node: &Node<L>| Twist { linear: node.apart_now, angular: node.error_now };
+            self.gather_up(open);
             if !own.is_empty() {
                 self.tour(own, |seated, body| touch(seated, Ask::Push(closing), body));
+                self.gather_up(open);
             }
-            let mut most = L::one();
-            for i in 0..self.nodes.len() {
-                let (parent, node) = self.with_parent(i);
-                node.change = node.answered(parent.map_or(Twist::zero(), |parent| parent.change)).0;
-                most = most.max(node.change.angular.length_squared());
-            }
+            self.answer_all();
+            let most =
+                self.nodes.iter().fold(L::one(), |most, node| most.max(node.change.angular.length_squared()));
             // By no more than a radian: beyond, what is linear says nothing.
             let share = L::one() / most.sqrt();
             self.nodes.iter_mut().for_each(|node| node.change = node.change.scaled(share));

@@ -1,7 +1,8 @@
 //! What all rows of joints have: two bodies a lane, and how these turn within a step.
 
+use super::batch::unlocked;
 use super::contact_row::{Motion, Pair, Softness};
-use crate::lanes::{GatherLanes, Lanes, Mask, Record, Sym3, Vec3};
+use crate::lanes::{GatherLanes, Lanes, Mask, Record, Sym3, Vec3, scatter};
 use crate::threads::Shared;
 use std::f32::consts::PI;
 
@@ -54,6 +55,8 @@ pub(crate) struct Ends<L> {
     pub(crate) body: [[u32; 8]; 2],
     /// Bit per lane: the body may be written.
     pub(crate) write: [u32; 2],
+    /// Axes along which the bodies are locked: see [`unlocked`].
+    pub(crate) locks: [u32; 2],
     /// Where the impulses go back to.
     pub(crate) owner: [u32; 8],
 }
@@ -67,6 +70,7 @@ impl<L: Lanes> Default for Ends<L> {
             inverse_inertia: [Sym3::default(); 2],
             body: [[0; 8]; 2],
             write: [0; 2],
+            locks: [0; 2],
             owner: [NONE; 8],
         }
     }
@@ -92,14 +96,36 @@ impl<L: GatherLanes> Ends<L> {
         }
     }
 
+    /// Writes displacements. What is said beside them stays as it is.
+    ///
+    /// # Safety
+    /// As for [`Pair::load`], of displacements.
+    #[inline(always)]
+    pub(super) unsafe fn save_moved(&self, d: &Pair<L>, motion: &Motion<'_, '_>) {
+        for (side, out) in [scatter(d.va, d.wa), scatter(d.vb, d.wb)].into_iter().enumerate() {
+            for lane in (0..L::N).filter(|lane| self.write[side] >> lane & 1 != 0) {
+                // SAFETY: by the contract.
+                let to = unsafe { motion.delta.get(self.body[side][lane] as usize) };
+                (to.linear, to.angular) = (out[lane].linear, out[lane].angular);
+            }
+        }
+    }
+
     /// Applies an impulse on the second body, its opposite on the first, and angular impulses: the one is taken from the
     /// first, the other given to the second.
     #[inline(always)]
     pub(super) fn apply(&self, v: &mut Pair<L>, p: Vec3<L>, ta: Vec3<L>, tb: Vec3<L>) {
-        v.va -= p * self.inverse_mass[0];
+        let [on_a, on_b] = self.moving(p);
+        v.va -= on_a * self.inverse_mass[0];
         v.wa -= self.inverse_inertia[0].mul(ta);
-        v.vb += p * self.inverse_mass[1];
+        v.vb += on_b * self.inverse_mass[1];
         v.wb += self.inverse_inertia[1].mul(tb);
+    }
+
+    /// What of an impulse on both bodies moves each of them.
+    #[inline(always)]
+    pub(super) fn moving(&self, p: Vec3<L>) -> [Vec3<L>; 2] {
+        if self.locks == [0; 2] { [p; 2] } else { self.locks.map(|locks| unlocked(locks, p)) }
     }
 
     /// Angular velocity of the second body, as seen from the first, per angular impulse [1/(kg m²)].
@@ -122,7 +148,9 @@ impl<L: GatherLanes> Ends<L> {
     #[inline(always)]
     pub(super) fn mobility(&self, lever: &Lever<L>) -> L {
         let [ta, tb] = lever.moments();
-        lever.force.length_squared() * (self.inverse_mass[0] + self.inverse_mass[1])
+        let [on_a, on_b] = self.moving(lever.force);
+        on_a.length_squared() * self.inverse_mass[0]
+            + on_b.length_squared() * self.inverse_mass[1]
             + ta.dot(self.inverse_inertia[0].mul(ta))
             + tb.dot(self.inverse_inertia[1].mul(tb))
     }

@@ -1,5 +1,6 @@
 //! What is in the batches of joints in a step: where bodies are, how heavy, and the impulses of the step before.
 
+use super::batch::lock_bits;
 use super::joint_arrange::JointInput;
 use super::joint_ends::{Ends, Lever, NONE, across, inverse};
 use super::joint_line::LineBatch;
@@ -33,9 +34,10 @@ fn place<L: Lanes>(
         ends.body[side][lane] = i.min(movers) as u32;
         let pushed = i < dynamic;
         ends.write[side] |= u32::from(pushed) << lane;
-        // Locked in place, it moves for nothing.
-        let slides = pushed && bodies.traits[i].locks & 0b111 != 0b111;
-        ends.inverse_mass[side].set_lane(lane, if slides { bodies.mass[i].inverse } else { 0.0 });
+        ends.inverse_mass[side].set_lane(lane, if pushed { bodies.mass[i].inverse } else { 0.0 });
+        if pushed && bodies.locked > 0 {
+            ends.locks[side] |= lock_bits(bodies.traits[i].locks, lane);
+        }
         let inertia = if pushed { input.inverse_inertia[i] } else { Sym3::default() };
         put_sym(&mut ends.inverse_inertia[side], lane, &inertia);
     }
@@ -236,13 +238,14 @@ fn borne<L: GatherLanes>(
         let [xx, yy, zz, xy, xz, yz] = [xx, yy, zz, xy, xz, yz].map(|x| x.lane(lane));
         glam::Mat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz])
     });
-    let mass = ends.inverse_mass[0].lane(lane) + ends.inverse_mass[1].lane(lane);
+    let moving = ends.moving(Vec3::splat(glam::Vec3::ONE)).map(|on| on.lane(lane));
+    let mass = moving[0] * ends.inverse_mass[0].lane(lane) + moving[1] * ends.inverse_mass[1].lane(lane);
     let arm = lever.arm.map(|arm| arm.lane(lane));
     // What the force and torque of one change along another.
     let moments = |[f, t]: [glam::Vec3; 2]| arm.map(|arm| t + arm.cross(f));
     let change = |a: [glam::Vec3; 2], b: [glam::Vec3; 2]| {
         let (m, n) = (moments(a), moments(b));
-        mass * a[0].dot(b[0]) + m[0].dot(inertia[0] * n[0]) + m[1].dot(inertia[1] * n[1])
+        (mass * a[0]).dot(b[0]) + m[0].dot(inertia[0] * n[0]) + m[1].dot(inertia[1] * n[1])
     };
     let own = [lever.force.lane(lane), lever.torque.lane(lane)];
     let zero = glam::Vec3::ZERO;
@@ -319,7 +322,6 @@ pub(super) fn tree<L: GatherLanes>(
             }
             let inverse = bodies.mass[own].inverse;
             node.inverse_mass.set_lane(lane, inverse);
-            node.mass.set_lane(lane, 1.0 / inverse);
             put_sym(&mut own_inverse, lane, &inverse_inertia[own]);
             if node.jointed {
                 let at = Placed::new(dense.map(|i| &bodies.pose[i]), &joint.frames);

@@ -8,12 +8,12 @@
 //! same shape share the lanes.
 
 use super::contact_row::Motion;
-use super::joint_ends::{JointPass, NONE, bend, inverse, swerve, turned};
+use super::joint_ends::{JointPass, NONE, across, bend, inverse, swerve, turned};
 use super::joint_tour::Toured;
 use super::order::Place;
 use super::seats::Seated;
-use super::spatial::{Sym6, Twist, plus};
-use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3, gather, scatter};
+use super::spatial::{Sym6, Twist, plus, scaled};
+use crate::lanes::{GatherLanes, Lanes, Mask, Sym3, Vec3, gather, scatter};
 
 /// How a body turns on its parent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -43,8 +43,7 @@ pub(crate) struct Node<L> {
     pub(crate) anchor: [u32; 8],
     /// Bit per lane: there is a body.
     pub(crate) write: u32,
-    /// The body's own.
-    pub(crate) mass: L,
+    /// The body's own, or more: see [`TreeBatch::weigh`].
     pub(crate) inverse_mass: L,
     pub(crate) inertia: Sym3<L>,
     /// From the centre of mass to the joint, of the body and of its parent, at the start of the step [m].
@@ -74,19 +73,29 @@ pub(crate) struct Node<L> {
     pub(super) free: Sym6<L>,
     /// Impulse at the joint per velocity that it doesn't allow.
     pub(super) stiff: Sym6<L>,
+    /// The same of both bodies, the parent with what hangs on it but for this branch and those before it; and the velocity of
+    /// that parent per impulse on it.
+    joined: Sym6<L>,
+    rest: Sym6<L>,
     /// Velocity of the body per impulse on it, with the whole tree: if it has contacts that go along.
     pub(super) whole: Sym6<L>,
     /// How much of that is pulled [kg m²].
     pulled: L,
     /// Of one pass.
-    sum: Sym6<L>,
     pub(super) velocity: Twist<L>,
+    /// Of what a root hangs on.
+    pub(super) anchored: Twist<L>,
     pub(super) carried: Twist<L>,
     pub(super) asked: Twist<L>,
     pub(super) change: Twist<L>,
     pub(super) pending: Twist<L>,
-    /// What contacts that go along turn the body by.
-    pub(super) pushed: Vec3<L>,
+    /// What contacts that go along push the body by; with what its joints do; and what of `carried` the parent had from the
+    /// branches after this one.
+    pub(super) pushed: Twist<L>,
+    pushes: Twist<L>,
+    beside: Twist<L>,
+    /// Of the joint, taken from the body at its arm.
+    force: Twist<L>,
 }
 
 impl<L: Lanes> Default for Node<L> {
@@ -103,7 +112,6 @@ impl<L: Lanes> Default for Node<L> {
             anchor: [0; 8],
             write: 0,
             // Of something, so that an inert lane has numbers too.
-            mass: one,
             inverse_mass: one,
             inertia: Sym3 { xx: one, yy: one, zz: one, ..Sym3::default() },
             arm: [zero; 2],
@@ -125,10 +133,15 @@ impl<L: Lanes> Default for Node<L> {
             stiff: Sym6::zero(),
             whole: Sym6::zero(),
             pending: Twist::zero(),
-            pushed: zero,
+            pushed: Twist::zero(),
+            pushes: Twist::zero(),
+            beside: Twist::zero(),
+            force: Twist::zero(),
+            joined: Sym6::zero(),
+            rest: Sym6::zero(),
             pulled: L::zero(),
-            sum: Sym6::zero(),
             velocity: Twist::zero(),
+            anchored: Twist::zero(),
             carried: Twist::zero(),
             asked: Twist::zero(),
             change: Twist::zero(),
@@ -153,7 +166,13 @@ pub(crate) struct TreeBatch<L> {
     pub(crate) contacts: (u32, u32),
     /// Substep [s].
     pub(crate) h: f32,
+    /// Lanes in which a body counts as heavier than it is.
+    pub(crate) weighted: u32,
 }
+
+/// The least mass of a body for what hangs on it. Of mobilities in `f32` a part in ten million is left; of chains of twenty,
+/// links of a 50,000th already lose some digits that they need, and of a millionth all.
+const LIGHTEST: f32 = 5e-5;
 
 /// Share of an error that is taken back within a substep. Contacts see a tree body by body: what both agree on they find
 /// slowly, and an error that is taken back faster makes what they do not agree on grow (see
@@ -178,8 +197,32 @@ impl<L: GatherLanes> TreeBatch<L> {
         (before.get_mut(node.parent as usize), node)
     }
 
+    /// Bodies so light that what hangs on them would drown them in rounding count as heavier: a share of that, at the cost of as
+    /// much in what the tree weighs.
+    fn weigh(&mut self) {
+        self.weighted = 0;
+        for node in &mut self.nodes {
+            // What hangs on it.
+            node.pulled = L::zero();
+        }
+        for i in (0..self.nodes.len()).rev() {
+            let (parent, node) = self.with_parent(i);
+            let least = node.pulled * L::splat(LIGHTEST);
+            let light = (least * node.inverse_mass).gt(L::one());
+            let factor = L::select(light, least * node.inverse_mass, L::one());
+            if let Some(parent) = parent {
+                parent.pulled += node.pulled + L::one() / node.inverse_mass;
+            }
+            node.inverse_mass = node.inverse_mass / factor;
+            node.inertia = scaled(&node.inertia, factor);
+            let bits = light.bits() & node.write;
+            self.weighted |= bits;
+        }
+    }
+
     /// Takes arms and impulses as they are at the start of a step.
     pub(crate) fn begin(&mut self, h: f32) {
+        self.weigh();
         for node in &mut self.nodes {
             (node.arm_now, node.apart_now) = (node.arm, node.apart);
             (node.axis_now, node.error_now) = (node.axis[0], node.error);
@@ -199,36 +242,33 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// From the leaves to the root: what each body is like with all that hangs on it.
     pub(super) fn factor(&mut self) {
         for node in &mut self.nodes {
-            let mass = Sym3 { xx: node.mass, yy: node.mass, zz: node.mass, ..Sym3::default() };
-            node.sum = Sym6 { linear: mass, mixed: [Vec3::zero(); 3], angular: node.braced };
+            let mass = node.inverse_mass;
+            let mass = Sym3 { xx: mass, yy: mass, zz: mass, ..Sym3::default() };
+            node.free = Sym6 { linear: mass, mixed: [Vec3::zero(); 3], angular: node.braced_inverse };
         }
         for i in (0..self.nodes.len()).rev() {
-            let node = &mut self.nodes[i];
-            node.free = node.sum.inverse();
+            let (parent, node) = self.with_parent(i);
             if !node.jointed {
                 continue;
             }
             let [arm, above] = node.arm_now;
-            node.stiff = match node.turns {
-                Turns::Freely => node.free.point_at(arm),
-                Turns::AboutAxis => node.sum.shifted(arm).without_turning_about(node.axis_now),
-                Turns::Not => node.sum.shifted(arm),
-            };
-            if node.parent == NONE {
-                continue;
+            let mut mobility = node.free.mobility_at(arm);
+            node.stiff = node.held_by(&mobility);
+            if let Some(parent) = parent {
+                node.rest = parent.free;
+                mobility.add(&node.rest.mobility_at(above));
+                node.joined = node.held_by(&mobility);
+                parent.free = node.rest.joined_at(above, &node.joined);
             }
-            // What the joint makes the parent feel.
-            let (stiff, parent) = (node.stiff.shifted(-above), node.parent);
-            let sum = &mut self.nodes[parent as usize].sum;
-            sum.linear = plus(&sum.linear, &stiff.linear);
-            for (own, column) in sum.mixed.iter_mut().zip(stiff.mixed) {
-                *own += column;
-            }
-            sum.angular = plus(&sum.angular, &stiff.angular);
         }
         if self.contacts.0 < self.contacts.1 {
             self.answer();
         }
+    }
+
+    /// Trees that touch nothing: what pulls in them is no blow.
+    fn is_alone(&self) -> L::Mask {
+        self.share.gt(L::splat(TOUCHING))
     }
 
     /// What pulls at an arm turns a body back, the faster the lighter the body is: a chain that bears a thousand times its
@@ -239,14 +279,14 @@ impl<L: GatherLanes> TreeBatch<L> {
         for node in &mut self.nodes {
             (node.braced, node.pulled) = (Sym3::default(), L::zero());
         }
-        let h = L::splat(h);
+        let (h, alone) = (L::splat(h), self.is_alone());
         for i in 0..self.nodes.len() {
             let (parent, node) = self.with_parent(i);
             if !node.jointed {
                 continue;
             }
             let size = node.impulse.length();
-            let blow = size.gt(node.steady);
+            let blow = size.gt(node.steady) & !alone;
             let steady = L::select(blow, node.steady / L::select(blow, size, L::one()), L::one());
             let impulse = node.impulse * steady;
             node.pull(impulse, node.arm_now[0], h);
@@ -258,16 +298,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             let Sym3 { xx, yy, zz, .. } = node.inertia;
             let (pull, own) = (node.pulled, L::splat(0.5 * SAFE) * (xx + yy + zz));
             let share = L::select(pull.gt(own), L::one() - own / pull, L::zero());
-            let b = node.braced;
-            let more = Sym3 {
-                xx: b.xx * share,
-                yy: b.yy * share,
-                zz: b.zz * share,
-                xy: b.xy * share,
-                xz: b.xz * share,
-                yz: b.yz * share,
-            };
-            node.braced = plus(&node.inertia, &more);
+            node.braced = plus(&node.inertia, &scaled(&node.braced, share));
             node.braced_inverse = inverse(&node.braced);
         }
     }
@@ -331,6 +362,10 @@ impl<L: GatherLanes> TreeBatch<L> {
         if pass.moved {
             // SAFETY: displacements are not written while rows are solved.
             unsafe { self.follow(motion) };
+            if self.is_alone().any() {
+                // A load may come within a substep.
+                self.brace(self.h);
+            }
             self.factor();
             self.fresh = true;
         }
@@ -345,41 +380,77 @@ impl<L: GatherLanes> TreeBatch<L> {
             self.turn_along();
         }
         let rate = if pass.relax { L::zero() } else { self.share * L::splat(pass.inverse_h) };
-        self.gather_up(|node| {
+        let beside = |node: &Node<L>| {
             let mut beside =
                 Twist { linear: pass.bias(node.apart_now, rate), angular: pass.bias(node.error_now, rate) };
             if !pass.relax {
                 beside.add(node.bend);
             }
             beside
-        });
+        };
+        self.gather_up(beside);
         let own = &contacts[self.contacts.0 as usize..self.contacts.1 as usize];
         if !own.is_empty() {
             self.tour(own, touch);
+            self.gather_up(beside);
         }
-        for i in 0..self.nodes.len() {
-            let (parent, node) = self.with_parent(i);
-            let (change, force) = node.answered(parent.map_or(Twist::zero(), |parent| parent.change));
-            node.impulse -= force.linear;
-            node.twist -= force.angular;
-            node.change = change;
-            node.gained += change.angular - node.braced_inverse.mul(node.pushed);
-            node.velocity.add(change);
+        self.answer_all();
+        for node in &mut self.nodes {
+            node.impulse -= node.force.linear;
+            node.twist -= node.force.angular;
+            node.gained += node.change.angular - node.braced_inverse.mul(node.pushed.angular);
+            node.velocity.add(node.change);
         }
         // SAFETY: by the contract.
         unsafe { self.save(motion) };
     }
 
+    /// From the root to the leaves: impulses of joints that answer what is asked for, and the changes of velocity by them and
+    /// by what pushes.
+    ///
+    /// A joint's impulse follows from the mobility of both its bodies, and a body's change from its own inertia: what a light
+    /// body between heavy ones bears is a small difference of what is carried past it, and would be lost in that.
+    pub(super) fn answer_all(&mut self) {
+        for i in 0..self.nodes.len() {
+            let (parent, node) = self.with_parent(i);
+            node.pushes = node.pushed;
+            if !node.jointed {
+                continue;
+            }
+            let [arm, other] = node.arm_now;
+            node.force = match parent {
+                Some(parent) => {
+                    let mut asked = node.asked;
+                    node.beside.add(parent.pushes);
+                    asked.subtract(node.rest.mul(&node.beside).seen_at(other));
+                    let force = node.joined.mul(&asked);
+                    parent.pushes.add(force.moved(other));
+                    force
+                }
+                None => node.stiff.mul(&node.asked),
+            };
+            node.pushes.subtract(node.force.moved(arm));
+        }
+        for node in &mut self.nodes {
+            let Twist { linear, angular } = node.pushes;
+            node.change =
+                Twist { linear: linear * node.inverse_mass, angular: node.braced_inverse.mul(angular) };
+        }
+    }
+
     /// From the leaves to the root: what velocities, and what is asked for beside them, leave to each joint.
     #[inline(always)]
     pub(super) fn gather_up(&mut self, beside: impl Fn(&Node<L>) -> Twist<L>) {
+        self.nodes.iter_mut().for_each(|node| node.carried = Twist::zero());
         for i in (0..self.nodes.len()).rev() {
             let (parent, node) = self.with_parent(i);
             if !node.jointed {
                 continue;
             }
-            let above = parent.as_ref().map_or(node.change, |parent| parent.velocity);
-            let carried = node.free.mul(&node.carried);
+            let above = parent.as_ref().map_or(node.anchored, |parent| parent.velocity);
+            let mut carried = node.carried;
+            carried.add(node.pushed);
+            let carried = node.free.mul(&carried);
             let [arm, other] = node.arm_now;
             node.asked = Twist {
                 linear: node.velocity.at(arm) + carried.at(arm) - above.at(other),
@@ -387,6 +458,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             };
             node.asked.add(beside(node));
             if let Some(parent) = parent {
+                node.beside = parent.carried;
                 parent.carried.add(node.stiff.mul(&node.asked).moved(other));
             }
         }
@@ -457,7 +529,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
-    /// Velocities; of what a root hangs on into its `change`.
+    /// Velocities.
     ///
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
@@ -467,10 +539,10 @@ impl<L: GatherLanes> TreeBatch<L> {
         for node in &mut self.nodes {
             let (linear, angular) = gather(read, &node.body);
             node.velocity = Twist { linear, angular };
-            (node.carried, node.pushed) = (Twist::zero(), Vec3::zero());
+            node.pushed = Twist::zero();
             if node.parent == NONE {
                 let (linear, angular) = gather(read, &node.anchor);
-                node.change = Twist { linear, angular };
+                node.anchored = Twist { linear, angular };
             }
         }
     }
@@ -492,6 +564,16 @@ impl<L: GatherLanes> TreeBatch<L> {
 const SAFE: f32 = 0.5;
 
 impl<L: Lanes> Node<L> {
+    /// Impulse at the joint per velocity that it doesn't allow, of what has such a mobility there.
+    #[inline(always)]
+    fn held_by(&self, mobility: &Sym6<L>) -> Sym6<L> {
+        mobility.inverse_with(match self.turns {
+            Turns::Freely => Sym3::default(),
+            Turns::AboutAxis => across(&mobility.angular, self.axis_now),
+            Turns::Not => inverse(&mobility.angular),
+        })
+    }
+
     /// Adds the stiffness that an impulse at an arm makes, if it pulls.
     #[inline(always)]
     fn pull(&mut self, impulse: Vec3<L>, arm: Vec3<L>, h: L) {

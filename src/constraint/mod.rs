@@ -2,7 +2,6 @@
 
 mod arrange;
 mod batch;
-mod bounce;
 mod colour;
 pub(crate) mod contact_row;
 mod friction;
@@ -22,13 +21,13 @@ mod joint_trees;
 mod keys;
 mod order;
 mod prepare;
+mod restitution;
 mod rows;
 mod seats;
 mod spatial;
 
 pub(crate) use arrange::{Part, PrepareScratch, Prepared};
 pub(crate) use batch::{Batch, BatchRef};
-pub(crate) use bounce::{BounceInput, BounceScratch, bounce};
 pub(crate) use friction::{FrictionRow, FrictionView};
 pub(crate) use impact_friction::rub;
 pub(crate) use joint_arrange::{JointInput, JointRows, JointStage, JointType};
@@ -56,5 +55,6 @@ pub(crate) use joint_tour::guard;
 pub(crate) use order::{Group, Stage};
 pub use order::{Order, RowGroup};
 pub(crate) use prepare::{PrepareInput, prepare};
+pub(crate) use restitution::{Bodies as Struck, FindInput, Restitution, find};
 pub(crate) use rows::{Rows, Surface, Views, with_batch};
 pub(crate) use seats::{Seat, Seats, TreeRef};

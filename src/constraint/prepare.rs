@@ -1,7 +1,7 @@
 //! Contacts -> batches: arranged by importance, colour and size, the contacts fill the lanes.
 
 use super::arrange::{Part, PrepareScratch, Prepared, arrange};
-use super::batch::Batch;
+use super::batch::{Batch, lock_bits, unlocked};
 use super::friction::Rub;
 use super::order::Order;
 use super::rows::{Rows, Surface, Views, with_batch};
@@ -48,6 +48,12 @@ pub(crate) struct PrepareInput<'a> {
     /// Whether anything may have friction.
     pub(crate) friction: bool,
 }
+
+/// Share of a mobility below which nothing is left of it but rounding, of bodies whose axes are locked.
+pub(super) const GONE: f32 = 1e-6;
+/// Share of the mobility along the surface that is added to it where axes are locked: more than rounding, and so little
+/// that friction takes no more passes.
+const YIELDS: f32 = 1e-4;
 
 /// Batches a block.
 const BLOCK: usize = per_block(8, 1);
@@ -126,6 +132,7 @@ struct Columns<const P: usize> {
     to_b: [[f32; 8]; 3],
     sign: [f32; 8],
     inverse_mass: [[f32; 8]; 2],
+    locks: [u32; 2],
     inverse_inertia: [[[f32; 8]; 6]; 2],
     position: [[[f32; 8]; 3]; P],
     separation: [[f32; 8]; P],
@@ -176,6 +183,7 @@ fn gather_columns<const P: usize>(
         to_b: [[0.0; 8]; 3],
         sign: [0.0; 8],
         inverse_mass: [[0.0; 8]; 2],
+        locks: [0; 2],
         inverse_inertia: [[[0.0; 8]; 6]; 2],
         position: [[[0.0; 8]; 3]; P],
         separation: [[f32::INFINITY; 8]; P],
@@ -227,6 +235,9 @@ fn gather_columns<const P: usize>(
         for (side, body) in [a, b].into_iter().enumerate() {
             if let Some(i) = input.inverse_inertia.get(body as usize) {
                 out.inverse_mass[side][lane] = input.bodies.mass[body as usize].inverse;
+                if input.bodies.locked > 0 {
+                    out.locks[side] |= lock_bits(input.bodies.traits[body as usize].locks, lane);
+                }
                 for (column, x) in
                     out.inverse_inertia[side].iter_mut().zip([i.xx, i.yy, i.zz, i.xy, i.xz, i.yz])
                 {
@@ -281,7 +292,7 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
     let columns = gather_columns::<P>(parts, matches!(rub, Rub::Touching(_)), seats, input);
     (batch.a, batch.contact, batch.surface) = (columns.a, columns.contact, u32::MAX);
     [batch.write_a, batch.write_b] = columns.write;
-    (batch.swapped, batch.heard) = (columns.swapped, columns.heard);
+    (batch.swapped, batch.heard, batch.locks) = (columns.swapped, columns.heard, columns.locks);
     let turn = crate::lanes::Quat {
         v: Vec3::new(
             L::load(&columns.rotation[0]),
@@ -306,6 +317,15 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
     } else {
         (L::zero(), Sym3::default())
     };
+    // Of unit impulses along `x`, what the masses make of them along `y`; `all`: if no axis is locked.
+    let locks = columns.locks;
+    let linear = |x: Vec3<L>, y: Vec3<L>, all: L| {
+        if locks == [0; 2] {
+            return all;
+        }
+        unlocked(locks[0], x).dot(y) * ma + unlocked(locks[1], x).dot(y) * mb
+    };
+    let along = linear(n, n, ma + mb);
     let (mut ra, mut rb) = ([Vec3::<L>::zero(); P], [Vec3::<L>::zero(); P]);
     let (mut turned_a, mut turned_b) = ([Vec3::<L>::zero(); P], [Vec3::<L>::zero(); P]);
     let mut arms_b = [Vec3::<L>::zero(); P];
@@ -316,8 +336,8 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
         rb[i] = ra[i] + to_b;
         let (arm_a, arm_b) = (ra[i].cross(n), rb[i].cross(n));
         (turned_a[i], turned_b[i]) = (ia.mul(arm_a), ib.mul(arm_b));
-        let k = ma + mb + arm_a.dot(turned_a[i]) + arm_b.dot(turned_b[i]);
-        let possible = present[i].gt(L::zero()) & k.gt(L::zero());
+        let k = along + arm_a.dot(turned_a[i]) + arm_b.dot(turned_b[i]);
+        let possible = present[i].gt(L::zero()) & k.gt((ma + mb) * L::splat(GONE));
         let s = L::load(&columns.separation[i]);
         let point = &mut batch.points[i];
         (point.arm_a, point.arm_b) = (arm_a, [arm_b; B]);
@@ -329,7 +349,7 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
         point.impulse = L::select(possible, L::load(&columns.impulse[i]), L::zero());
         for (k, other_b) in arms_b.iter().enumerate().take(i) {
             let both = batch.points[k].arm_a.dot(turned_a[i]) + other_b.dot(turned_b[i]);
-            batch.couple(k, i, ma + mb + both);
+            batch.couple(k, i, along + both);
         }
     }
     if let Rub::Nothing = rub {
@@ -355,9 +375,14 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
     let (t1, t2) = n.tangents();
     let (a1, a2, b1, b2) = (fa.cross(t1), fa.cross(t2), fb.cross(t1), fb.cross(t2));
     let (ia1, ib1, ia2, ib2) = (ia.mul(a1), ib.mul(b1), ia.mul(a2), ib.mul(b2));
-    let k11 = ma + mb + a1.dot(ia1) + b1.dot(ib1);
-    let k12 = a1.dot(ia2) + b1.dot(ib2);
-    let k22 = ma + mb + a2.dot(ia2) + b2.dot(ib2);
+    let mut k11 = linear(t1, t1, ma + mb) + a1.dot(ia1) + b1.dot(ib1);
+    let k12 = linear(t1, t2, L::zero()) + a1.dot(ia2) + b1.dot(ib2);
+    let mut k22 = linear(t2, t2, ma + mb) + a2.dot(ia2) + b2.dot(ib2);
+    if locks != [0; 2] {
+        // Where nothing moves along the surface in some direction, the matrix has an inverse all the same.
+        let tiny = (k11 + k22) * L::splat(YIELDS);
+        (k11, k22) = (k11 + tiny, k22 + tiny);
+    }
     let det = k11 * k22 - k12 * k12;
     let possible = det.gt(L::zero());
     let over = L::select(possible, L::one() / det, L::zero());

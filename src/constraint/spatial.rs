@@ -94,6 +94,11 @@ fn minus<L: Lanes>(a: &Sym3<L>, b: &Sym3<L>) -> Sym3<L> {
 }
 
 #[inline(always)]
+pub(super) fn scaled<L: Lanes>(m: &Sym3<L>, by: L) -> Sym3<L> {
+    Sym3 { xx: m.xx * by, yy: m.yy * by, zz: m.zz * by, xy: m.xy * by, xz: m.xz * by, yz: m.yz * by }
+}
+
+#[inline(always)]
 pub(super) fn plus<L: Lanes>(a: &Sym3<L>, b: &Sym3<L>) -> Sym3<L> {
     Sym3 {
         xx: a.xx + b.xx,
@@ -106,41 +111,39 @@ pub(super) fn plus<L: Lanes>(a: &Sym3<L>, b: &Sym3<L>) -> Sym3<L> {
 }
 
 impl<L: Lanes> Sym6<L> {
-    /// An inertia as it is at a point that is at an arm from where this one is: forces act there, and velocities are those
-    /// there.
+    /// A mobility, the velocity per impulse, of a body: the same of a point of it at an arm.
     #[inline(always)]
-    pub(super) fn shifted(&self, arm: Vec3<L>) -> Self {
+    pub(super) fn mobility_at(&self, arm: Vec3<L>) -> Self {
         let (x, y, z) = axes::<L>();
-        // v = v at the arm + arm x w
         let over = [x, y, z].map(|e| arm.cross(e));
-        let mixed: Mat3<L> = std::array::from_fn(|k| self.linear.mul(over[k]) + self.mixed[k]);
-        let own = columns(&self.angular);
-        let angular: Mat3<L> =
-            std::array::from_fn(|k| own[k] + mul_transposed(&self.mixed, over[k]) + mixed[k].cross(arm));
-        Sym6 { linear: self.linear, mixed, angular: symmetric(&angular) }
+        // Columns of what an impulse at the point, without a torque, and of what a torque does there.
+        let linear: Mat3<L> = std::array::from_fn(|k| {
+            let own = columns(&self.linear)[k] + mul(&self.mixed, over[k]);
+            own + (self.turned_by(k) + self.angular.mul(over[k])).cross(arm)
+        });
+        let turned = columns(&self.angular);
+        let mixed = std::array::from_fn(|k| self.mixed[k] + turned[k].cross(arm));
+        Sym6 { linear: symmetric(&linear), mixed, angular: self.angular }
     }
 
-    /// Of the inverse of an inertia: what is left of that inertia at a joint that turns freely. By the mobility of the point,
-    /// which loses less to rounding than to take from the inertia what turning takes.
+    /// The angular part of what a unit of the linear part gives.
     #[inline(always)]
-    pub(super) fn point_at(&self, arm: Vec3<L>) -> Self {
-        let (x, y, z) = axes::<L>();
-        let mobility = [x, y, z].map(|e| self.mul(&Twist { linear: e, angular: arm.cross(e) }).at(arm));
-        Sym6 { linear: inverse(&symmetric(&mobility)), ..Sym6::zero() }
+    fn turned_by(&self, k: usize) -> Vec3<L> {
+        self.transposed_mixed()[k]
     }
 
-    /// What is left of an inertia at a joint that turns about an axis only.
+    /// What is left of a body with this mobility when a point of it at an arm is joined to something with the impedance
+    /// `joined`, which is the impulse there per velocity that the joint doesn't allow, of both together.
+    ///
+    /// By what the joint takes from the mobility: in inertias, what a light body with something heavy on it has left is a
+    /// difference of large numbers.
     #[inline(always)]
-    pub(super) fn without_turning_about(&self, axis: Vec3<L>) -> Self {
-        let (force, torque) = (mul(&self.mixed, axis), self.angular.mul(axis));
-        let over = L::one() / axis.dot(torque);
-        let outer = |a: Vec3<L>, b: Vec3<L>| [a * (b.x * over), a * (b.y * over), a * (b.z * over)];
-        let mixed = outer(force, torque);
-        Sym6 {
-            linear: minus(&self.linear, &symmetric(&outer(force, force))),
-            mixed: std::array::from_fn(|k| self.mixed[k] - mixed[k]),
-            angular: minus(&self.angular, &symmetric(&outer(torque, torque))),
-        }
+    pub(super) fn joined_at(&self, arm: Vec3<L>, joined: &Sym6<L>) -> Self {
+        Self::by_columns(|unit| {
+            let mut left = self.mul(&unit);
+            left.subtract(self.mul(&joined.mul(&left.seen_at(arm)).moved(arm)));
+            left
+        })
     }
 
     /// Out of what it makes of each unit vector.
@@ -162,6 +165,12 @@ impl<L: Lanes> Sym6<L> {
     }
 
     #[inline(always)]
+    pub(super) fn add(&mut self, o: &Sym6<L>) {
+        (self.linear, self.angular) = (plus(&self.linear, &o.linear), plus(&self.angular, &o.angular));
+        self.mixed.iter_mut().zip(o.mixed).for_each(|(own, column)| *own += column);
+    }
+
+    #[inline(always)]
     pub(super) fn mul(&self, t: &Twist<L>) -> Twist<L> {
         Twist {
             linear: self.linear.mul(t.linear) + mul(&self.mixed, t.angular),
@@ -169,10 +178,10 @@ impl<L: Lanes> Sym6<L> {
         }
     }
 
-    /// By the Schur complement of the angular block.
+    /// The inverse, if `r` is that of the angular block alone, by the Schur complement of that block; of directions that `r`
+    /// leaves out, nothing.
     #[inline(always)]
-    pub(super) fn inverse(&self) -> Self {
-        let r = inverse(&self.angular);
+    pub(super) fn inverse_with(&self, r: Sym3<L>) -> Self {
         // mixed · r, column by column.
         let qr = columns(&r).map(|column| mul(&self.mixed, column));
         let taken = self.transposed_mixed().map(|row| mul(&qr, row));

@@ -243,6 +243,7 @@ impl World {
         let Some(inertia) = self.buffers.forces.inverse_inertia.get(i) else { return 0.0 };
         let arm = (at - self.bodies.pose[i].position).as_vec3().cross(direction);
         let turned = inertia.mul(crate::lanes::Vec3::new(arm.x, arm.y, arm.z)).lane(0);
-        self.bodies.mass[i].inverse + arm.dot(turned)
+        let free = self.bodies.traits[i].free(direction).length_squared();
+        self.bodies.mass[i].inverse * free + arm.dot(turned)
     }
 }

@@ -18,7 +18,7 @@
 use crate::body::{Bodies, Pose, Traits};
 use crate::broad_phase::{BroadPhase, Pair};
 use crate::config::Continuous;
-use crate::constraint::{Seat, Seats};
+use crate::constraint::{Restitution, Seat, Seats};
 use crate::lanes::Record;
 use crate::narrow_phase::{Relative, Support, distance, from_triangle};
 use crate::query::segment_hits;
@@ -289,6 +289,7 @@ impl Guard<'_> {
         &self,
         pairs: &[Pair],
         bodies: &mut Bodies,
+        impacts: &Restitution,
         seats: &Seats,
         cut: &mut Vec<(Seat, f32)>,
     ) -> u32 {
@@ -324,7 +325,9 @@ impl Guard<'_> {
                 }
                 let (ma, mb) = (bodies.mass[i].inverse, bodies.mass[k].inverse);
                 let speed = (bodies.velocity[i].linear - bodies.velocity[k].linear).dot(normal);
-                if speed < 0.0 && ma + mb > 0.0 {
+                // What was thrown there by an impact bounces again in the next step.
+                let bounced = impacts.bounced(i) || impacts.bounced(k);
+                if speed < 0.0 && ma + mb > 0.0 && !bounced {
                     let impulse = normal * (speed / (ma + mb));
                     bodies.velocity[i].linear -= impulse * ma;
                     bodies.velocity[k].linear += impulse * mb;

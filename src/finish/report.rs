@@ -60,6 +60,12 @@ pub struct StepReport {
     pub uncoloured: u32,
     /// Bodies whose centre would have crossed static geometry, had the guard not held them.
     pub held: u32,
+    /// Trees of joints in which a body counts as heavier than it is, because something hangs on it that is more than 20,000
+    /// times as heavy: with its own mass nothing would be left of the digits that the exact solution needs.
+    pub weighted_trees: u32,
+    /// Bodies whose new place or velocity was no number, or too large for one. They stay where they were, at rest: whatever a
+    /// step returns, what it leaves is finite. More than none says that forces, speeds or joints ask for the impossible.
+    pub stopped: u32,
     /// Impacts that were met one by one at their times, by methods that do so
     /// ([`ContinuousMethod`](crate::ContinuousMethod)).
     pub struck: u32,
@@ -102,6 +108,8 @@ impl StepReport {
             potential: prepared.potential,
             pushed,
             held: ended.held,
+            weighted_trees: world.buffers.joints.weighted_trees(),
+            stopped: ended.stopped,
             struck: impacts.struck,
             stood: impacts.stood,
             shed: broad.shed + narrow.shed + prepared.shed + impacts.shed,

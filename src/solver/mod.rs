@@ -9,10 +9,11 @@ mod pass;
 use crate::body::Bodies;
 use crate::config::{FrictionCone, Settings};
 use crate::constraint::contact_row::{Motion, Softness};
-use crate::constraint::{Closing, JointRows, Rows};
+use crate::constraint::{Closing, JointRows, Restitution, Rows, Struck};
 use crate::forces::Forces;
 use crate::lanes::{Lanes, Mask, Record, f32x8};
 use crate::memory::{Buffer, bytes_of};
+use crate::shape::Collider;
 use crate::step::REAL;
 use crate::threads::{Crew, Shared, per_block};
 pub(crate) use pass::store;
@@ -50,14 +51,13 @@ pub(crate) fn solve(
     settings: &Settings,
     dt: f32,
     bodies: &mut Bodies,
-    forces: &Forces,
+    forces: &mut Forces,
     (rows, joints): (&mut Rows, &mut JointRows),
-    impulses: &mut [f32],
+    (impacts, impulses, colliders): (&mut Restitution, &mut [f32], &[Collider]),
     state: &mut State,
 ) {
     let movers = bodies.movers();
     let h = dt / settings.substeps as f32;
-    let Forces { acceleration, start, .. } = forces;
     state.delta.clear();
     // One more for all that stands still, which joints may be fixed to.
     state.delta.resize(movers + 1, Record::default());
@@ -85,7 +85,6 @@ pub(crate) fn solve(
     let joint_stages = std::mem::take(&mut joints.stages);
     let joined_at_all = !joint_stages.is_empty();
     let dynamic = bodies.dynamic();
-    let locks = (bodies.locked > 0).then_some(bodies.traits.as_slice());
     // Of what stands still the first is enough: all are zero.
     let known = bodies.velocity.len().min(movers + 1);
     let velocity = Shared::new(&mut bodies.velocity[..known]);
@@ -95,20 +94,39 @@ pub(crate) fn solve(
     let views = joints.views();
     let (rubs, batches) = (rows.rubs(), rows.views());
     let joined = Joined { stages: &joint_stages, views: &views };
+    let (pose, mass, traits, own) = (&bodies.pose, &bodies.mass, &bodies.traits, &bodies.colliders);
     for substep in 0..settings.substeps {
+        if !impacts.is_empty() {
+            // SAFETY: between stages this thread is alone.
+            let (velocity, base, delta) =
+                unsafe { (velocity.part(0..known), base.part(0..movers), delta.part(0..movers)) };
+            let mut struck = Struck {
+                velocity,
+                base,
+                delta,
+                acceleration: &mut forces.acceleration,
+                inverse_inertia: &forces.inverse_inertia,
+                mass,
+                traits,
+                pose,
+                colliders: (own, colliders),
+                done: h * substep as f32,
+                h,
+                left: h * (settings.substeps - substep) as f32,
+                threshold: settings.restitution_threshold * settings.length_unit,
+                together: TOGETHER * settings.length_unit,
+            };
+            impacts.meet(&mut struck, impulses);
+        }
         // Velocities take gravity and forces. From the second substep on, warm starting is one addition a body: rows
         // keep their directions within a step, so the impulses of the substep before change the velocities by just
         // what they did then. Those of joints turn, and see to it themselves.
         all_bodies(crew, movers, |i| {
             // SAFETY: each body is in one block.
-            let (v, b, d) = unsafe { (velocity.get(i), base.get(i), delta.get(i)) };
+            let (v, b) = unsafe { (velocity.get(i), base.get(i)) };
             let now = lanes(*v);
-            if substep == 0 && now.eq(lanes(start[i])).bits() & BOTH != BOTH {
-                // It bounced off something already.
-                d.pad0 = 1.0;
-            }
             let warm = if substep == 0 { f32x8::ZERO } else { now - lanes(*b) };
-            let pull = acceleration.get(i).map_or(f32x8::ZERO, |&pull| lanes(pull) * f32x8::splat(h));
+            let pull = forces.acceleration.get(i).map_or(f32x8::ZERO, |&pull| lanes(pull) * f32x8::splat(h));
             let free = now + pull;
             (*b, *v) = (record(free), record(if i < dynamic { free + warm } else { free }));
         });
@@ -130,15 +148,12 @@ pub(crate) fn solve(
         all_bodies(crew, movers, |i| {
             // SAFETY: each body is in one block.
             let (v, d, b) = unsafe { (velocity.get(i), delta.get(i), base.get(i)) };
-            if let Some(traits) = locks {
-                traits[i].lock(v);
-            }
             let (now, before) = (lanes(*v), lanes(*b));
             let same = now.eq(before).bits();
             let mut moved = now * f32x8::splat(h);
             if i < dynamic
                 && same & LINEAR == LINEAR
-                && let Some(&fall) = acceleration.get(i)
+                && let Some(&fall) = forces.acceleration.get(i)
             {
                 // Nothing touched the body: its path is the parabola, not the chord of semi-implicit Euler.
                 moved -= lanes(Record { angular: glam::Vec3::ZERO, ..fall }) * f32x8::splat(0.5 * h * h);
@@ -148,8 +163,13 @@ pub(crate) fn solve(
             let touched = if same & BOTH == BOTH { 0.0 } else { 1.0 };
             *d = record(lanes(*d) + (moved + f32x8::new(PAD) * f32x8::splat(touched)));
         });
+        if !impacts.is_empty() {
+            // SAFETY: as above.
+            let (velocity, base) = unsafe { (velocity.part(0..known), base.part(0..movers)) };
+            impacts.go_on(h, velocity, base);
+        }
         if joined_at_all {
-            Passes::close(crew, &batches, &joined, &motion, &closing(settings));
+            passes.close(crew, &batches, &joined, &motion, &closing(settings));
         }
         if passes.run(crew, Kind::Relax, &batches, &joined, &motion) && rubs {
             // What was pushed before it touched has its friction now; if that is much, the points share the load that it
@@ -162,10 +182,8 @@ pub(crate) fn solve(
             add_impulses(&batches, impulses);
         }
     }
-    if let Some(traits) = locks {
-        // SAFETY: each body is in one block.
-        all_bodies(crew, movers, |i| traits[i].lock(unsafe { velocity.get(i) }));
-    }
+    // SAFETY: no stage runs.
+    impacts.let_go(dt, unsafe { velocity.part(0..known) });
     joints.stages = joint_stages;
 }
 
@@ -186,6 +204,9 @@ const JOINT_DAMPING: f32 = 2.0;
 
 /// Trees whose joints are open by more are closed after bodies moved [length units] or [rad].
 const JOINT_OPEN: f32 = 0.0005;
+
+/// Points that are apart by no more than this when another bounces do so with it [length units].
+const TOGETHER: f32 = 0.0005;
 
 /// Friction of an impact that changes the slip by more than this shifts the load [length units/s].
 const SHIFT: f32 = 0.25;

@@ -5,15 +5,15 @@ use glam::Vec3;
 
 /// Most points of an impact: four manifolds.
 pub(super) const MOST: usize = 16;
-/// Gauss-Seidel sweeps over them: those of `bounce.rs` twice over, for here nothing comes after.
+/// Gauss-Seidel sweeps over them.
 const SWEEPS: usize = 16;
 
 /// One of the two, where it stands at the moment.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Struck {
     pub(super) velocity: Record,
-    /// Zero if nothing moves it.
-    pub(super) inverse_mass: f32,
+    /// Along each axis: zero if nothing moves it, or not along that.
+    pub(super) inverse_mass: Vec3,
     pub(super) inverse_inertia: Sym3<f32>,
 }
 
@@ -29,7 +29,7 @@ impl Struck {
     /// By how much a unit impulse along a direction changes the velocity there [1/kg].
     fn ease(&self, arm: Vec3, along: Vec3) -> f32 {
         let torque = arm.cross(along);
-        self.inverse_mass + torque.dot(self.turned(torque))
+        (self.inverse_mass * along).dot(along) + torque.dot(self.turned(torque))
     }
 
     fn push(&mut self, arm: Vec3, impulse: Vec3) {
@@ -109,11 +109,11 @@ mod tests {
         let i = 2.5;
         let inverse_inertia = Sym3 { xx: i, yy: i, zz: i, xy: 0.0, xz: 0.0, yz: 0.0 };
         let velocity = Record { linear: velocity, ..Record::default() };
-        Struck { velocity, inverse_mass: 1.0, inverse_inertia }
+        Struck { velocity, inverse_mass: Vec3::ONE, inverse_inertia }
     }
 
     fn wall() -> Struck {
-        Struck { velocity: Record::default(), inverse_mass: 0.0, inverse_inertia: Sym3::default() }
+        Struck { velocity: Record::default(), inverse_mass: Vec3::ZERO, inverse_inertia: Sym3::default() }
     }
 
     #[test]

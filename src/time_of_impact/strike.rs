@@ -78,17 +78,18 @@ impl Run<'_> {
         let Some(track) = track else {
             return Struck {
                 velocity: Record::default(),
-                inverse_mass: 0.0,
+                inverse_mass: Vec3::ZERO,
                 inverse_inertia: Sym3::default(),
             };
         };
         if body >= bodies.dynamic() {
             let velocity = bodies.velocity[body];
-            return Struck { velocity, inverse_mass: 0.0, inverse_inertia: Sym3::default() };
+            return Struck { velocity, inverse_mass: Vec3::ZERO, inverse_inertia: Sym3::default() };
         }
         let mut velocity = self.buffers.tracks[track].velocity_at(&bodies.velocity[body], time, self.dt);
         velocity.angular = self.carried(body, end, &bodies.pose[body], velocity.angular);
-        let (inverse_mass, inverse_inertia) = (bodies.mass[body].inverse, world_inertia(bodies, body));
+        let inverse_mass = bodies.traits[body].free(Vec3::splat(bodies.mass[body].inverse));
+        let inverse_inertia = world_inertia(bodies, body);
         Struck { velocity, inverse_mass, inverse_inertia }
     }
 

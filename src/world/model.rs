@@ -263,7 +263,7 @@ impl World {
                 (moving as u32, bytes_of(&buffers.rows.surfaces).1, None)
             }
             Feature::Restitution => {
-                let bytes = bytes_of(&bodies.previous).1 + buffers.bounce.bytes().1;
+                let bytes = bytes_of(&bodies.previous).1 + buffers.restitution.bytes().1;
                 (needs.restitution, bytes, Some(spent.restitution))
             }
             Feature::ContinuousCollision => {

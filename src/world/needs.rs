@@ -108,7 +108,7 @@ impl World {
     fn give_back_all(&mut self, gone: u8) {
         let buffers = &mut self.buffers;
         if gone & Demand::RESTITUTION != 0 {
-            buffers.bounce = Default::default();
+            buffers.restitution = Default::default();
         }
         if gone & Demand::LISTENING != 0 {
             self.events.give_back();

@@ -2,7 +2,7 @@
 
 use crate::view::Look;
 use backstop::glam::{DVec3, Vec3};
-use backstop::{Continuous, ContinuousMethod};
+use backstop::{Continuous, ContinuousMethod, FrictionModel};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -26,6 +26,8 @@ pub(crate) enum Command {
     Shots(ShotOptions),
     /// Run methods of continuous collision side by side on six scenes (docs/continuous.md).
     Compare(CompareOptions),
+    /// Whether what rests is stable: modes of the linearised step that grow (docs/stability.md).
+    Stability(StabilityOptions),
     /// Play a recorded run again, compare every step, and name the first that goes another way.
     Replay(ReplayOptions),
     /// Scenes that come with backstop.
@@ -214,6 +216,53 @@ pub(crate) struct ProfileOptions {
 }
 
 #[derive(Args, Debug)]
+pub(crate) struct StabilityOptions {
+    /// tower, pyramid, wall, high_wall, barrels, coins, light, crib, edge or layers, with a size (`tower_30`) or without; or a
+    /// scene, as for `run` [default: the whole set of structures and settings that have to be stable].
+    #[arg(value_name = "SCENE")]
+    pub(crate) scene: Option<String>,
+    /// Boxes, rows or levels; for `light` how many times lighter the lower box is.
+    #[arg(long, value_name = "N")]
+    pub(crate) size: Option<usize>,
+    /// Of the set only structures whose names begin so.
+    #[arg(long, value_name = "NAME", conflicts_with = "scene")]
+    pub(crate) only: Option<String>,
+    /// Steps per second; of the set several [default: 60, of the set 30,60,120].
+    #[arg(long, value_name = "HZ,...", value_delimiter = ',', value_parser = hertz)]
+    pub(crate) hz: Vec<f32>,
+    /// Substeps of the solver in a step [default: 4, of the set 1, 2, 4 and 8].
+    #[arg(long, value_name = "N")]
+    pub(crate) substeps: Option<u32>,
+    /// Solver iterations in each substep [default: 1, of the set 1, 2, 4 and 8 with one substep].
+    #[arg(long, value_name = "N")]
+    pub(crate) iterations: Option<u32>,
+    /// Where friction acts: patch or point [default: patch, of the set both].
+    #[arg(long, value_name = "MODEL", value_parser = friction_model)]
+    pub(crate) friction_model: Option<FrictionModel>,
+    /// Metres of a unit of the structure, and the world's length unit.
+    #[arg(long, value_name = "M", default_value_t = 1.0, value_parser = positive)]
+    pub(crate) scale: f32,
+    /// Density of the structure in kg/m³.
+    #[arg(long, value_name = "D", default_value_t = 1000.0, value_parser = positive)]
+    pub(crate) density: f32,
+    /// Seconds to come to rest in, of which the calmest moment is taken.
+    #[arg(long, value_name = "S", default_value_t = 15.0, value_parser = positive)]
+    pub(crate) settle: f32,
+    /// Seconds that the linearised map spans [default: 2].
+    #[arg(long, value_name = "S", value_parser = positive)]
+    pub(crate) horizon: Option<f32>,
+    /// How far the state is displaced, in length units [default: 5e-5].
+    #[arg(long, value_name = "D")]
+    pub(crate) displacement: Option<f64>,
+    /// Dimension of the Krylov space [default: 30].
+    #[arg(long, value_name = "N")]
+    pub(crate) dimension: Option<usize>,
+    /// Print one JSON document instead of the table (docs/json.md).
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Args, Debug)]
 pub(crate) struct ReplayOptions {
     /// A recording, by `run --record` or by a game (docs/replay.md).
     #[arg(value_name = "FILE")]
@@ -273,6 +322,24 @@ pub(crate) struct CompareOptions {
 fn number(text: &str) -> Result<f32, String> {
     let value: f32 = text.trim().parse().map_err(|_| format!("\"{text}\" is not a number"))?;
     if value.is_finite() { Ok(value) } else { Err(format!("\"{text}\" is not finite")) }
+}
+
+fn positive(text: &str) -> Result<f32, String> {
+    let value = number(text)?;
+    if value > 0.0 { Ok(value) } else { Err("must be above zero".into()) }
+}
+
+fn hertz(text: &str) -> Result<f32, String> {
+    let value = number(text)?;
+    if (1.0..=1e6).contains(&value) { Ok(value) } else { Err("must be in 1..=1000000".into()) }
+}
+
+fn friction_model(text: &str) -> Result<FrictionModel, String> {
+    match text {
+        "patch" => Ok(FrictionModel::Patch),
+        "point" => Ok(FrictionModel::Point),
+        _ => Err("must be patch or point".into()),
+    }
 }
 
 fn seconds(text: &str) -> Result<f32, String> {

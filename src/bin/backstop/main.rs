@@ -1,4 +1,4 @@
-//! `cargo backstop`: runs scenes, plans their memory, replays recordings, measures tunnelling, writes the shipped scenes.
+//! `cargo backstop`: runs scenes, plans their memory, replays recordings, measures tunnelling and the stability of rest, writes the shipped scenes.
 
 mod args;
 mod charts;
@@ -12,6 +12,7 @@ mod profile;
 mod replay;
 mod run;
 mod shots;
+mod stability;
 mod summary;
 mod threads;
 mod trace;
@@ -27,6 +28,7 @@ fn main() -> ExitCode {
         Command::Run(options) => run::run(&options),
         Command::Profile(options) => profile::profile(&options),
         Command::Plan(options) => plan::plan(&options),
+        Command::Stability(options) => stability::stability_of(&options),
         Command::Replay(options) => replay::replay(&options),
         Command::Shots(options) => shots::shots(&options),
         Command::Compare(options) => compare::print(&options),

@@ -1,0 +1,455 @@
+//! The impacts of a substep, one after the other.
+//!
+//! An impact at the time `t` of the substep changes `v` to `v'`. From then on the body is as if it had had `v'` from the
+//! start of the substep and begun it moved by `(v - v') t`; it ends where it would be had it turned round at the surface,
+//! with gravity's work done on the way in and out, so a ball rises to e² of its height at any step. On that path
+//! separations follow as on any other, and what comes next in the substep needs no bookkeeping. Joined bodies are not
+//! moved, which would tear their joints: they turn round before the surface, by less than they go in a substep.
+//!
+//! Contacts were found along the predicted motion. What is thrown off it so far that it could get through something
+//! unknown stands where it is for the rest of the step, at its new speed: the next step looks along that. It loses time,
+//! but no energy.
+//!
+//! Rows ask what is crossed by the end of the substep, so they get the mean velocity, which leads there from where the
+//! body really begins; once bodies have moved, the velocity is what the last impact left ([`Restitution::go_on`]).
+
+use super::{Link, NONE, Restitution, Spot, Struck, queue};
+use crate::body::{Colliders, Mass, Pose, Traits, turn_freely};
+use crate::forces::{is_uneven, turned_inertia};
+use crate::lanes::{self, Record, Sym3};
+use crate::shape::Collider;
+use glam::{Quat, Vec3};
+
+/// The bodies in a substep.
+pub(crate) struct Bodies<'a> {
+    /// Of all that can move, before they take acceleration.
+    pub(crate) velocity: &'a mut [Record],
+    /// Velocities of the substep before any row acted, which warm starting counts from.
+    pub(crate) base: &'a mut [Record],
+    /// Displacement since the start of the step.
+    pub(crate) delta: &'a mut [Record],
+    /// What stands until the end of the step loses it.
+    pub(crate) acceleration: &'a mut [Record],
+    pub(crate) inverse_inertia: &'a [Sym3<f32>],
+    pub(crate) mass: &'a [Mass],
+    pub(crate) traits: &'a [Traits],
+    pub(crate) pose: &'a [Pose],
+    pub(crate) colliders: (&'a [Colliders], &'a [Collider]),
+    /// What is done of the step and what is left of it at the start of the substep, and its length [s].
+    pub(crate) done: f32,
+    pub(crate) h: f32,
+    pub(crate) left: f32,
+    /// Approach speeds below this don't bounce [m/s].
+    pub(crate) threshold: f32,
+    /// Points that are apart by no more than this when another touches take part [m].
+    pub(crate) together: f32,
+}
+
+/// Most points that are solved together: four manifolds.
+const MOST: usize = 16;
+/// Gauss-Seidel sweeps over them at most, and the share of the approach speed at which they end.
+const SWEEPS: u32 = 64;
+const EXACT: f32 = 1e-5;
+/// What ends a substep nearer than this counts as touching: a share of the way it came, and of what touches together.
+const SLACK: f32 = 1e-4;
+const NEAR: f32 = 0.02;
+/// What the pad of a displacement says of a body that bounced and that no rows acted on: they add one in each substep.
+const ALONE: f32 = 0.5;
+/// Share of the threshold: what runs into something that stands more slowly than this is left to the rows.
+const CREEP: f32 = 0.05;
+/// Impacts of a site in a substep, after which the rows have it. A ball between two that close in on it bounces without end.
+const HITS: u32 = 256;
+
+impl Restitution {
+    /// Solves what closes within the substep. Impulses are added to those of their contacts, where these are kept.
+    pub(crate) fn meet(&mut self, bodies: &mut Bodies<'_>, impulses: &mut [f32]) {
+        for &body in &self.moved {
+            let struck = &mut self.struck[body as usize];
+            (struck.moved, struck.listed) = (Record::default(), false);
+        }
+        self.moved.clear();
+        for i in 0..self.wakeful.len() {
+            self.sites[self.wakeful[i] as usize].hits = 0;
+            self.look(self.wakeful[i], 0.0, bodies);
+        }
+        while let Some(&site) = self.queue.first() {
+            let time = self.sites[site as usize].time;
+            self.solve(site, time, bodies, impulses);
+            self.sites[site as usize].hits += 1;
+            for body in self.sites[site as usize].bodies {
+                let mut link = self.struck.get(body as usize).map_or(Link::NONE, |struck| struck.first);
+                while link.site != NONE {
+                    let site = &mut self.sites[link.site as usize];
+                    if !site.wakeful {
+                        site.wakeful = true;
+                        self.wakeful.push(link.site);
+                    }
+                    let next = site.next[link.side as usize];
+                    self.look(link.site, time, bodies);
+                    link = next;
+                }
+            }
+        }
+        let share = 1.0 / bodies.h;
+        for &body in &self.moved {
+            let (i, moved) = (body as usize, &self.struck[body as usize].moved);
+            add(&mut bodies.delta[i], moved, -1.0);
+            add(&mut bodies.velocity[i], moved, share);
+            add(&mut bodies.base[i], moved, share);
+        }
+    }
+
+    /// Gives what was struck the velocities of the end of the substep, after bodies have moved.
+    pub(crate) fn go_on(&self, h: f32, velocity: &mut [Record], base: &mut [Record]) {
+        let share = -1.0 / h;
+        for &body in &self.moved {
+            let (i, moved) = (body as usize, &self.struck[body as usize].moved);
+            add(&mut velocity[i], moved, share);
+            add(&mut base[i], moved, share);
+        }
+    }
+
+    /// Finds when a site next closes, from a moment on.
+    fn look(&mut self, index: u32, now: f32, bodies: &Bodies<'_>) {
+        let site = &mut self.sites[index as usize];
+        (site.time, site.approach) = (f32::INFINITY, 0.0);
+        if site.hits < HITS {
+            let spots = &self.spots[site.first as usize..][..site.count as usize];
+            let next = if bodies.will_touch(spots) { bodies.h } else { 0.0 };
+            for spot in spots {
+                if let Some((time, approach)) = bodies.closing(spot, &self.struck, now, next)
+                    && (time < site.time || time == site.time && approach > site.approach)
+                {
+                    (site.time, site.approach) = (time, approach);
+                }
+            }
+        }
+        queue::update(&mut self.queue, &mut self.sites, index);
+    }
+
+    /// Newton's law at all points of a site that touch and approach at a moment, then friction.
+    fn solve(&mut self, site: u32, time: f32, bodies: &mut Bodies<'_>, impulses: &mut [f32]) {
+        let site = &self.sites[site as usize];
+        let spots = &self.spots[site.first as usize..][..site.count as usize];
+        let of = |body: u32| self.struck.get(body as usize);
+        let mut moving = site.bodies.map(|body| Moving::new(bodies, body, of(body), time));
+        let mut rows = [Row::default(); MOST];
+        let (mut count, mut fastest) = (0, 0.0_f32);
+        let next = if time >= bodies.h && bodies.will_touch(spots) { bodies.h } else { 0.0 };
+        for (i, spot) in spots.iter().enumerate() {
+            let approach = -spot.speed(|body| velocity(&moving, bodies, body));
+            let ease = ease(&moving, spot, spot.normal);
+            if count < MOST
+                && approach > 0.0
+                && ease > 0.0
+                && bodies.gap(spot, time) <= bodies.together + approach * next
+            {
+                rows[count] = Row { spot: i, target: spot.restitution * approach, ease, impulse: 0.0 };
+                (count, fastest) = (count + 1, fastest.max(approach));
+            }
+        }
+        if fastest <= bodies.threshold {
+            // It runs into something that would not be there any more: it waits with it.
+            for moving in moving.iter().filter(|moving| moving.body != NONE) {
+                self.stand(moving.body, bodies, time);
+            }
+            return;
+        }
+        self.count += 1;
+        let before = moving;
+        let mut rows = &mut rows[..count];
+        if !strike(&mut moving, bodies, spots, rows) {
+            // The fastest alone: its impact is exact, and the others come next.
+            moving = before;
+            let fastest = (1..count).fold(0, |k, i| if rows[i].target > rows[k].target { i } else { k });
+            rows = &mut rows[fastest..=fastest];
+            rows[0].impulse = 0.0;
+            strike(&mut moving, bodies, spots, rows);
+        }
+        for row in rows.iter() {
+            let spot = &spots[row.spot];
+            rub(&mut moving, bodies, spot, row.impulse);
+            if let Some(sum) = impulses.get_mut(spot.slot as usize) {
+                *sum += row.impulse;
+            }
+        }
+        for moving in moving.iter().filter(|moving| moving.body != NONE) {
+            let (i, change) = (moving.body as usize, moving.change(&bodies.traits[moving.body as usize]));
+            let struck = &mut self.struck[i];
+            struck.bounced = true;
+            if let Some(rotation) = moving.rotation {
+                struck.turned = Some((rotation, bodies.done + time));
+            }
+            bodies.delta[i].pad0 = bodies.delta[i].pad0.max(ALONE);
+            if struck.stands {
+                add(&mut struck.kept, &change, 1.0);
+                continue;
+            }
+            add(&mut bodies.velocity[i], &change, 1.0);
+            add(&mut bodies.base[i], &change, 1.0);
+            if !struck.joined {
+                self.shift(moving.body, bodies, &change, -time);
+                if bodies.goes_astray(i, &change, bodies.left - time) {
+                    self.stand(moving.body, bodies, time);
+                }
+            }
+        }
+    }
+
+    /// Begins a body's substep elsewhere, by some seconds of a velocity.
+    fn shift(&mut self, body: u32, bodies: &mut Bodies<'_>, by: &Record, times: f32) {
+        let struck = &mut self.struck[body as usize];
+        if !std::mem::replace(&mut struck.listed, true) {
+            self.moved.push(body);
+        }
+        add(&mut struck.moved, by, times);
+        add(&mut bodies.delta[body as usize], by, times);
+    }
+
+    /// Keeps a body where it is from a moment of the substep to the end of the step, and its velocity for what comes then.
+    fn stand(&mut self, body: u32, bodies: &mut Bodies<'_>, time: f32) {
+        let (i, struck) = (body as usize, &mut self.struck[body as usize]);
+        if struck.stands || struck.joined {
+            return;
+        }
+        let (velocity, pull) = (bodies.velocity[i], bodies.pull(i));
+        (struck.stands, struck.kept) = (true, bodies.velocity_at(i, time));
+        self.standing.push(body);
+        self.shift(body, bodies, &velocity, time);
+        self.shift(body, bodies, &pull, 0.5 * time * time);
+        add(&mut bodies.velocity[i], &velocity, -1.0);
+        add(&mut bodies.base[i], &velocity, -1.0);
+        if let Some(pull) = bodies.acceleration.get_mut(i) {
+            *pull = Record::default();
+        }
+        bodies.delta[i].pad0 = bodies.delta[i].pad0.max(ALONE);
+    }
+
+    /// Gives what stood its velocity, at the end of the step.
+    pub(crate) fn let_go(&mut self, dt: f32, velocity: &mut [Record]) {
+        for &body in &self.standing {
+            let struck = &mut self.struck[body as usize];
+            // What rows did to it meanwhile they did to a body that was not there any more.
+            let velocity = &mut velocity[body as usize];
+            (velocity.linear, velocity.angular) = (struck.kept.linear, struck.kept.angular);
+            // It did not turn.
+            struck.turned = struck.turned.map(|(rotation, _)| (rotation, dt));
+        }
+    }
+}
+
+/// Newton's law at some points, together. Says whether it holds; what almost holds takes energy or adds some.
+fn strike(moving: &mut [Moving; 2], bodies: &Bodies<'_>, spots: &[Spot], rows: &mut [Row]) -> bool {
+    let exact = rows.iter().fold(0.0_f32, |most, row| most.max(row.target)) * EXACT;
+    for _ in 0..SWEEPS {
+        let mut worst = 0.0_f32;
+        for row in rows.iter_mut() {
+            let spot = &spots[row.spot];
+            let speed = spot.speed(|body| velocity(moving, bodies, body));
+            let new = (row.impulse + (row.target - speed) / row.ease).max(0.0);
+            let change = new - row.impulse;
+            row.impulse = new;
+            push(moving, spot, spot.normal * change);
+            worst = worst.max(change.abs() * row.ease);
+        }
+        if rows.len() == 1 || worst <= exact {
+            return true;
+        }
+    }
+    false
+}
+
+/// A point in an impact.
+#[derive(Clone, Copy, Debug, Default)]
+struct Row {
+    spot: usize,
+    /// Separating speed to reach [m/s].
+    target: f32,
+    /// By how much a unit impulse changes the speed [1/kg].
+    ease: f32,
+    impulse: f32,
+}
+
+/// A body in an impact.
+#[derive(Clone, Copy, Debug)]
+struct Moving {
+    body: u32,
+    /// At the moment.
+    velocity: Record,
+    before: Record,
+    /// By world axis: locked ones have none.
+    inverse_mass: Vec3,
+    inverse_inertia: Sym3<f32>,
+    /// If its axes may wander.
+    rotation: Option<Quat>,
+}
+
+impl Moving {
+    fn new(bodies: &Bodies<'_>, body: u32, struck: Option<&Struck>, time: f32) -> Moving {
+        let i = body as usize;
+        let Some(&inverse_inertia) = bodies.inverse_inertia.get(i) else {
+            return Moving {
+                body: NONE,
+                velocity: Record::default(),
+                before: Record::default(),
+                inverse_mass: Vec3::ZERO,
+                inverse_inertia: Sym3::default(),
+                rotation: None,
+            };
+        };
+        let mut before = bodies.velocity_at(i, time);
+        add(&mut before, &struck.map_or(Record::default(), |struck| struck.kept), 1.0);
+        let (mut velocity, mut inverse_inertia, mut rotation) = (before, inverse_inertia, None);
+        let mass = &bodies.mass[i];
+        if is_uneven(mass, &bodies.traits[i]) {
+            // Its inertia and its spin are those of the moment.
+            let (from, since) = struck.and_then(|s| s.turned).unwrap_or((bodies.pose[i].rotation, 0.0));
+            let since = if struck.is_some_and(|s| s.stands) { bodies.done + time } else { since };
+            let (to, spin) = turn_freely(from, velocity.angular, mass.inertia, bodies.done + time - since);
+            (velocity.angular, inverse_inertia, rotation) = (spin, turned_inertia(to, mass), Some(to));
+        }
+        let inverse = mass.inverse;
+        let mut free = Record { linear: Vec3::splat(inverse), ..Record::default() };
+        bodies.traits[i].lock(&mut free);
+        Moving { body, velocity, before, inverse_mass: free.linear, inverse_inertia, rotation }
+    }
+
+    /// Of its velocity.
+    fn change(&self, traits: &Traits) -> Record {
+        let mut change = self.velocity;
+        add(&mut change, &self.before, -1.0);
+        traits.lock(&mut change);
+        change
+    }
+
+    fn turned(&self, torque: Vec3) -> Vec3 {
+        self.inverse_inertia.mul(lanes::Vec3::new(torque.x, torque.y, torque.z)).lane(0)
+    }
+}
+
+/// The velocity of any body in an impact.
+fn velocity(moving: &[Moving; 2], bodies: &Bodies<'_>, body: usize) -> Record {
+    match moving.iter().find(|moving| moving.body as usize == body) {
+        Some(moving) => moving.velocity,
+        // Nothing pushes it, and nothing pulls it.
+        None => bodies.velocity.get(body).copied().unwrap_or_default(),
+    }
+}
+
+/// By how much a unit impulse along a direction changes the velocity there [1/kg].
+fn ease(moving: &[Moving; 2], spot: &Spot, along: Vec3) -> f32 {
+    let mut sum = 0.0;
+    for moving in moving {
+        for (body, arm) in spot.bodies.into_iter().zip(spot.arms) {
+            if body == moving.body {
+                let torque = arm.cross(along);
+                sum += along.dot(along * moving.inverse_mass) + torque.dot(moving.turned(torque));
+            }
+        }
+    }
+    sum
+}
+
+/// Applies an impulse to the second body of a point, and its opposite to the first.
+fn push(moving: &mut [Moving; 2], spot: &Spot, impulse: Vec3) {
+    for moving in moving {
+        for (side, impulse) in [-impulse, impulse].into_iter().enumerate() {
+            if spot.bodies[side] == moving.body {
+                moving.velocity.linear += impulse * moving.inverse_mass;
+                moving.velocity.angular += moving.turned(spot.arms[side].cross(impulse));
+            }
+        }
+    }
+}
+
+/// Friction of a normal impulse: against the slip, and no more than stops it, so it takes energy and never adds any.
+fn rub(moving: &mut [Moving; 2], bodies: &Bodies<'_>, spot: &Spot, impulse: f32) {
+    let slip = spot.slip(|body| velocity(moving, bodies, body)).reject_from_normalized(spot.normal);
+    let Some(way) = slip.try_normalize() else { return };
+    let ease = ease(moving, spot, way);
+    if ease > 0.0 {
+        push(moving, spot, way * -(spot.friction * impulse).min(slip.length() / ease));
+    }
+}
+
+impl Bodies<'_> {
+    fn velocity_at(&self, body: usize, time: f32) -> Record {
+        let (mut v, pull) = (self.velocity[body], self.pull(body));
+        v.linear += pull.linear * time;
+        v.angular += pull.angular * time;
+        v
+    }
+
+    fn pull(&self, body: usize) -> Record {
+        self.acceleration.get(body).copied().unwrap_or_default()
+    }
+
+    /// Separation at a moment of the substep [m].
+    fn gap(&self, spot: &Spot, time: f32) -> f32 {
+        let [gap, speed, pull] = self.fall(spot);
+        gap + (speed + 0.5 * pull * time) * time
+    }
+
+    /// Separation, speed and acceleration of parting, all as from the start of the substep.
+    fn fall(&self, spot: &Spot) -> [f32; 3] {
+        [
+            spot.separation + spot.speed(|body| self.delta.get(body).copied().unwrap_or_default()),
+            spot.speed(|body| self.velocity.get(body).copied().unwrap_or_default()),
+            spot.speed(|body| self.pull(body)),
+        ]
+    }
+
+    /// Whether any of some points touches at the end of the substep.
+    fn will_touch(&self, spots: &[Spot]) -> bool {
+        spots.len() > 1 && spots.iter().any(|spot| self.gap(spot, self.h) <= self.together)
+    }
+
+    /// When a point closes in what is left of the substep, and how fast [m/s], if there is something to do about it: it is
+    /// fast enough to bounce, or one runs into another that stands.
+    ///
+    /// `next`: rows that touch come to rest as a whole, and take away what other points would cross in the next substep. So
+    /// these bounce at the end of this one.
+    fn closing(&self, spot: &Spot, struck: &[Struck], now: f32, next: f32) -> Option<(f32, f32)> {
+        let [gap, speed, pull] = self.fall(spot);
+        let gap = gap + (speed + 0.5 * pull * now) * now;
+        let speed = speed + pull * now;
+        let left = self.h - now;
+        let stand = spot.bodies.iter().any(|&body| struck.get(body as usize).is_some_and(|s| s.stands));
+        let kept =
+            if stand { spot.speed(|i| struck.get(i).map_or(Record::default(), |s| s.kept)) } else { 0.0 };
+        let mut time = 0.0;
+        if gap > 0.0 {
+            // As far as the rows go, which take all of the acceleration first, and a little further: what they would stop must
+            // have bounced.
+            let closed = -(speed + pull.min(0.0) * left) * left;
+            let rest = gap - closed - closed.abs() * SLACK - self.together * NEAR;
+            if rest > 0.0 && rest > -(speed + pull * left) * next {
+                return None;
+            }
+            let root = (speed * speed - 2.0 * pull * gap).max(0.0).sqrt();
+            time = 2.0 * gap / (root - speed);
+            time = if time >= 0.0 { time.min(left) } else { left };
+        }
+        let runs = -(speed + pull * time);
+        let approach = runs - kept;
+        // The rows must not push what stands: its velocity is not what they see.
+        let acts = approach > self.threshold || stand && runs > CREEP * self.threshold;
+        acts.then_some((now + time, approach.max(runs)))
+    }
+
+    /// Whether a change of velocity takes a body so far off its way in some seconds that it could get through something:
+    /// by half of its inner ball.
+    fn goes_astray(&self, body: usize, change: &Record, left: f32) -> bool {
+        let (of, all) = self.colliders;
+        of[body].as_slice().iter().any(|&c| {
+            let shape = &all[c as usize];
+            let reach = shape.position.length() + shape.radius;
+            (change.linear.length() + change.angular.length() * reach) * left > 0.5 * shape.inner_radius
+        })
+    }
+}
+
+fn add(to: &mut Record, what: &Record, times: f32) {
+    to.linear += what.linear * times;
+    to.angular += what.angular * times;
+}

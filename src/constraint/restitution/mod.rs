@@ -1,0 +1,149 @@
+//! Restitution: impacts of what bounces are events, each solved at its moment within the substep, before the rows.
+//!
+//! A row takes away what would cross, and with it the speed of the impact: what is left says neither how fast two bodies
+//! came together nor, in a row of balls, who met whom first. So before the rows of a substep, manifolds with restitution
+//! that close within it, faster than the threshold, are solved one by one in the order of their times ([`meet`]), at the
+//! velocities of that moment: by Newton's law of impact and Coulomb's of friction. What an impact sets off comes next, so
+//! a row of balls passes motion on from ball to ball. The rows then see velocities that part.
+//!
+//! [`find`] lists the manifolds of a step. Most steps have no impact, and then there is no list.
+
+mod find;
+mod meet;
+mod queue;
+
+use crate::lanes::Record;
+use crate::memory::bytes_of;
+pub(crate) use find::{FindInput, find};
+use glam::{Quat, Vec3};
+pub(crate) use meet::Bodies;
+
+/// None.
+const NONE: u32 = u32::MAX;
+
+/// A point of a manifold with restitution.
+#[derive(Clone, Copy, Debug)]
+struct Spot {
+    /// The normal points from the first to the second.
+    bodies: [u32; 2],
+    normal: Vec3,
+    /// From the bodies' centres [m].
+    arms: [Vec3; 2],
+    /// At the start of the step [m].
+    separation: f32,
+    restitution: f32,
+    friction: f32,
+    /// Of the contact.
+    slot: u32,
+    /// Among all spots, in the order of pairs: a restored snapshot may have given contacts other slots.
+    order: u32,
+}
+
+/// All points of two bodies, or of one and all that nothing moves: they are solved together, so that a body that lands
+/// flat stays flat.
+#[derive(Clone, Copy, Debug)]
+struct Site {
+    first: u32,
+    count: u32,
+    /// The bodies that an impact changes, the second or [`NONE`].
+    bodies: [u32; 2],
+    /// By body: its next site, and which side of that it is.
+    next: [Link; 2],
+    /// When it next closes within the substep [s], and how fast then [m/s].
+    time: f32,
+    approach: f32,
+    /// In the queue, or [`NONE`].
+    place: u32,
+    /// Impacts in this substep.
+    hits: u32,
+    /// It closes in this step, or a body of it was struck: it is looked at in each substep.
+    wakeful: bool,
+}
+
+/// A site and the side of it on which a body is.
+#[derive(Clone, Copy, Debug)]
+struct Link {
+    site: u32,
+    side: u32,
+}
+
+impl Link {
+    const NONE: Link = Link { site: NONE, side: 0 };
+}
+
+/// What is kept of a body that can be pushed.
+#[derive(Clone, Copy, Debug)]
+struct Struck {
+    first: Link,
+    /// It hangs on joints, which would be torn by moving it alone.
+    joined: bool,
+    /// In this step.
+    bounced: bool,
+    /// In this substep, by its impacts, if it is in the list of those.
+    moved: Record,
+    listed: bool,
+    /// It stays where it is for the rest of the step, and goes on with this velocity then.
+    stands: bool,
+    kept: Record,
+    /// Orientation at its last impact in this step, and when that was [s], if its axes may wander.
+    turned: Option<(Quat, f32)>,
+}
+
+/// The impacts of a step.
+#[derive(Debug, Default)]
+pub(crate) struct Restitution {
+    spots: Vec<Spot>,
+    sites: Vec<Site>,
+    struck: Vec<Struck>,
+    /// Sites by time, a binary heap.
+    queue: Vec<u32>,
+    wakeful: Vec<u32>,
+    /// Bodies that were moved in this substep.
+    moved: Vec<u32>,
+    /// Bodies that stand.
+    standing: Vec<u32>,
+    /// Impacts that were solved.
+    pub(crate) count: u32,
+}
+
+impl Restitution {
+    /// How a body stood at its last impact in the step, and when that was [s], if its axes may wander.
+    pub(crate) fn turned(&self, body: usize) -> Option<(Quat, f32)> {
+        self.struck.get(body).and_then(|struck| struck.turned)
+    }
+
+    /// Whether a body bounced in the step.
+    pub(crate) fn bounced(&self, body: usize) -> bool {
+        self.struck.get(body).is_some_and(|struck| struck.bounced)
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.wakeful.is_empty()
+    }
+
+    pub(crate) fn bytes(&self) -> (usize, usize) {
+        [
+            bytes_of(&self.spots),
+            bytes_of(&self.sites),
+            bytes_of(&self.struck),
+            bytes_of(&self.queue),
+            bytes_of(&self.wakeful),
+            bytes_of(&self.moved),
+            bytes_of(&self.standing),
+        ]
+        .into_iter()
+        .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
+    }
+
+    /// Forgets the last step.
+    pub(crate) fn clear(&mut self) {
+        self.spots.clear();
+        self.sites.clear();
+        self.struck.clear();
+        self.queue.clear();
+        self.wakeful.clear();
+        self.moved.clear();
+        self.standing.clear();
+        self.count = 0;
+    }
+}

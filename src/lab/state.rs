@@ -1,0 +1,227 @@
+//! The state of a world as numbers: displaced by a vector, and the difference of two.
+
+use super::ModeBody;
+use crate::lanes::Record;
+use crate::narrow_phase::{Contact, MAX_POINTS, NONE};
+use crate::world::World;
+use glam::{DQuat, DVec3, Quat, Vec3};
+use std::collections::BTreeMap;
+
+/// A contact at rest: two colliders and which of their contacts.
+type Name = (u32, u32, u32);
+
+/// Numbers of a contact, beside those of its points: friction and twist.
+const RUBS: usize = 4;
+/// Numbers of a point that bears something.
+const POINT: usize = 2;
+
+/// Where the numbers of a contact are in the state, and the places of its points that bear something, in the frame of shape `a`.
+#[derive(Debug)]
+struct Bearing {
+    first: usize,
+    places: Vec<Vec3>,
+}
+
+impl Bearing {
+    fn numbers(&self) -> usize {
+        POINT * self.places.len() + RUBS
+    }
+
+    /// Which of the points each point of a contact is: the nearest that is still free. Contacts that are found again have the
+    /// same points under other keys when the other box's face is taken as the reference.
+    fn same(&self, contact: &Contact) -> [Option<usize>; MAX_POINTS] {
+        let mut same = [None; MAX_POINTS];
+        let mut free: Vec<usize> = (0..self.places.len()).collect();
+        for (same, point) in same.iter_mut().zip(contact.points()).filter(|(_, p)| p.impulse > 0.0) {
+            let near = |i: &usize| self.places[*i].distance_squared(point.position);
+            let nearest = (0..free.len()).min_by(|&i, &k| near(&free[i]).total_cmp(&near(&free[k])));
+            *same = nearest.map(|i| free.remove(i));
+        }
+        same
+    }
+}
+
+/// Calls for each contact, in the order of pairs.
+fn each_contact(world: &mut World, mut visit: impl FnMut(Name, &mut Contact)) {
+    let World { broad, contacts, .. } = world;
+    for pair in &broad.pairs {
+        let (mut slot, mut nth) = (pair.contact, 0);
+        while slot != NONE {
+            let contact = &mut contacts.all[slot as usize];
+            visit((contact.a, contact.b, nth), contact);
+            (slot, nth) = (contact.next, nth + 1);
+        }
+    }
+}
+
+/// Calls for each number that joints start the next step with, in their order.
+fn each_of_joints(world: &mut World, mut visit: impl FnMut(&mut f32)) {
+    for lock in &mut world.joints.locks {
+        lock.impulse.as_mut().iter_mut().for_each(&mut visit);
+        visit(&mut lock.held);
+        visit(&mut lock.steady);
+    }
+    for row in &mut world.joints.rows {
+        row.impulse.iter_mut().for_each(&mut visit);
+        visit(&mut row.held);
+    }
+}
+
+/// Numbers of a body: where, how turned, how fast, how fast turning.
+const BODY: usize = 12;
+
+/// A unit of impulse is what so many bodies weigh in a substep: contacts are stiff, and rounding of poses alone shifts their
+/// loads by a thousandth of a weight. A displacement of 5e-5 is then 0.5 % of one.
+const STIFF: f64 = 100.0;
+
+/// Which numbers make the state, and their units. The bodies come first, then the impulses of contacts, of points that bear
+/// something at rest (what bears nothing can only rise, which is not linear), then those of joints.
+#[derive(Debug)]
+pub(super) struct Layout {
+    bodies: usize,
+    contacts: BTreeMap<Name, Bearing>,
+    /// Where those of joints begin, and where all end.
+    joints: usize,
+    end: usize,
+    /// [m], [s], [N s].
+    length: f64,
+    time: f64,
+    impulse: f64,
+}
+
+impl Layout {
+    /// `h`: length of a substep [s].
+    pub(super) fn of(world: &mut World, h: f32) -> Layout {
+        let bodies = world.bodies.dynamic();
+        let mut contacts = BTreeMap::new();
+        let mut end = BODY * bodies;
+        each_contact(world, |name, contact| {
+            let bears = contact.points().iter().filter(|p| p.impulse > 0.0);
+            let places: Vec<Vec3> = bears.map(|p| p.position).collect();
+            if !places.is_empty() {
+                let bearing = Bearing { first: end, places };
+                end += bearing.numbers();
+                contacts.insert(name, bearing);
+            }
+        });
+        let joints = end;
+        each_of_joints(world, |_| end += 1);
+        let masses = world.bodies.mass[..bodies].iter().map(|m| m.inverse).filter(|&m| m > 0.0);
+        let (sum, count) = masses.fold((0.0, 0), |(sum, count), m| (sum + 1.0 / f64::from(m), count + 1));
+        let length = f64::from(world.settings.length_unit);
+        let g = f64::from(world.settings.gravity.length());
+        let g = if g > 0.0 { g } else { 9.81 };
+        let impulse = STIFF * sum / f64::from(count.max(1)) * g * f64::from(h);
+        Layout { bodies, contacts, joints, end, length, time: (length / g).sqrt(), impulse }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.end
+    }
+
+    /// Calls for each impulse of the state: its place, its unit, its least value, and where it is. Says how many contacts
+    /// and points bear something that is no part of the state, or are part of it and bear nothing.
+    fn each_impulse(&self, world: &mut World, mut visit: impl FnMut(usize, f64, f64, &mut f32)) -> usize {
+        let (mut met, mut changed) = (0, 0);
+        each_contact(world, |name, contact| {
+            let bears = contact.points().iter().filter(|p| p.impulse > 0.0).count();
+            let Some(bearing) = self.contacts.get(&name) else {
+                changed += bears;
+                return;
+            };
+            let same = bearing.same(contact);
+            for (point, same) in contact.points.iter_mut().zip(same) {
+                let Some(at) = same else { continue };
+                let at = bearing.first + POINT * at;
+                // Contacts push.
+                visit(at, self.impulse, 0.0, &mut point.impulse);
+                visit(at + 1, self.impulse, 0.0, &mut point.held);
+            }
+            let known = same.iter().flatten().count();
+            (met, changed) = (met + known, changed + bears - known);
+            let at = bearing.first + POINT * bearing.places.len();
+            for (i, value) in contact.friction.as_mut().iter_mut().enumerate() {
+                visit(at + i, self.impulse, f64::NEG_INFINITY, value);
+            }
+            visit(at + 3, self.impulse * self.length, f64::NEG_INFINITY, &mut contact.twist);
+        });
+        let mut at = self.joints;
+        each_of_joints(world, |value| {
+            visit(at, self.impulse, f64::NEG_INFINITY, value);
+            at += 1;
+        });
+        let expected: usize = self.contacts.values().map(|c| c.places.len()).sum();
+        changed + expected - met
+    }
+
+    /// Adds `scale` times `v` to the state.
+    pub(super) fn displace(&self, world: &mut World, v: &[f64], scale: f64) {
+        let (chunks, _) = v[..BODY * self.bodies].as_chunks::<BODY>();
+        for (i, d) in chunks.iter().enumerate() {
+            let at = |k: usize| DVec3::new(d[k], d[k + 1], d[k + 2]) * scale;
+            let pose = &mut world.bodies.pose[i];
+            pose.position += at(0) * self.length;
+            let turn = DQuat::from_scaled_axis(at(3));
+            pose.rotation = (turn * pose.rotation.as_dquat()).normalize().as_quat();
+            let Record { linear, angular, .. } = &mut world.bodies.velocity[i];
+            let add = |v: &mut Vec3, d: DVec3| *v = (v.as_dvec3() + d).as_vec3();
+            add(linear, at(6) * (self.length / self.time));
+            add(angular, at(9) / self.time);
+        }
+        self.each_impulse(world, |at, unit, least, value| {
+            *value = (f64::from(*value) + v[at] * scale * unit).max(least) as f32;
+        });
+    }
+
+    /// What `plus` is beyond `minus`; and how many points bear something in only one of a world and rest.
+    pub(super) fn difference(&self, plus: &mut World, minus: &mut World) -> (Vec<f64>, usize) {
+        let mut out = Vec::with_capacity(self.len());
+        for i in 0..self.bodies {
+            let [p, m] = [&*plus, &*minus].map(|world| (&world.bodies.pose[i], &world.bodies.velocity[i]));
+            let turned = |q: Quat| q.as_dquat().normalize();
+            let turn = turned(p.0.rotation) * turned(m.0.rotation).conjugate();
+            let turn = if turn.w < 0.0 { -turn } else { turn };
+            let speed = self.time / self.length;
+            for three in [
+                (p.0.position - m.0.position) / self.length,
+                turn.to_scaled_axis(),
+                (p.1.linear.as_dvec3() - m.1.linear.as_dvec3()) * speed,
+                (p.1.angular.as_dvec3() - m.1.angular.as_dvec3()) * self.time,
+            ] {
+                out.extend(three.to_array());
+            }
+        }
+        out.resize(self.len(), 0.0);
+        let mut changed = 0;
+        for (world, sign) in [(plus, 1.0), (minus, -1.0)] {
+            changed +=
+                self.each_impulse(world, |at, unit, _, value| out[at] += sign * f64::from(*value) / unit);
+        }
+        (out, changed)
+    }
+
+    /// Shares of the displacement of bodies across gravity, along it and by turning, and the `most` that are displaced most.
+    pub(super) fn lives(&self, world: &World, v: &[f64], most: usize) -> ([f64; 3], Vec<ModeBody>) {
+        let down = world.settings.gravity.as_dvec3().normalize_or(DVec3::NEG_Y);
+        let mut shares = [0.0; 3];
+        let (chunks, _) = v[..BODY * self.bodies].as_chunks::<BODY>();
+        let mut all: Vec<ModeBody> = Vec::with_capacity(self.bodies);
+        for (i, d) in chunks.iter().enumerate() {
+            let [linear, angular] = [0, 3].map(|k| DVec3::new(d[k], d[k + 1], d[k + 2]));
+            let along = linear.dot(down);
+            shares[0] += (linear - down * along).length_squared();
+            shares[1] += along * along;
+            shares[2] += angular.length_squared();
+            all.push(ModeBody { body: world.handle_of(i), linear, angular });
+        }
+        let sum: f64 = shares.iter().sum();
+        let size = |b: &ModeBody| b.linear.length().max(b.angular.length());
+        all.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        all.truncate(most);
+        let greatest = all.first().map_or(0.0, size);
+        for body in all.iter_mut().filter(|_| greatest > 0.0) {
+            (body.linear, body.angular) = (body.linear / greatest, body.angular / greatest);
+        }
+        (if sum > 0.0 { shares.map(|s| s / sum) } else { shares }, all)
+    }
+}
