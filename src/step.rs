@@ -68,6 +68,9 @@ const RECYCLE: f32 = 0.005;
 /// Slip speed below which friction is static [m/s per length unit].
 const STICK: f32 = 0.01;
 
+/// Time in which a load of a joint becomes one that it bears rigidly [s].
+const JOINT_HOLD: f32 = 1.0;
+
 impl World {
     /// Moves the world on by `dt` seconds and says what that took.
     ///
@@ -199,7 +202,7 @@ impl World {
         if self.joints.count == 0 {
             return;
         }
-        let hold = (dt / crate::constraint::contact_row::HOLD).min(1.0);
+        let hold = (dt / JOINT_HOLD).min(1.0);
         self.buffers.joints.store(&mut self.joints, &self.bodies, self.settings.substeps as f32 / dt, hold);
         if self.joints.any_breakable() {
             self.break_joints();

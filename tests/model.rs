@@ -322,8 +322,8 @@ fn joints_have_what_their_kind_needs() {
     let spring = Spring::Frequency { hertz: 2.0, ratio: 1.0 };
     type Make = fn([BodyHandle; 2], [Frame; 2], Spring) -> JointDesc;
     let cases: [(Make, &[Feature]); 5] = [
-        // A lock alone is no tree.
-        (|b, f, _| JointDesc::ball(b, f), &[Feature::JointLocks]),
+        // A joint by itself is the smallest tree.
+        (|b, f, _| JointDesc::ball(b, f), &[Feature::JointTrees]),
         (|b, f, _| JointDesc::distance(b, f, 0.0, 2.0), &[Feature::JointLimits]),
         (
             |b, f, s| {
@@ -338,7 +338,7 @@ fn joints_have_what_their_kind_needs() {
         ),
         (
             |b, f, _| JointDesc::ball(b, f).breaking(1e9, 1e9),
-            &[Feature::JointLocks, Feature::BreakableJoints],
+            &[Feature::JointTrees, Feature::BreakableJoints],
         ),
     ];
     for (make, expected) in cases {

@@ -40,10 +40,9 @@ impl Softness {
     /// the velocity error that a pass removes goes to zero; the push removes the share `b` of the overlap in a
     /// substep, and the share `y` of the impulse yields. With `p` passes the sway obeys
     /// s³ + (p r + y) s² + (p + b) r s + b r = 0, which by Routh decays for every r if and only if y > b / (p + b), and
-    /// with `b` and `y` as below that is (2 pi hertz h)² < p. Five ninths of that frequency leave a margin: at two
-    /// thirds a box on one a thousand times lighter rocks, ever more.
+    /// with `b` and `y` as below that is (2 pi hertz h)² < p. Two thirds of that frequency leave a margin.
     pub(crate) fn stiffest(passes: u32, h: f32) -> f32 {
-        0.088 * (passes as f32).sqrt() / h
+        0.106 * (passes as f32).sqrt() / h
     }
 
     /// Spring of `hertz` and damping ratio `zeta`, for a substep of `h` seconds.
@@ -393,12 +392,7 @@ pub(super) fn sweep<
         }
     }
     response.apply(batch, v, n * sum, ta, tb);
-    // Never against what pushes overlap apart: such friction would tie the tilt that a leaning stack sinks into to the way
-    // its boxes go sideways, and feed the lean (docs/decisions/frozen-contacts.md).
-    if FRICTION
-        && pass.relax
-        && let Some(f) = friction
-    {
+    if FRICTION && let Some(f) = friction {
         rub::<L, P, B, R>(batch, f, v, pass, response);
     }
     true
@@ -430,6 +424,9 @@ fn rub<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
         u1 += L::load(&surface[0]);
         u2 += L::load(&surface[1]);
     }
+    // Of what rests, never against what pushes overlap apart: such friction would tie the tilt that a leaning stack sinks
+    // into to the way its boxes go sideways, and feed the lean (docs/decisions/frozen-contacts.md).
+    let acts = f.slips.gt(L::zero()) | L::splat(if pass.relax { 1.0 } else { 0.0 }).gt(L::zero());
     let old = f.impulse;
     let mut new = [0, 1].map(|i| old[i] - (tangential[i] * u1 + tangential[i + 1] * u2));
     if pass.friction_box {
@@ -447,6 +444,8 @@ fn rub<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
     }
     let bound = limit * f.radius;
     let twist = (f.twist - twist_mass * spin.dot(n)).clamp(-bound, bound);
+    let twist = L::select(acts, twist, f.twist);
+    let new = std::array::from_fn(|i| L::select(acts, new[i], old[i]));
     let q = f.tangent * (new[0] - old[0]) + t2 * (new[1] - old[1]);
     let w = n * (twist - f.twist);
     (f.impulse, f.twist) = (new, twist);

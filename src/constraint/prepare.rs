@@ -252,7 +252,8 @@ fn gather_columns<const P: usize>(
             put3(&mut out.position[i], lane, point.position);
             out.separation[i][lane] = point.separation;
             out.impulse[i][lane] = point.impulse * input.warm;
-            out.held[i][lane] = held * input.warm;
+            // What bears rigidly never pushes: no more than the point bore.
+            out.held[i][lane] = held.min(point.impulse) * input.warm;
             out.present[i][lane] = 1.0;
         }
         if touching {
@@ -400,13 +401,8 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
     let velocity = &input.bodies.velocity;
     let record = |i: usize| velocity[i];
     let (va, wa) = gather::<L>(record, &batch.a);
-    let at_b = if B > 0 {
-        let (vb, wb) = gather::<L>(record, &batch.b[0].index);
-        vb + wb.cross(fb)
-    } else {
-        Vec3::zero()
-    };
-    let mut slip = at_b - (va + wa.cross(fa));
+    let (vb, wb) = if B > 0 { gather::<L>(record, &batch.b[0].index) } else { (Vec3::zero(), Vec3::zero()) };
+    let mut slip = vb + wb.cross(fb) - (va + wa.cross(fa));
     if let Some((place, surface)) = surface {
         let past = Vec3::<L>::from_fn(|lane| {
             let part = batch.contact[lane];
@@ -425,4 +421,7 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
     let slip = slip - n * slip.dot(n);
     let stick = slip.length_squared().lt(L::splat(input.stick * input.stick));
     f.coefficient = L::select(stick, sticking, sliding);
+    let turns = (wb - wa).length() * radius;
+    let still = turns.lt(L::splat(input.stick));
+    f.slips = L::select(stick & still, L::zero(), L::one());
 }

@@ -7,7 +7,7 @@ use glam::{Quat, Vec3};
 
 /// A kept contact turns with its bodies once they have turned together by more than this [rad]: what rides on a
 /// turntable has its normals right within that.
-const FROZEN: f32 = 0.01;
+const FROZEN: f32 = 0.002;
 
 /// No contact.
 pub(crate) const NONE: u32 = u32::MAX;
