@@ -431,7 +431,7 @@ fn thousands_of_calls_at_random_play_again() {
 /// be the same too.
 #[test]
 fn a_run_within_a_budget_plays_again() {
-    let settings = Settings { sleeping: true, budget: Budget::total(1_200_000), ..Settings::default() };
+    let settings = Settings { sleeping: true, budget: Budget::total(1_400_000), ..Settings::default() };
     let (mut churn, buffer) = Churn::new(settings, 4);
     churn.run(400, 6);
     let (hash, memory) = (churn.world.hash(), churn.world.memory().total());
