@@ -1,4 +1,4 @@
-//! The rows of a contact: normal, then friction. One kernel for every width and number of points, for sequential
+//! The rows of a contact: friction, then normal. One kernel for every width and number of points, for sequential
 //! impulses and for soft substeps.
 
 use super::arrange::Part;
@@ -319,6 +319,9 @@ pub(super) fn sweep<
     let pushes = L::splat(if pass.relax { 0.0 } else { 1.0 }).gt(L::zero());
     let n = batch.normal;
 
+    if FRICTION && let Some(f) = friction {
+        rub::<L, P, B, R>(batch, f, v, pass, response);
+    }
     let speed = relative::<L, B>(n, v);
     let (mut sum, mut ta, mut tb) = (L::zero(), Vec3::zero(), Vec3::zero());
     let mut u = [L::zero(); P];
@@ -392,9 +395,6 @@ pub(super) fn sweep<
         }
     }
     response.apply(batch, v, n * sum, ta, tb);
-    if FRICTION && let Some(f) = friction {
-        rub::<L, P, B, R>(batch, f, v, pass, response);
-    }
     true
 }
 
