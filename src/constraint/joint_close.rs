@@ -7,6 +7,7 @@
 
 use super::batch::Batch;
 use super::contact_row::{Motion, Pair, Response, relative, row};
+use super::free_turn::{exp, log_near};
 use super::joint_tour::{Ask, Toured};
 use super::joint_tree::TreeBatch;
 use super::seats::Seated;
@@ -15,6 +16,9 @@ use crate::lanes::{GatherLanes, Mask, Vec3, scatter};
 
 /// The most rounds of a substep.
 const ROUNDS: u32 = 8;
+
+/// What share of [`Closing::tolerance`] is no more than rounding.
+const MISSED: f32 = 0.004;
 
 /// What closing trees needs to know.
 #[derive(Clone, Copy, Debug)]
@@ -48,7 +52,8 @@ impl<L: GatherLanes> TreeBatch<L> {
                 return;
             }
             for node in &mut self.nodes {
-                (node.velocity, node.carried, node.change) = (Twist::zero(), Twist::zero(), Twist::zero());
+                (node.velocity, node.anchored) = (Twist::zero(), Twist::zero());
+                node.rest();
             }
             self.factor();
             self.gather_up(|node| Twist { linear: node.apart_now, angular: node.error_now });
@@ -75,6 +80,45 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
+    /// Moves the bodies on by a substep, and closes what is open then.
+    ///
+    /// # Safety
+    /// As for [`TreeBatch::close`].
+    pub(super) unsafe fn go(
+        &mut self,
+        motion: &Motion<'_, '_>,
+        closing: &Closing,
+        contacts: &[Seated],
+        touch: impl FnMut(&Seated, Ask<'_>, &mut Toured<'_, L>),
+    ) {
+        // SAFETY: by the contract.
+        unsafe {
+            self.advance(motion);
+            self.close(motion, closing, contacts, touch);
+            self.follow(motion);
+        }
+        self.factor();
+        if self.is_open(MISSED * closing.tolerance) {
+            // What is left of what turns in the substep: velocities need not know of it. With contacts, they take it back.
+            for node in &mut self.nodes {
+                (node.velocity, node.anchored) = (Twist::zero(), Twist::zero());
+                node.rest();
+            }
+            let share = L::select(self.share.gt(L::zero()), L::zero(), L::one());
+            self.gather_up(|node| Twist { linear: node.apart_now, angular: node.error_now });
+            for i in 0..self.nodes.len() {
+                let (parent, node) = self.with_parent(i);
+                node.change = node.answered(parent.map_or(Twist::zero(), |parent| parent.change)).0;
+            }
+            self.nodes.iter_mut().for_each(|node| node.change = node.change.scaled(share));
+            // SAFETY: by the contract.
+            unsafe {
+                self.shift(motion);
+                self.follow(motion);
+            }
+        }
+    }
+
     /// Whether any joint is.
     fn is_open(&self, tolerance: f32) -> bool {
         let most = L::splat(tolerance * tolerance);
@@ -90,27 +134,16 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// As for [`TreeBatch::close`].
     unsafe fn shift(&mut self, motion: &Motion<'_, '_>) {
         for node in &self.nodes {
-            let out = scatter(node.change.linear, node.change.angular);
+            let Twist { linear, angular } = node.moved;
+            let turned = log_near(exp(node.change.angular).compose(exp(angular)), angular);
+            let out = scatter(linear + node.change.linear, turned);
             for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
                 // SAFETY: by the contract; no body is twice in a batch.
                 let delta = unsafe { motion.delta.get(node.body[lane] as usize) };
-                delta.linear += out[lane].linear;
-                delta.angular = turned_on(delta.angular, out[lane].angular);
+                (delta.linear, delta.angular) = (out[lane].linear, out[lane].angular);
             }
         }
     }
-}
-
-/// The rotation vector of a rotation and then a further small one: to first order in that, by the inverse of the left
-/// Jacobian of the rotations as a series, which serves up to half a turn.
-fn turned_on(by: glam::Vec3, more: glam::Vec3) -> glam::Vec3 {
-    let x = by.length_squared();
-    if x > 10.0 {
-        return by + more;
-    }
-    let c = 1.0 / 12.0 + x * (1.0 / 720.0 + x * (1.0 / 30_240.0 + x * (1.0 / 1_209_600.0)));
-    let once = by.cross(more);
-    by + more - 0.5 * once + c * by.cross(once)
 }
 
 /// Keeps a displacement of body `a` of each lane from crossing contacts any further than overlap that is left alone.

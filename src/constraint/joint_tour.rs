@@ -135,7 +135,7 @@ impl<L: GatherLanes> TreeBatch<L> {
                     let push = body.push;
                     node.change.add(node.whole.mul(&push));
                     node.pending.add(push);
-                    node.pushed += push.angular;
+                    node.pushed.add(push);
                 }
                 left = &left[here..];
                 at = i as u32;

@@ -8,12 +8,13 @@
 //! same shape share the lanes.
 
 use super::contact_row::Motion;
-use super::joint_ends::{JointPass, NONE, bend, inverse, swerve, turned};
+use super::free_turn::{Moments, exp, log, log_near, moved_by, normalized};
+use super::joint_ends::{JointPass, NONE, inverse};
 use super::joint_tour::Toured;
 use super::order::Place;
 use super::seats::Seated;
 use super::spatial::{Sym6, Twist, plus};
-use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3, gather, scatter};
+use crate::lanes::{GatherLanes, Lanes, Mask, Quat, Record, Sym3, Vec3, gather, scatter};
 
 /// How a body turns on its parent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -46,7 +47,9 @@ pub(crate) struct Node<L> {
     /// The body's own.
     pub(crate) mass: L,
     pub(crate) inverse_mass: L,
-    pub(crate) inertia: Sym3<L>,
+    pub(super) moments: Moments<L>,
+    /// What pulls the body [m/s²].
+    pub(crate) pull: Vec3<L>,
     /// From the centre of mass to the joint, of the body and of its parent, at the start of the step [m].
     pub(crate) arm: [Vec3<L>; 2],
     /// From the parent's point to the body's [m].
@@ -57,19 +60,22 @@ pub(crate) struct Node<L> {
     /// The same after the last substep.
     pub(super) arm_now: [Vec3<L>; 2],
     pub(super) apart_now: Vec3<L>,
-    axis_now: Vec3<L>,
+    axis_now: [Vec3<L>; 2],
     pub(super) error_now: Vec3<L>,
     /// How much faster the body leaves its parent in the mean over the next substep than it does at its start.
     bend: Twist<L>,
+    /// Principal axes and displacement after the last substep.
+    axes_now: Quat<L>,
+    pub(super) moved: Twist<L>,
     /// On the body, of the last substep: at the joint [N s], and about it [N m s].
     pub(crate) impulse: Vec3<L>,
     pub(crate) twist: Vec3<L>,
     /// How much of the impulse at the joint is no blow [N s].
     pub(crate) steady: L,
-    /// Inertia with what pulls on the body, its inverse, and the angular velocity that the tree gave in the last substep.
-    pub(super) braced: Sym3<L>,
+    /// What pulls on the body adds to its inertia; inertia with that, and its inverse.
+    brace: Sym3<L>,
+    braced: Sym3<L>,
     pub(super) braced_inverse: Sym3<L>,
-    gained: Vec3<L>,
     /// Inverse of the inertia of the body with all that hangs on it.
     pub(super) free: Sym6<L>,
     /// Impulse at the joint per velocity that it doesn't allow.
@@ -81,12 +87,16 @@ pub(crate) struct Node<L> {
     /// Of one pass.
     sum: Sym6<L>,
     pub(super) velocity: Twist<L>,
+    /// The velocity of what a root hangs on.
+    pub(super) anchored: Twist<L>,
     pub(super) carried: Twist<L>,
     pub(super) asked: Twist<L>,
     pub(super) change: Twist<L>,
     pub(super) pending: Twist<L>,
-    /// What contacts that go along turn the body by.
-    pub(super) pushed: Vec3<L>,
+    /// What contacts that go along gave the body.
+    pub(super) pushed: Twist<L>,
+    /// The turn of a substep.
+    turn: Quat<L>,
 }
 
 impl<L: Lanes> Default for Node<L> {
@@ -105,30 +115,35 @@ impl<L: Lanes> Default for Node<L> {
             // Of something, so that an inert lane has numbers too.
             mass: one,
             inverse_mass: one,
-            inertia: Sym3 { xx: one, yy: one, zz: one, ..Sym3::default() },
+            moments: Moments::default(),
+            pull: zero,
             arm: [zero; 2],
             apart: zero,
             axis: [Vec3::new(one, L::zero(), L::zero()); 2],
             error: zero,
             arm_now: [zero; 2],
             apart_now: zero,
-            axis_now: zero,
+            axis_now: [zero; 2],
             error_now: zero,
             bend: Twist::zero(),
+            axes_now: Quat { v: zero, w: one },
+            moved: Twist::zero(),
             impulse: zero,
             twist: zero,
             steady: L::zero(),
+            brace: Sym3::default(),
             braced: Sym3::default(),
             braced_inverse: Sym3::default(),
-            gained: zero,
             free: Sym6::zero(),
             stiff: Sym6::zero(),
             whole: Sym6::zero(),
             pending: Twist::zero(),
-            pushed: zero,
+            pushed: Twist::zero(),
+            turn: Quat { v: zero, w: one },
             pulled: L::zero(),
             sum: Sym6::zero(),
             velocity: Twist::zero(),
+            anchored: Twist::zero(),
             carried: Twist::zero(),
             asked: Twist::zero(),
             change: Twist::zero(),
@@ -142,8 +157,12 @@ pub(crate) struct TreeBatch<L> {
     pub(crate) nodes: Vec<Node<L>>,
     /// Bodies turned since the last solution.
     pub(crate) fresh: bool,
-    /// Share of an error that is taken back within a substep.
+    /// Share of an error that velocities take back within a substep.
     pub(crate) share: L,
+    /// Half a substep, where nothing but joints and what pulls acts on the tree [s].
+    pub(super) lag: L,
+    /// Whether anything is braced.
+    pub(super) braces: bool,
     /// A joint lets its bodies collide: a loop with their contact, of which the tree knows nothing. Contacts don't go along,
     /// and what is open is left to the velocities.
     pub(crate) loops: bool,
@@ -155,10 +174,9 @@ pub(crate) struct TreeBatch<L> {
     pub(crate) h: f32,
 }
 
-/// Share of an error that is taken back within a substep. Contacts see a tree body by body: what both agree on they find
-/// slowly, and an error that is taken back faster makes what they do not agree on grow (see
+/// Share of an error that velocities take back within a substep, of trees that touch something. Contacts see a tree body by
+/// body: what both agree on they find slowly, and an error that is taken back faster makes what they do not agree on grow (see
 /// [`Softness::stiffest`](super::contact_row::Softness::stiffest), with a load that does not yield).
-pub(crate) const ALONE: f32 = 0.2;
 pub(crate) const TOUCHING: f32 = 0.05;
 
 impl<L> TreeBatch<L> {
@@ -182,11 +200,12 @@ impl<L: GatherLanes> TreeBatch<L> {
     pub(crate) fn begin(&mut self, h: f32) {
         for node in &mut self.nodes {
             (node.arm_now, node.apart_now) = (node.arm, node.apart);
-            (node.axis_now, node.error_now) = (node.axis[0], node.error);
-            node.gained = Vec3::zero();
+            (node.axis_now, node.error_now) = (node.axis, node.error);
+            (node.axes_now, node.moved) = (node.moments.axes, Twist::zero());
         }
         self.h = h;
         self.brace(h);
+        self.weigh();
     }
 
     /// Takes contacts along, and is ready to be solved.
@@ -211,7 +230,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             let [arm, above] = node.arm_now;
             node.stiff = match node.turns {
                 Turns::Freely => node.free.point_at(arm),
-                Turns::AboutAxis => node.sum.shifted(arm).without_turning_about(node.axis_now),
+                Turns::AboutAxis => node.sum.shifted(arm).without_turning_about(node.axis_now[0]),
                 Turns::Not => node.sum.shifted(arm),
             };
             if node.parent == NONE {
@@ -237,7 +256,7 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// *Geometric Stiffness for Real-time Constrained Multibody Dynamics*, 2017).
     fn brace(&mut self, h: f32) {
         for node in &mut self.nodes {
-            (node.braced, node.pulled) = (Sym3::default(), L::zero());
+            (node.brace, node.pulled) = (Sym3::default(), L::zero());
         }
         let h = L::splat(h);
         for i in 0..self.nodes.len() {
@@ -254,12 +273,15 @@ impl<L: GatherLanes> TreeBatch<L> {
                 parent.pull(-impulse, node.arm_now[1], h);
             }
         }
+        self.braces = false;
         for node in &mut self.nodes {
-            let Sym3 { xx, yy, zz, .. } = node.inertia;
-            let (pull, own) = (node.pulled, L::splat(0.5 * SAFE) * (xx + yy + zz));
-            let share = L::select(pull.gt(own), L::one() - own / pull, L::zero());
-            let b = node.braced;
-            let more = Sym3 {
+            let Vec3 { x, y, z } = node.moments.inertia;
+            let (pull, own) = (node.pulled, L::splat(0.5 * SAFE) * (x + y + z));
+            let much = pull.gt(own);
+            self.braces |= much.any();
+            let share = L::select(much, L::one() - own / pull, L::zero());
+            let b = node.brace;
+            node.brace = Sym3 {
                 xx: b.xx * share,
                 yy: b.yy * share,
                 zz: b.zz * share,
@@ -267,57 +289,25 @@ impl<L: GatherLanes> TreeBatch<L> {
                 xz: b.xz * share,
                 yz: b.yz * share,
             };
-            node.braced = plus(&node.inertia, &more);
-            node.braced_inverse = inverse(&node.braced);
         }
     }
 
-    /// Applies the impulses of the last step.
-    ///
-    /// # Safety
-    /// The bodies of the trees are in no other batch of the stage.
-    pub(crate) unsafe fn warm_start(&mut self, motion: &Motion<'_, '_>) {
-        // SAFETY: by the contract; what velocities were is not written while rows are solved.
-        unsafe {
-            self.foresee(motion, self.h);
-            self.load(motion);
-        }
-        for i in 0..self.nodes.len() {
-            let (parent, node) = self.with_parent(i);
-            node.velocity.linear += node.impulse * node.inverse_mass;
-            if let Some(parent) = parent {
-                parent.velocity.linear -= node.impulse * parent.inverse_mass;
-            }
-        }
-        self.turn_along();
-        self.fresh = false;
-        // SAFETY: by the contract.
-        unsafe { self.save(motion) };
-    }
-
-    /// The angular velocities that bodies get from the impulses, and from what pulls, at arms as they are now: what warm
-    /// starting adds to the velocities is as if bodies had not turned, and a pendulum would gain energy.
-    fn turn_along(&mut self) {
-        for node in self.nodes.iter_mut().filter(|node| node.turns == Turns::AboutAxis) {
-            // A hinge bears nothing about its axis, which has turned.
-            node.twist -= node.axis_now * node.axis_now.dot(node.twist);
-        }
-        self.nodes.iter_mut().for_each(|node| node.asked = Twist::zero());
-        for i in 0..self.nodes.len() {
-            let (parent, node) = self.with_parent(i);
-            node.asked.angular += node.arm_now[0].cross(node.impulse) + node.twist;
-            if let Some(parent) = parent {
-                parent.asked.angular -= node.arm_now[1].cross(node.impulse) + node.twist;
-            }
-        }
+    /// Inertias as bodies are turned now.
+    fn weigh(&mut self) {
         for node in &mut self.nodes {
-            let own = node.velocity.angular - node.gained;
-            node.velocity.angular = node.braced_inverse.mul(node.inertia.mul(own) + node.asked.angular);
-            node.gained = node.velocity.angular - own;
+            [node.braced, node.braced_inverse] = node.moments.in_world(node.axes_now);
+            if self.braces {
+                node.braced = plus(&node.braced, &node.brace);
+                node.braced_inverse = inverse(&node.braced);
+            }
         }
     }
 
     /// One exact solution for all joints of the trees; `touch` solves what contacts of a body go along.
+    ///
+    /// The first of a substep looks for the impulses with which joints are closed at its end (SHAKE, by Newton's method); the
+    /// others, for velocities that agree with it. There is no warm start: it would change nothing but what is left to
+    /// rounding, and what acted at an arm before would have to be turned with it.
     ///
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
@@ -328,22 +318,41 @@ impl<L: GatherLanes> TreeBatch<L> {
         contacts: &[Seated],
         touch: impl FnMut(&Seated, &mut Toured<'_, L>),
     ) {
-        if pass.moved {
-            // SAFETY: displacements are not written while rows are solved.
-            unsafe { self.follow(motion) };
-            self.factor();
-            self.fresh = true;
-        }
-        let fresh = !pass.relax && std::mem::take(&mut self.fresh);
-        if fresh {
-            // SAFETY: these velocities are not written while rows are solved.
-            unsafe { self.foresee(motion, 1.0 / pass.inverse_h) };
-        }
         // SAFETY: by the contract.
         unsafe { self.load(motion) };
+        let fresh = !pass.relax && std::mem::take(&mut self.fresh);
         if fresh {
-            self.turn_along();
+            // SAFETY: by the contract.
+            unsafe { self.look_for_others(motion) };
+            self.nodes.iter_mut().for_each(|node| (node.impulse, node.twist) = (Vec3::zero(), Vec3::zero()));
+            self.foresee();
         }
+        let own = &contacts[self.contacts.0 as usize..self.contacts.1 as usize];
+        self.sweep(pass, own, touch);
+        if fresh && own.is_empty() {
+            for _ in 1..ROUNDS {
+                // SAFETY: by the contract.
+                unsafe { self.save(motion) };
+                self.foresee();
+                if !self.misses() {
+                    return;
+                }
+                self.nodes.iter_mut().for_each(Node::rest);
+                self.sweep(pass, &[], |_, _| {});
+            }
+        }
+        // SAFETY: by the contract.
+        unsafe { self.save(motion) };
+    }
+
+    /// From the leaves to the root and back.
+    #[inline(always)]
+    fn sweep(
+        &mut self,
+        pass: &JointPass,
+        contacts: &[Seated],
+        touch: impl FnMut(&Seated, &mut Toured<'_, L>),
+    ) {
         let rate = if pass.relax { L::zero() } else { self.share * L::splat(pass.inverse_h) };
         self.gather_up(|node| {
             let mut beside =
@@ -353,21 +362,18 @@ impl<L: GatherLanes> TreeBatch<L> {
             }
             beside
         });
-        let own = &contacts[self.contacts.0 as usize..self.contacts.1 as usize];
-        if !own.is_empty() {
-            self.tour(own, touch);
+        if !contacts.is_empty() {
+            self.tour(contacts, touch);
         }
         for i in 0..self.nodes.len() {
             let (parent, node) = self.with_parent(i);
-            let (change, force) = node.answered(parent.map_or(Twist::zero(), |parent| parent.change));
+            let above = parent.map_or(Twist::zero(), |parent| parent.change);
+            let (change, force) = node.answered(above);
             node.impulse -= force.linear;
             node.twist -= force.angular;
             node.change = change;
-            node.gained += change.angular - node.braced_inverse.mul(node.pushed);
             node.velocity.add(change);
         }
-        // SAFETY: by the contract.
-        unsafe { self.save(motion) };
     }
 
     /// From the leaves to the root: what velocities, and what is asked for beside them, leave to each joint.
@@ -378,7 +384,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             if !node.jointed {
                 continue;
             }
-            let above = parent.as_ref().map_or(node.change, |parent| parent.velocity);
+            let above = parent.as_ref().map_or(node.anchored, |parent| parent.velocity);
             let carried = node.free.mul(&node.carried);
             let [arm, other] = node.arm_now;
             node.asked = Twist {
@@ -386,41 +392,127 @@ impl<L: GatherLanes> TreeBatch<L> {
                 angular: node.velocity.angular + carried.angular - above.angular,
             };
             node.asked.add(beside(node));
+            if node.turns == Turns::AboutAxis {
+                // What spins about its hinge fast would leave some of that to rounding.
+                let axis = node.axis_now[0];
+                node.asked.angular -= axis * axis.dot(node.asked.angular);
+            }
             if let Some(parent) = parent {
                 parent.carried.add(node.stiff.mul(&node.asked).moved(other));
             }
         }
     }
 
-    /// Where bodies go in a substep as they turn at its start. Not as the rows before want them to turn: what can't have what
-    /// it wants, and light links under a load, would turn any way within it.
+    /// Whether nothing but joints and what pulls acts on the trees: then they fall as what is free does, along parabolas.
     ///
     /// # Safety
-    /// No thread writes these velocities.
-    unsafe fn foresee(&mut self, motion: &Motion<'_, '_>, h: f32) {
+    /// The bodies of the trees are in no other batch of the stage.
+    unsafe fn look_for_others(&mut self, motion: &Motion<'_, '_>) {
         // SAFETY: by the contract.
         let read = |i| unsafe { motion.base.read(i) };
+        let mut same = L::zero().eq(L::zero());
+        for node in &self.nodes {
+            let (v, w): (Vec3<L>, Vec3<L>) = gather(read, &node.body);
+            let own = &node.velocity;
+            same = same & v.x.eq(own.linear.x) & v.y.eq(own.linear.y) & v.z.eq(own.linear.z);
+            same = same & w.x.eq(own.angular.x) & w.y.eq(own.angular.y) & w.z.eq(own.angular.z);
+        }
+        self.lag = L::select(same, L::splat(0.5 * self.h), L::zero());
+    }
+
+    /// Where the velocities take bodies in the substep, turning freely.
+    fn foresee(&mut self) {
+        let (h, over) = (L::splat(self.h), L::splat(1.0 / self.h));
         for i in 0..self.nodes.len() {
+            let lag = self.lag;
             let (parent, node) = self.with_parent(i);
-            let own = gather(read, &node.body).1;
-            node.change.angular = own;
+            let own = node.velocity;
+            node.turn = node.moments.flow(node.axes_now, own.angular, h).0;
             if !node.jointed {
                 continue;
             }
-            let above = match parent {
-                Some(parent) => parent.change.angular,
-                // SAFETY: what stands still or is moved by the caller is written by no row.
-                None => gather(|i| unsafe { motion.velocity.read(i) }, &node.anchor).1,
+            let (above, turn, pull) = match parent {
+                Some(parent) => (parent.velocity, parent.turn, parent.pull),
+                None => (node.anchored, exp(node.anchored.angular * h), Vec3::zero()),
             };
-            let ([arm, other], h) = (node.arm_now, L::splat(h));
-            node.bend.linear = bend(own, arm, h) - bend(above, other, h);
-            if node.turns == Turns::AboutAxis {
-                node.bend.angular = swerve(own, node.axis_now, h) - swerve(above, node.axis_now, h);
+            let [arm, other] = node.arm_now;
+            let (at, there) = (moved_by(node.turn, arm), moved_by(turn, other));
+            node.bend.linear = (at - there) * over
+                - (own.angular.cross(arm) - above.angular.cross(other))
+                - (node.pull - pull) * lag;
+            let faster = own.angular - above.angular;
+            match node.turns {
+                Turns::Freely => {}
+                Turns::AboutAxis => {
+                    let [a, b] = node.axis_now;
+                    let (at, there) = (moved_by(node.turn, a), moved_by(turn, b));
+                    // (b + there) x (a + at) - b x a
+                    let more = b.cross(at) + there.cross(a + at);
+                    node.bend.angular = more * over - faster;
+                }
+                Turns::Not => {
+                    let error = log(node.turn.compose(exp(node.error_now)).compose(turn.conjugate()));
+                    node.bend.angular = (error - node.error_now) * over - faster;
+                }
             }
         }
     }
 
-    /// Arms and separations after displacements.
+    /// Whether a joint would be open by more than rounding at the end of the substep.
+    fn misses(&self) -> bool {
+        let h = L::splat(self.h);
+        let most = L::splat(MISS * MISS);
+        (0..self.nodes.len()).any(|i| {
+            let node = &self.nodes[i];
+            if !node.jointed {
+                return false;
+            }
+            let above = self.nodes.get(node.parent as usize).map_or(node.anchored, |parent| parent.velocity);
+            let [arm, other] = node.arm_now;
+            let apart = node.velocity.at(arm) - above.at(other) + node.bend.linear;
+            let mut off = (apart * h).length_squared();
+            if node.turns != Turns::Freely {
+                let mut error = node.velocity.angular - above.angular + node.bend.angular;
+                if node.turns == Turns::AboutAxis {
+                    error -= node.axis_now[0] * node.axis_now[0].dot(error);
+                }
+                off = off.max((error * h).length_squared());
+            }
+            off.gt(most).bits() & node.write != 0
+        })
+    }
+
+    /// Moves the bodies on by a substep: each turns freely, with its angular momentum. What all other bodies do in a substep,
+    /// which is to turn by their angular velocities at its start, loses the momentum of what spins fast.
+    ///
+    /// # Safety
+    /// No other thread works on the bodies of the trees.
+    pub(super) unsafe fn advance(&mut self, motion: &Motion<'_, '_>) {
+        // SAFETY: by the contract.
+        unsafe { self.load(motion) };
+        let h = L::splat(self.h);
+        for node in &mut self.nodes {
+            let Twist { linear, angular } = node.velocity;
+            let (turn, after) = node.moments.flow(node.axes_now, angular, h);
+            let moved = node.moved.linear + (linear - node.pull * self.lag) * h;
+            let near = node.moved.angular + angular * h;
+            let turned = log_near(turn.compose(exp(node.moved.angular)), near);
+            let (delta, more) = (scatter(moved, turned), scatter(Vec3::zero(), after - angular));
+            for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
+                let body = node.body[lane] as usize;
+                // SAFETY: by the contract; no body is twice in a batch.
+                unsafe {
+                    // Something acted on it, and it is turned already.
+                    *motion.delta.get(body) = Record { pad0: 1.0, pad1: 1.0, ..delta[lane] };
+                    motion.velocity.get(body).angular += more[lane].angular;
+                    motion.base.get(body).angular += more[lane].angular;
+                }
+            }
+        }
+        self.fresh = true;
+    }
+
+    /// Arms, separations and inertias after displacements.
     ///
     /// # Safety
     /// No thread writes displacements of the trees.
@@ -430,34 +522,38 @@ impl<L: GatherLanes> TreeBatch<L> {
         for i in 0..self.nodes.len() {
             let (parent, node) = self.with_parent(i);
             let (linear, angular) = gather(read, &node.body);
-            node.change = Twist { linear, angular };
+            node.moved = Twist { linear, angular };
+            node.turn = exp(angular);
+            node.axes_now = normalized(node.turn.compose(node.moments.axes));
             if !node.jointed {
                 continue;
             }
-            let above = match parent {
-                Some(parent) => parent.change,
+            let (above, turn) = match parent {
+                Some(parent) => (parent.moved.linear, parent.turn),
                 None => {
                     let (linear, angular) = gather(read, &node.anchor);
-                    Twist { linear, angular }
+                    (linear, exp(angular))
                 }
             };
             let [arm, other] = node.arm;
-            node.arm_now = [turned(angular, arm), turned(above.angular, other)];
-            let moved = (linear - above.linear) + (node.arm_now[0] - arm) - (node.arm_now[1] - other);
-            node.apart_now = node.apart + moved;
+            let [at, there] = [moved_by(node.turn, arm), moved_by(turn, other)];
+            node.arm_now = [arm + at, other + there];
+            node.apart_now = node.apart + (linear - above) + (at - there);
             match node.turns {
                 Turns::Freely => {}
                 Turns::AboutAxis => {
-                    node.axis_now = turned(angular, node.axis[0]);
-                    node.error_now = turned(above.angular, node.axis[1]).cross(node.axis_now);
+                    node.axis_now = [node.turn.rotate(node.axis[0]), turn.rotate(node.axis[1])];
+                    node.error_now = node.axis_now[1].cross(node.axis_now[0]);
                 }
-                // What both turn together changes nothing.
-                Turns::Not => node.error_now = node.error + (angular - above.angular),
+                Turns::Not => {
+                    node.error_now = log(node.turn.compose(exp(node.error)).compose(turn.conjugate()));
+                }
             }
         }
+        self.weigh();
     }
 
-    /// Velocities; of what a root hangs on into its `change`.
+    /// Velocities; of what a root hangs on into its `change` too.
     ///
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
@@ -467,31 +563,59 @@ impl<L: GatherLanes> TreeBatch<L> {
         for node in &mut self.nodes {
             let (linear, angular) = gather(read, &node.body);
             node.velocity = Twist { linear, angular };
-            (node.carried, node.pushed) = (Twist::zero(), Vec3::zero());
             if node.parent == NONE {
                 let (linear, angular) = gather(read, &node.anchor);
-                node.change = Twist { linear, angular };
+                node.anchored = Twist { linear, angular };
             }
+            node.rest();
         }
     }
 
+    /// What joints changed is no warm start for the next substep: rows see it as if it had been there before them.
+    ///
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
     unsafe fn save(&self, motion: &Motion<'_, '_>) {
         for node in &self.nodes {
-            let out = scatter(node.velocity.linear, node.velocity.angular);
+            let change = node.change;
+            let own = Twist {
+                linear: change.linear - node.pushed.linear * node.inverse_mass,
+                angular: change.angular - node.braced_inverse.mul(node.pushed.angular),
+            };
+            let (all, own) = (scatter(change.linear, change.angular), scatter(own.linear, own.angular));
             for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
+                let body = node.body[lane] as usize;
                 // SAFETY: by the contract; no body is twice in a batch.
-                unsafe { *motion.velocity.get(node.body[lane] as usize) = out[lane] };
+                let (v, base) = unsafe { (motion.velocity.get(body), motion.base.get(body)) };
+                let (linear, angular) = (v.linear + all[lane].linear, v.angular + all[lane].angular);
+                if !(linear.abs().max(angular.abs()).max_element() < RUNAWAY) {
+                    // No number any more, or as good as none.
+                    continue;
+                }
+                (v.linear, v.angular) = (linear, angular);
+                base.linear += own[lane].linear;
+                base.angular += own[lane].angular;
             }
         }
     }
 }
 
+/// The most rounds of Newton's method in which a substep looks for the impulses of joints, and what is near enough [m], [rad].
+const ROUNDS: u32 = 6;
+const MISS: f32 = 2e-6;
+/// What is faster than this [m/s] or [rad/s] goes on as if the tree had not acted.
+const RUNAWAY: f32 = 1e6;
+
 /// The square of the frequency times the substep, of a body that turns on its joints, up to which it is integrated as it is.
 const SAFE: f32 = 0.5;
 
 impl<L: Lanes> Node<L> {
+    /// Nothing has come from other bodies yet.
+    #[inline(always)]
+    pub(super) fn rest(&mut self) {
+        (self.carried, self.pushed, self.change) = (Twist::zero(), Twist::zero(), Twist::zero());
+    }
+
     /// Adds the stiffness that an impulse at an arm makes, if it pulls.
     #[inline(always)]
     fn pull(&mut self, impulse: Vec3<L>, arm: Vec3<L>, h: L) {
@@ -500,7 +624,7 @@ impl<L: Lanes> Node<L> {
         let k = L::select(pulls, along * h, L::zero());
         let over = k / L::select(pulls, arm.length_squared(), L::one());
         self.pulled += k;
-        let b = &mut self.braced;
+        let b = &mut self.brace;
         b.xx += k - over * arm.x * arm.x;
         b.yy += k - over * arm.y * arm.y;
         b.zz += k - over * arm.z * arm.z;

@@ -178,7 +178,8 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
             let d = &delta[i];
             // SAFETY: each body is in one block.
             let (pose, velocity) = unsafe { (pose.get(i), velocity.get(i)) };
-            let touched = d.pad0 != 0.0;
+            // Bodies of trees turned substep by substep, with their angular momentum.
+            let (touched, carried) = (d.pad0 != 0.0, d.pad1 != 0.0);
             let seat = seats.of(i);
             let before = seat.map(|_| *pose);
             if uneven && i < dynamic && !touched && spins_freely(&mass[i], &traits[i], start[i].angular, dt) {
@@ -191,7 +192,11 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
                 (pose.rotation, velocity.angular) = (q, w);
             } else {
                 let turned = (exp_map(d.angular) * pose.rotation).normalize();
-                if uneven && i < dynamic && spins_freely(&mass[i], &traits[i], velocity.angular, dt) {
+                if uneven
+                    && i < dynamic
+                    && !carried
+                    && spins_freely(&mass[i], &traits[i], velocity.angular, dt)
+                {
                     velocity.angular = carry_spin(pose.rotation, turned, velocity.angular, mass[i].inertia);
                 }
                 pose.rotation = turned;

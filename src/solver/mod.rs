@@ -149,7 +149,7 @@ pub(crate) fn solve(
             *d = record(lanes(*d) + (moved + f32x8::new(PAD) * f32x8::splat(touched)));
         });
         if joined_at_all {
-            Passes::close(crew, &batches, &joined, &motion, &closing(settings));
+            Passes::go(crew, &batches, &joined, &motion, &closing(settings));
         }
         if passes.run(crew, Kind::Relax, &batches, &joined, &motion) && rubs {
             // What was pushed before it touched has its friction now; if that is much, the points share the load that it

@@ -129,8 +129,8 @@ impl Passes {
         }
     }
 
-    /// Closes the joints of trees that came apart.
-    pub(crate) fn close(
+    /// Moves the bodies of trees, and closes their joints.
+    pub(crate) fn go(
         crew: &Crew<'_>,
         along: &Views<'_>,
         joined: &Joined<'_>,
@@ -140,7 +140,7 @@ impl Passes {
         for stage in joined.stages.iter().filter(|stage| stage.kind == JointType::Tree) {
             // SAFETY: each batch is in one stage, and no body that can be moved is in two.
             let one = |i: usize| unsafe {
-                JointRows::close(joined.views, TreeRef::new(i, stage.single), motion, closing, along);
+                JointRows::go(joined.views, TreeRef::new(i, stage.single), motion, closing, along);
             };
             share_out(crew, stage.start as usize..stage.end as usize, false, &one);
         }
