@@ -153,42 +153,43 @@ impl<L: Lanes> Moments<L> {
         })
     }
 
-    /// Free rotation over a time: the rotation in the world, and the angular velocity at its end.
+    /// Free rotation over a time: the rotation in the world, and the change of the angular velocity.
     ///
     /// A symmetric top, which has a closed solution, and what is left of the difference of its two like moments, in turn
     /// (Touma and Wisdom, 1994; see [`tumble`](crate::body::tumble)). Every part is a rotation, so the angular momentum
-    /// stays, at any length of step.
+    /// stays, at any length of step. All is summed up as changes: what spins about a principal axis does not change, and
+    /// rounding must not make it faster, substep by substep.
     #[inline(always)]
     pub(super) fn flow(&self, axes: Quat<L>, omega: Vec3<L>, h: L) -> (Quat<L>, Vec3<L>) {
-        let (k, m) = (self.inverse, axes.conjugate().rotate(omega));
-        let mut m = Vec3::new(m.x * self.inertia.x, m.y * self.inertia.y, m.z * self.inertia.z);
+        let (k, own) = (self.inverse, axes.conjugate().rotate(omega));
+        let m = Vec3::new(own.x * self.inertia.x, own.y * self.inertia.y, own.z * self.inertia.z);
         let half = L::splat(0.5);
         let (across, rest) = (half * (k.x + k.y), half * half * (k.x - k.y) * h);
         let uneven = rest.abs().gt(L::zero()).any();
-        let mut turn = Quat { v: Vec3::zero(), w: L::one() };
+        let (mut turn, mut more) = (Quat { v: Vec3::zero(), w: L::one() }, Vec3::zero());
         if uneven {
-            spin::<L, 0>(&mut turn, &mut m, rest);
-            spin::<L, 1>(&mut turn, &mut m, -rest);
+            spin::<L, 0>(&mut turn, m, &mut more, rest);
+            spin::<L, 1>(&mut turn, m, &mut more, -rest);
         }
-        turn = turn.compose(exp(m * (across * h)));
-        spin::<L, 2>(&mut turn, &mut m, (k.z - across) * h);
+        turn = turn.compose(exp((m + more) * (across * h)));
+        spin::<L, 2>(&mut turn, m, &mut more, (k.z - across) * h);
         if uneven {
-            spin::<L, 1>(&mut turn, &mut m, -rest);
-            spin::<L, 0>(&mut turn, &mut m, rest);
+            spin::<L, 1>(&mut turn, m, &mut more, -rest);
+            spin::<L, 0>(&mut turn, m, &mut more, rest);
         }
         let turn = normalized(turn);
         let world = Quat { v: axes.rotate(turn.v), w: turn.w };
-        let local = Vec3::new(m.x * k.x, m.y * k.y, m.z * k.z);
-        (world, axes.rotate(turn.rotate(local)))
+        let change = Vec3::new(more.x * k.x, more.y * k.y, more.z * k.z);
+        (world, axes.rotate(change + moved_by(turn, own + change)))
     }
 }
 
 /// Turns a body about one of its own axes, by `rate` times its momentum about that axis [rad]; the momentum as seen from
-/// the body turns back.
+/// the body, `start` and `more`, turns back.
 #[inline(always)]
-fn spin<L: Lanes, const AXIS: usize>(turn: &mut Quat<L>, momentum: &mut Vec3<L>, rate: L) {
+fn spin<L: Lanes, const AXIS: usize>(turn: &mut Quat<L>, start: Vec3<L>, more: &mut Vec3<L>, rate: L) {
     let zero = L::zero();
-    let m = *momentum;
+    let m = start + *more;
     let angle = rate
         * match AXIS {
             0 => m.x,
@@ -197,12 +198,13 @@ fn spin<L: Lanes, const AXIS: usize>(turn: &mut Quat<L>, momentum: &mut Vec3<L>,
         };
     let (s, c) = half_turn(angle * angle);
     let s = s * angle;
-    let (sin, cos) = (s * c + s * c, c * c - s * s);
-    let (v, turned) = match AXIS {
-        0 => (Vec3::new(s, zero, zero), Vec3::new(m.x, m.y * cos + m.z * sin, m.z * cos - m.y * sin)),
-        1 => (Vec3::new(zero, s, zero), Vec3::new(m.x * cos - m.z * sin, m.y, m.z * cos + m.x * sin)),
-        _ => (Vec3::new(zero, zero, s), Vec3::new(m.x * cos + m.y * sin, m.y * cos - m.x * sin, m.z)),
+    // Sine, and cosine less one.
+    let (sin, less) = (s * c + s * c, -(s * s + s * s));
+    let (v, changed) = match AXIS {
+        0 => (Vec3::new(s, zero, zero), Vec3::new(zero, m.y * less + m.z * sin, m.z * less - m.y * sin)),
+        1 => (Vec3::new(zero, s, zero), Vec3::new(m.x * less - m.z * sin, zero, m.z * less + m.x * sin)),
+        _ => (Vec3::new(zero, zero, s), Vec3::new(m.x * less + m.y * sin, m.y * less - m.x * sin, zero)),
     };
     *turn = turn.compose(Quat { v, w: c });
-    *momentum = turned;
+    *more += changed;
 }

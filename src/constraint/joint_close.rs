@@ -7,12 +7,11 @@
 
 use super::batch::Batch;
 use super::contact_row::{Motion, Pair, Response, relative, row};
-use super::free_turn::{exp, log_near};
 use super::joint_tour::{Ask, Toured};
 use super::joint_tree::TreeBatch;
 use super::seats::Seated;
 use super::spatial::Twist;
-use crate::lanes::{GatherLanes, Mask, Vec3, scatter};
+use crate::lanes::{GatherLanes, Mask, Vec3};
 
 /// The most rounds of a substep.
 const ROUNDS: u32 = 8;
@@ -52,11 +51,11 @@ impl<L: GatherLanes> TreeBatch<L> {
                 return;
             }
             for node in &mut self.nodes {
-                (node.velocity, node.anchored) = (Twist::zero(), Twist::zero());
+                node.velocity = Twist::zero();
                 node.rest();
             }
             self.factor();
-            self.gather_up(|node| Twist { linear: node.apart_now, angular: node.error_now });
+            self.gather_up(|node, _| node.open());
             if !own.is_empty() {
                 self.tour(own, |seated, body| touch(seated, Ask::Push(closing), body));
             }
@@ -75,6 +74,7 @@ impl<L: GatherLanes> TreeBatch<L> {
                 touch(seated, Ask::Stop(closing), &mut body);
                 node.change = body.velocity();
             }
+            self.nodes.iter_mut().for_each(|node| node.shift(node.change));
             // SAFETY: by the contract.
             unsafe { self.shift(motion) };
         }
@@ -99,23 +99,10 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
         self.factor();
         if self.is_open(MISSED * closing.tolerance) {
-            // What is left of what turns in the substep: velocities need not know of it. With contacts, they take it back.
-            for node in &mut self.nodes {
-                (node.velocity, node.anchored) = (Twist::zero(), Twist::zero());
-                node.rest();
-            }
-            let share = L::select(self.share.gt(L::zero()), L::zero(), L::one());
-            self.gather_up(|node| Twist { linear: node.apart_now, angular: node.error_now });
-            for i in 0..self.nodes.len() {
-                let (parent, node) = self.with_parent(i);
-                node.change = node.answered(parent.map_or(Twist::zero(), |parent| parent.change)).0;
-            }
-            self.nodes.iter_mut().for_each(|node| node.change = node.change.scaled(share));
+            // Velocities need not know of what is left. Where there are contacts they take it back.
+            self.settle();
             // SAFETY: by the contract.
-            unsafe {
-                self.shift(motion);
-                self.follow(motion);
-            }
+            unsafe { self.shift(motion) };
         }
     }
 
@@ -126,23 +113,6 @@ impl<L: GatherLanes> TreeBatch<L> {
             let open = node.apart_now.length_squared().max(node.error_now.length_squared()).gt(most);
             open.bits() & node.write != 0
         })
-    }
-
-    /// Adds what each body is to move by to its displacement.
-    ///
-    /// # Safety
-    /// As for [`TreeBatch::close`].
-    unsafe fn shift(&mut self, motion: &Motion<'_, '_>) {
-        for node in &self.nodes {
-            let Twist { linear, angular } = node.moved;
-            let turned = log_near(exp(node.change.angular).compose(exp(angular)), angular);
-            let out = scatter(linear + node.change.linear, turned);
-            for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
-                // SAFETY: by the contract; no body is twice in a batch.
-                let delta = unsafe { motion.delta.get(node.body[lane] as usize) };
-                (delta.linear, delta.angular) = (out[lane].linear, out[lane].angular);
-            }
-        }
     }
 }
 

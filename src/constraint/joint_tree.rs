@@ -87,8 +87,11 @@ pub(crate) struct Node<L> {
     /// Of one pass.
     sum: Sym6<L>,
     pub(super) velocity: Twist<L>,
-    /// The velocity of what a root hangs on.
+    /// The velocity before the pass.
+    before: Twist<L>,
+    /// Velocity and displacement of what a root hangs on.
     pub(super) anchored: Twist<L>,
+    anchor_moved: Twist<L>,
     pub(super) carried: Twist<L>,
     pub(super) asked: Twist<L>,
     pub(super) change: Twist<L>,
@@ -143,7 +146,9 @@ impl<L: Lanes> Default for Node<L> {
             pulled: L::zero(),
             sum: Sym6::zero(),
             velocity: Twist::zero(),
+            before: Twist::zero(),
             anchored: Twist::zero(),
+            anchor_moved: Twist::zero(),
             carried: Twist::zero(),
             asked: Twist::zero(),
             change: Twist::zero(),
@@ -330,37 +335,42 @@ impl<L: GatherLanes> TreeBatch<L> {
         let own = &contacts[self.contacts.0 as usize..self.contacts.1 as usize];
         self.sweep(pass, own, touch);
         if fresh && own.is_empty() {
-            for _ in 1..ROUNDS {
-                // SAFETY: by the contract.
-                unsafe { self.save(motion) };
-                self.foresee();
-                if !self.misses() {
-                    return;
-                }
-                self.nodes.iter_mut().for_each(Node::rest);
-                self.sweep(pass, &[], |_, _| {});
-            }
+            self.refine(pass);
         }
         // SAFETY: by the contract.
         unsafe { self.save(motion) };
     }
 
+    /// Further rounds of Newton's method.
+    fn refine(&mut self, pass: &JointPass) {
+        for _ in 1..ROUNDS {
+            self.foresee();
+            if !self.misses() {
+                break;
+            }
+            self.sweep(pass, &[], |_, _| {});
+        }
+    }
+
     /// From the leaves to the root and back.
-    #[inline(always)]
     fn sweep(
         &mut self,
         pass: &JointPass,
         contacts: &[Seated],
         touch: impl FnMut(&Seated, &mut Toured<'_, L>),
     ) {
+        self.nodes.iter_mut().for_each(Node::rest);
         let rate = if pass.relax { L::zero() } else { self.share * L::splat(pass.inverse_h) };
-        self.gather_up(|node| {
-            let mut beside =
-                Twist { linear: pass.bias(node.apart_now, rate), angular: pass.bias(node.error_now, rate) };
+        self.gather_up(|node, parent| {
+            let [arm, other] = node.arm_now;
+            let mut asked = node.velocity.seen_at(arm);
+            asked.subtract(parent.map_or(node.anchored, |parent| parent.velocity).seen_at(other));
+            asked.linear += pass.bias(node.apart_now, rate);
+            asked.angular += pass.bias(node.error_now, rate);
             if !pass.relax {
-                beside.add(node.bend);
+                asked.add(node.bend);
             }
-            beside
+            asked
         });
         if !contacts.is_empty() {
             self.tour(contacts, touch);
@@ -376,29 +386,24 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
-    /// From the leaves to the root: what velocities, and what is asked for beside them, leave to each joint.
+    /// From the leaves to the root: what is `asked` of each joint, and of what that leaves to it.
     #[inline(always)]
-    pub(super) fn gather_up(&mut self, beside: impl Fn(&Node<L>) -> Twist<L>) {
+    pub(super) fn gather_up(&mut self, asked: impl Fn(&Node<L>, Option<&Node<L>>) -> Twist<L>) {
         for i in (0..self.nodes.len()).rev() {
             let (parent, node) = self.with_parent(i);
             if !node.jointed {
                 continue;
             }
-            let above = parent.as_ref().map_or(node.anchored, |parent| parent.velocity);
             let carried = node.free.mul(&node.carried);
-            let [arm, other] = node.arm_now;
-            node.asked = Twist {
-                linear: node.velocity.at(arm) + carried.at(arm) - above.at(other),
-                angular: node.velocity.angular + carried.angular - above.angular,
-            };
-            node.asked.add(beside(node));
+            node.asked = carried.seen_at(node.arm_now[0]);
+            node.asked.add(asked(node, parent.as_deref()));
             if node.turns == Turns::AboutAxis {
                 // What spins about its hinge fast would leave some of that to rounding.
                 let axis = node.axis_now[0];
                 node.asked.angular -= axis * axis.dot(node.asked.angular);
             }
             if let Some(parent) = parent {
-                parent.carried.add(node.stiff.mul(&node.asked).moved(other));
+                parent.carried.add(node.stiff.mul(&node.asked).moved(node.arm_now[1]));
             }
         }
     }
@@ -489,41 +494,110 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// No other thread works on the bodies of the trees.
     pub(super) unsafe fn advance(&mut self, motion: &Motion<'_, '_>) {
         // SAFETY: by the contract.
-        unsafe { self.load(motion) };
-        let h = L::splat(self.h);
-        for node in &mut self.nodes {
-            let Twist { linear, angular } = node.velocity;
-            let (turn, after) = node.moments.flow(node.axes_now, angular, h);
-            let moved = node.moved.linear + (linear - node.pull * self.lag) * h;
-            let near = node.moved.angular + angular * h;
-            let turned = log_near(turn.compose(exp(node.moved.angular)), near);
-            let (delta, more) = (scatter(moved, turned), scatter(Vec3::zero(), after - angular));
-            for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
-                let body = node.body[lane] as usize;
-                // SAFETY: by the contract; no body is twice in a batch.
-                unsafe {
-                    // Something acted on it, and it is turned already.
-                    *motion.delta.get(body) = Record { pad0: 1.0, pad1: 1.0, ..delta[lane] };
-                    motion.velocity.get(body).angular += more[lane].angular;
-                    motion.base.get(body).angular += more[lane].angular;
-                }
-            }
+        unsafe {
+            self.load(motion);
+            self.fetch_anchors(motion);
         }
+        let fastest = |most: L, node: &Node<L>| most.max(node.velocity.angular.length_squared());
+        let fastest = self.nodes.iter().fold(L::zero(), fastest);
+        let fastest = (0..L::N).map(|lane| fastest.lane(lane)).fold(0.0, f32::max).sqrt();
+        let parts = (fastest * self.h * (1.0 / TURN)).ceil().clamp(1.0, MOST_PARTS);
+        if parts > 1.0 {
+            self.whirl(parts);
+        } else {
+            self.drift(self.lag);
+        }
+        // SAFETY: by the contract.
+        unsafe { self.shift(motion) };
+        // SAFETY: by the contract.
+        unsafe { self.save(motion) };
         self.fresh = true;
     }
 
-    /// Arms, separations and inertias after displacements.
+    /// One free drift over `self.h`.
+    fn drift(&mut self, lag: L) {
+        let h = L::splat(self.h);
+        for node in &mut self.nodes {
+            let Twist { linear, angular } = node.velocity;
+            let (turn, more) = node.moments.flow(node.axes_now, angular, h);
+            node.moved.linear += (linear - node.pull * lag) * h;
+            let near = node.moved.angular + angular * h;
+            node.moved.angular = log_near(turn.compose(exp(node.moved.angular)), near);
+            node.velocity.angular += more;
+        }
+    }
+
+    /// The same in parts, where something spins so fast that the impulses of joints would not be found: each part is solved as
+    /// a substep is, of what is joined alone.
+    #[cold]
+    #[inline(never)]
+    fn whirl(&mut self, parts: f32) {
+        let (whole, lag) = (self.h, self.lag);
+        // Half of what pulls comes after.
+        self.nodes.iter_mut().for_each(|node| node.velocity.linear -= node.pull * lag);
+        let still = JointPass::relaxing(1.0 / whole);
+        let solving = JointPass { relax: false, inverse_h: 0.0, ..still };
+        (self.h, self.lag) = (whole / parts, L::zero());
+        self.sweep(&still, &[], |_, _| {});
+        for part in 1..=parts as u32 {
+            self.foresee();
+            self.sweep(&solving, &[], |_, _| {});
+            self.refine(&solving);
+            self.drift(L::zero());
+            self.place(L::splat(whole - self.h * part as f32));
+            self.factor();
+            self.settle();
+            self.sweep(&still, &[], |_, _| {});
+        }
+        (self.h, self.lag) = (whole, lag);
+        self.nodes.iter_mut().for_each(|node| node.velocity.linear += node.pull * lag);
+    }
+
+    /// What is open after a drift is closed, but where there are contacts, which know nothing of it.
+    pub(super) fn settle(&mut self) {
+        let share = L::select(self.share.gt(L::zero()), L::zero(), L::one());
+        self.nodes.iter_mut().for_each(Node::rest);
+        self.gather_up(|node, _| node.open());
+        for i in 0..self.nodes.len() {
+            let (parent, node) = self.with_parent(i);
+            node.change = node.answered(parent.map_or(Twist::zero(), |parent| parent.change)).0;
+        }
+        for node in &mut self.nodes {
+            node.shift(node.change.scaled(share));
+        }
+        self.place(L::zero());
+    }
+
+    /// Displacements after all bodies moved.
     ///
     /// # Safety
     /// No thread writes displacements of the trees.
-    pub(super) unsafe fn follow(&mut self, motion: &Motion<'_, '_>) {
+    unsafe fn fetch(&mut self, motion: &Motion<'_, '_>) {
         // SAFETY: by the contract.
         let read = |i| unsafe { motion.delta.read(i) };
-        for i in 0..self.nodes.len() {
-            let (parent, node) = self.with_parent(i);
+        for node in &mut self.nodes {
             let (linear, angular) = gather(read, &node.body);
             node.moved = Twist { linear, angular };
-            node.turn = exp(angular);
+        }
+        // SAFETY: by the contract.
+        unsafe { self.fetch_anchors(motion) };
+    }
+
+    /// # Safety
+    /// No thread writes displacements.
+    unsafe fn fetch_anchors(&mut self, motion: &Motion<'_, '_>) {
+        for node in self.nodes.iter_mut().filter(|node| node.parent == NONE) {
+            // SAFETY: by the contract.
+            let (linear, angular) = gather(|i| unsafe { motion.delta.read(i) }, &node.anchor);
+            node.anchor_moved = Twist { linear, angular };
+        }
+    }
+
+    /// Arms, separations and inertias after displacements, some time before what trees hang on is where it is to be [s].
+    fn place(&mut self, left: L) {
+        for i in 0..self.nodes.len() {
+            let (parent, node) = self.with_parent(i);
+            node.turn = exp(node.moved.angular);
             node.axes_now = normalized(node.turn.compose(node.moments.axes));
             if !node.jointed {
                 continue;
@@ -531,14 +605,14 @@ impl<L: GatherLanes> TreeBatch<L> {
             let (above, turn) = match parent {
                 Some(parent) => (parent.moved.linear, parent.turn),
                 None => {
-                    let (linear, angular) = gather(read, &node.anchor);
-                    (linear, exp(angular))
+                    let (end, v) = (node.anchor_moved, node.anchored);
+                    (end.linear - v.linear * left, exp(end.angular - v.angular * left))
                 }
             };
             let [arm, other] = node.arm;
             let [at, there] = [moved_by(node.turn, arm), moved_by(turn, other)];
             node.arm_now = [arm + at, other + there];
-            node.apart_now = node.apart + (linear - above) + (at - there);
+            node.apart_now = node.apart + (node.moved.linear - above) + (at - there);
             match node.turns {
                 Turns::Freely => {}
                 Turns::AboutAxis => {
@@ -553,7 +627,34 @@ impl<L: GatherLanes> TreeBatch<L> {
         self.weigh();
     }
 
-    /// Velocities; of what a root hangs on into its `change` too.
+    /// The same after displacements that others wrote.
+    ///
+    /// # Safety
+    /// No thread writes displacements of the trees.
+    pub(super) unsafe fn follow(&mut self, motion: &Motion<'_, '_>) {
+        // SAFETY: by the contract.
+        unsafe { self.fetch(motion) };
+        self.place(L::zero());
+    }
+
+    /// Writes displacements.
+    ///
+    /// # Safety
+    /// No other thread works on the bodies of the trees.
+    pub(super) unsafe fn shift(&self, motion: &Motion<'_, '_>) {
+        for node in &self.nodes {
+            let delta = scatter(node.moved.linear, node.moved.angular);
+            for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
+                // SAFETY: by the contract; no body is twice in a batch.
+                let to = unsafe { motion.delta.get(node.body[lane] as usize) };
+                (to.linear, to.angular) = (delta[lane].linear, delta[lane].angular);
+                // Something acted on it, and it is turned already.
+                (to.pad0, to.pad1) = (1.0, 1.0);
+            }
+        }
+    }
+
+    /// Velocities.
     ///
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
@@ -563,11 +664,12 @@ impl<L: GatherLanes> TreeBatch<L> {
         for node in &mut self.nodes {
             let (linear, angular) = gather(read, &node.body);
             node.velocity = Twist { linear, angular };
+            node.before = node.velocity;
             if node.parent == NONE {
                 let (linear, angular) = gather(read, &node.anchor);
                 node.anchored = Twist { linear, angular };
             }
-            node.rest();
+            node.pushed = Twist::zero();
         }
     }
 
@@ -577,22 +679,21 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// The bodies of the trees are in no other batch of the stage.
     unsafe fn save(&self, motion: &Motion<'_, '_>) {
         for node in &self.nodes {
-            let change = node.change;
-            let own = Twist {
-                linear: change.linear - node.pushed.linear * node.inverse_mass,
-                angular: change.angular - node.braced_inverse.mul(node.pushed.angular),
-            };
-            let (all, own) = (scatter(change.linear, change.angular), scatter(own.linear, own.angular));
+            let mut own = node.velocity;
+            own.subtract(node.before);
+            own.linear -= node.pushed.linear * node.inverse_mass;
+            own.angular -= node.braced_inverse.mul(node.pushed.angular);
+            let all = scatter(node.velocity.linear, node.velocity.angular);
+            let own = scatter(own.linear, own.angular);
             for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
-                let body = node.body[lane] as usize;
-                // SAFETY: by the contract; no body is twice in a batch.
-                let (v, base) = unsafe { (motion.velocity.get(body), motion.base.get(body)) };
-                let (linear, angular) = (v.linear + all[lane].linear, v.angular + all[lane].angular);
-                if !(linear.abs().max(angular.abs()).max_element() < RUNAWAY) {
+                let (body, new) = (node.body[lane] as usize, all[lane]);
+                if !(new.linear.abs().max(new.angular.abs()).max_element() < RUNAWAY) {
                     // No number any more, or as good as none.
                     continue;
                 }
-                (v.linear, v.angular) = (linear, angular);
+                // SAFETY: by the contract; no body is twice in a batch.
+                let (v, base) = unsafe { (motion.velocity.get(body), motion.base.get(body)) };
+                (v.linear, v.angular) = (new.linear, new.angular);
                 base.linear += own[lane].linear;
                 base.angular += own[lane].angular;
             }
@@ -602,7 +703,10 @@ impl<L: GatherLanes> TreeBatch<L> {
 
 /// The most rounds of Newton's method in which a substep looks for the impulses of joints, and what is near enough [m], [rad].
 const ROUNDS: u32 = 6;
-const MISS: f32 = 2e-6;
+const MISS: f32 = 2e-7;
+/// What turns further than this in a substep is followed in parts [rad], and in how many at most.
+const TURN: f32 = 0.25;
+const MOST_PARTS: f32 = 16.0;
 /// What is faster than this [m/s] or [rad/s] goes on as if the tree had not acted.
 const RUNAWAY: f32 = 1e6;
 
@@ -613,7 +717,20 @@ impl<L: Lanes> Node<L> {
     /// Nothing has come from other bodies yet.
     #[inline(always)]
     pub(super) fn rest(&mut self) {
-        (self.carried, self.pushed, self.change) = (Twist::zero(), Twist::zero(), Twist::zero());
+        (self.carried, self.change) = (Twist::zero(), Twist::zero());
+    }
+
+    /// How far the joint is open.
+    #[inline(always)]
+    pub(super) fn open(&self) -> Twist<L> {
+        Twist { linear: self.apart_now, angular: self.error_now }
+    }
+
+    /// Moves the body a little.
+    #[inline(always)]
+    pub(super) fn shift(&mut self, by: Twist<L>) {
+        self.moved.linear += by.linear;
+        self.moved.angular = log_near(exp(by.angular).compose(exp(self.moved.angular)), self.moved.angular);
     }
 
     /// Adds the stiffness that an impulse at an arm makes, if it pulls.
