@@ -106,7 +106,7 @@ impl JointRows {
                 // SAFETY: by the contract; each batch is in one stage, and contacts go along with one.
                 unsafe {
                     match (stage.single, pass) {
-                        // What is exact needs no warm start.
+                        // See `predict`.
                         (_, None) => {}
                         (false, Some(pass)) => {
                             let touch = |seated: &Seated, body: &mut Toured<'_, f32x8>| {
@@ -122,6 +122,26 @@ impl JointRows {
                         }
                     }
                 }
+            }
+        }
+    }
+
+    /// What the joints of a batch of trees do before any row of the substep is solved.
+    ///
+    /// # Safety
+    /// No other thread works on its bodies.
+    pub(crate) unsafe fn predict(
+        views: &JointViews<'_>,
+        tree: TreeRef,
+        motion: &Motion<'_, '_>,
+        pass: &JointPass,
+    ) {
+        // SAFETY: by the contract.
+        unsafe {
+            if tree.is_single() {
+                views.tree.get(tree.index()).predict(motion, pass);
+            } else {
+                views.trees.get(tree.index()).predict(motion, pass);
             }
         }
     }

@@ -14,7 +14,7 @@ use super::joint_tour::Toured;
 use super::order::Place;
 use super::seats::Seated;
 use super::spatial::{Sym6, Twist, plus};
-use crate::lanes::{GatherLanes, Lanes, Mask, Quat, Record, Sym3, Vec3, gather, scatter};
+use crate::lanes::{GatherLanes, Lanes, Mask, Quat, Sym3, Vec3, gather, scatter};
 
 /// How a body turns on its parent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -82,8 +82,9 @@ pub(crate) struct Node<L> {
     pub(super) stiff: Sym6<L>,
     /// Velocity of the body per impulse on it, with the whole tree: if it has contacts that go along.
     pub(super) whole: Sym6<L>,
-    /// How much of that is pulled [kg m²].
+    /// How much of that is pulled, and how much it bears without more [kg m²].
     pulled: L,
+    bears: L,
     /// Of one pass.
     sum: Sym6<L>,
     pub(super) velocity: Twist<L>,
@@ -144,6 +145,7 @@ impl<L: Lanes> Default for Node<L> {
             pushed: Twist::zero(),
             turn: Quat { v: zero, w: one },
             pulled: L::zero(),
+            bears: L::zero(),
             sum: Sym6::zero(),
             velocity: Twist::zero(),
             before: Twist::zero(),
@@ -160,8 +162,6 @@ impl<L: Lanes> Default for Node<L> {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TreeBatch<L> {
     pub(crate) nodes: Vec<Node<L>>,
-    /// Bodies turned since the last solution.
-    pub(crate) fresh: bool,
     /// Share of an error that velocities take back within a substep.
     pub(crate) share: L,
     /// Half a substep, where nothing but joints and what pulls acts on the tree [s].
@@ -217,7 +217,6 @@ impl<L: GatherLanes> TreeBatch<L> {
     pub(crate) fn take_along(&mut self, contacts: (u32, u32)) {
         self.contacts = contacts;
         self.factor();
-        self.fresh = true;
     }
 
     /// From the leaves to the root: what each body is like with all that hangs on it.
@@ -261,7 +260,8 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// *Geometric Stiffness for Real-time Constrained Multibody Dynamics*, 2017).
     fn brace(&mut self, h: f32) {
         for node in &mut self.nodes {
-            (node.brace, node.pulled) = (Sym3::default(), L::zero());
+            let Vec3 { x, y, z } = node.moments.inertia;
+            (node.brace, node.pulled, node.bears) = (Sym3::default(), L::zero(), x + y + z);
         }
         let h = L::splat(h);
         for i in 0..self.nodes.len() {
@@ -274,26 +274,20 @@ impl<L: GatherLanes> TreeBatch<L> {
             let steady = L::select(blow, node.steady / L::select(blow, size, L::one()), L::one());
             let impulse = node.impulse * steady;
             node.pull(impulse, node.arm_now[0], h);
+            let mut gives = L::zero();
             if let Some(parent) = parent {
                 parent.pull(-impulse, node.arm_now[1], h);
+                let Vec3 { x, y, z } = parent.moments.inverse;
+                gives = parent.inverse_mass + node.arm_now[1].length_squared() * x.max(y).max(z);
             }
+            // To turn about its joint it has to move, or the joint.
+            node.bears += L::splat(2.0) * node.arm_now[0].length_squared() / (node.inverse_mass + gives);
         }
         self.braces = false;
         for node in &mut self.nodes {
-            let Vec3 { x, y, z } = node.moments.inertia;
-            let (pull, own) = (node.pulled, L::splat(0.5 * SAFE) * (x + y + z));
-            let much = pull.gt(own);
-            self.braces |= much.any();
-            let share = L::select(much, L::one() - own / pull, L::zero());
-            let b = node.brace;
-            node.brace = Sym3 {
-                xx: b.xx * share,
-                yy: b.yy * share,
-                zz: b.zz * share,
-                xy: b.xy * share,
-                xz: b.xz * share,
-                yz: b.yz * share,
-            };
+            let share = node.braced_share(L::one());
+            self.braces |= share.gt(L::zero()).any();
+            node.brace_by(share);
         }
     }
 
@@ -308,11 +302,28 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
-    /// One exact solution for all joints of the trees; `touch` solves what contacts of a body go along.
+    /// What joints do in a substep to what pulls, and to the impulses that rows and contacts start with: those with which
+    /// they are closed at its end (SHAKE, by Newton's method). An exact solution needs no warm start, and what acted at arms
+    /// that turn would be a wrong one: it makes a pendulum swing ever higher.
     ///
-    /// The first of a substep looks for the impulses with which joints are closed at its end (SHAKE, by Newton's method); the
-    /// others, for velocities that agree with it. There is no warm start: it would change nothing but what is left to
-    /// rounding, and what acted at an arm before would have to be turned with it.
+    /// # Safety
+    /// The bodies of the trees are in no other batch of the stage.
+    pub(crate) unsafe fn predict(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
+        // SAFETY: by the contract.
+        unsafe {
+            self.load(motion);
+            let free = self.is_free(motion);
+            self.lag = L::select(free, L::splat(0.5 * self.h), L::zero());
+        }
+        self.nodes.iter_mut().for_each(|node| (node.impulse, node.twist) = (Vec3::zero(), Vec3::zero()));
+        self.foresee();
+        self.sweep(pass, &[], |_, _| {});
+        self.refine(pass);
+        // SAFETY: by the contract.
+        unsafe { self.save(motion) };
+    }
+
+    /// One exact solution for all joints of the trees; `touch` solves what contacts of a body go along.
     ///
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
@@ -325,18 +336,13 @@ impl<L: GatherLanes> TreeBatch<L> {
     ) {
         // SAFETY: by the contract.
         unsafe { self.load(motion) };
-        let fresh = !pass.relax && std::mem::take(&mut self.fresh);
-        if fresh {
-            // SAFETY: by the contract.
-            unsafe { self.look_for_others(motion) };
-            self.nodes.iter_mut().for_each(|node| (node.impulse, node.twist) = (Vec3::zero(), Vec3::zero()));
-            self.foresee();
-        }
         let own = &contacts[self.contacts.0 as usize..self.contacts.1 as usize];
-        self.sweep(pass, own, touch);
-        if fresh && own.is_empty() {
-            self.refine(pass);
+        // SAFETY: by the contract.
+        if !pass.relax && own.is_empty() && unsafe { self.is_free(motion) }.bits() == (1 << L::N) - 1 {
+            // Nothing has acted since.
+            return;
         }
+        self.sweep(pass, own, touch);
         // SAFETY: by the contract.
         unsafe { self.save(motion) };
     }
@@ -412,7 +418,7 @@ impl<L: GatherLanes> TreeBatch<L> {
     ///
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
-    unsafe fn look_for_others(&mut self, motion: &Motion<'_, '_>) {
+    unsafe fn is_free(&self, motion: &Motion<'_, '_>) -> L::Mask {
         // SAFETY: by the contract.
         let read = |i| unsafe { motion.base.read(i) };
         let mut same = L::zero().eq(L::zero());
@@ -422,7 +428,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             same = same & v.x.eq(own.linear.x) & v.y.eq(own.linear.y) & v.z.eq(own.linear.z);
             same = same & w.x.eq(own.angular.x) & w.y.eq(own.angular.y) & w.z.eq(own.angular.z);
         }
-        self.lag = L::select(same, L::splat(0.5 * self.h), L::zero());
+        same
     }
 
     /// Where the velocities take bodies in the substep, turning freely.
@@ -466,7 +472,8 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// Whether a joint would be open by more than rounding at the end of the substep.
     fn misses(&self) -> bool {
         let h = L::splat(self.h);
-        let most = L::splat(MISS * MISS);
+        let touches = self.share.gt(L::zero());
+        let most = L::select(touches, L::splat(NEAR * NEAR), L::splat(MISS * MISS));
         (0..self.nodes.len()).any(|i| {
             let node = &self.nodes[i];
             if !node.jointed {
@@ -511,7 +518,6 @@ impl<L: GatherLanes> TreeBatch<L> {
         unsafe { self.shift(motion) };
         // SAFETY: by the contract.
         unsafe { self.save(motion) };
-        self.fresh = true;
     }
 
     /// One free drift over `self.h`.
@@ -535,6 +541,19 @@ impl<L: GatherLanes> TreeBatch<L> {
         let (whole, lag) = (self.h, self.lag);
         // Half of what pulls comes after.
         self.nodes.iter_mut().for_each(|node| node.velocity.linear -= node.pull * lag);
+        // In a shorter time what pulls turns a body back by less.
+        let less = L::splat(1.0 / (parts * parts));
+        let mut braces = false;
+        for node in self.nodes.iter_mut().filter(|_| self.braces) {
+            let (whole, part) = (node.braced_share(L::one()), node.braced_share(less));
+            braces |= part.gt(L::zero()).any();
+            let some = whole.gt(L::zero());
+            node.brace_by(L::select(some, part * less / L::select(some, whole, L::one()), L::zero()));
+        }
+        if std::mem::replace(&mut self.braces, braces) {
+            self.weigh();
+            self.factor();
+        }
         let still = JointPass::relaxing(1.0 / whole);
         let solving = JointPass { relax: false, inverse_h: 0.0, ..still };
         (self.h, self.lag) = (whole / parts, L::zero());
@@ -704,6 +723,8 @@ impl<L: GatherLanes> TreeBatch<L> {
 /// The most rounds of Newton's method in which a substep looks for the impulses of joints, and what is near enough [m], [rad].
 const ROUNDS: u32 = 6;
 const MISS: f32 = 2e-7;
+/// The same where there are contacts.
+const NEAR: f32 = 1e-5;
 /// What turns further than this in a substep is followed in parts [rad], and in how many at most.
 const TURN: f32 = 0.25;
 const MOST_PARTS: f32 = 16.0;
@@ -731,6 +752,22 @@ impl<L: Lanes> Node<L> {
     pub(super) fn shift(&mut self, by: Twist<L>) {
         self.moved.linear += by.linear;
         self.moved.angular = log_near(exp(by.angular).compose(exp(self.moved.angular)), self.moved.angular);
+    }
+
+    /// How much of what pulls is taken into the inertia, if it pulls that share of what it does in a substep.
+    #[inline(always)]
+    fn braced_share(&self, share: L) -> L {
+        let (pull, own) = (self.pulled * share, L::splat(0.5 * SAFE) * self.bears);
+        let much = pull.gt(own);
+        L::select(much, L::one() - own / L::select(much, pull, L::one()), L::zero())
+    }
+
+    #[inline(always)]
+    fn brace_by(&mut self, share: L) {
+        let b = &mut self.brace;
+        for entry in [&mut b.xx, &mut b.yy, &mut b.zz, &mut b.xy, &mut b.xz, &mut b.yz] {
+            *entry = *entry * share;
+        }
     }
 
     /// Adds the stiffness that an impulse at an arm makes, if it pulls.

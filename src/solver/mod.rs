@@ -115,6 +115,9 @@ pub(crate) fn solve(
         if substep == 0 {
             passes.run(crew, Kind::WarmStart, &batches, &joined, &motion);
         }
+        if joined_at_all {
+            passes.predict(crew, &joined, &motion);
+        }
         for _ in 0..settings.iterations {
             passes.run(crew, Kind::Solve, &batches, &joined, &motion);
         }

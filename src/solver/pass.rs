@@ -129,6 +129,25 @@ impl Passes {
         }
     }
 
+    /// Lets joints of trees act before any row of the substep is solved.
+    pub(crate) fn predict(&self, crew: &Crew<'_>, joined: &Joined<'_>, motion: &Motion<'_, '_>) {
+        let pass = JointPass {
+            inverse_h: self.inverse_h,
+            softness: self.joint,
+            push_speed: self.joint_push,
+            moved: false,
+            fresh: true,
+            relax: false,
+        };
+        for stage in joined.stages.iter().filter(|stage| stage.kind == JointType::Tree) {
+            // SAFETY: each batch is in one stage, and no body that can be moved is in two.
+            let one = |i: usize| unsafe {
+                JointRows::predict(joined.views, TreeRef::new(i, stage.single), motion, &pass);
+            };
+            share_out(crew, stage.start as usize..stage.end as usize, false, &one);
+        }
+    }
+
     /// Moves the bodies of trees, and closes their joints.
     pub(crate) fn go(
         crew: &Crew<'_>,
