@@ -15,7 +15,7 @@ use super::seats::{Seat, Seated, Seats, TreeRef};
 use crate::body::Bodies;
 use crate::broad_phase::Pair;
 use crate::joint::{Axes, Joints, Lock, LockKind, Motion, Row, RowKind};
-use crate::lanes::{Lanes, Sym3, f32x8};
+use crate::lanes::{Lanes, Record, Sym3, f32x8};
 use crate::memory::{Buffer, bytes_of};
 use crate::narrow_phase::NONE as NO_CONTACT;
 use crate::shape::Hot;
@@ -164,6 +164,8 @@ static ARRANGEMENTS: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64
 pub(crate) struct JointInput<'a> {
     pub(crate) bodies: &'a Bodies,
     pub(crate) inverse_inertia: &'a [Sym3<f32>],
+    /// What pulls bodies; empty if nothing does.
+    pub(crate) acceleration: &'a [Record],
     pub(crate) joints: &'a Joints,
     pub(crate) pairs: &'a [Pair],
     pub(crate) hot: &'a [Hot],
@@ -370,11 +372,11 @@ impl JointRows {
                 self.touching.get_mut(body).into_iter().for_each(|touches| *touches = true);
             }
         }
-        let (touching, inertia) = (self.touching.as_slice(), &*inverse_inertia);
+        let touching = self.touching.as_slice();
         let (count, trees) = (self.trees.len(), Shared::new(&mut self.trees));
         // SAFETY: each batch is in one block.
-        crew.run(count, &|i| tree(unsafe { trees.get(i) }, input, inertia, touching));
-        self.tree.iter_mut().for_each(|batch| tree(batch, input, inertia, touching));
+        crew.run(count, &|i| tree(unsafe { trees.get(i) }, input, touching));
+        self.tree.iter_mut().for_each(|batch| tree(batch, input, touching));
         let (seats, dynamic) = (&mut self.seats, input.bodies.dynamic());
         let mut put = |(loops, place): (bool, Place), seat: Seat, body: u32, inverse: Sym3<f32>| {
             inverse_inertia[body as usize] = inverse;

@@ -7,7 +7,7 @@ use super::joint_line::LineBatch;
 use super::joint_lock::{PointBatch, TurnBatch, mobility};
 use super::joint_measure::Measure;
 use super::joint_row::RowBatch;
-use super::joint_tree::{ALONE, TOUCHING, TreeBatch};
+use super::joint_tree::{TOUCHING, TreeBatch};
 use crate::joint::{Axes, Axis, Joint, LockKind, Motion, Placed, RowKind};
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
 use std::f32::consts::TAU;
@@ -290,19 +290,12 @@ const AWRY: f32 = 0.05;
 const GONE: f32 = 1e-4;
 
 /// `touching`: dynamic bodies that have contacts.
-pub(super) fn tree<L: GatherLanes>(
-    batch: &mut TreeBatch<L>,
-    input: &JointInput<'_>,
-    inverse_inertia: &[Sym3<f32>],
-    touching: &[bool],
-) {
-    let mut share = [ALONE; 8];
+pub(super) fn tree<L: GatherLanes>(batch: &mut TreeBatch<L>, input: &JointInput<'_>, touching: &[bool]) {
+    let mut share = [0.0; 8];
     let bodies = input.bodies;
     let (dynamic, movers) = (bodies.dynamic(), bodies.movers());
     for node in &mut batch.nodes {
         let side = usize::from(node.side);
-        // Of something, so that an inert lane has numbers too.
-        let mut own_inverse = Sym3 { xx: L::one(), yy: L::one(), zz: L::one(), ..Sym3::default() };
         for (lane, share) in share.iter_mut().enumerate().take(L::N) {
             let owner = node.owner[lane];
             if owner == NONE {
@@ -322,7 +315,13 @@ pub(super) fn tree<L: GatherLanes>(
             }
             let inverse = bodies.mass[own].inverse;
             node.inverse_mass.set_lane(lane, inverse);
-            put_sym(&mut own_inverse, lane, &inverse_inertia[own]);
+            let mass = &bodies.mass[own];
+            node.moments.put(lane, bodies.pose[own].rotation, mass.inertia, mass.inverse_inertia);
+            put(
+                &mut node.pull,
+                lane,
+                input.acceleration.get(own).map_or(glam::Vec3::ZERO, |pull| pull.linear),
+            );
             if node.jointed {
                 let at = Placed::new(dense.map(|i| &bodies.pose[i]), &joint.frames);
                 let sign = if side == 1 { 1.0 } else { -1.0 };
@@ -345,7 +344,6 @@ pub(super) fn tree<L: GatherLanes>(
                 }
             }
         }
-        node.inertia = inverse(&own_inverse);
     }
     batch.share = L::load(&share);
     batch.begin(input.h);

@@ -106,14 +106,14 @@ impl JointRows {
                 // SAFETY: by the contract; each batch is in one stage, and contacts go along with one.
                 unsafe {
                     match (stage.single, pass) {
-                        (false, None) => views.trees.get(i).warm_start(motion),
+                        // See `predict`.
+                        (_, None) => {}
                         (false, Some(pass)) => {
                             let touch = |seated: &Seated, body: &mut Toured<'_, f32x8>| {
                                 along.tour(seated, Ask::Solve(touching), body, motion)
                             };
                             views.trees.get(i).solve(motion, pass, along.seated, touch);
                         }
-                        (true, None) => views.tree.get(i).warm_start(motion),
                         (true, Some(pass)) => {
                             let touch = |seated: &Seated, body: &mut Toured<'_, f32>| {
                                 along.tour_single(seated, Ask::Solve(touching), body, motion)
@@ -122,6 +122,51 @@ impl JointRows {
                         }
                     }
                 }
+            }
+        }
+    }
+
+    /// What the joints of a batch of trees do before any row of the substep is solved.
+    ///
+    /// # Safety
+    /// No other thread works on its bodies.
+    pub(crate) unsafe fn predict(
+        views: &JointViews<'_>,
+        tree: TreeRef,
+        motion: &Motion<'_, '_>,
+        pass: &JointPass,
+    ) {
+        // SAFETY: by the contract.
+        unsafe {
+            if tree.is_single() {
+                views.tree.get(tree.index()).predict(motion, pass);
+            } else {
+                views.trees.get(tree.index()).predict(motion, pass);
+            }
+        }
+    }
+
+    /// Moves the bodies of a batch of trees on by a substep.
+    ///
+    /// # Safety
+    /// No other thread works on them.
+    pub(crate) unsafe fn go(
+        views: &JointViews<'_>,
+        tree: TreeRef,
+        motion: &Motion<'_, '_>,
+        closing: &Closing,
+        along: &Views<'_>,
+    ) {
+        // SAFETY: by the contract; contacts go along with one batch.
+        unsafe {
+            if tree.is_single() {
+                views.tree.get(tree.index()).go(motion, closing, along.seated, |seated, ask, body| {
+                    along.tour_single(seated, ask, body, motion);
+                });
+            } else {
+                views.trees.get(tree.index()).go(motion, closing, along.seated, |seated, ask, body| {
+                    along.tour(seated, ask, body, motion);
+                });
             }
         }
     }

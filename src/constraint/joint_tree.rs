@@ -8,12 +8,13 @@
 //! same shape share the lanes.
 
 use super::contact_row::Motion;
-use super::joint_ends::{JointPass, NONE, across, bend, inverse, swerve, turned};
+use super::free_turn::{Moments, exp, log, log_near, moved_by, normalized};
+use super::joint_ends::{JointPass, NONE, across, inverse};
 use super::joint_tour::Toured;
 use super::order::Place;
 use super::seats::Seated;
-use super::spatial::{Sym6, Twist, plus, scaled};
-use crate::lanes::{GatherLanes, Lanes, Mask, Sym3, Vec3, gather, scatter};
+use super::spatial::{Sym6, Twist, plus};
+use crate::lanes::{GatherLanes, Lanes, Mask, Quat, Sym3, Vec3, gather, scatter};
 
 /// How a body turns on its parent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -43,9 +44,11 @@ pub(crate) struct Node<L> {
     pub(crate) anchor: [u32; 8],
     /// Bit per lane: there is a body.
     pub(crate) write: u32,
-    /// The body's own, or more: see [`TreeBatch::weigh`].
+    /// The body's own.
     pub(crate) inverse_mass: L,
-    pub(crate) inertia: Sym3<L>,
+    pub(super) moments: Moments<L>,
+    /// What pulls the body [m/s²].
+    pub(crate) pull: Vec3<L>,
     /// From the centre of mass to the joint, of the body and of its parent, at the start of the step [m].
     pub(crate) arm: [Vec3<L>; 2],
     /// From the parent's point to the body's [m].
@@ -56,19 +59,22 @@ pub(crate) struct Node<L> {
     /// The same after the last substep.
     pub(super) arm_now: [Vec3<L>; 2],
     pub(super) apart_now: Vec3<L>,
-    axis_now: Vec3<L>,
+    axis_now: [Vec3<L>; 2],
     pub(super) error_now: Vec3<L>,
     /// How much faster the body leaves its parent in the mean over the next substep than it does at its start.
     bend: Twist<L>,
+    /// Principal axes and displacement after the last substep.
+    axes_now: Quat<L>,
+    pub(super) moved: Twist<L>,
     /// On the body, of the last substep: at the joint [N s], and about it [N m s].
     pub(crate) impulse: Vec3<L>,
     pub(crate) twist: Vec3<L>,
     /// How much of the impulse at the joint is no blow [N s].
     pub(crate) steady: L,
-    /// Inertia with what pulls on the body, its inverse, and the angular velocity that the tree gave in the last substep.
-    pub(super) braced: Sym3<L>,
+    /// What pulls on the body adds to its inertia; inertia with that, and its inverse.
+    brace: Sym3<L>,
+    braced: Sym3<L>,
     pub(super) braced_inverse: Sym3<L>,
-    gained: Vec3<L>,
     /// Inverse of the inertia of the body with all that hangs on it.
     pub(super) free: Sym6<L>,
     /// Impulse at the joint per velocity that it doesn't allow.
@@ -76,26 +82,32 @@ pub(crate) struct Node<L> {
     /// The same of both bodies, the parent with what hangs on it but for this branch and those before it; and the velocity of
     /// that parent per impulse on it.
     joined: Sym6<L>,
-    rest: Sym6<L>,
+    others: Sym6<L>,
     /// Velocity of the body per impulse on it, with the whole tree: if it has contacts that go along.
     pub(super) whole: Sym6<L>,
-    /// How much of that is pulled [kg m²].
+    /// How much of that is pulled, and how much it bears without more [kg m²].
     pulled: L,
+    bears: L,
     /// Of one pass.
     pub(super) velocity: Twist<L>,
-    /// Of what a root hangs on.
+    /// The velocity before the pass.
+    before: Twist<L>,
+    /// Velocity and displacement of what a root hangs on.
     pub(super) anchored: Twist<L>,
+    anchor_moved: Twist<L>,
     pub(super) carried: Twist<L>,
     pub(super) asked: Twist<L>,
     pub(super) change: Twist<L>,
     pub(super) pending: Twist<L>,
-    /// What contacts that go along push the body by; with what its joints do; and what of `carried` the parent had from the
-    /// branches after this one.
+    /// What contacts that go along gave the body.
     pub(super) pushed: Twist<L>,
+    /// The same with what its joints give it; and what of `carried` the parent had from the branches after this one.
     pushes: Twist<L>,
     beside: Twist<L>,
     /// Of the joint, taken from the body at its arm.
     force: Twist<L>,
+    /// The turn of a substep.
+    turn: Quat<L>,
 }
 
 impl<L: Lanes> Default for Node<L> {
@@ -113,35 +125,42 @@ impl<L: Lanes> Default for Node<L> {
             write: 0,
             // Of something, so that an inert lane has numbers too.
             inverse_mass: one,
-            inertia: Sym3 { xx: one, yy: one, zz: one, ..Sym3::default() },
+            moments: Moments::default(),
+            pull: zero,
             arm: [zero; 2],
             apart: zero,
             axis: [Vec3::new(one, L::zero(), L::zero()); 2],
             error: zero,
             arm_now: [zero; 2],
             apart_now: zero,
-            axis_now: zero,
+            axis_now: [zero; 2],
             error_now: zero,
             bend: Twist::zero(),
+            axes_now: Quat { v: zero, w: one },
+            moved: Twist::zero(),
             impulse: zero,
             twist: zero,
             steady: L::zero(),
+            brace: Sym3::default(),
             braced: Sym3::default(),
             braced_inverse: Sym3::default(),
-            gained: zero,
             free: Sym6::zero(),
             stiff: Sym6::zero(),
             whole: Sym6::zero(),
             pending: Twist::zero(),
             pushed: Twist::zero(),
+            turn: Quat { v: zero, w: one },
+            pulled: L::zero(),
+            bears: L::zero(),
+            joined: Sym6::zero(),
+            others: Sym6::zero(),
             pushes: Twist::zero(),
             beside: Twist::zero(),
             force: Twist::zero(),
-            joined: Sym6::zero(),
-            rest: Sym6::zero(),
-            pulled: L::zero(),
             velocity: Twist::zero(),
+            before: Twist::zero(),
             anchored: Twist::zero(),
+            anchor_moved: Twist::zero(),
             carried: Twist::zero(),
             asked: Twist::zero(),
             change: Twist::zero(),
@@ -153,10 +172,12 @@ impl<L: Lanes> Default for Node<L> {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TreeBatch<L> {
     pub(crate) nodes: Vec<Node<L>>,
-    /// Bodies turned since the last solution.
-    pub(crate) fresh: bool,
-    /// Share of an error that is taken back within a substep.
+    /// Share of an error that velocities take back within a substep.
     pub(crate) share: L,
+    /// Half a substep, where nothing but joints and what pulls acts on the tree [s].
+    pub(super) lag: L,
+    /// Whether anything is braced.
+    pub(super) braces: bool,
     /// A joint lets its bodies collide: a loop with their contact, of which the tree knows nothing. Contacts don't go along,
     /// and what is open is left to the velocities.
     pub(crate) loops: bool,
@@ -174,10 +195,9 @@ pub(crate) struct TreeBatch<L> {
 /// links of a 50,000th already lose some digits that they need, and of a millionth all.
 const LIGHTEST: f32 = 5e-5;
 
-/// Share of an error that is taken back within a substep. Contacts see a tree body by body: what both agree on they find
-/// slowly, and an error that is taken back faster makes what they do not agree on grow (see
+/// Share of an error that velocities take back within a substep, of trees that touch something. Contacts see a tree body by
+/// body: what both agree on they find slowly, and an error that is taken back faster makes what they do not agree on grow (see
 /// [`Softness::stiffest`](super::contact_row::Softness::stiffest), with a load that does not yield).
-pub(crate) const ALONE: f32 = 0.2;
 pub(crate) const TOUCHING: f32 = 0.05;
 
 impl<L> TreeBatch<L> {
@@ -197,9 +217,22 @@ impl<L: GatherLanes> TreeBatch<L> {
         (before.get_mut(node.parent as usize), node)
     }
 
+    /// Takes arms and impulses as they are at the start of a step.
+    pub(crate) fn begin(&mut self, h: f32) {
+        for node in &mut self.nodes {
+            (node.arm_now, node.apart_now) = (node.arm, node.apart);
+            (node.axis_now, node.error_now) = (node.axis, node.error);
+            (node.axes_now, node.moved) = (node.moments.axes, Twist::zero());
+        }
+        self.h = h;
+        self.burden();
+        self.brace(h);
+        self.weigh();
+    }
+
     /// Bodies so light that what hangs on them would drown them in rounding count as heavier: a share of that, at the cost of as
     /// much in what the tree weighs.
-    fn weigh(&mut self) {
+    fn burden(&mut self) {
         self.weighted = 0;
         for node in &mut self.nodes {
             // What hangs on it.
@@ -213,30 +246,24 @@ impl<L: GatherLanes> TreeBatch<L> {
             if let Some(parent) = parent {
                 parent.pulled += node.pulled + L::one() / node.inverse_mass;
             }
-            node.inverse_mass = node.inverse_mass / factor;
-            node.inertia = scaled(&node.inertia, factor);
+            let less = L::one() / factor;
+            node.inverse_mass = node.inverse_mass * less;
+            node.moments.inertia = node.moments.inertia * factor;
+            node.moments.inverse = node.moments.inverse * less;
             let bits = light.bits() & node.write;
             self.weighted |= bits;
         }
     }
 
-    /// Takes arms and impulses as they are at the start of a step.
-    pub(crate) fn begin(&mut self, h: f32) {
-        self.weigh();
-        for node in &mut self.nodes {
-            (node.arm_now, node.apart_now) = (node.arm, node.apart);
-            (node.axis_now, node.error_now) = (node.axis[0], node.error);
-            node.gained = Vec3::zero();
-        }
-        self.h = h;
-        self.brace(h);
+    /// Trees that touch nothing: what pulls in them is no blow.
+    fn is_alone(&self) -> L::Mask {
+        !self.share.gt(L::zero())
     }
 
     /// Takes contacts along, and is ready to be solved.
     pub(crate) fn take_along(&mut self, contacts: (u32, u32)) {
         self.contacts = contacts;
         self.factor();
-        self.fresh = true;
     }
 
     /// From the leaves to the root: what each body is like with all that hangs on it.
@@ -255,20 +282,15 @@ impl<L: GatherLanes> TreeBatch<L> {
             let mut mobility = node.free.mobility_at(arm);
             node.stiff = node.held_by(&mobility);
             if let Some(parent) = parent {
-                node.rest = parent.free;
-                mobility.add(&node.rest.mobility_at(above));
+                node.others = parent.free;
+                mobility.add(&node.others.mobility_at(above));
                 node.joined = node.held_by(&mobility);
-                parent.free = node.rest.joined_at(above, &node.joined);
+                parent.free = node.others.joined_at(above, &node.joined);
             }
         }
         if self.contacts.0 < self.contacts.1 {
             self.answer();
         }
-    }
-
-    /// Trees that touch nothing: what pulls in them is no blow.
-    fn is_alone(&self) -> L::Mask {
-        self.share.gt(L::splat(TOUCHING))
     }
 
     /// What pulls at an arm turns a body back, the faster the lighter the body is: a chain that bears a thousand times its
@@ -277,7 +299,8 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// *Geometric Stiffness for Real-time Constrained Multibody Dynamics*, 2017).
     fn brace(&mut self, h: f32) {
         for node in &mut self.nodes {
-            (node.braced, node.pulled) = (Sym3::default(), L::zero());
+            let Vec3 { x, y, z } = node.moments.inertia;
+            (node.brace, node.pulled, node.bears) = (Sym3::default(), L::zero(), x + y + z);
         }
         let (h, alone) = (L::splat(h), self.is_alone());
         for i in 0..self.nodes.len() {
@@ -290,62 +313,62 @@ impl<L: GatherLanes> TreeBatch<L> {
             let steady = L::select(blow, node.steady / L::select(blow, size, L::one()), L::one());
             let impulse = node.impulse * steady;
             node.pull(impulse, node.arm_now[0], h);
+            let mut gives = L::zero();
             if let Some(parent) = parent {
                 parent.pull(-impulse, node.arm_now[1], h);
+                let Vec3 { x, y, z } = parent.moments.inverse;
+                gives = parent.inverse_mass + node.arm_now[1].length_squared() * x.max(y).max(z);
             }
+            // To turn about its joint it has to move, or the joint.
+            node.bears += L::splat(2.0) * node.arm_now[0].length_squared() / (node.inverse_mass + gives);
         }
+        self.braces = false;
         for node in &mut self.nodes {
-            let Sym3 { xx, yy, zz, .. } = node.inertia;
-            let (pull, own) = (node.pulled, L::splat(0.5 * SAFE) * (xx + yy + zz));
-            let share = L::select(pull.gt(own), L::one() - own / pull, L::zero());
-            node.braced = plus(&node.inertia, &scaled(&node.braced, share));
-            node.braced_inverse = inverse(&node.braced);
+            let share = node.braced_share(L::one());
+            self.braces |= share.gt(L::zero()).any();
+            node.brace_by(share);
         }
     }
 
-    /// Applies the impulses of the last step.
+    /// Inertias as bodies are turned now.
+    fn weigh(&mut self) {
+        for node in &mut self.nodes {
+            [node.braced, node.braced_inverse] = node.moments.in_world(node.axes_now);
+            if self.braces {
+                node.braced = plus(&node.braced, &node.brace);
+                node.braced_inverse = inverse(&node.braced);
+            }
+        }
+    }
+
+    /// What joints do in a substep to what pulls, and to the impulses that rows and contacts start with: those with which
+    /// they are closed at its end (SHAKE, by Newton's method). An exact solution needs no warm start, and what acted at arms
+    /// that turn would be a wrong one: it makes a pendulum swing ever higher.
     ///
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
-    pub(crate) unsafe fn warm_start(&mut self, motion: &Motion<'_, '_>) {
-        // SAFETY: by the contract; what velocities were is not written while rows are solved.
+    pub(crate) unsafe fn predict(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
+        // SAFETY: by the contract.
         unsafe {
-            self.foresee(motion, self.h);
             self.load(motion);
+            let free = self.is_free(motion);
+            self.lag = L::select(free, L::splat(0.5 * self.h), L::zero());
         }
-        for i in 0..self.nodes.len() {
-            let (parent, node) = self.with_parent(i);
-            node.velocity.linear += node.impulse * node.inverse_mass;
-            if let Some(parent) = parent {
-                parent.velocity.linear -= node.impulse * parent.inverse_mass;
+        if self.is_alone().any() {
+            // A load may come within a substep.
+            let braced = self.braces;
+            self.brace(self.h);
+            if braced || self.braces {
+                self.weigh();
+                self.factor();
             }
         }
-        self.turn_along();
-        self.fresh = false;
+        self.nodes.iter_mut().for_each(|node| (node.impulse, node.twist) = (Vec3::zero(), Vec3::zero()));
+        self.foresee();
+        self.sweep(pass, &[], |_, _| {});
+        self.refine(pass);
         // SAFETY: by the contract.
         unsafe { self.save(motion) };
-    }
-
-    /// The angular velocities that bodies get from the impulses, and from what pulls, at arms as they are now: what warm
-    /// starting adds to the velocities is as if bodies had not turned, and a pendulum would gain energy.
-    fn turn_along(&mut self) {
-        for node in self.nodes.iter_mut().filter(|node| node.turns == Turns::AboutAxis) {
-            // A hinge bears nothing about its axis, which has turned.
-            node.twist -= node.axis_now * node.axis_now.dot(node.twist);
-        }
-        self.nodes.iter_mut().for_each(|node| node.asked = Twist::zero());
-        for i in 0..self.nodes.len() {
-            let (parent, node) = self.with_parent(i);
-            node.asked.angular += node.arm_now[0].cross(node.impulse) + node.twist;
-            if let Some(parent) = parent {
-                parent.asked.angular -= node.arm_now[1].cross(node.impulse) + node.twist;
-            }
-        }
-        for node in &mut self.nodes {
-            let own = node.velocity.angular - node.gained;
-            node.velocity.angular = node.braced_inverse.mul(node.inertia.mul(own) + node.asked.angular);
-            node.gained = node.velocity.angular - own;
-        }
     }
 
     /// One exact solution for all joints of the trees; `touch` solves what contacts of a body go along.
@@ -359,50 +382,61 @@ impl<L: GatherLanes> TreeBatch<L> {
         contacts: &[Seated],
         touch: impl FnMut(&Seated, &mut Toured<'_, L>),
     ) {
-        if pass.moved {
-            // SAFETY: displacements are not written while rows are solved.
-            unsafe { self.follow(motion) };
-            if self.is_alone().any() {
-                // A load may come within a substep.
-                self.brace(self.h);
-            }
-            self.factor();
-            self.fresh = true;
-        }
-        let fresh = !pass.relax && std::mem::take(&mut self.fresh);
-        if fresh {
-            // SAFETY: these velocities are not written while rows are solved.
-            unsafe { self.foresee(motion, 1.0 / pass.inverse_h) };
-        }
         // SAFETY: by the contract.
         unsafe { self.load(motion) };
-        if fresh {
-            self.turn_along();
-        }
-        let rate = if pass.relax { L::zero() } else { self.share * L::splat(pass.inverse_h) };
-        let beside = |node: &Node<L>| {
-            let mut beside =
-                Twist { linear: pass.bias(node.apart_now, rate), angular: pass.bias(node.error_now, rate) };
-            if !pass.relax {
-                beside.add(node.bend);
-            }
-            beside
-        };
-        self.gather_up(beside);
         let own = &contacts[self.contacts.0 as usize..self.contacts.1 as usize];
-        if !own.is_empty() {
-            self.tour(own, touch);
-            self.gather_up(beside);
+        // SAFETY: by the contract.
+        if !pass.relax && own.is_empty() && unsafe { self.is_free(motion) }.bits() == (1 << L::N) - 1 {
+            // Nothing has acted since.
+            return;
+        }
+        self.sweep(pass, own, touch);
+        // SAFETY: by the contract.
+        unsafe { self.save(motion) };
+    }
+
+    /// Further rounds of Newton's method.
+    fn refine(&mut self, pass: &JointPass) {
+        for _ in 1..ROUNDS {
+            self.foresee();
+            if !self.misses() {
+                break;
+            }
+            self.sweep(pass, &[], |_, _| {});
+        }
+    }
+
+    /// From the leaves to the root and back.
+    fn sweep(
+        &mut self,
+        pass: &JointPass,
+        contacts: &[Seated],
+        touch: impl FnMut(&Seated, &mut Toured<'_, L>),
+    ) {
+        self.nodes.iter_mut().for_each(Node::rest);
+        let rate = if pass.relax { L::zero() } else { self.share * L::splat(pass.inverse_h) };
+        let asked = |node: &Node<L>, parent: Option<&Node<L>>| {
+            let [arm, other] = node.arm_now;
+            let mut asked = node.velocity.seen_at(arm);
+            asked.subtract(parent.map_or(node.anchored, |parent| parent.velocity).seen_at(other));
+            asked.linear += pass.bias(node.apart_now, rate);
+            asked.angular += pass.bias(node.error_now, rate);
+            if !pass.relax {
+                asked.add(node.bend);
+            }
+            asked
+        };
+        self.gather_up(asked);
+        if !contacts.is_empty() {
+            self.tour(contacts, touch);
+            self.gather_up(asked);
         }
         self.answer_all();
         for node in &mut self.nodes {
             node.impulse -= node.force.linear;
             node.twist -= node.force.angular;
-            node.gained += node.change.angular - node.braced_inverse.mul(node.pushed.angular);
             node.velocity.add(node.change);
         }
-        // SAFETY: by the contract.
-        unsafe { self.save(motion) };
     }
 
     /// From the root to the leaves: impulses of joints that answer what is asked for, and the changes of velocity by them and
@@ -422,7 +456,7 @@ impl<L: GatherLanes> TreeBatch<L> {
                 Some(parent) => {
                     let mut asked = node.asked;
                     node.beside.add(parent.pushes);
-                    asked.subtract(node.rest.mul(&node.beside).seen_at(other));
+                    asked.subtract(node.others.mul(&node.beside).seen_at(other));
                     let force = node.joined.mul(&asked);
                     parent.pushes.add(force.moved(other));
                     force
@@ -438,93 +472,284 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
-    /// From the leaves to the root: what velocities, and what is asked for beside them, leave to each joint.
+    /// From the leaves to the root: what is `asked` of each joint, and of what that leaves to it.
     #[inline(always)]
-    pub(super) fn gather_up(&mut self, beside: impl Fn(&Node<L>) -> Twist<L>) {
+    pub(super) fn gather_up(&mut self, asked: impl Fn(&Node<L>, Option<&Node<L>>) -> Twist<L>) {
         self.nodes.iter_mut().for_each(|node| node.carried = Twist::zero());
         for i in (0..self.nodes.len()).rev() {
             let (parent, node) = self.with_parent(i);
             if !node.jointed {
                 continue;
             }
-            let above = parent.as_ref().map_or(node.anchored, |parent| parent.velocity);
             let mut carried = node.carried;
             carried.add(node.pushed);
             let carried = node.free.mul(&carried);
-            let [arm, other] = node.arm_now;
-            node.asked = Twist {
-                linear: node.velocity.at(arm) + carried.at(arm) - above.at(other),
-                angular: node.velocity.angular + carried.angular - above.angular,
-            };
-            node.asked.add(beside(node));
+            node.asked = carried.seen_at(node.arm_now[0]);
+            node.asked.add(asked(node, parent.as_deref()));
+            if node.turns == Turns::AboutAxis {
+                // What spins about its hinge fast would leave some of that to rounding.
+                let axis = node.axis_now[0];
+                node.asked.angular -= axis * axis.dot(node.asked.angular);
+            }
             if let Some(parent) = parent {
                 node.beside = parent.carried;
-                parent.carried.add(node.stiff.mul(&node.asked).moved(other));
+                parent.carried.add(node.stiff.mul(&node.asked).moved(node.arm_now[1]));
             }
         }
     }
 
-    /// Where bodies go in a substep as they turn at its start. Not as the rows before want them to turn: what can't have what
-    /// it wants, and light links under a load, would turn any way within it.
+    /// Whether nothing but joints and what pulls acts on the trees: then they fall as what is free does, along parabolas.
     ///
     /// # Safety
-    /// No thread writes these velocities.
-    unsafe fn foresee(&mut self, motion: &Motion<'_, '_>, h: f32) {
+    /// The bodies of the trees are in no other batch of the stage.
+    unsafe fn is_free(&self, motion: &Motion<'_, '_>) -> L::Mask {
         // SAFETY: by the contract.
         let read = |i| unsafe { motion.base.read(i) };
+        let mut same = L::zero().eq(L::zero());
+        for node in &self.nodes {
+            let (v, w): (Vec3<L>, Vec3<L>) = gather(read, &node.body);
+            let own = &node.velocity;
+            same = same & v.x.eq(own.linear.x) & v.y.eq(own.linear.y) & v.z.eq(own.linear.z);
+            same = same & w.x.eq(own.angular.x) & w.y.eq(own.angular.y) & w.z.eq(own.angular.z);
+        }
+        same
+    }
+
+    /// Where the velocities take bodies in the substep, turning freely.
+    fn foresee(&mut self) {
+        let (h, over) = (L::splat(self.h), L::splat(1.0 / self.h));
         for i in 0..self.nodes.len() {
+            let lag = self.lag;
             let (parent, node) = self.with_parent(i);
-            let own = gather(read, &node.body).1;
-            node.change.angular = own;
+            let own = node.velocity;
+            node.turn = node.moments.flow(node.axes_now, own.angular, h).0;
             if !node.jointed {
                 continue;
             }
-            let above = match parent {
-                Some(parent) => parent.change.angular,
-                // SAFETY: what stands still or is moved by the caller is written by no row.
-                None => gather(|i| unsafe { motion.velocity.read(i) }, &node.anchor).1,
+            let (above, turn, pull) = match parent {
+                Some(parent) => (parent.velocity, parent.turn, parent.pull),
+                None => (node.anchored, exp(node.anchored.angular * h), Vec3::zero()),
             };
-            let ([arm, other], h) = (node.arm_now, L::splat(h));
-            node.bend.linear = bend(own, arm, h) - bend(above, other, h);
-            if node.turns == Turns::AboutAxis {
-                node.bend.angular = swerve(own, node.axis_now, h) - swerve(above, node.axis_now, h);
+            let [arm, other] = node.arm_now;
+            let (at, there) = (moved_by(node.turn, arm), moved_by(turn, other));
+            node.bend.linear = (at - there) * over
+                - (own.angular.cross(arm) - above.angular.cross(other))
+                - (node.pull - pull) * lag;
+            let faster = own.angular - above.angular;
+            match node.turns {
+                Turns::Freely => {}
+                Turns::AboutAxis => {
+                    let [a, b] = node.axis_now;
+                    let (at, there) = (moved_by(node.turn, a), moved_by(turn, b));
+                    // (b + there) x (a + at) - b x a
+                    let more = b.cross(at) + there.cross(a + at);
+                    node.bend.angular = more * over - faster;
+                }
+                Turns::Not => {
+                    let error = log(node.turn.compose(exp(node.error_now)).compose(turn.conjugate()));
+                    node.bend.angular = (error - node.error_now) * over - faster;
+                }
             }
         }
     }
 
-    /// Arms and separations after displacements.
+    /// Whether a joint would be open by more than rounding at the end of the substep.
+    fn misses(&self) -> bool {
+        let h = L::splat(self.h);
+        let touches = self.share.gt(L::zero());
+        let most = L::select(touches, L::splat(NEAR * NEAR), L::splat(MISS * MISS));
+        (0..self.nodes.len()).any(|i| {
+            let node = &self.nodes[i];
+            if !node.jointed {
+                return false;
+            }
+            let above = self.nodes.get(node.parent as usize).map_or(node.anchored, |parent| parent.velocity);
+            let [arm, other] = node.arm_now;
+            let apart = node.velocity.at(arm) - above.at(other) + node.bend.linear;
+            let mut off = (apart * h).length_squared();
+            if node.turns != Turns::Freely {
+                let mut error = node.velocity.angular - above.angular + node.bend.angular;
+                if node.turns == Turns::AboutAxis {
+                    error -= node.axis_now[0] * node.axis_now[0].dot(error);
+                }
+                off = off.max((error * h).length_squared());
+            }
+            off.gt(most).bits() & node.write != 0
+        })
+    }
+
+    /// Moves the bodies on by a substep: each turns freely, with its angular momentum. What all other bodies do in a substep,
+    /// which is to turn by their angular velocities at its start, loses the momentum of what spins fast.
+    ///
+    /// # Safety
+    /// No other thread works on the bodies of the trees.
+    pub(super) unsafe fn advance(&mut self, motion: &Motion<'_, '_>) {
+        // SAFETY: by the contract.
+        unsafe {
+            self.load(motion);
+            self.fetch_anchors(motion);
+        }
+        let fastest = |most: L, node: &Node<L>| most.max(node.velocity.angular.length_squared());
+        let fastest = self.nodes.iter().fold(L::zero(), fastest);
+        let fastest = (0..L::N).map(|lane| fastest.lane(lane)).fold(0.0, f32::max).sqrt();
+        let parts = (fastest * self.h * (1.0 / TURN)).ceil().clamp(1.0, MOST_PARTS);
+        if parts > 1.0 {
+            self.whirl(parts);
+        } else {
+            self.drift(self.lag);
+        }
+        // SAFETY: by the contract.
+        unsafe { self.shift(motion) };
+        // SAFETY: by the contract.
+        unsafe { self.save(motion) };
+    }
+
+    /// One free drift over `self.h`.
+    fn drift(&mut self, lag: L) {
+        let h = L::splat(self.h);
+        for node in &mut self.nodes {
+            let Twist { linear, angular } = node.velocity;
+            let (turn, more) = node.moments.flow(node.axes_now, angular, h);
+            node.moved.linear += (linear - node.pull * lag) * h;
+            let near = node.moved.angular + angular * h;
+            node.moved.angular = log_near(turn.compose(exp(node.moved.angular)), near);
+            node.velocity.angular += more;
+        }
+    }
+
+    /// The same in parts, where something spins so fast that the impulses of joints would not be found: each part is solved as
+    /// a substep is, of what is joined alone.
+    #[cold]
+    #[inline(never)]
+    fn whirl(&mut self, parts: f32) {
+        let (whole, lag) = (self.h, self.lag);
+        // Half of what pulls comes after.
+        self.nodes.iter_mut().for_each(|node| node.velocity.linear -= node.pull * lag);
+        // In a shorter time what pulls turns a body back by less.
+        let less = L::splat(1.0 / (parts * parts));
+        let mut braces = false;
+        for node in self.nodes.iter_mut().filter(|_| self.braces) {
+            let (whole, part) = (node.braced_share(L::one()), node.braced_share(less));
+            braces |= part.gt(L::zero()).any();
+            let some = whole.gt(L::zero());
+            node.brace_by(L::select(some, part * less / L::select(some, whole, L::one()), L::zero()));
+        }
+        if std::mem::replace(&mut self.braces, braces) {
+            self.weigh();
+            self.factor();
+        }
+        let still = JointPass::relaxing(1.0 / whole);
+        let solving = JointPass { relax: false, inverse_h: 0.0, ..still };
+        (self.h, self.lag) = (whole / parts, L::zero());
+        self.sweep(&still, &[], |_, _| {});
+        for part in 1..=parts as u32 {
+            self.foresee();
+            self.sweep(&solving, &[], |_, _| {});
+            self.refine(&solving);
+            self.drift(L::zero());
+            self.place(L::splat(whole - self.h * part as f32));
+            self.factor();
+            self.settle();
+            self.sweep(&still, &[], |_, _| {});
+        }
+        (self.h, self.lag) = (whole, lag);
+        self.nodes.iter_mut().for_each(|node| node.velocity.linear += node.pull * lag);
+    }
+
+    /// What is open after a drift is closed, but where there are contacts, which know nothing of it.
+    pub(super) fn settle(&mut self) {
+        let share = L::select(self.share.gt(L::zero()), L::zero(), L::one());
+        self.nodes.iter_mut().for_each(Node::rest);
+        self.gather_up(|node, _| node.open());
+        self.answer_all();
+        for node in &mut self.nodes {
+            node.shift(node.change.scaled(share));
+        }
+        self.place(L::zero());
+    }
+
+    /// Displacements after all bodies moved.
+    ///
+    /// # Safety
+    /// No thread writes displacements of the trees.
+    unsafe fn fetch(&mut self, motion: &Motion<'_, '_>) {
+        // SAFETY: by the contract.
+        let read = |i| unsafe { motion.delta.read(i) };
+        for node in &mut self.nodes {
+            let (linear, angular) = gather(read, &node.body);
+            node.moved = Twist { linear, angular };
+        }
+        // SAFETY: by the contract.
+        unsafe { self.fetch_anchors(motion) };
+    }
+
+    /// # Safety
+    /// No thread writes displacements.
+    unsafe fn fetch_anchors(&mut self, motion: &Motion<'_, '_>) {
+        for node in self.nodes.iter_mut().filter(|node| node.parent == NONE) {
+            // SAFETY: by the contract.
+            let (linear, angular) = gather(|i| unsafe { motion.delta.read(i) }, &node.anchor);
+            node.anchor_moved = Twist { linear, angular };
+        }
+    }
+
+    /// Arms, separations and inertias after displacements, some time before what trees hang on is where it is to be [s].
+    fn place(&mut self, left: L) {
+        for i in 0..self.nodes.len() {
+            let (parent, node) = self.with_parent(i);
+            node.turn = exp(node.moved.angular);
+            node.axes_now = normalized(node.turn.compose(node.moments.axes));
+            if !node.jointed {
+                continue;
+            }
+            let (above, turn) = match parent {
+                Some(parent) => (parent.moved.linear, parent.turn),
+                None => {
+                    let (end, v) = (node.anchor_moved, node.anchored);
+                    (end.linear - v.linear * left, exp(end.angular - v.angular * left))
+                }
+            };
+            let [arm, other] = node.arm;
+            let [at, there] = [moved_by(node.turn, arm), moved_by(turn, other)];
+            node.arm_now = [arm + at, other + there];
+            node.apart_now = node.apart + (node.moved.linear - above) + (at - there);
+            match node.turns {
+                Turns::Freely => {}
+                Turns::AboutAxis => {
+                    node.axis_now = [node.turn.rotate(node.axis[0]), turn.rotate(node.axis[1])];
+                    node.error_now = node.axis_now[1].cross(node.axis_now[0]);
+                }
+                Turns::Not => {
+                    node.error_now = log(node.turn.compose(exp(node.error)).compose(turn.conjugate()));
+                }
+            }
+        }
+        self.weigh();
+    }
+
+    /// The same after displacements that others wrote.
     ///
     /// # Safety
     /// No thread writes displacements of the trees.
     pub(super) unsafe fn follow(&mut self, motion: &Motion<'_, '_>) {
         // SAFETY: by the contract.
-        let read = |i| unsafe { motion.delta.read(i) };
-        for i in 0..self.nodes.len() {
-            let (parent, node) = self.with_parent(i);
-            let (linear, angular) = gather(read, &node.body);
-            node.change = Twist { linear, angular };
-            if !node.jointed {
-                continue;
-            }
-            let above = match parent {
-                Some(parent) => parent.change,
-                None => {
-                    let (linear, angular) = gather(read, &node.anchor);
-                    Twist { linear, angular }
-                }
-            };
-            let [arm, other] = node.arm;
-            node.arm_now = [turned(angular, arm), turned(above.angular, other)];
-            let moved = (linear - above.linear) + (node.arm_now[0] - arm) - (node.arm_now[1] - other);
-            node.apart_now = node.apart + moved;
-            match node.turns {
-                Turns::Freely => {}
-                Turns::AboutAxis => {
-                    node.axis_now = turned(angular, node.axis[0]);
-                    node.error_now = turned(above.angular, node.axis[1]).cross(node.axis_now);
-                }
-                // What both turn together changes nothing.
-                Turns::Not => node.error_now = node.error + (angular - above.angular),
+        unsafe { self.fetch(motion) };
+        self.place(L::zero());
+    }
+
+    /// Writes displacements.
+    ///
+    /// # Safety
+    /// No other thread works on the bodies of the trees.
+    pub(super) unsafe fn shift(&self, motion: &Motion<'_, '_>) {
+        for node in &self.nodes {
+            let delta = scatter(node.moved.linear, node.moved.angular);
+            for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
+                // SAFETY: by the contract; no body is twice in a batch.
+                let to = unsafe { motion.delta.get(node.body[lane] as usize) };
+                (to.linear, to.angular) = (delta[lane].linear, delta[lane].angular);
+                // Something acted on it, and it is turned already.
+                (to.pad0, to.pad1) = (1.0, 1.0);
             }
         }
     }
@@ -539,26 +764,53 @@ impl<L: GatherLanes> TreeBatch<L> {
         for node in &mut self.nodes {
             let (linear, angular) = gather(read, &node.body);
             node.velocity = Twist { linear, angular };
-            node.pushed = Twist::zero();
+            node.before = node.velocity;
             if node.parent == NONE {
                 let (linear, angular) = gather(read, &node.anchor);
                 node.anchored = Twist { linear, angular };
             }
+            node.pushed = Twist::zero();
         }
     }
 
+    /// What joints changed is no warm start for the next substep: rows see it as if it had been there before them.
+    ///
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
     unsafe fn save(&self, motion: &Motion<'_, '_>) {
         for node in &self.nodes {
-            let out = scatter(node.velocity.linear, node.velocity.angular);
+            let mut own = node.velocity;
+            own.subtract(node.before);
+            own.linear -= node.pushed.linear * node.inverse_mass;
+            own.angular -= node.braced_inverse.mul(node.pushed.angular);
+            let all = scatter(node.velocity.linear, node.velocity.angular);
+            let own = scatter(own.linear, own.angular);
             for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
+                let (body, new) = (node.body[lane] as usize, all[lane]);
+                if !(new.linear.abs().max(new.angular.abs()).max_element() < RUNAWAY) {
+                    // No number any more, or as good as none.
+                    continue;
+                }
                 // SAFETY: by the contract; no body is twice in a batch.
-                unsafe { *motion.velocity.get(node.body[lane] as usize) = out[lane] };
+                let (v, base) = unsafe { (motion.velocity.get(body), motion.base.get(body)) };
+                (v.linear, v.angular) = (new.linear, new.angular);
+                base.linear += own[lane].linear;
+                base.angular += own[lane].angular;
             }
         }
     }
 }
+
+/// The most rounds of Newton's method in which a substep looks for the impulses of joints, and what is near enough [m], [rad].
+const ROUNDS: u32 = 6;
+const MISS: f32 = 2e-7;
+/// The same where there are contacts.
+const NEAR: f32 = 1e-5;
+/// What turns further than this in a substep is followed in parts [rad], and in how many at most.
+const TURN: f32 = 0.25;
+const MOST_PARTS: f32 = 16.0;
+/// What is faster than this [m/s] or [rad/s] goes on as if the tree had not acted.
+const RUNAWAY: f32 = 1e6;
 
 /// The square of the frequency times the substep, of a body that turns on its joints, up to which it is integrated as it is.
 const SAFE: f32 = 0.5;
@@ -569,9 +821,44 @@ impl<L: Lanes> Node<L> {
     fn held_by(&self, mobility: &Sym6<L>) -> Sym6<L> {
         mobility.inverse_with(match self.turns {
             Turns::Freely => Sym3::default(),
-            Turns::AboutAxis => across(&mobility.angular, self.axis_now),
+            Turns::AboutAxis => across(&mobility.angular, self.axis_now[0]),
             Turns::Not => inverse(&mobility.angular),
         })
+    }
+
+    /// Nothing has come from other bodies yet.
+    #[inline(always)]
+    pub(super) fn rest(&mut self) {
+        (self.carried, self.change, self.pushed) = (Twist::zero(), Twist::zero(), Twist::zero());
+    }
+
+    /// How far the joint is open.
+    #[inline(always)]
+    pub(super) fn open(&self) -> Twist<L> {
+        Twist { linear: self.apart_now, angular: self.error_now }
+    }
+
+    /// Moves the body a little.
+    #[inline(always)]
+    pub(super) fn shift(&mut self, by: Twist<L>) {
+        self.moved.linear += by.linear;
+        self.moved.angular = log_near(exp(by.angular).compose(exp(self.moved.angular)), self.moved.angular);
+    }
+
+    /// How much of what pulls is taken into the inertia, if it pulls that share of what it does in a substep.
+    #[inline(always)]
+    fn braced_share(&self, share: L) -> L {
+        let (pull, own) = (self.pulled * share, L::splat(0.5 * SAFE) * self.bears);
+        let much = pull.gt(own);
+        L::select(much, L::one() - own / L::select(much, pull, L::one()), L::zero())
+    }
+
+    #[inline(always)]
+    fn brace_by(&mut self, share: L) {
+        let b = &mut self.brace;
+        for entry in [&mut b.xx, &mut b.yy, &mut b.zz, &mut b.xy, &mut b.xz, &mut b.yz] {
+            *entry = *entry * share;
+        }
     }
 
     /// Adds the stiffness that an impulse at an arm makes, if it pulls.
@@ -582,7 +869,7 @@ impl<L: Lanes> Node<L> {
         let k = L::select(pulls, along * h, L::zero());
         let over = k / L::select(pulls, arm.length_squared(), L::one());
         self.pulled += k;
-        let b = &mut self.braced;
+        let b = &mut self.brace;
         b.xx += k - over * arm.x * arm.x;
         b.yy += k - over * arm.y * arm.y;
         b.zz += k - over * arm.z * arm.z;

@@ -49,8 +49,8 @@ impl Tree {
 
 type Shape = (u32, u8, bool, Turns, bool);
 
-/// Trees out of points that are joined, with what locks their rotation: of two locks and more. Those of the same shape side by side, in groups of at most
-/// eight; and which locks are in them.
+/// Trees out of points that are joined, with what locks their rotation. Those of the same shape side by side, in groups of at
+/// most eight; and which locks are in them.
 ///
 /// What has loops, hangs on two things or has a locked axis is none.
 ///
@@ -125,8 +125,7 @@ pub(super) fn find(
             }
         }
         let joined = between / 2;
-        let alone = joined + anchors < 2 && locks_of(group[0]).all(|lock| turn_of(lock).1 == NONE);
-        if !free || joined + 1 != group.len() || anchors > 1 || alone {
+        if !free || joined + 1 != group.len() || anchors > 1 {
             continue;
         }
         let most = |&body: &usize| (locks_of(body).count(), std::cmp::Reverse(body));

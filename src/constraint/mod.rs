@@ -5,6 +5,7 @@ mod batch;
 mod bounce;
 mod colour;
 pub(crate) mod contact_row;
+mod free_turn;
 mod friction;
 mod impact_friction;
 mod joint_arrange;

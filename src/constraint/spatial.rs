@@ -94,11 +94,6 @@ fn minus<L: Lanes>(a: &Sym3<L>, b: &Sym3<L>) -> Sym3<L> {
 }
 
 #[inline(always)]
-pub(super) fn scaled<L: Lanes>(m: &Sym3<L>, by: L) -> Sym3<L> {
-    Sym3 { xx: m.xx * by, yy: m.yy * by, zz: m.zz * by, xy: m.xy * by, xz: m.xz * by, yz: m.yz * by }
-}
-
-#[inline(always)]
 pub(super) fn plus<L: Lanes>(a: &Sym3<L>, b: &Sym3<L>) -> Sym3<L> {
     Sym3 {
         xx: a.xx + b.xx,

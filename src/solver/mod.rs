@@ -114,6 +114,9 @@ pub(crate) fn solve(
         if substep == 0 {
             passes.run(crew, Kind::WarmStart, &batches, &joined, &motion);
         }
+        if joined_at_all {
+            passes.predict(crew, &joined, &motion);
+        }
         for _ in 0..settings.iterations {
             passes.run(crew, Kind::Solve, &batches, &joined, &motion);
         }
@@ -145,7 +148,7 @@ pub(crate) fn solve(
             *d = record(lanes(*d) + (moved + f32x8::new(PAD) * f32x8::splat(touched)));
         });
         if joined_at_all {
-            Passes::close(crew, &batches, &joined, &motion, &closing(settings));
+            Passes::go(crew, &batches, &joined, &motion, &closing(settings));
         }
         if passes.run(crew, Kind::Relax, &batches, &joined, &motion) && rubs {
             // What was pushed before it touched has its friction now; if that is much, the points share the load that it
