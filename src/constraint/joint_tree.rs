@@ -314,11 +314,18 @@ impl<L: GatherLanes> TreeBatch<L> {
             self.load(motion);
             let free = self.is_free(motion);
             self.lag = L::select(free, L::splat(0.5 * self.h), L::zero());
+            self.take_base(motion);
         }
-        self.nodes.iter_mut().for_each(|node| (node.impulse, node.twist) = (Vec3::zero(), Vec3::zero()));
+        // Not as rows want bodies to turn: what can't have what it wants would turn them any way within the substep.
         self.foresee();
+        for node in &mut self.nodes {
+            (node.impulse, node.twist) = (Vec3::zero(), Vec3::zero());
+            node.velocity = node.before;
+        }
         self.sweep(pass, &[], |_, _| {});
-        self.refine(pass);
+        if self.lag.gt(L::zero()).any() {
+            self.refine(pass);
+        }
         // SAFETY: by the contract.
         unsafe { self.save(motion) };
     }
@@ -431,6 +438,18 @@ impl<L: GatherLanes> TreeBatch<L> {
         same
     }
 
+    /// Velocities as they were before rows acted.
+    ///
+    /// # Safety
+    /// The bodies of the trees are in no other batch of the stage.
+    unsafe fn take_base(&mut self, motion: &Motion<'_, '_>) {
+        for node in &mut self.nodes {
+            // SAFETY: by the contract.
+            let (linear, angular) = gather(|i| unsafe { motion.base.read(i) }, &node.body);
+            node.velocity = Twist { linear, angular };
+        }
+    }
+
     /// Where the velocities take bodies in the substep, turning freely.
     fn foresee(&mut self) {
         let (h, over) = (L::splat(self.h), L::splat(1.0 / self.h));
@@ -472,8 +491,8 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// Whether a joint would be open by more than rounding at the end of the substep.
     fn misses(&self) -> bool {
         let h = L::splat(self.h);
-        let touches = self.share.gt(L::zero());
-        let most = L::select(touches, L::splat(NEAR * NEAR), L::splat(MISS * MISS));
+        let alone = self.lag.gt(L::zero());
+        let most = L::select(alone, L::splat(MISS * MISS), L::splat(f32::INFINITY));
         (0..self.nodes.len()).any(|i| {
             let node = &self.nodes[i];
             if !node.jointed {
@@ -509,7 +528,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         let fastest = self.nodes.iter().fold(L::zero(), fastest);
         let fastest = (0..L::N).map(|lane| fastest.lane(lane)).fold(0.0, f32::max).sqrt();
         let parts = (fastest * self.h * (1.0 / TURN)).ceil().clamp(1.0, MOST_PARTS);
-        if parts > 1.0 {
+        // Contacts know only of the whole.
+        if parts > 1.0 && self.contacts.0 == self.contacts.1 {
             self.whirl(parts);
         } else {
             self.drift(self.lag);
@@ -723,8 +743,6 @@ impl<L: GatherLanes> TreeBatch<L> {
 /// The most rounds of Newton's method in which a substep looks for the impulses of joints, and what is near enough [m], [rad].
 const ROUNDS: u32 = 6;
 const MISS: f32 = 2e-7;
-/// The same where there are contacts.
-const NEAR: f32 = 1e-5;
 /// What turns further than this in a substep is followed in parts [rad], and in how many at most.
 const TURN: f32 = 0.25;
 const MOST_PARTS: f32 = 16.0;
