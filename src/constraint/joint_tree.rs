@@ -317,14 +317,16 @@ impl<L: GatherLanes> TreeBatch<L> {
             self.take_base(motion);
         }
         // Not as rows want bodies to turn: what can't have what it wants would turn them any way within the substep.
-        self.foresee();
+        self.foresee(L::zero().eq(L::zero()));
         for node in &mut self.nodes {
             (node.impulse, node.twist) = (Vec3::zero(), Vec3::zero());
             node.velocity = node.before;
         }
+        self.calm();
         self.sweep(pass, &[], |_, _| {});
-        if self.lag.gt(L::zero()).any() {
-            self.refine(pass);
+        let alone = self.lag.gt(L::zero());
+        if alone.any() {
+            self.refine(pass, alone);
         }
         // SAFETY: by the contract.
         unsafe { self.save(motion) };
@@ -354,11 +356,11 @@ impl<L: GatherLanes> TreeBatch<L> {
         unsafe { self.save(motion) };
     }
 
-    /// Further rounds of Newton's method.
-    fn refine(&mut self, pass: &JointPass) {
+    /// Further rounds of Newton's method, in some lanes.
+    fn refine(&mut self, pass: &JointPass, lanes: L::Mask) {
         for _ in 1..ROUNDS {
-            self.foresee();
-            if !self.misses() {
+            self.foresee(lanes);
+            if !self.misses(lanes) {
                 break;
             }
             self.sweep(pass, &[], |_, _| {});
@@ -438,6 +440,15 @@ impl<L: GatherLanes> TreeBatch<L> {
         same
     }
 
+    /// What is braced turns as if what pulls had been followed through the substep: light links under a load follow it, and
+    /// don't whirl.
+    fn calm(&mut self) {
+        for node in self.nodes.iter_mut().filter(|_| self.braces) {
+            let more = node.brace.mul(node.velocity.angular);
+            node.velocity.angular -= node.braced_inverse.mul(more);
+        }
+    }
+
     /// Velocities as they were before rows acted.
     ///
     /// # Safety
@@ -451,7 +462,7 @@ impl<L: GatherLanes> TreeBatch<L> {
     }
 
     /// Where the velocities take bodies in the substep, turning freely.
-    fn foresee(&mut self) {
+    fn foresee(&mut self, lanes: L::Mask) {
         let (h, over) = (L::splat(self.h), L::splat(1.0 / self.h));
         for i in 0..self.nodes.len() {
             let lag = self.lag;
@@ -467,9 +478,10 @@ impl<L: GatherLanes> TreeBatch<L> {
             };
             let [arm, other] = node.arm_now;
             let (at, there) = (moved_by(node.turn, arm), moved_by(turn, other));
-            node.bend.linear = (at - there) * over
+            let bend = (at - there) * over
                 - (own.angular.cross(arm) - above.angular.cross(other))
                 - (node.pull - pull) * lag;
+            node.bend.linear = Vec3::select(lanes, bend, node.bend.linear);
             let faster = own.angular - above.angular;
             match node.turns {
                 Turns::Freely => {}
@@ -478,21 +490,21 @@ impl<L: GatherLanes> TreeBatch<L> {
                     let (at, there) = (moved_by(node.turn, a), moved_by(turn, b));
                     // (b + there) x (a + at) - b x a
                     let more = b.cross(at) + there.cross(a + at);
-                    node.bend.angular = more * over - faster;
+                    node.bend.angular = Vec3::select(lanes, more * over - faster, node.bend.angular);
                 }
                 Turns::Not => {
                     let error = log(node.turn.compose(exp(node.error_now)).compose(turn.conjugate()));
-                    node.bend.angular = (error - node.error_now) * over - faster;
+                    let bend = (error - node.error_now) * over - faster;
+                    node.bend.angular = Vec3::select(lanes, bend, node.bend.angular);
                 }
             }
         }
     }
 
     /// Whether a joint would be open by more than rounding at the end of the substep.
-    fn misses(&self) -> bool {
+    fn misses(&self, lanes: L::Mask) -> bool {
         let h = L::splat(self.h);
-        let alone = self.lag.gt(L::zero());
-        let most = L::select(alone, L::splat(MISS * MISS), L::splat(f32::INFINITY));
+        let most = L::select(lanes, L::splat(MISS * MISS), L::splat(f32::INFINITY));
         (0..self.nodes.len()).any(|i| {
             let node = &self.nodes[i];
             if !node.jointed {
@@ -574,14 +586,16 @@ impl<L: GatherLanes> TreeBatch<L> {
             self.weigh();
             self.factor();
         }
+        let every = L::zero().eq(L::zero());
         let still = JointPass::relaxing(1.0 / whole);
         let solving = JointPass { relax: false, inverse_h: 0.0, ..still };
         (self.h, self.lag) = (whole / parts, L::zero());
         self.sweep(&still, &[], |_, _| {});
         for part in 1..=parts as u32 {
-            self.foresee();
+            self.foresee(every);
+            self.calm();
             self.sweep(&solving, &[], |_, _| {});
-            self.refine(&solving);
+            self.refine(&solving, every);
             self.drift(L::zero());
             self.place(L::splat(whole - self.h * part as f32));
             self.factor();
