@@ -99,8 +99,9 @@ pub(crate) struct Node<L> {
     pub(super) pending: Twist<L>,
     /// What contacts that go along gave the body.
     pub(super) pushed: Twist<L>,
-    /// The turn of a substep.
+    /// The turn of a substep, and what it adds to the angular velocity.
     turn: Quat<L>,
+    more: Vec3<L>,
 }
 
 impl<L: Lanes> Default for Node<L> {
@@ -144,6 +145,7 @@ impl<L: Lanes> Default for Node<L> {
             pending: Twist::zero(),
             pushed: Twist::zero(),
             turn: Quat { v: zero, w: one },
+            more: zero,
             pulled: L::zero(),
             bears: L::zero(),
             sum: Sym6::zero(),
@@ -168,6 +170,8 @@ pub(crate) struct TreeBatch<L> {
     pub(super) lag: L,
     /// Whether anything is braced.
     pub(super) braces: bool,
+    /// Bodies will turn as they were last foreseen to.
+    pub(super) foreseen: bool,
     /// A joint lets its bodies collide: a loop with their contact, of which the tree knows nothing. Contacts don't go along,
     /// and what is open is left to the velocities.
     pub(crate) loops: bool,
@@ -310,13 +314,18 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// The bodies of the trees are in no other batch of the stage.
     pub(crate) unsafe fn predict(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
         // SAFETY: by the contract.
-        unsafe {
+        let alone = unsafe {
             self.load(motion);
-            let free = self.is_free(motion);
-            self.lag = L::select(free, L::splat(0.5 * self.h), L::zero());
-            self.take_base(motion);
+            self.is_free(motion)
+        };
+        self.lag = L::select(alone, L::splat(0.5 * self.h), L::zero());
+        if all(alone) {
+            self.guess();
+        } else {
+            // Not as rows want bodies to turn: what can't have what it wants would turn them any way within the substep.
+            // SAFETY: by the contract.
+            unsafe { self.take_base(motion) };
         }
-        // Not as rows want bodies to turn: what can't have what it wants would turn them any way within the substep.
         self.foresee(L::zero().eq(L::zero()));
         for node in &mut self.nodes {
             (node.impulse, node.twist) = (Vec3::zero(), Vec3::zero());
@@ -324,12 +333,25 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
         self.calm();
         self.sweep(pass, &[], |_, _| {});
-        let alone = self.lag.gt(L::zero());
-        if alone.any() {
-            self.refine(pass, alone);
-        }
+        self.foreseen = alone.any() && self.refine(pass, alone) && all(alone);
         // SAFETY: by the contract.
         unsafe { self.save(motion) };
+    }
+
+    /// How fast bodies turn with half of what joints bore in the last substep: the other half acts at its end. What all this
+    /// is for is next to solved then, as long as nothing changes much.
+    fn guess(&mut self) {
+        self.nodes.iter_mut().for_each(|node| node.carried.angular = Vec3::zero());
+        for i in 0..self.nodes.len() {
+            let (parent, node) = self.with_parent(i);
+            node.carried.angular += node.arm_now[0].cross(node.impulse) + node.twist;
+            if let Some(parent) = parent {
+                parent.carried.angular -= node.arm_now[1].cross(node.impulse) + node.twist;
+            }
+        }
+        for node in &mut self.nodes {
+            node.velocity.angular += node.braced_inverse.mul(node.carried.angular * L::splat(0.5));
+        }
     }
 
     /// One exact solution for all joints of the trees; `touch` solves what contacts of a body go along.
@@ -347,24 +369,26 @@ impl<L: GatherLanes> TreeBatch<L> {
         unsafe { self.load(motion) };
         let own = &contacts[self.contacts.0 as usize..self.contacts.1 as usize];
         // SAFETY: by the contract.
-        if !pass.relax && own.is_empty() && unsafe { self.is_free(motion) }.bits() == (1 << L::N) - 1 {
+        if !pass.relax && own.is_empty() && all(unsafe { self.is_free(motion) }) {
             // Nothing has acted since.
             return;
         }
+        self.foreseen = false;
         self.sweep(pass, own, touch);
         // SAFETY: by the contract.
         unsafe { self.save(motion) };
     }
 
-    /// Further rounds of Newton's method, in some lanes.
-    fn refine(&mut self, pass: &JointPass, lanes: L::Mask) {
+    /// Further rounds of Newton's method, in some lanes. Says whether what was foreseen last is what is.
+    fn refine(&mut self, pass: &JointPass, lanes: L::Mask) -> bool {
         for _ in 1..ROUNDS {
             self.foresee(lanes);
             if !self.misses(lanes) {
-                break;
+                return true;
             }
             self.sweep(pass, &[], |_, _| {});
         }
+        false
     }
 
     /// From the leaves to the root and back.
@@ -468,7 +492,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             let lag = self.lag;
             let (parent, node) = self.with_parent(i);
             let own = node.velocity;
-            node.turn = node.moments.flow(node.axes_now, own.angular, h).0;
+            (node.turn, node.more) = node.moments.flow(node.axes_now, own.angular, h);
             if !node.jointed {
                 continue;
             }
@@ -547,17 +571,19 @@ impl<L: GatherLanes> TreeBatch<L> {
             self.drift(self.lag);
         }
         // SAFETY: by the contract.
-        unsafe { self.shift(motion) };
-        // SAFETY: by the contract.
         unsafe { self.save(motion) };
+        self.place(L::zero());
     }
 
     /// One free drift over `self.h`.
     fn drift(&mut self, lag: L) {
-        let h = L::splat(self.h);
+        let (h, known) = (L::splat(self.h), self.foreseen);
         for node in &mut self.nodes {
             let Twist { linear, angular } = node.velocity;
-            let (turn, more) = node.moments.flow(node.axes_now, angular, h);
+            if !known {
+                (node.turn, node.more) = node.moments.flow(node.axes_now, angular, h);
+            }
+            let (turn, more) = (node.turn, node.more);
             node.moved.linear += (linear - node.pull * lag) * h;
             let near = node.moved.angular + angular * h;
             node.moved.angular = log_near(turn.compose(exp(node.moved.angular)), near);
@@ -595,7 +621,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             self.foresee(every);
             self.calm();
             self.sweep(&solving, &[], |_, _| {});
-            self.refine(&solving, every);
+            self.foreseen = self.refine(&solving, every);
             self.drift(L::zero());
             self.place(L::splat(whole - self.h * part as f32));
             self.factor();
@@ -765,6 +791,12 @@ const RUNAWAY: f32 = 1e6;
 
 /// The square of the frequency times the substep, of a body that turns on its joints, up to which it is integrated as it is.
 const SAFE: f32 = 0.5;
+
+/// Whether it holds in all lanes.
+#[inline(always)]
+fn all<M: Mask>(mask: M) -> bool {
+    !(!mask).any()
+}
 
 impl<L: Lanes> Node<L> {
     /// Nothing has come from other bodies yet.
