@@ -270,7 +270,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         let h = L::splat(h);
         for i in 0..self.nodes.len() {
             let (parent, node) = self.with_parent(i);
-            if !node.jointed {
+            if !node.jointed || node.turns == Turns::Not {
+                // What is welded turns as one, whatever pulls within.
                 continue;
             }
             let size = node.impulse.length();
@@ -331,7 +332,9 @@ impl<L: GatherLanes> TreeBatch<L> {
             (node.impulse, node.twist) = (Vec3::zero(), Vec3::zero());
             node.velocity = node.before;
         }
-        self.calm();
+        if self.parts() <= 1.0 {
+            self.calm();
+        }
         self.sweep(pass, &[], |_, _| {});
         self.foreseen = alone.any() && self.refine(pass, alone) && all(alone);
         // SAFETY: by the contract.
@@ -560,12 +563,8 @@ impl<L: GatherLanes> TreeBatch<L> {
             self.load(motion);
             self.fetch_anchors(motion);
         }
-        let fastest = |most: L, node: &Node<L>| most.max(node.velocity.angular.length_squared());
-        let fastest = self.nodes.iter().fold(L::zero(), fastest);
-        let fastest = (0..L::N).map(|lane| fastest.lane(lane)).fold(0.0, f32::max).sqrt();
-        let parts = (fastest * self.h * (1.0 / TURN)).ceil().clamp(1.0, MOST_PARTS);
-        // Contacts know only of the whole.
-        if parts > 1.0 && self.contacts.0 == self.contacts.1 {
+        let parts = self.parts();
+        if parts > 1.0 {
             self.whirl(parts);
         } else {
             self.drift(self.lag);
@@ -573,6 +572,18 @@ impl<L: GatherLanes> TreeBatch<L> {
         // SAFETY: by the contract.
         unsafe { self.save(motion) };
         self.place(L::zero());
+    }
+
+    /// In how many parts the next substep is followed.
+    fn parts(&self) -> f32 {
+        if self.contacts.0 < self.contacts.1 {
+            // Contacts know only of the whole.
+            return 1.0;
+        }
+        let fastest = |most: L, node: &Node<L>| most.max(node.velocity.angular.length_squared());
+        let fastest = self.nodes.iter().fold(L::zero(), fastest);
+        let fastest = (0..L::N).map(|lane| fastest.lane(lane)).fold(0.0, f32::max).sqrt();
+        (fastest * self.h * (1.0 / TURN)).ceil().clamp(1.0, MOST_PARTS)
     }
 
     /// One free drift over `self.h`.
@@ -790,7 +801,7 @@ const MOST_PARTS: f32 = 16.0;
 const RUNAWAY: f32 = 1e6;
 
 /// The square of the frequency times the substep, of a body that turns on its joints, up to which it is integrated as it is.
-const SAFE: f32 = 0.5;
+const SAFE: f32 = 1.0;
 
 /// Whether it holds in all lanes.
 #[inline(always)]
