@@ -8,7 +8,7 @@
 //! same shape share the lanes.
 
 use super::contact_row::Motion;
-use super::free_turn::{Moments, exp, log, log_near, moved_by, normalized};
+use super::free_turn::{Moments, exp, log, log_near, moved_by};
 use super::joint_ends::{JointPass, NONE, inverse};
 use super::joint_tour::Toured;
 use super::order::Place;
@@ -688,7 +688,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         for i in 0..self.nodes.len() {
             let (parent, node) = self.with_parent(i);
             node.turn = exp(node.moved.angular);
-            node.axes_now = normalized(node.turn.compose(node.moments.axes));
+            node.axes_now = node.turn.compose(node.moments.axes);
             if !node.jointed {
                 continue;
             }
