@@ -315,7 +315,11 @@ pub(super) fn tree<L: GatherLanes>(batch: &mut TreeBatch<L>, input: &JointInput<
             node.mass.set_lane(lane, 1.0 / inverse);
             let mass = &bodies.mass[own];
             node.moments.put(lane, bodies.pose[own].rotation, mass.inertia, mass.inverse_inertia);
-            put(&mut node.pull, lane, input.acceleration.get(own).map_or(glam::Vec3::ZERO, |pull| pull.linear));
+            put(
+                &mut node.pull,
+                lane,
+                input.acceleration.get(own).map_or(glam::Vec3::ZERO, |pull| pull.linear),
+            );
             if node.jointed {
                 let at = Placed::new(dense.map(|i| &bodies.pose[i]), &joint.frames);
                 let sign = if side == 1 { 1.0 } else { -1.0 };

@@ -793,7 +793,7 @@ impl<L: GatherLanes> TreeBatch<L> {
 
 /// The most rounds of Newton's method in which a substep looks for the impulses of joints, and what is near enough [m], [rad].
 const ROUNDS: u32 = 6;
-const MISS: f32 = 2e-7;
+const MISS: f32 = 5e-8;
 /// What turns further than this in a substep is followed in parts [rad], and in how many at most.
 const TURN: f32 = 0.25;
 const MOST_PARTS: f32 = 16.0;
