@@ -768,6 +768,7 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
     unsafe fn save(&self, motion: &Motion<'_, '_>) {
+        let pushed = self.contacts.0 < self.contacts.1;
         for node in &self.nodes {
             let mut own = node.velocity;
             own.subtract(node.before);
@@ -783,9 +784,14 @@ impl<L: GatherLanes> TreeBatch<L> {
                 }
                 // SAFETY: by the contract; no body is twice in a batch.
                 let (v, base) = unsafe { (motion.velocity.get(body), motion.base.get(body)) };
+                if !pushed && v.linear == base.linear && v.angular == base.angular {
+                    // To the last bit: that is how it is told that nothing else acts.
+                    (base.linear, base.angular) = (new.linear, new.angular);
+                } else {
+                    base.linear += own[lane].linear;
+                    base.angular += own[lane].angular;
+                }
                 (v.linear, v.angular) = (new.linear, new.angular);
-                base.linear += own[lane].linear;
-                base.angular += own[lane].angular;
             }
         }
     }
