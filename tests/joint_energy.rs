@@ -228,7 +228,7 @@ impl Random {
 /// A tree of 2 to 12 boxes on balls, hinges and welds, and what its energy is measured by.
 fn random_tree(seed: u64, gravity: f64, spin: f32, pace: Pace) -> (World, f64) {
     let mut random = Random(seed * 7919 + 13);
-    (0..8).for_each(|_| drop(random.next()));
+    (0..8).for_each(|_| _ = random.next());
     let mut world = world(gravity, pace);
     let count = 2 + (random.next() * 11.0) as usize;
     let whole = random.vector().normalize_or(Vec3::Y) * spin * random.next();
