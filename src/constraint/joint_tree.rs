@@ -583,7 +583,15 @@ impl<L: GatherLanes> TreeBatch<L> {
         let fastest = |most: L, node: &Node<L>| most.max(node.velocity.angular.length_squared());
         let fastest = self.nodes.iter().fold(L::zero(), fastest);
         let fastest = (0..L::N).map(|lane| fastest.lane(lane)).fold(0.0, f32::max).sqrt();
-        (fastest * self.h * (1.0 / TURN)).ceil().clamp(1.0, MOST_PARTS)
+        let parts = (fastest * self.h * (1.0 / TURN)).ceil().clamp(1.0, MOST_PARTS);
+        // Better than to be braced is not to need it, if that is cheap.
+        let mut taut = 0.0_f32;
+        for node in self.nodes.iter().filter(|_| self.braces) {
+            let ratio = node.pulled / (L::splat(0.5 * SAFE) * node.bears);
+            taut = (0..L::N).map(|lane| ratio.lane(lane)).fold(taut, f32::max);
+        }
+        let strung = taut.sqrt().ceil();
+        if strung > FEW_PARTS { parts } else { parts.max(strung) }
     }
 
     /// One free drift over `self.h`.
@@ -803,6 +811,8 @@ const MISS: f32 = 5e-8;
 /// What turns further than this in a substep is followed in parts [rad], and in how many at most.
 const TURN: f32 = 0.25;
 const MOST_PARTS: f32 = 16.0;
+/// Into how many parts a substep is cut at most for what pulls.
+const FEW_PARTS: f32 = 3.0;
 /// What is faster than this [m/s] or [rad/s] goes on as if the tree had not acted.
 const RUNAWAY: f32 = 1e6;
 
