@@ -72,7 +72,8 @@ pub(crate) struct Node<L> {
     pub(crate) twist: Vec3<L>,
     /// How much of the impulse at the joint is no blow [N s].
     pub(crate) steady: L,
-    /// What pulls on the body adds to its inertia; inertia with that, and its inverse.
+    /// What pulls on the body, and what of that is added to its inertia; inertia with that, and its inverse.
+    strain: Sym3<L>,
     brace: Sym3<L>,
     braced: Sym3<L>,
     pub(super) braced_inverse: Sym3<L>,
@@ -136,6 +137,7 @@ impl<L: Lanes> Default for Node<L> {
             impulse: zero,
             twist: zero,
             steady: L::zero(),
+            strain: Sym3::default(),
             brace: Sym3::default(),
             braced: Sym3::default(),
             braced_inverse: Sym3::default(),
@@ -265,7 +267,7 @@ impl<L: GatherLanes> TreeBatch<L> {
     fn brace(&mut self, h: f32) {
         for node in &mut self.nodes {
             let Vec3 { x, y, z } = node.moments.inertia;
-            (node.brace, node.pulled, node.bears) = (Sym3::default(), L::zero(), x + y + z);
+            (node.strain, node.pulled, node.bears) = (Sym3::default(), L::zero(), x + y + z);
         }
         let h = L::splat(h);
         for i in 0..self.nodes.len() {
@@ -288,11 +290,28 @@ impl<L: GatherLanes> TreeBatch<L> {
             // To turn about its joint it has to move, or the joint.
             node.bears += L::splat(2.0) * node.arm_now[0].length_squared() / (node.inverse_mass + gives);
         }
+        self.brace_for(1.0);
+    }
+
+    /// Braces for a substep that is followed in parts.
+    fn brace_for(&mut self, parts: f32) {
+        // In a shorter time what pulls turns a body back by less.
+        let less = L::splat(1.0 / (parts * parts));
         self.braces = false;
         for node in &mut self.nodes {
-            let share = node.braced_share(L::one());
-            self.braces |= share.gt(L::zero()).any();
-            node.brace_by(share);
+            let (pull, own) = (node.pulled * less, L::splat(0.5 * SAFE) * node.bears);
+            let much = pull.gt(own);
+            self.braces |= much.any();
+            let share = L::select(much, L::one() - own / L::select(much, pull, L::one()), L::zero()) * less;
+            let s = &node.strain;
+            node.brace = Sym3 {
+                xx: s.xx * share,
+                yy: s.yy * share,
+                zz: s.zz * share,
+                xy: s.xy * share,
+                xz: s.xz * share,
+                yz: s.yz * share,
+            };
         }
     }
 
@@ -618,16 +637,9 @@ impl<L: GatherLanes> TreeBatch<L> {
         let (whole, lag) = (self.h, self.lag);
         // Half of what pulls comes after.
         self.nodes.iter_mut().for_each(|node| node.velocity.linear -= node.pull * lag);
-        // In a shorter time what pulls turns a body back by less.
-        let less = L::splat(1.0 / (parts * parts));
-        let mut braces = false;
-        for node in self.nodes.iter_mut().filter(|_| self.braces) {
-            let (whole, part) = (node.braced_share(L::one()), node.braced_share(less));
-            braces |= part.gt(L::zero()).any();
-            let some = whole.gt(L::zero());
-            node.brace_by(L::select(some, part * less / L::select(some, whole, L::one()), L::zero()));
-        }
-        if std::mem::replace(&mut self.braces, braces) {
+        let braces = self.braces;
+        if braces {
+            self.brace_for(parts);
             self.weigh();
             self.factor();
         }
@@ -649,6 +661,9 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
         (self.h, self.lag) = (whole, lag);
         self.nodes.iter_mut().for_each(|node| node.velocity.linear += node.pull * lag);
+        if braces {
+            self.brace_for(1.0);
+        }
     }
 
     /// What is open after a drift is closed, but where there are contacts, which know nothing of it.
@@ -786,7 +801,8 @@ impl<L: GatherLanes> TreeBatch<L> {
             let own = scatter(own.linear, own.angular);
             for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
                 let (body, new) = (node.body[lane] as usize, all[lane]);
-                if !(new.linear.abs().max(new.angular.abs()).max_element() < RUNAWAY) {
+                let fastest = new.linear.abs().max(new.angular.abs()).max_element();
+                if fastest >= RUNAWAY || !new.linear.is_finite() || !new.angular.is_finite() {
                     // No number any more, or as good as none.
                     continue;
                 }
@@ -845,22 +861,6 @@ impl<L: Lanes> Node<L> {
         self.moved.angular = log_near(exp(by.angular).compose(exp(self.moved.angular)), self.moved.angular);
     }
 
-    /// How much of what pulls is taken into the inertia, if it pulls that share of what it does in a substep.
-    #[inline(always)]
-    fn braced_share(&self, share: L) -> L {
-        let (pull, own) = (self.pulled * share, L::splat(0.5 * SAFE) * self.bears);
-        let much = pull.gt(own);
-        L::select(much, L::one() - own / L::select(much, pull, L::one()), L::zero())
-    }
-
-    #[inline(always)]
-    fn brace_by(&mut self, share: L) {
-        let b = &mut self.brace;
-        for entry in [&mut b.xx, &mut b.yy, &mut b.zz, &mut b.xy, &mut b.xz, &mut b.yz] {
-            *entry = *entry * share;
-        }
-    }
-
     /// Adds the stiffness that an impulse at an arm makes, if it pulls.
     #[inline(always)]
     fn pull(&mut self, impulse: Vec3<L>, arm: Vec3<L>, h: L) {
@@ -869,7 +869,7 @@ impl<L: Lanes> Node<L> {
         let k = L::select(pulls, along * h, L::zero());
         let over = k / L::select(pulls, arm.length_squared(), L::one());
         self.pulled += k;
-        let b = &mut self.brace;
+        let b = &mut self.strain;
         b.xx += k - over * arm.x * arm.x;
         b.yy += k - over * arm.y * arm.y;
         b.zz += k - over * arm.z * arm.z;
