@@ -252,7 +252,8 @@ fn random_tree(seed: u64, gravity: f64, spin: f32, pace: Pace) -> (World, f64) {
             let turn = Quat::from_scaled_axis(random.vector() * 2.0);
             join(&mut world, [bodies[parent], body], 0.5 * (from + at), turn, make);
         }
-        (places.push(at), bodies.push(body));
+        places.push(at);
+        bodies.push(body);
         weight += mass * gravity as f32;
     }
     if gravity > 0.0 {
