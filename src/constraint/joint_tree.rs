@@ -10,6 +10,7 @@
 use super::contact_row::Motion;
 use super::free_turn::{Moments, exp, log, log_near, moved_by};
 use super::joint_ends::{JointPass, NONE, inverse};
+use super::joint_fill::put;
 use super::joint_tour::Toured;
 use super::order::Place;
 use super::seats::Seated;
@@ -750,19 +751,24 @@ impl<L: GatherLanes> TreeBatch<L> {
         self.place(L::zero());
     }
 
-    /// Writes displacements.
+    /// Writes displacements. Where there is no number any more, bodies go as they would without the tree.
     ///
     /// # Safety
     /// No other thread works on the bodies of the trees.
-    pub(super) unsafe fn shift(&self, motion: &Motion<'_, '_>) {
-        for node in &self.nodes {
+    pub(super) unsafe fn shift(&mut self, motion: &Motion<'_, '_>) {
+        for node in &mut self.nodes {
             let delta = scatter(node.moved.linear, node.moved.angular);
             for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
                 // SAFETY: by the contract; no body is twice in a batch.
                 let to = unsafe { motion.delta.get(node.body[lane] as usize) };
-                (to.linear, to.angular) = (delta[lane].linear, delta[lane].angular);
                 // Something acted on it, and it is turned already.
                 (to.pad0, to.pad1) = (1.0, 1.0);
+                if delta[lane].linear.is_finite() && delta[lane].angular.is_finite() {
+                    (to.linear, to.angular) = (delta[lane].linear, delta[lane].angular);
+                } else {
+                    put(&mut node.moved.linear, lane, to.linear);
+                    put(&mut node.moved.angular, lane, to.angular);
+                }
             }
         }
     }
@@ -790,9 +796,9 @@ impl<L: GatherLanes> TreeBatch<L> {
     ///
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
-    unsafe fn save(&self, motion: &Motion<'_, '_>) {
+    unsafe fn save(&mut self, motion: &Motion<'_, '_>) {
         let pushed = self.contacts.0 < self.contacts.1;
-        for node in &self.nodes {
+        for node in &mut self.nodes {
             let mut own = node.velocity;
             own.subtract(node.before);
             own.linear -= node.pushed.linear * node.inverse_mass;
@@ -804,6 +810,8 @@ impl<L: GatherLanes> TreeBatch<L> {
                 let fastest = new.linear.abs().max(new.angular.abs()).max_element();
                 if fastest >= RUNAWAY || !new.linear.is_finite() || !new.angular.is_finite() {
                     // No number any more, or as good as none.
+                    put(&mut node.impulse, lane, glam::Vec3::ZERO);
+                    put(&mut node.twist, lane, glam::Vec3::ZERO);
                     continue;
                 }
                 // SAFETY: by the contract; no body is twice in a batch.
