@@ -604,9 +604,12 @@ impl<L: GatherLanes> TreeBatch<L> {
         let fastest = self.nodes.iter().fold(L::zero(), fastest);
         let fastest = (0..L::N).map(|lane| fastest.lane(lane)).fold(0.0, f32::max).sqrt();
         let parts = (fastest * self.h * (1.0 / TURN)).ceil().clamp(1.0, MOST_PARTS);
-        // Better than to be braced is not to need it, if that is cheap.
+        if !self.braces || fastest * self.h < 0.5 * TURN {
+            return parts;
+        }
+        // What whirls pulls by its own spin: better than to be braced is not to need it, if few parts are enough.
         let mut taut = 0.0_f32;
-        for node in self.nodes.iter().filter(|_| self.braces) {
+        for node in &self.nodes {
             let ratio = node.pulled / (L::splat(0.5 * SAFE) * node.bears);
             taut = (0..L::N).map(|lane| ratio.lane(lane)).fold(taut, f32::max);
         }
