@@ -57,7 +57,7 @@ fn a_kind_of_joint_that_is_not_there_takes_no_bytes() {
     let ring: Pairs = &[[0, 1], [1, 2], [2, 0]];
     let cases: [Case; 10] = [
         (JointDesc::ball, &[], &[]),
-        (JointDesc::ball, &[[0, 1]], &["points"]),
+        (JointDesc::ball, &[[0, 1]], &["seats", "single trees"]),
         (JointDesc::ball, chain, &["seats", "single trees"]),
         (JointDesc::ball, ring, &["points"]),
         (JointDesc::hinge, chain, &["seats", "single trees"]),

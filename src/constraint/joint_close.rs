@@ -90,18 +90,22 @@ impl<L: GatherLanes> TreeBatch<L> {
         touch: impl FnMut(&Seated, Ask<'_>, &mut Toured<'_, L>),
     ) {
         // SAFETY: by the contract.
-        unsafe {
-            self.advance(motion);
-            self.close(motion, closing, contacts, touch);
-            self.follow(motion);
+        unsafe { self.advance(motion) };
+        let wide = !self.loops && self.is_open(closing.tolerance);
+        if wide {
+            // SAFETY: by the contract.
+            unsafe {
+                self.shift(motion);
+                self.close(motion, closing, contacts, touch);
+            }
         }
         self.factor();
-        if self.is_open(MISSED * closing.tolerance) {
+        if !wide && self.is_open(MISSED * closing.tolerance) {
             // Velocities need not know of what is left. Where there are contacts they take it back.
             self.settle();
-            // SAFETY: by the contract.
-            unsafe { self.shift(motion) };
         }
+        // SAFETY: by the contract.
+        unsafe { self.shift(motion) };
     }
 
     /// Whether any joint is.

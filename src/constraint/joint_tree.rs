@@ -8,8 +8,9 @@
 //! same shape share the lanes.
 
 use super::contact_row::Motion;
-use super::free_turn::{Moments, exp, log, log_near, moved_by, normalized};
+use super::free_turn::{Moments, exp, log, log_near, moved_by};
 use super::joint_ends::{JointPass, NONE, across, inverse};
+use super::joint_fill::put;
 use super::joint_tour::Toured;
 use super::order::Place;
 use super::seats::Seated;
@@ -71,7 +72,8 @@ pub(crate) struct Node<L> {
     pub(crate) twist: Vec3<L>,
     /// How much of the impulse at the joint is no blow [N s].
     pub(crate) steady: L,
-    /// What pulls on the body adds to its inertia; inertia with that, and its inverse.
+    /// What pulls on the body, and what of that is added to its inertia; inertia with that, and its inverse.
+    strain: Sym3<L>,
     brace: Sym3<L>,
     braced: Sym3<L>,
     pub(super) braced_inverse: Sym3<L>,
@@ -106,8 +108,9 @@ pub(crate) struct Node<L> {
     beside: Twist<L>,
     /// Of the joint, taken from the body at its arm.
     force: Twist<L>,
-    /// The turn of a substep.
+    /// The turn of a substep, and what it adds to the angular velocity.
     turn: Quat<L>,
+    more: Vec3<L>,
 }
 
 impl<L: Lanes> Default for Node<L> {
@@ -141,6 +144,7 @@ impl<L: Lanes> Default for Node<L> {
             impulse: zero,
             twist: zero,
             steady: L::zero(),
+            strain: Sym3::default(),
             brace: Sym3::default(),
             braced: Sym3::default(),
             braced_inverse: Sym3::default(),
@@ -150,6 +154,7 @@ impl<L: Lanes> Default for Node<L> {
             pending: Twist::zero(),
             pushed: Twist::zero(),
             turn: Quat { v: zero, w: one },
+            more: zero,
             pulled: L::zero(),
             bears: L::zero(),
             joined: Sym6::zero(),
@@ -178,6 +183,8 @@ pub(crate) struct TreeBatch<L> {
     pub(super) lag: L,
     /// Whether anything is braced.
     pub(super) braces: bool,
+    /// Bodies will turn as they were last foreseen to.
+    pub(super) foreseen: bool,
     /// A joint lets its bodies collide: a loop with their contact, of which the tree knows nothing. Contacts don't go along,
     /// and what is open is left to the velocities.
     pub(crate) loops: bool,
@@ -300,12 +307,13 @@ impl<L: GatherLanes> TreeBatch<L> {
     fn brace(&mut self, h: f32) {
         for node in &mut self.nodes {
             let Vec3 { x, y, z } = node.moments.inertia;
-            (node.brace, node.pulled, node.bears) = (Sym3::default(), L::zero(), x + y + z);
+            (node.strain, node.pulled, node.bears) = (Sym3::default(), L::zero(), x + y + z);
         }
         let (h, alone) = (L::splat(h), self.is_alone());
         for i in 0..self.nodes.len() {
             let (parent, node) = self.with_parent(i);
-            if !node.jointed {
+            if !node.jointed || node.turns == Turns::Not {
+                // What is welded turns as one, whatever pulls within.
                 continue;
             }
             let size = node.impulse.length();
@@ -322,11 +330,28 @@ impl<L: GatherLanes> TreeBatch<L> {
             // To turn about its joint it has to move, or the joint.
             node.bears += L::splat(2.0) * node.arm_now[0].length_squared() / (node.inverse_mass + gives);
         }
+        self.brace_for(1.0);
+    }
+
+    /// Braces for a substep that is followed in parts.
+    fn brace_for(&mut self, parts: f32) {
+        // In a shorter time what pulls turns a body back by less.
+        let less = L::splat(1.0 / (parts * parts));
         self.braces = false;
         for node in &mut self.nodes {
-            let share = node.braced_share(L::one());
-            self.braces |= share.gt(L::zero()).any();
-            node.brace_by(share);
+            let (pull, own) = (node.pulled * less, L::splat(0.5 * SAFE) * node.bears);
+            let much = pull.gt(own);
+            self.braces |= much.any();
+            let share = L::select(much, L::one() - own / L::select(much, pull, L::one()), L::zero()) * less;
+            let s = &node.strain;
+            node.brace = Sym3 {
+                xx: s.xx * share,
+                yy: s.yy * share,
+                zz: s.zz * share,
+                xy: s.xy * share,
+                xz: s.xz * share,
+                yz: s.yz * share,
+            };
         }
     }
 
@@ -349,11 +374,11 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// The bodies of the trees are in no other batch of the stage.
     pub(crate) unsafe fn predict(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
         // SAFETY: by the contract.
-        unsafe {
+        let alone = unsafe {
             self.load(motion);
-            let free = self.is_free(motion);
-            self.lag = L::select(free, L::splat(0.5 * self.h), L::zero());
-        }
+            self.is_free(motion)
+        };
+        self.lag = L::select(alone, L::splat(0.5 * self.h), L::zero());
         if self.is_alone().any() {
             // A load may come within a substep.
             let braced = self.braces;
@@ -363,12 +388,41 @@ impl<L: GatherLanes> TreeBatch<L> {
                 self.factor();
             }
         }
-        self.nodes.iter_mut().for_each(|node| (node.impulse, node.twist) = (Vec3::zero(), Vec3::zero()));
-        self.foresee();
+        if all(alone) {
+            self.guess();
+        } else {
+            // Not as rows want bodies to turn: what can't have what it wants would turn them any way within the substep.
+            // SAFETY: by the contract.
+            unsafe { self.take_base(motion) };
+        }
+        self.foresee(L::zero().eq(L::zero()));
+        for node in &mut self.nodes {
+            (node.impulse, node.twist) = (Vec3::zero(), Vec3::zero());
+            node.velocity = node.before;
+        }
+        if self.parts() <= 1.0 {
+            self.calm();
+        }
         self.sweep(pass, &[], |_, _| {});
-        self.refine(pass);
+        self.foreseen = alone.any() && self.refine(pass, alone) && all(alone);
         // SAFETY: by the contract.
         unsafe { self.save(motion) };
+    }
+
+    /// How fast bodies turn with half of what joints bore in the last substep: the other half acts at its end. What all this
+    /// is for is next to solved then, as long as nothing changes much.
+    fn guess(&mut self) {
+        self.nodes.iter_mut().for_each(|node| node.carried.angular = Vec3::zero());
+        for i in 0..self.nodes.len() {
+            let (parent, node) = self.with_parent(i);
+            node.carried.angular += node.arm_now[0].cross(node.impulse) + node.twist;
+            if let Some(parent) = parent {
+                parent.carried.angular -= node.arm_now[1].cross(node.impulse) + node.twist;
+            }
+        }
+        for node in &mut self.nodes {
+            node.velocity.angular += node.braced_inverse.mul(node.carried.angular * L::splat(0.5));
+        }
     }
 
     /// One exact solution for all joints of the trees; `touch` solves what contacts of a body go along.
@@ -386,24 +440,26 @@ impl<L: GatherLanes> TreeBatch<L> {
         unsafe { self.load(motion) };
         let own = &contacts[self.contacts.0 as usize..self.contacts.1 as usize];
         // SAFETY: by the contract.
-        if !pass.relax && own.is_empty() && unsafe { self.is_free(motion) }.bits() == (1 << L::N) - 1 {
+        if !pass.relax && own.is_empty() && all(unsafe { self.is_free(motion) }) {
             // Nothing has acted since.
             return;
         }
+        self.foreseen = false;
         self.sweep(pass, own, touch);
         // SAFETY: by the contract.
         unsafe { self.save(motion) };
     }
 
-    /// Further rounds of Newton's method.
-    fn refine(&mut self, pass: &JointPass) {
+    /// Further rounds of Newton's method, in some lanes. Says whether what was foreseen last is what is.
+    fn refine(&mut self, pass: &JointPass, lanes: L::Mask) -> bool {
         for _ in 1..ROUNDS {
-            self.foresee();
-            if !self.misses() {
-                break;
+            self.foresee(lanes);
+            if !self.misses(lanes) {
+                return true;
             }
             self.sweep(pass, &[], |_, _| {});
         }
+        false
     }
 
     /// From the leaves to the root and back.
@@ -515,14 +571,35 @@ impl<L: GatherLanes> TreeBatch<L> {
         same
     }
 
+    /// What is braced turns as if what pulls had been followed through the substep: light links under a load follow it, and
+    /// don't whirl.
+    fn calm(&mut self) {
+        for node in self.nodes.iter_mut().filter(|_| self.braces) {
+            let more = node.brace.mul(node.velocity.angular);
+            node.velocity.angular -= node.braced_inverse.mul(more);
+        }
+    }
+
+    /// Velocities as they were before rows acted.
+    ///
+    /// # Safety
+    /// The bodies of the trees are in no other batch of the stage.
+    unsafe fn take_base(&mut self, motion: &Motion<'_, '_>) {
+        for node in &mut self.nodes {
+            // SAFETY: by the contract.
+            let (linear, angular) = gather(|i| unsafe { motion.base.read(i) }, &node.body);
+            node.velocity = Twist { linear, angular };
+        }
+    }
+
     /// Where the velocities take bodies in the substep, turning freely.
-    fn foresee(&mut self) {
+    fn foresee(&mut self, lanes: L::Mask) {
         let (h, over) = (L::splat(self.h), L::splat(1.0 / self.h));
         for i in 0..self.nodes.len() {
             let lag = self.lag;
             let (parent, node) = self.with_parent(i);
             let own = node.velocity;
-            node.turn = node.moments.flow(node.axes_now, own.angular, h).0;
+            (node.turn, node.more) = node.moments.flow(node.axes_now, own.angular, h);
             if !node.jointed {
                 continue;
             }
@@ -532,9 +609,10 @@ impl<L: GatherLanes> TreeBatch<L> {
             };
             let [arm, other] = node.arm_now;
             let (at, there) = (moved_by(node.turn, arm), moved_by(turn, other));
-            node.bend.linear = (at - there) * over
+            let bend = (at - there) * over
                 - (own.angular.cross(arm) - above.angular.cross(other))
                 - (node.pull - pull) * lag;
+            node.bend.linear = Vec3::select(lanes, bend, node.bend.linear);
             let faster = own.angular - above.angular;
             match node.turns {
                 Turns::Freely => {}
@@ -543,21 +621,21 @@ impl<L: GatherLanes> TreeBatch<L> {
                     let (at, there) = (moved_by(node.turn, a), moved_by(turn, b));
                     // (b + there) x (a + at) - b x a
                     let more = b.cross(at) + there.cross(a + at);
-                    node.bend.angular = more * over - faster;
+                    node.bend.angular = Vec3::select(lanes, more * over - faster, node.bend.angular);
                 }
                 Turns::Not => {
                     let error = log(node.turn.compose(exp(node.error_now)).compose(turn.conjugate()));
-                    node.bend.angular = (error - node.error_now) * over - faster;
+                    let bend = (error - node.error_now) * over - faster;
+                    node.bend.angular = Vec3::select(lanes, bend, node.bend.angular);
                 }
             }
         }
     }
 
     /// Whether a joint would be open by more than rounding at the end of the substep.
-    fn misses(&self) -> bool {
+    fn misses(&self, lanes: L::Mask) -> bool {
         let h = L::splat(self.h);
-        let touches = self.share.gt(L::zero());
-        let most = L::select(touches, L::splat(NEAR * NEAR), L::splat(MISS * MISS));
+        let most = L::select(lanes, L::splat(MISS * MISS), L::splat(f32::INFINITY));
         (0..self.nodes.len()).any(|i| {
             let node = &self.nodes[i];
             if !node.jointed {
@@ -589,27 +667,49 @@ impl<L: GatherLanes> TreeBatch<L> {
             self.load(motion);
             self.fetch_anchors(motion);
         }
-        let fastest = |most: L, node: &Node<L>| most.max(node.velocity.angular.length_squared());
-        let fastest = self.nodes.iter().fold(L::zero(), fastest);
-        let fastest = (0..L::N).map(|lane| fastest.lane(lane)).fold(0.0, f32::max).sqrt();
-        let parts = (fastest * self.h * (1.0 / TURN)).ceil().clamp(1.0, MOST_PARTS);
+        let parts = self.parts();
         if parts > 1.0 {
             self.whirl(parts);
         } else {
             self.drift(self.lag);
         }
         // SAFETY: by the contract.
-        unsafe { self.shift(motion) };
-        // SAFETY: by the contract.
         unsafe { self.save(motion) };
+        self.place(L::zero());
+    }
+
+    /// In how many parts the next substep is followed.
+    fn parts(&self) -> f32 {
+        if self.contacts.0 < self.contacts.1 {
+            // Contacts know only of the whole.
+            return 1.0;
+        }
+        let fastest = |most: L, node: &Node<L>| most.max(node.velocity.angular.length_squared());
+        let fastest = self.nodes.iter().fold(L::zero(), fastest);
+        let fastest = (0..L::N).map(|lane| fastest.lane(lane)).fold(0.0, f32::max).sqrt();
+        let parts = (fastest * self.h * (1.0 / TURN)).ceil().clamp(1.0, MOST_PARTS);
+        if !self.braces || fastest * self.h < 0.5 * TURN {
+            return parts;
+        }
+        // What whirls pulls by its own spin: better than to be braced is not to need it, if few parts are enough.
+        let mut taut = 0.0_f32;
+        for node in &self.nodes {
+            let ratio = node.pulled / (L::splat(0.5 * SAFE) * node.bears);
+            taut = (0..L::N).map(|lane| ratio.lane(lane)).fold(taut, f32::max);
+        }
+        let strung = taut.sqrt().ceil();
+        if strung > FEW_PARTS { parts } else { parts.max(strung) }
     }
 
     /// One free drift over `self.h`.
     fn drift(&mut self, lag: L) {
-        let h = L::splat(self.h);
+        let (h, known) = (L::splat(self.h), self.foreseen);
         for node in &mut self.nodes {
             let Twist { linear, angular } = node.velocity;
-            let (turn, more) = node.moments.flow(node.axes_now, angular, h);
+            if !known {
+                (node.turn, node.more) = node.moments.flow(node.axes_now, angular, h);
+            }
+            let (turn, more) = (node.turn, node.more);
             node.moved.linear += (linear - node.pull * lag) * h;
             let near = node.moved.angular + angular * h;
             node.moved.angular = log_near(turn.compose(exp(node.moved.angular)), near);
@@ -625,27 +725,22 @@ impl<L: GatherLanes> TreeBatch<L> {
         let (whole, lag) = (self.h, self.lag);
         // Half of what pulls comes after.
         self.nodes.iter_mut().for_each(|node| node.velocity.linear -= node.pull * lag);
-        // In a shorter time what pulls turns a body back by less.
-        let less = L::splat(1.0 / (parts * parts));
-        let mut braces = false;
-        for node in self.nodes.iter_mut().filter(|_| self.braces) {
-            let (whole, part) = (node.braced_share(L::one()), node.braced_share(less));
-            braces |= part.gt(L::zero()).any();
-            let some = whole.gt(L::zero());
-            node.brace_by(L::select(some, part * less / L::select(some, whole, L::one()), L::zero()));
-        }
-        if std::mem::replace(&mut self.braces, braces) {
+        let braces = self.braces;
+        if braces {
+            self.brace_for(parts);
             self.weigh();
             self.factor();
         }
+        let every = L::zero().eq(L::zero());
         let still = JointPass::relaxing(1.0 / whole);
         let solving = JointPass { relax: false, inverse_h: 0.0, ..still };
         (self.h, self.lag) = (whole / parts, L::zero());
         self.sweep(&still, &[], |_, _| {});
         for part in 1..=parts as u32 {
-            self.foresee();
+            self.foresee(every);
+            self.calm();
             self.sweep(&solving, &[], |_, _| {});
-            self.refine(&solving);
+            self.foreseen = self.refine(&solving, every);
             self.drift(L::zero());
             self.place(L::splat(whole - self.h * part as f32));
             self.factor();
@@ -654,6 +749,9 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
         (self.h, self.lag) = (whole, lag);
         self.nodes.iter_mut().for_each(|node| node.velocity.linear += node.pull * lag);
+        if braces {
+            self.brace_for(1.0);
+        }
     }
 
     /// What is open after a drift is closed, but where there are contacts, which know nothing of it.
@@ -698,7 +796,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         for i in 0..self.nodes.len() {
             let (parent, node) = self.with_parent(i);
             node.turn = exp(node.moved.angular);
-            node.axes_now = normalized(node.turn.compose(node.moments.axes));
+            node.axes_now = node.turn.compose(node.moments.axes);
             if !node.jointed {
                 continue;
             }
@@ -737,19 +835,24 @@ impl<L: GatherLanes> TreeBatch<L> {
         self.place(L::zero());
     }
 
-    /// Writes displacements.
+    /// Writes displacements. Where there is no number any more, bodies go as they would without the tree.
     ///
     /// # Safety
     /// No other thread works on the bodies of the trees.
-    pub(super) unsafe fn shift(&self, motion: &Motion<'_, '_>) {
-        for node in &self.nodes {
+    pub(super) unsafe fn shift(&mut self, motion: &Motion<'_, '_>) {
+        for node in &mut self.nodes {
             let delta = scatter(node.moved.linear, node.moved.angular);
             for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
                 // SAFETY: by the contract; no body is twice in a batch.
                 let to = unsafe { motion.delta.get(node.body[lane] as usize) };
-                (to.linear, to.angular) = (delta[lane].linear, delta[lane].angular);
                 // Something acted on it, and it is turned already.
                 (to.pad0, to.pad1) = (1.0, 1.0);
+                if delta[lane].linear.is_finite() && delta[lane].angular.is_finite() {
+                    (to.linear, to.angular) = (delta[lane].linear, delta[lane].angular);
+                } else {
+                    put(&mut node.moved.linear, lane, to.linear);
+                    put(&mut node.moved.angular, lane, to.angular);
+                }
             }
         }
     }
@@ -777,8 +880,9 @@ impl<L: GatherLanes> TreeBatch<L> {
     ///
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
-    unsafe fn save(&self, motion: &Motion<'_, '_>) {
-        for node in &self.nodes {
+    unsafe fn save(&mut self, motion: &Motion<'_, '_>) {
+        let pushed = self.contacts.0 < self.contacts.1;
+        for node in &mut self.nodes {
             let mut own = node.velocity;
             own.subtract(node.before);
             own.linear -= node.pushed.linear * node.inverse_mass;
@@ -787,15 +891,23 @@ impl<L: GatherLanes> TreeBatch<L> {
             let own = scatter(own.linear, own.angular);
             for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
                 let (body, new) = (node.body[lane] as usize, all[lane]);
-                if !(new.linear.abs().max(new.angular.abs()).max_element() < RUNAWAY) {
+                let fastest = new.linear.abs().max(new.angular.abs()).max_element();
+                if fastest >= RUNAWAY || !new.linear.is_finite() || !new.angular.is_finite() {
                     // No number any more, or as good as none.
+                    put(&mut node.impulse, lane, glam::Vec3::ZERO);
+                    put(&mut node.twist, lane, glam::Vec3::ZERO);
                     continue;
                 }
                 // SAFETY: by the contract; no body is twice in a batch.
                 let (v, base) = unsafe { (motion.velocity.get(body), motion.base.get(body)) };
+                if !pushed && v.linear == base.linear && v.angular == base.angular {
+                    // To the last bit: that is how it is told that nothing else acts.
+                    (base.linear, base.angular) = (new.linear, new.angular);
+                } else {
+                    base.linear += own[lane].linear;
+                    base.angular += own[lane].angular;
+                }
                 (v.linear, v.angular) = (new.linear, new.angular);
-                base.linear += own[lane].linear;
-                base.angular += own[lane].angular;
             }
         }
     }
@@ -803,17 +915,23 @@ impl<L: GatherLanes> TreeBatch<L> {
 
 /// The most rounds of Newton's method in which a substep looks for the impulses of joints, and what is near enough [m], [rad].
 const ROUNDS: u32 = 6;
-const MISS: f32 = 2e-7;
-/// The same where there are contacts.
-const NEAR: f32 = 1e-5;
+const MISS: f32 = 5e-8;
 /// What turns further than this in a substep is followed in parts [rad], and in how many at most.
 const TURN: f32 = 0.25;
 const MOST_PARTS: f32 = 16.0;
+/// Into how many parts a substep is cut at most for what pulls.
+const FEW_PARTS: f32 = 3.0;
 /// What is faster than this [m/s] or [rad/s] goes on as if the tree had not acted.
 const RUNAWAY: f32 = 1e6;
 
 /// The square of the frequency times the substep, of a body that turns on its joints, up to which it is integrated as it is.
-const SAFE: f32 = 0.5;
+const SAFE: f32 = 1.0;
+
+/// Whether it holds in all lanes.
+#[inline(always)]
+fn all<M: Mask>(mask: M) -> bool {
+    !(!mask).any()
+}
 
 impl<L: Lanes> Node<L> {
     /// Impulse at the joint per velocity that it doesn't allow, of what has such a mobility there.
@@ -845,22 +963,6 @@ impl<L: Lanes> Node<L> {
         self.moved.angular = log_near(exp(by.angular).compose(exp(self.moved.angular)), self.moved.angular);
     }
 
-    /// How much of what pulls is taken into the inertia, if it pulls that share of what it does in a substep.
-    #[inline(always)]
-    fn braced_share(&self, share: L) -> L {
-        let (pull, own) = (self.pulled * share, L::splat(0.5 * SAFE) * self.bears);
-        let much = pull.gt(own);
-        L::select(much, L::one() - own / L::select(much, pull, L::one()), L::zero())
-    }
-
-    #[inline(always)]
-    fn brace_by(&mut self, share: L) {
-        let b = &mut self.brace;
-        for entry in [&mut b.xx, &mut b.yy, &mut b.zz, &mut b.xy, &mut b.xz, &mut b.yz] {
-            *entry = *entry * share;
-        }
-    }
-
     /// Adds the stiffness that an impulse at an arm makes, if it pulls.
     #[inline(always)]
     fn pull(&mut self, impulse: Vec3<L>, arm: Vec3<L>, h: L) {
@@ -869,7 +971,7 @@ impl<L: Lanes> Node<L> {
         let k = L::select(pulls, along * h, L::zero());
         let over = k / L::select(pulls, arm.length_squared(), L::one());
         self.pulled += k;
-        let b = &mut self.brace;
+        let b = &mut self.strain;
         b.xx += k - over * arm.x * arm.x;
         b.yy += k - over * arm.y * arm.y;
         b.zz += k - over * arm.z * arm.z;

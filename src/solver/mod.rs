@@ -97,7 +97,7 @@ pub(crate) fn solve(
     for substep in 0..settings.substeps {
         // Velocities take gravity and forces. From the second substep on, warm starting is one addition a body: rows
         // keep their directions within a step, so the impulses of the substep before change the velocities by just
-        // what they did then. Those of joints turn, and see to it themselves.
+        // what they did then. Those of joints turn, and see to it themselves; trees need none.
         all_bodies(crew, movers, |i| {
             // SAFETY: each body is in one block.
             let (v, b, d) = unsafe { (velocity.get(i), base.get(i), delta.get(i)) };
