@@ -36,6 +36,13 @@ pub(crate) enum JointType {
     Tree,
 }
 
+impl JointType {
+    /// Whether it locks directions all at once, without bounds.
+    pub(crate) fn is_lock(self) -> bool {
+        matches!(self, JointType::Point | JointType::Weld | JointType::Hinge | JointType::Line)
+    }
+}
+
 /// Batches of one type that may be solved at the same time: one colour of one group.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct JointStage {

@@ -2,7 +2,7 @@
 
 use super::batch::unlocked;
 use super::contact_row::{Motion, Pair, Softness};
-use crate::lanes::{GatherLanes, Lanes, Mask, Record, Sym3, Vec3};
+use crate::lanes::{GatherLanes, Lanes, Mask, Record, Sym3, Vec3, scatter};
 use crate::threads::Shared;
 use std::f32::consts::PI;
 
@@ -102,6 +102,21 @@ impl<L: GatherLanes> Ends<L> {
         }
     }
 
+    /// Writes displacements. What is said beside them stays as it is.
+    ///
+    /// # Safety
+    /// As for [`Pair::load`], of displacements.
+    #[inline(always)]
+    pub(super) unsafe fn save_moved(&self, d: &Pair<L>, motion: &Motion<'_, '_>) {
+        for (side, out) in [scatter(d.va, d.wa), scatter(d.vb, d.wb)].into_iter().enumerate() {
+            for lane in (0..L::N).filter(|lane| self.write[side] >> lane & 1 != 0) {
+                // SAFETY: by the contract.
+                let to = unsafe { motion.delta.get(self.body[side][lane] as usize) };
+                (to.linear, to.angular) = (out[lane].linear, out[lane].angular);
+            }
+        }
+    }
+
     /// Applies an impulse on the second body, its opposite on the first, and angular impulses: the one is taken from the
     /// first, the other given to the second.
     #[inline(always)]
@@ -197,14 +212,6 @@ pub(super) fn mean_of<L: Lanes>(w: Vec3<L>, h: L) -> (L, L) {
     let sine = L::one() - x * some * L::splat(1.0 / 6.0);
     let cosine = some * (L::splat(0.5) - x * L::splat(1.0 / 24.0));
     (sine, cosine * h)
-}
-
-/// What the velocity of a point at an arm has in the mean over a time beside what it has now, of a body that goes on turning.
-#[inline(always)]
-pub(super) fn bend<L: Lanes>(w: Vec3<L>, arm: Vec3<L>, h: L) -> Vec3<L> {
-    let (sine, cosine) = mean_of(w, h);
-    let round = w.cross(arm);
-    round * (sine - L::one()) + w.cross(round * cosine)
 }
 
 /// The velocity of a point at an arm in the mean over a time.

@@ -3,7 +3,7 @@
 
 use super::contact_row::{Motion, Pair};
 use super::joint_ends::{Ends, JointPass, Owned, across, seen, turned};
-use super::joint_lock::mobility;
+use super::joint_lock::{at_most, mobility};
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
 
 /// Points on lines.
@@ -116,9 +116,7 @@ impl<L: GatherLanes> LineBatch<L> {
             self.moment = moment;
         }
         let slip = seen(&v, &self.arm_now, pass.ahead());
-        let (rate, scale, give) = pass.numbers::<L>();
-        let p = -(self.mass.mul(slip + pass.bias(self.apart_now, rate)) * scale
-            + (self.impulse - self.held) * give);
+        let p = -self.mass.mul(slip);
         let (ta, tb) = (ra.cross(p), rb.cross(p));
         self.impulse += p;
         self.moment[0] += ta;
@@ -126,6 +124,22 @@ impl<L: GatherLanes> LineBatch<L> {
         self.ends.apply(&mut v, p, ta, tb);
         // SAFETY: by the contract.
         unsafe { self.ends.save(&v, motion) };
+    }
+
+    /// Moves the bodies so that the point is on the line.
+    ///
+    /// # Safety
+    /// No other thread works on the bodies of the batch, and none writes their displacements.
+    #[inline(never)]
+    pub(crate) unsafe fn close(&mut self, motion: &Motion<'_, '_>, most: f32) {
+        // SAFETY: by the contract.
+        let mut d = unsafe { self.ends.load(motion.delta) };
+        self.follow(&d);
+        let [ra, rb] = self.arm_now;
+        let p = -self.mass.mul(at_most(self.apart_now, most));
+        self.ends.apply(&mut d, p, ra.cross(p), rb.cross(p));
+        // SAFETY: by the contract.
+        unsafe { self.ends.save_moved(&d, motion) };
     }
 
     /// Line, arms, separation and mass after displacements.

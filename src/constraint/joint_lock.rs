@@ -5,7 +5,7 @@
 //! apart: arms are turned along, and so is the effective mass.
 
 use super::contact_row::{Motion, Pair};
-use super::joint_ends::{Ends, JointPass, Owned, TINY, across, bend, inverse, swerve, turned};
+use super::joint_ends::{Ends, JointPass, Owned, TINY, across, inverse, swerve, turned};
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
 
 /// Points that stay together.
@@ -22,8 +22,6 @@ pub(crate) struct PointBatch<L> {
     /// Moments of the impulse, at the arms at which its parts acted [N m s].
     pub(crate) moment: [Vec3<L>; 2],
     pub(crate) apart_now: Vec3<L>,
-    /// How much faster they part in the mean over the substep than at its start [m/s].
-    bend: Vec3<L>,
     /// Impulse per velocity error [kg].
     pub(crate) mass: Sym3<L>,
     /// Of the last substep [N s].
@@ -43,7 +41,6 @@ impl<L: Lanes> Default for PointBatch<L> {
             arm_now: [zero; 2],
             moment: [zero; 2],
             apart_now: zero,
-            bend: zero,
             mass: Sym3::default(),
             impulse: zero,
             held: zero,
@@ -127,18 +124,9 @@ impl<L: GatherLanes> PointBatch<L> {
             v.wa -= self.ends.inverse_inertia[0].mul(moment[0] - self.moment[0]);
             v.wb += self.ends.inverse_inertia[1].mul(moment[1] - self.moment[1]);
             self.moment = moment;
-            // As bodies turned before any row acted: what rows ask for that can't be met turns them any way within a pass.
-            // SAFETY: these velocities are not written while rows are solved.
-            let (before, h) = (unsafe { self.ends.load(motion.base) }, pass.ahead());
-            self.bend = bend(before.wb, rb, h) - bend(before.wa, ra, h);
         }
-        let mut slip = v.vb + v.wb.cross(rb) - v.va - v.wa.cross(ra);
-        if !pass.relax {
-            slip += self.bend;
-        }
-        let (rate, scale, give) = pass.numbers::<L>();
-        let p = -(self.mass.mul(slip + pass.bias(self.apart_now, rate)) * scale
-            + (self.impulse - self.held) * give);
+        let slip = v.vb + v.wb.cross(rb) - v.va - v.wa.cross(ra);
+        let p = -self.mass.mul(slip);
         let (ta, tb) = (ra.cross(p), rb.cross(p));
         self.impulse += p;
         self.moment[0] += ta;
@@ -146,6 +134,22 @@ impl<L: GatherLanes> PointBatch<L> {
         self.ends.apply(&mut v, p, ta, tb);
         // SAFETY: by the contract.
         unsafe { self.ends.save(&v, motion) };
+    }
+
+    /// Moves the bodies so that the points are together.
+    ///
+    /// # Safety
+    /// No other thread works on the bodies of the batch, and none writes their displacements.
+    #[inline(never)]
+    pub(crate) unsafe fn close(&mut self, motion: &Motion<'_, '_>, most: f32) {
+        // SAFETY: by the contract.
+        let mut d = unsafe { self.ends.load(motion.delta) };
+        self.follow(&d);
+        let [ra, rb] = self.arm_now;
+        let p = -self.mass.mul(at_most(self.apart_now, most));
+        self.ends.apply(&mut d, p, ra.cross(p), rb.cross(p));
+        // SAFETY: by the contract.
+        unsafe { self.ends.save_moved(&d, motion) };
     }
 
     /// Arms, separation and mass after displacements.
@@ -157,6 +161,13 @@ impl<L: GatherLanes> PointBatch<L> {
         self.apart_now = self.apart + (d.vb - d.va) + (now_b - rb) - (now_a - ra);
         self.mass = inverse(&mobility(&self.ends, &self.arm_now));
     }
+}
+
+/// An error, or as much of it as is closed at once.
+#[inline(always)]
+pub(super) fn at_most<L: Lanes>(error: Vec3<L>, most: f32) -> Vec3<L> {
+    let (length, most) = (error.length(), L::splat(most));
+    error * L::select(length.gt(most), most / length, L::one())
 }
 
 /// Bodies that turn as one, or (`HINGE`) about one axis only.
@@ -230,14 +241,7 @@ impl<L: GatherLanes, const HINGE: bool> TurnBatch<L, HINGE> {
         if pass.moved {
             // SAFETY: displacements are not written while rows are solved.
             let d = unsafe { self.ends.load(motion.delta) };
-            if HINGE {
-                self.axis_now = turned(d.wa, self.axis[0]);
-                self.error_now = self.axis_now.cross(turned(d.wb, self.axis[1]));
-                self.mass = across(&self.ends.turning(), self.axis_now);
-            } else {
-                // What both turn together changes nothing.
-                self.error_now = self.error + (d.wb - d.wa);
-            }
+            self.follow(&d);
         }
         // SAFETY: by the contract.
         let mut v = unsafe { self.ends.load(motion.velocity) };
@@ -252,12 +256,38 @@ impl<L: GatherLanes, const HINGE: bool> TurnBatch<L, HINGE> {
         if HINGE {
             slip += swerve(v.wb, self.axis_now, pass.ahead()) - swerve(v.wa, self.axis_now, pass.ahead());
         }
-        let (rate, scale, give) = pass.numbers::<L>();
-        let t = -(self.mass.mul(slip + pass.bias(self.error_now, rate)) * scale
-            + (self.impulse - self.held) * give);
+        let t = -self.mass.mul(slip);
         self.impulse += t;
         self.ends.turn(&mut v, t);
         // SAFETY: by the contract.
         unsafe { self.ends.save(&v, motion) };
+    }
+
+    /// Turns the bodies as they are locked.
+    ///
+    /// # Safety
+    /// No other thread works on the bodies of the batch, and none writes their displacements.
+    #[inline(never)]
+    pub(crate) unsafe fn close(&mut self, motion: &Motion<'_, '_>, most: f32) {
+        // SAFETY: by the contract.
+        let mut d = unsafe { self.ends.load(motion.delta) };
+        self.follow(&d);
+        let t = -self.mass.mul(at_most(self.error_now, most));
+        self.ends.turn(&mut d, t);
+        // SAFETY: by the contract.
+        unsafe { self.ends.save_moved(&d, motion) };
+    }
+
+    /// Axis, error and mass after displacements.
+    #[inline(always)]
+    fn follow(&mut self, d: &Pair<L>) {
+        if HINGE {
+            self.axis_now = turned(d.wa, self.axis[0]);
+            self.error_now = self.axis_now.cross(turned(d.wb, self.axis[1]));
+            self.mass = across(&self.ends.turning(), self.axis_now);
+        } else {
+            // What both turn together changes nothing.
+            self.error_now = self.error + (d.wb - d.wa);
+        }
     }
 }

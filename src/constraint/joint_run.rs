@@ -171,6 +171,33 @@ impl JointRows {
         }
     }
 
+    /// Closes the locks of a batch that is no tree, by no more than so much.
+    ///
+    /// # Safety
+    /// No other thread works on its bodies, and none writes their displacements.
+    pub(crate) unsafe fn close_locks(
+        views: &JointViews<'_>,
+        stage: &JointStage,
+        i: usize,
+        motion: &Motion<'_, '_>,
+        most: f32,
+    ) {
+        // SAFETY: by the contract.
+        unsafe {
+            match (stage.kind, stage.single) {
+                (JointType::Point, false) => views.points.get(i).close(motion, most),
+                (JointType::Point, true) => views.point.get(i).close(motion, most),
+                (JointType::Weld, false) => views.welds.get(i).close(motion, most),
+                (JointType::Weld, true) => views.weld.get(i).close(motion, most),
+                (JointType::Hinge, false) => views.hinges.get(i).close(motion, most),
+                (JointType::Hinge, true) => views.hinge.get(i).close(motion, most),
+                (JointType::Line, false) => views.lines.get(i).close(motion, most),
+                (JointType::Line, true) => views.line.get(i).close(motion, most),
+                _ => {}
+            }
+        }
+    }
+
     /// Closes the joints of a batch of trees.
     ///
     /// # Safety

@@ -445,10 +445,16 @@ fn locked_together(limits: &[Limit]) -> Vec<Limit> {
 }
 
 impl Row {
-    /// Whether it is of a way in a direction that can't turn.
+    /// Whether the joint's locks leave its bodies no other way to go than along or about it: a slide in a direction that can't
+    /// turn, and what drives a hinge.
     pub(crate) fn is_guided(&self) -> bool {
-        let way = self.motion == Motion::Linear && matches!(self.axes, Axes::One(_));
-        way && self.beside[1].is_some()
+        match (self.motion, self.axes, self.beside[1]) {
+            (Motion::Linear, Axes::One(_), turns) => turns.is_some(),
+            (Motion::Angular, Axes::One(axis), Some(LockKind::Hinge(about))) => {
+                axis == about && matches!(self.kind, RowKind::Drive { .. })
+            }
+            _ => false,
+        }
     }
 }
 

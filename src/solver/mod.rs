@@ -148,7 +148,7 @@ pub(crate) fn solve(
             *d = record(lanes(*d) + (moved + f32x8::new(PAD) * f32x8::splat(touched)));
         });
         if joined_at_all {
-            Passes::go(crew, &batches, &joined, &motion, &closing(settings));
+            passes.go(crew, &batches, &joined, &motion, &closing(settings));
         }
         if passes.run(crew, Kind::Relax, &batches, &joined, &motion) && rubs {
             // What was pushed before it touched has its friction now; if that is much, the points share the load that it

@@ -148,14 +148,22 @@ impl Passes {
         }
     }
 
-    /// Moves the bodies of trees, and closes their joints.
+    /// Closes locks that are in no tree, moves the bodies of trees, and closes their joints.
     pub(crate) fn go(
+        &self,
         crew: &Crew<'_>,
         along: &Views<'_>,
         joined: &Joined<'_>,
         motion: &Motion<'_, '_>,
         closing: &Closing,
     ) {
+        let most = self.joint_push / self.inverse_h;
+        for stage in (0..JOINT_SWEEPS).flat_map(|_| joined.stages).filter(|stage| stage.kind.is_lock()) {
+            // SAFETY: each batch is in one stage; no dynamic body is twice in it, unless it is of rows that found no
+            // colour, and then one thread has it all.
+            let one = |i: usize| unsafe { JointRows::close_locks(joined.views, stage, i, motion, most) };
+            share_out(crew, stage.start as usize..stage.end as usize, stage.single, &one);
+        }
         for stage in joined.stages.iter().filter(|stage| stage.kind == JointType::Tree) {
             // SAFETY: each batch is in one stage, and no body that can be moved is in two.
             let one = |i: usize| unsafe {
