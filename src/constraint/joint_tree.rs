@@ -90,6 +90,8 @@ pub(crate) struct Node<L> {
     /// How much of that is pulled, and how much it bears without more [kg m²].
     pulled: L,
     bears: L,
+    /// The most pull that it is ready for [kg m²].
+    expected: L,
     /// Of one pass.
     pub(super) velocity: Twist<L>,
     /// The velocity before the pass.
@@ -157,6 +159,7 @@ impl<L: Lanes> Default for Node<L> {
             more: zero,
             pulled: L::zero(),
             bears: L::zero(),
+            expected: L::zero(),
             joined: Sym6::zero(),
             others: Sym6::zero(),
             pushes: Twist::zero(),
@@ -233,7 +236,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
         self.h = h;
         self.burden();
-        self.brace(h);
+        self.brace(h, self.is_alone());
         self.weigh();
     }
 
@@ -304,12 +307,12 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// own weight is a string with a note too high for the substep, and would tear itself apart. Where that is so, the
     /// pull is taken into the inertia, as if it were followed through the substep (Andrews, Teichmann and Kry,
     /// *Geometric Stiffness for Real-time Constrained Multibody Dynamics*, 2017).
-    fn brace(&mut self, h: f32) {
+    fn brace(&mut self, h: f32, lasting: L::Mask) {
         for node in &mut self.nodes {
             let Vec3 { x, y, z } = node.moments.inertia;
             (node.strain, node.pulled, node.bears) = (Sym3::default(), L::zero(), x + y + z);
         }
-        let (h, alone) = (L::splat(h), self.is_alone());
+        let h = L::splat(h);
         for i in 0..self.nodes.len() {
             let (parent, node) = self.with_parent(i);
             if !node.jointed || node.turns == Turns::Not {
@@ -317,7 +320,7 @@ impl<L: GatherLanes> TreeBatch<L> {
                 continue;
             }
             let size = node.impulse.length();
-            let blow = size.gt(node.steady) & !alone;
+            let blow = size.gt(node.steady) & !lasting;
             let steady = L::select(blow, node.steady / L::select(blow, size, L::one()), L::one());
             let impulse = node.impulse * steady;
             node.pull(impulse, node.arm_now[0], h);
@@ -382,7 +385,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         if self.is_alone().any() {
             // A load may come within a substep.
             let braced = self.braces;
-            self.brace(self.h);
+            self.brace(self.h, self.is_alone());
             if braced || self.braces {
                 self.weigh();
                 self.factor();
@@ -405,8 +408,40 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
         self.sweep(pass, &[], |_, _| {});
         self.foreseen = alone.any() && self.refine(pass, alone) && all(alone);
+        if self.is_taken_aback() {
+            self.weigh();
+            self.factor();
+            for node in &mut self.nodes {
+                (node.impulse, node.twist) = (Vec3::zero(), Vec3::zero());
+                node.velocity = node.before;
+            }
+            self.foresee(L::zero().eq(L::zero()));
+            self.calm();
+            self.sweep(pass, &[], |_, _| {});
+            self.foreseen = alone.any() && self.refine(pass, alone) && all(alone);
+        }
         // SAFETY: by the contract.
         unsafe { self.save(motion) };
+    }
+
+    /// A load may come within a substep: a chain that gets taut. Whether a tree that touches nothing is pulled by much more than
+    /// it is braced for; then it is braced for that.
+    fn is_taken_aback(&mut self) -> bool {
+        let alone = self.is_alone();
+        if !alone.any() {
+            return false;
+        }
+        for node in &mut self.nodes {
+            node.expected = node.pulled;
+        }
+        self.brace(self.h, alone);
+        let other = |node: &Node<L>| {
+            let own = L::splat(0.5 * SAFE) * node.bears;
+            let more = node.pulled.gt(node.expected.max(own) * L::splat(MORE));
+            let gone = node.expected.gt(own * L::splat(MORE)) & !node.pulled.gt(own);
+            ((more | gone) & alone).bits() & node.write != 0
+        };
+        self.nodes.iter().any(other)
     }
 
     /// How fast bodies turn with half of what joints bore in the last substep: the other half acts at its end. What all this
@@ -513,11 +548,11 @@ impl<L: GatherLanes> TreeBatch<L> {
                     let mut asked = node.asked;
                     node.beside.add(parent.pushes);
                     asked.subtract(node.others.mul(&node.beside).seen_at(other));
-                    let force = node.joined.mul(&asked);
+                    let force = node.unspun(node.joined.mul(&asked));
                     parent.pushes.add(force.moved(other));
                     force
                 }
-                None => node.stiff.mul(&node.asked),
+                None => node.unspun(node.stiff.mul(&node.asked)),
             };
             node.pushes.subtract(node.force.moved(arm));
         }
@@ -919,6 +954,8 @@ const MISS: f32 = 5e-8;
 /// What turns further than this in a substep is followed in parts [rad], and in how many at most.
 const TURN: f32 = 0.25;
 const MOST_PARTS: f32 = 16.0;
+/// By how much more than what a tree is braced for it may be pulled.
+const MORE: f32 = 1.5;
 /// Into how many parts a substep is cut at most for what pulls.
 const FEW_PARTS: f32 = 3.0;
 /// What is faster than this [m/s] or [rad/s] goes on as if the tree had not acted.
@@ -942,6 +979,16 @@ impl<L: Lanes> Node<L> {
             Turns::AboutAxis => across(&mobility.angular, self.axis_now[0]),
             Turns::Not => inverse(&mobility.angular),
         })
+    }
+
+    /// What a hinge bears, without what rounding leaves of it about its axis, by which it would spin ever faster.
+    #[inline(always)]
+    fn unspun(&self, mut force: Twist<L>) -> Twist<L> {
+        if self.turns == Turns::AboutAxis {
+            let axis = self.axis_now[0];
+            force.angular -= axis * axis.dot(force.angular);
+        }
+        force
     }
 
     /// Nothing has come from other bodies yet.
