@@ -92,6 +92,8 @@ pub(crate) struct Node<L> {
     bears: L,
     /// The most pull that it is ready for [kg m²].
     expected: L,
+    /// How far it may turn in a substep [rad].
+    furthest: L,
     /// Of one pass.
     pub(super) velocity: Twist<L>,
     /// The velocity before the pass.
@@ -162,6 +164,7 @@ impl<L: Lanes> Default for Node<L> {
             pulled: L::zero(),
             bears: L::zero(),
             expected: L::zero(),
+            furthest: L::splat(f32::INFINITY),
             joined: Sym6::zero(),
             others: Sym6::zero(),
             pushes: Twist::zero(),
@@ -203,6 +206,9 @@ pub(crate) struct TreeBatch<L> {
     /// Lanes in which a body counts as heavier than it is.
     pub(crate) weighted: u32,
 }
+
+/// What has less than this of the mass that hangs on it is a light link.
+const LIGHT: f32 = 1e-3;
 
 /// The least mass of a body for what hangs on it. Of mobilities in `f32` a part in ten million is left; of chains of twenty,
 /// links of a 50,000th already lose some digits that they need, and of a millionth all.
@@ -259,6 +265,8 @@ impl<L: GatherLanes> TreeBatch<L> {
             if let Some(parent) = parent {
                 parent.pulled += node.pulled + L::one() / node.inverse_mass;
             }
+            let much = (node.pulled * L::splat(LIGHT) * node.inverse_mass).gt(L::one());
+            node.furthest = L::select(much, L::splat(MOST_PARTS * TURN), L::splat(f32::INFINITY));
             let less = L::one() / factor;
             node.inverse_mass = node.inverse_mass * less;
             node.moments.inertia = node.moments.inertia * factor;
@@ -410,7 +418,10 @@ impl<L: GatherLanes> TreeBatch<L> {
             self.calm();
         }
         self.foreseen = self.close_ahead(pass, alone) && all(alone);
-        if self.is_taken_aback() {
+        for _ in 0..BRACINGS {
+            if !self.is_taken_aback() {
+                break;
+            }
             self.weigh();
             self.factor();
             for node in &mut self.nodes {
@@ -425,8 +436,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         unsafe { self.save(motion) };
     }
 
-    /// A load may come within a substep: a chain that gets taut. Whether a tree that touches nothing is pulled by much more than
-    /// it is braced for; then it is braced for that.
+    /// A load may come within a substep, of a chain that gets taut, or go, after a blow. Whether a tree that touches nothing is
+    /// pulled by much more or less than it is braced for; then it is braced for that.
     fn is_taken_aback(&mut self) -> bool {
         let alone = self.is_alone();
         if !alone.any() {
@@ -439,7 +450,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         let other = |node: &Node<L>| {
             let own = L::splat(0.5 * SAFE) * node.bears;
             let more = node.pulled.gt(node.expected.max(own) * L::splat(MORE));
-            let gone = node.expected.gt(own * L::splat(MORE)) & !node.pulled.gt(own);
+            let gone = node.expected.gt(node.pulled.max(own) * L::splat(MORE));
             ((more | gone) & alone).bits() & node.write != 0
         };
         self.nodes.iter().any(other)
@@ -482,6 +493,9 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
         self.foreseen = false;
         self.sweep(pass, own, touch);
+        if pass.relax {
+            self.tame(self.h);
+        }
         // SAFETY: by the contract.
         unsafe { self.save(motion) };
     }
@@ -493,7 +507,9 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// tree about. Joints that are closed add next to no energy. So what adds much is not taken: there velocities are made
     /// to fit the joints where they are, which adds none, and what is open at the end is closed on the displacements.
     fn close_ahead(&mut self, pass: &JointPass, lanes: L::Mask) -> bool {
-        self.nodes.iter_mut().for_each(|node| node.start = [node.velocity, Twist { linear: node.impulse, angular: node.twist }]);
+        self.nodes.iter_mut().for_each(|node| {
+            node.start = [node.velocity, Twist { linear: node.impulse, angular: node.twist }]
+        });
         let before = self.energy();
         self.sweep(pass, &[], |_, _| {});
         let known = lanes.any() && self.refine(pass, lanes);
@@ -513,7 +529,23 @@ impl<L: GatherLanes> TreeBatch<L> {
             back(Vec3::zero(), &mut node.bend.angular);
         }
         self.sweep(pass, &[], |_, _| {});
+        for node in &mut self.nodes {
+            // Nor do they whirl.
+            let angle = node.velocity.angular.length() * L::splat(self.h);
+            let less = L::splat(FAR) / angle.max(L::splat(FAR));
+            node.velocity.angular = Vec3::select(wild, node.velocity.angular * less, node.velocity.angular);
+        }
         false
+    }
+
+    /// Light links that lie folded between heavy bodies that part would turn ever faster, to an end that no substep follows.
+    fn tame(&mut self, h: f32) {
+        for node in &mut self.nodes {
+            let angle = node.velocity.angular.length() * L::splat(h);
+            let far = angle.gt(node.furthest);
+            let less = L::select(far, node.furthest / L::select(far, angle, L::one()), L::one());
+            node.velocity.angular = node.velocity.angular * less;
+        }
     }
 
     /// Twice the kinetic energy, of what is braced with that.
@@ -619,8 +651,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             node.asked.add(asked(node, parent.as_deref()));
             if node.turns == Turns::AboutAxis {
                 // What spins about its hinge fast would leave some of that to rounding.
-                let axis = node.axis_now[0];
-                node.asked.angular -= axis * axis.dot(node.asked.angular);
+                node.asked = node.unspun(node.asked);
             }
             if let Some(parent) = parent {
                 node.beside = parent.carried;
@@ -811,6 +842,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         let solving = JointPass { relax: false, inverse_h: 0.0, ..still };
         (self.h, self.lag) = (whole / parts, L::zero());
         self.sweep(&still, &[], |_, _| {});
+        self.tame(whole);
         for part in 1..=parts as u32 {
             self.foresee(every);
             self.calm();
@@ -820,6 +852,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             self.factor();
             self.settle();
             self.sweep(&still, &[], |_, _| {});
+            self.tame(whole);
         }
         (self.h, self.lag) = (whole, lag);
         self.nodes.iter_mut().for_each(|node| node.velocity.linear += node.pull * lag);
@@ -993,10 +1026,13 @@ const MISS: f32 = 5e-8;
 /// What turns further than this in a substep is followed in parts [rad], and in how many at most.
 const TURN: f32 = 0.25;
 const MOST_PARTS: f32 = 16.0;
-/// By how much more than what a tree is braced for it may be pulled.
-const MORE: f32 = 1.5;
+/// By how much more or less than what a tree is braced for it may be pulled, and how often that is looked for.
+const MORE: f32 = 1.25;
+const BRACINGS: u32 = 3;
 /// By how much joints that are closed may multiply the kinetic energy in a substep.
 const MOST_GAIN: f32 = 2.0;
+/// How far what would be thrown about turns at most [rad].
+const FAR: f32 = 0.5;
 /// Into how many parts a substep is cut at most for what pulls.
 const FEW_PARTS: f32 = 3.0;
 /// What is faster than this [m/s] or [rad/s] goes on as if the tree had not acted.
@@ -1022,14 +1058,17 @@ impl<L: Lanes> Node<L> {
         })
     }
 
-    /// What a hinge bears, without what rounding leaves of it about its axis, by which it would spin ever faster.
+    /// Of a hinge, without what is about its axis. Rounding leaves some of that, by which a rotor would spin ever faster: so
+    /// twice.
     #[inline(always)]
-    fn unspun(&self, mut force: Twist<L>) -> Twist<L> {
+    fn unspun(&self, mut of: Twist<L>) -> Twist<L> {
         if self.turns == Turns::AboutAxis {
             let axis = self.axis_now[0];
-            force.angular -= axis * axis.dot(force.angular);
+            for _ in 0..2 {
+                of.angular -= axis * axis.dot(of.angular);
+            }
         }
-        force
+        of
     }
 
     /// Nothing has come from other bodies yet.
