@@ -418,10 +418,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             self.calm();
         }
         self.foreseen = self.close_ahead(pass, alone) && all(alone);
-        for _ in 0..BRACINGS {
-            if !self.is_taken_aback() {
-                break;
-            }
+        if self.is_taken_aback() {
             self.weigh();
             self.factor();
             for node in &mut self.nodes {
@@ -1026,9 +1023,8 @@ const MISS: f32 = 5e-8;
 /// What turns further than this in a substep is followed in parts [rad], and in how many at most.
 const TURN: f32 = 0.25;
 const MOST_PARTS: f32 = 16.0;
-/// By how much more or less than what a tree is braced for it may be pulled, and how often that is looked for.
-const MORE: f32 = 1.25;
-const BRACINGS: u32 = 3;
+/// By how much more or less than what a tree is braced for it may be pulled.
+const MORE: f32 = 1.5;
 /// By how much joints that are closed may multiply the kinetic energy in a substep.
 const MOST_GAIN: f32 = 2.0;
 /// How far what would be thrown about turns at most [rad].
