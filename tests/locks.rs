@@ -51,8 +51,9 @@ impl Grip {
     }
 }
 
-/// Static friction holds for ever what it holds at all. In the first substep nothing bears yet, and in the second friction has
-/// to grow to the whole weight after bodies moved: the cube falls by 1.5 g h². Beside that it sinks by less than a tenth of a millimetre, and in the last half minute not at all. Along x the three are
+/// Static friction holds for ever what it holds at all. In the first substep nothing bears yet, and the cube falls by g h².
+/// Friction of what rests acts after bodies moved, which adds about half of that again: 1.55 g h² in all is measured, not derived
+/// (0.26 mm at 60 Hz and 4 substeps). Beside that it sinks by less than a tenth of a millimetre, and in the last half minute not at all. Along x the three are
 /// free.
 #[test]
 fn jaws_with_locked_axes_hold_what_they_grip() {
