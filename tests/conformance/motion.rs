@@ -190,7 +190,8 @@ fn a_turntable_carries_what_lies_on_it() {
         near3(table.angular, Vec3::Y * 0.5, 1e-6, "table");
         assert!(table.rotation.dot(Quat::from_rotation_y(5.0)).abs() > 1.0 - 1e-5, "{table:?}");
         near3(cube.angular, Vec3::Y * 0.5, 0.01, "cube");
-        // What lies still on it keeps its radius; at most each step leads along the tangent, by (w dt)² / 2 of the radius.
+        // Between the circle, which is exact, and steps that lead along the tangent, by (w dt)² / 2 of the radius each.
+        // Measured: 82 mm beyond the circle at 30 Hz, of 84 along the tangent, and none at 240 Hz, of 10; why is not known.
         let most = 2.0 * (0.5f64 * 0.5 * 0.5 * dt as f64 * 10.0).exp();
         let off = cube.position.x.hypot(cube.position.z) - 2.0;
         assert!(
