@@ -3,7 +3,7 @@
 //! A forearm whirls through a thin wall while its centre stays in front of it, and hooks in there. So of bodies in trees the
 //! two ends of each long shape's core are looked at as well, and the tree stops before one of them crosses what is static.
 
-use super::guard::{Guard, KEEP, stop};
+use super::guard::{GRAZE, Guard, KEEP, stop};
 use crate::body::Pose;
 use crate::shape::Geometry;
 use glam::Vec3;
@@ -19,8 +19,8 @@ pub(super) struct Crossing {
     pub(super) normal: Vec3,
 }
 
-/// Of the ball that fits into a shape, how far an end may move unseen.
-const UNSEEN: f32 = 0.25;
+/// Of the ball that fits into a shape, how far an end may move in a step and still be slow.
+const SLOW: f32 = 0.25;
 
 impl Guard<'_> {
     /// The first end of a body's shapes that crosses static geometry on its way from pose to pose.
@@ -34,7 +34,6 @@ impl Guard<'_> {
         let mut first: Option<Crossing> = None;
         for &c in own {
             let collider = &self.colliders[c as usize];
-            let keep = KEEP * collider.inner_radius;
             let Some(core) = core(&collider.geometry).filter(|_| !collider.is_sensor()) else { continue };
             for end in [-core, core] {
                 let end = collider.position + collider.rotation * end;
@@ -42,7 +41,10 @@ impl Guard<'_> {
                 let arm = after.rotation * end;
                 let way = (after.position + arm.as_dvec3() - from).as_vec3();
                 let length = way.length();
-                if length <= UNSEEN * collider.inner_radius {
+                // What is slow keeps less of a distance, or limbs that lie somewhere would be held for nothing.
+                let slow = length <= SLOW * collider.inner_radius;
+                let keep = if slow { GRAZE * KEEP } else { KEEP } * collider.inner_radius;
+                if length == 0.0 || slow && self.is_free(stack, own, from, way, keep) {
                     continue;
                 }
                 let reach = way * (1.0 + keep / length);

@@ -41,7 +41,7 @@ pub(crate) struct Guard<'a> {
 /// Share of the inner ball that a centre keeps from a surface when it is held.
 pub(super) const KEEP: f32 = 0.25;
 /// Share of that distance that it keeps when it runs along a surface.
-const GRAZE: f32 = 0.25;
+pub(super) const GRAZE: f32 = 0.25;
 /// A shape whose origin is outside of it has no inner ball there: this share of its size stands in.
 const HOLLOW: f32 = 1e-3;
 
