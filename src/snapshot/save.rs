@@ -28,7 +28,7 @@ pub(super) fn save(world: &World, out: &mut Vec<u32>) {
     out.resize(HEAD + COUNTS, 0);
     settings::save(&world.settings, out);
     out.extend_from_slice(&words::<6>(world.origin.to_array()));
-    out.push(buffers.last_h.to_bits());
+    out.extend([buffers.last_h, buffers.solver.usual_h].map(f32::to_bits));
 
     out.extend(&bodies.slot[..all]);
     let start = out.len();

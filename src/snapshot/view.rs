@@ -11,7 +11,7 @@ use crate::sleep::{SavedSleep, SleepLists};
 use bytemuck::{Pod, Zeroable};
 
 /// The version of the format: of these columns, and of the parts that snapshots share.
-pub(super) const VERSION: u32 = 1;
+pub(super) const VERSION: u32 = 2;
 /// `BSNP` in the first bytes.
 pub(super) const MAGIC: u32 = u32::from_le_bytes(*b"BSNP");
 
@@ -77,6 +77,7 @@ pub(super) struct View<'a> {
     pub(super) settings: Settings,
     pub(super) origin: [f64; 3],
     pub(super) last_h: f32,
+    pub(super) usual_h: f32,
     /// Of each body that moves or sleeps, in order.
     pub(super) slots: &'a [u32],
     pub(super) bodies: &'a [u32],
@@ -118,7 +119,9 @@ impl<'a> View<'a> {
         let settings = settings::read(&mut from, own)?;
         let origin: [f64; 3] = from.record::<_, 6>()?;
         let last_h = f32::from_bits(from.one()?);
-        if !origin.iter().all(|x| x.is_finite()) || !(0.0..f32::MAX).contains(&last_h) {
+        let usual_h = f32::from_bits(from.one()?);
+        let is_length = |h: &f32| (0.0..f32::MAX).contains(h);
+        if !origin.iter().all(|x| x.is_finite()) || ![last_h, usual_h].iter().all(is_length) {
             return Err(broken("a number is none"));
         }
         let (movers, all) = (counts.movers(), counts.bodies());
@@ -127,6 +130,7 @@ impl<'a> View<'a> {
             settings,
             origin,
             last_h,
+            usual_h,
             slots: from.table(all, 1)?,
             bodies: from.table(all, BODY)?,
             rest: from.table(if counts.has(REST) { movers } else { 0 }, 1)?,
