@@ -18,6 +18,12 @@ pub(crate) struct Pose {
     pub(crate) rotation: Quat,
 }
 
+impl Pose {
+    pub(crate) fn is_finite(&self) -> bool {
+        self.position.is_finite() && self.rotation.is_finite()
+    }
+}
+
 /// Inverse mass, and principal moments of inertia with their inverses; zero where a body can't be moved.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Mass {

@@ -185,9 +185,10 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
                 }
                 stopped.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
             }
+            let whence = *pose;
             let touched = d.pad0 != 0.0;
             let seat = seats.of(i);
-            let before = seat.map(|_| *pose);
+            let before = seat.map(|_| whence);
             if uneven && i < dynamic && !touched && spins_freely(&mass[i], &traits[i], start[i].angular, dt) {
                 (pose.rotation, velocity.angular) =
                     turn_freely(pose.rotation, start[i].angular, mass[i].inertia, dt);
@@ -227,6 +228,14 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
                 held.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
                 stop_end(velocity, &crossing, mass[i].inverse, &inverse_inertia[i]);
                 note(seat, crossing.share);
+            }
+            if !pose.is_finite() || !is_sound(velocity) {
+                // What it turned or was lifted by was none, however sound it began.
+                (*pose, moved) = (whence, glam::Vec3::ZERO);
+                if i < dynamic {
+                    *velocity = Record::default();
+                }
+                stopped.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
             }
             if keep {
                 // SAFETY: each body is in one block.

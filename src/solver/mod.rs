@@ -189,7 +189,7 @@ pub(crate) fn solve(
         }
     }
     // SAFETY: no stage runs.
-    impacts.let_go(dt, unsafe { velocity.part(0..known) });
+    impacts.let_go(dt, unsafe { velocity.part(0..known) }, &mut forces.acceleration);
     joints.stages = joint_stages;
 }
 
