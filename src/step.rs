@@ -107,7 +107,6 @@ impl World {
         let demand = self.demand();
         self.spent = PartTimes::default();
         self.make_place_for_step();
-        self.keep_previous();
         self.keep_rest();
         self.events.start();
         self.buffers.dt = dt;

@@ -154,8 +154,7 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
     let bodies = &mut world.bodies;
     let delta = Shared::new(&mut world.buffers.solver.delta);
     let (start, impacts) = (&world.buffers.forces.start, &world.buffers.restitution);
-    let (keep, uneven) = (!bodies.previous.is_empty(), bodies.uneven > 0);
-    let previous = Shared::new(&mut bodies.previous);
+    let uneven = bodies.uneven > 0;
     let (mass, traits, colliders) = (&bodies.mass, &bodies.traits, &bodies.colliders);
     let velocity = Shared::new(&mut bodies.velocity);
     let pose = Shared::new(&mut bodies.pose);
@@ -231,17 +230,11 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
             }
             if !pose.is_finite() || !is_sound(velocity) {
                 // What it turned or was lifted by was none, however sound it began.
-                (*pose, moved) = (whence, glam::Vec3::ZERO);
+                *pose = whence;
                 if i < dynamic {
                     *velocity = Record::default();
                 }
                 stopped.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-            }
-            if keep {
-                // SAFETY: each body is in one block.
-                let previous = unsafe { previous.get(i) };
-                (previous.linear, previous.angular) = (start[i].linear, start[i].angular);
-                previous.moved = moved;
             }
         }
     });

@@ -59,9 +59,6 @@ impl Trees<'_> {
                 let pose = &mut self.bodies.pose[i];
                 pose.position += d.linear.as_dvec3();
                 pose.rotation = (exp_map(d.angular) * pose.rotation).normalize();
-                if let Some(previous) = self.bodies.previous.get_mut(i) {
-                    previous.moved = d.linear;
-                }
             }
         }
     }

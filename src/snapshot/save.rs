@@ -2,7 +2,7 @@
 
 use super::contacts::{save_contacts, save_pairs};
 use super::settings;
-use super::view::{BODY, COUNTS, Counts, FORCE, HEAD, Head, MAGIC, PREVIOUS, REST, RESTS, VERSION};
+use super::view::{BODY, COUNTS, Counts, FORCE, HEAD, Head, MAGIC, REST, RESTS, VERSION};
 use super::words::words;
 use crate::body::Pose;
 use crate::finish::Clear;
@@ -42,12 +42,6 @@ pub(super) fn save(world: &World, out: &mut Vec<u32>) {
     if !bodies.rest.is_empty() {
         counts.columns |= REST;
         out.extend(bodies.rest[..movers].iter().map(|rest| rest.to_bits()));
-    }
-    if !bodies.previous.is_empty() {
-        counts.columns |= PREVIOUS;
-        bodies.previous[..movers]
-            .iter()
-            .for_each(|way| out.extend_from_slice(&words::<9>([way.linear, way.angular, way.moved])));
     }
     if !bodies.force.is_empty() {
         counts.columns |= FORCE;

@@ -58,16 +58,14 @@ pub(super) struct Counts {
 
 /// Bits of [`Counts::columns`].
 pub(super) const FORCE: u32 = 1;
-pub(super) const PREVIOUS: u32 = 2;
-pub(super) const REST: u32 = 4;
+pub(super) const REST: u32 = 2;
 /// Not a column: whether bodies may sleep.
-pub(super) const RESTS: u32 = 8;
+pub(super) const RESTS: u32 = 4;
 
 pub(super) const HEAD: usize = size_of::<Head>() / 4;
 pub(super) const COUNTS: usize = size_of::<Counts>() / 4;
-/// Pose and velocity of a body; what the last step did to it; force and torque with the body; where it is clear.
+/// Pose and velocity of a body; force and torque with the body; where it is clear.
 pub(super) const BODY: usize = 16;
-pub(super) const WAY: usize = 9;
 pub(super) const PUSH: usize = 7;
 pub(super) const BALL: usize = 7;
 
@@ -83,7 +81,6 @@ pub(super) struct View<'a> {
     pub(super) bodies: &'a [u32],
     /// Of each body that moves, if bodies may sleep: since when it rests; and, if there is restitution, its way.
     pub(super) rest: &'a [u32],
-    pub(super) ways: &'a [u32],
     pub(super) forces: &'a [u32],
     /// A bit for each guarded body.
     pub(super) is_clear: &'a [u32],
@@ -134,7 +131,6 @@ impl<'a> View<'a> {
             slots: from.table(all, 1)?,
             bodies: from.table(all, BODY)?,
             rest: from.table(if counts.has(REST) { movers } else { 0 }, 1)?,
-            ways: from.table(if counts.has(PREVIOUS) { movers } else { 0 }, WAY)?,
             forces: from.table(counts.forces, PUSH)?,
             is_clear: from.table(counts.guarded.div_ceil(32), 1)?,
             clear: from.table(counts.clear, BALL)?,

@@ -122,7 +122,6 @@ pub(crate) fn meet_impacts(crew: &Crew<'_>, world: &mut World, dt: f32) -> Impac
     while let Some(hit) = run.buffers.queue.pop() {
         run.strike(&hit);
     }
-    run.note_ways();
     let impacts = run.impacts;
     world.buffers.impacts = buffers;
     impacts
@@ -284,16 +283,6 @@ impl Run<'_> {
     fn push(&mut self, hit: Hit) {
         if !self.buffers.queue.push(hit, &mut self.room) {
             self.impacts.shed += 1;
-        }
-    }
-
-    /// Restitution of the next step asks how far bodies really went.
-    fn note_ways(&mut self) {
-        for track in &self.buffers.tracks {
-            let i = track.body as usize;
-            if let Some(previous) = self.world.bodies.previous.get_mut(i) {
-                previous.moved = (self.world.bodies.pose[i].position - track.start).as_vec3();
-            }
         }
     }
 
