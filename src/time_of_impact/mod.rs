@@ -218,8 +218,7 @@ impl Run<'_> {
         // Where nothing pulls there is no such column.
         let pull = self.world.buffers.forces.acceleration.get(body).filter(|_| free);
         let pull = pull.map_or(Vec3::ZERO, |pull| pull.linear);
-        let start = way.position;
-        self.buffers.tracks.push(Track { body: body as u32, start, way, pull, turns: 0, stands: false });
+        self.buffers.tracks.push(Track { body: body as u32, way, pull, turns: 0, stands: false });
         self.buffers.track_of[body] = self.buffers.tracks.len() as u32 - 1;
         self.buffers.tracks.len() - 1
     }
