@@ -3,7 +3,7 @@
 //!     cargo run --release --example rest -- tower 30 120 --hz 60 --substeps 4
 //!
 //! Structure, size and seconds, then `--hz`, `--substeps`, `--iterations`, `--friction patch|point`, `--scale` [m],
-//! `--density` [kg/m³]. Without arguments a tower of five stands for 20 s and the example asserts that.
+//! `--density` [kg/m³], `--steps even|alternating|hitches|random|wild`. Without arguments a tower of five stands for 20 s and the example asserts that.
 
 use backstop::scene::Standing;
 use backstop::{BodyHandle, Error, FrictionModel, Settings, World};
@@ -18,12 +18,44 @@ fn speeds(world: &World, bodies: &[BodyHandle]) -> Result<[f64; 2], Error> {
     Ok([(sum / bodies.len() as f64).sqrt(), most.sqrt()])
 }
 
+/// How long steps are.
+#[derive(Clone, Copy, Debug)]
+enum Steps {
+    /// All the same [Hz].
+    Even(f32),
+    /// 1/30 and 1/144 s by turns.
+    Alternating,
+    /// 60 Hz, and once a second a step of 0.25 s.
+    Hitches,
+    /// Anything between the two [s].
+    Random(f32, f32),
+}
+
+impl Steps {
+    /// Length of the step with such a number [s].
+    fn dt(self, step: u32) -> f32 {
+        match self {
+            Steps::Even(hz) => 1.0 / hz,
+            Steps::Alternating => [1.0 / 30.0, 1.0 / 144.0][step as usize % 2],
+            Steps::Hitches => [1.0 / 60.0, 0.25][usize::from(step % 46 == 45)],
+            Steps::Random(least, most) => {
+                // Mixes the bits of the number: the same steps in every run.
+                let mut bits = (step + 1).wrapping_mul(0x9E37_79B9);
+                bits = (bits ^ bits >> 16).wrapping_mul(0x85EB_CA6B);
+                bits = (bits ^ bits >> 13).wrapping_mul(0xC2B2_AE35);
+                bits ^= bits >> 16;
+                least + (most - least) * (bits >> 8) as f32 / (1 << 24) as f32
+            }
+        }
+    }
+}
+
 /// Prints a line every 5 s; the way of the top sideways and down [m], and the speeds, in the end.
 fn stand(
     structure: Standing,
     settings: Settings,
     density: f32,
-    hz: f32,
+    length: Steps,
     seconds: u32,
 ) -> Result<[f64; 4], Error> {
     let (mut world, bodies) = structure.build(settings, density)?;
@@ -35,12 +67,14 @@ fn stand(
         bodies.len()
     );
     let mut last = [0.0; 4];
-    let (mut second, mut steps) = (0, 0_u32);
+    let (mut second, mut step, mut time) = (0, 0_u32, 0.0);
     while second < seconds {
         second = (second + 5).min(seconds);
-        while f64::from(steps) < (f64::from(second) * f64::from(hz)).round() {
-            world.step(1.0 / hz)?;
-            steps += 1;
+        // Half a millisecond: where steps add up to a whole second, rounding adds none.
+        while time < f64::from(second) - 0.0005 {
+            let dt = length.dt(step);
+            world.step(dt)?;
+            (time, step) = (time + f64::from(dt), step + 1);
         }
         let way = world.position(top)? - start;
         let [rms, most] = speeds(&world, &bodies)?;
@@ -53,7 +87,7 @@ fn stand(
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut settings = Settings::default();
-    let (mut hz, mut density, mut plain) = (60.0, 1000.0, Vec::new());
+    let (mut steps, mut density, mut plain) = (Steps::Even(60.0), 1000.0, Vec::new());
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         let Some(option) = argument.strip_prefix("--") else {
@@ -62,7 +96,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         };
         let value = arguments.next().ok_or_else(|| format!("--{option} needs a value"))?;
         match option {
-            "hz" => hz = value.parse()?,
+            "hz" => steps = Steps::Even(value.parse()?),
+            "steps" if value == "even" => {}
+            "steps" if value == "alternating" => steps = Steps::Alternating,
+            "steps" if value == "hitches" => steps = Steps::Hitches,
+            "steps" if value == "random" => steps = Steps::Random(1.0 / 144.0, 1.0 / 30.0),
+            "steps" if value == "wild" => steps = Steps::Random(1.0 / 240.0, 1.0 / 15.0),
             "substeps" => settings.substeps = value.parse()?,
             "iterations" => settings.iterations = value.parse()?,
             "friction" if value == "point" => settings.friction_model = FrictionModel::Point,
@@ -74,11 +113,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     let number = |i: usize| plain.get(i).map(|text: &String| text.parse::<u32>()).transpose();
     let Some(name) = plain.first() else {
-        let [aside, down, rms, _] = stand(Standing::Tower(5), settings, density, hz, 20)?;
+        let [aside, down, rms, _] = stand(Standing::Tower(5), settings, density, steps, 20)?;
         assert!(aside < 1e-4 && down < 0.005 && rms < 1e-4, "{aside} m aside, {down} m down, {rms} m/s");
         return Ok(());
     };
     let structure = Standing::named(name, number(1)?.map(|n| n as usize)).ok_or("no such structure")?;
-    stand(structure, settings, density, hz, number(2)?.unwrap_or(60))?;
+    stand(structure, settings, density, steps, number(2)?.unwrap_or(60))?;
     Ok(())
 }

@@ -3,8 +3,8 @@
 use crate::broad_phase::BroadStats;
 use crate::config::{ContinuousMethod, FrictionModel};
 use crate::constraint::{
-    FindInput, JointInput, JointRows, PrepareInput, PrepareScratch, Prepared, Restitution, Rows, find,
-    prepare,
+    FindInput, JointInput, JointRows, PrepareInput, PrepareScratch, Prepared, Restitution, Rows, StepLengths,
+    find, prepare,
 };
 use crate::error::{Error, positive};
 use crate::events::{ContactHooks, NoHooks};
@@ -107,7 +107,6 @@ impl World {
         let demand = self.demand();
         self.spent = PartTimes::default();
         self.make_place_for_step();
-        self.keep_previous();
         self.keep_rest();
         self.events.start();
         self.buffers.dt = dt;
@@ -139,6 +138,7 @@ impl World {
         probe!(self, Prepare);
         clock = lap(clock, &mut times.prepare);
 
+        let lengths = self.lengths(dt);
         let buffers = &mut self.buffers;
         let (rows, state) = ((&mut buffers.rows, &mut buffers.joints), &mut buffers.solver);
         let impulses = self.events.impulses.as_mut_slice();
@@ -154,7 +154,7 @@ impl World {
                 self.forget_friction();
             }
             let contacts = Shared::new(&mut self.contacts.all);
-            solver::store(crew, &mut self.buffers.rows, dt, &contacts)
+            solver::store(crew, &mut self.buffers.rows, dt, lengths, &contacts)
         };
         let watch = Watch::start(self.needs.events > 0);
         self.hear_contacts();
@@ -183,6 +183,11 @@ impl World {
         self.report = StepReport::new(self, times, broad, narrow, prepared, pushed, (ended, impacts));
         (self.sleep.woke, self.sleep.slept) = (0, 0);
         self.note_peaks();
+    }
+
+    fn lengths(&self, dt: f32) -> StepLengths {
+        let now = dt / self.settings.substeps as f32;
+        StepLengths::new(self.buffers.last_h, now, self.settings.warm_starting)
     }
 
     /// Of all contacts of the step.
@@ -260,8 +265,8 @@ impl World {
         self.spent.restitution = watch.stop();
         let watch = Watch::start(self.joints.count > 0);
         let h = dt / self.settings.substeps as f32;
-        let last = self.buffers.last_h;
-        let warm = if self.settings.warm_starting && last > 0.0 { h / last } else { 0.0 };
+        let lengths = self.lengths(dt);
+        let warm = lengths.ratio();
         if self.joints.changed {
             self.revisions.moving += u64::from(self.joints.is_stale());
             self.joints.compact();
@@ -297,7 +302,7 @@ impl World {
             real: REAL * unit,
             near: 2.0 * MARGIN * unit,
             ahead,
-            warm,
+            lengths,
             stick: STICK * unit,
             order: self.settings.order,
             seats: &self.buffers.joints.seats,

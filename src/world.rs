@@ -19,7 +19,7 @@ pub(crate) use plan::Crowd;
 
 use mass::{columns_of, mass_of, movable};
 
-use crate::body::{Bodies, BodyDesc, BodyKind, Cold, Mass, NewBody, Pose, Previous, Traits};
+use crate::body::{Bodies, BodyDesc, BodyKind, Cold, Mass, NewBody, Pose, Traits};
 use crate::broad_phase::{BroadPhase, Now, Pair};
 use crate::config::{Continuous, Settings};
 use crate::constraint::RowGroup;
@@ -511,17 +511,6 @@ impl World {
             if wanted == 0 {
                 self.bodies.rest.shrink_to_fit();
                 self.sleep = Sleep::default();
-            }
-        }
-    }
-
-    pub(crate) fn keep_previous(&mut self) {
-        let wanted = if self.needs.restitution > 0 { self.bodies.len() } else { 0 };
-        if self.bodies.previous.len() != wanted {
-            self.bodies.previous.clear();
-            self.bodies.previous.resize(wanted, Previous::default());
-            if wanted == 0 {
-                self.bodies.previous.shrink_to_fit();
             }
         }
     }

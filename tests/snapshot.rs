@@ -62,12 +62,14 @@ struct Case {
     scene: Scene,
     sleeping: bool,
     act: Act,
+    /// Length of the step with a number [s].
+    dt: fn(u32) -> f32,
     at: &'static [u32],
     on: u32,
 }
 
 fn cases() -> Vec<Case> {
-    let case = |name, scene, at, on| Case { name, scene, sleeping: false, act: nothing, at, on };
+    let case = |name, scene, at, on| Case { name, scene, sleeping: false, act: nothing, dt: |_| DT, at, on };
     vec![
         // All hit the terrain between the steps 20 and 33.
         case("talk", builtin::talk(), &[0, 10, 24, 30, 60], 40),
@@ -79,6 +81,11 @@ fn cases() -> Vec<Case> {
         case("joint_grid", builtin::joint_grid(8), &[0, 10, 30], 30),
         Case { sleeping: true, ..case("sleep", pile_of(120), &[100, 200, 280, 400], 120) },
         Case { act: tilt, ..case("table", table(), &[0, 1, 30, 90], 60) },
+        // Mean forces are kept once the steps vary, from the 30th on, and the springs are between two lengths.
+        Case {
+            dt: |step| if step > 30 && step % 3 == 0 { 0.04 } else { DT },
+            ..case("varying", pile_of(100), &[29, 31, 34, 90], 40)
+        },
     ]
 }
 
@@ -87,11 +94,11 @@ fn world_of(case: &Case, threads: usize) -> (World, Vec<BodyHandle>) {
     common::world_of(&case.scene, settings)
 }
 
-fn advance(world: &mut World, bodies: &[BodyHandle], act: Act, from: u32, count: u32) -> Vec<u64> {
+fn advance(world: &mut World, bodies: &[BodyHandle], case: &Case, from: u32, count: u32) -> Vec<u64> {
     (from..from + count)
         .map(|step| {
-            act(world, bodies, step);
-            world.step(DT).unwrap();
+            (case.act)(world, bodies, step);
+            world.step((case.dt)(step)).unwrap();
             world.hash()
         })
         .collect()
@@ -109,7 +116,7 @@ fn goes_on(case: &Case, threads: usize) {
             world.snapshot(&mut snapshot);
             snapshots.push((step, world.hash(), snapshot));
         }
-        hashes.extend(advance(&mut world, &bodies, case.act, step, 1));
+        hashes.extend(advance(&mut world, &bodies, case, step, 1));
     }
     assert!(!case.sleeping || world.asleep() > 0, "{}: something is to sleep", case.name);
     let (mut other, _) = world_of(case, threads);
@@ -124,7 +131,7 @@ fn goes_on(case: &Case, threads: usize) {
             world.snapshot(&mut again);
             assert_eq!(again.size(), snapshot.size(), "{} at {step}", case.name);
             let from = *step as usize;
-            for (i, hash) in advance(world, &bodies, case.act, *step, case.on).into_iter().enumerate() {
+            for (i, hash) in advance(world, &bodies, case, *step, case.on).into_iter().enumerate() {
                 assert_eq!(
                     hash,
                     hashes[from + i],
@@ -422,15 +429,15 @@ fn snapshot_of(world: &World) -> Snapshot {
 fn bytes_go_to_a_world_that_was_made_by_the_same_calls() {
     for case in cases() {
         let (mut world, bodies) = world_of(&case, 1);
-        advance(&mut world, &bodies, case.act, 0, 30);
+        advance(&mut world, &bodies, &case, 0, 30);
         let bytes = snapshot_of(&world).to_bytes();
-        let expected = advance(&mut world, &bodies, case.act, 30, 20);
+        let expected = advance(&mut world, &bodies, &case, 30, 20);
         // One that has not been stepped yet, and one that has.
         for steps in [0, 7] {
             let (mut other, bodies) = world_of(&case, 1);
-            advance(&mut other, &bodies, case.act, 0, steps);
+            advance(&mut other, &bodies, &case, 0, steps);
             other.restore(&Snapshot::from_bytes(&bytes).unwrap()).unwrap();
-            assert_eq!(advance(&mut other, &bodies, case.act, 30, 20), expected, "{}", case.name);
+            assert_eq!(advance(&mut other, &bodies, &case, 30, 20), expected, "{}", case.name);
         }
     }
 }

@@ -6,4 +6,4 @@ mod store;
 
 pub use desc::{BodyDesc, BodyKind};
 pub(crate) use motion::{carry_spin, exp_map, turn_freely};
-pub(crate) use store::{Bodies, Cold, Colliders, IDLE, Mass, NewBody, Pose, Previous, Traits};
+pub(crate) use store::{Bodies, Cold, Colliders, IDLE, Mass, NewBody, Pose, Traits};

@@ -18,6 +18,12 @@ pub(crate) struct Pose {
     pub(crate) rotation: Quat,
 }
 
+impl Pose {
+    pub(crate) fn is_finite(&self) -> bool {
+        self.position.is_finite() && self.rotation.is_finite()
+    }
+}
+
 /// Inverse mass, and principal moments of inertia with their inverses; zero where a body can't be moved.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Mass {
@@ -124,8 +130,6 @@ pub(crate) struct Bodies {
     /// Force [N] and torque [N m] about the centre of mass, for the next step; empty unless the caller ever
     /// applied one.
     pub(crate) force: Vec<Record>,
-    /// What the last step did to each body; empty unless the scene has restitution.
-    pub(crate) previous: Vec<Previous>,
     /// How many bodies have a locked axis.
     pub(crate) locked: u32,
     /// How many that may move are kept from passing through others.
@@ -149,16 +153,6 @@ pub(crate) struct Bodies {
     pub(crate) rests: bool,
     /// Bytes of the lists in `colliders`, live and reserved.
     lists: (usize, usize),
-}
-
-/// Where a body came from: restitution gives back the velocity from before a potential point took it away.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Previous {
-    /// At the start of the last step.
-    pub(crate) linear: Vec3,
-    pub(crate) angular: Vec3,
-    /// Displacement in the last step [m].
-    pub(crate) moved: Vec3,
 }
 
 /// The colliders of a body: most have one.
@@ -290,7 +284,7 @@ impl Bodies {
         result
     }
 
-    /// Calls `f` with each buffer but that of `previous` and the place that it needs for so many bodies.
+    /// Calls `f` with each buffer and the place that it needs for so many bodies.
     pub(crate) fn each(&mut self, n: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
         self.slots.each(n, f);
         f(&mut self.slot, n);
@@ -343,9 +337,6 @@ impl Bodies {
         if !self.force.is_empty() {
             self.force.push(Record::default());
         }
-        if !self.previous.is_empty() {
-            self.previous.push(Previous::default());
-        }
         if self.rests {
             self.rest.push(0.0);
         }
@@ -372,7 +363,6 @@ impl Bodies {
         self.cold.pop();
         self.colliders.pop();
         self.force.pop();
-        self.previous.pop();
         self.rest.pop();
     }
 
@@ -535,9 +525,6 @@ impl Bodies {
         if !self.force.is_empty() {
             self.force.swap(a, b);
         }
-        if !self.previous.is_empty() {
-            self.previous.swap(a, b);
-        }
         if !self.rest.is_empty() {
             self.rest.swap(a, b);
         }
@@ -577,7 +564,6 @@ impl Bodies {
         self.cold.clear();
         self.colliders.clear();
         self.force.clear();
-        self.previous.clear();
         self.rest.clear();
         (self.locked, self.raised, self.parts, self.lists) = (0, [0; Order::LEN], [0; 3], (0, 0));
         (self.continuous, self.uneven, self.compounds, self.disabled) = (0, 0, 0, 0);

@@ -16,7 +16,7 @@ use crate::threads::Shared;
 /// buckles. So only the part of the impulse yields that has not lasted (`PointRow::held` follows the impulse within
 /// [`HOLD`] seconds), and none within the overlap that is left alone: what stands, stands as if rigid, and what is
 /// new is still soft.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Softness {
     /// Speed per overlap [1/s].
     pub(crate) bias_rate: f32,
@@ -34,6 +34,15 @@ pub(crate) const HOLD: f32 = 2.0;
 pub(crate) const SHARE: f32 = 0.9;
 
 impl Softness {
+    /// Gives way to nothing and pushes nothing apart: a spring whose damping has no end.
+    pub(crate) const RIGID: Softness = Softness { bias_rate: 0.0, mass_scale: 1.0, impulse_scale: 0.0 };
+
+    /// A spring of `hertz` and damping ratio `zeta`, or none that moves in a substep of `h` seconds that is too long for it
+    /// with so many passes over the rows: see [`Softness::stiffest`], without the margin.
+    pub(crate) fn for_substep(hertz: f32, zeta: f32, passes: u32, h: f32) -> Self {
+        if hertz > 1.5 * Self::stiffest(passes, h) { Self::RIGID } else { Self::new(hertz, zeta, h) }
+    }
+
     /// The stiffest spring [Hz] that substeps of `h` seconds with so many passes over the rows may have.
     ///
     /// Gauss-Seidel knows of a tall stack as a whole only after many substeps. For its slowest sway, the share `r` of

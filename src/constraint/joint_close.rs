@@ -15,6 +15,8 @@ use crate::lanes::{GatherLanes, Mask, Vec3, scatter};
 
 /// The most rounds of a substep.
 const ROUNDS: u32 = 8;
+/// A way [m] beyond which closing a joint is no answer.
+const FURTHEST: f32 = 1e6;
 
 /// What closing trees needs to know.
 #[derive(Clone, Copy, Debug)]
@@ -83,14 +85,19 @@ impl<L: GatherLanes> TreeBatch<L> {
         })
     }
 
-    /// Adds what each body is to move by to its displacement.
+    /// Adds what each body is to move by to its displacement. A tree in which that is no number for some body, because its
+    /// joints contradict each other, stays open.
     ///
     /// # Safety
     /// As for [`TreeBatch::close`].
     unsafe fn shift(&mut self, motion: &Motion<'_, '_>) {
+        let sound = self.nodes.iter().fold(u32::MAX, |sound, node| {
+            let way = node.change.linear.length_squared() + node.change.angular.length_squared();
+            sound & (way.lt(L::splat(FURTHEST * FURTHEST)).bits() | !node.write)
+        });
         for node in &self.nodes {
             let out = scatter(node.change.linear, node.change.angular);
-            for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
+            for lane in (0..L::N).filter(|lane| (node.write & sound) >> lane & 1 != 0) {
                 // SAFETY: by the contract; no body is twice in a batch.
                 let delta = unsafe { motion.delta.get(node.body[lane] as usize) };
                 delta.linear += out[lane].linear;

@@ -25,6 +25,7 @@ mod restitution;
 mod rows;
 mod seats;
 mod spatial;
+mod step_lengths;
 
 pub(crate) use arrange::{Part, PrepareScratch, Prepared};
 pub(crate) use batch::{Batch, BatchRef};
@@ -58,3 +59,4 @@ pub(crate) use prepare::{PrepareInput, prepare};
 pub(crate) use restitution::{Bodies as Struck, FindInput, Restitution, find};
 pub(crate) use rows::{Rows, Surface, Views, with_batch};
 pub(crate) use seats::{Seat, Seats, TreeRef};
+pub(crate) use step_lengths::{StepLengths, usual_substep};

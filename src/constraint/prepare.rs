@@ -6,6 +6,7 @@ use super::friction::Rub;
 use super::order::Order;
 use super::rows::{Rows, Surface, Views, with_batch};
 use super::seats::{Seat, Seats};
+use super::step_lengths::StepLengths;
 use crate::body::{Bodies, Pose};
 use crate::broad_phase::Pair;
 use crate::events::{Tweak, tweak_of};
@@ -33,8 +34,8 @@ pub(crate) struct PrepareInput<'a> {
     pub(crate) near: f32,
     /// Bytes that contacts further than that, and their rows, may take.
     pub(crate) ahead: usize,
-    /// Factor on the impulses of the last step: the ratio of the substeps; zero without warm starting.
-    pub(crate) warm: f32,
+    /// What becomes of the impulses of the last step.
+    pub(crate) lengths: StepLengths,
     /// Slip speed below which friction is static [m/s].
     pub(crate) stick: f32,
     /// In which order groups of rows are solved.
@@ -251,9 +252,9 @@ fn gather_columns<const P: usize>(
         for (i, point) in contact.points[start..start + count].iter().enumerate().take(P) {
             put3(&mut out.position[i], lane, point.position);
             out.separation[i][lane] = point.separation;
-            out.impulse[i][lane] = point.impulse * input.warm;
+            out.impulse[i][lane] = input.lengths.carry(point.impulse, point.mean_force).max(0.0);
             // What bears rigidly never pushes: no more than the point bore.
-            out.held[i][lane] = held.min(point.impulse) * input.warm;
+            out.held[i][lane] = held.min(point.impulse) * input.lengths.ratio();
             out.present[i][lane] = 1.0;
         }
         if touching {
@@ -262,8 +263,9 @@ fn gather_columns<const P: usize>(
             let share = part
                 .only()
                 .map_or(1.0, |p| if total > 0.0 { contact.points[p].impulse / total } else { 0.0 });
-            put3(&mut out.friction, lane, contact.friction * (share * input.warm));
-            out.twist[lane] = contact.twist * input.warm;
+            let carried = input.lengths.carry(contact.friction.extend(contact.twist), contact.mean_friction);
+            put3(&mut out.friction, lane, carried.truncate() * share);
+            out.twist[lane] = carried.w;
         }
         out.heard |= u8::from((shape_a.flags | shape_b.flags) & EVENTS != 0) << lane;
         if !input.friction {

@@ -440,9 +440,13 @@ fn drawing_changes_nothing_and_an_empty_world_draws_nothing() {
     world().draw(&DrawOptions::everything(), &mut Nothing);
 }
 
+/// Hinges between bodies far apart contradict each other; once closing their tree was no number, and the pose with it.
 #[test]
-#[ignore = "measured: one sequence of random calls ends in lines that are not finite"]
 fn a_world_can_be_drawn_after_any_change() {
+    (0..12).for_each(|n| draw_after_changes(7 + 1000 * n));
+}
+
+fn draw_after_changes(seed: u32) {
     let mut world = world();
     let mut scene = crate::scene::builtin::chain(true);
     scene.joints.truncate(15);
@@ -455,7 +459,7 @@ fn a_world_can_be_drawn_after_any_change() {
         scene.add("ground", fixed(ground, DVec3::new(2.0 * n as f64, -1.0, 0.0)));
     }
     scene.add_to(&mut world).unwrap();
-    let mut x = 7u32;
+    let mut x = seed;
     let mut below = |n: usize| {
         x = x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (x >> 8) as usize % n
@@ -482,8 +486,14 @@ fn a_world_can_be_drawn_after_any_change() {
                     .map(drop),
             };
             drop(done);
+            for body in world.bodies() {
+                let v = world.linear_velocity(body).unwrap() + world.angular_velocity(body).unwrap();
+                let at = (world.position(body).unwrap(), world.rotation(body).unwrap());
+                assert!(v.is_finite() && at.0.is_finite() && at.1.is_finite(), "seed {seed}: {v} {at:?}");
+            }
             let sketch = Sketch::of(&world, &DrawOptions::everything());
-            assert!(sketch.lines.iter().all(|l| l.1.is_finite() && l.2.is_finite()));
+            let line = sketch.lines.iter().find(|l| !(l.1.is_finite() && l.2.is_finite()));
+            assert_eq!(line, None, "seed {seed}");
             assert!(sketch.points.iter().all(|p| p.1.is_finite()));
         }
     }

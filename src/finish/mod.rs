@@ -19,6 +19,7 @@ use crate::constraint::Seat;
 use crate::forces::spins_freely;
 use crate::lanes::{self, Record, Sym3};
 use crate::memory::{Buffer, Made, bytes_of};
+use crate::narrow_phase::Point;
 use crate::shape::Hot;
 use crate::solver::closing;
 use crate::step::REAL;
@@ -153,8 +154,7 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
     let bodies = &mut world.bodies;
     let delta = Shared::new(&mut world.buffers.solver.delta);
     let (start, impacts) = (&world.buffers.forces.start, &world.buffers.restitution);
-    let (keep, uneven) = (!bodies.previous.is_empty(), bodies.uneven > 0);
-    let previous = Shared::new(&mut bodies.previous);
+    let uneven = bodies.uneven > 0;
     let (mass, traits, colliders) = (&bodies.mass, &bodies.traits, &bodies.colliders);
     let velocity = Shared::new(&mut bodies.velocity);
     let pose = Shared::new(&mut bodies.pose);
@@ -184,9 +184,10 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
                 }
                 stopped.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
             }
+            let whence = *pose;
             let touched = d.pad0 != 0.0;
             let seat = seats.of(i);
-            let before = seat.map(|_| *pose);
+            let before = seat.map(|_| whence);
             if uneven && i < dynamic && !touched && spins_freely(&mass[i], &traits[i], start[i].angular, dt) {
                 (pose.rotation, velocity.angular) =
                     turn_freely(pose.rotation, start[i].angular, mass[i].inertia, dt);
@@ -227,11 +228,13 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
                 stop_end(velocity, &crossing, mass[i].inverse, &inverse_inertia[i]);
                 note(seat, crossing.share);
             }
-            if keep {
-                // SAFETY: each body is in one block.
-                let previous = unsafe { previous.get(i) };
-                (previous.linear, previous.angular) = (start[i].linear, start[i].angular);
-                previous.moved = moved;
+            if !pose.is_finite() || !is_sound(velocity) {
+                // What it turned or was lifted by was none, however sound it began.
+                *pose = whence;
+                if i < dynamic {
+                    *velocity = Record::default();
+                }
+                stopped.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
             }
         }
     });
@@ -277,10 +280,16 @@ fn forget_impulses(world: &mut World) {
     for pair in &world.broad.pairs {
         let mut slot = pair.contact;
         while let Some(contact) = world.contacts.all.get_mut(slot as usize) {
-            let sum =
-                contact.points.iter().fold(contact.twist, |sum, point| sum + point.impulse + point.held);
-            if !(sum.is_finite() && contact.friction.is_finite()) {
-                contact.points.iter_mut().for_each(|point| (point.impulse, point.held) = (0.0, 0.0));
+            let sum = contact
+                .points
+                .iter()
+                .fold(contact.twist, |sum, point| sum + point.impulse + point.held + point.mean_force);
+            if !(sum.is_finite() && contact.friction.is_finite() && contact.mean_friction.is_finite()) {
+                let forget = |point: &mut Point| {
+                    (point.impulse, point.held, point.mean_force) = (0.0, 0.0, 0.0);
+                };
+                contact.points.iter_mut().for_each(forget);
+                contact.mean_friction = glam::Vec4::ZERO;
                 (contact.friction, contact.twist) = (glam::Vec3::ZERO, 0.0);
             }
             slot = contact.next;

@@ -4,6 +4,7 @@
 //! no further on their ways than it, whatever is open then is closed, and each way is looked at once more.
 
 use super::guard::Guard;
+use super::is_sound;
 use crate::body::{Bodies, Pose, exp_map};
 use crate::constraint::contact_row::Motion;
 use crate::constraint::{Closing, JointRows, Rows, Seat};
@@ -51,13 +52,13 @@ impl Trees<'_> {
                 }
             }
             for i in self.joints.bodies_of(seat) {
-                let d = &self.delta[i];
+                let d = &mut self.delta[i];
+                if !is_sound(d) {
+                    *d = Record::default();
+                }
                 let pose = &mut self.bodies.pose[i];
                 pose.position += d.linear.as_dvec3();
                 pose.rotation = (exp_map(d.angular) * pose.rotation).normalize();
-                if let Some(previous) = self.bodies.previous.get_mut(i) {
-                    previous.moved = d.linear;
-                }
             }
         }
     }

@@ -39,7 +39,7 @@ pub enum Category {
     /// Buffers of one step.
     Scratch,
     /// What exists only because of continuous collision: motion segments, potential points and their
-    /// rows, previous velocities.
+    /// rows.
     Continuous,
 }
 

@@ -3,7 +3,7 @@
 use super::Relative;
 use super::manifold::{MAX_POINTS, RawManifold};
 use crate::memory::{Buffer, Room, bytes_of};
-use glam::{Quat, Vec3};
+use glam::{Quat, Vec3, Vec4};
 
 /// A kept contact turns with its bodies once they have turned together by more than this [rad]: what rides on a
 /// turntable has its normals right within that.
@@ -25,7 +25,16 @@ pub(crate) struct Point {
     pub(crate) impulse: f32,
     /// The part of it that has lasted: what the point bears without yielding (see `Softness`) [N s].
     pub(crate) held: f32,
+    /// Mean force of the last steps [N], kept once steps vary in length; zero before, see [`StepLengths`].
+    pub(crate) mean_force: f32,
     pub(crate) key: u32,
+}
+
+impl Point {
+    /// Takes over what an old point bore.
+    fn inherit(&mut self, old: &Point) {
+        (self.impulse, self.held, self.mean_force) = (old.impulse, old.held, old.mean_force);
+    }
 }
 
 /// A manifold of a pair of colliders.
@@ -38,8 +47,6 @@ pub(crate) struct Contact {
     pub(crate) count: u8,
     /// The solver had to push a potential point of it in this step.
     pub(crate) pushed: bool,
-    /// The same of the step before: now it is known whether the gap was closed.
-    pub(crate) struck: bool,
     /// Of the step: the contact was found at the pose of first touch, this far into the step, and its separations
     /// carried back to the start of it. Zero: found at the start. Such a contact is never recycled.
     pub(crate) fraction: f32,
@@ -50,6 +57,8 @@ pub(crate) struct Contact {
     pub(crate) friction: Vec3,
     /// Impulse against twist about the normal [N m s].
     pub(crate) twist: f32,
+    /// Mean of friction [N] and twist [N m], as [`Point::mean_force`].
+    pub(crate) mean_friction: Vec4,
     /// Pose of `b` in `a` when the contact was found.
     pub(crate) found_at: Relative,
     /// Rotation of shape `a` when the contact was found: rows act along this normal and at these arms while the contact
@@ -65,12 +74,12 @@ impl Contact {
             next: NONE,
             count: 0,
             pushed: false,
-            struck: false,
             fraction: 0.0,
             normal: Vec3::Y,
             points: [Point::default(); MAX_POINTS],
             friction: Vec3::ZERO,
             twist: 0.0,
+            mean_friction: Vec4::ZERO,
             found_at: Relative { position: Vec3::ZERO, rotation: Quat::IDENTITY },
             frame: Quat::IDENTITY,
         }
@@ -98,7 +107,7 @@ impl Contact {
         self.normal = raw.normal;
         (self.found_at, self.frame) = (found_at, frame);
         self.fraction = 0.0;
-        self.struck = std::mem::take(&mut self.pushed);
+        self.pushed = false;
         for (point, new) in self.points.iter_mut().zip(raw.points()) {
             *point = Point {
                 position: new.position,
@@ -106,6 +115,7 @@ impl Contact {
                 found: new.separation,
                 impulse: 0.0,
                 held: 0.0,
+                mean_force: 0.0,
                 key: new.key,
             };
         }
@@ -123,7 +133,7 @@ impl Contact {
             let same = same.filter(|i| used >> i & 1 == 0);
             if let Some(i) = same {
                 used |= 1 << i;
-                (point.impulse, point.held) = (old.points[i].impulse, old.points[i].held);
+                point.inherit(&old.points[i]);
             } else {
                 fresh |= 1 << k;
             }
@@ -139,18 +149,21 @@ impl Contact {
                 .min_by(|x, y| x.1.total_cmp(&y.1));
             if let Some((i, _)) = close {
                 used |= 1 << i;
-                (point.impulse, point.held) = (old.points[i].impulse, old.points[i].held);
+                point.inherit(&old.points[i]);
                 fresh &= !(1 << k);
             }
         }
-        let (mut impulse, mut held) = (0.0, 0.0);
+        let mut rest = Point::default();
         for (_, point) in old.points().iter().enumerate().filter(|(i, _)| used >> i & 1 == 0) {
-            impulse += point.impulse;
-            held += point.held;
+            rest.impulse += point.impulse;
+            rest.held += point.held;
+            rest.mean_force += point.mean_force;
         }
         let share = 1.0 / fresh.count_ones().max(1) as f32;
         for (_, point) in self.points[..count].iter_mut().enumerate().filter(|(k, _)| fresh >> k & 1 != 0) {
-            (point.impulse, point.held) = (impulse * share, held * share);
+            point.impulse = rest.impulse * share;
+            point.held = rest.held * share;
+            point.mean_force = rest.mean_force * share;
         }
     }
 
@@ -164,7 +177,7 @@ impl Contact {
         for (point, separation) in self.points[..self.count as usize].iter_mut().zip(separation) {
             point.separation = separation;
         }
-        self.struck = std::mem::take(&mut self.pushed);
+        self.pushed = false;
     }
 
     /// The least separation once the bodies have moved [m].

@@ -405,13 +405,13 @@ fn commit_meshes(
             let mut contact = Contact::new(pair.a, pair.b);
             contact.take(raw, now, input.poses[pair.a as usize].rotation);
             contact.fraction = *fraction;
-            contact.struck = chain.iter().any(|old| old.pushed);
             // The manifold of the last step whose normal is nearest.
             let nearest =
                 chain.iter().max_by(|x, y| x.normal.dot(raw.normal).total_cmp(&y.normal.dot(raw.normal)));
             if let Some(old) = nearest.filter(|old| old.normal.dot(raw.normal) > 0.9) {
                 contact.inherit(old, near(input, pair));
                 (contact.friction, contact.twist) = (old.friction, old.twist);
+                contact.mean_friction = old.mean_friction;
             }
             let slot = contacts.insert(contact);
             if slot == NONE {

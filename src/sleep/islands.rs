@@ -5,7 +5,7 @@
 //! unions). They are looked for only when some body has been at rest for long enough, and then not in every step.
 
 use super::Sleep;
-use crate::body::{Bodies, BodyKind, Previous};
+use crate::body::{Bodies, BodyKind};
 use crate::broad_phase::Pair;
 use crate::joint::Joints;
 use crate::memory::{Buffer, Category, bytes_of};
@@ -267,9 +267,6 @@ impl World {
             let v = &mut bodies.velocity[index];
             (v.linear, v.angular) = (Vec3::ZERO, Vec3::ZERO);
             bodies.rest[index] = 0.0;
-            if let Some(previous) = bodies.previous.get_mut(index) {
-                *previous = Previous::default();
-            }
         }
         joints.changed |= joints.count > 0;
     }

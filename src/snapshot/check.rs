@@ -97,7 +97,6 @@ fn check_bodies(view: &View<'_>, records: &Records) -> Result<Vec<u32>, Error> {
         all_finite(&body[10..])?;
     }
     all_finite(view.rest)?;
-    all_finite(view.ways)?;
     let taken = |slot: u32| records.moving.iter().chain(&records.fixed).any(|body| body.slot == slot);
     for force in view.forces.as_chunks::<PUSH>().0 {
         all_finite(&force[1..])?;

@@ -19,7 +19,8 @@ const HEARD: u8 = 1 << 2;
 
 /// Flags of a contact, above the number of its points.
 const PUSHED: u32 = 1 << 3;
-const STRUCK: u32 = 1 << 4;
+/// Mean forces: steps vary in length.
+const MEANS: u32 = 1 << 4;
 /// Another contact of the same pair follows.
 const MORE: u32 = 1 << 5;
 const FRACTION: u32 = 1 << 6;
@@ -45,7 +46,7 @@ const KEYS_OF_16: u32 = 2;
 const KEYS_OF_32: u32 = 3;
 
 /// The most words that a contact takes.
-const MOST: usize = 1 + 1 + 3 + 4 + 11 + MAX_POINTS * 8;
+const MOST: usize = 1 + 1 + 3 + 4 + 11 + MAX_POINTS * 9 + 4;
 
 /// Whether two colliders fit into one word.
 pub(super) fn is_narrow(slots: usize) -> bool {
@@ -147,7 +148,6 @@ fn save_contact(contact: &Contact, kept: bool, out: &mut Vec<u32>) {
     let mut flags = u32::from(contact.count);
     let mut flag = |bit: u32, set: bool| flags |= if set { bit } else { 0 };
     flag(PUSHED, contact.pushed);
-    flag(STRUCK, contact.struck);
     flag(MORE, contact.next != NONE);
     let fraction = contact.fraction.to_bits();
     flag(FRACTION, fraction != 0);
@@ -200,6 +200,13 @@ fn save_contact(contact: &Contact, kept: bool, out: &mut Vec<u32>) {
         if !is_zero(load) {
             line.put(load);
         }
+    }
+    let means = words::<4>(contact.mean_friction.to_array());
+    let has_means = !is_zero(means) || points.iter().any(|p| p.mean_force != 0.0);
+    flag(MEANS, has_means);
+    if has_means {
+        line.put(means);
+        points.iter().for_each(|p| line.put([p.mean_force.to_bits()]));
     }
     line.all[0] = flags;
     out.extend_from_slice(&line.all[..line.len]);
@@ -298,6 +305,7 @@ impl<'a> SavedPairs<'a> {
 fn check_contact(contact: &Contact) -> Result<(), Error> {
     all_finite(&words::<3>(contact.normal))?;
     all_finite(&words::<4>(contact.friction.extend(contact.twist).to_array()))?;
+    all_finite(&words::<4>(contact.mean_friction.to_array()))?;
     all_finite(&words::<3>(contact.found_at.position))?;
     let turn = contact.found_at.rotation.length_squared();
     let unit = |x: f32| (0.9..1.1).contains(&x);
@@ -310,7 +318,7 @@ fn check_contact(contact: &Contact) -> Result<(), Error> {
     }
     for p in contact.points() {
         all_finite(&words::<3>(p.position))?;
-        all_finite(&[p.separation, p.found, p.impulse, p.held].map(f32::to_bits))?;
+        all_finite(&[p.separation, p.found, p.impulse, p.held, p.mean_force].map(f32::to_bits))?;
     }
     Ok(())
 }
@@ -325,7 +333,6 @@ fn read_contact(from: &mut Reader<'_>, (a, b): (u32, u32), to: &mut Vec<Contact>
     let mut contact = Contact::new(a, b);
     contact.count = count as u8;
     contact.pushed = flags & PUSHED != 0;
-    contact.struck = flags & STRUCK != 0;
     if flags & FRACTION != 0 {
         contact.fraction = f32::from_bits(from.one()?);
     }
@@ -369,6 +376,12 @@ fn read_contact(from: &mut Reader<'_>, (a, b): (u32, u32), to: &mut Vec<Contact>
             [point.impulse, point.held] = from.record::<[f32; 2], 2>()?;
         }
         contact.points[i] = point;
+    }
+    if flags & MEANS != 0 {
+        contact.mean_friction = from.record::<[f32; 4], 4>()?.into();
+        for point in &mut contact.points[..count] {
+            point.mean_force = f32::from_bits(from.one()?);
+        }
     }
     to.push(contact);
     Ok(flags & MORE != 0)

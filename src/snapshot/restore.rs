@@ -2,10 +2,10 @@
 
 use super::check::check;
 use super::part::{BodyRecord, Part, Records};
-use super::view::{BALL, BODY, FORCE, PREVIOUS, PUSH, REST, RESTS, View, WAY};
+use super::view::{BALL, BODY, FORCE, PUSH, REST, RESTS, View};
 use super::words::record;
 use super::{Snapshot, contacts::SavedPairs};
-use crate::body::{Pose, Previous};
+use crate::body::Pose;
 use crate::broad_phase::Pair;
 use crate::error::Error;
 use crate::finish::Clear;
@@ -128,7 +128,7 @@ fn apply(world: &mut World, view: &View<'_>, pairs: &[Pair]) {
     let World { bodies, colliders, broad, joints, sleep, buffers, events, .. } = world;
     world.settings = view.settings.clone();
     world.origin = view.origin.into();
-    buffers.last_h = view.last_h;
+    (buffers.last_h, buffers.solver.usual_h) = (view.last_h, view.usual_h);
     // Events are of a step that was not.
     events.forget();
 
@@ -150,11 +150,6 @@ fn apply(world: &mut World, view: &View<'_>, pairs: &[Pair]) {
         0.0,
         view.rest.iter().map(|&w| f32::from_bits(w)),
     );
-    let ways = view.ways.as_chunks::<WAY>().0.iter().map(|way| {
-        let [linear, angular, moved]: [Vec3; 3] = record::<_, 9>(way);
-        Previous { linear, angular, moved }
-    });
-    fill(&mut bodies.previous, if counts.has(PREVIOUS) { len } else { 0 }, Previous::default(), ways);
     fill(&mut bodies.force, if counts.has(FORCE) { len } else { 0 }, Record::default(), std::iter::empty());
     (bodies.pushes, bodies.unpushed) = (u32::from(counts.has(FORCE)), 0);
     for force in view.forces.as_chunks::<PUSH>().0 {

@@ -2,7 +2,7 @@
 
 use super::contacts::{save_contacts, save_pairs};
 use super::settings;
-use super::view::{BODY, COUNTS, Counts, FORCE, HEAD, Head, MAGIC, PREVIOUS, REST, RESTS, VERSION};
+use super::view::{BODY, COUNTS, Counts, FORCE, HEAD, Head, MAGIC, REST, RESTS, VERSION};
 use super::words::words;
 use crate::body::Pose;
 use crate::finish::Clear;
@@ -28,7 +28,7 @@ pub(super) fn save(world: &World, out: &mut Vec<u32>) {
     out.resize(HEAD + COUNTS, 0);
     settings::save(&world.settings, out);
     out.extend_from_slice(&words::<6>(world.origin.to_array()));
-    out.push(buffers.last_h.to_bits());
+    out.extend([buffers.last_h, buffers.solver.usual_h].map(f32::to_bits));
 
     out.extend(&bodies.slot[..all]);
     let start = out.len();
@@ -42,12 +42,6 @@ pub(super) fn save(world: &World, out: &mut Vec<u32>) {
     if !bodies.rest.is_empty() {
         counts.columns |= REST;
         out.extend(bodies.rest[..movers].iter().map(|rest| rest.to_bits()));
-    }
-    if !bodies.previous.is_empty() {
-        counts.columns |= PREVIOUS;
-        bodies.previous[..movers]
-            .iter()
-            .for_each(|way| out.extend_from_slice(&words::<9>([way.linear, way.angular, way.moved])));
     }
     if !bodies.force.is_empty() {
         counts.columns |= FORCE;

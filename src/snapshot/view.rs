@@ -11,7 +11,7 @@ use crate::sleep::{SavedSleep, SleepLists};
 use bytemuck::{Pod, Zeroable};
 
 /// The version of the format: of these columns, and of the parts that snapshots share.
-pub(super) const VERSION: u32 = 1;
+pub(super) const VERSION: u32 = 2;
 /// `BSNP` in the first bytes.
 pub(super) const MAGIC: u32 = u32::from_le_bytes(*b"BSNP");
 
@@ -58,16 +58,14 @@ pub(super) struct Counts {
 
 /// Bits of [`Counts::columns`].
 pub(super) const FORCE: u32 = 1;
-pub(super) const PREVIOUS: u32 = 2;
-pub(super) const REST: u32 = 4;
+pub(super) const REST: u32 = 2;
 /// Not a column: whether bodies may sleep.
-pub(super) const RESTS: u32 = 8;
+pub(super) const RESTS: u32 = 4;
 
 pub(super) const HEAD: usize = size_of::<Head>() / 4;
 pub(super) const COUNTS: usize = size_of::<Counts>() / 4;
-/// Pose and velocity of a body; what the last step did to it; force and torque with the body; where it is clear.
+/// Pose and velocity of a body; force and torque with the body; where it is clear.
 pub(super) const BODY: usize = 16;
-pub(super) const WAY: usize = 9;
 pub(super) const PUSH: usize = 7;
 pub(super) const BALL: usize = 7;
 
@@ -77,12 +75,12 @@ pub(super) struct View<'a> {
     pub(super) settings: Settings,
     pub(super) origin: [f64; 3],
     pub(super) last_h: f32,
+    pub(super) usual_h: f32,
     /// Of each body that moves or sleeps, in order.
     pub(super) slots: &'a [u32],
     pub(super) bodies: &'a [u32],
     /// Of each body that moves, if bodies may sleep: since when it rests; and, if there is restitution, its way.
     pub(super) rest: &'a [u32],
-    pub(super) ways: &'a [u32],
     pub(super) forces: &'a [u32],
     /// A bit for each guarded body.
     pub(super) is_clear: &'a [u32],
@@ -118,7 +116,9 @@ impl<'a> View<'a> {
         let settings = settings::read(&mut from, own)?;
         let origin: [f64; 3] = from.record::<_, 6>()?;
         let last_h = f32::from_bits(from.one()?);
-        if !origin.iter().all(|x| x.is_finite()) || !(0.0..f32::MAX).contains(&last_h) {
+        let usual_h = f32::from_bits(from.one()?);
+        let is_length = |h: &f32| (0.0..f32::MAX).contains(h);
+        if !origin.iter().all(|x| x.is_finite()) || ![last_h, usual_h].iter().all(is_length) {
             return Err(broken("a number is none"));
         }
         let (movers, all) = (counts.movers(), counts.bodies());
@@ -127,10 +127,10 @@ impl<'a> View<'a> {
             settings,
             origin,
             last_h,
+            usual_h,
             slots: from.table(all, 1)?,
             bodies: from.table(all, BODY)?,
             rest: from.table(if counts.has(REST) { movers } else { 0 }, 1)?,
-            ways: from.table(if counts.has(PREVIOUS) { movers } else { 0 }, WAY)?,
             forces: from.table(counts.forces, PUSH)?,
             is_clear: from.table(counts.guarded.div_ceil(32), 1)?,
             clear: from.table(counts.clear, BALL)?,

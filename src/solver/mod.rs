@@ -9,7 +9,7 @@ mod pass;
 use crate::body::Bodies;
 use crate::config::{FrictionCone, Settings};
 use crate::constraint::contact_row::{Motion, Softness};
-use crate::constraint::{Closing, JointRows, Restitution, Rows, Struck};
+use crate::constraint::{Closing, JointRows, Restitution, Rows, Struck, usual_substep};
 use crate::forces::Forces;
 use crate::lanes::{Lanes, Mask, Record, f32x8};
 use crate::memory::{Buffer, bytes_of};
@@ -26,6 +26,8 @@ pub(crate) struct State {
     pub(crate) delta: Vec<Record>,
     /// Velocities of the substep before any row acted.
     base: Vec<Record>,
+    /// Substep that springs of contacts are made for [s].
+    pub(crate) usual_h: f32,
 }
 
 impl State {
@@ -64,23 +66,27 @@ pub(crate) fn solve(
     state.base.clear();
     state.base.resize(movers + 1, Record::default());
 
-    let hertz = settings.contact_hertz.min(CALM * Softness::stiffest(settings.iterations + 1, h));
-    let soft = |hertz: f32| Softness::new(hertz, settings.contact_damping, h);
+    state.usual_h = usual_substep(state.usual_h, h);
+    let count = settings.iterations + 1;
+    let hertz = settings.contact_hertz.min(CALM * Softness::stiffest(count, state.usual_h));
+    // What is fixed is twice as stiff; both are too stiff for a substep or none is.
+    let spring = Softness::for_substep(hertz, settings.contact_damping, count, h);
+    let fixed = if spring == Softness::RIGID {
+        spring
+    } else {
+        Softness::new(2.0 * hertz, settings.contact_damping, h)
+    };
     let passes = Passes {
         inverse_h: 1.0 / h,
-        dynamic: soft(hertz),
-        fixed: soft(2.0 * hertz),
+        dynamic: spring,
+        fixed,
         push_speed: settings.push_speed * settings.length_unit,
         slop: settings.slop * settings.length_unit,
         shift: SHIFT * settings.length_unit,
         real: REAL * settings.length_unit,
         friction_box: settings.friction_cone == FrictionCone::Box,
         joint_push: JOINT_PUSH * settings.length_unit,
-        joint: Softness::new(
-            JOINT_HERTZ.min(Softness::stiffest(settings.iterations + 1, h)),
-            JOINT_DAMPING,
-            h,
-        ),
+        joint: Softness::new(JOINT_HERTZ.min(Softness::stiffest(count, h)), JOINT_DAMPING, h),
     };
     let joint_stages = std::mem::take(&mut joints.stages);
     let joined_at_all = !joint_stages.is_empty();
@@ -183,7 +189,7 @@ pub(crate) fn solve(
         }
     }
     // SAFETY: no stage runs.
-    impacts.let_go(dt, unsafe { velocity.part(0..known) });
+    impacts.let_go(dt, unsafe { velocity.part(0..known) }, &mut forces.acceleration);
     joints.stages = joint_stages;
 }
 

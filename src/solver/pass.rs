@@ -5,7 +5,7 @@ use crate::constraint::contact_row::{
 };
 use crate::constraint::{
     Batch, BatchRef, Closing, FrictionRow, FrictionView, Group, JointPass, JointRows, JointStage, JointType,
-    JointViews, Rows, Stage, Surface, TreeRef, Views, guard, rub, with_batch,
+    JointViews, Rows, Stage, StepLengths, Surface, TreeRef, Views, guard, rub, with_batch,
 };
 use crate::lanes::GatherLanes;
 use crate::narrow_phase::{Contact, Point};
@@ -233,9 +233,15 @@ pub(crate) fn add_impulses(views: &Views<'_>, impulses: &mut [f32]) {
 }
 
 /// Writes impulses back to the contacts. Says how many contacts pushed before they touched.
-pub(crate) fn store(crew: &Crew<'_>, rows: &mut Rows, dt: f32, contacts: &Shared<'_, Contact>) -> u32 {
+pub(crate) fn store(
+    crew: &Crew<'_>,
+    rows: &mut Rows,
+    dt: f32,
+    lengths: StepLengths,
+    contacts: &Shared<'_, Contact>,
+) -> u32 {
     let pushed = AtomicU32::new(0);
-    let (hold, views) = ((dt / HOLD).min(1.0), rows.views());
+    let (hold, views) = (Hold { share: (dt / HOLD).min(1.0), lengths }, rows.views());
     let block = |stage: &Stage, index: usize| {
         let of = views.schedule[index];
         let potential = stage.group.is_potential();
@@ -265,18 +271,27 @@ pub(crate) fn store(crew: &Crew<'_>, rows: &mut Rows, dt: f32, contacts: &Shared
     pushed.into_inner()
 }
 
-fn take(point: &mut Point, impulse: f32, hold: f32) {
+/// How loads become lasting ones in a step.
+#[derive(Clone, Copy)]
+struct Hold {
+    share: f32,
+    lengths: StepLengths,
+}
+
+fn take(point: &mut Point, impulse: f32, hold: Hold) {
     point.impulse = impulse;
+    point.mean_force = hold.lengths.follow(point.mean_force, impulse);
     // A load that is gone is gone at once: what bears rigidly never pushes.
-    let (bears, lasting) = (impulse * SHARE, point.held.min(impulse * SHARE));
-    point.held = lasting + (bears - lasting) * hold;
+    let (bears, held) = (impulse * SHARE, point.held * hold.lengths.ratio());
+    let lasting = held.min(bears);
+    point.held = lasting + (bears - lasting) * hold.share;
 }
 
 fn put<L: GatherLanes, const P: usize, const B: usize>(
     batch: &Batch<L, P, B>,
     friction: Option<&FrictionRow<L, B>>,
     potential: bool,
-    hold: f32,
+    hold: Hold,
     contacts: &Shared<'_, Contact>,
 ) -> u32 {
     let (mut count, rubs) = (0, friction.is_some());
@@ -299,6 +314,7 @@ fn put<L: GatherLanes, const P: usize, const B: usize>(
         }
         contact.pushed = pushed;
         (contact.friction, contact.twist) = (friction, twist);
+        contact.mean_friction = hold.lengths.follow(contact.mean_friction, friction.extend(twist));
     });
     count
 }

@@ -122,7 +122,6 @@ pub(crate) fn meet_impacts(crew: &Crew<'_>, world: &mut World, dt: f32) -> Impac
     while let Some(hit) = run.buffers.queue.pop() {
         run.strike(&hit);
     }
-    run.note_ways();
     let impacts = run.impacts;
     world.buffers.impacts = buffers;
     impacts
@@ -219,8 +218,7 @@ impl Run<'_> {
         // Where nothing pulls there is no such column.
         let pull = self.world.buffers.forces.acceleration.get(body).filter(|_| free);
         let pull = pull.map_or(Vec3::ZERO, |pull| pull.linear);
-        let start = way.position;
-        self.buffers.tracks.push(Track { body: body as u32, start, way, pull, turns: 0, stands: false });
+        self.buffers.tracks.push(Track { body: body as u32, way, pull, turns: 0, stands: false });
         self.buffers.track_of[body] = self.buffers.tracks.len() as u32 - 1;
         self.buffers.tracks.len() - 1
     }
@@ -284,16 +282,6 @@ impl Run<'_> {
     fn push(&mut self, hit: Hit) {
         if !self.buffers.queue.push(hit, &mut self.room) {
             self.impacts.shed += 1;
-        }
-    }
-
-    /// Restitution of the next step asks how far bodies really went.
-    fn note_ways(&mut self) {
-        for track in &self.buffers.tracks {
-            let i = track.body as usize;
-            if let Some(previous) = self.world.bodies.previous.get_mut(i) {
-                previous.moved = (self.world.bodies.pose[i].position - track.start).as_vec3();
-            }
         }
     }
 

@@ -100,8 +100,6 @@ fn turn_between(from: Quat, to: Quat, about: Vec3) -> Vec3 {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Track {
     pub(super) body: u32,
-    /// Where it stood at the start of the step [m].
-    pub(super) start: DVec3,
     pub(super) way: Way,
     /// What accelerates it: the velocity that the body has is that of the end of the step [m/s²].
     pub(super) pull: Vec3,

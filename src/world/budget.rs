@@ -16,7 +16,6 @@ struct Counts {
     movers: usize,
     dynamic: usize,
     colliders: Population,
-    previous: bool,
     raised: bool,
     /// Whether there are joints.
     joined: bool,
@@ -53,7 +52,6 @@ impl World {
         report.add(Category::Manifolds, self.contacts.bytes());
         report.add(Category::Rows, self.buffers.rows.bytes());
         report.add(Category::Continuous, self.broad.continuous_bytes());
-        report.add(Category::Continuous, bytes_of(&self.bodies.previous));
         report.add(Category::Joints, self.joints.bytes());
         report.add(Category::Events, self.events.bytes());
         let [islands, kept] = self.sleep.bytes();
@@ -141,14 +139,6 @@ impl World {
         more.once.add(Category::Bodies, list_bytes(has, has + 1));
         more.add_shape(kind, shape);
         self.make_place_for(more, true)
-    }
-
-    /// Makes place for what bodies did in the step before, which restitution needs.
-    pub(super) fn make_place_for_restitution(&mut self, restitution: bool) -> Result<(), Error> {
-        if self.settings.budget.is_none() || !restitution {
-            return Ok(());
-        }
-        self.make_place_for(Counts { previous: true, ..Counts::default() }, false)
     }
 
     /// Makes place for the order of contacts of raised bodies.
@@ -253,7 +243,6 @@ impl World {
                 still: now.still + more.colliders.still,
                 endless: now.endless + more.colliders.endless,
             },
-            previous: more.previous || self.needs.restitution > 0,
             joined: more.joined || self.joints.count > 0,
             raised: more.raised || self.bodies.raises().next().is_some(),
             assets: self.assets.list.len() + more.assets,
@@ -265,9 +254,6 @@ impl World {
     fn each_buffer(&mut self, n: Counts, f: &mut dyn FnMut(Category, &mut dyn Buffer, usize)) {
         use Category::{Bodies, BroadPhase, Continuous, Joints, Scratch, Shapes};
         self.bodies.each(n.bodies, &mut |buffer, len| f(Bodies, buffer, len));
-        if n.previous {
-            f(Continuous, &mut self.bodies.previous, n.bodies);
-        }
         let colliders = &mut self.colliders;
         f(Shapes, &mut colliders.all, n.colliders.slots);
         f(Shapes, &mut colliders.hot, n.colliders.slots);
@@ -320,7 +306,6 @@ impl Counts {
             _ => &mut self.colliders.moving,
         } += 1;
         self.colliders.endless += usize::from(matches!(shape.geometry, Geometry::Plane));
-        self.previous |= shape.material.restitution > 0.0 || shape.hooks;
     }
 
     /// One in `part` more of each.

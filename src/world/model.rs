@@ -263,8 +263,7 @@ impl World {
                 (moving as u32, bytes_of(&buffers.rows.surfaces).1, None)
             }
             Feature::Restitution => {
-                let bytes = bytes_of(&bodies.previous).1 + buffers.restitution.bytes().1;
-                (needs.restitution, bytes, Some(spent.restitution))
+                (needs.restitution, buffers.restitution.bytes().1, Some(spent.restitution))
             }
             Feature::ContinuousCollision => {
                 let count = if self.is_continuous() { bodies.continuous } else { 0 };

@@ -135,6 +135,6 @@ impl World {
         if gone & Demand::ACCELERATION != 0 {
             buffers.forces.acceleration = Vec::new();
         }
-        // Friction goes when rows are prepared, previous velocities and what sleeps when a step begins.
+        // Friction goes when rows are prepared, what sleeps when a step begins.
     }
 }

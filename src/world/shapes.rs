@@ -93,11 +93,10 @@ impl World {
     /// Changes friction and restitution of a shape.
     ///
     /// # Errors
-    /// If the handle is stale, a value is out of range, or, for the first restitution of a world, the budget does not allow it.
+    /// If the handle is stale, or a value is out of range.
     pub fn set_material(&mut self, shape: ShapeHandle, material: Material) -> Result<(), Error> {
         material.validate()?;
         let index = self.collider(shape)? as usize;
-        self.make_place_for_restitution(material.restitution > 0.0)?;
         record!(self, SetMaterial(shape, material));
         let body = self.disturb(self.colliders.all[index].body as usize);
         self.revise(body);
@@ -127,10 +126,9 @@ impl World {
     /// of what it touches; its island wakes.
     ///
     /// # Errors
-    /// If the handle is stale, or, for the first hooks of a world, the budget does not allow it.
+    /// If the handle is stale.
     pub fn set_listening(&mut self, shape: ShapeHandle, events: bool, hooks: bool) -> Result<(), Error> {
         let index = self.collider(shape)? as usize;
-        self.make_place_for_restitution(hooks)?;
         record!(self, SetListening(shape, events, hooks));
         let mut body = self.colliders.all[index].body as usize;
         let stops = !events && self.colliders.hot[index].has_events();

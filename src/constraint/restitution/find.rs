@@ -84,6 +84,7 @@ pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut 
         listed: false,
         stands: false,
         kept: Record::default(),
+        pull: Record::default(),
         turned: None,
     };
     impacts.struck.extend((0..dynamic).map(struck));

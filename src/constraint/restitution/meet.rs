@@ -13,6 +13,7 @@
 //! Rows ask what is crossed by the end of the substep, so they get the mean velocity, which leads there from where the
 //! body really begins; once bodies have moved, the velocity is what the last impact left ([`Restitution::go_on`]).
 
+use super::super::prepare::GONE;
 use super::{Link, NONE, Restitution, Spot, Struck, queue};
 use crate::body::{Colliders, Mass, Pose, Traits, turn_freely};
 use crate::forces::{is_uneven, turned_inertia};
@@ -141,7 +142,7 @@ impl Restitution {
             let ease = ease(&moving, spot, spot.normal);
             if count < MOST
                 && approach > 0.0
-                && ease > 0.0
+                && ease > least_ease(&moving)
                 && bodies.gap(spot, time) <= bodies.together + approach * next
             {
                 rows[count] = Row { spot: i, target: spot.restitution * approach, ease, impulse: 0.0 };
@@ -219,19 +220,24 @@ impl Restitution {
         self.shift(body, bodies, &pull, 0.5 * time * time);
         add(&mut bodies.velocity[i], &velocity, -1.0);
         add(&mut bodies.base[i], &velocity, -1.0);
-        if let Some(pull) = bodies.acceleration.get_mut(i) {
-            *pull = Record::default();
+        // Nothing pulls what stands; events ask for it after the step.
+        if let Some(own) = bodies.acceleration.get_mut(i) {
+            *own = Record::default();
+            self.struck[i].pull = pull;
         }
         bodies.delta[i].pad0 = bodies.delta[i].pad0.max(ALONE);
     }
 
     /// Gives what stood its velocity, at the end of the step.
-    pub(crate) fn let_go(&mut self, dt: f32, velocity: &mut [Record]) {
+    pub(crate) fn let_go(&mut self, dt: f32, velocity: &mut [Record], acceleration: &mut [Record]) {
         for &body in &self.standing {
             let struck = &mut self.struck[body as usize];
             // What rows did to it meanwhile they did to a body that was not there any more.
             let velocity = &mut velocity[body as usize];
             (velocity.linear, velocity.angular) = (struck.kept.linear, struck.kept.angular);
+            if let Some(own) = acceleration.get_mut(body as usize) {
+                *own = struck.pull;
+            }
             // It did not turn.
             struck.turned = struck.turned.map(|(rotation, _)| (rotation, dt));
         }
@@ -277,7 +283,8 @@ struct Moving {
     /// At the moment.
     velocity: Record,
     before: Record,
-    /// By world axis: locked ones have none.
+    /// Inverse mass [1/kg], and by world axis: locked ones have none.
+    whole: f32,
     inverse_mass: Vec3,
     inverse_inertia: Sym3<f32>,
     /// If its axes may wander.
@@ -292,6 +299,7 @@ impl Moving {
                 body: NONE,
                 velocity: Record::default(),
                 before: Record::default(),
+                whole: 0.0,
                 inverse_mass: Vec3::ZERO,
                 inverse_inertia: Sym3::default(),
                 rotation: None,
@@ -311,7 +319,15 @@ impl Moving {
         let inverse = mass.inverse;
         let mut free = Record { linear: Vec3::splat(inverse), ..Record::default() };
         bodies.traits[i].lock(&mut free);
-        Moving { body, velocity, before, inverse_mass: free.linear, inverse_inertia, rotation }
+        Moving {
+            body,
+            velocity,
+            before,
+            whole: inverse,
+            inverse_mass: free.linear,
+            inverse_inertia,
+            rotation,
+        }
     }
 
     /// Of its velocity.
@@ -350,6 +366,11 @@ fn ease(moving: &[Moving; 2], spot: &Spot, along: Vec3) -> f32 {
     sum
 }
 
+/// What is no more than this is rounding: axes are locked, and nothing moves along the direction [1/kg].
+fn least_ease(moving: &[Moving; 2]) -> f32 {
+    moving.iter().map(|moving| moving.whole).sum::<f32>() * GONE
+}
+
 /// Applies an impulse to the second body of a point, and its opposite to the first.
 fn push(moving: &mut [Moving; 2], spot: &Spot, impulse: Vec3) {
     for moving in moving {
@@ -367,7 +388,7 @@ fn rub(moving: &mut [Moving; 2], bodies: &Bodies<'_>, spot: &Spot, impulse: f32)
     let slip = spot.slip(|body| velocity(moving, bodies, body)).reject_from_normalized(spot.normal);
     let Some(way) = slip.try_normalize() else { return };
     let ease = ease(moving, spot, way);
-    if ease > 0.0 {
+    if ease > least_ease(moving) {
         push(moving, spot, way * -(spot.friction * impulse).min(slip.length() / ease));
     }
 }

@@ -85,6 +85,8 @@ struct Struck {
     /// It stays where it is for the rest of the step, and goes on with this velocity then.
     stands: bool,
     kept: Record,
+    /// Its acceleration, which it is without meanwhile.
+    pull: Record,
     /// Orientation at its last impact in this step, and when that was [s], if its axes may wander.
     turned: Option<(Quat, f32)>,
 }
