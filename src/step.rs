@@ -272,6 +272,7 @@ impl World {
             let input = JointInput {
                 bodies: &self.bodies,
                 inverse_inertia: &[],
+                acceleration: &forces.acceleration,
                 joints: &self.joints,
                 pairs: &self.broad.pairs,
                 hot: &self.colliders.hot,
@@ -311,6 +312,7 @@ impl World {
             let input = JointInput {
                 bodies: &self.bodies,
                 inverse_inertia: &self.buffers.forces.inverse_inertia,
+                acceleration: &self.buffers.forces.acceleration,
                 joints: &self.joints,
                 pairs: &self.broad.pairs,
                 hot: &self.colliders.hot,

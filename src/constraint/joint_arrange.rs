@@ -15,7 +15,7 @@ use super::seats::{Seat, Seated, Seats, TreeRef};
 use crate::body::Bodies;
 use crate::broad_phase::Pair;
 use crate::joint::{Axes, Joints, Lock, LockKind, Motion, Row, RowKind};
-use crate::lanes::{Lanes, Sym3, f32x8};
+use crate::lanes::{Lanes, Record, Sym3, f32x8};
 use crate::memory::{Buffer, bytes_of};
 use crate::narrow_phase::NONE as NO_CONTACT;
 use crate::shape::Hot;
@@ -171,6 +171,8 @@ static ARRANGEMENTS: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64
 pub(crate) struct JointInput<'a> {
     pub(crate) bodies: &'a Bodies,
     pub(crate) inverse_inertia: &'a [Sym3<f32>],
+    /// What pulls bodies; empty if nothing does.
+    pub(crate) acceleration: &'a [Record],
     pub(crate) joints: &'a Joints,
     pub(crate) pairs: &'a [Pair],
     pub(crate) hot: &'a [Hot],

@@ -323,6 +323,11 @@ pub(super) fn tree<L: GatherLanes>(
             let inverse = bodies.mass[own].inverse;
             node.inverse_mass.set_lane(lane, inverse);
             put_sym(&mut own_inverse, lane, &inverse_inertia[own]);
+            let (mass, drift) = (&bodies.mass[own], &mut node.drift);
+            drift.moments.put(lane, bodies.pose[own].rotation, mass.inertia, mass.inverse_inertia);
+            let pull = input.acceleration.get(own).map_or(glam::Vec3::ZERO, |pull| pull.linear);
+            put(&mut drift.pull, lane, pull);
+            put(&mut node.velocity.angular, lane, bodies.velocity[own].angular);
             if node.jointed {
                 let at = Placed::new(dense.map(|i| &bodies.pose[i]), &joint.frames);
                 let sign = if side == 1 { 1.0 } else { -1.0 };
