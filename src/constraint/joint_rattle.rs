@@ -73,7 +73,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             node.pulled = L::zero();
         }
         let mut taut = !self.is_alone();
-        for i in (0..self.nodes.len()).rev() {
+        for i in (0..self.real).rev() {
             let (parent, node) = self.with_parent(i);
             let hangs = node.pulled + node.drift.pull.length() / node.inverse_mass;
             if !node.jointed {
@@ -128,7 +128,9 @@ impl<L: GatherLanes> TreeBatch<L> {
         };
         let (exact, zero) = (self.exact(), Vec3::zero());
         let alone = exact & free;
-        self.lag = L::select(alone, L::splat(0.5 * self.h), L::zero());
+        // What a motor holds would rise by g h²/2 in each substep if half of that came after it.
+        let half = if self.extra.motors.is_empty() { 0.5 } else { 0.0 };
+        self.lag = L::select(alone, L::splat(half * self.h), L::zero());
         // SAFETY: by the contract.
         unsafe { self.guess(motion, alone) };
         self.predict_turns(exact);
@@ -136,6 +138,9 @@ impl<L: GatherLanes> TreeBatch<L> {
             node.impulse = Vec3::select(exact, zero, node.impulse);
             node.twist = Vec3::select(exact, zero, node.twist);
             node.velocity = node.drift.before;
+        }
+        for motor in &mut self.extra.motors {
+            motor.impulse = L::select(exact, L::zero(), motor.impulse);
         }
         self.known = self.close_ahead(pass, exact, alone);
         // SAFETY: by the contract.
@@ -152,11 +157,14 @@ impl<L: GatherLanes> TreeBatch<L> {
         self.nodes.iter_mut().for_each(|node| node.carried.angular = Vec3::zero());
         for i in 0..self.nodes.len() {
             let (parent, node) = self.with_parent(i);
-            node.carried.angular += node.arm_now[0].cross(node.impulse) + node.twist;
+            let [own, other] = node.arm_now.map(|arm| arm.cross(node.impulse) + node.twist);
             if let Some(parent) = parent {
-                parent.carried.angular -= node.arm_now[1].cross(node.impulse) + node.twist;
+                parent.carried.angular -= other;
             }
+            let body = self.body_of(i);
+            self.nodes[body].carried.angular += own;
         }
+        self.add_motors(|node| &mut node.carried.angular);
         for node in &mut self.nodes {
             // SAFETY: by the contract.
             let (linear, angular) = gather(|i| unsafe { motion.base.read(i) }, &node.body);
@@ -165,6 +173,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             node.velocity.linear = Vec3::select(alone, own, linear);
             node.velocity.angular = Vec3::select(alone, spin + half, angular);
         }
+        self.repeat_bodies();
     }
 
     /// The impulses with which the joints of some lanes are closed at the end of the substep; where nothing else acts, to the last
@@ -352,6 +361,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         let still = JointPass::relaxing(1.0 / whole);
         let solving = JointPass { relax: false, ..still };
         (self.h, self.lag) = (whole / parts, L::zero());
+        self.extra.idle = true;
         self.sweep(&still, exact, &[], |_, _| {});
         for part in 1..=parts as u32 {
             self.predict_turns(exact);
@@ -363,6 +373,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             self.sweep(&still, exact, &[], |_, _| {});
         }
         (self.h, self.lag) = (whole, lag);
+        self.extra.idle = false;
         self.nodes.iter_mut().for_each(|node| node.velocity.linear += node.drift.pull * lag);
     }
 

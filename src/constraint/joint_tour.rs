@@ -97,7 +97,7 @@ impl<'a, L: Lanes> Toured<'a, L> {
 impl<L: GatherLanes> TreeBatch<L> {
     /// How each body answers an impulse on it, with the whole tree.
     pub(super) fn answer(&mut self) {
-        for i in 0..self.nodes.len() {
+        for i in 0..self.real {
             let (parent, node) = self.with_parent(i);
             let column = |unit: Twist<L>| {
                 let mut push = unit;
@@ -120,7 +120,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         for _ in 0..TOURS {
             self.nodes.iter_mut().for_each(|node| node.pending = Twist::zero());
             let (mut at, mut left) = (NONE, contacts);
-            for i in 0..self.nodes.len() {
+            for i in 0..self.real {
                 while at != self.nodes[i].parent {
                     at = self.climb(at);
                 }

@@ -9,6 +9,7 @@
 
 use super::contact_row::Motion;
 use super::free_turn::{exp, log, log_near, moved_by};
+use super::joint_cut::Extra;
 use super::joint_ends::{JointPass, NONE, across, bend, inverse, swerve};
 use super::joint_fill::put;
 use super::joint_rattle::Drift;
@@ -39,6 +40,8 @@ pub(crate) struct Node<L> {
     pub(crate) side: u8,
     /// The parent's place in the tree; of a root, none.
     pub(crate) parent: u32,
+    /// Of a cut joint, the place of its body.
+    pub(crate) own: u32,
     /// Whether there is a joint.
     pub(crate) jointed: bool,
     pub(crate) body: [u32; 8],
@@ -93,7 +96,7 @@ pub(crate) struct Node<L> {
     pub(super) velocity: Twist<L>,
     /// Velocity and displacement of what a root hangs on.
     pub(super) anchored: Twist<L>,
-    anchor_moved: Twist<L>,
+    pub(super) anchor_moved: Twist<L>,
     pub(super) carried: Twist<L>,
     pub(super) asked: Twist<L>,
     pub(super) change: Twist<L>,
@@ -104,7 +107,10 @@ pub(crate) struct Node<L> {
     pushes: Twist<L>,
     beside: Twist<L>,
     /// Of the joint, taken from the body at its arm.
-    force: Twist<L>,
+    pub(super) force: Twist<L>,
+    /// Change, force and push of the tree without the rows beside it.
+    pub(super) before: (Twist<L>, Twist<L>),
+    pub(super) pushed_before: Twist<L>,
 }
 
 impl<L: Lanes> Default for Node<L> {
@@ -116,6 +122,7 @@ impl<L: Lanes> Default for Node<L> {
             turns: Turns::Freely,
             side: 0,
             parent: NONE,
+            own: NONE,
             jointed: false,
             body: [0; 8],
             anchor: [0; 8],
@@ -149,6 +156,8 @@ impl<L: Lanes> Default for Node<L> {
             pushes: Twist::zero(),
             beside: Twist::zero(),
             force: Twist::zero(),
+            before: (Twist::zero(), Twist::zero()),
+            pushed_before: Twist::zero(),
             joined: Sym6::zero(),
             rest: Sym6::zero(),
             pulled: L::zero(),
@@ -165,7 +174,12 @@ impl<L: Lanes> Default for Node<L> {
 /// Up to eight trees of one shape, parents before children.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TreeBatch<L> {
+    /// A node for each body, then those of cut joints, whose bodies are in front of them.
     pub(crate) nodes: Vec<Node<L>>,
+    /// How many bodies a tree has.
+    pub(crate) real: usize,
+    /// Rows of cut joints and motors.
+    pub(crate) extra: Extra<L>,
     /// Bodies turned since the last solution.
     pub(crate) fresh: bool,
     /// Share of an error that velocities take back within a substep.
@@ -200,9 +214,16 @@ pub(crate) const ALONE: f32 = 0.2;
 pub(crate) const TOUCHING: f32 = 0.05;
 
 impl<L> TreeBatch<L> {
+    pub(super) fn of_bodies(&self) -> &[Node<L>] {
+        &self.nodes[..self.real]
+    }
+    /// Whether loops of its own were cut.
+    pub(super) fn is_cut(&self) -> bool {
+        self.real < self.nodes.len()
+    }
     /// How many bodies there are in its trees.
     pub(super) fn bodies(&self) -> u32 {
-        self.nodes.iter().map(|node| node.write.count_ones()).sum()
+        self.of_bodies().iter().map(|node| node.write.count_ones()).sum()
     }
 }
 
@@ -224,7 +245,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             // What hangs on it.
             node.pulled = L::zero();
         }
-        for i in (0..self.nodes.len()).rev() {
+        for i in (0..self.real).rev() {
             let (parent, node) = self.with_parent(i);
             let least = node.pulled * L::splat(LIGHTEST);
             let light = (least * node.inverse_mass).gt(L::one());
@@ -277,7 +298,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             let mass = Sym3 { xx: mass, yy: mass, zz: mass, ..Sym3::default() };
             node.free = Sym6 { linear: mass, mixed: [Vec3::zero(); 3], angular: node.braced_inverse };
         }
-        for i in (0..self.nodes.len()).rev() {
+        for i in (0..self.real).rev() {
             let (parent, node) = self.with_parent(i);
             if !node.jointed {
                 continue;
@@ -295,6 +316,15 @@ impl<L: GatherLanes> TreeBatch<L> {
         if self.contacts.0 < self.contacts.1 {
             self.answer();
         }
+        if self.has_extra() {
+            self.factor_extra();
+        }
+    }
+
+    /// Whether there are rows beside the tree.
+    #[inline(always)]
+    pub(super) fn has_extra(&self) -> bool {
+        self.is_cut() || !self.extra.motors.is_empty()
     }
 
     /// Trees that touch nothing, and are warm-started: what pulls in them is no blow.
@@ -320,10 +350,12 @@ impl<L: GatherLanes> TreeBatch<L> {
             let blow = size.gt(node.steady) & !alone;
             let steady = L::select(blow, node.steady / L::select(blow, size, L::one()), L::one());
             let impulse = node.impulse * steady;
-            node.pull(impulse, node.arm_now[0], h);
+            let [arm, other] = node.arm_now;
             if let Some(parent) = parent {
-                parent.pull(-impulse, node.arm_now[1], h);
+                parent.pull(-impulse, other, h);
             }
+            let own = self.body_of(i);
+            self.nodes[own].pull(impulse, arm, h);
         }
         for node in &mut self.nodes {
             let Sym3 { xx, yy, zz, .. } = node.inertia;
@@ -352,10 +384,12 @@ impl<L: GatherLanes> TreeBatch<L> {
         for i in 0..self.nodes.len() {
             let (parent, node) = self.with_parent(i);
             let impulse = Vec3::select(exact, Vec3::zero(), node.impulse);
-            node.velocity.linear += impulse * node.inverse_mass;
             if let Some(parent) = parent {
                 parent.velocity.linear -= impulse * parent.inverse_mass;
             }
+            let own = self.body_of(i);
+            let body = &mut self.nodes[own];
+            body.velocity.linear += impulse * body.inverse_mass;
         }
         self.turn_along();
         self.fresh = false;
@@ -373,17 +407,44 @@ impl<L: GatherLanes> TreeBatch<L> {
         self.nodes.iter_mut().for_each(|node| node.asked = Twist::zero());
         for i in 0..self.nodes.len() {
             let (parent, node) = self.with_parent(i);
-            node.asked.angular += node.arm_now[0].cross(node.impulse) + node.twist;
+            let [own, other] = node.arm_now.map(|arm| arm.cross(node.impulse) + node.twist);
             if let Some(parent) = parent {
-                parent.asked.angular -= node.arm_now[1].cross(node.impulse) + node.twist;
+                parent.asked.angular -= other;
             }
+            let body = self.body_of(i);
+            self.nodes[body].asked.angular += own;
         }
+        self.add_motors(|node| &mut node.asked.angular);
         let exact = self.exact();
         for node in &mut self.nodes {
             let own = node.velocity.angular - node.gained;
             let now = node.braced_inverse.mul(node.inertia.mul(own) + node.asked.angular);
             node.velocity.angular = Vec3::select(exact, node.velocity.angular, now);
             node.gained = now - own;
+        }
+        self.repeat_bodies();
+    }
+
+    /// Adds what motors turn bodies by.
+    #[inline(always)]
+    pub(super) fn add_motors(&mut self, to: impl Fn(&mut Node<L>) -> &mut Vec3<L>) {
+        let motors = std::mem::take(&mut self.extra.motors);
+        for motor in &motors {
+            let (own, node) = (self.body_of(motor.node as usize), &self.nodes[motor.node as usize]);
+            let (parent, moment) = (node.parent, node.axis_now[0] * motor.impulse);
+            *to(&mut self.nodes[own]) += moment;
+            if let Some(parent) = self.nodes.get_mut(parent as usize) {
+                *to(parent) -= moment;
+            }
+        }
+        self.extra.motors = motors;
+    }
+
+    /// Velocities of bodies that stand in nodes of cut joints too.
+    pub(super) fn repeat_bodies(&mut self) {
+        let (bodies, cuts) = self.nodes.split_at_mut(self.real);
+        for cut in cuts {
+            cut.velocity = bodies[cut.own as usize].velocity;
         }
     }
 
@@ -444,6 +505,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         touch: impl FnMut(&Seated, &mut Toured<'_, L>),
     ) {
         self.nodes.iter_mut().for_each(|node| node.pushed = Twist::zero());
+        self.extra.drives = !(pass.relax || self.extra.idle);
         let rate = if pass.relax { L::zero() } else { self.share * L::splat(pass.inverse_h) };
         let asked = |node: &Node<L>, parent: Option<&Node<L>>| {
             let [arm, other] = node.arm_now;
@@ -470,6 +532,20 @@ impl<L: GatherLanes> TreeBatch<L> {
             node.velocity.linear += Vec3::select(lanes, node.change.linear, zero);
             node.velocity.angular += Vec3::select(lanes, node.change.angular, zero);
         }
+        if self.extra.drives {
+            for motor in &mut self.extra.motors {
+                motor.impulse -= L::select(lanes, motor.less, L::zero());
+            }
+            self.extra.drives = false;
+        }
+    }
+
+    /// Impulses of joints that answer what is asked for, and the changes of velocity by them and by what pushes.
+    pub(super) fn answer_all(&mut self) {
+        self.answer_bodies();
+        if self.has_extra() {
+            self.answer_extra();
+        }
     }
 
     /// From the root to the leaves: impulses of joints that answer what is asked for, and the changes of velocity by them and
@@ -477,8 +553,8 @@ impl<L: GatherLanes> TreeBatch<L> {
     ///
     /// A joint's impulse follows from the mobility of both its bodies, and a body's change from its own inertia: what a light
     /// body between heavy ones bears is a small difference of what is carried past it, and would be lost in that.
-    pub(super) fn answer_all(&mut self) {
-        for i in 0..self.nodes.len() {
+    pub(super) fn answer_bodies(&mut self) {
+        for i in 0..self.real {
             let (parent, node) = self.with_parent(i);
             node.pushes = node.pushed;
             if !node.jointed {
@@ -498,18 +574,28 @@ impl<L: GatherLanes> TreeBatch<L> {
             };
             node.pushes.subtract(node.force.moved(arm));
         }
-        for node in &mut self.nodes {
+        for node in &mut self.nodes[..self.real] {
             let Twist { linear, angular } = node.pushes;
             node.change =
                 Twist { linear: linear * node.inverse_mass, angular: node.braced_inverse.mul(angular) };
         }
     }
 
-    /// From the leaves to the root: what is `asked` of each joint, and what of that is left to it.
+    /// What is `asked` of each joint, and what of that is left to it.
     #[inline(always)]
     pub(super) fn gather_up(&mut self, asked: impl Fn(&Node<L>, Option<&Node<L>>) -> Twist<L>) {
+        for i in self.real..self.nodes.len() {
+            let (parent, node) = self.with_parent(i);
+            node.asked = asked(node, parent.as_deref());
+        }
+        self.gather_up_bodies(asked);
+    }
+
+    /// From the leaves to the root, without cut joints.
+    #[inline(always)]
+    pub(super) fn gather_up_bodies(&mut self, asked: impl Fn(&Node<L>, Option<&Node<L>>) -> Twist<L>) {
         self.nodes.iter_mut().for_each(|node| node.carried = Twist::zero());
-        for i in (0..self.nodes.len()).rev() {
+        for i in (0..self.real).rev() {
             let (parent, node) = self.with_parent(i);
             if !node.jointed {
                 continue;
@@ -639,7 +725,7 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// # Safety
     /// No other thread works on the bodies of the trees.
     pub(super) unsafe fn shift(&mut self, motion: &Motion<'_, '_>, lanes: u32) {
-        for node in &mut self.nodes {
+        for node in &mut self.nodes[..self.real] {
             let delta = scatter(node.moved.linear, node.moved.angular);
             for lane in (0..L::N).filter(|lane| (node.write & lanes) >> lane & 1 != 0) {
                 // SAFETY: by the contract; no body is twice in a batch.
@@ -656,6 +742,8 @@ impl<L: GatherLanes> TreeBatch<L> {
                 }
             }
         }
+        let (bodies, cuts) = self.nodes.split_at_mut(self.real);
+        cuts.iter_mut().for_each(|cut| cut.moved = bodies[cut.own as usize].moved);
     }
 
     /// Velocities.
@@ -682,7 +770,7 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
     pub(super) unsafe fn save(&mut self, motion: &Motion<'_, '_>, lanes: u32) {
-        for node in &self.nodes {
+        for node in self.of_bodies() {
             let before = &node.drift.before;
             let all = scatter(node.velocity.linear, node.velocity.angular);
             let own = scatter(node.velocity.linear - before.linear, node.velocity.angular - before.angular);

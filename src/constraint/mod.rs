@@ -9,6 +9,7 @@ mod friction;
 mod impact_friction;
 mod joint_arrange;
 mod joint_close;
+mod joint_cut;
 mod joint_ends;
 mod joint_fill;
 mod joint_line;

@@ -445,6 +445,14 @@ fn locked_together(limits: &[Limit]) -> Vec<Limit> {
 }
 
 impl Row {
+    /// Whether it turns what a hinge joins, by a torque that does not depend on masses: a motor, friction, a spring.
+    pub(crate) fn drives_hinge(&self) -> bool {
+        let per_mass = |spring: Spring| spring.coefficients().2;
+        self.motion == Motion::Angular
+            && self.is_guided()
+            && matches!(self.kind, RowKind::Drive { spring, .. } if !per_mass(spring))
+    }
+
     /// Whether the joint's locks leave its bodies no other way to go than along or about it: a slide in a direction that can't
     /// turn, and what drives a hinge.
     pub(crate) fn is_guided(&self) -> bool {
