@@ -63,12 +63,21 @@ struct Way<L> {
     along: Twist<L>,
 }
 
+/// Which motors act.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Drives {
+    None,
+    /// Those that do not yield: springs act once a substep.
+    Rigid,
+    All,
+}
+
 /// The rows of a batch of trees.
 #[derive(Clone, Debug)]
 pub(crate) struct Extra<L> {
     pub(crate) motors: Vec<Motor<L>>,
-    /// Whether motors act in this pass.
-    pub(super) drives: bool,
+    /// Which motors act in this pass.
+    pub(super) drives: Drives,
     /// They don't, in parts of a substep.
     pub(super) idle: bool,
     /// Those of cut joints, then those of motors.
@@ -83,7 +92,7 @@ impl<L> Default for Extra<L> {
     fn default() -> Self {
         Extra {
             motors: Vec::new(),
-            drives: false,
+            drives: Drives::None,
             idle: false,
             ways: Vec::new(),
             answers: Vec::new(),
@@ -97,7 +106,7 @@ impl<L> Extra<L> {
     pub(super) fn new(motors: Vec<Motor<L>>, rows: usize) -> Self {
         Extra {
             motors,
-            drives: false,
+            drives: Drives::None,
             idle: false,
             ways: Vec::with_capacity(rows),
             answers: Vec::with_capacity(rows * rows),
@@ -221,7 +230,7 @@ impl<L: GatherLanes> TreeBatch<L> {
                 row += 1;
             }
         }
-        if extra.drives {
+        if extra.drives != Drives::None {
             for (motor, row) in extra.motors.iter().zip(cut..) {
                 let (node, way) = (&self.nodes[motor.node as usize], &extra.ways[row]);
                 let above = self.nodes.get(node.parent as usize);
@@ -273,8 +282,15 @@ impl<L: Lanes> Extra<L> {
     fn solve(&self, rest: &[L; MOST_ROWS], cut: usize) -> [L; MOST_ROWS] {
         let count = self.ways.len();
         let zero = L::zero();
-        let mut fixed = [if self.drives { zero.gt(zero) } else { zero.eq(zero) }; MOST_ROWS];
-        fixed[..cut].fill(zero.gt(zero));
+        let mut fixed = [zero.gt(zero); MOST_ROWS];
+        for (motor, fixed) in self.motors.iter().zip(&mut fixed[cut..]) {
+            *fixed = match self.drives {
+                Drives::None => zero.eq(zero),
+                Drives::Rigid => motor.give.gt(zero),
+                Drives::All => zero.gt(zero),
+            };
+        }
+        let idle = fixed;
         let mut push = [zero; MOST_ROWS];
         let mut matrix = [[zero; MOST_ROWS]; MOST_ROWS];
         for _ in 0..ROUNDS {
@@ -295,16 +311,16 @@ impl<L: Lanes> Extra<L> {
             substitute(&matrix, &mut right, count);
             push = right;
             let mut changed = zero.gt(zero);
-            for (motor, i) in self.motors.iter().zip(cut..).filter(|_| self.drives) {
+            for (motor, i) in self.motors.iter().zip(cut..) {
                 let new = motor.impulse - push[i];
                 let bounded = new.max(-motor.most).min(motor.most);
-                let over = !new.eq(bounded) & !fixed[i];
+                let over = !(new.eq(bounded) | fixed[i]);
                 // What is at a bound stays there as long as it would go beyond.
                 let mut more = rest[i] - motor.give * push[i];
                 for k in 0..count {
                     more -= self.answers[i * count + k] * push[k];
                 }
-                let back = fixed[i] & (more * new).gt(zero);
+                let back = fixed[i] & !idle[i] & (more * new).gt(zero);
                 push[i] = L::select(over, motor.impulse - bounded, push[i]);
                 fixed[i] = (fixed[i] | over) & !back;
                 changed = changed | over | back;
@@ -313,9 +329,9 @@ impl<L: Lanes> Extra<L> {
                 break;
             }
         }
-        for (motor, push) in self.motors.iter().zip(&mut push[cut..]).filter(|_| self.drives) {
-            let bounded = (motor.impulse - *push).max(-motor.most).min(motor.most);
-            *push = motor.impulse - bounded;
+        for (motor, i) in self.motors.iter().zip(cut..) {
+            let bounded = (motor.impulse - push[i]).max(-motor.most).min(motor.most);
+            push[i] = L::select(idle[i], zero, motor.impulse - bounded);
         }
         push
     }
@@ -339,8 +355,8 @@ fn factorise<L: Lanes>(m: &mut [[L; MOST_ROWS]; MOST_ROWS], least: &[L]) {
             own -= scaled * m[i][k];
             m[i][k] = scaled;
         }
-        let some = own.gt(least);
-        m[i][i] = L::select(some, L::one() / L::select(some, own, L::one()), L::zero());
+        let some = own.max(L::zero());
+        m[i][i] = some / (some * some + least * least);
     }
 }
 

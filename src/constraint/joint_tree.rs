@@ -9,7 +9,7 @@
 
 use super::contact_row::Motion;
 use super::free_turn::{exp, log, log_near, moved_by};
-use super::joint_cut::Extra;
+use super::joint_cut::{Drives, Extra};
 use super::joint_ends::{JointPass, NONE, across, bend, inverse, swerve};
 use super::joint_fill::put;
 use super::joint_rattle::Drift;
@@ -505,7 +505,11 @@ impl<L: GatherLanes> TreeBatch<L> {
         touch: impl FnMut(&Seated, &mut Toured<'_, L>),
     ) {
         self.nodes.iter_mut().for_each(|node| node.pushed = Twist::zero());
-        self.extra.drives = !(pass.relax || self.extra.idle);
+        self.extra.drives = match (self.extra.idle, pass.relax) {
+            (true, _) => Drives::None,
+            (_, true) => Drives::Rigid,
+            _ => Drives::All,
+        };
         let rate = if pass.relax { L::zero() } else { self.share * L::splat(pass.inverse_h) };
         let asked = |node: &Node<L>, parent: Option<&Node<L>>| {
             let [arm, other] = node.arm_now;
@@ -532,12 +536,10 @@ impl<L: GatherLanes> TreeBatch<L> {
             node.velocity.linear += Vec3::select(lanes, node.change.linear, zero);
             node.velocity.angular += Vec3::select(lanes, node.change.angular, zero);
         }
-        if self.extra.drives {
-            for motor in &mut self.extra.motors {
-                motor.impulse -= L::select(lanes, motor.less, L::zero());
-            }
-            self.extra.drives = false;
+        for motor in &mut self.extra.motors {
+            motor.impulse -= L::select(lanes, motor.less, L::zero());
         }
+        self.extra.drives = Drives::None;
     }
 
     /// Impulses of joints that answer what is asked for, and the changes of velocity by them and by what pushes.
