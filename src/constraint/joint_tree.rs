@@ -174,6 +174,8 @@ pub(crate) struct TreeBatch<L> {
     pub(super) exact: u32,
     /// Lanes whose bodies turn as was predicted last.
     pub(super) known: u32,
+    /// Lanes for which no impulses were found that close joints.
+    pub(super) lost: u32,
     /// Half a substep, where nothing but joints and what pulls acts on the tree [s].
     pub(super) lag: L,
     /// A joint lets its bodies collide: a loop with their contact, of which the tree knows nothing. Contacts don't go along,
