@@ -468,7 +468,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         for node in &mut self.nodes {
             node.impulse -= Vec3::select(lanes, node.force.linear, zero);
             node.twist -= Vec3::select(lanes, node.force.angular, zero);
-            node.gained += node.change.angular - node.braced_inverse.mul(node.pushed.angular);
+            let gained = node.change.angular - node.braced_inverse.mul(node.pushed.angular);
+            node.gained += Vec3::select(lanes, gained, zero);
             node.velocity.linear += Vec3::select(lanes, node.change.linear, zero);
             node.velocity.angular += Vec3::select(lanes, node.change.angular, zero);
         }
