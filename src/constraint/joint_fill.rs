@@ -354,4 +354,5 @@ pub(super) fn tree<L: GatherLanes>(
     }
     batch.share = L::load(&share);
     batch.begin(input.h);
+    batch.look_back(&input.joints.locks);
 }

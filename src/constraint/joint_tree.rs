@@ -176,6 +176,8 @@ pub(crate) struct TreeBatch<L> {
     pub(super) known: u32,
     /// Lanes for which no impulses were found that close joints.
     pub(super) lost: u32,
+    /// What pulls acts for so much longer in the first substep [s].
+    pub(super) late: L,
     /// Half a substep, where nothing but joints and what pulls acts on the tree [s].
     pub(super) lag: L,
     /// A joint lets its bodies collide: a loop with their contact, of which the tree knows nothing. Contacts don't go along,
