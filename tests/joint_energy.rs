@@ -148,16 +148,6 @@ fn a_top_precesses_as_theory_says() {
 
 #[test]
 fn a_rotor_keeps_its_spin() {
-    rotors(|pace, tilt| tilt == 0.0 || pace.1 > 1);
-}
-
-#[test]
-#[ignore = "measured: gains 2.8 % of its energy in 60 s"]
-fn a_tilted_rotor_keeps_its_spin_at_one_substep() {
-    rotors(|pace, tilt| tilt > 0.0 && pace.1 == 1);
-}
-
-fn rotors(of: impl Fn(Pace, f32) -> bool) {
     let shapes = [
         (Geometry::Cylinder { half_height: 0.1, radius_bottom: 0.3, radius_top: 0.3 }, 0.0),
         (Geometry::cuboid(0.3, 0.1, 0.2), 0.0),
@@ -165,7 +155,7 @@ fn rotors(of: impl Fn(Pace, f32) -> bool) {
         (Geometry::cuboid(0.3, 0.1, 0.2), 0.3),
     ];
     for pace in PACES {
-        for (geometry, tilt) in shapes.iter().filter(|(_, tilt)| of(pace, *tilt)) {
+        for (geometry, tilt) in &shapes {
             let mut world = world(G, pace);
             let ground = world.add_body(&BodyDesc::fixed()).unwrap();
             let shape = ShapeDesc::new(geometry.clone());
@@ -204,7 +194,8 @@ fn two_balls_that_whirl_about_their_joint_gain_nothing() {
 }
 
 #[test]
-#[ignore = "measured: loses 1.2 % of its energy at 20 m/s, right after the blow"]
+#[ignore = "measured: loses 43 % at 10 m/s in the step after the blow, whose length is 167 times that of the blow's: so much \
+            more it is taken to pull"]
 fn two_balls_that_whirl_keep_their_energy_at_one_substep() {
     whirl(|pace| pace.1 == 1);
 }
