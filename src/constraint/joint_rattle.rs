@@ -65,7 +65,7 @@ const MOST_PARTS: f32 = 16.0;
 /// the other path; at two a chain that bears 100 times a link's mass came apart (60 Hz, 4 substeps).
 const TAUT: f32 = 1.0;
 /// The most that may hang on a joint, for the mass of a body there. With 100 times two links whipped, lying folded, faster than any
-/// substep follows, at 60 Hz with 4, 8 and 16 substeps; with 50 none did in 30 s.
+/// substep follows, at 60 Hz with 4 and with 8 substeps; with 50 none did in 30 s.
 const HEAVY: f32 = 50.0;
 /// What hangs on a joint may pull as so many times its weight: a pendulum does as three times, which falls from level.
 const SWING: f32 = 3.0;
