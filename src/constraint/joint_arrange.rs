@@ -474,6 +474,9 @@ impl JointRows {
         self.hinges.each(&mut lock);
         self.trees.iter().for_each(|batch| impulses_of(batch, &mut lock));
         self.tree.iter().for_each(|batch| impulses_of(batch, &mut lock));
+        let mut late = |owner: u32, lag: f32| locks[owner as usize].lag = lag;
+        self.trees.iter().for_each(|batch| batch.each_lag(&mut late));
+        self.tree.iter().for_each(|batch| batch.each_lag(&mut late));
         let mut row = |owner: u32, (impulse, along, about): ([f32; 2], glam::Vec3, glam::Vec3)| {
             let row = &mut rows[owner as usize];
             row.impulse = impulse;

@@ -353,6 +353,7 @@ pub(super) fn tree<L: GatherLanes>(
     batch.extra.motors.iter_mut().for_each(|motor| fill_motor(motor, &nodes[motor.node as usize], input));
     batch.share = L::load(&share);
     batch.begin(input.h);
+    batch.look_back(&input.joints.locks);
 }
 
 /// Of a spring and a damper over a substep: speed asked for per displacement, what they yield per impulse, and the speed asked

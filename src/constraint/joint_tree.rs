@@ -188,6 +188,10 @@ pub(crate) struct TreeBatch<L> {
     pub(super) exact: u32,
     /// Lanes whose bodies turn as was predicted last.
     pub(super) known: u32,
+    /// Lanes for which no impulses were found that close joints.
+    pub(super) lost: u32,
+    /// What pulls acts for so much longer in the first substep [s].
+    pub(super) late: L,
     /// Half a substep, where nothing but joints and what pulls acts on the tree [s].
     pub(super) lag: L,
     /// A joint lets its bodies collide: a loop with their contact, of which the tree knows nothing. Contacts don't go along,
@@ -532,7 +536,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         for node in &mut self.nodes {
             node.impulse -= Vec3::select(lanes, node.force.linear, zero);
             node.twist -= Vec3::select(lanes, node.force.angular, zero);
-            node.gained += node.change.angular - node.braced_inverse.mul(node.pushed.angular);
+            let gained = node.change.angular - node.braced_inverse.mul(node.pushed.angular);
+            node.gained += Vec3::select(lanes, gained, zero);
             node.velocity.linear += Vec3::select(lanes, node.change.linear, zero);
             node.velocity.angular += Vec3::select(lanes, node.change.angular, zero);
         }

@@ -53,6 +53,8 @@ pub(crate) struct Lock {
     pub(crate) held: f32,
     /// How much of it was there in the last step too.
     pub(crate) steady: f32,
+    /// By how much the velocities of its tree are those of before [s]; below zero if it was in none yet.
+    pub(crate) lag: f32,
 }
 
 /// What a row of one direction does.
@@ -215,7 +217,7 @@ impl Joints {
         for &limit in &limits {
             let Limit { motion, axes, min, max, spring } = limit;
             if let Some(kind) = lock_of(&limit) {
-                self.locks.push(Lock { joint, kind, impulse: Vec3::ZERO, held: 0.0, steady: 0.0 });
+                self.locks.push(Lock { joint, kind, impulse: Vec3::ZERO, held: 0.0, steady: 0.0, lag: -1.0 });
             } else if min > f32::NEG_INFINITY || max < f32::INFINITY {
                 let kind = spring.map_or(RowKind::Limit { min, max }, |spring| RowKind::Yielding {
                     min,
