@@ -56,7 +56,9 @@ impl<L: GatherLanes> TreeBatch<L> {
                 self.tour(own, |seated, body| touch(seated, Ask::Push(closing), body));
                 self.gather_up(|node, _| node.open());
             }
+            self.extra.shifts = true;
             self.answer_all();
+            self.extra.shifts = false;
             let most =
                 self.nodes.iter().fold(L::one(), |most, node| most.max(node.change.angular.length_squared()));
             // By no more than a radian: beyond, what is linear says nothing.

@@ -80,12 +80,14 @@ pub(crate) struct Extra<L> {
     pub(super) drives: Drives,
     /// They don't, in parts of a substep.
     pub(super) idle: bool,
+    /// Displacements are looked for, which are good as far as directions stay what they are.
+    pub(super) shifts: bool,
     /// Those of cut joints, then those of motors.
     ways: Vec<Way<L>>,
-    /// What the speed along each changes per impulse along another, row by row; and the least that has to be left of it once
-    /// the rows before are solved.
+    /// What the speed along each changes per impulse along another, row by row.
     answers: Vec<L>,
-    least: Vec<L>,
+    /// What it would change of two bodies that nothing holds, and the share of that which is not known.
+    alone: Vec<[L; 2]>,
 }
 
 impl<L> Default for Extra<L> {
@@ -94,9 +96,10 @@ impl<L> Default for Extra<L> {
             motors: Vec::new(),
             drives: Drives::None,
             idle: false,
+            shifts: false,
             ways: Vec::new(),
             answers: Vec::new(),
-            least: Vec::new(),
+            alone: Vec::new(),
         }
     }
 }
@@ -108,22 +111,27 @@ impl<L> Extra<L> {
             motors,
             drives: Drives::None,
             idle: false,
+            shifts: false,
             ways: Vec::with_capacity(rows),
             answers: Vec::with_capacity(rows * rows),
-            least: Vec::with_capacity(rows),
+            alone: Vec::with_capacity(rows),
         }
     }
 
     pub(super) fn reserved(&self) -> usize {
         size_of::<Motor<L>>() * self.motors.capacity()
             + size_of::<Way<L>>() * self.ways.capacity()
-            + size_of::<L>() * (self.answers.capacity() + self.least.capacity())
+            + size_of::<L>() * (self.answers.capacity() + 2 * self.alone.capacity())
     }
 }
 
 /// Share of what two bodies by themselves would give below which a row is held by others already. In a plane linkage most rows
 /// of the last joint are, and what is left of their mobility is rounding.
 const LEAST: f32 = 1e-4;
+/// The same of a motor, whose bounds are bounds enough.
+const ROUNDING: f32 = 1e-7;
+/// The same of displacements, as directions turn with them.
+const SHIFTED: f32 = 1e-2;
 /// How often bounds of motors are looked at.
 const ROUNDS: usize = 8;
 
@@ -166,12 +174,14 @@ impl<L: GatherLanes> TreeBatch<L> {
             extra.ways.push(Way { bodies: [own, node.parent], arm: node.arm_now, along });
         }
         extra.answers.clear();
-        extra.least.clear();
-        for way in &extra.ways {
+        extra.alone.clear();
+        let cut = extra.ways.len() - extra.motors.len();
+        for (i, way) in extra.ways.iter().enumerate() {
             self.push_along(std::iter::once((way, L::one())));
             let answers = extra.ways.iter().map(|other| -self.change_along(other));
             extra.answers.extend(answers);
-            extra.least.push(self.alone_along(way) * L::splat(LEAST));
+            let unknown = if i < cut { self.unknown_of(way) } else { L::splat(ROUNDING) };
+            extra.alone.push([self.alone_along(way), unknown]);
         }
         self.nodes.iter_mut().for_each(|node| node.pushed = Twist::zero());
         self.extra = extra;
@@ -203,6 +213,14 @@ impl<L: GatherLanes> TreeBatch<L> {
             change.subtract(other.change.seen_at(way.arm[1]));
         }
         change.dot(&way.along)
+    }
+
+    /// The share of [`alone_along`](TreeBatch::alone_along) that is not known of a way: rounding, and what directions turn within a
+    /// substep. A ring of rods that folds flat has a way along which nothing gives, for a moment.
+    fn unknown_of(&self, way: &Way<L>) -> L {
+        let turned = way.bodies.into_iter().filter_map(|body| self.nodes.get(body as usize));
+        let most = turned.fold(L::zero(), |most, node| most.max(node.velocity.angular.length_squared()));
+        (most * L::splat(self.h * self.h)).max(L::splat(LEAST))
     }
 
     /// Speed along a way per impulse along it, of two bodies that nothing holds.
@@ -238,8 +256,7 @@ impl<L: GatherLanes> TreeBatch<L> {
                 let turns = above.map_or(node.anchored, |above| above.velocity).angular;
                 let speed = axis.dot(node.velocity.angular - turns) + self.change_along(way);
                 let turned = above.map_or(node.anchor_moved, |above| above.moved).angular;
-                let off = motor.off
-                    + (node.axis[0] + axis).dot(node.moved.angular - turned) * L::splat(0.5);
+                let off = motor.off + (node.axis[0] + axis).dot(node.moved.angular - turned) * L::splat(0.5);
                 rest[row] = speed - (motor.speed - off * motor.pull) + motor.give * motor.impulse;
             }
         }
@@ -291,6 +308,10 @@ impl<L: Lanes> Extra<L> {
             };
         }
         let idle = fixed;
+        let mut least = [zero; MOST_ROWS];
+        for (least, &[alone, unknown]) in least.iter_mut().zip(&self.alone) {
+            *least = alone * if self.shifts { unknown.max(L::splat(SHIFTED)) } else { unknown };
+        }
         let mut push = [zero; MOST_ROWS];
         let mut matrix = [[zero; MOST_ROWS]; MOST_ROWS];
         for _ in 0..ROUNDS {
@@ -303,13 +324,15 @@ impl<L: Lanes> Extra<L> {
                     matrix[i][k] = L::select(fixed[i] | fixed[k], zero, answer);
                 }
                 let own = if i >= cut { self.motors[i - cut].give } else { zero };
-                let alone = self.least[i] * L::splat(1.0 / LEAST);
-                matrix[i][i] = L::select(fixed[i], alone, matrix[i][i] + own);
-                right[i] = L::select(fixed[i], alone * push[i], sum);
+                // What is fixed is left as it is after.
+                matrix[i][i] = L::select(fixed[i], self.alone[i][0], matrix[i][i] + own);
+                right[i] = L::select(fixed[i], zero, sum);
             }
-            factorise(&mut matrix, &self.least);
+            factorise(&mut matrix, &least[..count]);
             substitute(&matrix, &mut right, count);
-            push = right;
+            for ((push, right), fixed) in push.iter_mut().zip(right).zip(fixed) {
+                *push = L::select(fixed, *push, right);
+            }
             let mut changed = zero.gt(zero);
             for (motor, i) in self.motors.iter().zip(cut..) {
                 let new = motor.impulse - push[i];

@@ -453,7 +453,9 @@ impl<L: GatherLanes> TreeBatch<L> {
         let exact = self.exact();
         self.nodes.iter_mut().for_each(|node| node.pushed = Twist::zero());
         self.gather_up(|node, _| node.open());
+        self.extra.shifts = true;
         self.answer_all();
+        self.extra.shifts = false;
         for node in &mut self.nodes {
             let Twist { linear, angular } = node.change;
             let zero = Vec3::zero();

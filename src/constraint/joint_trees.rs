@@ -237,7 +237,8 @@ fn grow<I: Iterator<Item = u32>>(
     while let Some((lock, body, parent)) = open.pop() {
         let child = ends(lock)[usize::from(side_of(lock, body) == 0)];
         let (turns, turn) = turn_of(lock);
-        let branch = Branch { parent, side: 0, jointed: true, turns, lock, turn, collides: collides(lock), own: NONE };
+        let branch =
+            Branch { parent, side: 0, jointed: true, turns, lock, turn, collides: collides(lock), own: NONE };
         let is_body = is_dynamic(child);
         if is_body && places[child] == NONE {
             let branch = Branch { side: side_of(lock, child), ..branch };
