@@ -17,7 +17,7 @@ use super::joint_tour::Toured;
 use super::order::Place;
 use super::seats::Seated;
 use super::spatial::{Sym6, Twist, plus, scaled};
-use crate::lanes::{GatherLanes, Lanes, Mask, Quat, Sym3, Vec3, gather, scatter};
+use crate::lanes::{GatherLanes, Lanes, Mask, Quat, Record, Sym3, Vec3, gather, scatter};
 
 /// How a body turns on its parent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -780,7 +780,11 @@ impl<L: GatherLanes> TreeBatch<L> {
         for node in self.of_bodies() {
             let before = &node.drift.before;
             let all = scatter(node.velocity.linear, node.velocity.angular);
-            let own = scatter(node.velocity.linear - before.linear, node.velocity.angular - before.angular);
+            let mut own = [Record::default(); 8];
+            if self.exact != 0 {
+                let (linear, angular) = (node.velocity.linear, node.velocity.angular);
+                own = scatter(linear - before.linear, angular - before.angular);
+            }
             for lane in (0..L::N).filter(|lane| (node.write & lanes) >> lane & 1 != 0) {
                 let body = node.body[lane] as usize;
                 // SAFETY: by the contract; no body is twice in a batch.
