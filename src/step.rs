@@ -277,6 +277,7 @@ impl World {
             let input = JointInput {
                 bodies: &self.bodies,
                 inverse_inertia: &[],
+                acceleration: &forces.acceleration,
                 joints: &self.joints,
                 pairs: &self.broad.pairs,
                 hot: &self.colliders.hot,
@@ -316,6 +317,7 @@ impl World {
             let input = JointInput {
                 bodies: &self.bodies,
                 inverse_inertia: &self.buffers.forces.inverse_inertia,
+                acceleration: &self.buffers.forces.acceleration,
                 joints: &self.joints,
                 pairs: &self.broad.pairs,
                 hot: &self.colliders.hot,

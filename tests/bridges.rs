@@ -80,7 +80,6 @@ fn a_bridge_of_planks_calms_down() {
 }
 
 #[test]
-#[ignore = "row by row: ten planks sway a third more after 60 s (not at 4 iterations), and at one substep joints open by a fifth"]
 fn any_bridge_calms_down() {
     check(&[(10, 0.04, 60, 4), (50, 0.04, 60, 1)]);
 }

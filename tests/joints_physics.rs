@@ -599,12 +599,22 @@ fn momentum(world: &World, bodies: &[(BodyHandle, Vec3)]) -> (DVec3, DVec3) {
     sum
 }
 
-/// Four rods in a ring, which is a loop: its points are solved row by row.
+/// Four rods in a ring, which is a loop. They turn like a linkage that folds flat, where all of them are in line and nothing
+/// gives along it.
 #[test]
-#[ignore = "points in loops are soft: 4 mm open at 4 substeps, 12 mm at 8 iterations, and 3 and 4 % of the momentum in 5 s"]
 fn a_ring_spins_and_stays_closed() {
+    ring(&SOLVERS[..1]);
+}
+
+#[test]
+#[ignore = "at one substep of a sixtieth, in which it turns by a sixth of a radian, it loses nine tenths of its momentum where it folds flat"]
+fn a_ring_spins_at_one_substep() {
+    ring(&SOLVERS[1..]);
+}
+
+fn ring(solvers: &[(u32, u32)]) {
     let mut wrong = Vec::new();
-    for solver in SOLVERS {
+    for &solver in solvers {
         let mut world = world_with(Vec3::ZERO, solver);
         let (inertia, spin) = (Vec3::splat(0.1), Vec3::Z * 10.0);
         let at = |i: usize| Quat::from_rotation_z(i as f32 * FRAC_PI_2) * Vec3::X * 0.5;
@@ -679,7 +689,6 @@ fn a_weld_spins_as_one_body() {
 
 /// About no principal axis.
 #[test]
-#[ignore = "gyroscopic torque is that of each body, once a step: 0.8 % of the momentum and 5 % of the energy in 5 s"]
 fn a_weld_tumbles_as_one_body() {
     welded(&[Vec3::new(6.0, 7.0, -4.0)]);
 }
@@ -872,7 +881,6 @@ fn a_rod_keeps_its_length_while_it_swings() {
 /// A wheel that spins on its axle while the axle turns: what the hinge bears turns the wheel, and brakes nothing. Without
 /// outer torque the angular momentum stays; the axle stays in the hinge.
 #[test]
-#[ignore = "gyroscopic torque is that of each body, once a step: the hinge opens by 5 mrad and 39 % of the energy is lost"]
 fn a_gyroscope_stays_in_its_hinge() {
     let mut wrong = Vec::new();
     for spin in [50.0_f32, 200.0] {

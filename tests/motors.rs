@@ -81,10 +81,10 @@ fn a_motor_lifts_a_ball_on_a_lever() {
     assert!(wrong.is_empty(), "{wrong:?}");
 }
 
-/// An arm of several links, each held straight by a motor at speed zero, lifted by the one at the shoulder; each with twice the
-/// torque that holds the level arm. It turns as one: the links have the speed of the shoulder.
+/// An arm of several links, each held straight by a motor at speed zero, lifted by the one at the shoulder with twice the torque
+/// that holds the level arm. The others have ten times what holds their part: twice is not enough while the arm gets faster, as
+/// a rod that is lifted at its end bends back. It turns as one: the links have the speed of the shoulder.
 #[test]
-#[ignore = "drives of a tree are rows of their own, which know only the two bodies of their joint"]
 fn motors_lift_an_arm_of_several_links() {
     let mut wrong = Vec::new();
     for (hertz, substeps) in CASES {
@@ -106,7 +106,7 @@ fn motors_lift_an_arm_of_several_links() {
                         (if k + 1 == links { load } else { 1.0 }) * G * length * (f64::from(k - i) + 0.5)
                     })
                     .sum();
-                let motor = (if i == 0 { speed } else { 0.0 }, 2.0 * moment as f32);
+                let motor = if i == 0 { (speed, 2.0 * moment as f32) } else { (0.0, 10.0 * moment as f32) };
                 hinge(&mut world, [last, link], DVec3::X * (length * f64::from(i)), Some(motor));
                 all.push(link);
                 last = link;
@@ -135,7 +135,6 @@ fn motors_lift_an_arm_of_several_links() {
 /// A crank and a rocker: crank 0.2 m, coupler 0.6 m, rocker 0.4 m, ground 0.6 m (Grashof: the crank goes round). A motor with plenty
 /// of torque turns the crank at its speed in every step, and the loop stays closed.
 #[test]
-#[ignore = "loops are solved row by row"]
 fn a_motor_turns_a_four_bar_linkage() {
     let mut wrong = Vec::new();
     for (hertz, substeps) in CASES {

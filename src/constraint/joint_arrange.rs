@@ -2,6 +2,7 @@
 
 use super::colour::{COLOURS, Colouring, OVERFLOW};
 use super::contact_row::SHARE;
+use super::joint_cut::{Extra, Motor};
 use super::joint_ends::{NONE, Owned};
 use super::joint_fill::{get_sym, line, point, row, tree, turn};
 use super::joint_line::LineBatch;
@@ -15,7 +16,7 @@ use super::seats::{Seat, Seated, Seats, TreeRef};
 use crate::body::Bodies;
 use crate::broad_phase::Pair;
 use crate::joint::{Axes, Joints, Lock, LockKind, Motion, Row, RowKind};
-use crate::lanes::{Lanes, Sym3, f32x8};
+use crate::lanes::{Lanes, Record, Sym3, f32x8};
 use crate::memory::{Buffer, bytes_of};
 use crate::narrow_phase::NONE as NO_CONTACT;
 use crate::shape::Hot;
@@ -171,6 +172,8 @@ static ARRANGEMENTS: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64
 pub(crate) struct JointInput<'a> {
     pub(crate) bodies: &'a Bodies,
     pub(crate) inverse_inertia: &'a [Sym3<f32>],
+    /// What pulls bodies; empty if nothing does.
+    pub(crate) acceleration: &'a [Record],
     pub(crate) joints: &'a Joints,
     pub(crate) pairs: &'a [Pair],
     pub(crate) hot: &'a [Hot],
@@ -267,12 +270,17 @@ impl JointRows {
         };
         let enabled = |joint: u32| [0, 1].iter().all(|&side| !bodies.traits[body(joint, side)].disabled);
         let place = |joint: u32, group: RowGroup| order.place(group, raised(joint));
-        let (trees, taken) = find(joints, bodies, &|joint| place(joint, RowGroup::Joints), &enabled);
+        let motor = |row: u32| {
+            let row = &joints.rows[row as usize];
+            (enabled(row.joint) && row.drives_hinge()).then(|| place(row.joint, group_of(row)))
+        };
+        let of_joint = |joint| place(joint, RowGroup::Joints);
+        let (trees, [taken, driven]) = find(joints, bodies, &of_joint, &motor, &enabled);
         // Rows of one place and type are coloured together.
         let mut entries: Vec<(Place, JointType, u32, u32)> = Vec::new();
         let awake =
             |joint: u32| enabled(joint) && [0, 1].iter().any(|&side| body(joint, side) < bodies.dynamic());
-        let rows = joints.rows.iter().enumerate().filter(|(_, r)| awake(r.joint));
+        let rows = joints.rows.iter().enumerate().filter(|(i, r)| !driven[*i] && awake(r.joint));
         entries.extend(rows.map(|(i, r)| (place(r.joint, group_of(r)), type_of_row(r), i as u32, r.joint)));
         let locks = joints.locks.iter().enumerate().filter(|(i, l)| !taken[*i] && awake(l.joint));
         entries.extend(locks.map(|(i, l)| (place(l.joint, RowGroup::Joints), type_of(l), i as u32, l.joint)));
@@ -427,12 +435,12 @@ impl JointRows {
     pub(crate) fn bodies_of(&self, seat: Seat) -> impl Iterator<Item = usize> + '_ {
         let (tree, lane) = (seat.place().0, seat.lane());
         let (lanes, single) = if tree.is_single() {
-            (&[][..], self.tree[tree.index()].nodes.as_slice())
+            (&[][..], self.tree[tree.index()].of_bodies())
         } else {
-            (self.trees[tree.index()].nodes.as_slice(), &[][..])
+            (self.trees[tree.index()].of_bodies(), &[][..])
         };
-        let of_lanes = lanes.iter().map(move |node| node.body[lane] as usize);
-        of_lanes.chain(single.iter().map(move |node| node.body[lane] as usize))
+        let bodies = lanes.iter().map(move |node| node.body[lane] as usize);
+        bodies.chain(single.iter().map(move |node| node.body[lane] as usize))
     }
 
     /// Writes impulses back, and what each joint bore. `inverse_h`: 1 / substep [1/s]; `hold`: share of a load that lasts
@@ -466,12 +474,15 @@ impl JointRows {
         self.hinges.each(&mut lock);
         self.trees.iter().for_each(|batch| impulses_of(batch, &mut lock));
         self.tree.iter().for_each(|batch| impulses_of(batch, &mut lock));
+        let mut late = |owner: u32, lag: f32| locks[owner as usize].lag = lag;
+        self.trees.iter().for_each(|batch| batch.each_lag(&mut late));
+        self.tree.iter().for_each(|batch| batch.each_lag(&mut late));
         let mut row = |owner: u32, (impulse, along, about): ([f32; 2], glam::Vec3, glam::Vec3)| {
             let row = &mut rows[owner as usize];
             row.impulse = impulse;
             let bears = (impulse[0] - impulse[1]) * SHARE;
             let lasting =
-                if bears * row.held <= 0.0 { 0.0 } else { row.held.clamp(-bears.abs(), bears.abs()) };
+                if bears * row.held <= 0.0 { 0.0 } else { row.held.max(-bears.abs()).min(bears.abs()) };
             row.held = lasting + (bears - lasting) * hold;
             let (joint, p) = (&mut all[row.joint as usize], (impulse[0] - impulse[1]) * inverse_h);
             joint.force += along * p;
@@ -482,6 +493,8 @@ impl JointRows {
         self.twists.each(&mut row);
         self.tilts.each(&mut row);
         self.turns.each(&mut row);
+        self.trees.iter().for_each(|batch| motors_of(batch, &mut row));
+        self.tree.iter().for_each(|batch| motors_of(batch, &mut row));
     }
 }
 
@@ -491,10 +504,10 @@ fn each_body<L: Lanes>(
     tree: TreeRef,
     f: &mut impl FnMut((bool, Place), Seat, u32, Sym3<f32>),
 ) {
-    for (i, node) in batch.nodes.iter().enumerate() {
+    for (i, node) in batch.of_bodies().iter().enumerate() {
         for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
             f(
-                (batch.loops, batch.place),
+                (batch.loops || batch.is_cut(), batch.place),
                 Seat::new(tree, i, lane),
                 node.body[lane],
                 get_sym(&node.braced_inverse, lane),
@@ -531,7 +544,9 @@ fn type_of(lock: &Lock) -> JointType {
 }
 
 fn bytes_of_trees<L>(trees: &Vec<TreeBatch<L>>) -> (usize, usize) {
-    trees.iter().map(|tree| bytes_of(&tree.nodes)).fold(bytes_of(trees), |s, b| (s.0 + b.0, s.1 + b.1))
+    let extra = |tree: &TreeBatch<L>| (tree.extra.reserved(), tree.extra.reserved());
+    let own = trees.iter().flat_map(|tree| [bytes_of(&tree.nodes), extra(tree)]);
+    own.fold(bytes_of(trees), |s, b| (s.0 + b.0, s.1 + b.1))
 }
 
 /// The nodes of trees of one shape, a lane each.
@@ -540,7 +555,7 @@ fn batch_of<L: Lanes>(group: &[Tree]) -> TreeBatch<L> {
     let node = |i: usize| {
         let mut node = Node::default();
         (node.side, node.parent, node.jointed) = (first[i].side, first[i].parent, first[i].jointed);
-        node.turns = first[i].turns;
+        (node.turns, node.own) = (first[i].turns, first[i].own);
         for (lane, tree) in group.iter().enumerate() {
             let branch = &tree.branches[i];
             (node.owner[lane], node.turn_owner[lane]) = (branch.lock, branch.turn);
@@ -548,7 +563,20 @@ fn batch_of<L: Lanes>(group: &[Tree]) -> TreeBatch<L> {
         node
     };
     let loops = first.iter().any(|branch| branch.collides);
-    TreeBatch { nodes: (0..first.len()).map(node).collect(), loops, place, ..TreeBatch::default() }
+    let motors = group[0].motors.iter().enumerate().map(|(k, &(at, _))| {
+        let mut motor = Motor::new(at);
+        let own = group.iter().map(|tree| tree.motors[k].1);
+        motor.owner.iter_mut().zip(own).for_each(|(owner, own)| *owner = own);
+        motor
+    });
+    TreeBatch {
+        nodes: (0..first.len()).map(node).collect(),
+        real: group[0].bodies(),
+        extra: Extra::new(motors.collect(), group[0].rows() + group[0].motors.len()),
+        loops,
+        place,
+        ..TreeBatch::default()
+    }
 }
 
 /// Calls `f` with each lock of a batch of trees and its impulse.
@@ -560,6 +588,18 @@ fn impulses_of<L: Lanes>(batch: &TreeBatch<L>, f: &mut impl FnMut(u32, glam::Vec
             if node.turn_owner[lane] != NONE {
                 f(node.turn_owner[lane], node.twist.lane(lane) * sign);
             }
+        }
+    }
+}
+
+/// Calls `f` with the row of each motor of a batch of trees, its impulse, and about what it turns the second body of its joint.
+fn motors_of<L: Lanes>(batch: &TreeBatch<L>, f: &mut impl FnMut(u32, ([f32; 2], glam::Vec3, glam::Vec3))) {
+    for motor in &batch.extra.motors {
+        let node = &batch.nodes[motor.node as usize];
+        let sign = if node.side == 1 { 1.0 } else { -1.0 };
+        for (lane, owner) in motor.owner.into_iter().enumerate().filter(|(_, owner)| *owner != NONE) {
+            let (impulse, about) = (motor.impulse.lane(lane) * sign, node.axis_now[0].lane(lane));
+            f(owner, ([impulse, 0.0], glam::Vec3::ZERO, about));
         }
     }
 }

@@ -8,10 +8,10 @@
 use super::batch::Batch;
 use super::contact_row::{Motion, Pair, Response, relative, row};
 use super::joint_tour::{Ask, Toured};
-use super::joint_tree::{Node, TreeBatch};
+use super::joint_tree::TreeBatch;
 use super::seats::Seated;
 use super::spatial::Twist;
-use crate::lanes::{GatherLanes, Mask, Vec3, scatter};
+use crate::lanes::{GatherLanes, Mask, Vec3};
 
 /// The most rounds of a substep.
 const ROUNDS: u32 = 8;
@@ -50,16 +50,17 @@ impl<L: GatherLanes> TreeBatch<L> {
                 return;
             }
             for node in &mut self.nodes {
-                (node.velocity, node.anchored, node.pushed) = (Twist::zero(), Twist::zero(), Twist::zero());
+                (node.velocity, node.pushed) = (Twist::zero(), Twist::zero());
             }
             self.factor();
-            let open = |node: &Node<L>| Twist { linear: node.apart_now, angular: node.error_now };
-            self.gather_up(open);
+            self.gather_up(|node, _| node.open());
             if !own.is_empty() {
                 self.tour(own, |seated, body| touch(seated, Ask::Push(closing), body));
-                self.gather_up(open);
+                self.gather_up(|node, _| node.open());
             }
+            self.extra.shifts = true;
             self.answer_all();
+            self.extra.shifts = false;
             let most =
                 self.nodes.iter().fold(L::one(), |most, node| most.max(node.change.angular.length_squared()));
             // By no more than a radian: beyond, what is linear says nothing.
@@ -71,52 +72,32 @@ impl<L: GatherLanes> TreeBatch<L> {
                 touch(seated, Ask::Stop(closing), &mut body);
                 node.change = body.velocity();
             }
+            // A tree in which that is no number for some body, because its joints contradict each other, stays open.
+            let sound = self.nodes.iter().fold(u32::MAX, |sound, node| {
+                let way = node.change.linear.length_squared() + node.change.angular.length_squared();
+                sound & (way.lt(L::splat(FURTHEST * FURTHEST)).bits() | !node.write)
+            });
+            let sound_lanes = L::Mask::from_bits(sound);
+            for node in &mut self.nodes {
+                let (zero, Twist { linear, angular }) = (Vec3::zero(), node.change);
+                node.shift(Twist {
+                    linear: Vec3::select(sound_lanes, linear, zero),
+                    angular: Vec3::select(sound_lanes, angular, zero),
+                });
+            }
             // SAFETY: by the contract.
-            unsafe { self.shift(motion) };
+            unsafe { self.shift(motion, sound) };
         }
     }
 
     /// Whether any joint is.
-    fn is_open(&self, tolerance: f32) -> bool {
+    pub(super) fn is_open(&self, tolerance: f32) -> bool {
         let most = L::splat(tolerance * tolerance);
         self.nodes.iter().filter(|node| node.jointed).any(|node| {
             let open = node.apart_now.length_squared().max(node.error_now.length_squared()).gt(most);
             open.bits() & node.write != 0
         })
     }
-
-    /// Adds what each body is to move by to its displacement. A tree in which that is no number for some body, because its
-    /// joints contradict each other, stays open.
-    ///
-    /// # Safety
-    /// As for [`TreeBatch::close`].
-    unsafe fn shift(&mut self, motion: &Motion<'_, '_>) {
-        let sound = self.nodes.iter().fold(u32::MAX, |sound, node| {
-            let way = node.change.linear.length_squared() + node.change.angular.length_squared();
-            sound & (way.lt(L::splat(FURTHEST * FURTHEST)).bits() | !node.write)
-        });
-        for node in &self.nodes {
-            let out = scatter(node.change.linear, node.change.angular);
-            for lane in (0..L::N).filter(|lane| (node.write & sound) >> lane & 1 != 0) {
-                // SAFETY: by the contract; no body is twice in a batch.
-                let delta = unsafe { motion.delta.get(node.body[lane] as usize) };
-                delta.linear += out[lane].linear;
-                delta.angular = turned_on(delta.angular, out[lane].angular);
-            }
-        }
-    }
-}
-
-/// The rotation vector of a rotation and then a further small one: to first order in that, by the inverse of the left
-/// Jacobian of the rotations as a series, which serves up to half a turn.
-fn turned_on(by: glam::Vec3, more: glam::Vec3) -> glam::Vec3 {
-    let x = by.length_squared();
-    if x > 10.0 {
-        return by + more;
-    }
-    let c = 1.0 / 12.0 + x * (1.0 / 720.0 + x * (1.0 / 30_240.0 + x * (1.0 / 1_209_600.0)));
-    let once = by.cross(more);
-    by + more - 0.5 * once + c * by.cross(once)
 }
 
 /// Keeps a displacement of body `a` of each lane from crossing contacts any further than overlap that is left alone.

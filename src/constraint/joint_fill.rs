@@ -2,12 +2,13 @@
 
 use super::batch::lock_bits;
 use super::joint_arrange::JointInput;
+use super::joint_cut::Motor;
 use super::joint_ends::{Ends, Lever, NONE, across, inverse};
 use super::joint_line::LineBatch;
 use super::joint_lock::{PointBatch, TurnBatch, mobility};
 use super::joint_measure::Measure;
 use super::joint_row::RowBatch;
-use super::joint_tree::{ALONE, TOUCHING, TreeBatch};
+use super::joint_tree::{ALONE, Node, TOUCHING, TreeBatch};
 use crate::joint::{Axes, Axis, Joint, LockKind, Motion, Placed, RowKind};
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
 use std::f32::consts::TAU;
@@ -197,14 +198,10 @@ pub(super) fn row<L: GatherLanes, M: Measure<L>>(
             if per_mass {
                 (k, c) = (k / mobility, c / mobility);
             }
-            let d = h * k + c;
-            if d <= 0.0 {
-                continue;
-            }
-            let rigid = d == f32::INFINITY;
-            batch.pull.set_lane(lane, if rigid { 0.0 } else { k / d });
-            batch.give.set_lane(lane, if rigid { 0.0 } else { 1.0 / (h * d) });
-            batch.speed.set_lane(lane, if rigid { target } else { c / d * target });
+            let Some([pull, give, speed]) = implicit((k, c), target, h) else { continue };
+            batch.pull.set_lane(lane, pull);
+            batch.give.set_lane(lane, give);
+            batch.speed.set_lane(lane, speed);
         }
         batch.most.set_lane(lane, most);
         batch.min.set_lane(lane, min);
@@ -323,6 +320,11 @@ pub(super) fn tree<L: GatherLanes>(
             let inverse = bodies.mass[own].inverse;
             node.inverse_mass.set_lane(lane, inverse);
             put_sym(&mut own_inverse, lane, &inverse_inertia[own]);
+            let (mass, drift) = (&bodies.mass[own], &mut node.drift);
+            drift.moments.put(lane, bodies.pose[own].rotation, mass.inertia, mass.inverse_inertia);
+            let pull = input.acceleration.get(own).map_or(glam::Vec3::ZERO, |pull| pull.linear);
+            put(&mut drift.pull, lane, pull);
+            put(&mut node.velocity.angular, lane, bodies.velocity[own].angular);
             if node.jointed {
                 let at = Placed::new(dense.map(|i| &bodies.pose[i]), &joint.frames);
                 let sign = if side == 1 { 1.0 } else { -1.0 };
@@ -347,6 +349,46 @@ pub(super) fn tree<L: GatherLanes>(
         }
         node.inertia = inverse(&own_inverse);
     }
+    let nodes = &batch.nodes;
+    batch.extra.motors.iter_mut().for_each(|motor| fill_motor(motor, &nodes[motor.node as usize], input));
     batch.share = L::load(&share);
     batch.begin(input.h);
+    batch.look_back(&input.joints.locks);
+}
+
+/// Of a spring and a damper over a substep: speed asked for per displacement, what they yield per impulse, and the speed asked
+/// for beside that; none if there is neither.
+fn implicit((k, c): (f32, f32), target: f32, h: f32) -> Option<[f32; 3]> {
+    let d = h * k + c;
+    if d == f32::INFINITY {
+        return Some([0.0, 0.0, target]);
+    }
+    (d > 0.0).then(|| [k / d, 1.0 / (h * d), c / d * target])
+}
+
+/// A motor of a hinge, as the body of its node sees it.
+fn fill_motor<L: Lanes>(motor: &mut Motor<L>, node: &Node<L>, input: &JointInput<'_>) {
+    let sign = if node.side == 1 { 1.0 } else { -1.0 };
+    for lane in (0..L::N).filter(|&lane| motor.owner[lane] != NONE) {
+        let row = &input.joints.rows[motor.owner[lane] as usize];
+        let RowKind::Drive { position, velocity, spring, max_force } = row.kind else { continue };
+        let joint = &input.joints.all[row.joint as usize];
+        let dense = joint.bodies.map(|slot| input.bodies.slots.dense(slot) as usize);
+        let at = Placed::new(dense.map(|i| &input.bodies.pose[i]), &joint.frames);
+        let Axes::One(axis) = row.axes else { continue };
+        let off = at.twist(axis) - position;
+        // A turn more or less is the same.
+        let off = if off.is_finite() { off - TAU * (off / TAU).round() } else { 0.0 };
+        let (k, c, _) = spring.coefficients();
+        // Without either it does nothing.
+        let some = implicit((k, c), velocity, input.h);
+        let [pull, give, speed] = some.unwrap_or_default();
+        let max_force = if some.is_some() { max_force } else { 0.0 };
+        motor.off.set_lane(lane, off * sign);
+        motor.pull.set_lane(lane, pull);
+        motor.give.set_lane(lane, give);
+        motor.speed.set_lane(lane, speed * sign);
+        motor.most.set_lane(lane, max_force * input.h);
+        motor.impulse.set_lane(lane, row.impulse[0] * (input.warm * sign));
+    }
 }

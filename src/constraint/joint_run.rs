@@ -153,6 +153,51 @@ impl JointRows {
         }
     }
 
+    /// What the joints of a batch of trees that keep their energy do before any row of the substep is solved.
+    ///
+    /// # Safety
+    /// No other thread works on its bodies.
+    pub(crate) unsafe fn predict(
+        views: &JointViews<'_>,
+        tree: TreeRef,
+        motion: &Motion<'_, '_>,
+        pass: &JointPass,
+    ) {
+        // SAFETY: by the contract.
+        unsafe {
+            if tree.is_single() {
+                views.tree.get(tree.index()).predict(motion, pass);
+            } else {
+                views.trees.get(tree.index()).predict(motion, pass);
+            }
+        }
+    }
+
+    /// Moves the bodies of a batch of trees on by a substep, where they keep their energy, and closes what is open.
+    ///
+    /// # Safety
+    /// No other thread works on them.
+    pub(crate) unsafe fn go(
+        views: &JointViews<'_>,
+        tree: TreeRef,
+        motion: &Motion<'_, '_>,
+        closing: &Closing,
+        along: &Views<'_>,
+    ) {
+        // SAFETY: by the contract; contacts go along with one batch.
+        unsafe {
+            if tree.is_single() {
+                views.tree.get(tree.index()).go(motion, closing, along.seated, |seated, ask, body| {
+                    along.tour_single(seated, ask, body, motion);
+                });
+            } else {
+                views.trees.get(tree.index()).go(motion, closing, along.seated, |seated, ask, body| {
+                    along.tour(seated, ask, body, motion);
+                });
+            }
+        }
+    }
+
     /// Closes the joints of a batch of trees.
     ///
     /// # Safety

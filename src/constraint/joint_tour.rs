@@ -97,7 +97,7 @@ impl<'a, L: Lanes> Toured<'a, L> {
 impl<L: GatherLanes> TreeBatch<L> {
     /// How each body answers an impulse on it, with the whole tree.
     pub(super) fn answer(&mut self) {
-        for i in 0..self.nodes.len() {
+        for i in 0..self.real {
             let (parent, node) = self.with_parent(i);
             let column = |unit: Twist<L>| {
                 let mut push = unit;
@@ -120,12 +120,12 @@ impl<L: GatherLanes> TreeBatch<L> {
         for _ in 0..TOURS {
             self.nodes.iter_mut().for_each(|node| node.pending = Twist::zero());
             let (mut at, mut left) = (NONE, contacts);
-            for i in 0..self.nodes.len() {
+            for i in 0..self.real {
                 while at != self.nodes[i].parent {
                     at = self.climb(at);
                 }
                 let (parent, node) = self.with_parent(i);
-                node.change = node.answered(parent.map_or(Twist::zero(), |parent| parent.change)).0;
+                node.change = node.answered(parent.map_or(Twist::zero(), |parent| parent.change));
                 let here = left.partition_point(|seated| seated.node as usize == i);
                 for seated in &left[..here] {
                     let mut velocity = node.velocity;
@@ -165,19 +165,17 @@ impl<L: GatherLanes> TreeBatch<L> {
 }
 
 impl<L: Lanes> Node<L> {
-    /// The change of velocity that answers what is carried and asked for, and the impulse of the joint, which is taken from
-    /// the body at its arm.
+    /// The change of velocity that answers what is carried and asked for.
     #[inline(always)]
-    pub(super) fn answered(&self, above: Twist<L>) -> (Twist<L>, Twist<L>) {
-        let (mut push, mut force) = (self.carried, Twist::zero());
+    pub(super) fn answered(&self, above: Twist<L>) -> Twist<L> {
+        let mut push = self.carried;
         if self.jointed {
             let [arm, other] = self.arm_now;
             let mut asked = self.asked;
             asked.subtract(above.seen_at(other));
-            force = self.stiff.mul(&asked);
-            push.subtract(force.moved(arm));
+            push.subtract(self.stiff.mul(&asked).moved(arm));
         }
-        (self.free.mul(&push), force)
+        self.free.mul(&push)
     }
 }
 

@@ -8,12 +8,16 @@
 //! same shape share the lanes.
 
 use super::contact_row::Motion;
-use super::joint_ends::{JointPass, NONE, across, bend, inverse, swerve, turned};
+use super::free_turn::{exp, log, log_near, moved_by};
+use super::joint_cut::{Drives, Extra};
+use super::joint_ends::{JointPass, NONE, across, bend, inverse, swerve};
+use super::joint_fill::put;
+use super::joint_rattle::Drift;
 use super::joint_tour::Toured;
 use super::order::Place;
 use super::seats::Seated;
 use super::spatial::{Sym6, Twist, plus, scaled};
-use crate::lanes::{GatherLanes, Lanes, Mask, Sym3, Vec3, gather, scatter};
+use crate::lanes::{GatherLanes, Lanes, Mask, Quat, Record, Sym3, Vec3, gather, scatter};
 
 /// How a body turns on its parent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -36,6 +40,8 @@ pub(crate) struct Node<L> {
     pub(crate) side: u8,
     /// The parent's place in the tree; of a root, none.
     pub(crate) parent: u32,
+    /// Of a cut joint, the place of its body.
+    pub(crate) own: u32,
     /// Whether there is a joint.
     pub(crate) jointed: bool,
     pub(crate) body: [u32; 8],
@@ -56,10 +62,15 @@ pub(crate) struct Node<L> {
     /// The same after the last substep.
     pub(super) arm_now: [Vec3<L>; 2],
     pub(super) apart_now: Vec3<L>,
-    axis_now: Vec3<L>,
+    pub(super) axis_now: [Vec3<L>; 2],
     pub(super) error_now: Vec3<L>,
     /// How much faster the body leaves its parent in the mean over the next substep than it does at its start.
-    bend: Twist<L>,
+    pub(super) bend: Twist<L>,
+    /// How it goes on by itself.
+    pub(super) drift: Drift<L>,
+    /// Displacement since the start of the step, and the rotation of that; or while it is predicted, that of the substep.
+    pub(super) moved: Twist<L>,
+    pub(super) turn: Quat<L>,
     /// On the body, of the last substep: at the joint [N s], and about it [N m s].
     pub(crate) impulse: Vec3<L>,
     pub(crate) twist: Vec3<L>,
@@ -79,12 +90,13 @@ pub(crate) struct Node<L> {
     rest: Sym6<L>,
     /// Velocity of the body per impulse on it, with the whole tree: if it has contacts that go along.
     pub(super) whole: Sym6<L>,
-    /// How much of that is pulled [kg m²].
-    pulled: L,
+    /// How much of the inertia is pulled [kg m²]; before that is known, what hangs on the body.
+    pub(super) pulled: L,
     /// Of one pass.
     pub(super) velocity: Twist<L>,
-    /// Of what a root hangs on.
+    /// Velocity and displacement of what a root hangs on.
     pub(super) anchored: Twist<L>,
+    pub(super) anchor_moved: Twist<L>,
     pub(super) carried: Twist<L>,
     pub(super) asked: Twist<L>,
     pub(super) change: Twist<L>,
@@ -95,7 +107,10 @@ pub(crate) struct Node<L> {
     pushes: Twist<L>,
     beside: Twist<L>,
     /// Of the joint, taken from the body at its arm.
-    force: Twist<L>,
+    pub(super) force: Twist<L>,
+    /// Change, force and push of the tree without the rows beside it.
+    pub(super) before: (Twist<L>, Twist<L>),
+    pub(super) pushed_before: Twist<L>,
 }
 
 impl<L: Lanes> Default for Node<L> {
@@ -107,6 +122,7 @@ impl<L: Lanes> Default for Node<L> {
             turns: Turns::Freely,
             side: 0,
             parent: NONE,
+            own: NONE,
             jointed: false,
             body: [0; 8],
             anchor: [0; 8],
@@ -120,9 +136,12 @@ impl<L: Lanes> Default for Node<L> {
             error: zero,
             arm_now: [zero; 2],
             apart_now: zero,
-            axis_now: zero,
+            axis_now: [zero; 2],
             error_now: zero,
             bend: Twist::zero(),
+            drift: Drift::default(),
+            moved: Twist::zero(),
+            turn: Quat { v: zero, w: one },
             impulse: zero,
             twist: zero,
             steady: L::zero(),
@@ -137,11 +156,14 @@ impl<L: Lanes> Default for Node<L> {
             pushes: Twist::zero(),
             beside: Twist::zero(),
             force: Twist::zero(),
+            before: (Twist::zero(), Twist::zero()),
+            pushed_before: Twist::zero(),
             joined: Sym6::zero(),
             rest: Sym6::zero(),
             pulled: L::zero(),
             velocity: Twist::zero(),
             anchored: Twist::zero(),
+            anchor_moved: Twist::zero(),
             carried: Twist::zero(),
             asked: Twist::zero(),
             change: Twist::zero(),
@@ -152,11 +174,26 @@ impl<L: Lanes> Default for Node<L> {
 /// Up to eight trees of one shape, parents before children.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TreeBatch<L> {
+    /// A node for each body, then those of cut joints, whose bodies are in front of them.
     pub(crate) nodes: Vec<Node<L>>,
+    /// How many bodies a tree has.
+    pub(crate) real: usize,
+    /// Rows of cut joints and motors.
+    pub(crate) extra: Extra<L>,
     /// Bodies turned since the last solution.
     pub(crate) fresh: bool,
-    /// Share of an error that is taken back within a substep.
+    /// Share of an error that velocities take back within a substep.
     pub(crate) share: L,
+    /// Lanes of trees that keep their energy (see `joint_rattle`). Those of the others are warm-started.
+    pub(super) exact: u32,
+    /// Lanes whose bodies turn as was predicted last.
+    pub(super) known: u32,
+    /// Lanes for which no impulses were found that close joints.
+    pub(super) lost: u32,
+    /// What pulls acts for so much longer in the first substep [s].
+    pub(super) late: L,
+    /// Half a substep, where nothing but joints and what pulls acts on the tree [s].
+    pub(super) lag: L,
     /// A joint lets its bodies collide: a loop with their contact, of which the tree knows nothing. Contacts don't go along,
     /// and what is open is left to the velocities.
     pub(crate) loops: bool,
@@ -181,9 +218,16 @@ pub(crate) const ALONE: f32 = 0.2;
 pub(crate) const TOUCHING: f32 = 0.05;
 
 impl<L> TreeBatch<L> {
+    pub(super) fn of_bodies(&self) -> &[Node<L>] {
+        &self.nodes[..self.real]
+    }
+    /// Whether loops of its own were cut.
+    pub(super) fn is_cut(&self) -> bool {
+        self.real < self.nodes.len()
+    }
     /// How many bodies there are in its trees.
     pub(super) fn bodies(&self) -> u32 {
-        self.nodes.iter().map(|node| node.write.count_ones()).sum()
+        self.of_bodies().iter().map(|node| node.write.count_ones()).sum()
     }
 }
 
@@ -205,7 +249,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             // What hangs on it.
             node.pulled = L::zero();
         }
-        for i in (0..self.nodes.len()).rev() {
+        for i in (0..self.real).rev() {
             let (parent, node) = self.with_parent(i);
             let least = node.pulled * L::splat(LIGHTEST);
             let light = (least * node.inverse_mass).gt(L::one());
@@ -225,11 +269,23 @@ impl<L: GatherLanes> TreeBatch<L> {
         self.weigh();
         for node in &mut self.nodes {
             (node.arm_now, node.apart_now) = (node.arm, node.apart);
-            (node.axis_now, node.error_now) = (node.axis[0], node.error);
+            (node.axis_now, node.error_now) = (node.axis, node.error);
             node.gained = Vec3::zero();
+            (node.moved, node.turn) = (Twist::zero(), Quat { v: Vec3::zero(), w: L::one() });
         }
         self.h = h;
+        self.choose();
         self.brace(h);
+    }
+
+    /// Trees that keep their energy.
+    pub(super) fn exact(&self) -> L::Mask {
+        L::Mask::from_bits(self.exact)
+    }
+
+    /// Whether all do.
+    pub(super) fn all_exact(&self) -> bool {
+        self.nodes.first().is_none_or(|root| root.write == self.exact)
     }
 
     /// Takes contacts along, and is ready to be solved.
@@ -246,7 +302,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             let mass = Sym3 { xx: mass, yy: mass, zz: mass, ..Sym3::default() };
             node.free = Sym6 { linear: mass, mixed: [Vec3::zero(); 3], angular: node.braced_inverse };
         }
-        for i in (0..self.nodes.len()).rev() {
+        for i in (0..self.real).rev() {
             let (parent, node) = self.with_parent(i);
             if !node.jointed {
                 continue;
@@ -264,10 +320,19 @@ impl<L: GatherLanes> TreeBatch<L> {
         if self.contacts.0 < self.contacts.1 {
             self.answer();
         }
+        if self.has_extra() {
+            self.factor_extra();
+        }
     }
 
-    /// Trees that touch nothing: what pulls in them is no blow.
-    fn is_alone(&self) -> L::Mask {
+    /// Whether there are rows beside the tree.
+    #[inline(always)]
+    pub(super) fn has_extra(&self) -> bool {
+        self.is_cut() || !self.extra.motors.is_empty()
+    }
+
+    /// Trees that touch nothing, and are warm-started: what pulls in them is no blow.
+    pub(super) fn is_alone(&self) -> L::Mask {
         self.share.gt(L::splat(TOUCHING))
     }
 
@@ -289,10 +354,12 @@ impl<L: GatherLanes> TreeBatch<L> {
             let blow = size.gt(node.steady) & !alone;
             let steady = L::select(blow, node.steady / L::select(blow, size, L::one()), L::one());
             let impulse = node.impulse * steady;
-            node.pull(impulse, node.arm_now[0], h);
+            let [arm, other] = node.arm_now;
             if let Some(parent) = parent {
-                parent.pull(-impulse, node.arm_now[1], h);
+                parent.pull(-impulse, other, h);
             }
+            let own = self.body_of(i);
+            self.nodes[own].pull(impulse, arm, h);
         }
         for node in &mut self.nodes {
             let Sym3 { xx, yy, zz, .. } = node.inertia;
@@ -301,6 +368,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             node.braced = plus(&node.inertia, &scaled(&node.braced, share));
             node.braced_inverse = inverse(&node.braced);
         }
+        self.turn_inertias();
     }
 
     /// Applies the impulses of the last step.
@@ -308,22 +376,29 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
     pub(crate) unsafe fn warm_start(&mut self, motion: &Motion<'_, '_>) {
+        if self.all_exact() {
+            return;
+        }
         // SAFETY: by the contract; what velocities were is not written while rows are solved.
         unsafe {
-            self.foresee(motion, self.h);
+            self.predict_bend(motion, self.h);
             self.load(motion);
         }
+        let exact = self.exact();
         for i in 0..self.nodes.len() {
             let (parent, node) = self.with_parent(i);
-            node.velocity.linear += node.impulse * node.inverse_mass;
+            let impulse = Vec3::select(exact, Vec3::zero(), node.impulse);
             if let Some(parent) = parent {
-                parent.velocity.linear -= node.impulse * parent.inverse_mass;
+                parent.velocity.linear -= impulse * parent.inverse_mass;
             }
+            let own = self.body_of(i);
+            let body = &mut self.nodes[own];
+            body.velocity.linear += impulse * body.inverse_mass;
         }
         self.turn_along();
         self.fresh = false;
         // SAFETY: by the contract.
-        unsafe { self.save(motion) };
+        unsafe { self.save(motion, !self.exact) };
     }
 
     /// The angular velocities that bodies get from the impulses, and from what pulls, at arms as they are now: what warm
@@ -331,20 +406,49 @@ impl<L: GatherLanes> TreeBatch<L> {
     fn turn_along(&mut self) {
         for node in self.nodes.iter_mut().filter(|node| node.turns == Turns::AboutAxis) {
             // A hinge bears nothing about its axis, which has turned.
-            node.twist -= node.axis_now * node.axis_now.dot(node.twist);
+            node.twist -= node.axis_now[0] * node.axis_now[0].dot(node.twist);
         }
         self.nodes.iter_mut().for_each(|node| node.asked = Twist::zero());
         for i in 0..self.nodes.len() {
             let (parent, node) = self.with_parent(i);
-            node.asked.angular += node.arm_now[0].cross(node.impulse) + node.twist;
+            let [own, other] = node.arm_now.map(|arm| arm.cross(node.impulse) + node.twist);
             if let Some(parent) = parent {
-                parent.asked.angular -= node.arm_now[1].cross(node.impulse) + node.twist;
+                parent.asked.angular -= other;
             }
+            let body = self.body_of(i);
+            self.nodes[body].asked.angular += own;
         }
+        self.add_motors(|node| &mut node.asked.angular);
+        let exact = self.exact();
         for node in &mut self.nodes {
             let own = node.velocity.angular - node.gained;
-            node.velocity.angular = node.braced_inverse.mul(node.inertia.mul(own) + node.asked.angular);
-            node.gained = node.velocity.angular - own;
+            let now = node.braced_inverse.mul(node.inertia.mul(own) + node.asked.angular);
+            node.velocity.angular = Vec3::select(exact, node.velocity.angular, now);
+            node.gained = now - own;
+        }
+        self.repeat_bodies();
+    }
+
+    /// Adds what motors turn bodies by.
+    #[inline(always)]
+    pub(super) fn add_motors(&mut self, to: impl Fn(&mut Node<L>) -> &mut Vec3<L>) {
+        let motors = std::mem::take(&mut self.extra.motors);
+        for motor in &motors {
+            let (own, node) = (self.body_of(motor.node as usize), &self.nodes[motor.node as usize]);
+            let (parent, moment) = (node.parent, node.axis_now[0] * motor.impulse);
+            *to(&mut self.nodes[own]) += moment;
+            if let Some(parent) = self.nodes.get_mut(parent as usize) {
+                *to(parent) -= moment;
+            }
+        }
+        self.extra.motors = motors;
+    }
+
+    /// Velocities of bodies that stand in nodes of cut joints too.
+    pub(super) fn repeat_bodies(&mut self) {
+        let (bodies, cuts) = self.nodes.split_at_mut(self.real);
+        for cut in cuts {
+            cut.velocity = bodies[cut.own as usize].velocity;
         }
     }
 
@@ -359,7 +463,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         contacts: &[Seated],
         touch: impl FnMut(&Seated, &mut Toured<'_, L>),
     ) {
-        if pass.moved {
+        let warm = !self.all_exact();
+        if pass.moved && warm {
             // SAFETY: displacements are not written while rows are solved.
             unsafe { self.follow(motion) };
             if self.is_alone().any() {
@@ -369,40 +474,85 @@ impl<L: GatherLanes> TreeBatch<L> {
             self.factor();
             self.fresh = true;
         }
-        let fresh = !pass.relax && std::mem::take(&mut self.fresh);
+        let fresh = warm && !pass.relax && std::mem::take(&mut self.fresh);
         if fresh {
             // SAFETY: these velocities are not written while rows are solved.
-            unsafe { self.foresee(motion, 1.0 / pass.inverse_h) };
+            unsafe { self.predict_bend(motion, 1.0 / pass.inverse_h) };
         }
         // SAFETY: by the contract.
         unsafe { self.load(motion) };
+        let mut lanes = L::zero().eq(L::zero());
+        if self.exact != 0 && !pass.relax {
+            // Where nothing has acted since joints did, all is solved.
+            // SAFETY: by the contract.
+            lanes = !(self.exact() & unsafe { self.is_free(motion) });
+            if !warm && lanes.bits() & self.exact == 0 {
+                return;
+            }
+        }
         if fresh {
             self.turn_along();
         }
-        let rate = if pass.relax { L::zero() } else { self.share * L::splat(pass.inverse_h) };
-        let beside = |node: &Node<L>| {
-            let mut beside =
-                Twist { linear: pass.bias(node.apart_now, rate), angular: pass.bias(node.error_now, rate) };
-            if !pass.relax {
-                beside.add(node.bend);
-            }
-            beside
-        };
-        self.gather_up(beside);
+        self.known &= !lanes.bits();
         let own = &contacts[self.contacts.0 as usize..self.contacts.1 as usize];
-        if !own.is_empty() {
-            self.tour(own, touch);
-            self.gather_up(beside);
+        self.sweep(pass, lanes, own, touch);
+        // SAFETY: by the contract.
+        unsafe { self.save(motion, lanes.bits()) };
+    }
+
+    /// From the leaves to the root and back, for the trees in some lanes.
+    pub(super) fn sweep(
+        &mut self,
+        pass: &JointPass,
+        lanes: L::Mask,
+        contacts: &[Seated],
+        touch: impl FnMut(&Seated, &mut Toured<'_, L>),
+    ) {
+        self.nodes.iter_mut().for_each(|node| node.pushed = Twist::zero());
+        self.extra.drives = match (self.extra.idle, pass.relax) {
+            (true, _) => Drives::None,
+            (_, true) => Drives::Rigid,
+            _ => Drives::All,
+        };
+        let rate = if pass.relax { L::zero() } else { self.share * L::splat(pass.inverse_h) };
+        let asked = |node: &Node<L>, parent: Option<&Node<L>>| {
+            let [arm, other] = node.arm_now;
+            let mut asked = node.velocity.seen_at(arm);
+            asked.subtract(parent.map_or(node.anchored, |parent| parent.velocity).seen_at(other));
+            asked.linear += pass.bias(node.apart_now, rate);
+            asked.angular += pass.bias(node.error_now, rate);
+            if !pass.relax {
+                asked.add(node.bend);
+            }
+            asked
+        };
+        self.gather_up(asked);
+        if !contacts.is_empty() {
+            self.tour(contacts, touch);
+            self.gather_up(asked);
         }
         self.answer_all();
+        let zero = Vec3::zero();
         for node in &mut self.nodes {
-            node.impulse -= node.force.linear;
-            node.twist -= node.force.angular;
-            node.gained += node.change.angular - node.braced_inverse.mul(node.pushed.angular);
-            node.velocity.add(node.change);
+            node.impulse -= Vec3::select(lanes, node.force.linear, zero);
+            node.twist -= Vec3::select(lanes, node.force.angular, zero);
+            let gained = node.change.angular - node.braced_inverse.mul(node.pushed.angular);
+            node.gained += Vec3::select(lanes, gained, zero);
+            node.velocity.linear += Vec3::select(lanes, node.change.linear, zero);
+            node.velocity.angular += Vec3::select(lanes, node.change.angular, zero);
         }
-        // SAFETY: by the contract.
-        unsafe { self.save(motion) };
+        for motor in &mut self.extra.motors {
+            motor.impulse -= L::select(lanes, motor.less, L::zero());
+        }
+        self.extra.drives = Drives::None;
+    }
+
+    /// Impulses of joints that answer what is asked for, and the changes of velocity by them and by what pushes.
+    pub(super) fn answer_all(&mut self) {
+        self.answer_bodies();
+        if self.has_extra() {
+            self.answer_extra();
+        }
     }
 
     /// From the root to the leaves: impulses of joints that answer what is asked for, and the changes of velocity by them and
@@ -410,8 +560,8 @@ impl<L: GatherLanes> TreeBatch<L> {
     ///
     /// A joint's impulse follows from the mobility of both its bodies, and a body's change from its own inertia: what a light
     /// body between heavy ones bears is a small difference of what is carried past it, and would be lost in that.
-    pub(super) fn answer_all(&mut self) {
-        for i in 0..self.nodes.len() {
+    pub(super) fn answer_bodies(&mut self) {
+        for i in 0..self.real {
             let (parent, node) = self.with_parent(i);
             node.pushes = node.pushed;
             if !node.jointed {
@@ -423,43 +573,49 @@ impl<L: GatherLanes> TreeBatch<L> {
                     let mut asked = node.asked;
                     node.beside.add(parent.pushes);
                     asked.subtract(node.rest.mul(&node.beside).seen_at(other));
-                    let force = node.joined.mul(&asked);
+                    let force = node.unspun(node.joined.mul(&asked));
                     parent.pushes.add(force.moved(other));
                     force
                 }
-                None => node.stiff.mul(&node.asked),
+                None => node.unspun(node.stiff.mul(&node.asked)),
             };
             node.pushes.subtract(node.force.moved(arm));
         }
-        for node in &mut self.nodes {
+        for node in &mut self.nodes[..self.real] {
             let Twist { linear, angular } = node.pushes;
             node.change =
                 Twist { linear: linear * node.inverse_mass, angular: node.braced_inverse.mul(angular) };
         }
     }
 
-    /// From the leaves to the root: what velocities, and what is asked for beside them, leave to each joint.
+    /// What is `asked` of each joint, and what of that is left to it.
     #[inline(always)]
-    pub(super) fn gather_up(&mut self, beside: impl Fn(&Node<L>) -> Twist<L>) {
+    pub(super) fn gather_up(&mut self, asked: impl Fn(&Node<L>, Option<&Node<L>>) -> Twist<L>) {
+        for i in self.real..self.nodes.len() {
+            let (parent, node) = self.with_parent(i);
+            node.asked = asked(node, parent.as_deref());
+        }
+        self.gather_up_bodies(asked);
+    }
+
+    /// From the leaves to the root, without cut joints.
+    #[inline(always)]
+    pub(super) fn gather_up_bodies(&mut self, asked: impl Fn(&Node<L>, Option<&Node<L>>) -> Twist<L>) {
         self.nodes.iter_mut().for_each(|node| node.carried = Twist::zero());
-        for i in (0..self.nodes.len()).rev() {
+        for i in (0..self.real).rev() {
             let (parent, node) = self.with_parent(i);
             if !node.jointed {
                 continue;
             }
-            let above = parent.as_ref().map_or(node.anchored, |parent| parent.velocity);
             let mut carried = node.carried;
             carried.add(node.pushed);
             let carried = node.free.mul(&carried);
-            let [arm, other] = node.arm_now;
-            node.asked = Twist {
-                linear: node.velocity.at(arm) + carried.at(arm) - above.at(other),
-                angular: node.velocity.angular + carried.angular - above.angular,
-            };
-            node.asked.add(beside(node));
+            let mut all = carried.seen_at(node.arm_now[0]);
+            all.add(asked(node, parent.as_deref()));
+            node.asked = node.unspun(all);
             if let Some(parent) = parent {
                 node.beside = parent.carried;
-                parent.carried.add(node.stiff.mul(&node.asked).moved(other));
+                parent.carried.add(node.stiff.mul(&node.asked).moved(node.arm_now[1]));
             }
         }
     }
@@ -469,9 +625,10 @@ impl<L: GatherLanes> TreeBatch<L> {
     ///
     /// # Safety
     /// No thread writes these velocities.
-    unsafe fn foresee(&mut self, motion: &Motion<'_, '_>, h: f32) {
+    unsafe fn predict_bend(&mut self, motion: &Motion<'_, '_>, h: f32) {
         // SAFETY: by the contract.
         let read = |i| unsafe { motion.base.read(i) };
+        let exact = self.exact();
         for i in 0..self.nodes.len() {
             let (parent, node) = self.with_parent(i);
             let own = gather(read, &node.body).1;
@@ -485,61 +642,128 @@ impl<L: GatherLanes> TreeBatch<L> {
                 None => gather(|i| unsafe { motion.velocity.read(i) }, &node.anchor).1,
             };
             let ([arm, other], h) = (node.arm_now, L::splat(h));
-            node.bend.linear = bend(own, arm, h) - bend(above, other, h);
+            let linear = bend(own, arm, h) - bend(above, other, h);
+            node.bend.linear = Vec3::select(exact, node.bend.linear, linear);
             if node.turns == Turns::AboutAxis {
-                node.bend.angular = swerve(own, node.axis_now, h) - swerve(above, node.axis_now, h);
+                let axis = node.axis_now[0];
+                let angular = swerve(own, axis, h) - swerve(above, axis, h);
+                node.bend.angular = Vec3::select(exact, node.bend.angular, angular);
             }
         }
     }
 
-    /// Arms and separations after displacements.
+    /// Arms and separations after displacements that others wrote.
     ///
     /// # Safety
     /// No thread writes displacements of the trees.
     pub(super) unsafe fn follow(&mut self, motion: &Motion<'_, '_>) {
         // SAFETY: by the contract.
+        unsafe { self.fetch(motion, 0) };
+        self.place(L::zero());
+    }
+
+    /// Displacements, but for the lanes that know theirs.
+    ///
+    /// # Safety
+    /// No thread writes displacements of the trees.
+    pub(super) unsafe fn fetch(&mut self, motion: &Motion<'_, '_>, known: u32) {
+        // SAFETY: by the contract.
         let read = |i| unsafe { motion.delta.read(i) };
+        let known = L::Mask::from_bits(known);
+        for node in &mut self.nodes {
+            let (linear, angular) = gather(read, &node.body);
+            node.moved.linear = Vec3::select(known, node.moved.linear, linear);
+            node.moved.angular = Vec3::select(known, node.moved.angular, angular);
+            if node.parent == NONE {
+                let (linear, angular) = gather(read, &node.anchor);
+                node.anchor_moved = Twist { linear, angular };
+            }
+        }
+    }
+
+    /// Arms and separations after displacements, some time before what trees hang on is where it is to be [s].
+    pub(super) fn place(&mut self, left: L) {
         for i in 0..self.nodes.len() {
             let (parent, node) = self.with_parent(i);
-            let (linear, angular) = gather(read, &node.body);
-            node.change = Twist { linear, angular };
+            node.turn = exp(node.moved.angular);
             if !node.jointed {
                 continue;
             }
-            let above = match parent {
-                Some(parent) => parent.change,
+            let (above, turn) = match parent {
+                Some(parent) => (parent.moved.linear, parent.turn),
                 None => {
-                    let (linear, angular) = gather(read, &node.anchor);
-                    Twist { linear, angular }
+                    let (end, v) = (node.anchor_moved, node.anchored);
+                    (end.linear - v.linear * left, exp(end.angular - v.angular * left))
                 }
             };
             let [arm, other] = node.arm;
-            node.arm_now = [turned(angular, arm), turned(above.angular, other)];
-            let moved = (linear - above.linear) + (node.arm_now[0] - arm) - (node.arm_now[1] - other);
-            node.apart_now = node.apart + moved;
+            let [at, there] = [moved_by(node.turn, arm), moved_by(turn, other)];
+            node.arm_now = [arm + at, other + there];
+            node.apart_now = node.apart + (node.moved.linear - above) + (at - there);
             match node.turns {
                 Turns::Freely => {}
                 Turns::AboutAxis => {
-                    node.axis_now = turned(angular, node.axis[0]);
-                    node.error_now = turned(above.angular, node.axis[1]).cross(node.axis_now);
+                    node.axis_now = [node.turn.rotate(node.axis[0]), turn.rotate(node.axis[1])];
+                    node.error_now = node.axis_now[1].cross(node.axis_now[0]);
                 }
-                // What both turn together changes nothing.
-                Turns::Not => node.error_now = node.error + (angular - above.angular),
+                Turns::Not => {
+                    node.error_now = log(node.turn.compose(exp(node.error)).compose(turn.conjugate()));
+                }
             }
         }
+        self.turn_inertias();
+    }
+
+    /// Inertias of what keeps its energy, as it is turned now. The others' stay as they were at the start of the step.
+    fn turn_inertias(&mut self) {
+        if self.exact == 0 {
+            return;
+        }
+        let exact = self.exact();
+        for node in &mut self.nodes {
+            let [inertia, inverse] = node.drift.turned(node.turn);
+            node.braced = Sym3::select(exact, inertia, node.braced);
+            node.braced_inverse = Sym3::select(exact, inverse, node.braced_inverse);
+        }
+    }
+
+    /// Writes displacements of some lanes. Where there is no number any more, bodies go as they would without the tree.
+    ///
+    /// # Safety
+    /// No other thread works on the bodies of the trees.
+    pub(super) unsafe fn shift(&mut self, motion: &Motion<'_, '_>, lanes: u32) {
+        for node in &mut self.nodes[..self.real] {
+            let delta = scatter(node.moved.linear, node.moved.angular);
+            for lane in (0..L::N).filter(|lane| (node.write & lanes) >> lane & 1 != 0) {
+                // SAFETY: by the contract; no body is twice in a batch.
+                let to = unsafe { motion.delta.get(node.body[lane] as usize) };
+                if self.exact >> lane & 1 != 0 {
+                    // Something acted on it, and it is turned already.
+                    (to.pad0, to.pad1) = (1.0, 1.0);
+                }
+                if delta[lane].linear.is_finite() && delta[lane].angular.is_finite() {
+                    (to.linear, to.angular) = (delta[lane].linear, delta[lane].angular);
+                } else {
+                    put(&mut node.moved.linear, lane, to.linear);
+                    put(&mut node.moved.angular, lane, to.angular);
+                }
+            }
+        }
+        let (bodies, cuts) = self.nodes.split_at_mut(self.real);
+        cuts.iter_mut().for_each(|cut| cut.moved = bodies[cut.own as usize].moved);
     }
 
     /// Velocities.
     ///
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
-    unsafe fn load(&mut self, motion: &Motion<'_, '_>) {
+    pub(super) unsafe fn load(&mut self, motion: &Motion<'_, '_>) {
         // SAFETY: by the contract. One by one: a slice of all would include those that other threads write.
         let read = |i| unsafe { motion.velocity.read(i) };
         for node in &mut self.nodes {
             let (linear, angular) = gather(read, &node.body);
             node.velocity = Twist { linear, angular };
-            node.pushed = Twist::zero();
+            node.drift.before = node.velocity;
             if node.parent == NONE {
                 let (linear, angular) = gather(read, &node.anchor);
                 node.anchored = Twist { linear, angular };
@@ -547,18 +771,47 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
+    /// Writes the velocities of some lanes. Where trees keep their energy, what joints changed is no warm start for the next
+    /// substep: rows see it as if it had been there before them.
+    ///
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
-    unsafe fn save(&self, motion: &Motion<'_, '_>) {
-        for node in &self.nodes {
-            let out = scatter(node.velocity.linear, node.velocity.angular);
-            for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
+    pub(super) unsafe fn save(&mut self, motion: &Motion<'_, '_>, lanes: u32) {
+        for node in self.of_bodies() {
+            let before = &node.drift.before;
+            let all = scatter(node.velocity.linear, node.velocity.angular);
+            let mut own = [Record::default(); 8];
+            if self.exact != 0 {
+                let (linear, angular) = (node.velocity.linear, node.velocity.angular);
+                own = scatter(linear - before.linear, angular - before.angular);
+            }
+            for lane in (0..L::N).filter(|lane| (node.write & lanes) >> lane & 1 != 0) {
+                let body = node.body[lane] as usize;
                 // SAFETY: by the contract; no body is twice in a batch.
-                unsafe { *motion.velocity.get(node.body[lane] as usize) = out[lane] };
+                let (v, base) = unsafe { (motion.velocity.get(body), motion.base.get(body)) };
+                let new = all[lane];
+                if self.exact >> lane & 1 != 0 {
+                    let fastest = new.linear.abs().max(new.angular.abs()).max_element();
+                    if !(fastest < RUNAWAY && new.linear.is_finite() && new.angular.is_finite()) {
+                        // No number any more, or as good as none.
+                        continue;
+                    }
+                    if v.linear == base.linear && v.angular == base.angular {
+                        // To the last bit: that is how it is told that nothing else acts.
+                        (base.linear, base.angular) = (new.linear, new.angular);
+                    } else {
+                        base.linear += own[lane].linear;
+                        base.angular += own[lane].angular;
+                    }
+                }
+                *v = new;
             }
         }
     }
 }
+
+/// What is faster than this [m/s] or [rad/s] goes on as if the tree had not acted.
+const RUNAWAY: f32 = 1e6;
 
 /// The square of the frequency times the substep, of a body that turns on its joints, up to which it is integrated as it is.
 const SAFE: f32 = 0.5;
@@ -569,9 +822,35 @@ impl<L: Lanes> Node<L> {
     fn held_by(&self, mobility: &Sym6<L>) -> Sym6<L> {
         mobility.inverse_with(match self.turns {
             Turns::Freely => Sym3::default(),
-            Turns::AboutAxis => across(&mobility.angular, self.axis_now),
+            Turns::AboutAxis => across(&mobility.angular, self.axis_now[0]),
             Turns::Not => inverse(&mobility.angular),
         })
+    }
+
+    /// Of a hinge, without what is about its axis. Rounding leaves some of that, by which a rotor would spin ever faster: so
+    /// twice.
+    #[inline(always)]
+    fn unspun(&self, mut of: Twist<L>) -> Twist<L> {
+        if self.turns == Turns::AboutAxis {
+            let axis = self.axis_now[0];
+            for _ in 0..2 {
+                of.angular -= axis * axis.dot(of.angular);
+            }
+        }
+        of
+    }
+
+    /// How far the joint is open.
+    #[inline(always)]
+    pub(super) fn open(&self) -> Twist<L> {
+        Twist { linear: self.apart_now, angular: self.error_now }
+    }
+
+    /// Moves the body a little.
+    #[inline(always)]
+    pub(super) fn shift(&mut self, by: Twist<L>) {
+        self.moved.linear += by.linear;
+        self.moved.angular = log_near(exp(by.angular).compose(exp(self.moved.angular)), self.moved.angular);
     }
 
     /// Adds the stiffness that an impulse at an arm makes, if it pulls.

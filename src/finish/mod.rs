@@ -185,7 +185,8 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
                 stopped.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
             }
             let whence = *pose;
-            let touched = d.pad0 != 0.0;
+            // Bodies of trees that keep their energy turned with their angular momentum, substep by substep.
+            let (touched, carried) = (d.pad0 != 0.0, d.pad1 != 0.0);
             let seat = seats.of(i);
             let before = seat.map(|_| whence);
             if uneven && i < dynamic && !touched && spins_freely(&mass[i], &traits[i], start[i].angular, dt) {
@@ -197,7 +198,11 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
                     turn_freely(rotation, velocity.angular, mass[i].inertia, dt - time);
             } else {
                 let turned = (exp_map(d.angular) * pose.rotation).normalize();
-                if uneven && i < dynamic && spins_freely(&mass[i], &traits[i], velocity.angular, dt) {
+                if uneven
+                    && i < dynamic
+                    && !carried
+                    && spins_freely(&mass[i], &traits[i], velocity.angular, dt)
+                {
                     velocity.angular = carry_spin(pose.rotation, turned, velocity.angular, mass[i].inertia);
                 }
                 pose.rotation = turned;

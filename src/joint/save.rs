@@ -32,7 +32,7 @@ impl Joints {
         self.all.iter().for_each(|joint| out.extend_from_slice(&words::<6>([joint.force, joint.torque])));
         for lock in &self.locks {
             let [x, y, z] = lock.impulse.to_array();
-            out.extend_from_slice(&words::<5>([x, y, z, lock.held, lock.steady]));
+            out.extend_from_slice(&words::<6>([x, y, z, lock.held, lock.steady, lock.lag]));
         }
         for row in &self.rows {
             let [low, high] = row.impulse;
@@ -51,9 +51,10 @@ impl Joints {
         for (joint, words) in self.all.iter_mut().zip(saved.joints.as_chunks::<6>().0) {
             [joint.force, joint.torque] = record::<[Vec3; 2], 6>(words);
         }
-        for (lock, words) in self.locks.iter_mut().zip(saved.locks.as_chunks::<5>().0) {
-            let [x, y, z, held, steady]: [f32; 5] = record::<_, 5>(words);
-            (lock.impulse, lock.held, lock.steady) = (Vec3::new(x, y, z), held, steady);
+        for (lock, words) in self.locks.iter_mut().zip(saved.locks.as_chunks::<6>().0) {
+            let [x, y, z, held, steady, lag]: [f32; 6] = record::<_, 6>(words);
+            (lock.impulse, lock.held) = (Vec3::new(x, y, z), held);
+            (lock.steady, lock.lag) = (steady, lag);
         }
         for (row, words) in self.rows.iter_mut().zip(saved.rows.as_chunks::<3>().0) {
             let [low, high, held]: [f32; 3] = record::<_, 3>(words);
@@ -120,7 +121,7 @@ impl<'a> SavedJoints<'a> {
         Ok(SavedJoints {
             lists,
             joints: from.table(lists.joints, 6)?,
-            locks: from.table(lists.locks, 5)?,
+            locks: from.table(lists.locks, 6)?,
             rows: from.table(lists.rows, 3)?,
         })
     }
@@ -213,7 +214,7 @@ impl JointRecords {
             let [joint, code]: [u32; 2] = from.record::<_, 2>()?;
             let kind = lock_of(code)?.filter(|_| known(joint, &records.all));
             let kind = kind.ok_or_else(|| broken("a lock"))?;
-            records.locks.push(Lock { joint, kind, impulse: Vec3::ZERO, held: 0.0, steady: 0.0 });
+            records.locks.push(Lock { joint, kind, impulse: Vec3::ZERO, held: 0.0, steady: 0.0, lag: -1.0 });
         }
         for _ in 0..rows {
             let row = read_row(from)?;

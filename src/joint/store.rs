@@ -53,6 +53,8 @@ pub(crate) struct Lock {
     pub(crate) held: f32,
     /// How much of it was there in the last step too.
     pub(crate) steady: f32,
+    /// By how much the velocities of its tree are those of before [s]; below zero if it was in none yet.
+    pub(crate) lag: f32,
 }
 
 /// What a row of one direction does.
@@ -215,7 +217,7 @@ impl Joints {
         for &limit in &limits {
             let Limit { motion, axes, min, max, spring } = limit;
             if let Some(kind) = lock_of(&limit) {
-                self.locks.push(Lock { joint, kind, impulse: Vec3::ZERO, held: 0.0, steady: 0.0 });
+                self.locks.push(Lock { joint, kind, impulse: Vec3::ZERO, held: 0.0, steady: 0.0, lag: -1.0 });
             } else if min > f32::NEG_INFINITY || max < f32::INFINITY {
                 let kind = spring.map_or(RowKind::Limit { min, max }, |spring| RowKind::Yielding {
                     min,
@@ -445,6 +447,14 @@ fn locked_together(limits: &[Limit]) -> Vec<Limit> {
 }
 
 impl Row {
+    /// Whether it turns what a hinge joins, by a torque that does not depend on masses: a motor, friction, a spring.
+    pub(crate) fn drives_hinge(&self) -> bool {
+        let per_mass = |spring: Spring| spring.coefficients().2;
+        self.motion == Motion::Angular
+            && self.is_guided()
+            && matches!(self.kind, RowKind::Drive { spring, .. } if !per_mass(spring))
+    }
+
     /// Whether the joint's locks leave its bodies no other way to go than along or about it: a slide in a direction that can't
     /// turn, and what drives a hinge.
     pub(crate) fn is_guided(&self) -> bool {

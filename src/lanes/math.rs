@@ -209,6 +209,17 @@ pub(crate) struct Sym3<L> {
 
 impl<L: Lanes> Sym3<L> {
     #[inline(always)]
+    pub(crate) fn select(mask: L::Mask, yes: Self, no: Self) -> Self {
+        Sym3 {
+            xx: L::select(mask, yes.xx, no.xx),
+            yy: L::select(mask, yes.yy, no.yy),
+            zz: L::select(mask, yes.zz, no.zz),
+            xy: L::select(mask, yes.xy, no.xy),
+            xz: L::select(mask, yes.xz, no.xz),
+            yz: L::select(mask, yes.yz, no.yz),
+        }
+    }
+    #[inline(always)]
     pub(crate) fn mul(self, p: Vec3<L>) -> Vec3<L> {
         Vec3::new(
             self.xx * p.x + self.xy * p.y + self.xz * p.z,

@@ -22,7 +22,6 @@ pub(crate) trait Mask:
     Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self>
 {
     /// The value per lane: lane `i` holds if bit `i` is set.
-    #[allow(dead_code, reason = "part of the vocabulary; tests use it")]
     fn from_bits(bits: u32) -> Self;
     /// Bit `i` is set where lane `i` holds.
     fn bits(self) -> u32;

@@ -126,7 +126,7 @@ pub(crate) fn solve(
         }
         // Velocities take gravity and forces. From the second substep on, warm starting is one addition a body: rows
         // keep their directions within a step, so the impulses of the substep before change the velocities by just
-        // what they did then. Those of joints turn, and see to it themselves.
+        // what they did then. Those of joints turn, and see to it themselves; trees that keep their energy need none.
         all_bodies(crew, movers, |i| {
             // SAFETY: each body is in one block.
             let (v, b) = unsafe { (velocity.get(i), base.get(i)) };
@@ -138,6 +138,9 @@ pub(crate) fn solve(
         });
         if substep == 0 {
             passes.run(crew, Kind::WarmStart, &batches, &joined, &motion);
+        }
+        if joined_at_all {
+            passes.predict(crew, &joined, &motion);
         }
         for _ in 0..settings.iterations {
             passes.run(crew, Kind::Solve, &batches, &joined, &motion);
@@ -175,7 +178,7 @@ pub(crate) fn solve(
             impacts.go_on(h, velocity, base);
         }
         if joined_at_all {
-            passes.close(crew, &batches, &joined, &motion, &closing(settings));
+            passes.go(crew, &batches, &joined, &motion, &closing(settings));
         }
         if passes.run(crew, Kind::Relax, &batches, &joined, &motion) && rubs {
             // What was pushed before it touched has its friction now; if that is much, the points share the load that it

@@ -129,8 +129,27 @@ impl Passes {
         }
     }
 
-    /// Closes the joints of trees that came apart.
-    pub(crate) fn close(
+    /// Lets joints of trees that keep their energy act before any row of the substep is solved.
+    pub(crate) fn predict(&self, crew: &Crew<'_>, joined: &Joined<'_>, motion: &Motion<'_, '_>) {
+        let pass = JointPass {
+            inverse_h: self.inverse_h,
+            softness: self.joint,
+            push_speed: self.joint_push,
+            moved: false,
+            fresh: true,
+            relax: false,
+        };
+        for stage in joined.stages.iter().filter(|stage| stage.kind == JointType::Tree) {
+            // SAFETY: each batch is in one stage, and no body that can be moved is in two.
+            let one = |i: usize| unsafe {
+                JointRows::predict(joined.views, TreeRef::new(i, stage.single), motion, &pass);
+            };
+            share_out(crew, stage.start as usize..stage.end as usize, false, &one);
+        }
+    }
+
+    /// Closes locks that are in no tree, moves the bodies of trees that keep their energy, and closes the joints of trees.
+    pub(crate) fn go(
         &self,
         crew: &Crew<'_>,
         along: &Views<'_>,
@@ -148,7 +167,7 @@ impl Passes {
         for stage in joined.stages.iter().filter(|stage| stage.kind == JointType::Tree) {
             // SAFETY: each batch is in one stage, and no body that can be moved is in two.
             let one = |i: usize| unsafe {
-                JointRows::close(joined.views, TreeRef::new(i, stage.single), motion, closing, along);
+                JointRows::go(joined.views, TreeRef::new(i, stage.single), motion, closing, along);
             };
             share_out(crew, stage.start as usize..stage.end as usize, false, &one);
         }
