@@ -118,6 +118,18 @@ fn chains_bear_any_load() {
 }
 
 #[test]
+#[ignore = "measured: twenty links come apart after 31 s at 1 : 1e5 and 57 s at 1 : 1e6, both warm-started and reported as weighted"]
+fn chains_bear_any_load_for_a_minute_at_120_hz() {
+    let mut wrong = Vec::new();
+    for (links, ratio) in
+        [5, 20].into_iter().flat_map(|n| [1.0, 1e2, 1e3, 1e4, 1e5, 1e6].map(|ratio| (n, ratio)))
+    {
+        check_chain(&mut wrong, links, ratio, (120, 4), 1.0, 60);
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
 fn chains_of_other_sizes_bear_any_load() {
     let mut wrong = Vec::new();
     for scale in [0.1, 10.0] {
