@@ -132,7 +132,7 @@ fn a_figure_that_is_pressed_against_a_wall_stays_out_of_it() {
 }
 
 #[test]
-fn a_joint_that_is_raised_above_walls_drives_its_door_through_and_no_other() {
+fn a_joint_that_is_raised_above_walls_drives_its_door_into_them_and_no_other() {
     use RowGroup::*;
     let joints_last = [
         Contacts,
@@ -158,7 +158,8 @@ fn a_joint_that_is_raised_above_walls_drives_its_door_through_and_no_other() {
         assert!(beyond[0] < STAYS && beyond[2] < STAYS, "{solver:?}: {beyond:?}");
         // To the bit what it does where all joints come last.
         assert_eq!(beyond[1], all_doors[0].beyond, "{solver:?}");
-        assert!(beyond[1] > 5.0 * STAYS, "{solver:?}: {beyond:?}");
+        // Its motor is solved along with its hinge and no harder than it is allowed to turn: by millimetres, not through.
+        assert!(beyond[1] > 2.0 * STAYS, "{solver:?}: {beyond:?}");
     }
 }
 

@@ -455,6 +455,8 @@ impl JointRows {
         }
         let Joints { all, locks, rows, .. } = joints;
         let mut lock = |owner: u32, impulse: glam::Vec3| {
+            // Joints that contradict each other may have come to no number.
+            let impulse = if impulse.is_finite() { impulse } else { glam::Vec3::ZERO };
             let lock = &mut locks[owner as usize];
             lock.steady = impulse.length().min(lock.impulse.length());
             lock.impulse = impulse;
@@ -479,6 +481,7 @@ impl JointRows {
         self.tree.iter().for_each(|batch| batch.each_lag(&mut late));
         let mut row = |owner: u32, (impulse, along, about): ([f32; 2], glam::Vec3, glam::Vec3)| {
             let row = &mut rows[owner as usize];
+            let impulse = impulse.map(|one| if one.is_finite() { one } else { 0.0 });
             row.impulse = impulse;
             let bears = (impulse[0] - impulse[1]) * SHARE;
             let lasting =

@@ -176,6 +176,22 @@ pub(super) fn find(
             }
         }
     }
+    // A motor would not know of what else holds the bodies: the strut of a wheel is solved after it, row by row.
+    let mut tree_of = vec![NONE; bodies.slots.count()];
+    let mut inside = vec![false; joints.all.len()];
+    for (i, tree) in trees.iter().enumerate() {
+        for branch in tree.branches.iter().filter(|branch| branch.jointed) {
+            inside[joints.locks[branch.lock as usize].joint as usize] = true;
+            ends(branch.lock).into_iter().for_each(|body| tree_of[body] = i as u32);
+        }
+    }
+    for (i, joint) in joints.all.iter().enumerate().filter(|(i, joint)| !inside[*i] && joint.is_there()) {
+        for body in joint.bodies.into_iter().filter(|&body| enabled(i as u32) && is_dynamic(body as usize)) {
+            if let Some(tree) = trees.get_mut(tree_of[body as usize] as usize) {
+                tree.motors.clear();
+            }
+        }
+    }
     for tree in &mut trees {
         if tree.rows() + tree.motors.len() > MOST_ROWS {
             tree.motors.clear();
