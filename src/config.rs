@@ -117,7 +117,7 @@ pub struct Settings {
     /// Approach speed below which a contact does not bounce [m/s]. Default 0.3, above what gravity gives a resting
     /// body within a step of 1/30 s.
     pub restitution_threshold: f32,
-    /// Overlap that is left alone [length units]. Default 0.0005.
+    /// Overlap at which contacts are at rest that bear nothing [length units]. Default 0.
     pub slop: f32,
     /// Contact stiffness [Hz], capped at what the substeps can keep calm: 0.15 of their rate with one iteration,
     /// growing with the root of the iterations. Default 120.
@@ -164,7 +164,7 @@ impl Default for Settings {
             friction_model: FrictionModel::Patch,
             length_unit: 1.0,
             restitution_threshold: 0.3,
-            slop: 0.0005,
+            slop: 0.0,
             contact_hertz: 120.0,
             contact_damping: 10.0,
             push_speed: 3.0,

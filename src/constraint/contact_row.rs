@@ -14,8 +14,7 @@ use crate::threads::Shared;
 ///
 /// Such a spring gives way under load: a stack becomes a column of springs, which sinks and, if it is high enough,
 /// buckles. So only the part of the impulse yields that has not lasted (`PointRow::held` follows the impulse within
-/// [`HOLD`] seconds), and none within the overlap that is left alone: what stands, stands as if rigid, and what is
-/// new is still soft.
+/// [`HOLD`] seconds): what stands is borne as if by something rigid, and what is new is still soft.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Softness {
     /// Speed per overlap [1/s].
@@ -28,10 +27,15 @@ pub(crate) struct Softness {
 /// of eighty boxes sways, which then never ends; longer, and the stack sinks further before it rises again.
 pub(crate) const HOLD: f32 = 2.0;
 
-/// Share of a lasting load that is borne rigidly. The rest still compresses the spring, so that a stack keeps a tenth
+/// Share of a lasting load that is borne rigidly. The rest still compresses the spring, so that a stack keeps a twelfth
 /// of its depth. All points of a manifold bear the mean of their shares rigidly (`prepare.rs`): what differs between
 /// them, which is what resists leaning, always acts on the spring.
-pub(crate) const SHARE: f32 = 0.9;
+pub(crate) const SHARE: f32 = 0.93;
+
+/// What is borne rigidly follows the load of the manifold only where it is further from its share by more than this
+/// part of the load. A manifold of several that bear one body loses and gains with every sway; a share that followed
+/// would lag behind it, and what lags behind a sway feeds it.
+pub(crate) const BAND: f32 = 0.01;
 
 impl Softness {
     /// The stiffest spring [Hz] that substeps of `h` seconds with so many passes over the rows may have.
@@ -63,8 +67,10 @@ pub(crate) struct Pass<'a> {
     pub(crate) softness: Softness,
     /// The fastest push [m/s].
     pub(crate) push_speed: f32,
-    /// Overlap left alone [m].
+    /// Overlap at which the spring is at rest [m].
     pub(crate) slop: f32,
+    /// A gap up to this is none [m].
+    pub(crate) touch: f32,
     /// Friction of an impact that changes the slip by no more than this shifts no loads worth speaking of [m/s].
     pub(crate) shift: f32,
     /// A point whose separation was no more than this touches: its impulse bounds friction [m].
@@ -314,8 +320,8 @@ pub(super) fn sweep<
     pass: &Pass<'_>,
     response: &mut R,
 ) -> bool {
-    // To relax, nothing is so deep that it is not borne rigidly, and nothing is pushed.
-    let slop = L::splat(if pass.relax { f32::INFINITY } else { pass.slop });
+    // To relax, all is borne rigidly, and nothing is pushed.
+    let touch = L::splat(if pass.relax { f32::NEG_INFINITY } else { pass.touch });
     let pushes = L::splat(if pass.relax { 0.0 } else { 1.0 }).gt(L::zero());
     let n = batch.normal;
 
@@ -337,9 +343,11 @@ pub(super) fn sweep<
         impulse[i] = point.impulse;
         // Apart: only what would close the gap within this substep is taken away, and rigidly so.
         let speculative = s * L::splat(pass.inverse_h);
-        let deep = s + slop;
-        let rigid = deep.ge(L::zero());
-        let push = (deep * L::splat(pass.softness.bias_rate)).max(L::splat(-pass.push_speed));
+        // Touching: the spring, at any depth. A depth that is left alone would leave what stands without anything that
+        // takes a lean back as long as it is less.
+        let rigid = s.ge(touch);
+        let push =
+            ((s + L::splat(pass.slop)) * L::splat(pass.softness.bias_rate)).max(L::splat(-pass.push_speed));
         bias[i] = L::select(rigid, speculative.max(L::zero()), push);
         mass[i] = response.mass(batch, i) * L::select(rigid, L::one(), L::splat(pass.softness.mass_scale));
         yielding[i] = L::select(rigid, L::zero(), L::splat(pass.softness.impulse_scale));
@@ -424,9 +432,6 @@ fn rub<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
         u1 += L::load(&surface[0]);
         u2 += L::load(&surface[1]);
     }
-    // Of what rests, never against what pushes overlap apart: such friction would tie the tilt that a leaning stack sinks
-    // into to the way its boxes go sideways, and feed the lean (docs/decisions/frozen-contacts.md).
-    let acts = f.slips.gt(L::zero()) | L::splat(if pass.relax { 1.0 } else { 0.0 }).gt(L::zero());
     let old = f.impulse;
     let mut new = [0, 1].map(|i| old[i] - (tangential[i] * u1 + tangential[i + 1] * u2));
     if pass.friction_box {
@@ -444,8 +449,6 @@ fn rub<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
     }
     let bound = limit * f.radius;
     let twist = (f.twist - twist_mass * spin.dot(n)).clamp(-bound, bound);
-    let twist = L::select(acts, twist, f.twist);
-    let new = std::array::from_fn(|i| L::select(acts, new[i], old[i]));
     let q = f.tangent * (new[0] - old[0]) + t2 * (new[1] - old[1]);
     let w = n * (twist - f.twist);
     (f.impulse, f.twist) = (new, twist);

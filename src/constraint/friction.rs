@@ -22,8 +22,6 @@ pub(crate) struct FrictionRow<L, const B: usize> {
     /// Mean distance of the points from the centre: the lever of twist [m].
     pub(crate) radius: L,
     pub(crate) coefficient: L,
-    /// 1 where the surfaces slip past each other, 0 where they rest: there friction only relaxes.
-    pub(crate) slips: L,
     /// [N s]
     pub(crate) impulse: [L; 2],
     /// [N m s]

@@ -421,7 +421,4 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
     let slip = slip - n * slip.dot(n);
     let stick = slip.length_squared().lt(L::splat(input.stick * input.stick));
     f.coefficient = L::select(stick, sticking, sliding);
-    let turns = (wb - wa).length() * radius;
-    let still = turns.lt(L::splat(input.stick));
-    f.slips = L::select(stick & still, L::zero(), L::one());
 }

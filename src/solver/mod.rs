@@ -72,6 +72,7 @@ pub(crate) fn solve(
         fixed: soft(2.0 * hertz),
         push_speed: settings.push_speed * settings.length_unit,
         slop: settings.slop * settings.length_unit,
+        touch: TOUCH * settings.length_unit,
         shift: SHIFT * settings.length_unit,
         real: REAL * settings.length_unit,
         friction_box: settings.friction_cone == FrictionCone::Box,
@@ -190,7 +191,7 @@ pub(crate) fn solve(
 /// How far trees may be open.
 pub(crate) fn closing(settings: &Settings) -> Closing {
     let unit = settings.length_unit;
-    Closing { tolerance: JOINT_OPEN * unit, slop: settings.slop * unit }
+    Closing { tolerance: JOINT_OPEN * unit, slop: JOINT_SLOP * unit }
 }
 
 /// Share of the stiffest spring that contacts have: with all of it a box on one a thousand times lighter rocks ever more.
@@ -206,6 +207,13 @@ const JOINT_DAMPING: f32 = 2.0;
 
 /// Trees whose joints are open by more are closed after bodies moved [length units] or [rad].
 const JOINT_OPEN: f32 = 0.0005;
+/// Overlap of contacts that closing them leaves alone [length units].
+const JOINT_SLOP: f32 = 0.0005;
+
+/// A gap up to this is none [length units]. Far above what rounding leaves between surfaces that were put on each other,
+/// whose points would otherwise be rigid here and soft there, and kick what they bear to one side; far below what a
+/// body at rest sinks in.
+const TOUCH: f32 = 1e-5;
 
 /// Points that are apart by no more than this when another bounces do so with it [length units].
 const TOGETHER: f32 = 0.0005;

@@ -1,14 +1,14 @@
 //! One pass over all batches, in the order of their importance.
 
 use crate::constraint::contact_row::{
-    HOLD, Motion, Pass, SHARE, Softness, solve, store as store_batch, warm_start,
+    BAND, HOLD, Motion, Pass, SHARE, Softness, solve, store as store_batch, warm_start,
 };
 use crate::constraint::{
     Batch, BatchRef, Closing, FrictionRow, FrictionView, Group, JointPass, JointRows, JointStage, JointType,
     JointViews, Rows, Stage, Surface, TreeRef, Views, guard, rub, with_batch,
 };
 use crate::lanes::GatherLanes;
-use crate::narrow_phase::{Contact, Point};
+use crate::narrow_phase::Contact;
 use crate::threads::{Crew, Shared, per_block};
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -30,6 +30,7 @@ pub(crate) struct Passes {
     pub(crate) fixed: Softness,
     pub(crate) push_speed: f32,
     pub(crate) slop: f32,
+    pub(crate) touch: f32,
     pub(crate) shift: f32,
     pub(crate) real: f32,
     pub(crate) friction_box: bool,
@@ -160,6 +161,7 @@ impl Passes {
             softness: if group.is_static() { self.fixed } else { self.dynamic },
             push_speed: self.push_speed,
             slop: self.slop,
+            touch: self.touch,
             shift: self.shift,
             real: self.real,
             friction_box: self.friction_box,
@@ -265,11 +267,11 @@ pub(crate) fn store(crew: &Crew<'_>, rows: &mut Rows, dt: f32, contacts: &Shared
     pushed.into_inner()
 }
 
-fn take(point: &mut Point, impulse: f32, hold: f32) {
-    point.impulse = impulse;
-    // A load that is gone is gone at once: what bears rigidly never pushes.
-    let (bears, lasting) = (impulse * SHARE, point.held.min(impulse * SHARE));
-    point.held = lasting + (bears - lasting) * hold;
+/// What of a load is borne rigidly after a step, of which `held` was before it. Between the bounds nothing follows the
+/// load (see [`BAND`]). What of it is gone is gone at once: what bears rigidly never pushes.
+fn lasting(held: f32, load: f32, hold: f32) -> f32 {
+    let held = held.min(load * (SHARE + BAND));
+    if held < load * (SHARE - BAND) { held + (load * SHARE - held) * hold } else { held }
 }
 
 fn put<L: GatherLanes, const P: usize, const B: usize>(
@@ -289,13 +291,17 @@ fn put<L: GatherLanes, const P: usize, const B: usize>(
         // Of a contact whose points are apart, another may have pushed already.
         count += u32::from(pushed && !contact.pushed);
         if let Some(point) = part.only() {
-            take(&mut contact.points[point], impulses[0], hold);
+            let point = &mut contact.points[point];
+            (point.impulse, point.held) = (impulses[0], lasting(point.held, impulses[0], hold));
             contact.pushed |= pushed;
             contact.friction += friction;
             return;
         }
-        for (point, &impulse) in contact.points.iter_mut().zip(impulses).take(contact.count as usize) {
-            take(point, impulse, hold);
+        let points = &mut contact.points[..contact.count as usize];
+        let [held, load] = points.iter().zip(impulses).fold([0.0; 2], |[h, l], (p, i)| [h + p.held, l + i]);
+        let held = lasting(held, load, hold) / f32::from(contact.count);
+        for (point, &impulse) in points.iter_mut().zip(impulses) {
+            (point.impulse, point.held) = (impulse, held);
         }
         contact.pushed = pushed;
         (contact.friction, contact.twist) = (friction, twist);
