@@ -32,9 +32,11 @@ pub(crate) const HOLD: f32 = 2.0;
 /// them, which is what resists leaning, always acts on the spring.
 pub(crate) const SHARE: f32 = 0.93;
 
-/// What is borne rigidly follows the load of the manifold only where it is further from its share by more than this
-/// part of the load. A manifold of several that bear one body loses and gains with every sway; a share that followed
-/// would lag behind it, and what lags behind a sway feeds it.
+/// What is borne rigidly follows the load of the manifold only where it is below its share by more than this part of
+/// the load, or above by more than half of it. A manifold of several that bear one body loses and gains with every sway;
+/// a share that followed would lag behind it, and what lags behind a sway feeds it: a tower of forty layers of three
+/// blocks falls within 40 s. The bounds were chosen on the scenes of `tests/rest.rs`: with a wider one above, walls take
+/// longer to come to rest, with none, layers fall.
 pub(crate) const BAND: f32 = 0.01;
 
 impl Softness {

@@ -268,9 +268,9 @@ pub(crate) fn store(crew: &Crew<'_>, rows: &mut Rows, dt: f32, contacts: &Shared
 }
 
 /// What of a load is borne rigidly after a step, of which `held` was before it. Between the bounds nothing follows the
-/// load (see [`BAND`]). What of it is gone is gone at once: what bears rigidly never pushes.
+/// load (see [`BAND`]). What is above them is gone at once: what bears rigidly never pushes.
 fn lasting(held: f32, load: f32, hold: f32) -> f32 {
-    let held = held.min(load * (SHARE + BAND));
+    let held = held.min(load * (SHARE + 0.5 * BAND));
     if held < load * (SHARE - BAND) { held + (load * SHARE - held) * hold } else { held }
 }
 
