@@ -17,6 +17,12 @@ use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
 /// The most rows beside a tree: all of them know of each other.
 pub(super) const MOST_ROWS: usize = 16;
 
+/// The most that a row takes, with what it answers all others.
+pub(super) const ROW_BYTES: usize = {
+    type L = crate::lanes::f32x8;
+    size_of::<Motor<L>>() + size_of::<Way<L>>() + (2 + MOST_ROWS) * size_of::<L>()
+};
+
 /// A motor or a spring about the axis of a hinge, as the body of its node sees it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Motor<L> {

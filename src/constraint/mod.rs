@@ -37,11 +37,12 @@ pub(crate) use impact_friction::rub;
 pub(crate) use joint_arrange::{JointInput, JointRows, JointStage, JointType};
 pub(crate) use joint_ends::JointPass;
 pub(crate) use joint_run::JointViews;
-/// The most that a row of a joint takes in the batches: a lane of them all to itself, or a node of two trees that are alike.
+/// The most that a row of a joint takes in the batches: a lane of them all to itself, or a node of two trees that are alike
+/// with the rows of a cut joint.
 pub(crate) const WIDEST_JOINT_BATCH: usize = {
     let (row, node) = (
         size_of::<joint_row::RowBatch<crate::lanes::f32x8, joint_measure::Tilt<crate::lanes::f32x8>>>(),
-        size_of::<joint_tree::Node<crate::lanes::f32x8>>() / 2,
+        (size_of::<joint_tree::Node<crate::lanes::f32x8>>() + 3 * joint_cut::ROW_BYTES) / 2,
     );
     if row > node { row } else { node }
 };
