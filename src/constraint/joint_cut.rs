@@ -302,6 +302,7 @@ impl<L: GatherLanes> TreeBatch<L> {
 impl<L: Lanes> Extra<L> {
     /// The impulses that leave nothing of `rest`, of which the rows from `cut` on are bounded: those that would go beyond stay at
     /// their bounds, and the others are solved again.
+    #[expect(clippy::needless_range_loop, reason = "indices as in the formulas")]
     fn solve(&self, rest: &[L; MOST_ROWS], cut: usize) -> [L; MOST_ROWS] {
         let count = self.ways.len();
         let zero = L::zero();
@@ -368,6 +369,7 @@ impl<L: Lanes> Extra<L> {
 
 /// L D Lᵀ of a symmetric matrix, in place: the lower triangle, and on the diagonal the inverse of D; zero where less is left than
 /// is needed.
+#[expect(clippy::needless_range_loop, reason = "indices as in the formulas")]
 fn factorise<L: Lanes>(m: &mut [[L; MOST_ROWS]; MOST_ROWS], least: &[L]) {
     for (i, &least) in least.iter().enumerate() {
         for k in 0..i {
@@ -392,7 +394,7 @@ fn factorise<L: Lanes>(m: &mut [[L; MOST_ROWS]; MOST_ROWS], least: &[L]) {
 fn substitute<L: Lanes>(m: &[[L; MOST_ROWS]; MOST_ROWS], x: &mut [L; MOST_ROWS], count: usize) {
     for i in 0..count {
         for k in 0..i {
-            x[i] = x[i] - m[i][k] * x[k];
+            x[i] -= m[i][k] * x[k];
         }
     }
     for i in 0..count {
@@ -400,7 +402,7 @@ fn substitute<L: Lanes>(m: &[[L; MOST_ROWS]; MOST_ROWS], x: &mut [L; MOST_ROWS],
     }
     for i in (0..count).rev() {
         for k in i + 1..count {
-            x[i] = x[i] - m[k][i] * x[k];
+            x[i] -= m[k][i] * x[k];
         }
     }
 }
