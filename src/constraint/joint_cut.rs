@@ -175,7 +175,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
         for motor in &extra.motors {
             let node = &self.nodes[motor.node as usize];
-            let own = if motor.node as usize >= real { node.own } else { motor.node };
+            let own = self.body_of(motor.node as usize) as u32;
             let along = Twist { linear: zero, angular: node.axis_now[0] };
             extra.ways.push(Way { bodies: [own, node.parent], arm: node.arm_now, along });
         }
@@ -367,8 +367,8 @@ impl<L: Lanes> Extra<L> {
     }
 }
 
-/// L D Lᵀ of a symmetric matrix, in place: the lower triangle, and on the diagonal the inverse of D; zero where less is left than
-/// is needed.
+/// L D Lᵀ of a symmetric matrix, in place: the lower triangle, and on the diagonal the inverse of D, damped: of what falls below
+/// `least` the inverse goes to zero instead of growing.
 #[expect(clippy::needless_range_loop, reason = "indices as in the formulas")]
 fn factorise<L: Lanes>(m: &mut [[L; MOST_ROWS]; MOST_ROWS], least: &[L]) {
     for (i, &least) in least.iter().enumerate() {
@@ -386,8 +386,10 @@ fn factorise<L: Lanes>(m: &mut [[L; MOST_ROWS]; MOST_ROWS], least: &[L]) {
             own -= scaled * m[i][k];
             m[i][k] = scaled;
         }
-        let some = own.max(L::zero());
-        m[i][i] = some / (some * some + least * least);
+        // Not by squares: those of very heavy bodies would be zero.
+        let some = own.gt(L::zero());
+        let own = L::select(some, own, L::one());
+        m[i][i] = L::select(some, L::one() / (own + least * (least / own)), L::zero());
     }
 }
 
