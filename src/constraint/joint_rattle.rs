@@ -82,6 +82,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             node.pulled = L::zero();
         }
         let mut others = !self.is_alone();
+        let mut heavy = L::zero().gt(L::zero());
         for i in (0..self.real).rev() {
             let (parent, node) = self.with_parent(i);
             if !node.jointed {
@@ -98,9 +99,8 @@ impl<L: GatherLanes> TreeBatch<L> {
                 // Substeps in parts are shorter.
                 let parts = body.velocity.angular.length() * h * L::splat(1.0 / TURN);
                 let parts = parts.max(L::one()).min(L::splat(MOST_PARTS));
-                others = others
-                    | (most * arm.sqrt() * h).gt(bears * (L::splat(TAUT) * parts * parts))
-                    | (load * body.inverse_mass).gt(L::splat(HEAVY));
+                heavy = heavy | (load * body.inverse_mass).gt(L::splat(HEAVY));
+                others = others | (most * arm.sqrt() * h).gt(bears * (L::splat(TAUT) * parts * parts));
             };
             let mobility = |arm: L, body: &Node<L>| {
                 let Vec3 { x, y, z } = body.drift.moments.inverse;
@@ -119,7 +119,9 @@ impl<L: GatherLanes> TreeBatch<L> {
                 parent.pulled += load;
             }
         }
-        self.exact = self.nodes.first().map_or(0, |root| root.write) & !others.bits();
+        let write = self.nodes.first().map_or(0, |root| root.write);
+        (self.heavy, self.damped) = (write & heavy.bits(), 0);
+        self.exact = write & !(others | heavy).bits();
         self.share = L::select(self.exact(), L::zero(), self.share);
         (self.known, self.lost, self.lag) = (0, 0, L::zero());
     }
@@ -335,6 +337,33 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// # Safety
     /// No other thread works on the bodies of the trees.
     pub(super) unsafe fn go(
+        &mut self,
+        motion: &Motion<'_, '_>,
+        closing: &Closing,
+        contacts: &[Seated],
+        touch: impl FnMut(&Seated, Ask<'_>, &mut Toured<'_, L>),
+    ) {
+        if self.heavy == 0 {
+            // SAFETY: by the contract.
+            return unsafe { self.go_on(motion, closing, contacts, touch) };
+        }
+        // SAFETY: by the contract.
+        unsafe {
+            let mut strained = self.strained(motion);
+            self.go_on(motion, closing, contacts, touch);
+            self.follow_others(motion);
+            strained = strained | (self.open_by(closing.tolerance) & L::Mask::from_bits(self.heavy));
+            if strained.any() {
+                self.damp(motion, closing, strained);
+            }
+        }
+    }
+
+    /// The same, whatever bodies bear.
+    ///
+    /// # Safety
+    /// No other thread works on the bodies of the trees.
+    unsafe fn go_on(
         &mut self,
         motion: &Motion<'_, '_>,
         closing: &Closing,

@@ -10,6 +10,7 @@
 use super::contact_row::Motion;
 use super::free_turn::{exp, log, log_near, moved_by};
 use super::joint_cut::{Drives, Extra};
+use super::joint_damp::Start;
 use super::joint_ends::{JointPass, NONE, across, bend, inverse, swerve};
 use super::joint_fill::put;
 use super::joint_rattle::Drift;
@@ -79,7 +80,7 @@ pub(crate) struct Node<L> {
     /// Inertia with what pulls on the body, its inverse, and the angular velocity that the tree gave in the last substep.
     pub(super) braced: Sym3<L>,
     pub(super) braced_inverse: Sym3<L>,
-    gained: Vec3<L>,
+    pub(super) gained: Vec3<L>,
     /// Inverse of the inertia of the body with all that hangs on it.
     pub(super) free: Sym6<L>,
     /// Impulse at the joint per velocity that it doesn't allow.
@@ -111,6 +112,8 @@ pub(crate) struct Node<L> {
     /// Change, force and push of the tree without the rows beside it.
     pub(super) before: (Twist<L>, Twist<L>),
     pub(super) pushed_before: Twist<L>,
+    /// Of a substep that is done again.
+    pub(super) start: Start<L>,
 }
 
 impl<L: Lanes> Default for Node<L> {
@@ -158,6 +161,7 @@ impl<L: Lanes> Default for Node<L> {
             force: Twist::zero(),
             before: (Twist::zero(), Twist::zero()),
             pushed_before: Twist::zero(),
+            start: Start::default(),
             joined: Sym6::zero(),
             rest: Sym6::zero(),
             pulled: L::zero(),
@@ -186,6 +190,10 @@ pub(crate) struct TreeBatch<L> {
     pub(crate) share: L,
     /// Lanes of trees that keep their energy (see `joint_rattle`). Those of the others are warm-started.
     pub(super) exact: u32,
+    /// Lanes of trees with loads that are heavy for a body that bears them.
+    pub(super) heavy: u32,
+    /// Lanes of which a substep was done again (see `joint_damp`).
+    pub(crate) damped: u32,
     /// Lanes whose bodies turn as was predicted last.
     pub(super) known: u32,
     /// Lanes for which no impulses were found that close joints.
@@ -275,7 +283,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
         self.h = h;
         self.choose();
-        self.brace(h);
+        self.brace();
     }
 
     /// Trees that keep their energy.
@@ -340,11 +348,16 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// own weight is a string with a note too high for the substep, and would tear itself apart. Where that is so, the
     /// pull is taken into the inertia, as if it were followed through the substep (Andrews, Teichmann and Kry,
     /// *Geometric Stiffness for Real-time Constrained Multibody Dynamics*, 2017).
-    fn brace(&mut self, h: f32) {
+    pub(super) fn brace(&mut self) {
+        self.brace_by(self.is_alone());
+    }
+
+    /// The same; in some lanes nothing is a blow.
+    pub(super) fn brace_by(&mut self, alone: L::Mask) {
         for node in &mut self.nodes {
             (node.braced, node.pulled) = (Sym3::default(), L::zero());
         }
-        let (h, alone) = (L::splat(h), self.is_alone());
+        let h = L::splat(self.h);
         for i in 0..self.nodes.len() {
             let (parent, node) = self.with_parent(i);
             if !node.jointed {
@@ -469,7 +482,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             unsafe { self.follow(motion) };
             if self.is_alone().any() {
                 // A load may come within a substep.
-                self.brace(self.h);
+                self.brace();
             }
             self.factor();
             self.fresh = true;

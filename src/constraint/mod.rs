@@ -10,6 +10,7 @@ mod impact_friction;
 mod joint_arrange;
 mod joint_close;
 mod joint_cut;
+mod joint_damp;
 mod joint_ends;
 mod joint_fill;
 mod joint_line;

@@ -1,0 +1,239 @@
+//! Trees with heavy loads that whip: a substep of theirs by implicit Euler.
+//!
+//! Where light bodies between a load and what it hangs on come straight, the load stops within a substep and they would turn as
+//! fast as its energy makes them: thousands of radians per second. No velocities at the start of that substep lead to a
+//! closed tree at its end, whichever way joints are linearised. So the substep is taken back, and the bodies go to where they
+//! are closed and nearest, by their inertia, to where they would be without joints, with the directions of forces as they
+//! are *there* (backward Euler: Baraff and Witkin, *Large Steps in Cloth Simulation*, 1998). Such a place there always is; their
+//! velocities are what leads to it. It loses the energy of the blow and gains none. Found by Newton's method with the
+//! exact solution of the tree, and what pulls as geometric stiffness (see [`TreeBatch::brace`]).
+
+use super::contact_row::Motion;
+use super::free_turn::{exp, log};
+use super::joint_close::Closing;
+use super::joint_tree::TreeBatch;
+use super::spatial::Twist;
+use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, scatter};
+
+/// The most rounds of Newton's method.
+const ROUNDS: u32 = 24;
+/// A joint that velocities leave open by more than this share of its arms has not been followed.
+const STRAINED: f32 = 0.02;
+/// The furthest that a body turns in a round [rad].
+const FURTHEST: f32 = 0.5;
+/// What share of [`Closing::tolerance`] is closed.
+const CLOSED: f32 = 0.02;
+
+/// What of a body the substep is done again with.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Start<L> {
+    /// Displacement at the start of the substep.
+    moved: Twist<L>,
+    /// Velocity without joints of the tree.
+    free: Twist<L>,
+}
+
+impl<L: Lanes> Default for Start<L> {
+    fn default() -> Self {
+        Start { moved: Twist::zero(), free: Twist::zero() }
+    }
+}
+
+impl<L: GatherLanes> TreeBatch<L> {
+    /// Lanes of heavy trees that velocities have left open wide. Remembers where their bodies were at the start of the substep.
+    ///
+    /// # Safety
+    /// No other thread works on the bodies of the trees.
+    pub(super) unsafe fn strained(&mut self, motion: &Motion<'_, '_>) -> L::Mask {
+        self.nodes.iter_mut().for_each(|node| node.start.moved = node.moved);
+        // SAFETY: by the contract.
+        unsafe { self.fetch(motion, self.exact) };
+        self.place(L::zero());
+        let mut strained = L::zero().gt(L::zero());
+        for node in self.nodes.iter().filter(|node| node.jointed) {
+            let [a, b] = node.arm_now;
+            let reach = a.length_squared() + b.length_squared();
+            let most = reach * L::splat(STRAINED * STRAINED);
+            strained = strained | !(node.apart_now.length_squared().lt(most));
+        }
+        for node in &mut self.nodes {
+            let exact = L::Mask::from_bits(self.exact);
+            node.moved = Twist {
+                linear: Vec3::select(exact, node.start.moved.linear, node.moved.linear),
+                angular: Vec3::select(exact, node.start.moved.angular, node.moved.angular),
+            };
+        }
+        strained & L::Mask::from_bits(self.heavy)
+    }
+
+    /// Arms and separations after displacements that others wrote, but for lanes that know theirs.
+    ///
+    /// # Safety
+    /// No other thread works on the bodies of the trees.
+    pub(super) unsafe fn follow_others(&mut self, motion: &Motion<'_, '_>) {
+        // SAFETY: by the contract.
+        unsafe { self.fetch(motion, self.exact) };
+        self.place(L::zero());
+    }
+
+    /// Does the substep of some lanes again.
+    ///
+    /// # Safety
+    /// No other thread works on the bodies of the trees.
+    #[cold]
+    #[inline(never)]
+    pub(super) unsafe fn damp(&mut self, motion: &Motion<'_, '_>, closing: &Closing, lanes: L::Mask) {
+        self.damped |= lanes.bits();
+        let (h, inverse_h) = (L::splat(self.h), L::splat(1.0 / self.h));
+        let zero = Vec3::zero();
+        // SAFETY: by the contract.
+        unsafe { self.load(motion) };
+        self.sum_impulses();
+        for node in &mut self.nodes {
+            let given = Twist { linear: node.pushed.linear * node.inverse_mass, angular: node.gained };
+            node.start.free = node.velocity;
+            node.start.free.subtract(given);
+            node.moved.linear = Vec3::select(lanes, node.start.moved.linear, node.moved.linear);
+            node.moved.angular = Vec3::select(lanes, node.start.moved.angular, node.moved.angular);
+        }
+        self.place(L::zero());
+        for round in 0..ROUNDS {
+            self.brace_by(lanes);
+            for node in &mut self.nodes {
+                let goal = exp(node.start.free.angular * h).compose(exp(node.start.moved.angular));
+                let turn = log(goal.compose(node.turn.conjugate()));
+                node.velocity = Twist {
+                    linear: node.start.moved.linear + node.start.free.linear * h - node.moved.linear,
+                    angular: node.braced_inverse.mul(node.inertia.mul(turn)),
+                };
+                node.pushed = Twist::zero();
+            }
+            self.repeat_bodies();
+            self.factor();
+            let asked = |node: &super::joint_tree::Node<L>, parent: Option<&super::joint_tree::Node<L>>| {
+                let [arm, other] = node.arm_now;
+                let mut asked = node.velocity.seen_at(arm);
+                if let Some(parent) = parent {
+                    asked.subtract(parent.velocity.seen_at(other));
+                }
+                asked.add(node.open());
+                asked
+            };
+            self.gather_up(asked);
+            self.extra.shifts = true;
+            self.answer_all();
+            self.extra.shifts = false;
+            let mut most = L::one();
+            for node in &mut self.nodes {
+                node.change.add(node.velocity);
+                most = most.max(node.change.angular.length_squared() * L::splat(1.0 / (FURTHEST * FURTHEST)));
+            }
+            let share = L::one() / most.sqrt();
+            for node in &mut self.nodes {
+                let Twist { linear, angular } = node.change.scaled(share);
+                node.shift(Twist {
+                    linear: Vec3::select(lanes, linear, zero),
+                    angular: Vec3::select(lanes, angular, zero),
+                });
+                let force = node.force.scaled(-inverse_h);
+                node.impulse = Vec3::select(lanes, force.linear, node.impulse);
+                node.twist = Vec3::select(lanes, force.angular, node.twist);
+            }
+            self.place(L::zero());
+            let open = self.open_by(CLOSED * closing.tolerance) & lanes;
+            if std::env::var("DBG").is_ok() {
+                let worst = self.nodes.iter().filter(|n| n.jointed).map(|n| n.apart_now.length().lane(0)).fold(0.0, f32::max);
+                println!("    round {round} share {} open {worst:.1e}", share.lane(0));
+            }
+            if !open.any() && most.eq(L::one()).any() {
+                break;
+            }
+        }
+        let still = self.open_by(closing.tolerance) & lanes;
+        if still.any() {
+            if std::env::var("DBG").is_ok() { println!("  HELD"); }
+            self.hold(still);
+        }
+        self.sum_impulses();
+        self.brace();
+        for node in &mut self.nodes {
+            let turn = log(exp(node.moved.angular).compose(exp(node.start.moved.angular).conjugate()));
+            let linear = (node.moved.linear - node.start.moved.linear) * inverse_h;
+            let v = Twist { linear, angular: turn * inverse_h };
+            let gained = node.braced_inverse.mul(node.pushed.angular);
+            let given = Twist { linear: node.pushed.linear * node.inverse_mass, angular: gained };
+            node.gained = Vec3::select(lanes, gained, node.gained);
+            // What velocities were before rows, so that warm starting adds what others gave and `given`.
+            let mut before = v;
+            before.subtract(given);
+            before.subtract(node.start.free);
+            (node.velocity, node.change) = (v, before);
+        }
+        // SAFETY: by the contract.
+        unsafe {
+            self.shift(motion, lanes.bits());
+            self.put_back(motion, lanes);
+        }
+    }
+
+    /// # Safety
+    /// No other thread works on the bodies of the trees.
+    unsafe fn put_back(&mut self, motion: &Motion<'_, '_>, lanes: L::Mask) {
+        for node in &self.nodes[..self.real] {
+            let (new, less) = (scatter(node.velocity.linear, node.velocity.angular), scatter(node.change.linear, node.change.angular));
+            for lane in (0..L::N).filter(|lane| (node.write & lanes.bits()) >> lane & 1 != 0) {
+                let body = node.body[lane] as usize;
+                // SAFETY: by the contract; no body is twice in a batch.
+                let (v, base) = unsafe { (motion.velocity.get(body), motion.base.get(body)) };
+                (v.linear, v.angular) = (new[lane].linear, new[lane].angular);
+                base.linear += less[lane].linear;
+                base.angular += less[lane].angular;
+            }
+        }
+    }
+
+    /// Lets trees go on as if they were of one piece that does not turn: what is closed stays so.
+    fn hold(&mut self, lanes: L::Mask) {
+        let (h, zero) = (L::splat(self.h), Vec3::zero());
+        let (mut mass, mut way) = (L::zero(), zero);
+        for node in &self.nodes[..self.real] {
+            let own = L::one() / node.inverse_mass;
+            mass += own;
+            way += node.start.free.linear * own;
+        }
+        let root = &self.nodes[0];
+        let way = if root.jointed { root.anchored.at(root.arm_now[1]) } else { way * (L::one() / mass) } * h;
+        for node in &mut self.nodes {
+            let moved = node.start.moved;
+            node.moved.linear = Vec3::select(lanes, moved.linear + way, node.moved.linear);
+            node.moved.angular = Vec3::select(lanes, moved.angular, node.moved.angular);
+            node.impulse = Vec3::select(lanes, zero, node.impulse);
+            node.twist = Vec3::select(lanes, zero, node.twist);
+        }
+        self.place(L::zero());
+    }
+
+    /// Sums up what joints push each body by.
+    fn sum_impulses(&mut self) {
+        self.nodes.iter_mut().for_each(|node| node.pushed = Twist::zero());
+        for i in 0..self.nodes.len() {
+            let (parent, node) = self.with_parent(i);
+            let force = Twist { linear: node.impulse, angular: node.twist };
+            let [own, other] = node.arm_now.map(|arm| force.moved(arm));
+            if let Some(parent) = parent {
+                parent.pushed.subtract(other);
+            }
+            let body = self.body_of(i);
+            self.nodes[body].pushed.add(own);
+        }
+    }
+
+    pub(super) fn open_by(&self, tolerance: f32) -> L::Mask {
+        let most = L::splat(tolerance * tolerance);
+        let mut open = L::zero().gt(L::zero());
+        for node in self.nodes.iter().filter(|node| node.jointed) {
+            open = open | !(node.apart_now.length_squared().max(node.error_now.length_squared()).lt(most));
+        }
+        open
+    }
+}
