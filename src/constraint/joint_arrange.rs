@@ -220,6 +220,12 @@ impl JointRows {
         in_lanes + self.tree.iter().map(|tree| tree.weighted).sum::<u32>()
     }
 
+    /// Of how many trees a substep was done again.
+    pub(crate) fn damped_trees(&self) -> u32 {
+        let in_lanes = self.trees.iter().map(|tree| tree.damped.count_ones()).sum::<u32>();
+        in_lanes + self.tree.iter().map(|tree| tree.damped.count_ones()).sum::<u32>()
+    }
+
     /// How many bodies are in trees, and how many locks are in none.
     pub(crate) fn counts(&self) -> [u32; 2] {
         let in_lanes = self.trees.iter().map(TreeBatch::bodies).sum::<u32>();

@@ -11,10 +11,14 @@
 use super::contact_row::Motion;
 use super::free_turn::{exp, log};
 use super::joint_close::Closing;
-use super::joint_tree::TreeBatch;
+use super::joint_ends::NONE;
+use super::joint_tree::{Node, TreeBatch};
 use super::spatial::Twist;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, scatter};
 
+/// Joints do no work: with so much more energy than without them, velocities are wrong. Directions turn within a substep, so a
+/// little may seem to come from them.
+const GAINED: f32 = 1.02;
 /// The most rounds of Newton's method.
 const ROUNDS: u32 = 24;
 /// A joint that velocities leave open by more than this share of its arms has not been followed.
@@ -45,11 +49,19 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// # Safety
     /// No other thread works on the bodies of the trees.
     pub(super) unsafe fn strained(&mut self, motion: &Motion<'_, '_>) -> L::Mask {
-        self.nodes.iter_mut().for_each(|node| node.start.moved = node.moved);
+        // SAFETY: by the contract.
+        unsafe { self.load(motion) };
+        self.sum_impulses();
+        for node in &mut self.nodes {
+            let given = Twist { linear: node.pushed.linear * node.inverse_mass, angular: node.gained };
+            (node.start.moved, node.start.free) = (node.moved, node.velocity);
+            node.start.free.subtract(given);
+        }
+        let [now, free] = [self.energy(|node| node.velocity), self.energy(|node| node.start.free)];
+        let mut strained = !now.lt(free * L::splat(GAINED)) & self.hangs_still();
         // SAFETY: by the contract.
         unsafe { self.fetch(motion, self.exact) };
         self.place(L::zero());
-        let mut strained = L::zero().gt(L::zero());
         for node in self.nodes.iter().filter(|node| node.jointed) {
             let [a, b] = node.arm_now;
             let reach = a.length_squared() + b.length_squared();
@@ -86,18 +98,12 @@ impl<L: GatherLanes> TreeBatch<L> {
         self.damped |= lanes.bits();
         let (h, inverse_h) = (L::splat(self.h), L::splat(1.0 / self.h));
         let zero = Vec3::zero();
-        // SAFETY: by the contract.
-        unsafe { self.load(motion) };
-        self.sum_impulses();
         for node in &mut self.nodes {
-            let given = Twist { linear: node.pushed.linear * node.inverse_mass, angular: node.gained };
-            node.start.free = node.velocity;
-            node.start.free.subtract(given);
             node.moved.linear = Vec3::select(lanes, node.start.moved.linear, node.moved.linear);
             node.moved.angular = Vec3::select(lanes, node.start.moved.angular, node.moved.angular);
         }
         self.place(L::zero());
-        for round in 0..ROUNDS {
+        for _ in 0..ROUNDS {
             self.brace_by(lanes);
             for node in &mut self.nodes {
                 let goal = exp(node.start.free.angular * h).compose(exp(node.start.moved.angular));
@@ -110,7 +116,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             }
             self.repeat_bodies();
             self.factor();
-            let asked = |node: &super::joint_tree::Node<L>, parent: Option<&super::joint_tree::Node<L>>| {
+            let asked = |node: &Node<L>, parent: Option<&Node<L>>| {
                 let [arm, other] = node.arm_now;
                 let mut asked = node.velocity.seen_at(arm);
                 if let Some(parent) = parent {
@@ -141,17 +147,12 @@ impl<L: GatherLanes> TreeBatch<L> {
             }
             self.place(L::zero());
             let open = self.open_by(CLOSED * closing.tolerance) & lanes;
-            if std::env::var("DBG").is_ok() {
-                let worst = self.nodes.iter().filter(|n| n.jointed).map(|n| n.apart_now.length().lane(0)).fold(0.0, f32::max);
-                println!("    round {round} share {} open {worst:.1e}", share.lane(0));
-            }
             if !open.any() && most.eq(L::one()).any() {
                 break;
             }
         }
         let still = self.open_by(closing.tolerance) & lanes;
         if still.any() {
-            if std::env::var("DBG").is_ok() { println!("  HELD"); }
             self.hold(still);
         }
         self.sum_impulses();
@@ -159,7 +160,11 @@ impl<L: GatherLanes> TreeBatch<L> {
         for node in &mut self.nodes {
             let turn = log(exp(node.moved.angular).compose(exp(node.start.moved.angular).conjugate()));
             let linear = (node.moved.linear - node.start.moved.linear) * inverse_h;
-            let v = Twist { linear, angular: turn * inverse_h };
+            node.velocity = Twist { linear, angular: turn * inverse_h };
+        }
+        self.lose();
+        for node in &mut self.nodes {
+            let v = node.velocity;
             let gained = node.braced_inverse.mul(node.pushed.angular);
             let given = Twist { linear: node.pushed.linear * node.inverse_mass, angular: gained };
             node.gained = Vec3::select(lanes, gained, node.gained);
@@ -167,7 +172,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             let mut before = v;
             before.subtract(given);
             before.subtract(node.start.free);
-            (node.velocity, node.change) = (v, before);
+            node.change = before;
         }
         // SAFETY: by the contract.
         unsafe {
@@ -211,6 +216,47 @@ impl<L: GatherLanes> TreeBatch<L> {
             node.twist = Vec3::select(lanes, zero, node.twist);
         }
         self.place(L::zero());
+    }
+
+    /// Kinetic energy [J].
+    fn energy(&self, of: impl Fn(&Node<L>) -> Twist<L>) -> L {
+        self.of_bodies().iter().fold(L::zero(), |sum, node| {
+            let Twist { linear, angular } = of(node);
+            let own = linear.length_squared() / node.inverse_mass + angular.dot(node.inertia.mul(angular));
+            sum + L::splat(0.5) * own
+        })
+    }
+
+    /// Trees that hang on nothing that moves: their joints do no work.
+    fn hangs_still(&self) -> L::Mask {
+        let mut still = L::zero().eq(L::zero());
+        for node in self.nodes.iter().filter(|node| node.jointed && node.parent == NONE) {
+            let Twist { linear, angular } = node.anchored;
+            still = still & !(linear.length_squared() + angular.length_squared()).gt(L::zero());
+        }
+        still
+    }
+
+    /// Velocities have no more energy than they would have without joints: what is beyond goes, but for that of the whole.
+    fn lose(&mut self) {
+        let (mut mass, mut way) = (L::zero(), Vec3::zero());
+        for node in self.of_bodies() {
+            let own = L::one() / node.inverse_mass;
+            mass += own;
+            way += node.velocity.linear * own;
+        }
+        let hangs = self.nodes.iter().any(|node| node.jointed && node.parent == NONE);
+        let mean = if hangs { Vec3::zero() } else { way * (L::one() / mass) };
+        let whole = L::splat(0.5) * mass * mean.length_squared();
+        let [now, most] = [self.energy(|node| node.velocity), self.energy(|node| node.start.free)];
+        let over = now.gt(most) & self.hangs_still();
+        let some = over & (now - whole).gt(L::zero());
+        let share = (most - whole).max(L::zero()) / L::select(some, now - whole, L::one());
+        let share = L::select(some, share.sqrt(), L::one());
+        for node in &mut self.nodes {
+            node.velocity.linear = mean + (node.velocity.linear - mean) * share;
+            node.velocity.angular = node.velocity.angular * share;
+        }
     }
 
     /// Sums up what joints push each body by.

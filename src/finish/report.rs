@@ -63,6 +63,9 @@ pub struct StepReport {
     /// Trees of joints in which a body counts as heavier than it is, because something hangs on it that is more than 20,000
     /// times as heavy: with its own mass nothing would be left of the digits that the exact solution needs.
     pub weighted_trees: u32,
+    /// Trees of joints that whip, with a load of more than 50 times the mass of a body that bears it: no velocities at the start
+    /// of a substep would have left them closed. The substep was done again by a method that keeps them closed and loses energy.
+    pub damped_trees: u32,
     /// Bodies whose new place or velocity was no number, or too large for one. They stay where they were, at rest: whatever a
     /// step returns, what it leaves is finite. More than none says that forces, speeds or joints ask for the impossible.
     pub stopped: u32,
@@ -109,6 +112,7 @@ impl StepReport {
             pushed,
             held: ended.held,
             weighted_trees: world.buffers.joints.weighted_trees(),
+            damped_trees: world.buffers.joints.damped_trees(),
             stopped: ended.stopped,
             struck: impacts.struck,
             stood: impacts.stood,
