@@ -162,7 +162,8 @@ impl<L: GatherLanes> TreeBatch<L> {
             let linear = (node.moved.linear - node.start.moved.linear) * inverse_h;
             node.velocity = Twist { linear, angular: turn * inverse_h };
         }
-        self.lose();
+        let most = self.energy(|node| node.start.free);
+        self.bound_energy(most, lanes);
         for node in &mut self.nodes {
             let v = node.velocity;
             let gained = node.braced_inverse.mul(node.pushed.angular);
@@ -219,7 +220,7 @@ impl<L: GatherLanes> TreeBatch<L> {
     }
 
     /// Kinetic energy [J].
-    fn energy(&self, of: impl Fn(&Node<L>) -> Twist<L>) -> L {
+    pub(super) fn energy(&self, of: impl Fn(&Node<L>) -> Twist<L>) -> L {
         self.of_bodies().iter().fold(L::zero(), |sum, node| {
             let Twist { linear, angular } = of(node);
             let own = linear.length_squared() / node.inverse_mass + angular.dot(node.inertia.mul(angular));
@@ -237,8 +238,14 @@ impl<L: GatherLanes> TreeBatch<L> {
         still
     }
 
-    /// Velocities have no more energy than they would have without joints: what is beyond goes, but for that of the whole.
-    fn lose(&mut self) {
+    /// In some lanes velocities keep no more than so much kinetic energy; beyond that all are scaled down, but for the motion of
+    /// the whole.
+    pub(super) fn bound_energy(&mut self, most: L, lanes: L::Mask) {
+        let now = self.energy(|node| node.velocity);
+        let over = now.gt(most) & lanes & self.hangs_still();
+        if !over.any() {
+            return;
+        }
         let (mut mass, mut way) = (L::zero(), Vec3::zero());
         for node in self.of_bodies() {
             let own = L::one() / node.inverse_mass;
@@ -248,8 +255,6 @@ impl<L: GatherLanes> TreeBatch<L> {
         let hangs = self.nodes.iter().any(|node| node.jointed && node.parent == NONE);
         let mean = if hangs { Vec3::zero() } else { way * (L::one() / mass) };
         let whole = L::splat(0.5) * mass * mean.length_squared();
-        let [now, most] = [self.energy(|node| node.velocity), self.energy(|node| node.start.free)];
-        let over = now.gt(most) & self.hangs_still();
         let some = over & (now - whole).gt(L::zero());
         let share = (most - whole).max(L::zero()) / L::select(some, now - whole, L::one());
         let share = L::select(some, share.sqrt(), L::one());
