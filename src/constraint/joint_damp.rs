@@ -32,14 +32,16 @@ const CLOSED: f32 = 0.02;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Start<L> {
     /// Displacement at the start of the substep.
-    moved: Twist<L>,
-    /// Velocity without joints of the tree.
-    free: Twist<L>,
+    pub(super) moved: Twist<L>,
+    /// Velocity without joints of the tree; of what keeps its energy, that at the start.
+    pub(super) free: Twist<L>,
+    /// What motors turn it by.
+    driven: Vec3<L>,
 }
 
 impl<L: Lanes> Default for Start<L> {
     fn default() -> Self {
-        Start { moved: Twist::zero(), free: Twist::zero() }
+        Start { moved: Twist::zero(), free: Twist::zero(), driven: Vec3::zero() }
     }
 }
 
@@ -52,13 +54,30 @@ impl<L: GatherLanes> TreeBatch<L> {
         // SAFETY: by the contract.
         unsafe { self.load(motion) };
         self.sum_impulses();
+        let watched = L::Mask::from_bits(self.watched);
+        let mut fastest = L::zero();
         for node in &mut self.nodes {
+            let (own, start) = (node.velocity, &mut node.start);
             let given = Twist { linear: node.pushed.linear * node.inverse_mass, angular: node.gained };
-            (node.start.moved, node.start.free) = (node.moved, node.velocity);
-            node.start.free.subtract(given);
+            start.moved.linear = Vec3::select(watched, node.moved.linear, start.moved.linear);
+            start.moved.angular = Vec3::select(watched, node.moved.angular, start.moved.angular);
+            start.free.linear = Vec3::select(watched, own.linear - given.linear, start.free.linear);
+            start.free.angular = Vec3::select(watched, own.angular - given.angular, start.free.angular);
+            start.driven = Vec3::zero();
+            fastest = fastest.max(own.angular.length_squared());
         }
-        let [now, free] = [self.energy(|node| node.velocity), self.energy(|node| node.start.free)];
-        let mut strained = !now.lt(free * L::splat(GAINED)) & self.hangs_still();
+        let mut strained = L::zero().gt(L::zero());
+        if self.extra.motors.is_empty() {
+            let [now, free] = [self.energy(|node| node.velocity), self.energy(|node| node.start.free)];
+            // What leads along a curve within the substep looks like more.
+            let most = L::splat(GAINED) + fastest * L::splat(0.5 * self.h * self.h);
+            strained = !now.lt(free * most) & self.hangs_still();
+        } else {
+            self.add_motors(|node| &mut node.start.driven);
+            for node in &mut self.nodes {
+                node.start.driven = node.braced_inverse.mul(node.start.driven);
+            }
+        }
         // SAFETY: by the contract.
         unsafe { self.fetch(motion, self.exact) };
         self.place(L::zero());
@@ -68,14 +87,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             let most = reach * L::splat(STRAINED * STRAINED);
             strained = strained | !(node.apart_now.length_squared().lt(most));
         }
-        for node in &mut self.nodes {
-            let exact = L::Mask::from_bits(self.exact);
-            node.moved = Twist {
-                linear: Vec3::select(exact, node.start.moved.linear, node.moved.linear),
-                angular: Vec3::select(exact, node.start.moved.angular, node.moved.angular),
-            };
-        }
-        strained & L::Mask::from_bits(self.heavy)
+        strained & watched
     }
 
     /// Arms and separations after displacements that others wrote, but for lanes that know theirs.
@@ -106,7 +118,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         for _ in 0..ROUNDS {
             self.brace_by(lanes);
             for node in &mut self.nodes {
-                let goal = exp(node.start.free.angular * h).compose(exp(node.start.moved.angular));
+                let spin = node.start.free.angular + node.start.driven;
+                let goal = exp(spin * h).compose(exp(node.start.moved.angular));
                 let turn = log(goal.compose(node.turn.conjugate()));
                 node.velocity = Twist {
                     linear: node.start.moved.linear + node.start.free.linear * h - node.moved.linear,
@@ -156,13 +169,17 @@ impl<L: GatherLanes> TreeBatch<L> {
             self.hold(still);
         }
         self.sum_impulses();
+        self.add_motors(|node| &mut node.pushed.angular);
         self.brace();
         for node in &mut self.nodes {
             let turn = log(exp(node.moved.angular).compose(exp(node.start.moved.angular).conjugate()));
             let linear = (node.moved.linear - node.start.moved.linear) * inverse_h;
             node.velocity = Twist { linear, angular: turn * inverse_h };
         }
-        let most = self.energy(|node| node.start.free);
+        let most = self.energy(|node| {
+            let Twist { linear, angular } = node.start.free;
+            Twist { linear, angular: angular + node.start.driven }
+        });
         self.bound_energy(most, lanes);
         for node in &mut self.nodes {
             let v = node.velocity;
@@ -238,6 +255,21 @@ impl<L: GatherLanes> TreeBatch<L> {
         still
     }
 
+    /// Where nothing but what pulls gives energy, there is no more of it at the end of a substep than there was. RATTLE closes
+    /// joints whatever that takes: two links that fold between heavy bodies gained up to a sixth.
+    #[inline(never)]
+    pub(super) fn keep_energy(&mut self) {
+        let [now, before] = [self.energy(|node| node.velocity), self.energy(|node| node.start.free)];
+        let work = self.of_bodies().iter().fold(L::zero(), |work, node| {
+            work + node.drift.pull.dot(node.moved.linear - node.start.moved.linear) / node.inverse_mass
+        });
+        let gained = (now - work).gt(before * L::splat(GAINED)) & L::Mask::from_bits(self.calm);
+        if gained.any() {
+            self.damped |= gained.bits();
+            self.bound_energy((before + work).max(L::zero()), gained);
+        }
+    }
+
     /// In some lanes velocities keep no more than so much kinetic energy; beyond that all are scaled down, but for the motion of
     /// the whole.
     pub(super) fn bound_energy(&mut self, most: L, lanes: L::Mask) {
@@ -259,8 +291,9 @@ impl<L: GatherLanes> TreeBatch<L> {
         let share = (most - whole).max(L::zero()) / L::select(some, now - whole, L::one());
         let share = L::select(some, share.sqrt(), L::one());
         for node in &mut self.nodes {
-            node.velocity.linear = mean + (node.velocity.linear - mean) * share;
-            node.velocity.angular = node.velocity.angular * share;
+            let Twist { linear, angular } = node.velocity;
+            node.velocity.linear = Vec3::select(over, mean + (linear - mean) * share, linear);
+            node.velocity.angular = Vec3::select(over, angular * share, angular);
         }
     }
 

@@ -120,10 +120,10 @@ impl<L: GatherLanes> TreeBatch<L> {
             }
         }
         let write = self.nodes.first().map_or(0, |root| root.write);
-        (self.heavy, self.damped) = (write & heavy.bits(), 0);
         self.exact = write & !(others | heavy).bits();
+        (self.watched, self.damped) = (write & !self.exact & (heavy | self.is_alone()).bits(), 0);
         self.share = L::select(self.exact(), L::zero(), self.share);
-        (self.known, self.lost, self.lag) = (0, 0, L::zero());
+        (self.known, self.lost, self.calm, self.lag) = (0, 0, 0, L::zero());
     }
 
     /// Velocities that take what pulls before bodies move with them are those of half a substep before. A tree that comes from one
@@ -192,6 +192,12 @@ impl<L: GatherLanes> TreeBatch<L> {
         // What a motor holds would rise by g h²/2 in each substep if half of that came after it.
         let half = if self.extra.motors.is_empty() { 0.5 } else { 0.0 };
         self.lag = L::select(alone, L::splat(half * self.h), L::zero());
+        self.calm = if self.extra.motors.is_empty() { alone.bits() } else { 0 };
+        for node in &mut self.nodes {
+            let Twist { linear, angular } = node.drift.before;
+            node.start.free = Twist { linear: linear - node.drift.pull * L::splat(self.h), angular };
+            node.start.moved = node.moved;
+        }
         // SAFETY: by the contract.
         unsafe { self.guess(motion, alone) };
         self.predict_turns(exact);
@@ -343,7 +349,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         contacts: &[Seated],
         touch: impl FnMut(&Seated, Ask<'_>, &mut Toured<'_, L>),
     ) {
-        if self.heavy == 0 {
+        if self.watched == 0 {
             // SAFETY: by the contract.
             return unsafe { self.go_on(motion, closing, contacts, touch) };
         }
@@ -352,7 +358,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             let mut strained = self.strained(motion);
             self.go_on(motion, closing, contacts, touch);
             self.follow_others(motion);
-            strained = strained | (self.open_by(closing.tolerance) & L::Mask::from_bits(self.heavy));
+            strained = strained | (self.open_by(closing.tolerance) & L::Mask::from_bits(self.watched));
             if strained.any() {
                 self.damp(motion, closing, strained);
             }

@@ -190,8 +190,10 @@ pub(crate) struct TreeBatch<L> {
     pub(crate) share: L,
     /// Lanes of trees that keep their energy (see `joint_rattle`). Those of the others are warm-started.
     pub(super) exact: u32,
-    /// Lanes of trees with loads that are heavy for a body that bears them.
-    pub(super) heavy: u32,
+    /// Lanes of trees that are warm-started though they touch nothing, or bear heavy loads: what they do is looked at.
+    pub(super) watched: u32,
+    /// Lanes of trees that keep their energy, on which nothing but joints and what pulls acts in the substep.
+    pub(super) calm: u32,
     /// Lanes of which a substep was done again (see `joint_damp`).
     pub(crate) damped: u32,
     /// Lanes whose bodies turn as was predicted last.
@@ -499,6 +501,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             // Where nothing has acted since joints did, all is solved.
             // SAFETY: by the contract.
             lanes = !(self.exact() & unsafe { self.is_free(motion) });
+            self.calm &= !lanes.bits();
             if !warm && lanes.bits() & self.exact == 0 {
                 return;
             }
@@ -509,6 +512,9 @@ impl<L: GatherLanes> TreeBatch<L> {
         self.known &= !lanes.bits();
         let own = &contacts[self.contacts.0 as usize..self.contacts.1 as usize];
         self.sweep(pass, lanes, own, touch);
+        if pass.relax && self.calm != 0 {
+            self.keep_energy();
+        }
         // SAFETY: by the contract.
         unsafe { self.save(motion, lanes.bits()) };
     }
