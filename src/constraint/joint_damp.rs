@@ -55,7 +55,6 @@ impl<L: GatherLanes> TreeBatch<L> {
         unsafe { self.load(motion) };
         self.sum_impulses();
         let watched = L::Mask::from_bits(self.watched);
-        let mut fastest = L::zero();
         for node in &mut self.nodes {
             let (own, start) = (node.velocity, &mut node.start);
             let given = Twist { linear: node.pushed.linear * node.inverse_mass, angular: node.gained };
@@ -64,14 +63,11 @@ impl<L: GatherLanes> TreeBatch<L> {
             start.free.linear = Vec3::select(watched, own.linear - given.linear, start.free.linear);
             start.free.angular = Vec3::select(watched, own.angular - given.angular, start.free.angular);
             start.driven = Vec3::zero();
-            fastest = fastest.max(own.angular.length_squared());
         }
         let mut strained = L::zero().gt(L::zero());
         if self.extra.motors.is_empty() {
             let [now, free] = [self.energy(|node| node.velocity), self.energy(|node| node.start.free)];
-            // What leads along a curve within the substep looks like more.
-            let most = L::splat(GAINED) + fastest * L::splat(0.5 * self.h * self.h);
-            strained = !now.lt(free * most) & self.hangs_still();
+            strained = !now.lt(free * self.tolerated()) & self.hangs_still();
         } else {
             self.add_motors(|node| &mut node.start.driven);
             for node in &mut self.nodes {
@@ -245,6 +241,13 @@ impl<L: GatherLanes> TreeBatch<L> {
         })
     }
 
+    /// As a factor on the energy, what may seem to be gained in a substep in which directions turn.
+    fn tolerated(&self) -> L {
+        let fastest = |most: L, node: &Node<L>| most.max(node.velocity.angular.length_squared());
+        let fastest = self.of_bodies().iter().fold(L::zero(), fastest);
+        L::splat(GAINED) + fastest * L::splat(self.h * self.h)
+    }
+
     /// Trees that hang on nothing that moves: their joints do no work.
     fn hangs_still(&self) -> L::Mask {
         let mut still = L::zero().eq(L::zero());
@@ -263,7 +266,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         let work = self.of_bodies().iter().fold(L::zero(), |work, node| {
             work + node.drift.pull.dot(node.moved.linear - node.start.moved.linear) / node.inverse_mass
         });
-        let gained = (now - work).gt(before * L::splat(GAINED)) & L::Mask::from_bits(self.calm);
+        let gained = now.gt((before + work.max(L::zero())) * self.tolerated() + work.min(L::zero())) & L::Mask::from_bits(self.calm);
         if gained.any() {
             self.damped |= gained.bits();
             self.bound_energy((before + work).max(L::zero()), gained);

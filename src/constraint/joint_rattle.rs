@@ -463,7 +463,6 @@ impl<L: GatherLanes> TreeBatch<L> {
         (self.h, self.lag) = (whole / parts, L::zero());
         self.extra.idle = true;
         self.sweep(&still, exact, &[], |_, _| {});
-        let before = self.energy(|node| node.velocity);
         for part in 1..=parts as u32 {
             self.predict_turns(exact);
             let (known, lost) = self.close_ahead(&solving, exact, exact);
@@ -479,8 +478,6 @@ impl<L: GatherLanes> TreeBatch<L> {
             self.settle();
             self.sweep(&still, exact, &[], |_, _| {});
         }
-        // Joints do no work. Two links that fold between heavy bodies gained what they weigh a few times over.
-        self.bound_energy(before, exact);
         (self.h, self.lag) = (whole, lag);
         self.extra.idle = false;
         self.nodes.iter_mut().for_each(|node| node.velocity.linear += node.drift.pull * lag);
