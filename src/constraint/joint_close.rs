@@ -88,6 +88,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             // SAFETY: by the contract.
             unsafe { self.shift(motion, sound) };
         }
+        self.place(L::zero());
     }
 
     /// Whether any joint is.

@@ -1,12 +1,16 @@
-//! Trees with heavy loads that whip: a substep of theirs by implicit Euler.
+//! Trees that whip: a substep of theirs by backward Euler, and a bound on their energy.
 //!
-//! Where light bodies between a load and what it hangs on come straight, the load stops within a substep and they would turn as
-//! fast as its energy makes them: thousands of radians per second. No velocities at the start of that substep lead to a
-//! closed tree at its end, whichever way joints are linearised. So the substep is taken back, and the bodies go to where they
-//! are closed and nearest, by their inertia, to where they would be without joints, with the directions of forces as they
-//! are *there* (backward Euler: Baraff and Witkin, *Large Steps in Cloth Simulation*, 1998). Such a place there always is; their
-//! velocities are what leads to it. It loses the energy of the blow and gains none. Found by Newton's method with the
-//! exact solution of the tree, and what pulls as geometric stiffness (see [`TreeBatch::brace`]).
+//! Where light bodies between a load and what it hangs on come straight, the load stops within a substep, and they would turn as
+//! fast as its energy makes them: hundreds of radians per second and more. There are no velocities at the start of that substep
+//! that leave the tree closed at its end, whichever way its joints are linearised; solved all the same, bodies went anywhere. So
+//! such a substep is taken back. The bodies go to where all joints are closed and which is nearest, by their inertia, to where
+//! they would be without joints: backward Euler (Baraff and Witkin, *Large Steps in Cloth Simulation*, 1998), with the
+//! directions of forces as they are at its end. Such a place there always is. What leads to it are the new velocities; the
+//! energy of the blow is lost.
+//!
+//! It is found by Newton's method with the exact solution of the tree, and what pulls as geometric stiffness
+//! ([`TreeBatch::brace`]), which keeps light bodies from turning past it. Where it is not found the tree goes on as one piece
+//! that does not turn: closed as it was.
 
 use super::contact_row::Motion;
 use super::free_turn::{exp, log};
@@ -16,16 +20,17 @@ use super::joint_tree::{Node, TreeBatch};
 use super::spatial::Twist;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, scatter};
 
-/// Joints do no work: with so much more energy than without them, velocities are wrong. Directions turn within a substep, so a
-/// little may seem to come from them.
+/// Joints do no work: velocities that have so many times the energy that they would have without are wrong. Not to be
+/// narrower: RATTLE's energy sways by as much where bodies turn by a fifth of a radian in a substep, and a bound on one side
+/// would drain it (a box that spins at 50 rad/s lost 25 % in a minute; see [`TreeBatch::tolerated`]).
 const GAINED: f32 = 1.02;
-/// The most rounds of Newton's method.
-const ROUNDS: u32 = 24;
-/// A joint that velocities leave open by more than this share of its arms has not been followed.
+/// A joint that velocities leave open by more than this share of its arms was not followed: bodies turned by half a radian or
+/// more in the substep.
 const STRAINED: f32 = 0.02;
-/// The furthest that a body turns in a round [rad].
+/// The most rounds of Newton's method, and the furthest that a body turns in one [rad].
+const ROUNDS: u32 = 24;
 const FURTHEST: f32 = 0.5;
-/// What share of [`Closing::tolerance`] is closed.
+/// What share of [`Closing::tolerance`] is closed: the velocities need not know of it.
 const CLOSED: f32 = 0.02;
 
 /// What of a body the substep is done again with.
@@ -46,7 +51,8 @@ impl<L: Lanes> Default for Start<L> {
 }
 
 impl<L: GatherLanes> TreeBatch<L> {
-    /// Lanes of heavy trees that velocities have left open wide. Remembers where their bodies were at the start of the substep.
+    /// Of the lanes that are watched, those in which velocities opened joints wide or gained energy. Remembers where their bodies
+    /// were at the start of the substep.
     ///
     /// # Safety
     /// No other thread works on the bodies of the trees.
@@ -86,16 +92,6 @@ impl<L: GatherLanes> TreeBatch<L> {
         strained & watched
     }
 
-    /// Arms and separations after displacements that others wrote, but for lanes that know theirs.
-    ///
-    /// # Safety
-    /// No other thread works on the bodies of the trees.
-    pub(super) unsafe fn follow_others(&mut self, motion: &Motion<'_, '_>) {
-        // SAFETY: by the contract.
-        unsafe { self.fetch(motion, self.exact) };
-        self.place(L::zero());
-    }
-
     /// Does the substep of some lanes again.
     ///
     /// # Safety
@@ -125,7 +121,8 @@ impl<L: GatherLanes> TreeBatch<L> {
             }
             self.repeat_bodies();
             self.factor();
-            let asked = |node: &Node<L>, parent: Option<&Node<L>>| {
+            // What it hangs on is there already.
+            self.gather_up(|node, parent| {
                 let [arm, other] = node.arm_now;
                 let mut asked = node.velocity.seen_at(arm);
                 if let Some(parent) = parent {
@@ -133,8 +130,7 @@ impl<L: GatherLanes> TreeBatch<L> {
                 }
                 asked.add(node.open());
                 asked
-            };
-            self.gather_up(asked);
+            });
             self.extra.shifts = true;
             self.answer_all();
             self.extra.shifts = false;
@@ -160,13 +156,10 @@ impl<L: GatherLanes> TreeBatch<L> {
                 break;
             }
         }
-        let still = self.open_by(closing.tolerance) & lanes;
-        if still.any() {
-            self.hold(still);
+        let held = self.open_by(closing.tolerance) & lanes;
+        if held.any() {
+            self.hold(held);
         }
-        self.sum_impulses();
-        self.add_motors(|node| &mut node.pushed.angular);
-        self.brace();
         for node in &mut self.nodes {
             let turn = log(exp(node.moved.angular).compose(exp(node.start.moved.angular).conjugate()));
             let linear = (node.moved.linear - node.start.moved.linear) * inverse_h;
@@ -177,41 +170,48 @@ impl<L: GatherLanes> TreeBatch<L> {
             Twist { linear, angular: angular + node.start.driven }
         });
         self.bound_energy(most, lanes);
+        self.sum_impulses();
+        self.add_motors(|node| &mut node.pushed.angular);
+        self.brace();
         for node in &mut self.nodes {
-            let v = node.velocity;
             let gained = node.braced_inverse.mul(node.pushed.angular);
-            let given = Twist { linear: node.pushed.linear * node.inverse_mass, angular: gained };
             node.gained = Vec3::select(lanes, gained, node.gained);
-            // What velocities were before rows, so that warm starting adds what others gave and `given`.
-            let mut before = v;
-            before.subtract(given);
-            before.subtract(node.start.free);
-            node.change = before;
+            // What changes in the velocities before rows, so that beside what other rows gave they warm-start what joints
+            // give now.
+            node.change = node.velocity;
+            node.change.subtract(node.start.free);
+            node.change.subtract(Twist { linear: node.pushed.linear * node.inverse_mass, angular: gained });
         }
         // SAFETY: by the contract.
         unsafe {
             self.shift(motion, lanes.bits());
-            self.put_back(motion, lanes);
+            self.put_back(motion, lanes, held);
         }
     }
 
+    /// Writes velocities of some lanes, and what they were before rows; where trees are held nothing is warm-started.
+    ///
     /// # Safety
     /// No other thread works on the bodies of the trees.
-    unsafe fn put_back(&mut self, motion: &Motion<'_, '_>, lanes: L::Mask) {
-        for node in &self.nodes[..self.real] {
-            let (new, less) = (scatter(node.velocity.linear, node.velocity.angular), scatter(node.change.linear, node.change.angular));
+    unsafe fn put_back(&self, motion: &Motion<'_, '_>, lanes: L::Mask, held: L::Mask) {
+        for node in self.of_bodies() {
+            let new = scatter(node.velocity.linear, node.velocity.angular);
+            let more = scatter(node.change.linear, node.change.angular);
             for lane in (0..L::N).filter(|lane| (node.write & lanes.bits()) >> lane & 1 != 0) {
                 let body = node.body[lane] as usize;
                 // SAFETY: by the contract; no body is twice in a batch.
                 let (v, base) = unsafe { (motion.velocity.get(body), motion.base.get(body)) };
                 (v.linear, v.angular) = (new[lane].linear, new[lane].angular);
-                base.linear += less[lane].linear;
-                base.angular += less[lane].angular;
+                base.linear += more[lane].linear;
+                base.angular += more[lane].angular;
+                if held.bits() >> lane & 1 != 0 || !(base.linear.is_finite() && base.angular.is_finite()) {
+                    (base.linear, base.angular) = (v.linear, v.angular);
+                }
             }
         }
     }
 
-    /// Lets trees go on as if they were of one piece that does not turn: what is closed stays so.
+    /// Lets trees go on as one piece that does not turn: what is closed stays so.
     fn hold(&mut self, lanes: L::Mask) {
         let (h, zero) = (L::splat(self.h), Vec3::zero());
         let (mut mass, mut way) = (L::zero(), zero);
@@ -222,6 +222,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
         let root = &self.nodes[0];
         let way = if root.jointed { root.anchored.at(root.arm_now[1]) } else { way * (L::one() / mass) } * h;
+        let is_way = way.length_squared().lt(L::splat(f32::MAX));
+        let way = Vec3::select(is_way, way, zero);
         for node in &mut self.nodes {
             let moved = node.start.moved;
             node.moved.linear = Vec3::select(lanes, moved.linear + way, node.moved.linear);
@@ -315,6 +317,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
+    /// Lanes in which a joint is open by more.
     pub(super) fn open_by(&self, tolerance: f32) -> L::Mask {
         let most = L::splat(tolerance * tolerance);
         let mut open = L::zero().gt(L::zero());

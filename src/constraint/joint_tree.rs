@@ -190,9 +190,10 @@ pub(crate) struct TreeBatch<L> {
     pub(crate) share: L,
     /// Lanes of trees that keep their energy (see `joint_rattle`). Those of the others are warm-started.
     pub(super) exact: u32,
-    /// Lanes of trees that are warm-started though they touch nothing, or bear heavy loads: what they do is looked at.
+    /// Lanes of trees in which a body bears several times its mass; of those that are warm-started, the ones of which it is
+    /// looked at what a substep did; and those on which nothing but joints and what pulls acts in the substep.
+    pub(super) laden: u32,
     pub(super) watched: u32,
-    /// Lanes of trees that keep their energy, on which nothing but joints and what pulls acts in the substep.
     pub(super) calm: u32,
     /// Lanes of which a substep was done again (see `joint_damp`).
     pub(crate) damped: u32,
