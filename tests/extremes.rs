@@ -7,10 +7,10 @@ use backstop::{
     BodyDesc, BodyHandle, Geometry, JointDesc, JointHandle, Material, Settings, ShapeDesc, Skeleton, World,
 };
 use common::all_finite;
-use std::f32::consts::FRAC_PI_2;
 
-fn world(substeps: u32, length_unit: f32) -> World {
-    World::new(Settings { substeps, length_unit, sleeping: false, ..Settings::default() }).unwrap()
+fn world((substeps, iterations): (u32, u32), length_unit: f32) -> World {
+    let settings = Settings { substeps, iterations, length_unit, sleeping: false, ..Settings::default() };
+    World::new(settings).unwrap()
 }
 
 /// Distance of a joint's two frames [m].
@@ -19,7 +19,7 @@ fn gap(world: &World, joint: JointHandle) -> f64 {
     (b - a).length()
 }
 
-/// A row of level links on ball joints, from a hook to a ball of so many times a link's mass.
+/// Links on ball joints, from a hook to a ball of so many times a link's mass.
 struct Chain {
     world: World,
     joints: Vec<JointHandle>,
@@ -29,36 +29,62 @@ struct Chain {
 /// Of a link, between its joints [m].
 const LINK: f64 = 0.4;
 
+/// How a chain lies when it is let go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Lying {
+    Level,
+    /// Its links one on the other, which don't collide.
+    Folded,
+    Zigzag,
+    /// It stands on its hook, nearly straight.
+    Upright,
+}
+
+impl Lying {
+    /// Direction of a link or, after them, of the ball.
+    fn way(self, i: u32) -> Vec3 {
+        let even = i.is_multiple_of(2);
+        match (self, even) {
+            (Lying::Level, _) | (Lying::Folded, true) => Vec3::X,
+            (Lying::Folded, false) => Vec3::NEG_X,
+            (Lying::Zigzag, true) => Vec3::new(1.0, 0.3, 0.0).normalize(),
+            (Lying::Zigzag, false) => Vec3::new(-0.8, 0.0, 0.6),
+            (Lying::Upright, _) => Vec3::new(if even { 0.025 } else { -0.025 }, 1.0, 0.0).normalize(),
+        }
+    }
+}
+
 impl Chain {
-    fn new(links: u32, ratio: f32, substeps: u32, scale: f64) -> Chain {
-        let mut world = world(substeps, scale as f32);
+    fn new(links: u32, ratio: f32, solver: (u32, u32), scale: f64, lying: Lying) -> Chain {
+        let mut world = world(solver, scale as f32);
         let hook = world.add_body(&BodyDesc::fixed()).unwrap();
         let (mut last, mut joints, mut bodies) = (hook, Vec::new(), Vec::new());
-        let mut join = |world: &mut World, pair: [BodyHandle; 2], x: f64| {
-            let frames = world.frames_at(pair, DVec3::X * x, Quat::IDENTITY).unwrap();
-            joints.push(world.add_joint(&JointDesc::ball(pair, frames)).unwrap());
-        };
-        let mut mass = 0.0;
-        for i in 0..links {
+        let (mut mass, mut at) = (0.0, DVec3::ZERO);
+        for i in 0..=links {
             let (radius, half) = (0.05 * scale as f32, 0.15 * scale as f32);
-            let capsule = ShapeDesc::new(Geometry::capsule(half, radius));
-            let at = DVec3::X * (LINK * scale * (f64::from(i) + 0.5));
-            let desc =
-                BodyDesc::dynamic().at(at).rotated(Quat::from_rotation_z(FRAC_PI_2)).with_shape(capsule);
-            let link = world.add_body(&desc).unwrap();
-            join(&mut world, [last, link], LINK * scale * f64::from(i));
-            mass = world.mass(link).unwrap();
-            bodies.push(link);
-            last = link;
+            let (mut shape, length) = if i < links {
+                (ShapeDesc::new(Geometry::capsule(half, radius)), LINK * scale)
+            } else {
+                let radius = 0.25 * scale as f32;
+                let mut ball = ShapeDesc::new(Geometry::Sphere { radius });
+                ball.density = mass * ratio / (4.0 / 3.0 * std::f32::consts::PI * radius.powi(3));
+                (ball, 0.5 * scale)
+            };
+            if lying != Lying::Level {
+                shape.filter.group = -1;
+            }
+            let (way, turn) = (lying.way(i), Quat::from_rotation_arc(Vec3::Y, lying.way(i)));
+            let desc = BodyDesc::dynamic().at(at + way.as_dvec3() * (0.5 * length)).rotated(turn);
+            let body = world.add_body(&desc.with_shape(shape)).unwrap();
+            let frames = world.frames_at([last, body], at, Quat::IDENTITY).unwrap();
+            joints.push(world.add_joint(&JointDesc::ball([last, body], frames)).unwrap());
+            if i < links {
+                mass = world.mass(body).unwrap();
+            }
+            bodies.push(body);
+            last = body;
+            at += way.as_dvec3() * length;
         }
-        let radius = 0.25 * scale as f32;
-        let at = LINK * scale * f64::from(links);
-        let mut ball = ShapeDesc::new(Geometry::Sphere { radius });
-        ball.density = mass * ratio / (4.0 / 3.0 * std::f32::consts::PI * radius.powi(3));
-        let desc = BodyDesc::dynamic().at(DVec3::X * (at + f64::from(radius))).with_shape(ball);
-        let ball = world.add_body(&desc).unwrap();
-        join(&mut world, [last, ball], at);
-        bodies.push(ball);
         Chain { world, joints, bodies }
     }
     fn open(&self) -> f64 {
@@ -72,13 +98,13 @@ fn check_chain(
     wrong: &mut Vec<String>,
     links: u32,
     ratio: f32,
-    (hertz, substeps): (u32, u32),
+    (hertz, substeps, iterations): (u32, u32, u32),
     scale: f64,
     seconds: u32,
 ) {
-    let mut chain = Chain::new(links, ratio, substeps, scale);
+    let mut chain = Chain::new(links, ratio, (substeps, iterations), scale, Lying::Level);
     let mut worst = 0.0_f64;
-    let case = format!("{links} links, 1 : {ratio:e}, {hertz} Hz x {substeps}, x {scale}");
+    let case = format!("{links} links, 1 : {ratio:e}, {hertz} Hz x {substeps} x {iterations}, x {scale}");
     for step in 0..seconds * hertz {
         let report = chain.world.step(1.0 / hertz as f32).unwrap();
         let (stopped, weighted) = (report.stopped, report.weighted_trees);
@@ -101,7 +127,21 @@ fn check_chain(
     }
 }
 
-const CASES: [(u32, u32); 6] = [(60, 4), (30, 4), (120, 4), (60, 1), (60, 2), (60, 8)];
+/// Steps a second, substeps and iterations; the default first.
+const CASES: [(u32, u32, u32); 12] = [
+    (60, 4, 1),
+    (30, 4, 1),
+    (120, 4, 1),
+    (60, 1, 1),
+    (60, 2, 1),
+    (60, 8, 1),
+    (60, 1, 8),
+    (30, 1, 1),
+    (120, 1, 1),
+    (30, 8, 1),
+    (120, 8, 1),
+    (30, 1, 8),
+];
 
 #[test]
 fn chains_bear_any_load() {
@@ -118,13 +158,12 @@ fn chains_bear_any_load() {
 }
 
 #[test]
-#[ignore = "measured: twenty links come apart after 31 s at 1 : 1e5 and 57 s at 1 : 1e6, both warm-started and reported as weighted"]
 fn chains_bear_any_load_for_a_minute_at_120_hz() {
     let mut wrong = Vec::new();
     for (links, ratio) in
         [5, 20].into_iter().flat_map(|n| [1.0, 1e2, 1e3, 1e4, 1e5, 1e6].map(|ratio| (n, ratio)))
     {
-        check_chain(&mut wrong, links, ratio, (120, 4), 1.0, 60);
+        check_chain(&mut wrong, links, ratio, (120, 4, 1), 1.0, 60);
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
@@ -134,35 +173,63 @@ fn chains_of_other_sizes_bear_any_load() {
     let mut wrong = Vec::new();
     for scale in [0.1, 10.0] {
         for (links, ratio) in [(2, 1e4), (2, 1e6), (10, 1e3), (10, 1e6)] {
-            check_chain(&mut wrong, links, ratio, (60, 4), scale, 30);
+            check_chain(&mut wrong, links, ratio, (60, 4, 1), scale, 30);
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
-/// A figure that hangs by a hand, with a ball at its foot: no bone is lost, and its joints stay together within 5 mm.
+
+/// A chain that is let go bent comes straight all at once: the load stops, and its light links whip. They came apart then. Joints
+/// open by no more than what is left to velocities, half a millimetre; and what pulls is all that gives energy. Of 576 chains one
+/// gained more than 0.06 of what falling gives, 0.11 (20 links, 1 : 1e5, 120 Hz); the least that was wrong had 0.14.
 #[test]
-fn a_figure_bears_a_load_at_its_foot() {
-    figures(&[1.0, 1e3], 0.005);
+fn chains_that_whip_bear_any_load() {
+    let (mut wrong, mut damped) = (Vec::new(), 0);
+    for (hertz, substeps, iterations) in CASES {
+        for lying in [Lying::Folded, Lying::Zigzag, Lying::Upright] {
+            for (links, ratio) in [2, 5, 20].into_iter().flat_map(|n| [20.0, 1e3, 1e5, 1e6].map(|r| (n, r))) {
+                let mut chain = Chain::new(links, ratio, (substeps, iterations), 1.0, lying);
+                let mass = |&body: &BodyHandle| f64::from(chain.world.mass(body).unwrap());
+                let depth = 2.0 * (LINK * f64::from(links) + 0.25);
+                let weight = chain.bodies.iter().map(mass).sum::<f64>() * 9.81 * depth;
+                let start = chain.world.energy();
+                let case = format!(
+                    "{lying:?}, {links} links, 1 : {ratio:e}, {hertz} Hz x {substeps} x {iterations}"
+                );
+                for step in 0..10 * hertz {
+                    damped += chain.world.step(1.0 / hertz as f32).unwrap().damped_trees;
+                    let (open, gained) = (chain.open(), (chain.world.energy() - start) / weight);
+                    if !all_finite(&chain.world) || open > 0.001 || gained > 0.12 {
+                        wrong.push(format!("{case}: open {open:.1e} in step {step}, gained {gained:.2}"));
+                        break;
+                    }
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    assert!(damped > 0);
 }
 
-/// The same with any load, where all that is asked for is that what a step leaves is finite.
+/// A chain that swings down from level does not whip: it is solved as it always was, whatever it bears.
 #[test]
-fn a_figure_with_any_load_at_its_foot_stays_finite() {
-    figures(&[3e4, 1e6], f64::INFINITY);
+fn a_chain_that_swings_from_level_is_not_damped() {
+    for ratio in [1e2, 1e4, 1e6] {
+        let mut chain = Chain::new(5, ratio, (4, 1), 1.0, Lying::Level);
+        let damped: u32 = (0..600).map(|_| chain.world.step(1.0 / 60.0).unwrap().damped_trees).sum();
+        assert_eq!(damped, 0, "1 : {ratio:e}");
+    }
 }
 
+/// A figure that hangs by a hand, arms spread, with a ball at its foot. It comes straight at once and whips; no bone is lost, and
+/// no joint opens by more than the half a millimetre that is left to velocities.
 #[test]
-#[ignore = "limits and friction of its joints are rows that know only two bodies: finite, but it flies apart in most settings"]
 fn a_figure_bears_any_load_at_its_foot() {
-    figures(&[3e4, 1e6], 0.005);
-}
-
-/// `most`: by which a joint may open [m].
-fn figures(loads: &[f32], most: f64) {
     let mut wrong = Vec::new();
-    for (hertz, substeps) in CASES {
-        for &load in loads {
-            let mut world = world(substeps, 1.0);
+    for case in CASES {
+        let (hertz, substeps, iterations) = case;
+        for load in [1.0, 1e3, 3e4, 1e6] {
+            let mut world = world((substeps, iterations), 1.0);
             let hook = world.add_body(&BodyDesc::fixed()).unwrap();
             let figure =
                 Skeleton::humanoid().add_to(&mut world, DVec3::ZERO, Quat::IDENTITY, Vec3::ZERO).unwrap();
@@ -181,16 +248,21 @@ fn figures(loads: &[f32], most: f64) {
             let ball = world.add_body(&BodyDesc::dynamic().at(at).with_shape(ball)).unwrap();
             let frames = world.frames_at([figure.bodies[foot], ball], low, Quat::IDENTITY).unwrap();
             joints.push(world.add_joint(&JointDesc::ball([figure.bodies[foot], ball], frames)).unwrap());
-            let mut worst = 0.0_f64;
-            for step in 0..20 * hertz {
-                let stopped = world.step(1.0 / hertz as f32).unwrap().stopped;
+            let (mut worst, mut damped) = (0.0_f64, 0);
+            let seconds = if case == CASES[0] { 60 } else { 20 };
+            for step in 0..seconds * hertz {
+                let report = world.step(1.0 / hertz as f32).unwrap();
+                let stopped = report.stopped;
+                damped += report.damped_trees;
                 worst = joints.iter().map(|&joint| gap(&world, joint)).fold(worst, f64::max);
-                if !all_finite(&world) || worst > most {
-                    wrong.push(format!("{load} kg, {hertz} Hz x {substeps}: {stopped} stopped in step {step}, open {worst:.1e}"));
+                if !all_finite(&world) || worst > 0.001 {
+                    wrong.push(format!("{load} kg, {hertz} Hz x {substeps} x {iterations}: {stopped} stopped in step {step}, open {worst:.1e}"));
                     break;
                 }
             }
-            println!("{load} kg, {hertz} Hz x {substeps}: {worst:.1e}");
+            println!(
+                "{load} kg, {hertz} Hz x {substeps} x {iterations}: {worst:.1e}, damped in {damped} steps"
+            );
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
@@ -202,7 +274,7 @@ fn figures(loads: &[f32], most: f64) {
 fn no_step_leaves_what_is_no_number() {
     for joined in [false, true] {
         for scale in [1e12_f32, 1e20, 1e30, f32::MAX] {
-            let mut world = world(4, 1.0);
+            let mut world = world((4, 1), 1.0);
             world.add_body(&common::Floor::Plane.desc(Material::default())).unwrap();
             let cube = |at: Vec3| common::dynamic(Geometry::cuboid(0.5, 0.5, 0.5), Material::default(), at);
             let pushed = [0.5, 1.5, 2.5].map(|y| world.add_body(&cube(Vec3::Y * y)).unwrap());

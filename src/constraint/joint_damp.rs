@@ -268,7 +268,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         let work = self.of_bodies().iter().fold(L::zero(), |work, node| {
             work + node.drift.pull.dot(node.moved.linear - node.start.moved.linear) / node.inverse_mass
         });
-        let gained = now.gt((before + work.max(L::zero())) * self.tolerated() + work.min(L::zero())) & L::Mask::from_bits(self.calm);
+        let gained = now.gt((before + work.max(L::zero())) * self.tolerated() + work.min(L::zero()))
+            & L::Mask::from_bits(self.calm);
         if gained.any() {
             self.damped |= gained.bits();
             self.bound_energy((before + work).max(L::zero()), gained);
