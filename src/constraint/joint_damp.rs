@@ -107,6 +107,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             node.moved.angular = Vec3::select(lanes, node.start.moved.angular, node.moved.angular);
         }
         self.place(L::zero());
+        let mut left = lanes;
         for _ in 0..ROUNDS {
             self.brace_by(lanes);
             for node in &mut self.nodes {
@@ -143,16 +144,16 @@ impl<L: GatherLanes> TreeBatch<L> {
             for node in &mut self.nodes {
                 let Twist { linear, angular } = node.change.scaled(share);
                 node.shift(Twist {
-                    linear: Vec3::select(lanes, linear, zero),
-                    angular: Vec3::select(lanes, angular, zero),
+                    linear: Vec3::select(left, linear, zero),
+                    angular: Vec3::select(left, angular, zero),
                 });
                 let force = node.force.scaled(-inverse_h);
-                node.impulse = Vec3::select(lanes, force.linear, node.impulse);
-                node.twist = Vec3::select(lanes, force.angular, node.twist);
+                node.impulse = Vec3::select(left, force.linear, node.impulse);
+                node.twist = Vec3::select(left, force.angular, node.twist);
             }
             self.place(L::zero());
-            let open = self.open_by(CLOSED * closing.tolerance) & lanes;
-            if !open.any() && most.eq(L::one()).any() {
+            left = left & (self.open_by(CLOSED * closing.tolerance) | most.gt(L::one()));
+            if !left.any() {
                 break;
             }
         }
@@ -269,7 +270,8 @@ impl<L: GatherLanes> TreeBatch<L> {
             work + node.drift.pull.dot(node.moved.linear - node.start.moved.linear) / node.inverse_mass
         });
         let gained = now.gt((before + work.max(L::zero())) * self.tolerated() + work.min(L::zero()))
-            & L::Mask::from_bits(self.calm);
+            & L::Mask::from_bits(self.calm)
+            & self.hangs_still();
         if gained.any() {
             self.damped |= gained.bits();
             self.bound_energy((before + work).max(L::zero()), gained);

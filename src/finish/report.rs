@@ -63,8 +63,8 @@ pub struct StepReport {
     /// Trees of joints in which a body counts as heavier than it is, because something hangs on it that is more than 20,000
     /// times as heavy: with its own mass nothing would be left of the digits that the exact solution needs.
     pub weighted_trees: u32,
-    /// Trees of joints that whip, with a load of more than 50 times the mass of a body that bears it: no velocities at the start
-    /// of a substep would have left them closed. The substep was done again by a method that keeps them closed and loses energy.
+    /// Trees of joints that whip, because a body bears several times its mass: there are no velocities at the start of a substep
+    /// that leave them closed at its end, or only such that gain energy. They were closed all the same, and lost some.
     pub damped_trees: u32,
     /// Bodies whose new place or velocity was no number, or too large for one. They stay where they were, at rest: whatever a
     /// step returns, what it leaves is finite. More than none says that forces, speeds or joints ask for the impossible.
