@@ -2,9 +2,13 @@
 //!
 //!     cargo run --release --example rest -- tower 30 120 --hz 60 --substeps 4
 //!
-//! Structure, size and seconds, then `--hz`, `--substeps`, `--iterations`, `--friction patch|point`, `--scale` [m],
-//! `--density` [kg/m³], `--steps even|alternating|hitches|random|wild`. Without arguments a tower of five stands for 20 s and the example asserts that.
+//! Structure, size and seconds, then `--hz`, `--substeps`, `--iterations`, `--friction patch|point`, `--scale` [m], `--gravity` [m/s²],
+//! `--density` [kg/m³], `--steps even|alternating|hitches|random|wild`. What is put up less well: `--gap`, by which bodies are
+//! higher, as a share of their height; `--aside`, the furthest that each stands off to a side, in units of length; `--kick`, the
+//! fastest that each is pushed to a side after 5 s [m/s]. Without arguments a tower of five stands for 20 s and the example
+//! asserts that.
 
+use backstop::glam::{DVec3, Vec3};
 use backstop::scene::Standing;
 use backstop::{BodyHandle, Error, FrictionModel, Settings, World};
 
@@ -38,15 +42,53 @@ impl Steps {
             Steps::Even(hz) => 1.0 / hz,
             Steps::Alternating => [1.0 / 30.0, 1.0 / 144.0][step as usize % 2],
             Steps::Hitches => [1.0 / 60.0, 0.25][usize::from(step % 46 == 45)],
-            Steps::Random(least, most) => {
-                // Mixes the bits of the number: the same steps in every run.
-                let mut bits = (step + 1).wrapping_mul(0x9E37_79B9);
-                bits = (bits ^ bits >> 16).wrapping_mul(0x85EB_CA6B);
-                bits = (bits ^ bits >> 13).wrapping_mul(0xC2B2_AE35);
-                bits ^= bits >> 16;
-                least + (most - least) * (bits >> 8) as f32 / (1 << 24) as f32
-            }
+            Steps::Random(least, most) => least + (most - least) * random(step),
         }
+    }
+}
+
+/// From 0 to 1: the same in every run.
+fn random(number: u32) -> f32 {
+    let mut bits = (number + 1).wrapping_mul(0x9E37_79B9);
+    bits = (bits ^ bits >> 16).wrapping_mul(0x85EB_CA6B);
+    bits = (bits ^ bits >> 13).wrapping_mul(0xC2B2_AE35);
+    bits ^= bits >> 16;
+    (bits >> 8) as f32 / (1 << 24) as f32
+}
+
+/// How a structure is put up badly, and disturbed.
+#[derive(Clone, Copy, Debug, Default)]
+struct Upset {
+    /// By how much bodies are higher, as a share of their height.
+    gap: f64,
+    /// The furthest that bodies stand off to a side [length units].
+    aside: f64,
+    /// The fastest that bodies are pushed to a side after 5 s [m/s].
+    kick: f32,
+}
+
+impl Upset {
+    /// To a side, by no more than one along either axis.
+    fn sideways(number: usize) -> Vec3 {
+        let one = |axis: usize| 2.0 * random((2 * number + axis) as u32) - 1.0;
+        Vec3::new(one(0), 0.0, one(1))
+    }
+
+    fn put(&self, world: &mut World, bodies: &[BodyHandle]) -> Result<(), Error> {
+        let unit = f64::from(world.settings().length_unit);
+        for (i, &body) in bodies.iter().enumerate() {
+            let (at, turn) = (world.position(body)?, world.rotation(body)?);
+            let way = Self::sideways(i).as_dvec3() * self.aside * unit + DVec3::Y * at.y * self.gap;
+            world.set_pose(body, at + way, turn)?;
+        }
+        Ok(())
+    }
+
+    fn kick(&self, world: &mut World, bodies: &[BodyHandle]) -> Result<(), Error> {
+        for (i, &body) in bodies.iter().enumerate() {
+            world.set_velocity(body, Self::sideways(i) * self.kick, Vec3::ZERO)?;
+        }
+        Ok(())
     }
 }
 
@@ -56,9 +98,13 @@ fn stand(
     settings: Settings,
     density: f32,
     length: Steps,
+    upset: Upset,
     seconds: u32,
 ) -> Result<[f64; 4], Error> {
     let (mut world, bodies) = structure.build(settings, density)?;
+    if upset.gap > 0.0 || upset.aside > 0.0 {
+        upset.put(&mut world, &bodies)?;
+    }
     let top = *bodies.last().ok_or(Error::StaleBody)?;
     let start = world.position(top)?;
     println!(
@@ -73,6 +119,9 @@ fn stand(
         // Half a millisecond: where steps add up to a whole second, rounding adds none.
         while time < f64::from(second) - 0.0005 {
             let dt = length.dt(step);
+            if upset.kick > 0.0 && time < 5.0 && time + f64::from(dt) >= 5.0 {
+                upset.kick(&mut world, &bodies)?;
+            }
             world.step(dt)?;
             (time, step) = (time + f64::from(dt), step + 1);
         }
@@ -88,6 +137,7 @@ fn stand(
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut settings = Settings::default();
     let (mut steps, mut density, mut plain) = (Steps::Even(60.0), 1000.0, Vec::new());
+    let mut upset = Upset::default();
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         let Some(option) = argument.strip_prefix("--") else {
@@ -107,17 +157,21 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "friction" if value == "point" => settings.friction_model = FrictionModel::Point,
             "friction" if value == "patch" => settings.friction_model = FrictionModel::Patch,
             "scale" => settings.length_unit = value.parse()?,
+            "gap" => upset.gap = value.parse()?,
+            "aside" => upset.aside = value.parse()?,
+            "kick" => upset.kick = value.parse()?,
+            "gravity" => settings.gravity.y = -value.parse::<f32>()?,
             "density" => density = value.parse()?,
             _ => return Err(format!("--{option} {value}: no such option").into()),
         }
     }
     let number = |i: usize| plain.get(i).map(|text: &String| text.parse::<u32>()).transpose();
     let Some(name) = plain.first() else {
-        let [aside, down, rms, _] = stand(Standing::Tower(5), settings, density, steps, 20)?;
+        let [aside, down, rms, _] = stand(Standing::Tower(5), settings, density, steps, upset, 20)?;
         assert!(aside < 1e-4 && down < 0.005 && rms < 1e-4, "{aside} m aside, {down} m down, {rms} m/s");
         return Ok(());
     };
     let structure = Standing::named(name, number(1)?.map(|n| n as usize)).ok_or("no such structure")?;
-    stand(structure, settings, density, steps, number(2)?.unwrap_or(60))?;
+    stand(structure, settings, density, steps, upset, number(2)?.unwrap_or(60))?;
     Ok(())
 }

@@ -97,7 +97,6 @@ fn pass<const FRICTION: bool>(name: &str, relax: bool) -> Kernel {
         inverse_h: 1.0 / h,
         softness: Softness::new(60.0, 10.0, h),
         push_speed: 3.0,
-        slop: 0.0005,
         shift: 0.25,
         real: crate::step::REAL,
         friction_box: false,
@@ -129,6 +128,7 @@ pub fn preparing() -> Kernel {
     Kernel::new("prepare", count, move || {
         let forces = &world.buffers.forces;
         let input = PrepareInput {
+            slop: 0.0005,
             bodies: &world.bodies,
             colliders: &world.colliders.all,
             hot: &world.colliders.hot,

@@ -117,7 +117,8 @@ pub struct Settings {
     /// Approach speed below which a contact does not bounce [m/s]. Default 0.3, above what gravity gives a resting
     /// body within a step of 1/30 s.
     pub restitution_threshold: f32,
-    /// Overlap that is left alone [length units]. Default 0.0005.
+    /// Overlap that is left alone of what slides, rolls or has just met, and a tenth of the gap over which springs of what rests act
+    /// at most [length units]. Default 0.0005.
     pub slop: f32,
     /// Contact stiffness [Hz], capped at what the substeps can keep calm: 0.15 of their rate with one iteration,
     /// growing with the root of the iterations. Default 120.

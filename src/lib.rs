@@ -94,6 +94,7 @@ mod shape;
 mod sleep;
 mod snapshot;
 mod solver;
+mod statics;
 mod step;
 mod threads;
 mod time_of_impact;

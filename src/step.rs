@@ -13,6 +13,7 @@ use crate::forces::Forces;
 use crate::memory::{Category, MemoryReport, bytes_of};
 use crate::narrow_phase::{Input, Scratch, collide};
 use crate::record::probe;
+use crate::statics::Statics;
 use crate::threads::{Crew, Shared, with_crew};
 use crate::world::{PartTimes, World};
 use crate::{finish, forces, movers, solver, time_of_impact};
@@ -28,6 +29,7 @@ pub(crate) struct Buffers {
     pub(crate) prepare: PrepareScratch,
     pub(crate) rows: Rows,
     pub(crate) joints: JointRows,
+    pub(crate) statics: Statics,
     pub(crate) solver: solver::State,
     pub(crate) finish: finish::Buffers,
     pub(crate) impacts: time_of_impact::Buffers,
@@ -49,6 +51,7 @@ impl Buffers {
         report.add(Category::Scratch, self.restitution.bytes());
         report.add(Category::Scratch, self.prepare.bytes());
         report.add(Category::Joints, self.joints.bytes());
+        report.add(Category::Scratch, self.statics.bytes());
         report.add(Category::Scratch, self.solver.bytes());
         report.add(Category::Scratch, self.finish.bytes());
     }
@@ -66,7 +69,7 @@ const FAST: f32 = 0.01;
 /// How far a pair may move before its contact is looked for again [length units].
 const RECYCLE: f32 = 0.005;
 /// Slip speed below which friction is static [m/s per length unit].
-const STICK: f32 = 0.01;
+pub(crate) const STICK: f32 = 0.01;
 
 /// Time in which a load of a joint becomes one that it bears rigidly [s].
 const JOINT_HOLD: f32 = 1.0;
@@ -133,6 +136,8 @@ impl World {
         self.spent.hooks = watch.stop();
         clock = lap(clock, &mut times.narrow);
 
+        self.buffers.statics.pending |= narrow.touching;
+        self.estimate_loads(dt);
         self.listen();
         let mut prepared = self.prepare(crew, dt);
         probe!(self, Prepare);
@@ -148,7 +153,7 @@ impl World {
         let watch = Watch::start(self.joints.count > 0);
         self.store_joints(dt);
         self.spent.joints += watch.stop();
-        let pushed = {
+        let stored = {
             if self.settings.friction_model == FrictionModel::Point {
                 // Each point adds its share.
                 self.forget_friction();
@@ -156,6 +161,10 @@ impl World {
             let contacts = Shared::new(&mut self.contacts.all);
             solver::store(crew, &mut self.buffers.rows, dt, lengths, &contacts)
         };
+        self.buffers.statics.pending |= stored.unknown_load;
+        if self.settings.friction_model == FrictionModel::Point {
+            self.bear_apart(dt, lengths.now());
+        }
         let watch = Watch::start(self.needs.events > 0);
         self.hear_contacts();
         self.spent.events = watch.stop();
@@ -180,12 +189,12 @@ impl World {
         let end = lap(clock, &mut times.finish);
         times.step = (end - start).as_secs_f32() * 1e6;
         self.buffers.last_h = dt / self.settings.substeps as f32;
-        self.report = StepReport::new(self, times, broad, narrow, prepared, pushed, (ended, impacts));
+        self.report = StepReport::new(self, times, broad, narrow, prepared, stored.pushed, (ended, impacts));
         (self.sleep.woke, self.sleep.slept) = (0, 0);
         self.note_peaks();
     }
 
-    fn lengths(&self, dt: f32) -> StepLengths {
+    pub(crate) fn lengths(&self, dt: f32) -> StepLengths {
         let now = dt / self.settings.substeps as f32;
         StepLengths::new(self.buffers.last_h, now, self.settings.warm_starting)
     }
@@ -196,6 +205,17 @@ impl World {
             let mut slot = pair.contact;
             while let Some(contact) = self.contacts.all.get_mut(slot as usize) {
                 contact.friction = glam::Vec3::ZERO;
+                slot = contact.next;
+            }
+        }
+    }
+
+    /// Lets contacts whose points were solved apart bear what these did.
+    fn bear_apart(&mut self, dt: f32, h: f32) {
+        for pair in &self.broad.pairs {
+            let mut slot = pair.contact;
+            while let Some(contact) = self.contacts.all.get_mut(slot as usize) {
+                self.buffers.statics.pending |= contact.bear(dt, h);
                 slot = contact.next;
             }
         }
@@ -305,6 +325,7 @@ impl World {
             ahead,
             lengths,
             stick: STICK * unit,
+            slop: self.settings.slop * unit,
             order: self.settings.order,
             seats: &self.buffers.joints.seats,
             tweaks: &self.events.tweaks,

@@ -1,14 +1,15 @@
 //! What stands stays standing: two minutes of it, at several rates.
 //!
 //! Stacks used to sway themselves over within a minute, from a lean of a micrometre (docs/decisions/frozen-contacts.md). Rigid
-//! blocks on top of each other have no way to move, so what is expected is zero; the bounds are what single precision and
-//! contacts that give way by tenths of a millimetre leave of it.
+//! blocks on top of each other have no way to move, so what is expected is zero, and since their loads are known from the first
+//! step on (docs/decisions/statics.md) it is zero but for what single precision and springs under uneven loads leave of it: some
+//! hundredths of a millimetre. The bounds are ten to a hundred times that.
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 mod common;
 
-use backstop::glam::{Quat, Vec3};
+use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::Standing;
-use backstop::{BodyDesc, BodyHandle, Geometry, Settings, ShapeDesc, World};
+use backstop::{BodyDesc, BodyHandle, FrictionModel, Geometry, Settings, ShapeDesc, World};
 
 /// Speed at rest, of all bodies in the root of the mean square [m/s].
 const REST: f64 = 1e-4;
@@ -43,35 +44,101 @@ fn stands(structure: Standing, hz: u32, aside: f64, down: f64) {
 
 #[test]
 fn towers_stand_for_two_minutes() {
-    for (n, down) in [(2, 0.002), (5, 0.005), (10, 0.01), (15, 0.015), (20, 0.02), (30, 0.03), (50, 0.06)] {
-        stands(Standing::Tower(n), 60, 0.005, down);
+    for n in [2, 5, 10, 15, 20, 30, 50] {
+        stands(Standing::Tower(n), 60, 1e-4, 1e-3);
     }
 }
 
-/// Springs of contacts are the stiffer the shorter the substep: a tower sinks by its square.
 #[test]
-fn a_tower_stands_at_other_rates_and_substeps() {
-    stands(Standing::Tower(30), 30, 0.005, 0.08);
-    stands(Standing::Tower(30), 120, 0.005, 0.03);
-    stands_with(Settings { substeps: 8, ..Settings::default() }, Standing::Tower(30), 60, 0.005, 0.03);
+fn what_stands_does_so_at_other_rates() {
+    for structure in [Standing::Tower(30), Standing::Crib(40), Standing::Layers(40), Standing::Light(1000.0)]
+    {
+        stands(structure, 30, 1e-3, 1e-3);
+        stands(structure, 120, 1e-3, 1e-3);
+    }
+}
+
+#[test]
+fn a_tower_stands_with_any_passes() {
+    for (substeps, iterations) in [(1, 1), (1, 8), (2, 1), (8, 1)] {
+        let settings = Settings { substeps, iterations, ..Settings::default() };
+        stands_with(settings, Standing::Tower(30), 60, 1e-3, 1e-3);
+    }
+}
+
+/// Of a hundredth of the size, in a world that knows, and at a hundred times the weight.
+#[test]
+fn what_is_small_or_heavy_stands() {
+    for structure in [Standing::Tower(30), Standing::Wall { width: 20, height: 10 }] {
+        stands_with(Settings { length_unit: 0.01, ..Settings::default() }, structure, 60, 1e-5, 1e-5);
+        let gravity = Vec3::new(0.0, -981.0, 0.0);
+        stands_with(Settings { gravity, ..Settings::default() }, structure, 60, 1e-3, 2e-3);
+    }
+    let gravity = Vec3::new(0.0, -78.0, 0.0);
+    for boxes in [2, 8] {
+        let settings = Settings { length_unit: 0.01, gravity, ..Settings::default() };
+        stands_with(settings, Standing::Tower(boxes), 60, 1e-5, 1e-5);
+    }
+}
+
+/// Where several manifolds bear one body.
+#[test]
+fn cribs_planks_and_layers_stand_for_two_minutes() {
+    for structure in [Standing::Crib(40), Standing::Edge(20), Standing::Layers(40)] {
+        stands(structure, 60, 1e-3, 1e-3);
+    }
+}
+
+#[test]
+fn towers_stand_with_friction_at_points() {
+    for structure in [Standing::Tower(30), Standing::Crib(40)] {
+        let friction_model = FrictionModel::Point;
+        stands_with(Settings { friction_model, ..Settings::default() }, structure, 60, 1e-3, 1e-3);
+    }
+}
+
+/// Put up a thousandth too high and up to 0.3 mm off to a side: all of it falls, each on the one below, and leans a little where
+/// it lands. It is at rest within a minute, and stays there for another.
+#[test]
+fn what_is_put_up_badly_comes_to_rest() {
+    for structure in [Standing::Tower(30), Standing::Crib(20), Standing::Edge(10), Standing::Pyramid(10)] {
+        let (mut world, bodies) = structure.build(Settings::default(), 1000.0).unwrap();
+        for (i, &body) in bodies.iter().enumerate() {
+            let (at, turn) = (world.position(body).unwrap(), world.rotation(body).unwrap());
+            let aside = |n: usize| f64::from(random_step((2 * i + n) as u32, -0.0003, 0.0003));
+            let way = DVec3::new(aside(0), 0.001 * at.y, aside(1));
+            world.set_pose(body, at + way, turn).unwrap();
+        }
+        let places: Vec<DVec3> = bodies.iter().map(|&body| world.position(body).unwrap()).collect();
+        for second in 1..=120 {
+            common::steps(&mut world, 60, 1.0 / 60.0);
+            let name = structure.name();
+            for (&body, place) in bodies.iter().zip(&places) {
+                let off = common::sideways(world.position(body).unwrap() - *place);
+                assert!(off < 0.01, "{name}, {second} s: {off} m aside");
+            }
+            let speed = rms(&world, &bodies);
+            assert!(second < 60 || speed < REST, "{name}, {second} s: {speed} m/s");
+        }
+    }
 }
 
 #[test]
 fn barrels_and_coins_stand_for_two_minutes() {
-    stands(Standing::Barrels(20), 60, 0.005, 0.02);
-    stands(Standing::Coins(20), 60, 0.005, 0.02);
+    stands(Standing::Barrels(20), 60, 1e-4, 1e-4);
+    stands(Standing::Coins(20), 60, 1e-4, 1e-4);
 }
 
 #[test]
 fn a_box_stands_on_one_a_thousand_times_lighter() {
-    stands(Standing::Light(300.0), 60, 0.005, 0.02);
-    stands(Standing::Light(1000.0), 60, 0.005, 0.05);
+    stands(Standing::Light(300.0), 60, 1e-4, 1e-4);
+    stands(Standing::Light(1000.0), 60, 1e-4, 1e-4);
 }
 
 #[test]
 fn a_wall_and_a_pyramid_stand_for_two_minutes() {
-    stands(Standing::Wall { width: 20, height: 10 }, 60, 0.01, 0.01);
-    stands(Standing::Pyramid(20), 60, 0.01, 0.02);
+    stands(Standing::Wall { width: 20, height: 10 }, 60, 1e-4, 1e-4);
+    stands(Standing::Pyramid(20), 60, 1e-3, 1e-3);
 }
 
 /// Two minutes of a tower at steps that vary; from the 20th second on at rest, but for so much [m/s].
@@ -84,7 +151,7 @@ fn stands_at(boxes: usize, steps: impl Fn(u32) -> f32, speed: f64) {
         world.step(steps(step)).unwrap();
         (time, step) = (time + f64::from(steps(step)), step + 1);
         let off = common::sideways(world.position(top).unwrap() - start);
-        assert!(off < 0.005, "{time} s: {off} m aside");
+        assert!(off < 1e-3, "{time} s: {off} m aside");
         let now = rms(&world, &bodies);
         assert!(time < 20.0 || now < speed, "{time} s: {now} m/s");
     }
@@ -94,14 +161,14 @@ fn stands_at(boxes: usize, steps: impl Fn(u32) -> f32, speed: f64) {
 /// last of a velocity was warm-started as if it were a load: the towers of 10 and 8 fell after 87 and 80 s.
 #[test]
 fn a_tower_stands_through_hitches() {
-    for boxes in [2, 5, 10] {
+    for boxes in [2, 5, 10, 20] {
         stands_at(boxes, |step| if step % 46 == 45 { 0.25 } else { 1.0 / 60.0 }, REST);
     }
 }
 
 #[test]
 fn a_tower_stands_at_steps_that_alternate() {
-    for boxes in [2, 3, 5, 8] {
+    for boxes in [2, 3, 5, 8, 15, 20, 30] {
         stands_at(boxes, |step| if step % 2 == 0 { 1.0 / 30.0 } else { 1.0 / 144.0 }, REST);
     }
 }
@@ -114,12 +181,13 @@ fn random_step(step: u32, least: f32, most: f32) -> f32 {
     least + (most - least) * ((bits ^ bits >> 16) >> 8) as f32 / (1 << 24) as f32
 }
 
-/// Springs follow the usual substep by up to a hundredth in a step, and the sag of 6 and 21 mm by its square. On average a
-/// thousandth a step is taken back: 2 * 6 mm * 0.001 in 20 ms are 0.6 mm/s, and 1.2 mm/s are those of 21 mm in 35 ms.
+/// Springs follow the usual substep; since they bear no part of a known load, what stands does not.
 #[test]
 fn a_tower_stands_at_random_steps() {
-    stands_at(10, |step| random_step(step, 1.0 / 144.0, 1.0 / 30.0), 0.6e-3);
-    stands_at(10, |step| random_step(step, 1.0 / 240.0, 1.0 / 15.0), 1.2e-3);
+    for boxes in [10, 20] {
+        stands_at(boxes, |step| random_step(step, 1.0 / 144.0, 1.0 / 30.0), REST);
+        stands_at(boxes, |step| random_step(step, 1.0 / 240.0, 1.0 / 15.0), REST);
+    }
 }
 
 /// Friction holds it as long as the slope is less than the coefficient, tan 20° = 0.36 of 0.6, whatever the steps.
@@ -148,25 +216,13 @@ fn a_box_stays_on_a_slope_at_steps_that_vary() {
     }
 }
 
-/// Minutes in release: `cargo test --release --test rest -- --ignored`. Peers: 62 mm aside and 245 mm down (60 rows, 60 s), 0.17
-/// m aside and 0.68 m down (100 rows, 20 s).
+/// Peers: 62 mm aside and 245 mm down (60 rows, 60 s), 0.17 m aside and 0.68 m down (100 rows, 20 s).
 #[test]
-#[ignore = "takes minutes in release; measured: 60 rows hold, 26 mm aside and 48 mm down, 100 rows fall within 20 s"]
-fn large_pyramids_stand_for_two_minutes() {
-    for (rows, aside, down) in [(60, 0.1, 0.25), (100, 0.2, 0.7)] {
-        let (mut world, bodies) = Standing::Pyramid(rows).build(Settings::default(), 1000.0).unwrap();
-        let top = *bodies.last().unwrap();
-        let start = world.position(top).unwrap();
-        for second in 1..=120 {
-            common::steps(&mut world, 60, 1.0 / 60.0);
-            let moved = world.position(top).unwrap() - start;
-            let off = common::sideways(moved);
-            println!(
-                "{rows} rows, {second} s: {off} m aside, {} m down, {} m/s",
-                -moved.y,
-                rms(&world, &bodies)
-            );
-            assert!(off < aside && -moved.y < down, "{rows} rows, {second} s: {moved}");
-        }
+#[ignore = "takes minutes: `cargo test --release --test rest -- --ignored`"]
+fn what_is_large_stands_for_two_minutes() {
+    stands(Standing::Wall { width: 20, height: 40 }, 60, 1e-3, 1e-3);
+    stands(Standing::Tower(80), 60, 1e-3, 1e-3);
+    for rows in [40, 60, 100] {
+        stands(Standing::Pyramid(rows), 60, 1e-3, 1e-3);
     }
 }

@@ -13,34 +13,36 @@ use crate::threads::Shared;
 /// *Soft Constraints*, GDC 2011).
 ///
 /// Such a spring gives way under load: a stack becomes a column of springs, which sinks and, if it is high enough,
-/// buckles. So only the part of the impulse yields that has not lasted (`PointRow::held` follows the impulse within
-/// [`HOLD`] seconds), and none within the overlap that is left alone: what stands, stands as if rigid, and what is
-/// new is still soft.
+/// buckles. So a lasting force acts beside the spring, the same at each point of a manifold ([`Batch::lasting`],
+/// `Contact::lasting_force`): the rest position of the spring is where this force bears the load alone. What differs between
+/// the points, which is what resists leaning, acts on the springs. They act at any depth, and over a small gap too, or nothing
+/// would take a lean back that is smaller than it; without a lasting force only what is deeper than the slop is pushed apart, and
+/// rows are rigid above it: a new load meets no spring that it could press through something thin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Softness {
     /// Speed per overlap [1/s].
     pub(crate) bias_rate: f32,
     pub(crate) mass_scale: f32,
     pub(crate) impulse_scale: f32,
+    /// By how much an impulse in a substep compresses the spring of a row with an effective mass of 1 kg [m/(N s)].
+    pub(crate) ease: f32,
 }
-
-/// Time in which a load becomes one that is borne rigidly [s]. Shorter, and it comes near the period in which a stack
-/// of eighty boxes sways, which then never ends; longer, and the stack sinks further before it rises again.
-pub(crate) const HOLD: f32 = 2.0;
-
-/// Share of a lasting load that is borne rigidly. The rest still compresses the spring, so that a stack keeps a tenth
-/// of its depth. All points of a manifold bear the mean of their shares rigidly (`prepare.rs`): what differs between
-/// them, which is what resists leaning, always acts on the spring.
-pub(crate) const SHARE: f32 = 0.9;
 
 impl Softness {
     /// Gives way to nothing and pushes nothing apart: a spring whose damping has no end.
-    pub(crate) const RIGID: Softness = Softness { bias_rate: 0.0, mass_scale: 1.0, impulse_scale: 0.0 };
+    pub(crate) const RIGID: Softness =
+        Softness { bias_rate: 0.0, mass_scale: 1.0, impulse_scale: 0.0, ease: 0.0 };
 
     /// A spring of `hertz` and damping ratio `zeta`, or none that moves in a substep of `h` seconds that is too long for it
     /// with so many passes over the rows: see [`Softness::stiffest`], without the margin.
     pub(crate) fn for_substep(hertz: f32, zeta: f32, passes: u32, h: f32) -> Self {
-        if hertz > 1.5 * Self::stiffest(passes, h) { Self::RIGID } else { Self::new(hertz, zeta, h) }
+        let spring = Self::new(hertz, zeta, h);
+        // It moves nothing, and ends where it would.
+        if hertz > 1.5 * Self::stiffest(passes, h) {
+            Softness { ease: spring.ease, ..Self::RIGID }
+        } else {
+            spring
+        }
     }
 
     /// The stiffest spring [Hz] that substeps of `h` seconds with so many passes over the rows may have.
@@ -60,7 +62,8 @@ impl Softness {
         let a1 = 2.0 * zeta + h * omega;
         let a2 = h * omega * a1;
         let a3 = 1.0 / (1.0 + a2);
-        Softness { bias_rate: omega / a1, mass_scale: a2 * a3, impulse_scale: a3 }
+        let ease = 1.0 / (h * omega * omega);
+        Softness { bias_rate: omega / a1, mass_scale: a2 * a3, impulse_scale: a3, ease }
     }
 }
 
@@ -72,8 +75,6 @@ pub(crate) struct Pass<'a> {
     pub(crate) softness: Softness,
     /// The fastest push [m/s].
     pub(crate) push_speed: f32,
-    /// Overlap left alone [m].
-    pub(crate) slop: f32,
     /// Friction of an impact that changes the slip by no more than this shifts no loads worth speaking of [m/s].
     pub(crate) shift: f32,
     /// A point whose separation was no more than this touches: its impulse bounds friction [m].
@@ -243,16 +244,25 @@ pub(super) trait Response<L: GatherLanes, const P: usize, const B: usize> {
     fn stiffness(&self, batch: &Batch<L, P, B>, i: usize, k: usize) -> L {
         if i == k { batch.points[i].stiffness } else { batch.coupling(i.min(k), i.max(k)) }
     }
-    /// Inverse of the matrix of the tangential rows, its smaller eigenvalue [kg], and the mass against twist [kg m²].
     #[inline(always)]
-    fn friction(&self, f: &FrictionRow<L, B>) -> ([L; 3], L, L) {
-        (f.mass, f.slide_mass, f.twist_mass)
+    fn friction(&self, f: &FrictionRow<L, B>) -> FrictionResponse<L> {
+        let FrictionRow { mass, slide_mass, twist_mass, twist_by, .. } = *f;
+        FrictionResponse { mass, slide_mass, twist_mass, twist_by }
     }
     /// Applies an impulse `p` on `b` and `-p` on `a`, with angular impulses `ta` (taken from `a`) and `tb`.
     #[inline(always)]
     fn apply(&mut self, batch: &Batch<L, P, B>, v: &mut Pair<L>, p: Vec3<L>, ta: Vec3<L>, tb: Vec3<L>) {
         v.apply(batch, p, ta, tb);
     }
+}
+
+/// How bodies answer friction; see the fields of [`FrictionRow`].
+#[derive(Clone, Copy)]
+pub(super) struct FrictionResponse<L> {
+    pub(super) mass: [L; 3],
+    pub(super) slide_mass: L,
+    pub(super) twist_mass: L,
+    pub(super) twist_by: [L; 2],
 }
 
 /// Two bodies that nothing else holds.
@@ -323,10 +333,18 @@ pub(super) fn sweep<
     pass: &Pass<'_>,
     response: &mut R,
 ) -> bool {
-    // To relax, nothing is so deep that it is not borne rigidly, and nothing is pushed.
-    let slop = L::splat(if pass.relax { f32::INFINITY } else { pass.slop });
+    // Relaxing, rows are rigid and nothing is pushed.
+    let (rate, push_speed, yields) = if pass.relax {
+        (L::zero(), L::zero(), L::zero())
+    } else {
+        let Softness { bias_rate, impulse_scale, .. } = pass.softness;
+        (L::splat(bias_rate), L::splat(-pass.push_speed), L::splat(impulse_scale))
+    };
+    let mass_scale = L::splat(if pass.relax { 1.0 } else { pass.softness.mass_scale });
+    let ease = L::splat(pass.softness.ease);
     let pushes = L::splat(if pass.relax { 0.0 } else { 1.0 }).gt(L::zero());
     let n = batch.normal;
+    let (lasting, rest, reach) = (batch.lasting, batch.rest, batch.reach);
 
     if FRICTION && let Some(f) = friction {
         rub::<L, P, B, R>(batch, f, v, pass, response);
@@ -345,13 +363,12 @@ pub(super) fn sweep<
         u[i] = speed + row::<L, B>(v, &point);
         impulse[i] = point.impulse;
         // Apart: only what would close the gap within this substep is taken away, and rigidly so.
-        let speculative = s * L::splat(pass.inverse_h);
-        let deep = s + slop;
-        let rigid = deep.ge(L::zero());
-        let push = (deep * L::splat(pass.softness.bias_rate)).max(L::splat(-pass.push_speed));
-        bias[i] = L::select(rigid, speculative.max(L::zero()), push);
-        mass[i] = response.mass(batch, i) * L::select(rigid, L::one(), L::splat(pass.softness.mass_scale));
-        yielding[i] = L::select(rigid, L::zero(), L::splat(pass.softness.impulse_scale));
+        // Springs end where they would pull.
+        let apart = s.ge(rest + (ease * lasting * point.stiffness).min(reach));
+        let speculative = (s * L::splat(pass.inverse_h)).max(L::zero());
+        bias[i] = L::select(apart, speculative, ((s - rest) * rate).max(push_speed));
+        mass[i] = response.mass(batch, i) * L::select(apart, L::one(), mass_scale);
+        yielding[i] = L::select(apart | point.mass.le(L::zero()), L::zero(), yields);
         touches = touches | (point.mass.gt(L::zero()) & (s.le(L::zero()) | point.impulse.gt(L::zero())));
     }
     // Relaxing, a manifold that is apart, and did not have to push, waits for the next substep: its gaps at the end of
@@ -361,8 +378,7 @@ pub(super) fn sweep<
     if !FRICTION {
         // Nothing closes and nothing bears load: what follows would change nothing. So it is with most that may meet.
         let acts = |i: usize| {
-            let point = &batch.points[i];
-            let loaded = impulse[i].gt(L::zero()) | point.held.gt(L::zero());
+            let loaded = impulse[i].gt(L::zero()) | lasting.gt(L::zero());
             mass[i].gt(L::zero()) & (loaded | (u[i] + bias[i]).lt(L::zero()))
         };
         if !(1..P).fold(acts(0), |any, i| any | acts(i)).any() {
@@ -380,9 +396,8 @@ pub(super) fn sweep<
         }
     }
     for i in 0..P {
-        let point = &batch.points[i];
         let mut new = impulse[i] - mass[i] * (u[i] + bias[i]);
-        new -= (impulse[i] - point.held) * yielding[i];
+        new -= (impulse[i] - lasting) * yielding[i];
         // An inert lane has an infinite separation; of 0 * inf, which is no number, the larger one is zero.
         let new = new.max(L::zero());
         let change = new - impulse[i];
@@ -421,7 +436,7 @@ fn rub<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
     let real = L::splat(pass.real);
     let load = |p: &PointRow<L, B>| L::select(p.separation.le(real), p.impulse, L::zero());
     let limit = batch.points.iter().fold(L::zero(), |s, p| s + load(p)) * f.coefficient;
-    let (tangential, slide_mass, twist_mass) = response.friction(f);
+    let FrictionResponse { mass: tangential, slide_mass, twist_mass, twist_by } = response.friction(f);
     let mut u = -(v.va + v.wa.cross(f.arm_a));
     let mut spin = -v.wa;
     if B > 0 {
@@ -433,9 +448,6 @@ fn rub<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
         u1 += L::load(&surface[0]);
         u2 += L::load(&surface[1]);
     }
-    // Of what rests, never against what pushes overlap apart: such friction would tie the tilt that a leaning stack sinks
-    // into to the way its boxes go sideways, and feed the lean (docs/decisions/frozen-contacts.md).
-    let acts = f.slips.gt(L::zero()) | L::splat(if pass.relax { 1.0 } else { 0.0 }).gt(L::zero());
     let old = f.impulse;
     let mut new = [0, 1].map(|i| old[i] - (tangential[i] * u1 + tangential[i + 1] * u2));
     if pass.friction_box {
@@ -452,10 +464,12 @@ fn rub<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
         }
     }
     let bound = limit * f.radius;
-    let twist = (f.twist - twist_mass * spin.dot(n)).clamp(-bound, bound);
-    let twist = L::select(acts, twist, f.twist);
-    let new = std::array::from_fn(|i| L::select(acts, new[i], old[i]));
-    let q = f.tangent * (new[0] - old[0]) + t2 * (new[1] - old[1]);
+    let change = [new[0] - old[0], new[1] - old[1]];
+    // Of the twist that is left then: friction at the centre turns a long body about an end of it, and both rows against the
+    // same twist would drive it the other way.
+    let turns = spin.dot(n) + twist_by[0] * change[0] + twist_by[1] * change[1];
+    let twist = (f.twist - twist_mass * turns).clamp(-bound, bound);
+    let q = f.tangent * change[0] + t2 * change[1];
     let w = n * (twist - f.twist);
     (f.impulse, f.twist) = (new, twist);
     let ta = f.arm_a.cross(q) + w;
@@ -493,7 +507,6 @@ fn level<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
     let mut on = [L::zero(); P];
     let (mut error, mut sum, mut least) = (L::zero(), L::zero(), L::splat(f32::INFINITY));
     for i in 0..P {
-        let point = &batch.points[i];
         let rest = u[i] + bias[i];
         let acts = mass[i].gt(L::zero()) & (impulse[i].gt(L::zero()) | rest.lt(L::zero()));
         on[i] = L::select(acts, L::one(), L::zero());
@@ -501,7 +514,7 @@ fn level<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
         let rigid = response.stiffness(batch, i, i);
         let soft = rigid * yielding[i] / (L::one() - yielding[i]);
         let own = rigid + soft;
-        let missing = rest + soft * (impulse[i] - point.held);
+        let missing = rest + soft * (impulse[i] - batch.lasting);
         // Not a product: an inert lane has an infinite bias.
         error += L::select(acts, missing, L::zero());
         least = L::select(acts, least.min(impulse[i]), least);

@@ -19,11 +19,11 @@ pub(crate) struct FrictionRow<L, const B: usize> {
     /// The smaller eigenvalue of that inverse [kg]: a step against the slip that never overshoots.
     pub(crate) slide_mass: L,
     pub(crate) twist_mass: L,
+    /// By how much unit impulses along the tangents change the twist [1/(kg m)].
+    pub(crate) twist_by: [L; 2],
     /// Mean distance of the points from the centre: the lever of twist [m].
     pub(crate) radius: L,
     pub(crate) coefficient: L,
-    /// 1 where the surfaces slip past each other, 0 where they rest: there friction only relaxes.
-    pub(crate) slips: L,
     /// [N s]
     pub(crate) impulse: [L; 2],
     /// [N m s]

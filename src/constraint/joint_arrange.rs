@@ -1,7 +1,6 @@
 //! Joints -> batches. Which rows share a batch is settled when joints come or go; what is in them, in every step.
 
 use super::colour::{COLOURS, Colouring, OVERFLOW};
-use super::contact_row::SHARE;
 use super::joint_cut::{Extra, Motor};
 use super::joint_ends::{NONE, Owned};
 use super::joint_fill::{get_sym, line, point, row, tree, turn};
@@ -186,6 +185,9 @@ pub(crate) struct JointInput<'a> {
     /// Substep [s].
     pub(crate) h: f32,
 }
+
+/// Share of a lasting load that a joint bears rigidly.
+const SHARE: f32 = 0.9;
 
 impl JointRows {
     /// Calls `f` with each buffer that has an entry for each body that can be pushed.

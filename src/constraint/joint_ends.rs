@@ -25,14 +25,14 @@ pub(crate) struct JointPass {
 impl JointPass {
     /// For velocities where bodies are.
     pub(super) fn relaxing(inverse_h: f32) -> JointPass {
-        let softness = Softness { bias_rate: 0.0, mass_scale: 1.0, impulse_scale: 0.0 };
+        let softness = Softness::RIGID;
         JointPass { inverse_h, softness, push_speed: 0.0, moved: false, fresh: false, relax: true }
     }
 
     /// Speed per error [1/s], and how much of the impulse is applied and given up.
     #[inline(always)]
     pub(super) fn numbers<L: Lanes>(&self) -> (L, L, L) {
-        let Softness { bias_rate, mass_scale, impulse_scale } = self.softness;
+        let Softness { bias_rate, mass_scale, impulse_scale, .. } = self.softness;
         let (rate, scale, give) =
             if self.relax { (0.0, 1.0, 0.0) } else { (bias_rate, mass_scale, impulse_scale) };
         (L::splat(rate), L::splat(scale), L::splat(give))

@@ -7,7 +7,9 @@
 //! sees velocities that all joints allow: Gauss-Seidel in the coordinates of the joints, at the cost of one more solution.
 
 use super::batch::Batch;
-use super::contact_row::{Free, Motion, Pair, Pass, Response, follow, relative, row, sweep};
+use super::contact_row::{
+    Free, FrictionResponse, Motion, Pair, Pass, Response, follow, relative, row, sweep,
+};
 use super::friction::FrictionRow;
 use super::impact_friction::potential_load;
 use super::joint_close::{Closing, keep_out};
@@ -185,7 +187,7 @@ struct Whole<'a, L, const P: usize> {
     push: Twist<L>,
     mass: [L; P],
     stiffness: [[L; P]; P],
-    friction: ([L; 3], L, L),
+    friction: FrictionResponse<L>,
 }
 
 /// How much of a body's own mobility has to be left in the tree: less is rounding, of what its joints hold where it is.
@@ -206,7 +208,8 @@ impl<'a, L: Lanes, const P: usize> Whole<'a, L, P> {
             let gives = stiffness[i][i].gt(point.stiffness * L::splat(LEAST)) & point.mass.gt(zero);
             mass[i] = L::select(gives, one / L::select(gives, stiffness[i][i], one), zero);
         }
-        let mut friction = ([zero; 3], zero, zero);
+        let mut friction =
+            FrictionResponse { mass: [zero; 3], slide_mass: zero, twist_mass: zero, twist_by: [zero; 2] };
         if let Some(f) = rubs {
             let along =
                 [f.tangent, n.cross(f.tangent)].map(|t| Twist { linear: t, angular: f.arm_a.cross(t) });
@@ -216,13 +219,14 @@ impl<'a, L: Lanes, const P: usize> Whole<'a, L, P> {
             let det = k11 * k22 - k12 * k12;
             let some = det.gt(zero) & f.slide_mass.gt(zero);
             let over = L::select(some, one / L::select(some, det, one), zero);
-            let masses = [k22 * over, -(k12 * over), k11 * over];
-            let (half, apart) =
-                ((masses[0] + masses[2]) * L::splat(0.5), (masses[0] - masses[2]) * L::splat(0.5));
-            let slide = (half - (apart * apart + masses[1] * masses[1]).sqrt()).max(zero);
+            let mass = [k22 * over, -(k12 * over), k11 * over];
+            let (half, apart) = ((mass[0] + mass[2]) * L::splat(0.5), (mass[0] - mass[2]) * L::splat(0.5));
+            let slide_mass = (half - (apart * apart + mass[1] * mass[1]).sqrt()).max(zero);
             let kt = n.dot(whole.angular.mul(n));
             let turns = kt.gt(zero) & f.twist_mass.gt(zero);
-            friction = (masses, slide, L::select(turns, one / L::select(turns, kt, one), zero));
+            let twist_mass = L::select(turns, one / L::select(turns, kt, one), zero);
+            let twist_by = answers.map(|answer| n.dot(answer.angular));
+            friction = FrictionResponse { mass, slide_mass, twist_mass, twist_by };
         }
         Whole { whole, push: Twist::zero(), mass, stiffness, friction }
     }
@@ -238,7 +242,7 @@ impl<L: GatherLanes, const P: usize> Response<L, P, 0> for Whole<'_, L, P> {
         self.stiffness[i][k]
     }
     #[inline(always)]
-    fn friction(&self, _: &FrictionRow<L, 0>) -> ([L; 3], L, L) {
+    fn friction(&self, _: &FrictionRow<L, 0>) -> FrictionResponse<L> {
         self.friction
     }
     #[inline(always)]

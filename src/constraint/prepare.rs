@@ -38,6 +38,8 @@ pub(crate) struct PrepareInput<'a> {
     pub(crate) lengths: StepLengths,
     /// Slip speed below which friction is static [m/s].
     pub(crate) stick: f32,
+    /// [m]
+    pub(crate) slop: f32,
     /// In which order groups of rows are solved.
     pub(crate) order: Order,
     /// Bodies whose contacts with what is static go along with their trees of joints.
@@ -138,7 +140,9 @@ struct Columns<const P: usize> {
     position: [[[f32; 8]; 3]; P],
     separation: [[f32; 8]; P],
     impulse: [[f32; 8]; P],
-    held: [[f32; 8]; P],
+    lasting: [f32; 8],
+    rest: [f32; 8],
+    reach: [f32; 8],
     present: [[f32; 8]; P],
     friction: [[f32; 8]; 3],
     twist: [f32; 8],
@@ -189,7 +193,9 @@ fn gather_columns<const P: usize>(
         position: [[[0.0; 8]; 3]; P],
         separation: [[f32::INFINITY; 8]; P],
         impulse: [[0.0; 8]; P],
-        held: [[0.0; 8]; P],
+        lasting: [0.0; 8],
+        rest: [0.0; 8],
+        reach: [0.0; 8],
         present: [[0.0; 8]; P],
         friction: [[0.0; 8]; 3],
         twist: [0.0; 8],
@@ -247,14 +253,12 @@ fn gather_columns<const P: usize>(
             }
         }
         let (start, count) = part.range(contact);
-        // See `SHARE`.
-        let held = contact.points().iter().map(|p| p.held).sum::<f32>() / f32::from(contact.count);
+        out.lasting[lane] = contact.lasting_force / f32::from(contact.count) * input.lengths.now();
+        [out.rest[lane], out.reach[lane]] = contact.spring(input.slop);
         for (i, point) in contact.points[start..start + count].iter().enumerate().take(P) {
             put3(&mut out.position[i], lane, point.position);
             out.separation[i][lane] = point.separation;
             out.impulse[i][lane] = input.lengths.carry(point.impulse, point.mean_force).max(0.0);
-            // What bears rigidly never pushes: no more than the point bore.
-            out.held[i][lane] = held.min(point.impulse) * input.lengths.ratio();
             out.present[i][lane] = 1.0;
         }
         if touching {
@@ -310,6 +314,8 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
     let (ma, ia) = (L::load(&columns.inverse_mass[0]), sym3(&columns.inverse_inertia[0]));
     let (origin, to_b) = (vec3::<L>(&columns.origin), vec3::<L>(&columns.to_b));
     (batch.normal, batch.peak) = (n, L::zero());
+    batch.lasting = L::load(&columns.lasting);
+    (batch.rest, batch.reach) = (L::load(&columns.rest), L::load(&columns.reach));
     (batch.inverse_mass_a, batch.inverse_inertia_a) = (ma, ia);
     let (mb, ib) = if B > 0 {
         let b = &mut batch.b[0];
@@ -347,7 +353,6 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
         arms_b[i] = arm_b;
         (point.separation, point.now) = (s, s);
         point.mass = L::select(possible, L::one() / k, L::zero());
-        point.held = L::select(possible, L::load(&columns.held[i]), L::zero());
         point.stiffness = k;
         point.impulse = L::select(possible, L::load(&columns.impulse[i]), L::zero());
         for (k, other_b) in arms_b.iter().enumerate().take(i) {
@@ -395,6 +400,7 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
     let (half, apart) = ((f.mass[0] + f.mass[2]) * L::splat(0.5), (f.mass[0] - f.mass[2]) * L::splat(0.5));
     f.slide_mass = (half - (apart * apart + f.mass[1] * f.mass[1]).sqrt()).max(L::zero());
     f.twist_mass = L::select(kt.gt(L::zero()), L::one() / kt, L::zero());
+    f.twist_by = [n.dot(ia1) + n.dot(ib1), n.dot(ia2) + n.dot(ib2)];
     f.radius = radius;
     let old = turn.mul(vec3(&columns.friction)) * sign;
     f.impulse = [old.dot(t1), old.dot(t2)].map(|x| L::select(possible, x, L::zero()));
@@ -423,7 +429,4 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
     let slip = slip - n * slip.dot(n);
     let stick = slip.length_squared().lt(L::splat(input.stick * input.stick));
     f.coefficient = L::select(stick, sticking, sliding);
-    let turns = (wb - wa).length() * radius;
-    let still = turns.lt(L::splat(input.stick));
-    f.slips = L::select(stick & still, L::zero(), L::one());
 }

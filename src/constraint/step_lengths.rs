@@ -32,7 +32,7 @@ const NEW: f32 = 0.25;
 /// steps tells load and rest apart. While steps are of one length nothing is kept.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StepLengths {
-    /// Of the last step, zero before the first [s].
+    /// Of the last step, or of this one if it is the first [s].
     last: f32,
     now: f32,
     warm_starting: bool,
@@ -49,7 +49,17 @@ impl Load for glam::Vec4 {}
 
 impl StepLengths {
     pub(crate) fn new(last: f32, now: f32, warm_starting: bool) -> Self {
-        StepLengths { last, now, warm_starting: warm_starting && last > 0.0 }
+        StepLengths { last: if last > 0.0 { last } else { now }, now, warm_starting }
+    }
+
+    /// The substep of the last step, or of this one if it is the first [s].
+    pub(crate) fn last(self) -> f32 {
+        self.last
+    }
+
+    /// The substep of this step [s].
+    pub(crate) fn now(self) -> f32 {
+        self.now
     }
 
     /// Factor on impulses of loads; zero without warm starting.

@@ -285,13 +285,12 @@ fn forget_impulses(world: &mut World) {
     for pair in &world.broad.pairs {
         let mut slot = pair.contact;
         while let Some(contact) = world.contacts.all.get_mut(slot as usize) {
-            let sum = contact
-                .points
-                .iter()
-                .fold(contact.twist, |sum, point| sum + point.impulse + point.held + point.mean_force);
+            let sum = contact.points.iter().fold(contact.twist + contact.lasting_force, |sum, point| {
+                sum + point.impulse + point.mean_force
+            });
             if !(sum.is_finite() && contact.friction.is_finite() && contact.mean_friction.is_finite()) {
                 let forget = |point: &mut Point| {
-                    (point.impulse, point.held, point.mean_force) = (0.0, 0.0, 0.0);
+                    (point.impulse, point.mean_force) = (0.0, 0.0);
                 };
                 contact.points.iter_mut().for_each(forget);
                 contact.mean_friction = glam::Vec4::ZERO;

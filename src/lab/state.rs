@@ -10,10 +10,9 @@ use std::collections::BTreeMap;
 /// A contact at rest: two colliders and which of their contacts.
 type Name = (u32, u32, u32);
 
-/// Numbers of a contact, beside those of its points: friction and twist.
-const RUBS: usize = 4;
-/// Numbers of a point that bears something.
-const POINT: usize = 2;
+/// Numbers of a contact, beside the impulses of its points: friction and twist. Its lasting force is none of them: it stays as it
+/// is as long as the load is near it.
+const OTHERS: usize = 4;
 
 /// Where the numbers of a contact are in the state, and the places of its points that bear something, in the frame of shape `a`.
 #[derive(Debug)]
@@ -24,7 +23,7 @@ struct Bearing {
 
 impl Bearing {
     fn numbers(&self) -> usize {
-        POINT * self.places.len() + RUBS
+        self.places.len() + OTHERS
     }
 
     /// Which of the points each point of a contact is: the nearest that is still free. Contacts that are found again have the
@@ -132,14 +131,13 @@ impl Layout {
             let same = bearing.same(contact);
             for (point, same) in contact.points.iter_mut().zip(same) {
                 let Some(at) = same else { continue };
-                let at = bearing.first + POINT * at;
+                let at = bearing.first + at;
                 // Contacts push.
                 visit(at, self.impulse, 0.0, &mut point.impulse);
-                visit(at + 1, self.impulse, 0.0, &mut point.held);
             }
             let known = same.iter().flatten().count();
             (met, changed) = (met + known, changed + bears - known);
-            let at = bearing.first + POINT * bearing.places.len();
+            let at = bearing.first + bearing.places.len();
             for (i, value) in contact.friction.as_mut().iter_mut().enumerate() {
                 visit(at + i, self.impulse, f64::NEG_INFINITY, value);
             }

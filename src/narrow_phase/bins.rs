@@ -9,7 +9,7 @@ use super::capsule_box::{capsule_box, tapered_capsule_box};
 use super::capsule_capsule::{capsule_capsule, tapered_capsule_capsule};
 use super::cast::tolerance;
 use super::cast_mesh::Cast;
-use super::collide::{Approach, Input, lanes_of, near, relative_pose, relative_poses};
+use super::collide::{Approach, Input, Same, lanes_of, relative_pose, relative_poses};
 use super::contact::{Contact, NONE};
 use super::convex::collide_convex;
 use super::found::Out;
@@ -287,7 +287,7 @@ fn finish_convex(
         out.empty(index);
     } else {
         let frame = input.poses[pair.a as usize].rotation;
-        contact.renew(&raw, (*rel, frame), near(input, pair));
+        contact.renew(&raw, (*rel, frame), Same::of(input, pair));
         contact.fraction = fraction;
     }
 }

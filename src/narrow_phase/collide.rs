@@ -8,6 +8,7 @@ use super::Relative;
 use super::bins::{Bin, Bins, run_bin};
 use super::contact::{Contact, Contacts, NONE};
 use super::found::{CLEAR, EMPTIED, Found};
+use super::manifold::MAX_POINTS;
 use crate::body::Pose;
 use crate::broad_phase::Pair;
 use crate::config::Continuous;
@@ -160,12 +161,16 @@ pub(crate) struct NarrowStats {
     pub(crate) ghosts: u32,
     /// Points that there was no place for.
     pub(crate) shed: u32,
+    /// A contact that was not there before touches.
+    pub(crate) touching: bool,
 }
 
 /// In `bin_of`: the pair keeps its contact.
 const KEPT: u8 = u8::MAX;
 /// In `bin_of`: the pair is too far apart for a contact. See [`EMPTIED`] too.
 const FAR: u8 = KEPT - 1;
+/// How many times as far as past each other two bodies with a whole face between them may move along its normal.
+const SINK: f32 = 4.0;
 /// Pairs a block: a multiple of the lanes; fewer and the claim shows, more and two threads end apart.
 const BLOCK: usize = per_block(128, 8);
 
@@ -187,6 +192,7 @@ pub(crate) fn collide(
         recycled: bin_of.iter().filter(|&&bin| bin == KEPT).count() as u32,
         ..NarrowStats::default()
     };
+    found.touching = false;
     rooms.within(Category::Scratch, |room| found.plan(bins, pairs, input, room));
     let (mut first, end) = (0, bins.blocks.len());
     loop {
@@ -198,6 +204,7 @@ pub(crate) fn collide(
             break;
         }
     }
+    stats.touching = found.touching;
     for block in &bins.blocks {
         stats.casts += block.casts;
         stats.ghosts += block.ghosts;
@@ -338,7 +345,7 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
     }
     let reach = input.hot[pair.a as usize].radius.min(input.hot[pair.b as usize].radius);
     let limit = input.recycle.min(0.05 * reach);
-    let moved = (now.position - first.found_at.position).length_squared();
+    let moved = moved_past(&first, &(now.position - first.found_at.position), limit);
     // |sin(angle / 2)| of the turn since then, by the quaternion's vector part.
     let d = now.rotation * first.found_at.rotation.conjugate();
     let turned = 4.0 * (d.x * d.x + d.y * d.y + d.z * d.z);
@@ -370,13 +377,34 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
     true
 }
 
+/// Square of how far `b` moved past `a` since their contact was found [m²]. What merely sinks into the other, within a few times
+/// the limit, has the same arms: a stack that lands on itself keeps its contacts, and with them the place to go back to.
+fn moved_past(contact: &Contact, moved: &glam::Vec3, limit: f32) -> f32 {
+    let along = contact.normal.dot(*moved);
+    let sinks = contact.count as usize == MAX_POINTS && contact.next == NONE && along.abs() < SINK * limit;
+    if sinks { (*moved - contact.normal * along).length_squared() } else { moved.length_squared() }
+}
+
 /// Whether a shape is round somewhere.
 fn rolls(input: &Input<'_>, collider: u32) -> bool {
     matches!(input.hot[collider as usize].kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder)
 }
 
-/// How near two points must be to count as the same [m].
-pub(crate) fn near(input: &Input<'_>, pair: &Pair) -> f32 {
-    let radius = |c: u32| input.hot[c as usize].radius;
-    0.1 * radius(pair.a).min(radius(pair.b))
+/// What tells points and contacts that are found again from new ones.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Same {
+    /// How near two points must be to count as the same [m].
+    pub(crate) near: f32,
+    /// What moved further past the other since its contact was found last slides or rolls [m].
+    pub(crate) slides: f32,
+}
+
+impl Same {
+    pub(crate) fn of(input: &Input<'_>, pair: &Pair) -> Same {
+        let radius = |c: u32| input.hot[c as usize].radius;
+        let near = 0.1 * radius(pair.a).min(radius(pair.b));
+        // What creeps is found again once it has moved by the first of these and not yet by twice that.
+        let slides = if input.recycle > 0.0 { near.min(2.0 * input.recycle) } else { near };
+        Same { near, slides }
+    }
 }

@@ -1,6 +1,7 @@
 //! Contacts: manifolds that last while their pair does, with the impulses of the last step.
 
 use super::Relative;
+use super::collide::Same;
 use super::manifold::{MAX_POINTS, RawManifold};
 use crate::memory::{Buffer, Room, bytes_of};
 use glam::{Quat, Vec3, Vec4};
@@ -8,6 +9,18 @@ use glam::{Quat, Vec3, Vec4};
 /// A kept contact turns with its bodies once they have turned together by more than this [rad]: what rides on a
 /// turntable has its normals right within that.
 const FROZEN: f32 = 0.002;
+
+/// [`Contact::static_load`] of a contact whose load was not estimated yet.
+pub(crate) const UNKNOWN_LOAD: f32 = -1.0;
+
+/// Share by which a load may differ from the lasting force that bears it, and the time in which this follows a greater load
+/// [s].
+const BAND: f32 = 0.2;
+const HOLD: f32 = 2.0;
+
+/// How far springs act over a gap, in slops: an edge of a box that leans in a tall stack still bears something 1 mm above what is
+/// below it, and a spring that ended there would drop it.
+const GAP: f32 = 10.0;
 
 /// No contact.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -23,8 +36,6 @@ pub(crate) struct Point {
     pub(crate) found: f32,
     /// Normal impulse of the last substep [N s].
     pub(crate) impulse: f32,
-    /// The part of it that has lasted: what the point bears without yielding (see `Softness`) [N s].
-    pub(crate) held: f32,
     /// Mean force of the last steps [N], kept once steps vary in length; zero before, see [`StepLengths`].
     pub(crate) mean_force: f32,
     pub(crate) key: u32,
@@ -33,7 +44,7 @@ pub(crate) struct Point {
 impl Point {
     /// Takes over what an old point bore.
     fn inherit(&mut self, old: &Point) {
-        (self.impulse, self.held, self.mean_force) = (old.impulse, old.held, old.mean_force);
+        (self.impulse, self.mean_force) = (old.impulse, old.mean_force);
     }
 }
 
@@ -59,6 +70,13 @@ pub(crate) struct Contact {
     pub(crate) twist: f32,
     /// Mean of friction [N] and twist [N m], as [`Point::mean_force`].
     pub(crate) mean_friction: Vec4,
+    /// Normal force that all points together bear whatever their separations are (see `Softness`) [N].
+    pub(crate) lasting_force: f32,
+    /// Separation at which that force bears the load alone, if it is known: zero in the long run, whatever it was when the load
+    /// became known [m].
+    pub(crate) rest: f32,
+    /// Normal force by statics (see `statics`), or [`UNKNOWN_LOAD`] [N].
+    pub(crate) static_load: f32,
     /// Pose of `b` in `a` when the contact was found.
     pub(crate) found_at: Relative,
     /// Rotation of shape `a` when the contact was found: rows act along this normal and at these arms while the contact
@@ -80,6 +98,9 @@ impl Contact {
             friction: Vec3::ZERO,
             twist: 0.0,
             mean_friction: Vec4::ZERO,
+            lasting_force: 0.0,
+            rest: 0.0,
+            static_load: UNKNOWN_LOAD,
             found_at: Relative { position: Vec3::ZERO, rotation: Quat::IDENTITY },
             frame: Quat::IDENTITY,
         }
@@ -90,15 +111,20 @@ impl Contact {
     }
 
     /// Takes a new manifold and keeps the impulses of points that are the same: by key, else by place.
-    /// `near`: how close two points must be to count as one [m].
-    pub(crate) fn renew(&mut self, raw: &RawManifold, (found_at, frame): (Relative, Quat), near: f32) {
+    pub(crate) fn renew(&mut self, raw: &RawManifold, (found_at, frame): (Relative, Quat), same: Same) {
         let old = *self;
         self.take(raw, found_at, frame);
         if old.count == 0 || old.normal.dot(raw.normal) < 0.7 {
             (self.friction, self.twist) = (Vec3::ZERO, 0.0);
+            (self.lasting_force, self.static_load) = (0.0, UNKNOWN_LOAD);
             return;
         }
-        self.inherit(&old, near);
+        self.inherit(&old, same);
+    }
+
+    /// Whether it touches and statics did not estimate its load yet. `real`: a separation up to this counts [m].
+    pub(crate) fn touches_anew(&self, real: f32) -> bool {
+        self.is_unknown() && self.points().iter().any(|p| p.separation <= real)
     }
 
     /// Sets the points without impulses.
@@ -114,7 +140,6 @@ impl Contact {
                 separation: new.separation,
                 found: new.separation,
                 impulse: 0.0,
-                held: 0.0,
                 mean_force: 0.0,
                 key: new.key,
             };
@@ -125,7 +150,16 @@ impl Contact {
     ///
     /// What of the load was on points that are gone goes to those that are new, each the same share: a shape that
     /// slides over triangles rests on other points from step to step, and would sink each time into what bore it.
-    pub(crate) fn inherit(&mut self, old: &Contact, near: f32) {
+    pub(crate) fn inherit(&mut self, old: &Contact, Same { near, slides }: Same) {
+        let moved = self.found_at.position - old.found_at.position;
+        let past = moved - self.normal * self.normal.dot(moved);
+        if past.length_squared() > slides * slides {
+            // What slides or rolls has no lasting loads.
+            (self.lasting_force, self.static_load) = (0.0, UNKNOWN_LOAD);
+        } else {
+            (self.lasting_force, self.rest, self.static_load) =
+                (old.lasting_force, old.rest, old.static_load);
+        }
         let (mut used, mut fresh) = (0u32, 0u32);
         let count = self.count as usize;
         for (k, point) in self.points[..count].iter_mut().enumerate() {
@@ -156,15 +190,63 @@ impl Contact {
         let mut rest = Point::default();
         for (_, point) in old.points().iter().enumerate().filter(|(i, _)| used >> i & 1 == 0) {
             rest.impulse += point.impulse;
-            rest.held += point.held;
             rest.mean_force += point.mean_force;
         }
         let share = 1.0 / fresh.count_ones().max(1) as f32;
         for (_, point) in self.points[..count].iter_mut().enumerate().filter(|(k, _)| fresh >> k & 1 != 0) {
             point.impulse = rest.impulse * share;
-            point.held = rest.held * share;
             point.mean_force = rest.mean_force * share;
         }
+    }
+
+    /// Lets the lasting force follow the load that the points bore in the last substep, of `h` seconds, of a step of `dt`
+    /// seconds. Says whether that load is one that statics should look at.
+    ///
+    /// It follows only a load that is off by more than [`BAND`], and else what statics expects. If it followed every sway, the
+    /// restoring force would lag behind the sway by `0.9 / (omega * HOLD)` and pump it, wherever several manifolds bear a body.
+    pub(crate) fn bear(&mut self, dt: f32, h: f32) -> bool {
+        let load = self.bears() / h;
+        let near = |force: f32| (force - load).abs() <= BAND * load;
+        if self.lasting_force > load * (1.0 + BAND) {
+            // At once, or it would push.
+            self.lasting_force = load;
+        }
+        let target = if near(self.static_load) {
+            self.static_load
+        } else {
+            self.lasting_force.max(load * (1.0 - BAND))
+        };
+        let share = (dt / HOLD).min(1.0);
+        self.lasting_force += (target - self.lasting_force) * share;
+        self.rest -= self.rest * share;
+        load > 0.0 && self.is_unknown()
+    }
+
+    /// Separation at which springs bear nothing but the lasting force, and how far beyond it they act at most [m].
+    ///
+    /// Where the load is known they act at any depth, and over a gap too: a lean that is smaller than it would not be taken back.
+    /// Else only what is deeper than the slop is pushed apart, and rows are rigid above it: what slides, rolls or lands meets no
+    /// spring, which it could press through something thin.
+    pub(crate) fn spring(&self, slop: f32) -> [f32; 2] {
+        if self.is_unknown() { [-slop, 0.0] } else { [self.rest, GAP * slop] }
+    }
+
+    /// Sum of the normal impulses [N s].
+    pub(crate) fn bears(&self) -> f32 {
+        self.points().iter().map(|p| p.impulse).sum()
+    }
+
+    /// Whether statics did not estimate its load yet.
+    pub(crate) fn is_unknown(&self) -> bool {
+        self.static_load == UNKNOWN_LOAD
+    }
+
+    /// Takes an estimate of the load of a contact that bears so much [N].
+    pub(crate) fn expect(&mut self, load: f32, borne: f32) {
+        // Where the bodies are now is where they rest: a lift would throw them.
+        let sum: f32 = self.points().iter().map(|p| p.separation).sum();
+        self.rest = (sum / f32::from(self.count)).min(0.0);
+        (self.lasting_force, self.static_load) = (load.max(borne), load);
     }
 
     /// Moves the points with the bodies, for a pair that hardly moved since its contact was found.

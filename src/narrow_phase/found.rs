@@ -6,7 +6,7 @@
 
 use super::RawManifold;
 use super::bins::{BLOCK as PAIRS, Bins, Block};
-use super::collide::{Input, near, relative_pose};
+use super::collide::{Input, Same, relative_pose};
 use super::contact::{Contact, Contacts, NONE};
 use super::mesh::MeshScratch;
 use crate::broad_phase::Pair;
@@ -168,6 +168,8 @@ pub(crate) struct Found {
     share: Room,
     marks: Marks,
     chain: Vec<Contact>,
+    /// Whether a contact that was not there before touches.
+    pub(super) touching: bool,
 }
 
 impl Found {
@@ -303,7 +305,7 @@ impl Found {
         }
         for block in meshes {
             shed += rooms.within(Category::Scratch, |room| {
-                commit_meshes(block, pairs, contacts, &mut self.chain, input, room)
+                commit_meshes(block, pairs, contacts, (&mut self.chain, &mut self.touching), input, room)
             });
         }
         // In need, those of static geometry before the others.
@@ -320,6 +322,7 @@ impl Found {
                     let frame = input.poses[pair.a as usize].rotation;
                     contact.take(&found.raw, relative_pose(pair, input.poses), frame);
                     contact.fraction = found.fraction;
+                    self.touching |= contact.touches_anew(input.real);
                     pair.contact = contacts.insert(contact);
                     shed += if pair.contact == NONE { found.raw.count } else { 0 };
                 }
@@ -383,7 +386,7 @@ fn commit_meshes(
     block: &mut MeshBlock,
     pairs: &mut [Pair],
     contacts: &mut Contacts,
-    chain: &mut Vec<Contact>,
+    (chain, touching): (&mut Vec<Contact>, &mut bool),
     input: &Input<'_>,
     room: &mut Room,
 ) -> u32 {
@@ -409,10 +412,11 @@ fn commit_meshes(
             let nearest =
                 chain.iter().max_by(|x, y| x.normal.dot(raw.normal).total_cmp(&y.normal.dot(raw.normal)));
             if let Some(old) = nearest.filter(|old| old.normal.dot(raw.normal) > 0.9) {
-                contact.inherit(old, near(input, pair));
+                contact.inherit(old, Same::of(input, pair));
                 (contact.friction, contact.twist) = (old.friction, old.twist);
                 contact.mean_friction = old.mean_friction;
             }
+            *touching |= contact.touches_anew(input.real);
             let slot = contacts.insert(contact);
             if slot == NONE {
                 shed += raw.count;

@@ -218,10 +218,12 @@ fn narrow(world: &World, hash: &mut Hash) {
             hash.pair(contact.count.into(), contact.fraction.to_bits());
             hash.vectors(contact.normal, contact.friction);
             hash.number(contact.twist);
+            hash.pair(contact.lasting_force.to_bits(), contact.static_load.to_bits());
+            hash.number(contact.rest);
             for point in contact.points() {
                 hash.vector(point.position);
                 hash.pair(point.separation.to_bits(), point.impulse.to_bits());
-                hash.pair(point.held.to_bits(), point.key);
+                hash.word(point.key.into());
             }
         }
     }

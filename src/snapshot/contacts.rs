@@ -7,7 +7,7 @@
 use super::words::{Packer, Reader, all_finite, broken, byte, record, words};
 use crate::broad_phase::Pair;
 use crate::error::Error;
-use crate::narrow_phase::{Contact, Contacts, MAX_POINTS, NONE, Point};
+use crate::narrow_phase::{Contact, Contacts, MAX_POINTS, NONE, Point, UNKNOWN_LOAD};
 use crate::shape::{Hot, Kind};
 use glam::Vec3;
 
@@ -36,6 +36,8 @@ const MOVED: u32 = 1 << 12;
 const KEYS: u32 = 13;
 /// Four bits: which points bear something.
 const LOADED: u32 = 15;
+/// Lasting force and load by statics.
+const LASTS: u32 = 1 << 19;
 /// Eight bits: the key of a single point.
 const KEY: u32 = 24;
 
@@ -46,7 +48,7 @@ const KEYS_OF_16: u32 = 2;
 const KEYS_OF_32: u32 = 3;
 
 /// The most words that a contact takes.
-const MOST: usize = 1 + 1 + 3 + 4 + 11 + MAX_POINTS * 9 + 4;
+const MOST: usize = 1 + 1 + 3 + 4 + 3 + 11 + MAX_POINTS * 8 + 4;
 
 /// Whether two colliders fit into one word.
 pub(super) fn is_narrow(slots: usize) -> bool {
@@ -164,13 +166,20 @@ fn save_contact(contact: &Contact, kept: bool, out: &mut Vec<u32>) {
     if !is_zero(rub) {
         line.put(rub);
     }
-    flag(FOUND, kept);
-    if kept {
+    let lasts = contact.lasting_force != 0.0 || contact.static_load != UNKNOWN_LOAD;
+    flag(LASTS, lasts);
+    if lasts {
+        line.put([contact.lasting_force, contact.rest, contact.static_load].map(f32::to_bits));
+    }
+    // What has lasting loads is asked how far it moved.
+    let found = kept || lasts;
+    flag(FOUND, found);
+    if found {
         line.put(words::<3>(contact.found_at.position));
         line.put(words::<4>(contact.found_at.rotation.to_array()));
         line.put(words::<4>(contact.frame.to_array()));
     }
-    let moved = kept && points.iter().any(|p| p.found.to_bits() != p.separation.to_bits());
+    let moved = found && points.iter().any(|p| p.found.to_bits() != p.separation.to_bits());
     flag(MOVED, moved);
     let widest = points.iter().fold(0, |all, p| all | p.key);
     let how = match (widest, points.len()) {
@@ -195,10 +204,10 @@ fn save_contact(contact: &Contact, kept: bool, out: &mut Vec<u32>) {
         if moved {
             line.put([p.found.to_bits()]);
         }
-        let load = [p.impulse.to_bits(), p.held.to_bits()];
-        flag(1 << (LOADED as usize + i), !is_zero(load));
-        if !is_zero(load) {
-            line.put(load);
+        let impulse = p.impulse.to_bits();
+        flag(1 << (LOADED as usize + i), impulse != 0);
+        if impulse != 0 {
+            line.put([impulse]);
         }
     }
     let means = words::<4>(contact.mean_friction.to_array());
@@ -307,6 +316,7 @@ fn check_contact(contact: &Contact) -> Result<(), Error> {
     all_finite(&words::<4>(contact.friction.extend(contact.twist).to_array()))?;
     all_finite(&words::<4>(contact.mean_friction.to_array()))?;
     all_finite(&words::<3>(contact.found_at.position))?;
+    all_finite(&[contact.lasting_force, contact.rest, contact.static_load].map(f32::to_bits))?;
     let turn = contact.found_at.rotation.length_squared();
     let unit = |x: f32| (0.9..1.1).contains(&x);
     if !unit(turn)
@@ -318,7 +328,7 @@ fn check_contact(contact: &Contact) -> Result<(), Error> {
     }
     for p in contact.points() {
         all_finite(&words::<3>(p.position))?;
-        all_finite(&[p.separation, p.found, p.impulse, p.held, p.mean_force].map(f32::to_bits))?;
+        all_finite(&[p.separation, p.found, p.impulse, p.mean_force].map(f32::to_bits))?;
     }
     Ok(())
 }
@@ -344,6 +354,9 @@ fn read_contact(from: &mut Reader<'_>, (a, b): (u32, u32), to: &mut Vec<Contact>
     if flags & RUBS != 0 {
         let [x, y, z, twist]: [f32; 4] = from.record::<_, 4>()?;
         (contact.friction, contact.twist) = (Vec3::new(x, y, z), twist);
+    }
+    if flags & LASTS != 0 {
+        [contact.lasting_force, contact.rest, contact.static_load] = from.record::<[f32; 3], 3>()?;
     }
     if flags & FOUND != 0 {
         contact.found_at.position = from.record::<Vec3, 3>()?;
@@ -373,7 +386,7 @@ fn read_contact(from: &mut Reader<'_>, (a, b): (u32, u32), to: &mut Vec<Contact>
             point.found = f32::from_bits(from.one()?);
         }
         if flags >> (LOADED as usize + i) & 1 != 0 {
-            [point.impulse, point.held] = from.record::<[f32; 2], 2>()?;
+            point.impulse = f32::from_bits(from.one()?);
         }
         contact.points[i] = point;
     }

@@ -129,6 +129,7 @@ fn apply(world: &mut World, view: &View<'_>, pairs: &[Pair]) {
     world.settings = view.settings.clone();
     world.origin = view.origin.into();
     (buffers.last_h, buffers.solver.usual_h) = (view.last_h, view.usual_h);
+    (buffers.statics.wait, buffers.statics.pending) = (view.wait, view.pending);
     // Events are of a step that was not.
     events.forget();
 

@@ -29,6 +29,7 @@ pub(super) fn save(world: &World, out: &mut Vec<u32>) {
     settings::save(&world.settings, out);
     out.extend_from_slice(&words::<6>(world.origin.to_array()));
     out.extend([buffers.last_h, buffers.solver.usual_h].map(f32::to_bits));
+    out.push(buffers.statics.wait << 1 | u32::from(buffers.statics.pending));
 
     out.extend(&bodies.slot[..all]);
     let start = out.len();

@@ -11,7 +11,7 @@ use crate::sleep::{SavedSleep, SleepLists};
 use bytemuck::{Pod, Zeroable};
 
 /// The version of the format: of these columns, and of the parts that snapshots share.
-pub(super) const VERSION: u32 = 2;
+pub(super) const VERSION: u32 = 3;
 /// `BSNP` in the first bytes.
 pub(super) const MAGIC: u32 = u32::from_le_bytes(*b"BSNP");
 
@@ -76,6 +76,9 @@ pub(super) struct View<'a> {
     pub(super) origin: [f64; 3],
     pub(super) last_h: f32,
     pub(super) usual_h: f32,
+    /// See [`Statics`](crate::statics::Statics).
+    pub(super) wait: u32,
+    pub(super) pending: bool,
     /// Of each body that moves or sleeps, in order.
     pub(super) slots: &'a [u32],
     pub(super) bodies: &'a [u32],
@@ -117,6 +120,7 @@ impl<'a> View<'a> {
         let origin: [f64; 3] = from.record::<_, 6>()?;
         let last_h = f32::from_bits(from.one()?);
         let usual_h = f32::from_bits(from.one()?);
+        let statics = from.one()?;
         let is_length = |h: &f32| (0.0..f32::MAX).contains(h);
         if !origin.iter().all(|x| x.is_finite()) || ![last_h, usual_h].iter().all(is_length) {
             return Err(broken("a number is none"));
@@ -128,6 +132,8 @@ impl<'a> View<'a> {
             origin,
             last_h,
             usual_h,
+            wait: statics >> 1,
+            pending: statics & 1 != 0,
             slots: from.table(all, 1)?,
             bodies: from.table(all, BODY)?,
             rest: from.table(if counts.has(REST) { movers } else { 0 }, 1)?,

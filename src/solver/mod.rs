@@ -71,17 +71,13 @@ pub(crate) fn solve(
     let hertz = settings.contact_hertz.min(CALM * Softness::stiffest(count, state.usual_h));
     // What is fixed is twice as stiff; both are too stiff for a substep or none is.
     let spring = Softness::for_substep(hertz, settings.contact_damping, count, h);
-    let fixed = if spring == Softness::RIGID {
-        spring
-    } else {
-        Softness::new(2.0 * hertz, settings.contact_damping, h)
-    };
+    let fixed = Softness::new(2.0 * hertz, settings.contact_damping, h);
+    let fixed = if spring.bias_rate > 0.0 { fixed } else { Softness { ease: fixed.ease, ..Softness::RIGID } };
     let passes = Passes {
         inverse_h: 1.0 / h,
         dynamic: spring,
         fixed,
         push_speed: settings.push_speed * settings.length_unit,
-        slop: settings.slop * settings.length_unit,
         shift: SHIFT * settings.length_unit,
         real: REAL * settings.length_unit,
         friction_box: settings.friction_cone == FrictionCone::Box,

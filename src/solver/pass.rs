@@ -1,8 +1,6 @@
 //! One pass over all batches, in the order of their importance.
 
-use crate::constraint::contact_row::{
-    HOLD, Motion, Pass, SHARE, Softness, solve, store as store_batch, warm_start,
-};
+use crate::constraint::contact_row::{Motion, Pass, Softness, solve, store as store_batch, warm_start};
 use crate::constraint::{
     Batch, BatchRef, Closing, FrictionRow, FrictionView, Group, JointPass, JointRows, JointStage, JointType,
     JointViews, Rows, Stage, StepLengths, Surface, TreeRef, Views, guard, rub, with_batch,
@@ -29,7 +27,6 @@ pub(crate) struct Passes {
     pub(crate) dynamic: Softness,
     pub(crate) fixed: Softness,
     pub(crate) push_speed: f32,
-    pub(crate) slop: f32,
     pub(crate) shift: f32,
     pub(crate) real: f32,
     pub(crate) friction_box: bool,
@@ -178,7 +175,6 @@ impl Passes {
             inverse_h: self.inverse_h,
             softness: if group.is_static() { self.fixed } else { self.dynamic },
             push_speed: self.push_speed,
-            slop: self.slop,
             shift: self.shift,
             real: self.real,
             friction_box: self.friction_box,
@@ -251,28 +247,40 @@ pub(crate) fn add_impulses(views: &Views<'_>, impulses: &mut [f32]) {
     }
 }
 
-/// Writes impulses back to the contacts. Says how many contacts pushed before they touched.
+/// What storing the impulses of a step found.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Stored {
+    /// Contacts that pushed before they touched.
+    pub(crate) pushed: u32,
+    /// Whether some contact bears a load that statics did not estimate yet.
+    pub(crate) unknown_load: bool,
+}
+
+/// Writes impulses back to the contacts, after a step of `dt` seconds.
 pub(crate) fn store(
     crew: &Crew<'_>,
     rows: &mut Rows,
     dt: f32,
     lengths: StepLengths,
     contacts: &Shared<'_, Contact>,
-) -> u32 {
-    let pushed = AtomicU32::new(0);
-    let (hold, views) = (Hold { share: (dt / HOLD).min(1.0), lengths }, rows.views());
+) -> Stored {
+    let (pushed, unknown) = (AtomicU32::new(0), AtomicBool::new(false));
+    let views = rows.views();
     let block = |stage: &Stage, index: usize| {
         let of = views.schedule[index];
         let potential = stage.group.is_potential();
         // SAFETY: each batch stands in the schedule once. Of what may touch there are no rows.
-        let count = unsafe {
+        let stored = unsafe {
             with_batch!(views, stage.group, of, |batch, friction| {
                 let rows = if potential { None } else { friction.touching(of) };
-                put(batch, rows.as_deref(), potential, hold, contacts)
+                store_in_contacts(batch, rows.as_deref(), potential, (dt, lengths), contacts)
             })
         };
-        if count > 0 {
-            pushed.fetch_add(count, Ordering::Relaxed);
+        if stored.pushed > 0 {
+            pushed.fetch_add(stored.pushed, Ordering::Relaxed);
+        }
+        if stored.unknown_load {
+            unknown.store(true, Ordering::Relaxed);
         }
     };
     for stage in views.stages {
@@ -287,33 +295,22 @@ pub(crate) fn store(
             (first..(first + STORED).min(end)).for_each(|index| block(stage, index));
         });
     }
-    pushed.into_inner()
+    Stored { pushed: pushed.into_inner(), unknown_load: unknown.into_inner() }
 }
 
-/// How loads become lasting ones in a step.
-#[derive(Clone, Copy)]
-struct Hold {
-    share: f32,
-    lengths: StepLengths,
-}
-
-fn take(point: &mut Point, impulse: f32, hold: Hold) {
+fn take(point: &mut Point, impulse: f32, lengths: StepLengths) {
     point.impulse = impulse;
-    point.mean_force = hold.lengths.follow(point.mean_force, impulse);
-    // A load that is gone is gone at once: what bears rigidly never pushes.
-    let (bears, held) = (impulse * SHARE, point.held * hold.lengths.ratio());
-    let lasting = held.min(bears);
-    point.held = lasting + (bears - lasting) * hold.share;
+    point.mean_force = lengths.follow(point.mean_force, impulse);
 }
 
-fn put<L: GatherLanes, const P: usize, const B: usize>(
+fn store_in_contacts<L: GatherLanes, const P: usize, const B: usize>(
     batch: &Batch<L, P, B>,
     friction: Option<&FrictionRow<L, B>>,
     potential: bool,
-    hold: Hold,
+    (dt, lengths): (f32, StepLengths),
     contacts: &Shared<'_, Contact>,
-) -> u32 {
-    let (mut count, rubs) = (0, friction.is_some());
+) -> Stored {
+    let (mut stored, rubs) = (Stored::default(), friction.is_some());
     store_batch(batch, friction, |part, impulses, peak, friction, twist| {
         // SAFETY: a contact is in one lane of one batch. Its points, if apart, are in different stages, or in one that is
         // serial.
@@ -321,19 +318,20 @@ fn put<L: GatherLanes, const P: usize, const B: usize>(
         let pushed = potential && peak > 0.0;
         let friction = if rubs { contact.frame.conjugate() * friction } else { glam::Vec3::ZERO };
         // Of a contact whose points are apart, another may have pushed already.
-        count += u32::from(pushed && !contact.pushed);
+        stored.pushed += u32::from(pushed && !contact.pushed);
         if let Some(point) = part.only() {
-            take(&mut contact.points[point], impulses[0], hold);
+            take(&mut contact.points[point], impulses[0], lengths);
             contact.pushed |= pushed;
             contact.friction += friction;
             return;
         }
         for (point, &impulse) in contact.points.iter_mut().zip(impulses).take(contact.count as usize) {
-            take(point, impulse, hold);
+            take(point, impulse, lengths);
         }
         contact.pushed = pushed;
         (contact.friction, contact.twist) = (friction, twist);
-        contact.mean_friction = hold.lengths.follow(contact.mean_friction, friction.extend(twist));
+        contact.mean_friction = lengths.follow(contact.mean_friction, friction.extend(twist));
+        stored.unknown_load |= contact.bear(dt, lengths.now());
     });
-    count
+    stored
 }

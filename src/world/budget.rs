@@ -269,6 +269,7 @@ impl World {
         buffers.forces.each((n.movers, n.dynamic), &mut scratch);
         buffers.broad.each((n.movers, n.colliders.moving), &mut scratch);
         buffers.prepare.each(n.dynamic, n.raised, &mut scratch);
+        buffers.statics.each(n.dynamic, &mut scratch);
         buffers.solver.each(n.movers, &mut scratch);
         buffers.finish.each((n.movers, n.dynamic), n.joined, &mut scratch);
         if self.bodies.rests {

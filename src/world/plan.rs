@@ -57,6 +57,7 @@ impl World {
         bytes.add(Category::Scratch, narrow.missing(crowd.pairs));
         bytes.add(Category::Scratch, narrow.missing_to_find(crowd.fresh, crowd.of_meshes));
         bytes.add(Category::Scratch, buffers.prepare.missing(contacts));
+        bytes.add(Category::Scratch, buffers.statics.missing(contacts));
         let manifolds = empty.contacts.missing(contacts);
         // Each number of points ends with batches that are not full.
         let batches = crowd.contacts.map(|side| side.map(|n| (n.div_ceil(8) + ENDS).min(n)));

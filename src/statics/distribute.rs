@@ -1,0 +1,107 @@
+//! A load over the points that bear a rigid body.
+
+use glam::{Mat3, Vec3};
+
+/// Stiffness against displacements that no point resists, as a share of that of one point: a body on an edge has no
+/// equilibrium, and its estimate is bounded.
+const LOOSE: f32 = 1e-5;
+
+/// A point below a body.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PointLoad {
+    pub(super) contact: u32,
+    pub(super) point: u32,
+    /// The body that bears.
+    pub(super) lower: u32,
+    /// Direction of the force.
+    pub(super) normal: Vec3,
+    /// From the centre of mass of the body that is borne [m].
+    pub(super) arm: Vec3,
+    /// [N]
+    pub(super) force: f32,
+    /// What a unit of force does upwards, and about two level axes over the longest arm.
+    pub(super) row: Vec3,
+    pub(super) pulls: bool,
+}
+
+/// Sets the forces of points that balance a force and a moment about the centre of mass of the body above them: those of equal
+/// springs under a rigid body, of which none pulls.
+///
+/// These are also the smallest that do (in squares), and those that the springs of the contacts have at rest, so that what stands
+/// begins where it stays. Up and about level axes only: what acts along the level is left to friction.
+pub(super) fn distribute(
+    points: &mut [PointLoad],
+    (force, moment): (Vec3, Vec3),
+    (up, axes): (Vec3, (Vec3, Vec3)),
+) {
+    let reach = points.iter().fold(f32::MIN_POSITIVE, |reach, p| reach.max(p.arm.length()));
+    let level = |v: Vec3| Vec3::new(0.0, v.dot(axes.0), v.dot(axes.1)) / reach;
+    for point in points.iter_mut() {
+        point.row = level(point.arm.cross(point.normal)) + Vec3::X * point.normal.dot(up);
+    }
+    let load = level(moment) + Vec3::X * force.dot(up);
+    for _ in 0..points.len() {
+        let mut stiffness = Mat3::from_diagonal(Vec3::splat(LOOSE));
+        for PointLoad { row, .. } in points.iter().filter(|p| !p.pulls) {
+            stiffness += Mat3::from_cols(*row * row.x, *row * row.y, *row * row.z);
+        }
+        let displacement = stiffness.inverse() * load;
+        let mut least: Option<(usize, f32)> = None;
+        for (i, point) in points.iter_mut().enumerate().filter(|(_, p)| !p.pulls) {
+            point.force = point.row.dot(displacement);
+            if point.force < least.map_or(0.0, |(_, force)| force) {
+                least = Some((i, point.force));
+            }
+        }
+        let Some((i, _)) = least else { break };
+        (points[i].pulls, points[i].force) = (true, 0.0);
+    }
+    // What would topple has no equilibrium: no more than the weight is borne.
+    let borne: f32 = points.iter().map(|p| p.force * p.row.x).sum();
+    let share = if borne > load.x { load.x.max(0.0) / borne } else { 1.0 };
+    for point in points {
+        point.force = if point.force.is_finite() { (point.force * share).max(0.0) } else { 0.0 };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn forces(at: &[[f32; 2]], force: f32, moment: Vec3) -> Vec<f32> {
+        let point = |&[x, z]: &[f32; 2]| PointLoad {
+            normal: Vec3::Y,
+            arm: Vec3::new(x, -0.5, z),
+            ..PointLoad::default()
+        };
+        let mut points: Vec<PointLoad> = at.iter().map(point).collect();
+        distribute(&mut points, (Vec3::Y * force, moment), (Vec3::Y, (Vec3::X, Vec3::Z)));
+        points.iter().map(|p| p.force).collect()
+    }
+
+    /// Expected values by the law of the lever, for a weight of 12 N.
+    #[test]
+    fn a_load_is_shared_by_the_law_of_the_lever() {
+        let near = |forces: Vec<f32>, expected: &[f32]| {
+            assert!(
+                forces.iter().zip(expected).all(|(f, e)| (f - e).abs() < 2e-3),
+                "{forces:?} {expected:?}"
+            );
+        };
+        // A square under the middle: a quarter each.
+        let square = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];
+        near(forces(&square, 12.0, Vec3::ZERO), &[3.0; 4]);
+        // Supports 1 m and 3 m beside the centre, two points each.
+        let uneven = [[1.0, 1.0], [1.0, -1.0], [-3.0, 1.0], [-3.0, -1.0]];
+        near(forces(&uneven, 12.0, Vec3::ZERO), &[4.5, 4.5, 1.5, 1.5]);
+        // A moment of 6 N m about z is 1.5 N more on one side and 1.5 N less on the other at 2 m apart, two points a side.
+        near(forces(&square, 12.0, Vec3::Z * 6.0), &[4.5, 4.5, 1.5, 1.5]);
+        // Twice the moment that lifts a side: nothing pulls, and no more than the weight is borne.
+        let tilted = forces(&square, 12.0, Vec3::Z * 24.0);
+        assert!(tilted.iter().all(|&f| f >= 0.0) && tilted.iter().sum::<f32>() <= 12.001, "{tilted:?}");
+        // On an edge there is no equilibrium, only bounds.
+        let edge = forces(&[[1.0, 1.0], [1.0, -1.0]], 12.0, Vec3::ZERO);
+        assert!(edge.iter().all(|&f| (0.0..=12.0).contains(&f)), "{edge:?}");
+        assert!(forces(&[], 12.0, Vec3::ZERO).is_empty());
+    }
+}

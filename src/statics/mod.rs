@@ -1,0 +1,244 @@
+//! Statics: the loads of contacts that are new in a structure at rest, from the top down.
+//!
+//! Gauss-Seidel passes a load on by one contact in each pass over the rows, so a tower that is put up without loads sinks into
+//! its contacts, by half a metre if it is high, before its lowest rows know of its weight; and what sinks unevenly leans.
+//! So the loads of new contacts are estimated: bodies are gone through from the highest to the lowest, and each hands its weight
+//! and what rests on it to the contacts below it. Shock propagation goes the same way (Guendelman et al., *Nonconvex Rigid
+//! Bodies with Stacking*, 2003), but decides velocities; here the solver stays the judge, and only begins with the estimate
+//! (docs/decisions/statics.md).
+
+mod distribute;
+mod supports;
+
+use crate::body::Bodies;
+use crate::lanes::Record;
+use crate::memory::{Buffer, Category, Room, bytes_of};
+use crate::narrow_phase::Contact;
+use crate::step::STICK;
+use crate::world::World;
+use distribute::{PointLoad, distribute};
+use glam::{DVec3, Vec3};
+
+/// Cosine of the steepest slope that bears something: friction seldom holds more.
+const STEEPEST: f32 = 0.5;
+/// Bodies that approach or part by more than after a fall of so many steps are not at rest, nor are those that slip.
+const STEPS_OF_FALL: f32 = 2.0;
+/// To find new contacts takes a look at all: a step is waited for so many pairs, so many of them at most.
+const PAIRS_PER_STEP: usize = 64;
+const LONGEST_WAIT: u32 = 16;
+/// Points that there is place for below a body from the beginning.
+const POINTS: usize = 64;
+/// In [`Statics::places`]: the body has no new contacts.
+const NOWHERE: u32 = u32::MAX;
+
+/// What is kept from step to step.
+#[derive(Debug, Default)]
+pub(crate) struct Statics {
+    /// Steps until the next estimate may be made.
+    pub(crate) wait: u32,
+    /// Some contact bears a load that is not known, or may come to.
+    pub(crate) pending: bool,
+    /// Of each dynamic body its place in `burdens`, or [`NOWHERE`].
+    places: Vec<u32>,
+    /// Bodies above and below new contacts.
+    burdens: Vec<Burden>,
+    /// Their places, from the lowest to the highest.
+    by_height: Vec<u32>,
+    /// By the body that is borne.
+    supports: Vec<Support>,
+    points: Vec<PointLoad>,
+}
+
+/// What the new contacts below a body have to bear.
+#[derive(Clone, Copy, Debug, Default)]
+struct Burden {
+    body: u32,
+    /// Of its supports, the first and how many.
+    first: u32,
+    count: u32,
+    /// Whether something static or kinematic is below it, next to it or further down.
+    supported: bool,
+    force: Vec3,
+    /// About its centre of mass.
+    moment: Vec3,
+}
+
+/// A new contact that bears a body.
+#[derive(Clone, Copy, Debug, Default)]
+struct Support {
+    /// The body that is borne, and the one that bears.
+    upper: u32,
+    lower: u32,
+    contact: u32,
+    /// In the order of pairs: contacts may be in other places after a snapshot is restored.
+    number: u32,
+    /// Whether the body that is borne is the contact's `a`.
+    is_a: bool,
+}
+
+/// What counts as resting.
+#[derive(Clone, Copy, Debug)]
+struct Rest {
+    up: Vec3,
+    /// Separation up to which points touch [m].
+    touching: f32,
+    /// Speeds towards each other and past each other [m/s].
+    closing: f32,
+    slip: f32,
+    /// Substep that impulses are of [s].
+    h: f32,
+}
+
+impl Statics {
+    /// Live and reserved bytes.
+    pub(crate) fn bytes(&self) -> (usize, usize) {
+        let all = [
+            bytes_of(&self.places),
+            bytes_of(&self.burdens),
+            bytes_of(&self.by_height),
+            bytes_of(&self.supports),
+            bytes_of(&self.points),
+        ];
+        all.into_iter().fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
+    }
+
+    /// Calls `f` with each buffer that has an entry for each dynamic body, and the place that it needs.
+    pub(crate) fn each(&mut self, dynamic: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        f(&mut self.places, dynamic);
+        f(&mut self.burdens, dynamic);
+        f(&mut self.by_height, dynamic);
+    }
+
+    /// Bytes for so many contacts, beside those of [`Statics::each`].
+    pub(crate) fn missing(&self, contacts: usize) -> usize {
+        self.supports.missing(contacts) + self.points.missing(POINTS)
+    }
+
+    fn reserve(&mut self, dynamic: usize, contacts: usize, room: &mut Room) -> bool {
+        room.fit(&mut self.places, dynamic) == dynamic
+            && room.fit(&mut self.burdens, dynamic) == dynamic
+            && room.fit(&mut self.by_height, dynamic) == dynamic
+            && room.fit(&mut self.supports, contacts) == contacts
+            && room.fit(&mut self.points, POINTS) == POINTS
+    }
+}
+
+impl World {
+    /// Estimates loads that are not known, before rows are made for a step of `dt` seconds.
+    pub(crate) fn estimate_loads(&mut self, dt: f32) {
+        let gravity = self.settings.gravity.length();
+        if gravity == 0.0 || !self.settings.warm_starting {
+            return;
+        }
+        let mut rooms = self.rooms();
+        let (dynamic, contacts) = (self.bodies.dynamic(), self.contacts.all.capacity());
+        let statics = &mut self.buffers.statics;
+        statics.wait = statics.wait.saturating_sub(1);
+        // In every step: an estimate in a scene that has long settled must not be the first to allocate.
+        let fits = rooms.within(Category::Scratch, |room| statics.reserve(dynamic, contacts, room));
+        if !statics.pending || statics.wait > 0 {
+            return;
+        }
+        let mut statics = std::mem::take(statics);
+        let unit = self.settings.length_unit;
+        let rest = Rest {
+            up: self.settings.gravity / -gravity,
+            touching: self.settings.slop * unit,
+            closing: STEPS_OF_FALL * gravity * dt,
+            slip: STICK * unit,
+            h: self.lengths(dt).last(),
+        };
+        if fits && self.find_supports(&mut statics, &rest) {
+            self.add_known_loads(&mut statics, &rest);
+            self.find_supported(&mut statics, &rest);
+            rooms.within(Category::Scratch, |room| self.hand_down(&mut statics, &rest, room));
+        }
+        let wait = (self.broad.pairs.len() / PAIRS_PER_STEP) as u32;
+        (statics.wait, statics.pending) = (wait.clamp(1, LONGEST_WAIT), false);
+        self.buffers.statics = statics;
+    }
+
+    /// Hands the burden of each supported body to the new contacts below it.
+    fn hand_down(&mut self, statics: &mut Statics, rest: &Rest, room: &mut Room) {
+        let Statics { places, burdens, by_height, supports, points, .. } = statics;
+        let axes = rest.up.any_orthonormal_pair();
+        for &place in by_height.iter().rev() {
+            let Burden { body, first, count, supported, force, moment } = burdens[place as usize];
+            if !supported {
+                continue;
+            }
+            let supports = &supports[first as usize..(first + count) as usize];
+            let centre = self.bodies.pose[body as usize].position;
+            points.clear();
+            for support in supports {
+                if !is_supported(support.lower, places, burdens) {
+                    continue;
+                }
+                let contact = &self.contacts.all[support.contact as usize];
+                let origin = (self.colliders.poses[contact.a as usize].position - centre).as_vec3();
+                for (i, point) in contact.points().iter().enumerate() {
+                    let load = PointLoad {
+                        contact: support.contact,
+                        point: i as u32,
+                        lower: support.lower,
+                        normal: support.upwards(contact),
+                        arm: origin + contact.frame * point.position,
+                        ..PointLoad::default()
+                    };
+                    if point.separation <= rest.touching && !room.push(points, load) {
+                        return;
+                    }
+                }
+            }
+            distribute(points, (-force, -moment), (rest.up, axes));
+            for point in points.iter() {
+                let Some(&lower) = places.get(point.lower as usize) else { continue };
+                let to = self.bodies.pose[point.lower as usize].position;
+                burdens[lower as usize].add(point.normal * -point.force, (centre - to).as_vec3() + point.arm);
+            }
+            for forces in points.chunk_by(|x, y| x.contact == y.contact) {
+                assume(&mut self.contacts.all[forces[0].contact as usize], forces, rest.h);
+            }
+        }
+    }
+}
+
+impl Burden {
+    /// Adds a force [N] at a point, from the centre of mass [m].
+    fn add(&mut self, force: Vec3, arm: Vec3) {
+        self.force += force;
+        self.moment += arm.cross(force);
+    }
+}
+
+impl Support {
+    /// The direction in which it pushes the body that is borne.
+    fn upwards(&self, contact: &Contact) -> Vec3 {
+        contact.frame * contact.normal * if self.is_a { -1.0 } else { 1.0 }
+    }
+}
+
+/// Whether a body below a new contact bears anything: what is static or kinematic, or rests on such.
+fn is_supported(body: u32, places: &[u32], burdens: &[Burden]) -> bool {
+    places.get(body as usize).is_none_or(|&place| burdens[place as usize].supported)
+}
+
+/// Velocity of a body where it is at `at` [m/s]; zero of a static one.
+fn point_velocity(bodies: &Bodies, body: usize, at: DVec3) -> Vec3 {
+    let still = body >= bodies.movers();
+    let Record { linear, angular, .. } = if still { Record::default() } else { bodies.velocity[body] };
+    linear + angular.cross((at - bodies.pose[body].position).as_vec3())
+}
+
+/// Lets a contact begin with the estimated forces of its points. `h`: substep that its impulses are of [s].
+fn assume(contact: &mut Contact, forces: &[PointLoad], h: f32) {
+    let load: f32 = forces.iter().map(|p| p.force).sum();
+    let borne = contact.bears() / h;
+    contact.expect(load, borne);
+    if borne < load {
+        let missing = (load - borne) / load;
+        for &PointLoad { point, force, .. } in forces {
+            contact.points[point as usize].impulse += force * missing * h;
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! New contacts that bear bodies, and what those bodies bear already.
+
+use super::{Burden, NOWHERE, Rest, STEEPEST, Statics, Support, is_supported, point_velocity};
+use crate::narrow_phase::{Contact, NONE};
+use crate::world::World;
+use glam::Vec3;
+
+impl World {
+    /// Finds contacts whose load is not known, between bodies at rest, and the bodies above and below them. Says whether there are
+    /// any that bear a body.
+    pub(super) fn find_supports(&mut self, statics: &mut Statics, rest: &Rest) -> bool {
+        let Statics { places, burdens, supports, .. } = statics;
+        let dynamic = self.bodies.dynamic();
+        supports.clear();
+        for pair in &self.broad.pairs {
+            let mut slot = pair.contact;
+            while slot != NONE {
+                let index = slot;
+                let contact = &mut self.contacts.all[slot as usize];
+                slot = contact.next;
+                if !contact.touches_anew(rest.touching) {
+                    continue;
+                }
+                let [a, b] = [contact.a, contact.b].map(|c| self.colliders.all[c as usize].body);
+                // What rolls is at rest where it touches: its centre says whether it moves.
+                let at = self.bodies.pose[if (b as usize) < dynamic { b } else { a } as usize].position;
+                let velocity = |body: u32| point_velocity(&self.bodies, body as usize, at);
+                let moves = velocity(b) - velocity(a);
+                let normal = contact.frame * contact.normal;
+                let along = moves.dot(normal);
+                let slip = moves - normal * along;
+                if along.abs() > rest.closing || slip.length_squared() > rest.slip * rest.slip {
+                    continue;
+                }
+                let steep = normal.dot(rest.up);
+                let (upper, lower) = if steep > 0.0 { (b, a) } else { (a, b) };
+                if steep.abs() >= STEEPEST && (upper as usize) < dynamic {
+                    let number = supports.len() as u32;
+                    supports.push(Support { upper, lower, contact: index, number, is_a: upper == a });
+                } else {
+                    // Nothing rests on it.
+                    contact.expect(0.0, contact.bears() / rest.h);
+                }
+            }
+        }
+        if supports.is_empty() {
+            return false;
+        }
+        supports.sort_unstable_by_key(|support| (support.upper, support.number));
+        places.clear();
+        places.resize(dynamic, NOWHERE);
+        burdens.clear();
+        let mut place = |body: u32, burdens: &mut Vec<Burden>| {
+            let place = &mut places[body as usize];
+            if *place == NOWHERE {
+                *place = burdens.len() as u32;
+                let mass = self.bodies.mass[body as usize].inverse;
+                let pull = self.buffers.forces.acceleration.get(body as usize);
+                let force =
+                    if mass > 0.0 { pull.map_or(Vec3::ZERO, |p| p.linear / mass) } else { Vec3::ZERO };
+                burdens.push(Burden { body, force, ..Burden::default() });
+            }
+            *place as usize
+        };
+        let mut first = 0;
+        for some in supports.chunk_by(|x, y| x.upper == y.upper) {
+            let upper = place(some[0].upper, burdens);
+            (burdens[upper].first, burdens[upper].count) = (first, some.len() as u32);
+            first += some.len() as u32;
+            for support in some.iter().filter(|support| (support.lower as usize) < dynamic) {
+                place(support.lower, burdens);
+            }
+        }
+        true
+    }
+
+    /// Adds what known contacts above and below the bodies bear.
+    pub(super) fn add_known_loads(&self, statics: &mut Statics, rest: &Rest) {
+        let Statics { places, burdens, .. } = statics;
+        for pair in &self.broad.pairs {
+            let bodies = [pair.a, pair.b].map(|c| self.colliders.hot[c as usize].body);
+            let place = |body: u32| places.get(body as usize).copied().unwrap_or(NOWHERE);
+            let of_pair = bodies.map(place);
+            if of_pair == [NOWHERE; 2] {
+                continue;
+            }
+            let mut slot = pair.contact;
+            while slot != NONE {
+                let contact: &Contact = &self.contacts.all[slot as usize];
+                slot = contact.next;
+                let normal = contact.frame * contact.normal;
+                let steep = normal.dot(rest.up);
+                if contact.is_unknown() || steep.abs() < STEEPEST || contact.bears() == 0.0 {
+                    continue;
+                }
+                for (side, at) in of_pair.into_iter().enumerate().filter(|(_, at)| *at != NOWHERE) {
+                    let burden = &mut burdens[at as usize];
+                    let sign = if side == 0 { -1.0 } else { 1.0 };
+                    burden.supported |= steep * sign > 0.0;
+                    let centre = self.bodies.pose[bodies[side] as usize].position;
+                    let origin = (self.colliders.poses[contact.a as usize].position - centre).as_vec3();
+                    for point in contact.points() {
+                        let arm = origin + contact.frame * point.position;
+                        burden.add(normal * (sign * point.impulse / rest.h), arm);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Which bodies something static or kinematic bears, directly or by others: what falls as a whole has no loads.
+    pub(super) fn find_supported(&self, statics: &mut Statics, rest: &Rest) {
+        let Statics { places, burdens, by_height, supports, .. } = statics;
+        let up = rest.up.as_dvec3();
+        let key = |place: u32| {
+            let body = burdens[place as usize].body;
+            (self.bodies.pose[body as usize].position.dot(up), body)
+        };
+        by_height.clear();
+        by_height.extend(0..burdens.len() as u32);
+        by_height.sort_unstable_by(|&i, &j| {
+            let ((one, body), (other, next)) = (key(i), key(j));
+            one.total_cmp(&other).then(body.cmp(&next))
+        });
+        for &place in by_height.iter() {
+            let Burden { first, count, .. } = burdens[place as usize];
+            let mut below = supports[first as usize..(first + count) as usize].iter();
+            if below.any(|support| is_supported(support.lower, places, burdens)) {
+                burdens[place as usize].supported = true;
+            }
+        }
+    }
+}
