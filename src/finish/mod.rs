@@ -19,7 +19,7 @@ use crate::constraint::Seat;
 use crate::forces::spins_freely;
 use crate::lanes::{self, Record, Sym3};
 use crate::memory::{Buffer, Made, bytes_of};
-use crate::narrow_phase::Point;
+use crate::narrow_phase::{Point, UNKNOWN_LOAD};
 use crate::shape::Hot;
 use crate::solver::closing;
 use crate::step::REAL;
@@ -285,16 +285,17 @@ fn forget_impulses(world: &mut World) {
     for pair in &world.broad.pairs {
         let mut slot = pair.contact;
         while let Some(contact) = world.contacts.all.get_mut(slot as usize) {
-            let sum = contact.points.iter().fold(contact.twist + contact.lasting_force, |sum, point| {
-                sum + point.impulse + point.mean_force
-            });
-            if !(sum.is_finite() && contact.friction.is_finite() && contact.mean_friction.is_finite()) {
+            let points = contact.points.iter().fold(0.0, |sum, point| sum + point.impulse + point.mean_force);
+            let loads = contact.twist + contact.lasting_force + contact.rest + contact.static_load;
+            let sums = contact.mean_friction + contact.friction.extend(points + loads);
+            if !sums.is_finite() {
                 let forget = |point: &mut Point| {
                     (point.impulse, point.mean_force) = (0.0, 0.0);
                 };
                 contact.points.iter_mut().for_each(forget);
                 contact.mean_friction = glam::Vec4::ZERO;
                 (contact.friction, contact.twist) = (glam::Vec3::ZERO, 0.0);
+                (contact.lasting_force, contact.rest, contact.static_load) = (0.0, 0.0, UNKNOWN_LOAD);
             }
             slot = contact.next;
         }
