@@ -37,12 +37,12 @@ impl Softness {
     /// with so many passes over the rows: see [`Softness::stiffest`], without the margin.
     pub(crate) fn for_substep(hertz: f32, zeta: f32, passes: u32, h: f32) -> Self {
         let spring = Self::new(hertz, zeta, h);
-        // It moves nothing, and ends where it would.
-        if hertz > 1.5 * Self::stiffest(passes, h) {
-            Softness { ease: spring.ease, ..Self::RIGID }
-        } else {
-            spring
-        }
+        if hertz > 1.5 * Self::stiffest(passes, h) { spring.locked() } else { spring }
+    }
+
+    /// One that moves nothing, and ends where this one does.
+    pub(crate) fn locked(self) -> Self {
+        Softness { ease: self.ease, ..Self::RIGID }
     }
 
     /// The stiffest spring [Hz] that substeps of `h` seconds with so many passes over the rows may have.

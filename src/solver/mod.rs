@@ -72,7 +72,7 @@ pub(crate) fn solve(
     // What is fixed is twice as stiff; both are too stiff for a substep or none is.
     let spring = Softness::for_substep(hertz, settings.contact_damping, count, h);
     let fixed = Softness::new(2.0 * hertz, settings.contact_damping, h);
-    let fixed = if spring.bias_rate > 0.0 { fixed } else { Softness { ease: fixed.ease, ..Softness::RIGID } };
+    let fixed = if spring.bias_rate > 0.0 { fixed } else { fixed.locked() };
     let passes = Passes {
         inverse_h: 1.0 / h,
         dynamic: spring,
