@@ -129,7 +129,7 @@ impl World {
         self.bodies.forget_forces(free);
         let mut clock = lap(start, &mut times.broad);
 
-        let narrow = self.narrow(crew);
+        let narrow = self.narrow(crew, dt);
         probe!(self, Narrow);
         let watch = Watch::start(self.needs.hooks > 0);
         self.ask_hooks(hooks);
@@ -196,7 +196,7 @@ impl World {
 
     pub(crate) fn lengths(&self, dt: f32) -> StepLengths {
         let now = dt / self.settings.substeps as f32;
-        StepLengths::new(self.buffers.last_h, now, self.settings.warm_starting)
+        StepLengths::new(self.buffers.last_h, now, dt, self.settings.warm_starting)
     }
 
     /// Of all contacts of the step.
@@ -234,7 +234,7 @@ impl World {
         }
     }
 
-    fn narrow(&mut self, crew: &Crew<'_>) -> crate::narrow_phase::NarrowStats {
+    fn narrow(&mut self, crew: &Crew<'_>, dt: f32) -> crate::narrow_phase::NarrowStats {
         let unit = self.settings.length_unit;
         let mut rooms = self.rooms();
         let (joints, slots) = (&self.joints, &self.bodies.slot);
@@ -243,6 +243,7 @@ impl World {
             hot: &self.colliders.hot,
             poses: &self.colliders.poses,
             motion: &self.buffers.forces.motion,
+            fall: self.settings.gravity * (0.5 * dt * dt),
             dynamic: self.bodies.dynamic(),
             margin: MARGIN * unit,
             real: REAL * unit,

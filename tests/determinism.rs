@@ -47,11 +47,11 @@ fn cases() -> [(Scene, u32, u64); 5] {
 
 /// talk, pile, pyramid, bullets, crossfire.
 const PINNED: [u64; 5] = [
-    0xDB62_535C_A612_1E3B,
-    0xF398_DEBD_4502_B141,
-    0x4C8A_9983_B497_9B9F,
-    0xA628_1596_E39F_5D43,
-    0xB274_3286_03C3_65DF,
+    0xE2A7_4209_E5FA_2174,
+    0x78B0_0409_F5C4_B9A7,
+    0xEB79_2BAF_02F9_A366,
+    0x98C8_86EC_EBC1_59C4,
+    0xCC29_61D8_3040_E2A1,
 ];
 
 #[test]
@@ -131,7 +131,7 @@ fn joints_after(steps: u32, threads: usize) -> u64 {
     world.hash()
 }
 
-const JOINTS: u64 = 0x11F1_5F31_2569_34E2;
+const JOINTS: u64 = 0x0935_AA4C_97D2_2683;
 
 #[test]
 fn every_build_and_any_number_of_threads_give_the_pinned_hash_of_joints() {

@@ -59,25 +59,48 @@ fn what_stands_does_so_at_other_rates() {
 }
 
 #[test]
-fn a_tower_stands_with_any_passes() {
+fn what_stands_does_so_with_any_passes() {
     for (substeps, iterations) in [(1, 1), (1, 8), (2, 1), (8, 1)] {
         let settings = Settings { substeps, iterations, ..Settings::default() };
         stands_with(settings, Standing::Tower(30), 60, 1e-3, 1e-3);
     }
+    for structure in [Standing::Crib(40), Standing::Edge(20), Standing::Layers(40)] {
+        let settings = Settings { substeps: 1, ..Settings::default() };
+        stands_with(settings, structure, 60, 1e-3, 1e-3);
+    }
 }
 
-/// Of a hundredth of the size, in a world that knows, and at a hundred times the weight.
+/// Of a hundredth of the size, in a world that knows, and at a hundred times the weight. Seen before: boxes tilted until their
+/// springs bore what differs between their points, and a crib, planks on edge and a pyramid fell.
 #[test]
 fn what_is_small_or_heavy_stands() {
-    for structure in [Standing::Tower(30), Standing::Wall { width: 20, height: 10 }] {
+    let wall = Standing::Wall { width: 20, height: 10 };
+    let [crib, edge, layers] = [Standing::Crib(40), Standing::Edge(20), Standing::Layers(40)];
+    for structure in
+        [Standing::Tower(30), Standing::Tower(50), wall, Standing::Pyramid(20), crib, edge, layers]
+    {
         stands_with(Settings { length_unit: 0.01, ..Settings::default() }, structure, 60, 1e-5, 1e-5);
         let gravity = Vec3::new(0.0, -981.0, 0.0);
-        stands_with(Settings { gravity, ..Settings::default() }, structure, 60, 1e-3, 2e-3);
+        stands_with(Settings { gravity, ..Settings::default() }, structure, 60, 1e-3, 1e-4);
     }
     let gravity = Vec3::new(0.0, -78.0, 0.0);
     for boxes in [2, 8] {
         let settings = Settings { length_unit: 0.01, gravity, ..Settings::default() };
         stands_with(settings, Standing::Tower(boxes), 60, 1e-5, 1e-5);
+    }
+}
+
+/// From the first step on: loads by statics are those of a rigid body, point by point. By Newton nothing moves; rounding moves it
+/// by 1e-7 of what falls within a step.
+#[test]
+fn what_is_put_up_is_at_rest_at_once() {
+    for structure in [Standing::Tower(20), Standing::Pyramid(20), Standing::Crib(40), Standing::Layers(20)] {
+        let (mut world, bodies) = structure.build(Settings::default(), 1000.0).unwrap();
+        for step in 0..10 {
+            world.step(1.0 / 60.0).unwrap();
+            let speed = rms(&world, &bodies);
+            assert!(speed < 2e-5 * 9.81 / 60.0, "{}, step {step}: {speed} m/s", structure.name());
+        }
     }
 }
 
@@ -141,9 +164,9 @@ fn a_wall_and_a_pyramid_stand_for_two_minutes() {
     stands(Standing::Pyramid(20), 60, 1e-3, 1e-3);
 }
 
-/// Two minutes of a tower at steps that vary; from the 20th second on at rest, but for so much [m/s].
-fn stands_at(boxes: usize, steps: impl Fn(u32) -> f32, speed: f64) {
-    let (mut world, bodies) = Standing::Tower(boxes).build(Settings::default(), 1000.0).unwrap();
+/// Two minutes at steps that vary; from the 20th second on at rest, but for so much [m/s].
+fn stands_at(structure: Standing, steps: impl Fn(u32) -> f32, speed: f64) {
+    let (mut world, bodies) = structure.build(Settings::default(), 1000.0).unwrap();
     let top = *bodies.last().unwrap();
     let start = world.position(top).unwrap();
     let (mut time, mut step) = (0.0, 0);
@@ -151,26 +174,47 @@ fn stands_at(boxes: usize, steps: impl Fn(u32) -> f32, speed: f64) {
         world.step(steps(step)).unwrap();
         (time, step) = (time + f64::from(steps(step)), step + 1);
         let off = common::sideways(world.position(top).unwrap() - start);
-        assert!(off < 1e-3, "{time} s: {off} m aside");
+        assert!(off < 1e-3, "{}, {time} s: {off} m aside", structure.name());
         let now = rms(&world, &bodies);
-        assert!(time < 20.0 || now < speed, "{time} s: {now} m/s");
+        assert!(time < 20.0 || now < speed, "{}, {time} s: {now} m/s", structure.name());
     }
+}
+
+fn hitches(step: u32) -> f32 {
+    if step % 46 == 45 { 0.25 } else { 1.0 / 60.0 }
+}
+
+fn alternating(step: u32) -> f32 {
+    if step % 2 == 0 { 1.0 / 30.0 } else { 1.0 / 144.0 }
 }
 
 /// Once a spring was as stiff as each substep allows, held loads were compared in units of two substeps, and what stopped the
 /// last of a velocity was warm-started as if it were a load: the towers of 10 and 8 fell after 87 and 80 s.
 #[test]
-fn a_tower_stands_through_hitches() {
-    for boxes in [2, 5, 10, 20] {
-        stands_at(boxes, |step| if step % 46 == 45 { 0.25 } else { 1.0 / 60.0 }, REST);
+fn towers_stand_through_hitches() {
+    for boxes in [2, 5, 10, 20, 30] {
+        stands_at(Standing::Tower(boxes), hitches, REST);
     }
 }
 
+/// Once the force that is warm-started in a long step was the mean of the last few steps, which lags behind a sway: it grew
+/// fourfold with each hitch, and cribs, layers and a wall of five rows fell within 20 s.
 #[test]
-fn a_tower_stands_at_steps_that_alternate() {
-    for boxes in [2, 3, 5, 8, 15, 20, 30] {
-        stands_at(boxes, |step| if step % 2 == 0 { 1.0 / 30.0 } else { 1.0 / 144.0 }, REST);
+fn what_several_contacts_bear_stands_through_hitches() {
+    let walls = [5, 10].map(|height| Standing::Wall { width: 20, height });
+    for structure in walls.into_iter().chain([Standing::Pyramid(20), Standing::Crib(40), Standing::Edge(20)])
+    {
+        stands_at(structure, hitches, REST);
     }
+    stands_at(Standing::Layers(40), hitches, REST);
+}
+
+#[test]
+fn what_stands_does_so_at_steps_that_alternate() {
+    for boxes in [2, 3, 5, 8, 15, 20, 30] {
+        stands_at(Standing::Tower(boxes), alternating, REST);
+    }
+    stands_at(Standing::Crib(40), alternating, REST);
 }
 
 /// Between two lengths [s], the same in every run.
@@ -183,21 +227,19 @@ fn random_step(step: u32, least: f32, most: f32) -> f32 {
 
 /// Springs follow the usual substep; since they bear no part of a known load, what stands does not.
 #[test]
-fn a_tower_stands_at_random_steps() {
+fn what_stands_does_so_at_random_steps() {
     for boxes in [10, 20] {
-        stands_at(boxes, |step| random_step(step, 1.0 / 144.0, 1.0 / 30.0), REST);
-        stands_at(boxes, |step| random_step(step, 1.0 / 240.0, 1.0 / 15.0), REST);
+        stands_at(Standing::Tower(boxes), |step| random_step(step, 1.0 / 144.0, 1.0 / 30.0), REST);
+        stands_at(Standing::Tower(boxes), |step| random_step(step, 1.0 / 240.0, 1.0 / 15.0), REST);
     }
+    stands_at(Standing::Pyramid(20), |step| random_step(step, 1.0 / 240.0, 1.0 / 15.0), REST);
 }
 
 /// Friction holds it as long as the slope is less than the coefficient, tan 20° = 0.36 of 0.6, whatever the steps.
 #[test]
 fn a_box_stays_on_a_slope_at_steps_that_vary() {
-    let steps: [fn(u32) -> f32; 3] = [
-        |step| if step % 2 == 0 { 1.0 / 30.0 } else { 1.0 / 144.0 },
-        |step| if step % 46 == 45 { 0.25 } else { 1.0 / 60.0 },
-        |step| random_step(step, 1.0 / 240.0, 1.0 / 15.0),
-    ];
+    let steps: [fn(u32) -> f32; 3] =
+        [alternating, hitches, |step| random_step(step, 1.0 / 240.0, 1.0 / 15.0)];
     for (way, length) in steps.into_iter().enumerate() {
         let mut world = World::new(Settings::default()).unwrap();
         let turn = Quat::from_rotation_z(20.0_f32.to_radians());

@@ -50,7 +50,6 @@ fn a_pendulum_upside_down_grows_as_theory_has_it() {
 
 /// The same hanging: it swings at that rate, and gains nothing.
 #[test]
-#[ignore = "measured: 1 + 2.3e-5 a step at 60 Hz for 1e-5"]
 fn a_pendulum_that_hangs_swings_as_theory_has_it() {
     let world = pendulum(-1.0, Geometry::Sphere { radius: 0.2 });
     let expected = rate_squared(1.0, 0.2).sqrt() / std::f64::consts::TAU;
@@ -124,7 +123,6 @@ nothing_grows! {
     in_a_tower_at_120_hz: Standing::Tower(15), Settings::default(), 120.0;
     with_friction_at_points_in_a_tower_of_3: Standing::Tower(3), points(), 60.0;
     /// Seen before: 0.58/s, and it never came to rest.
-    #[ignore = "measured: 0.01/s, and it stands for 120 s"]
     with_friction_at_points_in_a_tower_of_10: Standing::Tower(10), points(), 60.0;
     /// Sequential impulses. Seen before: 0.62/s.
     with_1_substep_of_8_iterations: Standing::Tower(10), passes(1, 8), 60.0;

@@ -21,6 +21,8 @@ pub(crate) struct PointRow<L, const B: usize> {
     pub(crate) impulse: L,
     /// 1 / mass of the row [1/kg].
     pub(crate) stiffness: L,
+    /// The part of the impulse that does not yield [N s].
+    pub(crate) lasting: L,
 }
 
 /// What rows know of the bodies `b` of a batch.
@@ -53,9 +55,7 @@ pub(crate) struct Batch<L, const P: usize, const B: usize> {
     /// Of potential points: the largest impulse in any substep [N s]. One that hits something at rest in space pushes
     /// in the substep of the impact, and has nothing to bear in those that follow.
     pub(crate) peak: L,
-    /// The part of the impulse at each point that does not yield [N s].
-    pub(crate) lasting: L,
-    /// Separation at which springs bear nothing but the lasting impulse, and how far beyond it they act at most [m].
+    /// Separation at which springs bear nothing but the lasting impulses, and how far beyond it they act at most [m].
     pub(crate) rest: L,
     pub(crate) reach: L,
     pub(crate) b: [OfB<L>; B],
@@ -84,9 +84,9 @@ unsafe impl<L: Zeroable, const P: usize, const B: usize> Zeroable for Batch<L, P
 unsafe impl<L: Lanes + Pod, const P: usize, const B: usize> Pod for Batch<L, P, B> {}
 
 impl<L: Lanes, const P: usize, const B: usize> Batch<L, P, B> {
-    /// Numbers of all lanes: three of the normal, seven of mass and inertia, eight of a point and one of a coupling, two more
-    /// couplings, peak, lasting impulse, rest and reach; seven of the bodies `b` and three of their arms.
-    const LANES: usize = 3 + 7 + (8 + 1 + 3 * B) * P + 2 + 4 + 7 * B;
+    /// Numbers of all lanes: three of the normal, seven of mass and inertia, nine of a point and one of a coupling, two more
+    /// couplings, peak, rest and reach; seven of the bodies `b` and three of their arms.
+    const LANES: usize = 3 + 7 + (9 + 1 + 3 * B) * P + 2 + 3 + 7 * B;
     const NO_GAPS: () =
         assert!(size_of::<Self>() == Self::LANES * size_of::<L>() + (8 + 8 * B + 8 + 1 + 1 + 6) * 4);
 

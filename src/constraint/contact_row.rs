@@ -344,7 +344,7 @@ pub(super) fn sweep<
     let ease = L::splat(pass.softness.ease);
     let pushes = L::splat(if pass.relax { 0.0 } else { 1.0 }).gt(L::zero());
     let n = batch.normal;
-    let (lasting, rest, reach) = (batch.lasting, batch.rest, batch.reach);
+    let (rest, reach) = (batch.rest, batch.reach);
 
     if FRICTION && let Some(f) = friction {
         rub::<L, P, B, R>(batch, f, v, pass, response);
@@ -364,7 +364,7 @@ pub(super) fn sweep<
         impulse[i] = point.impulse;
         // Apart: only what would close the gap within this substep is taken away, and rigidly so.
         // Springs end where they would pull.
-        let apart = s.ge(rest + (ease * lasting * point.stiffness).min(reach));
+        let apart = s.ge(rest + (ease * point.lasting * point.stiffness).min(reach));
         let speculative = (s * L::splat(pass.inverse_h)).max(L::zero());
         bias[i] = L::select(apart, speculative, ((s - rest) * rate).max(push_speed));
         mass[i] = response.mass(batch, i) * L::select(apart, L::one(), mass_scale);
@@ -378,7 +378,7 @@ pub(super) fn sweep<
     if !FRICTION {
         // Nothing closes and nothing bears load: what follows would change nothing. So it is with most that may meet.
         let acts = |i: usize| {
-            let loaded = impulse[i].gt(L::zero()) | lasting.gt(L::zero());
+            let loaded = impulse[i].gt(L::zero()) | batch.points[i].lasting.gt(L::zero());
             mass[i].gt(L::zero()) & (loaded | (u[i] + bias[i]).lt(L::zero()))
         };
         if !(1..P).fold(acts(0), |any, i| any | acts(i)).any() {
@@ -397,7 +397,7 @@ pub(super) fn sweep<
     }
     for i in 0..P {
         let mut new = impulse[i] - mass[i] * (u[i] + bias[i]);
-        new -= (impulse[i] - lasting) * yielding[i];
+        new -= (impulse[i] - batch.points[i].lasting) * yielding[i];
         // An inert lane has an infinite separation; of 0 * inf, which is no number, the larger one is zero.
         let new = new.max(L::zero());
         let change = new - impulse[i];
@@ -514,7 +514,7 @@ fn level<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
         let rigid = response.stiffness(batch, i, i);
         let soft = rigid * yielding[i] / (L::one() - yielding[i]);
         let own = rigid + soft;
-        let missing = rest + soft * (impulse[i] - batch.lasting);
+        let missing = rest + soft * (impulse[i] - batch.points[i].lasting);
         // Not a product: an inert lane has an infinite bias.
         error += L::select(acts, missing, L::zero());
         least = L::select(acts, least.min(impulse[i]), least);

@@ -140,7 +140,7 @@ struct Columns<const P: usize> {
     position: [[[f32; 8]; 3]; P],
     separation: [[f32; 8]; P],
     impulse: [[f32; 8]; P],
-    lasting: [f32; 8],
+    lasting: [[f32; 8]; P],
     rest: [f32; 8],
     reach: [f32; 8],
     present: [[f32; 8]; P],
@@ -193,7 +193,7 @@ fn gather_columns<const P: usize>(
         position: [[[0.0; 8]; 3]; P],
         separation: [[f32::INFINITY; 8]; P],
         impulse: [[0.0; 8]; P],
-        lasting: [0.0; 8],
+        lasting: [[0.0; 8]; P],
         rest: [0.0; 8],
         reach: [0.0; 8],
         present: [[0.0; 8]; P],
@@ -253,12 +253,13 @@ fn gather_columns<const P: usize>(
             }
         }
         let (start, count) = part.range(contact);
-        out.lasting[lane] = contact.lasting_force / f32::from(contact.count) * input.lengths.now();
+        let lasting = contact.lasting_force * input.lengths.now();
         [out.rest[lane], out.reach[lane]] = contact.spring(input.slop);
         for (i, point) in contact.points[start..start + count].iter().enumerate().take(P) {
             put3(&mut out.position[i], lane, point.position);
             out.separation[i][lane] = point.separation;
             out.impulse[i][lane] = input.lengths.carry(point.impulse, point.mean_force).max(0.0);
+            out.lasting[i][lane] = point.share * lasting;
             out.present[i][lane] = 1.0;
         }
         if touching {
@@ -314,7 +315,6 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
     let (ma, ia) = (L::load(&columns.inverse_mass[0]), sym3(&columns.inverse_inertia[0]));
     let (origin, to_b) = (vec3::<L>(&columns.origin), vec3::<L>(&columns.to_b));
     (batch.normal, batch.peak) = (n, L::zero());
-    batch.lasting = L::load(&columns.lasting);
     (batch.rest, batch.reach) = (L::load(&columns.rest), L::load(&columns.reach));
     (batch.inverse_mass_a, batch.inverse_inertia_a) = (ma, ia);
     let (mb, ib) = if B > 0 {
@@ -354,6 +354,7 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
         (point.separation, point.now) = (s, s);
         point.mass = L::select(possible, L::one() / k, L::zero());
         point.stiffness = k;
+        point.lasting = L::load(&columns.lasting[i]);
         point.impulse = L::select(possible, L::load(&columns.impulse[i]), L::zero());
         for (k, other_b) in arms_b.iter().enumerate().take(i) {
             let both = batch.points[k].arm_a.dot(turned_a[i]) + other_b.dot(turned_b[i]);

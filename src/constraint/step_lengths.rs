@@ -4,6 +4,7 @@
 //! spring alone, so the spring stays the same from step to step ([`usual_substep`]); and impulses of lasting loads go with the
 //! length of the substep ([`StepLengths`]).
 
+use crate::narrow_phase::HOLD;
 use std::ops::{Add, Mul, Sub};
 
 /// How far the substep that springs are made for follows that of a step: a hundredth up, a thousandth down. So it settles
@@ -20,21 +21,20 @@ pub(crate) fn usual_substep(usual: f32, h: f32) -> f32 {
     if usual == 0.0 { h } else { h.clamp(usual * (1.0 - SHORTER), usual * (1.0 + LONGER)) }
 }
 
-/// Share of a step's force in the mean of the last steps.
-const NEW: f32 = 0.25;
-
 /// The substeps of the last step and of this one.
 ///
 /// An impulse is what a load takes in a substep and what the last pass did besides, to stop what was left of the velocities.
 /// The load goes with the length of the substep. The rest is a momentum, not a force: in proportion too, it would grow by the
 /// ratio whenever a long step follows a short one, and two boxes would rock each other at steps of 1/30 and 1/144 s by turns.
 /// So it never grows; that it shrinks before a shorter step keeps a tower of 20 up that falls otherwise. The mean of the last
-/// steps tells load and rest apart. While steps are of one length nothing is kept.
+/// seconds tells load and rest apart: of fewer, and it would follow a sway, with a lag, and pump it at every long step. While steps are of one length nothing is kept.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StepLengths {
     /// Of the last step, or of this one if it is the first [s].
     last: f32,
     now: f32,
+    /// Share of this step's force in the mean of the last steps.
+    share: f32,
     warm_starting: bool,
 }
 
@@ -48,8 +48,14 @@ impl Load for f32 {}
 impl Load for glam::Vec4 {}
 
 impl StepLengths {
-    pub(crate) fn new(last: f32, now: f32, warm_starting: bool) -> Self {
-        StepLengths { last: if last > 0.0 { last } else { now }, now, warm_starting }
+    /// Of a step of `dt` seconds, with substeps of `now` seconds after such of `last` seconds, or zero.
+    pub(crate) fn new(last: f32, now: f32, dt: f32, warm_starting: bool) -> Self {
+        StepLengths {
+            last: if last > 0.0 { last } else { now },
+            now,
+            share: (dt / HOLD).min(1.0),
+            warm_starting,
+        }
     }
 
     /// The substep of the last step, or of this one if it is the first [s].
@@ -84,7 +90,7 @@ impl StepLengths {
             return mean;
         }
         let force = impulse * (1.0 / self.now);
-        if mean == T::default() { force } else { mean + (force - mean) * NEW }
+        if mean == T::default() { force } else { mean + (force - mean) * self.share }
     }
 }
 
@@ -95,15 +101,15 @@ mod tests {
     /// By Newton: a force of 10 N is an impulse of 0.1 N s in 10 ms and of 0.4 N s in 40 ms.
     #[test]
     fn loads_go_with_the_length_of_the_substep_and_momenta_never_grow() {
-        let longer = StepLengths::new(0.01, 0.04, true);
+        let longer = StepLengths::new(0.01, 0.04, 0.16, true);
         assert!((longer.carry(0.1, 10.0) - 0.4_f32).abs() < 1e-6);
         assert!((longer.carry(0.13, 10.0) - 0.43_f32).abs() < 1e-6);
-        let shorter = StepLengths::new(0.04, 0.01, true);
+        let shorter = StepLengths::new(0.04, 0.01, 0.04, true);
         assert!((shorter.carry(0.48, 10.0) - 0.12_f32).abs() < 1e-6);
         // Of one length: the same bits, and nothing is kept.
-        let same = StepLengths::new(0.01, 0.01, true);
+        let same = StepLengths::new(0.01, 0.01, 0.04, true);
         assert_eq!((same.carry(0.13, 7.0), same.follow(0.0, 0.13)), (0.13, 0.0));
-        assert_eq!(StepLengths::new(0.01, 0.04, false).carry(0.1, 10.0), 0.0);
+        assert_eq!(StepLengths::new(0.01, 0.04, 0.16, false).carry(0.1, 10.0), 0.0);
     }
 
     /// At a hundred short steps to a long one the spring is that of the short ones, within the hundredth that a long one adds.

@@ -25,6 +25,8 @@ pub(crate) struct Input<'a> {
     pub(crate) poses: &'a [Pose],
     /// Predicted displacement [m] and rotation vector [rad] of each body that can move, within the step.
     pub(crate) motion: &'a [Record],
+    /// What gravity adds to the displacement of a dynamic body within the step [m].
+    pub(crate) fall: glam::Vec3,
     /// Bodies before this one are dynamic.
     pub(crate) dynamic: usize,
     /// Points nearer than this are always looked for [m].
@@ -330,7 +332,7 @@ pub(crate) fn relative_pose(pair: &Pair, poses: &[Pose]) -> Relative {
 /// # Safety
 /// No other thread may look at the contacts of this pair.
 unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'_, Contact>) -> bool {
-    if pair.contact == NONE || pair.fast || input.recycle < 0.0 {
+    if pair.contact == NONE || input.recycle < 0.0 {
         return false;
     }
     // SAFETY: by the contract.
@@ -345,6 +347,9 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
     }
     let reach = input.hot[pair.a as usize].radius.min(input.hot[pair.b as usize].radius);
     let limit = input.recycle.min(0.05 * reach);
+    if pair.fast && !(first.bears() > 0.0 && is_slow(input, pair, limit)) {
+        return false;
+    }
     let moved = moved_past(&first, &(now.position - first.found_at.position), limit);
     // |sin(angle / 2)| of the turn since then, by the quaternion's vector part.
     let d = now.rotation * first.found_at.rotation.conjugate();
@@ -352,7 +357,8 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
     if moved > limit * limit || turned * reach * reach > limit * limit {
         return false;
     }
-    // Planes between what is apart must not last until they are crossed: the shapes may have passed each other.
+    // Planes between what is apart must not last until they are crossed: the shapes may have passed each other. What touches
+    // is not apart, whichever way its separations are rounded.
     let mut nearest = f32::INFINITY;
     let mut slot = pair.contact;
     while slot != NONE {
@@ -361,7 +367,7 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
         nearest = nearest.min(contact.nearest(now));
         slot = contact.next;
     }
-    if nearest > 0.0 {
+    if nearest > input.real {
         let approach = input.approach(pair);
         if approach.is_continuous() && approach.most() > nearest {
             return false;
@@ -375,6 +381,14 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
         slot = contact.next;
     }
     true
+}
+
+/// Whether two bodies that bear each other would move by no more than `limit` but for gravity [m].
+fn is_slow(input: &Input<'_>, pair: &Pair, limit: f32) -> bool {
+    let approach = input.approach(pair);
+    let [a, b] = [pair.a, pair.b].map(|c| (input.hot[c as usize].body as usize) < input.dynamic);
+    let falls = f32::from(u8::from(b)) - f32::from(u8::from(a));
+    (approach.way - input.fall * falls).length() + approach.spin <= limit
 }
 
 /// Square of how far `b` moved past `a` since their contact was found [m²]. What merely sinks into the other, within a few times

@@ -13,10 +13,11 @@ const FROZEN: f32 = 0.002;
 /// [`Contact::static_load`] of a contact whose load was not estimated yet.
 pub(crate) const UNKNOWN_LOAD: f32 = -1.0;
 
-/// Share by which a load may differ from the lasting force that bears it, and the time in which this follows a greater load
-/// [s].
+/// Share by which a load may differ from the lasting force that bears it.
 const BAND: f32 = 0.2;
-const HOLD: f32 = 2.0;
+
+/// The time in which forces follow loads that last [s]: longer than a stack sways to and fro.
+pub(crate) const HOLD: f32 = 2.0;
 
 /// How far springs act over a gap, in slops: an edge of a box that leans in a tall stack still bears something 1 mm above what is
 /// below it, and a spring that ended there would drop it.
@@ -38,13 +39,15 @@ pub(crate) struct Point {
     pub(crate) impulse: f32,
     /// Mean force of the last steps [N], kept once steps vary in length; zero before, see [`StepLengths`].
     pub(crate) mean_force: f32,
+    /// Of [`Contact::lasting_force`]: by statics, or the same at each point.
+    pub(crate) share: f32,
     pub(crate) key: u32,
 }
 
 impl Point {
     /// Takes over what an old point bore.
     fn inherit(&mut self, old: &Point) {
-        (self.impulse, self.mean_force) = (old.impulse, old.mean_force);
+        (self.impulse, self.mean_force, self.share) = (old.impulse, old.mean_force, old.share);
     }
 }
 
@@ -70,7 +73,7 @@ pub(crate) struct Contact {
     pub(crate) twist: f32,
     /// Mean of friction [N] and twist [N m], as [`Point::mean_force`].
     pub(crate) mean_friction: Vec4,
-    /// Normal force that all points together bear whatever their separations are (see `Softness`) [N].
+    /// Normal force that all points together bear, each its share, whatever their separations are (see `Softness`) [N].
     pub(crate) lasting_force: f32,
     /// Separation at which that force bears the load alone, if it is known: zero in the long run, whatever it was when the load
     /// became known [m].
@@ -127,6 +130,11 @@ impl Contact {
         self.is_unknown() && self.points().iter().any(|p| p.separation <= real)
     }
 
+    /// The share of each point if all bear the same.
+    pub(crate) fn even_share(&self) -> f32 {
+        1.0 / f32::from(self.count.max(1))
+    }
+
     /// Sets the points without impulses.
     pub(crate) fn take(&mut self, raw: &RawManifold, found_at: Relative, frame: Quat) {
         self.count = raw.count as u8;
@@ -134,6 +142,7 @@ impl Contact {
         (self.found_at, self.frame) = (found_at, frame);
         self.fraction = 0.0;
         self.pushed = false;
+        let share = self.even_share();
         for (point, new) in self.points.iter_mut().zip(raw.points()) {
             *point = Point {
                 position: new.position,
@@ -141,6 +150,7 @@ impl Contact {
                 found: new.separation,
                 impulse: 0.0,
                 mean_force: 0.0,
+                share,
                 key: new.key,
             };
         }
@@ -191,12 +201,15 @@ impl Contact {
         for (_, point) in old.points().iter().enumerate().filter(|(i, _)| used >> i & 1 == 0) {
             rest.impulse += point.impulse;
             rest.mean_force += point.mean_force;
+            rest.share += point.share;
         }
         let share = 1.0 / fresh.count_ones().max(1) as f32;
         for (_, point) in self.points[..count].iter_mut().enumerate().filter(|(k, _)| fresh >> k & 1 != 0) {
             point.impulse = rest.impulse * share;
             point.mean_force = rest.mean_force * share;
+            point.share = rest.share * share;
         }
+        self.share_all();
     }
 
     /// Lets the lasting force follow the load that the points bore in the last substep, of `h` seconds, of a step of `dt`
@@ -247,6 +260,15 @@ impl Contact {
         let sum: f32 = self.points().iter().map(|p| p.separation).sum();
         self.rest = (sum / f32::from(self.count)).min(0.0);
         (self.lasting_force, self.static_load) = (load.max(borne), load);
+    }
+
+    /// Lets the points share all of the lasting force.
+    fn share_all(&mut self) {
+        let even = self.even_share();
+        let sum: f32 = self.points().iter().map(|p| p.share).sum();
+        for point in &mut self.points[..self.count as usize] {
+            point.share = if sum > 0.0 { point.share / sum } else { even };
+        }
     }
 
     /// Moves the points with the bodies, for a pair that hardly moved since its contact was found.

@@ -55,7 +55,7 @@ pub(crate) use bins::GHOST_GAP;
 pub(crate) use cast::{cast_convex, cast_plane, tolerance};
 pub(crate) use cast_mesh::{Asked, Cast, Triangles, ask_mesh};
 pub(crate) use collide::{Input, NarrowStats, Scratch, collide};
-pub(crate) use contact::{Contact, Contacts, NONE, Point, UNKNOWN_LOAD};
+pub(crate) use contact::{Contact, Contacts, HOLD, NONE, Point, UNKNOWN_LOAD};
 pub(crate) use convex::collide_convex;
 pub(crate) use gjk::{CoreGap, core_gap, distance};
 pub(crate) use manifold::{MAX_POINTS, RawManifold, RawPoint};

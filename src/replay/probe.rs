@@ -223,7 +223,7 @@ fn narrow(world: &World, hash: &mut Hash) {
             for point in contact.points() {
                 hash.vector(point.position);
                 hash.pair(point.separation.to_bits(), point.impulse.to_bits());
-                hash.word(point.key.into());
+                hash.pair(point.share.to_bits(), point.key);
             }
         }
     }

@@ -38,6 +38,8 @@ const KEYS: u32 = 13;
 const LOADED: u32 = 15;
 /// Lasting force and load by statics.
 const LASTS: u32 = 1 << 19;
+/// How the points share that force, if not evenly.
+const SHARES: u32 = 1 << 20;
 /// Eight bits: the key of a single point.
 const KEY: u32 = 24;
 
@@ -48,7 +50,7 @@ const KEYS_OF_16: u32 = 2;
 const KEYS_OF_32: u32 = 3;
 
 /// The most words that a contact takes.
-const MOST: usize = 1 + 1 + 3 + 4 + 3 + 11 + MAX_POINTS * 8 + 4;
+const MOST: usize = 1 + 1 + 3 + 4 + 3 + 11 + MAX_POINTS * 9 + 4;
 
 /// Whether two colliders fit into one word.
 pub(super) fn is_narrow(slots: usize) -> bool {
@@ -170,6 +172,12 @@ fn save_contact(contact: &Contact, kept: bool, out: &mut Vec<u32>) {
     flag(LASTS, lasts);
     if lasts {
         line.put([contact.lasting_force, contact.rest, contact.static_load].map(f32::to_bits));
+    }
+    let even = contact.even_share();
+    let shares = lasts && points.iter().any(|p| p.share != even);
+    flag(SHARES, shares);
+    if shares {
+        points.iter().for_each(|p| line.put([p.share.to_bits()]));
     }
     // What has lasting loads is asked how far it moved.
     let found = kept || lasts;
@@ -329,6 +337,9 @@ fn check_contact(contact: &Contact) -> Result<(), Error> {
     for p in contact.points() {
         all_finite(&words::<3>(p.position))?;
         all_finite(&[p.separation, p.found, p.impulse, p.mean_force].map(f32::to_bits))?;
+        if !(0.0..=1.0).contains(&p.share) {
+            return Err(broken("a contact"));
+        }
     }
     Ok(())
 }
@@ -358,6 +369,11 @@ fn read_contact(from: &mut Reader<'_>, (a, b): (u32, u32), to: &mut Vec<Contact>
     if flags & LASTS != 0 {
         [contact.lasting_force, contact.rest, contact.static_load] = from.record::<[f32; 3], 3>()?;
     }
+    let mut shares = [contact.even_share(); MAX_POINTS];
+    if flags & SHARES != 0 {
+        let own = from.take(count)?;
+        shares.iter_mut().zip(own).for_each(|(share, &bits)| *share = f32::from_bits(bits));
+    }
     if flags & FOUND != 0 {
         contact.found_at.position = from.record::<Vec3, 3>()?;
         contact.found_at.rotation = glam::Quat::from_array(from.record::<[f32; 4], 4>()?);
@@ -380,8 +396,14 @@ fn read_contact(from: &mut Reader<'_>, (a, b): (u32, u32), to: &mut Vec<Contact>
     }
     for (i, key) in keys.into_iter().enumerate().take(count) {
         let [x, y, z, separation]: [f32; 4] = record::<_, 4>(from.take(4)?);
-        let mut point =
-            Point { position: Vec3::new(x, y, z), separation, found: separation, key, ..Point::default() };
+        let mut point = Point {
+            position: Vec3::new(x, y, z),
+            separation,
+            found: separation,
+            key,
+            share: shares[i],
+            ..Point::default()
+        };
         if flags & MOVED != 0 {
             point.found = f32::from_bits(from.one()?);
         }

@@ -11,7 +11,7 @@ use crate::sleep::{SavedSleep, SleepLists};
 use bytemuck::{Pod, Zeroable};
 
 /// The version of the format: of these columns, and of the parts that snapshots share.
-pub(super) const VERSION: u32 = 3;
+pub(super) const VERSION: u32 = 4;
 /// `BSNP` in the first bytes.
 pub(super) const MAGIC: u32 = u32::from_le_bytes(*b"BSNP");
 

@@ -1,10 +1,10 @@
 //! A load over the points that bear a rigid body.
 
-use glam::{Mat3, Vec3};
+use glam::{DMat3, DVec3, Vec3};
 
 /// Stiffness against displacements that no point resists, as a share of that of one point: a body on an edge has no
 /// equilibrium, and its estimate is bounded.
-const LOOSE: f32 = 1e-5;
+const LOOSE: f64 = 1e-9;
 
 /// A point below a body.
 #[derive(Clone, Copy, Debug, Default)]
@@ -41,14 +41,14 @@ pub(super) fn distribute(
     }
     let load = level(moment) + Vec3::X * force.dot(up);
     for _ in 0..points.len() {
-        let mut stiffness = Mat3::from_diagonal(Vec3::splat(LOOSE));
-        for PointLoad { row, .. } in points.iter().filter(|p| !p.pulls) {
-            stiffness += Mat3::from_cols(*row * row.x, *row * row.y, *row * row.z);
+        let mut stiffness = DMat3::from_diagonal(DVec3::splat(LOOSE));
+        for row in points.iter().filter(|p| !p.pulls).map(|p| p.row.as_dvec3()) {
+            stiffness += DMat3::from_cols(row * row.x, row * row.y, row * row.z);
         }
-        let displacement = stiffness.inverse() * load;
+        let displacement = stiffness.inverse() * load.as_dvec3();
         let mut least: Option<(usize, f32)> = None;
         for (i, point) in points.iter_mut().enumerate().filter(|(_, p)| !p.pulls) {
-            point.force = point.row.dot(displacement);
+            point.force = point.row.as_dvec3().dot(displacement) as f32;
             if point.force < least.map_or(0.0, |(_, force)| force) {
                 least = Some((i, point.force));
             }

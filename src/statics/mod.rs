@@ -233,6 +233,12 @@ fn point_velocity(bodies: &Bodies, body: usize, at: DVec3) -> Vec3 {
 /// Lets a contact begin with the estimated forces of its points. `h`: substep that its impulses are of [s].
 fn assume(contact: &mut Contact, forces: &[PointLoad], h: f32) {
     let load: f32 = forces.iter().map(|p| p.force).sum();
+    if load > 0.0 {
+        contact.points.iter_mut().for_each(|point| point.share = 0.0);
+        for &PointLoad { point, force, .. } in forces {
+            contact.points[point as usize].share = force / load;
+        }
+    }
     let borne = contact.bears() / h;
     contact.expect(load, borne);
     if borne < load {
