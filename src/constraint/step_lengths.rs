@@ -21,6 +21,9 @@ pub(crate) fn usual_substep(usual: f32, h: f32) -> f32 {
     if usual == 0.0 { h } else { h.clamp(usual * (1.0 - SHORTER), usual * (1.0 + LONGER)) }
 }
 
+/// Share of a step's force in the mean while the load changes.
+const NEW: f32 = 0.25;
+
 /// The substeps of the last step and of this one.
 ///
 /// An impulse is what a load takes in a substep and what the last pass did besides, to stop what was left of the velocities.
@@ -84,13 +87,14 @@ impl StepLengths {
         }
     }
 
-    /// The mean force after a step that ended with an impulse.
-    pub(crate) fn follow<T: Load>(self, mean: T, impulse: T) -> T {
+    /// The mean force after a step that ended with an impulse. `settled`: it is that of a load that lasts.
+    pub(crate) fn follow<T: Load>(self, mean: T, impulse: T, settled: bool) -> T {
         if mean == T::default() && self.now == self.last {
             return mean;
         }
         let force = impulse * (1.0 / self.now);
-        if mean == T::default() { force } else { mean + (force - mean) * self.share }
+        let share = if settled { self.share } else { NEW };
+        if mean == T::default() { force } else { mean + (force - mean) * share }
     }
 }
 
@@ -108,7 +112,7 @@ mod tests {
         assert!((shorter.carry(0.48, 10.0) - 0.12_f32).abs() < 1e-6);
         // Of one length: the same bits, and nothing is kept.
         let same = StepLengths::new(0.01, 0.01, 0.04, true);
-        assert_eq!((same.carry(0.13, 7.0), same.follow(0.0, 0.13)), (0.13, 0.0));
+        assert_eq!((same.carry(0.13, 7.0), same.follow(0.0, 0.13, true)), (0.13, 0.0));
         assert_eq!(StepLengths::new(0.01, 0.04, 0.16, false).carry(0.1, 10.0), 0.0);
     }
 
