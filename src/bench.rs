@@ -140,7 +140,7 @@ pub fn preparing() -> Kernel {
             real: crate::step::REAL,
             near: 0.02,
             ahead: usize::MAX,
-            lengths: crate::constraint::StepLengths::new(1.0, 1.0, 1.0, true),
+            lengths: crate::constraint::StepLengths::new(1.0, 1.0, 1.0, 1.0, true),
             stick: 0.01,
             order: crate::constraint::Order::default(),
             seats: &crate::constraint::Seats::default(),

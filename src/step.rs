@@ -4,7 +4,7 @@ use crate::broad_phase::BroadStats;
 use crate::config::{ContinuousMethod, FrictionModel};
 use crate::constraint::{
     FindInput, JointInput, JointRows, PrepareInput, PrepareScratch, Prepared, Restitution, Rows, StepLengths,
-    find, prepare,
+    evenness, find, prepare,
 };
 use crate::error::{Error, positive};
 use crate::events::{ContactHooks, NoHooks};
@@ -37,6 +37,8 @@ pub(crate) struct Buffers {
     pub(crate) dt: f32,
     /// Length of the last substep [s]: impulses are warm-started in proportion.
     pub(crate) last_h: f32,
+    /// See `constraint::evenness`.
+    pub(crate) evenness: f32,
 }
 
 impl Buffers {
@@ -188,7 +190,8 @@ impl World {
         self.give_back(demand);
         let end = lap(clock, &mut times.finish);
         times.step = (end - start).as_secs_f32() * 1e6;
-        self.buffers.last_h = dt / self.settings.substeps as f32;
+        self.buffers.evenness = evenness(self.buffers.evenness, lengths);
+        self.buffers.last_h = lengths.now();
         self.report = StepReport::new(self, times, broad, narrow, prepared, stored.pushed, (ended, impacts));
         (self.sleep.woke, self.sleep.slept) = (0, 0);
         self.note_peaks();
@@ -196,7 +199,8 @@ impl World {
 
     pub(crate) fn lengths(&self, dt: f32) -> StepLengths {
         let now = dt / self.settings.substeps as f32;
-        StepLengths::new(self.buffers.last_h, now, dt, self.settings.warm_starting)
+        let Buffers { last_h, evenness, .. } = self.buffers;
+        StepLengths::new(last_h, now, dt, evenness, self.settings.warm_starting)
     }
 
     /// Of all contacts of the step.

@@ -206,7 +206,7 @@ fn what_several_contacts_bear_stands_through_hitches() {
     {
         stands_at(structure, hitches, REST);
     }
-    stands_at(Standing::Layers(40), hitches, REST);
+    stands_at(Standing::Layers(20), hitches, REST);
 }
 
 #[test]

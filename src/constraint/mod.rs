@@ -64,4 +64,4 @@ pub(crate) use prepare::{PrepareInput, prepare};
 pub(crate) use restitution::{Bodies as Struck, FindInput, Restitution, find};
 pub(crate) use rows::{Rows, Surface, Views, with_batch};
 pub(crate) use seats::{Seat, Seats, TreeRef};
-pub(crate) use step_lengths::{StepLengths, usual_substep};
+pub(crate) use step_lengths::{StepLengths, evenness, usual_substep};

@@ -21,8 +21,17 @@ pub(crate) fn usual_substep(usual: f32, h: f32) -> f32 {
     if usual == 0.0 { h } else { h.clamp(usual * (1.0 - SHORTER), usual * (1.0 + LONGER)) }
 }
 
-/// Share of a step's force in the mean while the load changes.
+/// Share of a step's force in the mean where every step is of another length.
 const NEW: f32 = 0.25;
+
+/// Share of a step in [`evenness`].
+const EVENS: f32 = 0.1;
+
+/// Share of the last steps that were as long as the step before; `before`: the same a step ago, zero at first.
+pub(crate) fn evenness(before: f32, lengths: StepLengths) -> f32 {
+    let even = f32::from(u8::from(lengths.now == lengths.last));
+    before + (even - before) * EVENS
+}
 
 /// The substeps of the last step and of this one.
 ///
@@ -30,7 +39,8 @@ const NEW: f32 = 0.25;
 /// The load goes with the length of the substep. The rest is a momentum, not a force: in proportion too, it would grow by the
 /// ratio whenever a long step follows a short one, and two boxes would rock each other at steps of 1/30 and 1/144 s by turns.
 /// So it never grows; that it shrinks before a shorter step keeps a tower of 20 up that falls otherwise. The mean of the last
-/// seconds tells load and rest apart: of fewer, and it would follow a sway, with a lag, and pump it at every long step. While steps are of one length nothing is kept.
+/// seconds tells load and rest apart: of fewer, and it would follow a sway, with a lag, and pump it at every hitch. But where every
+/// step is of another length the mean is all that is warm-started of a spring, and follows within a few of them. While steps are of one length nothing is kept.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StepLengths {
     /// Of the last step, or of this one if it is the first [s].
@@ -52,13 +62,9 @@ impl Load for glam::Vec4 {}
 
 impl StepLengths {
     /// Of a step of `dt` seconds, with substeps of `now` seconds after such of `last` seconds, or zero.
-    pub(crate) fn new(last: f32, now: f32, dt: f32, warm_starting: bool) -> Self {
-        StepLengths {
-            last: if last > 0.0 { last } else { now },
-            now,
-            share: (dt / HOLD).min(1.0),
-            warm_starting,
-        }
+    pub(crate) fn new(last: f32, now: f32, dt: f32, evenness: f32, warm_starting: bool) -> Self {
+        let share = (dt / HOLD).max(NEW * (1.0 - evenness).powi(2)).min(1.0);
+        StepLengths { last: if last > 0.0 { last } else { now }, now, share, warm_starting }
     }
 
     /// The substep of the last step, or of this one if it is the first [s].
@@ -87,14 +93,13 @@ impl StepLengths {
         }
     }
 
-    /// The mean force after a step that ended with an impulse. `settled`: it is that of a load that lasts.
-    pub(crate) fn follow<T: Load>(self, mean: T, impulse: T, settled: bool) -> T {
+    /// The mean force after a step that ended with an impulse.
+    pub(crate) fn follow<T: Load>(self, mean: T, impulse: T) -> T {
         if mean == T::default() && self.now == self.last {
             return mean;
         }
         let force = impulse * (1.0 / self.now);
-        let share = if settled { self.share } else { NEW };
-        if mean == T::default() { force } else { mean + (force - mean) * share }
+        if mean == T::default() { force } else { mean + (force - mean) * self.share }
     }
 }
 
@@ -105,15 +110,15 @@ mod tests {
     /// By Newton: a force of 10 N is an impulse of 0.1 N s in 10 ms and of 0.4 N s in 40 ms.
     #[test]
     fn loads_go_with_the_length_of_the_substep_and_momenta_never_grow() {
-        let longer = StepLengths::new(0.01, 0.04, 0.16, true);
+        let longer = StepLengths::new(0.01, 0.04, 0.16, 1.0, true);
         assert!((longer.carry(0.1, 10.0) - 0.4_f32).abs() < 1e-6);
         assert!((longer.carry(0.13, 10.0) - 0.43_f32).abs() < 1e-6);
-        let shorter = StepLengths::new(0.04, 0.01, 0.04, true);
+        let shorter = StepLengths::new(0.04, 0.01, 0.04, 1.0, true);
         assert!((shorter.carry(0.48, 10.0) - 0.12_f32).abs() < 1e-6);
         // Of one length: the same bits, and nothing is kept.
-        let same = StepLengths::new(0.01, 0.01, 0.04, true);
-        assert_eq!((same.carry(0.13, 7.0), same.follow(0.0, 0.13, true)), (0.13, 0.0));
-        assert_eq!(StepLengths::new(0.01, 0.04, 0.16, false).carry(0.1, 10.0), 0.0);
+        let same = StepLengths::new(0.01, 0.01, 0.04, 1.0, true);
+        assert_eq!((same.carry(0.13, 7.0), same.follow(0.0, 0.13)), (0.13, 0.0));
+        assert_eq!(StepLengths::new(0.01, 0.04, 0.16, 1.0, false).carry(0.1, 10.0), 0.0);
     }
 
     /// At a hundred short steps to a long one the spring is that of the short ones, within the hundredth that a long one adds.

@@ -235,12 +235,6 @@ impl Contact {
         load > 0.0 && self.is_unknown()
     }
 
-    /// Whether what it bears, so much [N], is the load that it is known to bear, or may bear aside of what it rests on.
-    pub(crate) fn is_settled(&self, load: f32) -> bool {
-        let known = self.lasting_force;
-        self.static_load == 0.0 || !self.is_unknown() && (known - load).abs() <= BAND * load
-    }
-
     /// Separation at which springs bear nothing but the lasting force, and how far beyond it they act at most [m].
     ///
     /// Where the load is known they act at any depth, and over a gap too: a lean that is smaller than it would not be taken back.

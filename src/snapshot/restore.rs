@@ -128,7 +128,7 @@ fn apply(world: &mut World, view: &View<'_>, pairs: &[Pair]) {
     let World { bodies, colliders, broad, joints, sleep, buffers, events, .. } = world;
     world.settings = view.settings.clone();
     world.origin = view.origin.into();
-    (buffers.last_h, buffers.solver.usual_h) = (view.last_h, view.usual_h);
+    (buffers.last_h, buffers.evenness, buffers.solver.usual_h) = (view.last_h, view.evenness, view.usual_h);
     (buffers.statics.wait, buffers.statics.pending) = (view.wait, view.pending);
     // Events are of a step that was not.
     events.forget();

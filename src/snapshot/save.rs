@@ -28,7 +28,7 @@ pub(super) fn save(world: &World, out: &mut Vec<u32>) {
     out.resize(HEAD + COUNTS, 0);
     settings::save(&world.settings, out);
     out.extend_from_slice(&words::<6>(world.origin.to_array()));
-    out.extend([buffers.last_h, buffers.solver.usual_h].map(f32::to_bits));
+    out.extend([buffers.last_h, buffers.solver.usual_h, buffers.evenness].map(f32::to_bits));
     out.push(buffers.statics.wait << 1 | u32::from(buffers.statics.pending));
 
     out.extend(&bodies.slot[..all]);

@@ -76,6 +76,7 @@ pub(super) struct View<'a> {
     pub(super) origin: [f64; 3],
     pub(super) last_h: f32,
     pub(super) usual_h: f32,
+    pub(super) evenness: f32,
     /// See [`Statics`](crate::statics::Statics).
     pub(super) wait: u32,
     pub(super) pending: bool,
@@ -120,9 +121,13 @@ impl<'a> View<'a> {
         let origin: [f64; 3] = from.record::<_, 6>()?;
         let last_h = f32::from_bits(from.one()?);
         let usual_h = f32::from_bits(from.one()?);
+        let evenness = f32::from_bits(from.one()?);
         let statics = from.one()?;
         let is_length = |h: &f32| (0.0..f32::MAX).contains(h);
-        if !origin.iter().all(|x| x.is_finite()) || ![last_h, usual_h].iter().all(is_length) {
+        if !origin.iter().all(|x| x.is_finite())
+            || ![last_h, usual_h].iter().all(is_length)
+            || !(0.0..=1.0).contains(&evenness)
+        {
             return Err(broken("a number is none"));
         }
         let (movers, all) = (counts.movers(), counts.bodies());
@@ -132,6 +137,7 @@ impl<'a> View<'a> {
             origin,
             last_h,
             usual_h,
+            evenness,
             wait: statics >> 1,
             pending: statics & 1 != 0,
             slots: from.table(all, 1)?,

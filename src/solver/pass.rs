@@ -298,9 +298,9 @@ pub(crate) fn store(
     Stored { pushed: pushed.into_inner(), unknown_load: unknown.into_inner() }
 }
 
-fn take(point: &mut Point, impulse: f32, settled: bool, lengths: StepLengths) {
+fn take(point: &mut Point, impulse: f32, lengths: StepLengths) {
     point.impulse = impulse;
-    point.mean_force = lengths.follow(point.mean_force, impulse, settled);
+    point.mean_force = lengths.follow(point.mean_force, impulse);
 }
 
 fn store_in_contacts<L: GatherLanes, const P: usize, const B: usize>(
@@ -320,20 +320,17 @@ fn store_in_contacts<L: GatherLanes, const P: usize, const B: usize>(
         // Of a contact whose points are apart, another may have pushed already.
         stored.pushed += u32::from(pushed && !contact.pushed);
         if let Some(point) = part.only() {
-            let settled = !contact.is_unknown();
-            take(&mut contact.points[point], impulses[0], settled, lengths);
+            take(&mut contact.points[point], impulses[0], lengths);
             contact.pushed |= pushed;
             contact.friction += friction;
             return;
         }
-        let count = contact.count as usize;
-        let settled = contact.is_settled(impulses.iter().take(count).sum::<f32>() / lengths.now());
-        for (point, &impulse) in contact.points.iter_mut().zip(impulses).take(count) {
-            take(point, impulse, settled, lengths);
+        for (point, &impulse) in contact.points.iter_mut().zip(impulses).take(contact.count as usize) {
+            take(point, impulse, lengths);
         }
         contact.pushed = pushed;
         (contact.friction, contact.twist) = (friction, twist);
-        contact.mean_friction = lengths.follow(contact.mean_friction, friction.extend(twist), settled);
+        contact.mean_friction = lengths.follow(contact.mean_friction, friction.extend(twist));
         stored.unknown_load |= contact.bear(dt, lengths.now());
     });
     stored
