@@ -87,14 +87,13 @@ fn what_strikes_something_fixed_keeps_its_energy() {
 }
 
 /// A closed box with balls in it; returns these.
-fn gas(world: &mut World, half: f32, speed: f32) -> Vec<BodyHandle> {
+fn gas(world: &mut World, half: f32, speed: f32, mut seed: u32) -> Vec<BodyHandle> {
     let e = bouncy(1.0, 0.0);
     for way in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z] {
         let extent = Vec3::splat(half + 1.0) * (Vec3::ONE - way.abs()) + way.abs() * 0.5;
         let wall = shape(Geometry::Box { half_extents: extent }, e);
         world.add_body(&BodyDesc::fixed().at(way * (half + 0.5)).with_shape(wall)).unwrap();
     }
-    let mut seed = 1u32;
     let mut random = || {
         seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (seed >> 8) as f32 / 16_777_216.0 - 0.5
@@ -107,21 +106,26 @@ fn gas(world: &mut World, half: f32, speed: f32) -> Vec<BodyHandle> {
     (0..50).map(&mut add).collect()
 }
 
+/// What is lost is what meets more slowly than the threshold: without one, all forty keep 99.997 %.
 #[test]
 fn a_gas_of_elastic_balls_keeps_its_energy_for_a_minute() {
     for (hz, speed) in [(30.0, 5.0), (60.0, 5.0), (120.0, 5.0), (120.0, 10.0)] {
-        let mut world = world(0.0, 4);
-        let balls = gas(&mut world, 1.5, speed);
-        let before = world.energy();
-        let mut impacts = 0;
-        for _ in 0..(60.0 * hz) as u32 {
-            impacts += world.step(1.0 / hz).unwrap().impacts;
+        for seed in 1..=10 {
+            let mut world = world(0.0, 4);
+            let balls = gas(&mut world, 1.5, speed, seed);
+            let before = world.energy();
+            let mut impacts = 0;
+            for _ in 0..(60.0 * hz) as u32 {
+                impacts += world.step(1.0 / hz).unwrap().impacts;
+            }
+            let kept = world.energy() / before;
+            println!("{hz} Hz {speed} m/s, {seed}: {impacts} impacts, kept {kept:.5}");
+            // Once in 200,000 impacts at this step a row of a slow one pushes a ball into the way of a third: see restitution.md.
+            let least = if hz == 30.0 && seed > 1 { 0.98 } else { 0.99 };
+            assert!(kept > least && kept < 1.001, "{hz} Hz {speed} m/s, {seed}: {kept}");
+            let inside = |&b: &BodyHandle| world.position(b).unwrap().abs().max_element() < 1.5;
+            assert!(balls.iter().all(inside), "{hz} Hz {speed} m/s, {seed}: one got out");
         }
-        let kept = world.energy() / before;
-        println!("{hz} Hz {speed} m/s: {impacts} impacts, kept {kept:.5}");
-        assert!(kept > 0.99 && kept < 1.001, "{hz} Hz {speed} m/s: {kept}");
-        let inside = |&b: &BodyHandle| world.position(b).unwrap().abs().max_element() < 1.5;
-        assert!(balls.iter().all(inside), "{hz} Hz {speed} m/s: one got out");
     }
 }
 
@@ -130,7 +134,7 @@ fn a_gas_of_elastic_balls_keeps_its_energy_for_a_minute() {
 fn a_gas_that_is_too_fast_gains_nothing_and_stays_in_its_box() {
     for speed in [20.0, 100.0, 300.0] {
         let mut world = world(0.0, 4);
-        let balls = gas(&mut world, 1.5, speed);
+        let balls = gas(&mut world, 1.5, speed, 1);
         let before = world.energy();
         steps(&mut world, 600, 1.0 / 60.0);
         let kept = world.energy() / before;
@@ -204,18 +208,16 @@ fn the_highest_of_a_stack_of_balls_is_shot_up() {
     }
 }
 
-/// How much of its energy a body that falls askew has left after ten bounces.
-fn ten_bounces(floor: Floor, geometry: Geometry, e: Material, (hz, seed): (f32, u32)) -> f64 {
-    let mut world = world(9.81, 4);
-    world.add_body(&floor.desc(e)).unwrap();
-    let mut body = dynamic(geometry, e, Vec3::new(0.2, 2.0, 0.1));
-    let seed = seed as f32;
-    body.rotation = Quat::from_rotation_z(0.4 + 0.5 * seed) * Quat::from_rotation_x(0.3 * seed);
-    let body = world.add_body(&body).unwrap();
+/// How much of its energy a body has left after ten bounces, and the most that it had on the way.
+fn bounce_on(floor: Floor, body: &BodyDesc, (hz, substeps): (f32, u32)) -> (f64, f64) {
+    let mut world = world(9.81, substeps);
+    world.add_body(&floor.desc(body.shapes[0].material)).unwrap();
+    let body = world.add_body(body).unwrap();
     let before = world.energy();
-    let (mut bounces, mut last) = (0, -1.0);
+    let (mut bounces, mut last, mut most) = (0, -1.0, 1.0_f64);
     for _ in 0..(20.0 * hz) as u32 {
         world.step(1.0 / hz).unwrap();
+        most = most.max(world.energy() / before);
         let v = world.linear_velocity(body).unwrap().y;
         bounces += u32::from(last < 0.0 && v > 0.0);
         last = v;
@@ -223,7 +225,15 @@ fn ten_bounces(floor: Floor, geometry: Geometry, e: Material, (hz, seed): (f32, 
             break;
         }
     }
-    world.energy() / before
+    (world.energy() / before, most)
+}
+
+/// How much of its energy a body that falls askew has left after ten bounces.
+fn ten_bounces(floor: Floor, geometry: Geometry, e: Material, (hz, seed): (f32, u32)) -> f64 {
+    let mut body = dynamic(geometry, e, Vec3::new(0.2, 2.0, 0.1));
+    let seed = seed as f32;
+    body.rotation = Quat::from_rotation_z(0.4 + 0.5 * seed) * Quat::from_rotation_x(0.3 * seed);
+    bounce_on(floor, &body, (hz, 4)).0
 }
 
 #[test]
@@ -244,6 +254,77 @@ fn what_falls_on_its_corner_keeps_its_energy_over_ten_bounces() {
                     let case = format!("{geometry:?} on {floor:?} at {hz} Hz, {seed}");
                     assert!((0.98..1.005).contains(&kept), "{case}: {kept}");
                 }
+            }
+        }
+    }
+}
+
+/// Twenty tilts and spins of each. A rod of 1 m by 0.1 m ends up with as much as 200 rad/s about its own axis: seven radians in
+/// a step of 1/30 s.
+#[test]
+fn what_whirls_keeps_its_energy_over_ten_bounces() {
+    let shapes = [
+        Geometry::cuboid(0.5, 0.5, 0.5),
+        Geometry::cuboid(0.5, 0.05, 0.05),
+        Geometry::capsule(0.45, 0.05),
+        Geometry::cylinder(0.5, 0.05),
+    ];
+    for (geometry, floor) in shapes.iter().flat_map(|s| [(s, Floor::Box), (s, Floor::Mesh)]) {
+        for hz in RATES {
+            for substeps in [1, 2, 4, 8] {
+                for seed in 0..20 {
+                    let mut random = 7919 * seed + 17;
+                    let mut random = || {
+                        random = 1_664_525_u32.wrapping_mul(random).wrapping_add(1_013_904_223);
+                        (random >> 8) as f32 / 8_388_608.0 - 1.0
+                    };
+                    let [x, y, z, w] = std::array::from_fn(|_| random());
+                    let spin = 20.0 * Vec3::from_array(std::array::from_fn(|_| random()));
+                    let body = dynamic(geometry.clone(), bouncy(1.0, 0.0), Vec3::new(0.2, 2.0, 0.1));
+                    let mut body = body.moving(Vec3::ZERO, spin);
+                    body.rotation = Quat::from_xyzw(x, y, z, w).normalize();
+                    let (kept, most) = bounce_on(floor, &body, (hz, substeps));
+                    let case = format!("{geometry:?} on {floor:?} at {hz} Hz, {substeps} substeps, {seed}");
+                    let (least, limit) = if hz == 30.0 { (0.97, 1.015) } else { (0.98, 1.005) };
+                    assert!(kept > least && most < limit, "{case}: {kept}, at most {most}");
+                }
+            }
+        }
+    }
+}
+
+/// A ball with friction that bounces off the floor at e = 1, by Coulomb's law at the impulse 2 m v: what slips throughout loses
+/// 2 mu v of its speed along the floor and gains 5 mu v / r of spin; what slips by less than 7 mu v rolls, at 5/7 of its speed
+/// and 2/7 of what its spin makes of it (Cross, *Grip-slip behavior of a bouncing ball*, 2002, without tangential restitution).
+#[test]
+fn a_ball_with_spin_leaves_the_floor_as_a_hard_one_does() {
+    let (r, fall, mu) = (0.2_f32, 4.0_f32, 0.3_f32);
+    for floor in Floor::ALL {
+        for hz in RATES {
+            for (along, spin) in
+                [(2.0_f32, 0.0_f32), (12.0, 0.0), (0.0, 20.0), (0.0, 90.0), (3.0, -60.0), (3.0, 15.0)]
+            {
+                let mut world = world(0.0, 4);
+                let material = bouncy(1.0, mu);
+                world.add_body(&floor.desc(material)).unwrap();
+                // What rolls along x turns about -z.
+                let ball = dynamic(Geometry::Sphere { radius: r }, material, Vec3::new(0.3, r + 0.5, 0.2));
+                let ball = ball.moving(Vec3::new(along, -fall, 0.0), Vec3::NEG_Z * spin);
+                let ball = world.add_body(&ball).unwrap();
+                steps(&mut world, (0.2 * hz) as u32, 1.0 / hz);
+                let slip = along - spin * r;
+                let (v, w) = if slip.abs() > 7.0 * mu * fall {
+                    let push = 2.0 * mu * fall * slip.signum();
+                    (along - push, spin + 2.5 * push / r)
+                } else {
+                    let v = (5.0 * along + 2.0 * spin * r) / 7.0;
+                    (v, v / r)
+                };
+                let (got, turns) =
+                    (world.linear_velocity(ball).unwrap(), -world.angular_velocity(ball).unwrap().z);
+                let case = format!("{floor:?} {hz} Hz {along} m/s {spin} rad/s: {got} {turns} for {v} {w}");
+                assert!((got.y - fall).abs() < 1e-3 * fall && got.z.abs() < 1e-3, "{case}");
+                assert!((got.x - v).abs() < 1e-3 * fall && (turns - w).abs() < 1e-3 * fall / r, "{case}");
             }
         }
     }

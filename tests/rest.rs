@@ -75,7 +75,7 @@ fn what_stands_does_so_with_any_passes() {
 #[test]
 fn what_is_small_or_heavy_stands() {
     let wall = Standing::Wall { width: 20, height: 10 };
-    let [crib, edge, layers] = [Standing::Crib(40), Standing::Edge(20), Standing::Layers(40)];
+    let [crib, edge, layers] = [Standing::Crib(40), Standing::Edge(20), Standing::Layers(20)];
     for structure in
         [Standing::Tower(30), Standing::Tower(50), wall, Standing::Pyramid(20), crib, edge, layers]
     {

@@ -13,7 +13,7 @@ use crate::threads::Shared;
 /// *Soft Constraints*, GDC 2011).
 ///
 /// Such a spring gives way under load: a stack becomes a column of springs, which sinks and, if it is high enough,
-/// buckles. So a lasting force acts beside the spring, the same at each point of a manifold ([`Batch::lasting`],
+/// buckles. So a lasting force acts beside the spring, at each point its share ([`PointRow::lasting`],
 /// `Contact::lasting_force`): the rest position of the spring is where this force bears the load alone. What differs between
 /// the points, which is what resists leaning, acts on the springs. They act at any depth, and over a small gap too, or nothing
 /// would take a lean back that is smaller than it; without a lasting force only what is deeper than the slop is pushed apart, and
@@ -230,6 +230,57 @@ pub(crate) unsafe fn warm_start<L: GatherLanes, const P: usize, const B: usize, 
     v.apply(batch, p, ta, tb);
     // SAFETY: by the contract.
     unsafe { v.save(batch, velocity) };
+}
+
+/// Empties the lanes of some bodies, as if they had no contact. What they did in the substep before is no warm start any more.
+///
+/// # Safety
+/// No other thread works on the bodies of the batch.
+pub(crate) unsafe fn disable_lanes<L: GatherLanes, const P: usize, const B: usize>(
+    batch: &mut Batch<L, P, B>,
+    mut friction: Option<&mut FrictionRow<L, B>>,
+    motion: &Motion<'_, '_>,
+    of: &dyn Fn(u32) -> bool,
+) {
+    let other = |lane: usize| batch.b.first().map_or(batch.a[lane], |b| b.index[lane]);
+    let lanes: u32 = (0..L::N).filter(|&i| of(batch.a[i]) || of(other(i))).map(|i| 1 << i).sum();
+    if lanes == 0 {
+        return;
+    }
+    let take = |from: &mut L| {
+        let mut taken = L::zero();
+        for lane in (0..L::N).filter(|lane| lanes >> lane & 1 != 0) {
+            taken.set_lane(lane, from.lane(lane));
+            from.set_lane(lane, 0.0);
+        }
+        taken
+    };
+    let (mut p, mut ta, mut tb) = (Vec3::zero(), Vec3::zero(), Vec3::zero());
+    for point in &mut batch.points {
+        take(&mut point.mass);
+        let impulse = take(&mut point.impulse);
+        p += batch.normal * impulse;
+        ta += point.arm_a * impulse;
+        if B > 0 {
+            tb += point.arm_b[0] * impulse;
+        }
+    }
+    if let Some(f) = &mut friction {
+        let [x, y] = [0, 1].map(|i| take(&mut f.impulse[i]));
+        let twist = batch.normal * take(&mut f.twist);
+        let q = f.tangent * x + batch.normal.cross(f.tangent) * y;
+        p += q;
+        ta += f.arm_a.cross(q) + twist;
+        if B > 0 {
+            tb += f.arm_b[0].cross(q) + twist;
+        }
+    }
+    // SAFETY: by the contract.
+    unsafe {
+        let mut v = Pair::load(batch, motion.base);
+        v.apply(batch, p, ta, tb);
+        v.save(batch, motion.base);
+    }
 }
 
 /// By how much impulses of a batch change the velocities of its bodies.

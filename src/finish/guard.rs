@@ -59,6 +59,11 @@ impl Guard<'_> {
         if c.inner_radius > 0.0 { c.inner_radius } else { HOLLOW * c.radius }
     }
 
+    /// Whether a body bounces off others of its kind.
+    pub(super) fn is_elastic(&self, own: &[u32]) -> bool {
+        own.iter().any(|&c| self.colliders[c as usize].material.restitution > 0.0)
+    }
+
     /// Whether a body is one to be looked at.
     pub(crate) fn wants(&self, traits: &Traits, own: &[u32]) -> bool {
         let solid = |&c: &u32| !self.colliders[c as usize].is_sensor();

@@ -122,6 +122,9 @@ fn mark_beside(
     }
 }
 
+/// A body in touch that turns by more than this in a step turns as a free one does [rad].
+const WHIRLS: f32 = 0.5;
+
 /// Bodies a block.
 const BLOCK: usize = per_block(64, 1);
 /// Moves the bodies to the end of the step. `fast`: how many outran their boxes; 0 if the list of pairs is not complete.
@@ -197,13 +200,24 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
                 (pose.rotation, velocity.angular) =
                     turn_freely(rotation, velocity.angular, mass[i].inertia, dt - time);
             } else {
-                let turned = (exp_map(d.angular) * pose.rotation).normalize();
+                let mut turned = (exp_map(d.angular) * pose.rotation).normalize();
                 if uneven
                     && i < dynamic
                     && !carried
                     && spins_freely(&mass[i], &traits[i], velocity.angular, dt)
                 {
-                    velocity.angular = carry_spin(pose.rotation, turned, velocity.angular, mass[i].inertia);
+                    let inertia = mass[i].inertia;
+                    if d.angular.length_squared() > WHIRLS * WHIRLS
+                        && guard.is_elastic(colliders[i].as_slice())
+                    {
+                        // About an axis that stands still a rod that spins about its own would hardly tilt, and sink into
+                        // what lifts its end. Its spin keeps its energy, as seen from the body.
+                        turned = turn_freely(pose.rotation, d.angular / dt, inertia, dt).0;
+                        let (own, spin) = turn_freely(pose.rotation, velocity.angular, inertia, dt);
+                        velocity.angular = turned * (own.conjugate() * spin);
+                    } else {
+                        velocity.angular = carry_spin(pose.rotation, turned, velocity.angular, inertia);
+                    }
                 }
                 pose.rotation = turned;
             }

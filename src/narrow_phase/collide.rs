@@ -357,17 +357,18 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
     if moved > limit * limit || turned * reach * reach > limit * limit {
         return false;
     }
-    // Planes between what is apart must not last until they are crossed: the shapes may have passed each other. What touches
-    // is not apart, whichever way its separations are rounded.
-    let mut nearest = f32::INFINITY;
+    // Planes between what is apart must not last until they are crossed: the shapes may have passed each other. What bears a load is
+    // not apart, whichever way its separations are rounded.
+    let (mut nearest, mut bears) = (f32::INFINITY, false);
     let mut slot = pair.contact;
     while slot != NONE {
         // SAFETY: by the contract.
         let contact = unsafe { all.read(slot as usize) };
         nearest = nearest.min(contact.nearest(now));
+        bears |= contact.bears() > 0.0;
         slot = contact.next;
     }
-    if nearest > input.real {
+    if nearest > 0.0 && !bears {
         let approach = input.approach(pair);
         if approach.is_continuous() && approach.most() > nearest {
             return false;

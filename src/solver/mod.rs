@@ -17,7 +17,7 @@ use crate::shape::Collider;
 use crate::step::REAL;
 use crate::threads::{Crew, Shared, per_block};
 pub(crate) use pass::store;
-use pass::{Joined, Kind, Passes, add_impulses};
+use pass::{Joined, Kind, Passes, add_impulses, disable};
 
 /// Solver state of the bodies that can move.
 #[derive(Debug, Default)]
@@ -118,7 +118,15 @@ pub(crate) fn solve(
                 threshold: settings.restitution_threshold * settings.length_unit,
                 together: TOGETHER * settings.length_unit,
             };
+            let before = impacts.standing().len();
             impacts.meet(&mut struck, impulses);
+            if impacts.standing().len() > before {
+                disable(&batches, &motion, &|body| impacts.stands(body));
+                // SAFETY: as above.
+                let (velocity, base) =
+                    unsafe { (motion.velocity.part(0..known), motion.base.part(0..movers)) };
+                impacts.standing().iter().for_each(|&i| base[i as usize] = velocity[i as usize]);
+            }
         }
         // Velocities take gravity and forces. From the second substep on, warm starting is one addition a body: rows
         // keep their directions within a step, so the impulses of the substep before change the velocities by just
@@ -170,8 +178,8 @@ pub(crate) fn solve(
         });
         if !impacts.is_empty() {
             // SAFETY: as above.
-            let (velocity, base) = unsafe { (velocity.part(0..known), base.part(0..movers)) };
-            impacts.go_on(h, velocity, base);
+            let moving = unsafe { [velocity.part(0..known), base.part(0..movers), delta.part(0..movers)] };
+            impacts.go_on(h, moving, &forces.acceleration);
         }
         if joined_at_all {
             passes.go(crew, &batches, &joined, &motion, &closing(settings));

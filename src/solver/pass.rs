@@ -1,6 +1,8 @@
 //! One pass over all batches, in the order of their importance.
 
-use crate::constraint::contact_row::{Motion, Pass, Softness, solve, store as store_batch, warm_start};
+use crate::constraint::contact_row::{
+    Motion, Pass, Softness, disable_lanes, solve, store as store_batch, warm_start,
+};
 use crate::constraint::{
     Batch, BatchRef, Closing, FrictionRow, FrictionView, Group, JointPass, JointRows, JointStage, JointType,
     JointViews, Rows, Stage, StepLengths, Surface, TreeRef, Views, guard, rub, with_batch,
@@ -243,6 +245,22 @@ pub(crate) fn add_impulses(views: &Views<'_>, impulses: &mut [f32]) {
         for &batch in &views.schedule[stage.start as usize..stage.end as usize] {
             // SAFETY: there is no other thread.
             unsafe { with_batch!(views, stage.group, batch, |batch, _friction| of(batch, impulses)) };
+        }
+    }
+}
+
+/// Takes the rows of some bodies out of what is left of the step: what stands after an impact is not there any more. Rows would
+/// push it out of overlap, which gains energy, and into others, which takes theirs.
+pub(crate) fn disable(views: &Views<'_>, motion: &Motion<'_, '_>, stands: &dyn Fn(u32) -> bool) {
+    for stage in views.stages {
+        for &batch in &views.schedule[stage.start as usize..stage.end as usize] {
+            // SAFETY: there is no other thread.
+            unsafe {
+                with_batch!(views, stage.group, batch, |row, friction| {
+                    let touching = if stage.group.is_potential() { None } else { friction.touching(batch) };
+                    disable_lanes(row, touching, motion, stands);
+                });
+            }
         }
     }
 }

@@ -32,6 +32,18 @@ impl World {
                 if along.abs() > rest.closing || slip.length_squared() > rest.slip * rest.slip {
                     continue;
                 }
+                let [x, y] = [contact.a, contact.b].map(|c| &self.colliders.all[c as usize].material);
+                let origin = self.colliders.poses[contact.a as usize].position;
+                // What bounces off with one end may have its centre at rest.
+                let bounces = x.restitution_with(y) > 0.0
+                    && contact.points().iter().any(|point| {
+                        let at = origin + (contact.frame * point.position).as_dvec3();
+                        let [a, b] = [a, b].map(|body| point_velocity(&self.bodies, body as usize, at));
+                        point.separation <= rest.touching && (b - a).dot(normal).abs() > rest.closing
+                    });
+                if bounces {
+                    continue;
+                }
                 let steep = normal.dot(rest.up);
                 let (upper, lower) = if steep > 0.0 { (b, a) } else { (a, b) };
                 if steep.abs() >= STEEPEST && (upper as usize) < dynamic {

@@ -155,10 +155,12 @@ fn each_spot(input: &FindInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot) -> bool
         }
         for point in contact.points() {
             let arm = shape.rotation * point.position + from_centre;
+            // Midway between the surfaces as they were found; they touch each with its own.
+            let half = if contact.fraction > 0.0 { Vec3::ZERO } else { normal * (0.5 * point.found) };
             let spot = Spot {
                 bodies,
                 normal,
-                arms: [arm, arm + apart],
+                arms: [arm - half, arm + apart + half],
                 separation: point.separation,
                 restitution,
                 friction,
@@ -174,12 +176,13 @@ fn each_spot(input: &FindInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot) -> bool
 }
 
 impl FindInput<'_> {
-    /// Whether a point may close within the step, fast enough to bounce.
+    /// Whether a point may close within the step, fast enough to bounce; or within the next, if others of its manifold touch
+    /// in this one: rows that touch come to rest as a whole.
     fn closes(&self, spot: &Spot) -> bool {
         let pull = spot.speed(|body| self.acceleration.get(body).copied().unwrap_or_default());
         let speed = spot.speed(|body| self.bodies.velocity.get(body).copied().unwrap_or_default());
         let approach = -speed + (-pull * self.dt).max(0.0);
-        approach > self.threshold && spot.separation - approach * self.dt <= self.real
+        approach > self.threshold && spot.separation - 2.0 * approach * self.dt <= self.real
     }
 }
 

@@ -8,7 +8,7 @@
 //!
 //! Contacts were found along the predicted motion. What is thrown off it so far that it could get through something
 //! unknown stands where it is for the rest of the step, at its new speed: the next step looks along that. It loses time,
-//! but no energy.
+//! but no energy. Its rows are disabled until then (`solver::pass::disable`).
 //!
 //! Rows ask what is crossed by the end of the substep, so they get the mean velocity, which leads there from where the
 //! body really begins; once bodies have moved, the velocity is what the last impact left ([`Restitution::go_on`]).
@@ -93,18 +93,27 @@ impl Restitution {
         }
         let share = 1.0 / bodies.h;
         for &body in &self.moved {
-            let (i, moved) = (body as usize, &self.struck[body as usize].moved);
+            let (i, pull) = (body as usize, bodies.pull(body as usize));
+            let moved = &mut self.struck[i].moved;
             add(&mut bodies.delta[i], moved, -1.0);
+            // Rows take all of the acceleration first, and what bounced has fallen by half of that.
+            add(moved, &pull, -0.5 * bodies.h * bodies.h);
             add(&mut bodies.velocity[i], moved, share);
             add(&mut bodies.base[i], moved, share);
         }
     }
 
     /// Gives what was struck the velocities of the end of the substep, after bodies have moved.
-    pub(crate) fn go_on(&self, h: f32, velocity: &mut [Record], base: &mut [Record]) {
+    pub(crate) fn go_on(&self, h: f32, [velocity, base, delta]: [&mut [Record]; 3], acceleration: &[Record]) {
         let share = -1.0 / h;
         for &body in &self.moved {
             let (i, moved) = (body as usize, &self.struck[body as usize].moved);
+            if let Some(pull) = acceleration.get(i)
+                && velocity[i].linear == base[i].linear
+            {
+                // No row touched it, and then half of the fall is left out for all.
+                delta[i].linear += pull.linear * (0.5 * h * h);
+            }
             add(&mut velocity[i], moved, share);
             add(&mut base[i], moved, share);
         }
@@ -232,9 +241,7 @@ impl Restitution {
     pub(crate) fn let_go(&mut self, dt: f32, velocity: &mut [Record], acceleration: &mut [Record]) {
         for &body in &self.standing {
             let struck = &mut self.struck[body as usize];
-            // What rows did to it meanwhile they did to a body that was not there any more.
-            let velocity = &mut velocity[body as usize];
-            (velocity.linear, velocity.angular) = (struck.kept.linear, struck.kept.angular);
+            add(&mut velocity[body as usize], &struck.kept, 1.0);
             if let Some(own) = acceleration.get_mut(body as usize) {
                 *own = struck.pull;
             }
@@ -420,9 +427,15 @@ impl Bodies<'_> {
         ]
     }
 
+    /// Separation at the end of the substep as rows see it, which take all of the acceleration first [m].
+    fn end_gap(&self, spot: &Spot) -> f32 {
+        let [gap, speed, pull] = self.fall(spot);
+        gap + (speed + pull.min(0.0) * self.h) * self.h
+    }
+
     /// Whether any of some points touches at the end of the substep.
     fn will_touch(&self, spots: &[Spot]) -> bool {
-        spots.len() > 1 && spots.iter().any(|spot| self.gap(spot, self.h) <= self.together)
+        spots.len() > 1 && spots.iter().any(|spot| self.end_gap(spot) <= self.together)
     }
 
     /// When a point closes in what is left of the substep, and how fast [m/s], if there is something to do about it: it is
@@ -431,8 +444,8 @@ impl Bodies<'_> {
     /// `next`: rows that touch come to rest as a whole, and take away what other points would cross in the next substep. So
     /// these bounce at the end of this one.
     fn closing(&self, spot: &Spot, struck: &[Struck], now: f32, next: f32) -> Option<(f32, f32)> {
-        let [gap, speed, pull] = self.fall(spot);
-        let gap = gap + (speed + 0.5 * pull * now) * now;
+        let [whole, speed, pull] = self.fall(spot);
+        let gap = whole + (speed + 0.5 * pull * now) * now;
         let speed = speed + pull * now;
         let left = self.h - now;
         let stand = spot.bodies.iter().any(|&body| struck.get(body as usize).is_some_and(|s| s.stands));
@@ -440,10 +453,9 @@ impl Bodies<'_> {
             if stand { spot.speed(|i| struck.get(i).map_or(Record::default(), |s| s.kept)) } else { 0.0 };
         let mut time = 0.0;
         if gap > 0.0 {
-            // As far as the rows go, which take all of the acceleration first, and a little further: what they would stop must
-            // have bounced.
-            let closed = -(speed + pull.min(0.0) * left) * left;
-            let rest = gap - closed - closed.abs() * SLACK - self.together * NEAR;
+            // As far as the rows go, and a little further: what they would stop must have bounced.
+            let end = self.end_gap(spot);
+            let rest = end - (end - whole).abs() * SLACK - self.together * NEAR;
             if rest > 0.0 && rest > -(speed + pull * left) * next {
                 return None;
             }

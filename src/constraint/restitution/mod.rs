@@ -119,6 +119,16 @@ impl Restitution {
         self.struck.get(body).is_some_and(|struck| struck.bounced)
     }
 
+    /// Whether a body stands for the rest of the step.
+    pub(crate) fn stands(&self, body: u32) -> bool {
+        self.struck.get(body as usize).is_some_and(|struck| struck.stands)
+    }
+
+    /// Those that do.
+    pub(crate) fn standing(&self) -> &[u32] {
+        &self.standing
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
         self.wakeful.is_empty()
     }
