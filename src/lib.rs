@@ -104,7 +104,7 @@ pub use body::{BodyDesc, BodyKind};
 pub use character::{Ground, Mover, MoverHit, MoverReport, MoverSettings};
 pub use config::{Continuous, ContinuousMethod, FrictionCone, FrictionModel, Settings};
 pub use constraint::{Order, RowGroup};
-pub use error::Error;
+pub use error::{Error, Escaped};
 pub use events::{ContactEnd, ContactEvent, ContactHook, ContactHooks, MaybeSync, NoHooks, SensorEvent};
 pub use finish::{StageTimes, StepReport};
 pub use glam;

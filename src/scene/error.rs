@@ -1,6 +1,6 @@
 //! Why a scene could not be read or written.
 
-use crate::error::Error;
+use crate::error::{Error, Escaped};
 use std::path::PathBuf;
 
 /// Why a scene could not be read or written: the file, the node if it is about one, and what is wrong.
@@ -36,6 +36,16 @@ pub enum SceneError {
         file: PathBuf,
         /// What is wrong.
         what: String,
+    },
+    /// A `uri` of the scene names what may not or can't be read.
+    #[error("{}, uri {}: {reason}", file.display(), Escaped(uri))]
+    Uri {
+        /// The scene.
+        file: PathBuf,
+        /// As it stands in the scene; escaped in the message.
+        uri: String,
+        /// Why, without any content.
+        reason: String,
     },
     /// A node breaks the rules of its format, or asks for what can't be simulated.
     #[error("{}, node {node}: {what}", file.display())]

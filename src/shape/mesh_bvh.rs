@@ -505,7 +505,8 @@ mod tests {
     /// Expected: what any grid must do, its lines 0 and 255 enclose the range, and so do the boxes made of them.
     #[test]
     fn boxes_enclose_their_triangles_at_any_extent() {
-        let scales = [0.0, f32::from_bits(1), 1e-43, 1e-40, f32::MIN_POSITIVE, 1e-20, 1.0, 1e6, 1e30, f32::MAX];
+        let scales =
+            [0.0, f32::from_bits(1), 1e-43, 1e-40, f32::MIN_POSITIVE, 1e-20, 1.0, 1e6, 1e30, f32::MAX];
         for size in scales {
             for from in [0.0, -size, 1.0, -1e3, 1e9] {
                 let to = from + size;

@@ -9,6 +9,7 @@ mod visual;
 #[cfg(test)]
 mod tests;
 
+use super::resolve::{Resolver, scene_folder};
 use super::{Recorder, Scene, SceneError};
 use document::Document;
 use std::path::Path;
@@ -29,7 +30,21 @@ pub fn write_scene(scene: &Scene, path: impl AsRef<Path>) -> Result<(), SceneErr
 /// # Errors
 /// If the scene's file can't be read again, or the film can't be written.
 pub fn write_animation(scene: &Scene, recorder: &Recorder, path: impl AsRef<Path>) -> Result<(), SceneError> {
-    write(film::document(scene, recorder)?, path.as_ref())
+    let folder = scene_folder(scene.source.as_deref().unwrap_or(Path::new("")));
+    write_animation_with(scene, recorder, path, &folder)
+}
+
+/// The same with another [`Resolver`] for the uris of the scene's file. An image that it refuses stays a reference.
+///
+/// # Errors
+/// As [`write_animation`].
+pub fn write_animation_with(
+    scene: &Scene,
+    recorder: &Recorder,
+    path: impl AsRef<Path>,
+    resolve: &Resolver<'_>,
+) -> Result<(), SceneError> {
+    write(film::document(scene, recorder, resolve)?, path.as_ref())
 }
 
 fn write(document: Document, path: &Path) -> Result<(), SceneError> {
