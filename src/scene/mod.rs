@@ -19,6 +19,8 @@ mod weld;
 #[cfg(feature = "gltf")]
 mod assets;
 #[cfg(feature = "gltf")]
+mod atomic;
+#[cfg(feature = "gltf")]
 mod error;
 #[cfg(feature = "gltf")]
 mod generate;
@@ -36,6 +38,8 @@ pub use record::Recorder;
 pub use standing::Standing;
 pub use terrain::Terrain;
 
+#[cfg(feature = "gltf")]
+pub use atomic::{AtomicFile, refuse_input, write_file};
 #[cfg(feature = "gltf")]
 pub use error::SceneError;
 #[cfg(feature = "gltf")]

@@ -1,6 +1,7 @@
 //! What goes to the terminal.
 
-use anyhow::Context;
+use anyhow::{Context, anyhow};
+use backstop::scene::refuse_input;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
@@ -32,6 +33,21 @@ pub(crate) fn make_folder(folder: &Path) -> anyhow::Result<()> {
 /// Makes the folder that a file will be in.
 pub(crate) fn make_folder_of(file: &Path) -> anyhow::Result<()> {
     file.parent().filter(|folder| !folder.as_os_str().is_empty()).map_or(Ok(()), make_folder)
+}
+
+/// Refuses outputs that would replace the input, or one another, before any work is done.
+pub(crate) fn refuse_inputs(outputs: &[Option<&Path>], input: Option<&Path>) -> anyhow::Result<()> {
+    let outputs: Vec<&Path> = outputs.iter().copied().flatten().collect();
+    for (i, output) in outputs.iter().enumerate() {
+        let about = || format!("can't write {}", output.display());
+        if let Some(input) = input {
+            refuse_input(output, input).with_context(about)?;
+        }
+        if outputs[..i].contains(output) {
+            return Err(anyhow!("two outputs have this name")).with_context(about);
+        }
+    }
+    Ok(())
 }
 
 /// A progress bar on standard error, if somebody watches there.
