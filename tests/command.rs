@@ -509,3 +509,36 @@ fn a_full_disk_leaves_outputs_as_they_were_and_no_output_is_the_input() {
     assert_eq!(std::fs::read(&scene).expect("a scene"), std::fs::read("scenes/tower.gltf").expect("a scene"));
     refused(&["run", &scene, "--out", &film, "--record", &film], 1, "two outputs");
 }
+
+/// A node's name could clear the screen, forge a line or turn the text round. Expected: no control character but the ends of
+/// lines, wherever the name is told.
+#[test]
+fn names_of_a_file_do_not_reach_the_terminal_raw() {
+    let name = "a\u{1b}[2J\nerror: none\u{202e}";
+    let node = |shape: u32| {
+        serde_json::json!({ "name": name, "extensions": { "KHR_physics_rigid_bodies": {
+            "motion": {}, "collider": { "geometry": { "shape": shape } } } } })
+    };
+    let scene = |nodes: Vec<Value>, required: &str| {
+        serde_json::json!({ "asset": { "version": "2.0" }, "nodes": nodes, "extensionsRequired": [required],
+            "extensions": { "KHR_implicit_shapes": { "shapes": [{ "type": "sphere", "sphere": { "radius": 0.5 } }] } } })
+    };
+    let run = |file: &str, text: &str| {
+        let path = scratch(file);
+        std::fs::write(&path, text).expect("a scene");
+        let output = backstop(&["run", path.to_str().expect("a path"), "--steps", "1"]);
+        String::from_utf8([output.stderr, output.stdout].concat()).expect("UTF-8")
+    };
+    let texts = [
+        run("control.gltf", &scene(vec![node(7)], "KHR_physics_rigid_bodies").to_string()),
+        run("control.gltf", &scene(vec![node(0)], name).to_string()),
+        run("control.obj", &format!("v 0 0 0\no {}\nf 1 2 3\n", name.replace('\n', " "))),
+        run("control.gltf", &format!("{{\"asset\": \u{1b}[2J")),
+    ];
+    for text in &texts {
+        let raw = text.chars().find(|&c| c.is_control() && c != '\n' || c == '\u{202e}');
+        assert_eq!(raw, None, "{text:?}");
+        assert!(!text.lines().any(|line| line.starts_with("error: none")), "{text:?}");
+    }
+    assert!(texts[0].contains(r"\u{1b}[2J") && texts[1].contains(r"\u{1b}[2J"), "{texts:?}");
+}

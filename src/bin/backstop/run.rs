@@ -34,7 +34,7 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
         scene.rain(options.drop, options.seed);
     }
     if !options.quiet {
-        scene.notes.iter().for_each(|note| eprintln!("note: {note}"));
+        output::notes(&scene);
         if scene.bodies.iter().all(|b| b.desc.kind == backstop::BodyKind::Static) {
             eprintln!("note: nothing moves in this scene; --drop 100 rains bodies onto it");
         }

@@ -27,7 +27,7 @@ pub(crate) fn profile(options: &ProfileOptions) -> anyhow::Result<()> {
     output::refuse_inputs(&[options.csv.as_deref(), page.as_deref()], input)?;
     let scene = open(options)?;
     if !options.quiet {
-        scene.notes.iter().for_each(|note| eprintln!("note: {note}"));
+        output::notes(&scene);
     }
     let ledger = measure_all(options, &scene)?;
     if let Some(path) = &options.csv {
