@@ -428,7 +428,7 @@ fn what_is_beyond_any_scene_is_refused_though_it_is_finite() {
     refused("limit", w, |w| w.add_joint(&free().with_limit(limit)));
     let motor = Drive::motor(Motion::Linear, Axis::X, 1e7, 1.0);
     refused("drive", w, |w| w.add_joint(&free().with_drive(motor)));
-    // Two shapes that are allowed alone, and turn too hard together, do not exist: the ranges are wide enough.
+    // One over it is infinite.
     let mass = MassProperties { mass: 1.0, center: Vec3::ZERO, inertia: Mat3::IDENTITY * 1e-40 };
     refused("moments", w, |w| w.set_mass(body, mass));
 }

@@ -533,7 +533,7 @@ fn names_of_a_file_do_not_reach_the_terminal_raw() {
         run("control.gltf", &scene(vec![node(7)], "KHR_physics_rigid_bodies").to_string()),
         run("control.gltf", &scene(vec![node(0)], name).to_string()),
         run("control.obj", &format!("v 0 0 0\no {}\nf 1 2 3\n", name.replace('\n', " "))),
-        run("control.gltf", &format!("{{\"asset\": \u{1b}[2J")),
+        run("control.gltf", "{\"asset\": \u{1b}[2J"),
     ];
     for text in &texts {
         let raw = text.chars().find(|&c| c.is_control() && c != '\n' || c == '\u{202e}');
