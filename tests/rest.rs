@@ -185,7 +185,7 @@ fn hitches(step: u32) -> f32 {
 }
 
 fn alternating(step: u32) -> f32 {
-    if step % 2 == 0 { 1.0 / 30.0 } else { 1.0 / 144.0 }
+    if step.is_multiple_of(2) { 1.0 / 30.0 } else { 1.0 / 144.0 }
 }
 
 /// Once a spring was as stiff as each substep allows, held loads were compared in units of two substeps, and what stopped the
