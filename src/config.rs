@@ -1,7 +1,8 @@
 //! Every tunable, with unit, range, default and source.
 
 use crate::constraint::Order;
-use crate::error::{Error, finite3, positive, within};
+use crate::error::{Error, positive, within};
+use crate::limits;
 use crate::memory::Budget;
 use glam::Vec3;
 
@@ -93,7 +94,7 @@ pub enum FrictionModel {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct Settings {
-    /// Gravity [m/s²]. Default (0, -9.81, 0).
+    /// Gravity [m/s²], within [`limits::MAX_ACCELERATION`] along each axis. Default (0, -9.81, 0).
     pub gravity: Vec3,
     /// Substeps of the solver in a step, 1..=64. Default 4. With 1 substep and several iterations the solver is
     /// plain sequential impulses; with several substeps and 1 iteration it is soft substepping (Macklin et al.,
@@ -112,7 +113,7 @@ pub struct Settings {
     pub friction_cone: FrictionCone,
     /// Per patch or per point. Default patch.
     pub friction_model: FrictionModel,
-    /// Length of a typical body [m]; scales the lengths below. Default 1.
+    /// Length of a typical body [m], 1e-6..=1e6; scales the lengths below. Default 1.
     pub length_unit: f32,
     /// Approach speed below which a contact does not bounce [m/s]. Default 0.3, above what gravity gives a resting
     /// body within a step of 1/30 s.
@@ -204,16 +205,21 @@ impl Settings {
     /// # Errors
     /// Names the first setting that is out of range.
     pub fn validate(&self) -> Result<(), Error> {
-        finite3("gravity", self.gravity)?;
+        limits::acceleration("gravity", self.gravity)?;
         within("substeps", self.substeps as f32, 1.0, 64.0, "in 1..=64")?;
         within("iterations", self.iterations as f32, 1.0, 256.0, "in 1..=256")?;
         within("threads", self.threads as f32, 1.0, 1024.0, "in 1..=1024")?;
-        positive("length_unit", self.length_unit)?;
-        within("restitution_threshold", self.restitution_threshold, 0.0, f32::MAX, "at least zero")?;
+        limits::length("length_unit", self.length_unit)?;
+        within("restitution_threshold", self.restitution_threshold, 0.0, limits::MAX_SPEED, "in 0..=1e6")?;
         within("slop", self.slop, 0.0, 1.0, "in 0..=1")?;
-        positive("contact_hertz", self.contact_hertz)?;
-        positive("contact_damping", self.contact_damping)?;
-        positive("push_speed", self.push_speed)?;
+        for (what, value) in [
+            ("contact_hertz", self.contact_hertz),
+            ("contact_damping", self.contact_damping),
+            ("push_speed", self.push_speed),
+        ] {
+            positive(what, value)?;
+            within(what, value, 1e-6, 1e6, "in 1e-6..=1e6")?;
+        }
         within("hit_speed", self.hit_speed, 0.0, f32::MAX, "at least zero")?;
         within("sleep_speed", self.sleep_speed, 0.0, f32::MAX, "at least zero")?;
         within("sleep_time", self.sleep_time, 0.0, f32::MAX, "at least zero")?;

@@ -1,6 +1,7 @@
 //! What can be refused, with the numbers that explain it. A refused call changes nothing.
 
 use crate::memory::Category;
+use std::fmt::{self, Display, Write};
 
 /// Why a call was refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -108,6 +109,33 @@ pub enum Error {
     },
 }
 
+/// Text from a file as a message shows it: control characters, line breaks among them, and those that turn the direction
+/// of writing appear as `\u{..}`, so that no name can draw on a terminal or forge a line of a log. Escaped text stays as
+/// it is when it is escaped again.
+#[derive(Clone, Copy, Debug)]
+pub struct Escaped<T>(pub T);
+
+impl<T: Display> Display for Escaped<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(EscapingWriter(f), "{}", self.0)
+    }
+}
+
+struct EscapingWriter<'a, 'b>(&'a mut fmt::Formatter<'b>);
+
+impl fmt::Write for EscapingWriter<'_, '_> {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        text.chars().try_for_each(|c| match c {
+            // Marks of direction and separators of lines are no control characters to Unicode.
+            '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}' => {
+                write!(self.0, "{}", c.escape_unicode())
+            }
+            c if c.is_control() => write!(self.0, "{}", c.escape_unicode()),
+            c => self.0.write_char(c),
+        })
+    }
+}
+
 /// A finite number, or an error that names it.
 pub(crate) fn finite(what: &'static str, value: f32) -> Result<f32, Error> {
     if value.is_finite() { Ok(value) } else { Err(Error::NotFinite { what, value: value.into() }) }
@@ -145,4 +173,17 @@ pub(crate) fn finite3(what: &'static str, v: glam::Vec3) -> Result<glam::Vec3, E
     finite(what, v.y)?;
     finite(what, v.z)?;
     Ok(v)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Expected: by Unicode, U+001B, U+000A, U+0085 and U+202E; all else is as it was, and no digit is added.
+    #[test]
+    fn control_characters_are_escaped_once() {
+        let escaped = Escaped("a\u{1b}[2J\nb\u{85}\u{202e}ä\\").to_string();
+        assert_eq!(escaped, r"a\u{1b}[2J\u{a}b\u{85}\u{202e}ä\");
+        assert_eq!(Escaped(&escaped).to_string(), escaped);
+    }
 }

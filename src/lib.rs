@@ -50,7 +50,7 @@
 //! - [`Snapshot`]: the state of a world, to go back to the same bits.
 //! - [`scene`]: builtin scenes; with the feature `gltf` also glTF and OBJ files in, glTF animations out.
 //!
-//! SI units, y up, positions in `f64` and all else in `f32`. Calls that can be refused return an [`Error`] and have
+//! SI units, y up, positions in `f64` and all else in `f32`; [`limits`] has the ranges. Calls that can be refused return an [`Error`] and have
 //! then changed nothing. The same input gives the same bits, whatever the number of threads.
 //!
 //! # Features
@@ -80,6 +80,7 @@ mod joint;
 #[cfg(feature = "lab")]
 pub mod lab;
 mod lanes;
+pub mod limits;
 mod memory;
 mod movers;
 mod narrow_phase;
@@ -104,7 +105,7 @@ pub use body::{BodyDesc, BodyKind};
 pub use character::{Ground, Mover, MoverHit, MoverReport, MoverSettings};
 pub use config::{Continuous, ContinuousMethod, FrictionCone, FrictionModel, Settings};
 pub use constraint::{Order, RowGroup};
-pub use error::Error;
+pub use error::{Error, Escaped};
 pub use events::{ContactEnd, ContactEvent, ContactHook, ContactHooks, MaybeSync, NoHooks, SensorEvent};
 pub use finish::{StageTimes, StepReport};
 pub use glam;

@@ -6,7 +6,7 @@ use crate::constraint::{
     FindInput, JointInput, JointRows, PrepareInput, PrepareScratch, Prepared, Restitution, Rows, StepLengths,
     evenness, find, prepare,
 };
-use crate::error::{Error, positive};
+use crate::error::Error;
 use crate::events::{ContactHooks, NoHooks};
 use crate::finish::{StageTimes, StepReport};
 use crate::forces::Forces;
@@ -80,7 +80,7 @@ impl World {
     /// Moves the world on by `dt` seconds and says what that took.
     ///
     /// # Errors
-    /// If `dt` is not a number above zero.
+    /// If `dt` is not in [`MIN_STEP`](crate::limits::MIN_STEP)..=[`MAX_STEP`](crate::limits::MAX_STEP).
     pub fn step(&mut self, dt: f32) -> Result<&StepReport, Error> {
         self.step_with(dt, &NoHooks)
     }
@@ -88,9 +88,9 @@ impl World {
     /// The same with a word on contacts before they are solved.
     ///
     /// # Errors
-    /// If `dt` is not a number above zero.
+    /// If `dt` is not in [`MIN_STEP`](crate::limits::MIN_STEP)..=[`MAX_STEP`](crate::limits::MAX_STEP).
     pub fn step_with(&mut self, dt: f32, hooks: &dyn ContactHooks) -> Result<&StepReport, Error> {
-        positive("dt", dt)?;
+        crate::limits::step(dt)?;
         #[cfg(feature = "replay")]
         if self.tape.is_some() {
             self.step_taped(dt, hooks);

@@ -23,12 +23,13 @@ use crate::body::{Bodies, BodyDesc, BodyKind, Cold, Mass, NewBody, Pose, Traits}
 use crate::broad_phase::{BroadPhase, Now, Pair};
 use crate::config::{Continuous, Settings};
 use crate::constraint::RowGroup;
-use crate::error::{Error, finite};
+use crate::error::Error;
 use crate::events::Events;
 use crate::finish::StepReport;
 use crate::handle::{BodyHandle, ShapeHandle, Slots};
 use crate::joint::Joints;
 use crate::lanes::Record;
+use crate::limits;
 use crate::memory::{Amounts, Category, MemoryReport, Room, in_arc};
 use crate::narrow_phase::Contacts;
 use crate::record::record;
@@ -191,9 +192,9 @@ impl World {
     /// Moves the point that single-precision positions are relative to. Bodies stay where they are.
     ///
     /// # Errors
-    /// If it is not finite.
+    /// If it is beyond [`limits::MAX_POSITION`].
     pub fn set_origin(&mut self, origin: DVec3) -> Result<(), Error> {
-        finite_position(origin)?;
+        limits::position(origin)?;
         record!(self, SetOrigin(origin));
         self.origin = origin;
         Ok(())
@@ -340,10 +341,10 @@ impl World {
     /// Sets the factor on gravity.
     ///
     /// # Errors
-    /// If the handle is stale or the number is not finite.
+    /// If the handle is stale or the number is beyond 1e6.
     pub fn set_gravity_scale(&mut self, body: BodyHandle, scale: f32) -> Result<(), Error> {
         let index = self.index(body)?;
-        let scale = finite("gravity scale", scale)?;
+        limits::acceleration("gravity scale", Vec3::splat(scale))?;
         record!(self, SetGravityScale(body, scale));
         let index = self.wake_body(index);
         self.revise(index);

@@ -4,9 +4,11 @@
 mod common;
 
 use backstop::glam::{DVec3, Mat3, Quat, Vec2, Vec3};
+use backstop::limits;
 use backstop::{
-    BodyDesc, BodyHandle, Budget, Category, Continuous, ConvexHull, Error, Filter, Geometry, HeightField,
-    MassProperties, Material, Settings, ShapeDesc, TriangleMesh, World,
+    Axes, Axis, BodyDesc, BodyHandle, Budget, Category, Continuous, ConvexHull, Drive, Error, Filter, Frame,
+    Geometry, HeightField, JointDesc, Limit, MassProperties, Material, Motion, Settings, ShapeDesc,
+    TriangleMesh, World,
 };
 use common::{Floor, dynamic, flat_mesh};
 
@@ -354,8 +356,119 @@ fn a_speed_beyond_all_numbers_is_no_panic() {
         let ball = common::dynamic(Geometry::Sphere { radius: 0.5 }, Material::default(), Vec3::Y);
         let ball = world.add_body(&ball).unwrap();
         for speed in [1e15, 1e22, 1e38] {
+            let velocity = Vec3::new(speed, -speed, 0.0);
+            refused("speed", &mut world, |w| w.set_velocity(ball, velocity, Vec3::ZERO));
+            let speed = limits::MAX_SPEED;
             world.set_velocity(ball, Vec3::new(speed, -speed, 0.0), Vec3::ZERO).unwrap();
             common::steps(&mut world, 2, 1.0 / 60.0);
+        }
+    }
+}
+
+/// Finite, but what a step made of it was no number, and indices went out of bounds. Expected: the ranges of `limits`.
+#[test]
+fn what_is_beyond_any_scene_is_refused_though_it_is_finite() {
+    let (mut world, body) = world();
+    let w = &mut world;
+    for far in [1.1e9, 1e30, f64::from(f32::MAX)] {
+        let at = DVec3::new(0.0, -far, 0.0);
+        refused_body("position", &ball().at(at));
+        refused("pose", w, |w| w.set_pose(body, at, Quat::IDENTITY));
+        refused("origin", w, |w| w.set_origin(at));
+        refused("point", w, |w| w.apply_impulse(body, Vec3::X, at));
+        refused("target", w, |w| w.move_kinematic(body, at, Quat::IDENTITY, 0.1));
+        refused("frames", w, |w| w.frames_at([body, body], at, Quat::IDENTITY));
+    }
+    for fast in [1.1e6, 1e30, f32::MAX] {
+        let v = Vec3::new(0.0, 0.0, fast);
+        refused_body("velocity", &ball().moving(v, Vec3::ZERO));
+        refused_body("spin", &ball().moving(Vec3::ZERO, v));
+        refused("velocity", w, |w| w.set_velocity(body, v, Vec3::ZERO));
+        refused("spin", w, |w| w.set_velocity(body, Vec3::ZERO, -v));
+        refused("gravity", w, |w| w.set_settings(Settings { gravity: v, ..Settings::default() }));
+        refused("gravity scale", w, |w| w.set_gravity_scale(body, fast));
+    }
+    for size in [1.1e6, 1.8e19, f32::MAX, 0.9e-6, 1e-30] {
+        let shapes = [
+            Geometry::Sphere { radius: size },
+            Geometry::cuboid(1.0, size, 1.0),
+            Geometry::capsule(size, 1.0),
+            Geometry::cylinder(1.0, size),
+        ];
+        for geometry in shapes {
+            let shape = ShapeDesc::new(geometry);
+            refused_body("size", &BodyDesc::fixed().with_shape(shape.clone()));
+            refused("size", w, |w| w.add_shape(body, &shape));
+        }
+        let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z].map(|p| p * size);
+        assert!(ConvexHull::new(&corners).is_err());
+    }
+    let mut far = ball();
+    far.shapes[0].position = Vec3::X * 1.1e6;
+    refused_body("shape position", &far);
+    for dt in [1e-30, 0.9e-6, 10.1, 1e10] {
+        refused("dt", w, |w| w.step(dt).map(drop));
+        refused("dt", w, |w| w.move_kinematic(body, DVec3::ZERO, Quat::IDENTITY, dt));
+    }
+    // Each is allowed, the sum is not. Of the impulse it is the arm: 1e9 N s at 1e8 m on a cube of a ton.
+    refused("force", w, |w| w.add_force(body, Vec3::X * 1.1e18, Vec3::ZERO));
+    w.add_force(body, Vec3::X * 0.9e18, Vec3::X * 0.9e18).unwrap();
+    refused("sum of forces", w, |w| w.add_force(body, Vec3::X * 0.9e18, Vec3::ZERO));
+    refused("sum of torques", w, |w| w.add_force(body, Vec3::ZERO, Vec3::X * 0.9e18));
+    refused("impulse", w, |w| w.apply_impulse(body, Vec3::X * 1e9, DVec3::Y * 1e8));
+    refused("impulse", w, |w| w.apply_impulse(body, Vec3::X * 1e10, DVec3::ZERO));
+    w.step(1.0 / 60.0).unwrap();
+    // Joints.
+    let other = w.add_body(&ball().at(DVec3::Y * 9.0)).unwrap();
+    let far = [Frame::at(Vec3::X * 1.1e6), Frame::default()];
+    refused("frame", w, |w| w.add_joint(&JointDesc::ball([body, other], far)));
+    let near = [Frame::default(); 2];
+    let free = || JointDesc::new([body, other], near);
+    let limit = Limit::new(Motion::Linear, Axes::All, 0.0, 1e10);
+    refused("limit", w, |w| w.add_joint(&free().with_limit(limit)));
+    let motor = Drive::motor(Motion::Linear, Axis::X, 1e7, 1.0);
+    refused("drive", w, |w| w.add_joint(&free().with_drive(motor)));
+    // One over it is infinite.
+    let mass = MassProperties { mass: 1.0, center: Vec3::ZERO, inertia: Mat3::IDENTITY * 1e-40 };
+    refused("moments", w, |w| w.set_mass(body, mass));
+}
+
+/// Expected: whatever is allowed, a step leaves numbers, within the ranges for places.
+#[test]
+fn at_the_ends_of_the_ranges_steps_leave_numbers() {
+    for size in [limits::MIN_LENGTH, 1.0, limits::MAX_LENGTH] {
+        for speed in [1.0, limits::MAX_SPEED] {
+            for dt in [limits::MIN_STEP, 1.0 / 60.0, limits::MAX_STEP] {
+                for at in [0.0, 0.99 * limits::MAX_POSITION] {
+                    let mut world = World::new(Settings::default()).unwrap();
+                    let at = DVec3::new(at, -at, at);
+                    world.set_origin(at).unwrap();
+                    let floor = ShapeDesc::new(Geometry::cuboid(size, size, size));
+                    let step = DVec3::Y * f64::from(size) * 2.001;
+                    world.add_body(&BodyDesc::fixed().at(at).with_shape(floor)).unwrap();
+                    for (i, geometry) in [
+                        Geometry::cuboid(size, size, size),
+                        Geometry::Sphere { radius: size },
+                        Geometry::cylinder(size, size),
+                        Geometry::capsule(size, size),
+                    ]
+                    .into_iter()
+                    .enumerate()
+                    {
+                        let v = Vec3::new(speed, -speed, 0.5 * speed);
+                        let desc = BodyDesc::dynamic().at(at + step * (i + 1) as f64).moving(v, v);
+                        world.add_body(&desc.with_shape(ShapeDesc::new(geometry))).unwrap();
+                    }
+                    for _ in 0..10 {
+                        world.step(dt).unwrap();
+                        assert!(common::all_finite(&world), "{size} {speed} {dt} {at}");
+                        for body in world.bodies() {
+                            let centre = world.centre_of_mass(body).unwrap().abs().max_element();
+                            assert!(centre <= limits::MAX_POSITION, "{size} {speed} {dt} {at}: {centre}");
+                        }
+                    }
+                }
+            }
         }
     }
 }

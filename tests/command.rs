@@ -458,3 +458,87 @@ fn a_box_at_rest_is_stable() {
     refused(&["stability", "nonsense"], 1, "nor a builtin scene");
     refused(&["stability", "--friction-model", "glue"], 2, "patch or point");
 }
+
+/// A disk that was full halfway turned an existing film into half of one, and `--out` replaced the scene itself. Here the
+/// system lets no file grow beyond 4 or 8 KiB (`ulimit -f 8`, in blocks of 512 bytes or 1 KiB). Expected: the old contents.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_leaves_outputs_as_they_were_and_no_output_is_the_input() {
+    let folder = scratch("atomic");
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let path = |name: &str| folder.join(name).to_str().expect("a path").to_owned();
+    let limited = |arguments: &str| {
+        let command =
+            format!("trap '' XFSZ; ulimit -f 8; exec {} {arguments}", env!("CARGO_BIN_EXE_backstop"));
+        Command::new("sh").args(["-c", &command]).output().expect("a shell")
+    };
+    let names = ["film.glb", "run.replay", "page/index.html", "pictures/frame-00000.png", "table.csv"];
+    for name in names {
+        std::fs::create_dir_all(folder.join(name).parent().expect("a folder")).expect("a folder");
+        std::fs::write(folder.join(name), "old").expect("a file");
+    }
+    let [film, replay, page, pictures, table] =
+        ["film.glb", "run.replay", "page", "pictures", "table.csv"].map(path);
+    let run = |more: &str| format!("run tall_stack --steps 60 --quiet {more}");
+    let commands = [
+        run(&format!("--out {film}")),
+        run(&format!("--record {replay}")),
+        run(&format!("--report {page}")),
+        run(&format!("--frames {pictures}")),
+        format!("profile tall_stack --steps 200 --repeats 1 --threads 1 --no-compare --quiet --csv {table}"),
+    ];
+    for (name, command) in names.iter().zip(&commands) {
+        let output = limited(command);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{command}: {errors}");
+        assert!(errors.contains("too large"), "{errors}");
+        assert_eq!(std::fs::read(folder.join(name)).expect("a file"), b"old", "{command}");
+        let beside = std::fs::read_dir(folder.join(name).parent().expect("a folder")).expect("a folder");
+        let left =
+            beside.filter_map(|f| f.ok()?.file_name().into_string().ok()).find(|f| f.ends_with(".tmp"));
+        assert_eq!(left, None, "{command}");
+    }
+    let scene = path("scene.gltf");
+    std::fs::copy("scenes/tower.gltf", &scene).expect("a copy");
+    let again = path("pictures/../scene.gltf");
+    for option in ["--out", "--record"] {
+        refused(&["run", &scene, "--steps", "1", option, &again], 1, "it would replace");
+    }
+    refused(&["profile", &scene, "--steps", "1", "--csv", &again], 1, "it would replace");
+    assert_eq!(std::fs::read(&scene).expect("a scene"), std::fs::read("scenes/tower.gltf").expect("a scene"));
+    refused(&["run", &scene, "--out", &film, "--record", &film], 1, "two outputs");
+}
+
+/// A node's name could clear the screen, forge a line or turn the text round. Expected: no control character but the ends of
+/// lines, wherever the name is told.
+#[test]
+fn names_of_a_file_do_not_reach_the_terminal_raw() {
+    let name = "a\u{1b}[2J\nerror: none\u{202e}";
+    let node = |shape: u32| {
+        serde_json::json!({ "name": name, "extensions": { "KHR_physics_rigid_bodies": {
+            "motion": {}, "collider": { "geometry": { "shape": shape } } } } })
+    };
+    let scene = |nodes: Vec<Value>, required: &str| {
+        serde_json::json!({ "asset": { "version": "2.0" }, "nodes": nodes, "extensionsRequired": [required],
+            "extensions": { "KHR_implicit_shapes": { "shapes": [{ "type": "sphere", "sphere": { "radius": 0.5 } }] } } })
+    };
+    let run = |file: &str, text: &str| {
+        let path = scratch(file);
+        std::fs::write(&path, text).expect("a scene");
+        let output = backstop(&["run", path.to_str().expect("a path"), "--steps", "1"]);
+        String::from_utf8([output.stderr, output.stdout].concat()).expect("UTF-8")
+    };
+    let texts = [
+        run("control.gltf", &scene(vec![node(7)], "KHR_physics_rigid_bodies").to_string()),
+        run("control.gltf", &scene(vec![node(0)], name).to_string()),
+        run("control.obj", &format!("v 0 0 0\no {}\nf 1 2 3\n", name.replace('\n', " "))),
+        run("control.gltf", "{\"asset\": \u{1b}[2J"),
+    ];
+    for text in &texts {
+        let raw = text.chars().find(|&c| c.is_control() && c != '\n' || c == '\u{202e}');
+        assert_eq!(raw, None, "{text:?}");
+        assert!(!text.lines().any(|line| line.starts_with("error: none")), "{text:?}");
+    }
+    assert!(texts[0].contains(r"\u{1b}[2J") && texts[1].contains(r"\u{1b}[2J"), "{texts:?}");
+}

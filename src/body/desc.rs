@@ -2,7 +2,8 @@
 
 use crate::config::Continuous;
 use crate::constraint::RowGroup;
-use crate::error::{Error, finite, finite3};
+use crate::error::Error;
+use crate::limits;
 use crate::shape::{MassProperties, ShapeDesc, unit_quat};
 use glam::{DVec3, Quat, Vec3};
 
@@ -24,13 +25,13 @@ pub enum BodyKind {
 pub struct BodyDesc {
     /// What moves it.
     pub kind: BodyKind,
-    /// Where its origin is [m].
+    /// Where its origin is [m], within [`limits::MAX_POSITION`] along each axis.
     pub position: DVec3,
     /// How its axes are turned; a unit quaternion.
     pub rotation: Quat,
-    /// Velocity of its centre of mass [m/s].
+    /// Velocity of its centre of mass [m/s], within [`limits::MAX_SPEED`] along each axis.
     pub linear_velocity: Vec3,
-    /// About the world's axes [rad/s].
+    /// About the world's axes [rad/s], within [`limits::MAX_SPEED`] about each.
     pub angular_velocity: Vec3,
     /// Its shapes; several make a compound.
     pub shapes: Vec<ShapeDesc>,
@@ -124,15 +125,11 @@ impl BodyDesc {
     /// # Errors
     /// Names the first number that is out of range, or a shape that the kind of body can't have.
     pub fn validate(&self) -> Result<(), Error> {
-        for value in self.position.to_array() {
-            if !value.is_finite() {
-                return Err(Error::NotFinite { what: "position", value });
-            }
-        }
+        limits::position(self.position)?;
         unit_quat("rotation", self.rotation)?;
-        finite3("linear velocity", self.linear_velocity)?;
-        finite3("angular velocity", self.angular_velocity)?;
-        finite("gravity scale", self.gravity_scale)?;
+        limits::speed("linear velocity", self.linear_velocity)?;
+        limits::speed("angular velocity", self.angular_velocity)?;
+        limits::acceleration("gravity scale", Vec3::splat(self.gravity_scale))?;
         for shape in &self.shapes {
             shape.validate()?;
             if self.kind == BodyKind::Dynamic {

@@ -26,10 +26,10 @@ pub use report::{Ground, MoverHit, MoverReport};
 pub use settings::MoverSettings;
 
 use crate::body::BodyKind;
-use crate::error::{Error, finite3, positive};
+use crate::error::Error;
 use crate::query::{QueryFilter, ShapeHit};
 use crate::shape::Geometry;
-use crate::world::{World, finite_position};
+use crate::world::World;
 use carry::{Carrier, carry};
 use glam::{DVec3, Quat, Vec3};
 use ground::{settle, velocity_at};
@@ -75,7 +75,7 @@ impl Mover {
     /// If a setting is out of range, or the point is not finite.
     pub fn new(settings: MoverSettings, position: DVec3) -> Result<Mover, Error> {
         settings.validate()?;
-        finite_position(position)?;
+        crate::limits::position(position)?;
         Ok(Mover { settings, position, ground: None, carrier: None })
     }
 
@@ -116,7 +116,7 @@ impl Mover {
     /// # Errors
     /// If the point is not finite.
     pub fn place(&mut self, position: DVec3) -> Result<(), Error> {
-        finite_position(position)?;
+        crate::limits::position(position)?;
         (self.position, self.ground, self.carrier) = (position, None, None);
         Ok(())
     }
@@ -147,8 +147,8 @@ impl Mover {
         velocity: Vec3,
         dt: f32,
     ) -> Result<MoverReport, Error> {
-        finite3("velocity", velocity)?;
-        let time = f64::from(positive("dt", dt)?);
+        crate::limits::speed("velocity", velocity)?;
+        let time = f64::from(crate::limits::step(dt)?);
         let settings = self.settings;
         let shape = Shape::new(world, &settings, filter);
         let mut report = MoverReport::default();
@@ -190,7 +190,7 @@ impl Mover {
             (None, None) => left,
         };
         let carrier = ground.map(|ground| Carrier::new(world, ground.body)).transpose()?;
-        finite_position(at)?;
+        crate::limits::position(at)?;
 
         report.moved = (at - self.position).as_vec3();
         report.carried = (carried - self.position).as_vec3();

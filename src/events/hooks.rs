@@ -1,6 +1,6 @@
 //! Hooks: a caller's word on contacts before they are solved.
 
-use crate::error::{Error, finite3, within};
+use crate::error::{Error, within};
 use crate::handle::{BodyHandle, ShapeHandle};
 use crate::narrow_phase::{Contact, NONE};
 use crate::world::World;
@@ -162,7 +162,7 @@ impl ContactHook<'_> {
     /// # Errors
     /// If a number is not finite, or there is no such side.
     pub fn set_surface_velocity(&mut self, side: usize, velocity: Vec3) -> Result<(), Error> {
-        finite3("surface velocity", velocity)?;
+        crate::limits::speed("surface velocity", velocity)?;
         within("side of a contact", side as f32, 0.0, 1.0, "0 or 1")?;
         self.tweak.surface = if side == 1 { velocity } else { -velocity };
         Ok(())

@@ -12,12 +12,13 @@ use guard::Guard;
 pub use report::{StageTimes, StepReport};
 use trees::Trees;
 
-use crate::body::{carry_spin, exp_map, turn_freely};
+use crate::body::{Pose, carry_spin, exp_map, turn_freely};
 use crate::broad_phase::{Pair, STACK};
 use crate::config::Continuous;
 use crate::constraint::Seat;
 use crate::forces::spins_freely;
 use crate::lanes::{self, Record, Sym3};
+use crate::limits::MAX_POSITION;
 use crate::memory::{Buffer, Made, bytes_of};
 use crate::narrow_phase::{Point, UNKNOWN_LOAD};
 use crate::shape::Hot;
@@ -247,8 +248,8 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
                 stop_end(velocity, &crossing, mass[i].inverse, &inverse_inertia[i]);
                 note(seat, crossing.share);
             }
-            if !pose.is_finite() || !is_sound(velocity) {
-                // What it turned or was lifted by was none, however sound it began.
+            if !is_in_range(pose) || !is_sound(velocity) {
+                // What it turned or was lifted by was no number, however sound it began, or it is out of the world.
                 *pose = whence;
                 if i < dynamic {
                     *velocity = Record::default();
@@ -289,6 +290,12 @@ fn is_sound(r: &Record) -> bool {
     let most = r.linear.abs().max_element() + r.angular.abs().max_element();
     // Not a number is neither.
     most < MOST && r.linear.is_finite() && r.angular.is_finite()
+}
+
+/// Whether a body is where a caller could put it; beyond, boxes and distances would be no numbers soon.
+#[inline(always)]
+fn is_in_range(pose: &Pose) -> bool {
+    pose.is_finite() && pose.position.abs().max_element() <= MAX_POSITION
 }
 
 /// Speeds [m/s], [rad/s] and ways [m], [rad] beyond are as good as no number: their squares would be none soon.

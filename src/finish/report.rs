@@ -66,7 +66,7 @@ pub struct StepReport {
     /// Trees of joints that whip, because a body bears several times its mass: there are no velocities at the start of a substep
     /// that leave them closed at its end, or only such that gain energy. They were closed all the same, and lost some.
     pub damped_trees: u32,
-    /// Bodies whose new place or velocity was no number, or too large for one. They stay where they were, at rest: whatever a
+    /// Bodies whose new place or velocity was no number or beyond [`MAX_POSITION`](crate::limits::MAX_POSITION). They stay where they were, at rest: whatever a
     /// step returns, what it leaves is finite. More than none says that forces, speeds or joints ask for the impossible.
     pub stopped: u32,
     /// Impacts that were met one by one at their times, by methods that do so

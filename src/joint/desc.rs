@@ -1,16 +1,20 @@
 //! What a joint is made of: limits and drives between two frames.
 
 use crate::constraint::RowGroup;
-use crate::error::{Error, finite, finite3, within};
+use crate::error::{Error, within};
 use crate::handle::BodyHandle;
+use crate::limits;
 use crate::shape::unit_quat;
 use glam::{Quat, Vec3};
+
+/// Largest displacement that a limit or drive may name [m] or [rad].
+const MAX_DISPLACEMENT: f32 = limits::MAX_POSITION as f32;
 
 /// Where a joint sits on a body, in the body's own axes and from its origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Frame {
-    /// [m]
+    /// [m], within 1e6 along each axis.
     pub position: Vec3,
     /// The joint's x, y and z in the body's axes.
     pub rotation: Quat,
@@ -172,6 +176,9 @@ impl Limit {
             if value.is_nan() {
                 return Err(Error::NotFinite { what, value: value.into() });
             }
+            if value.is_finite() {
+                within(what, value, -MAX_DISPLACEMENT, MAX_DISPLACEMENT, "within 1e9 or infinite")?;
+            }
         }
         if self.min > self.max || self.min == f32::INFINITY || self.max == f32::NEG_INFINITY {
             let value = self.max.into();
@@ -201,9 +208,9 @@ pub struct Drive {
     pub motion: Motion,
     /// Of the first body's frame.
     pub axis: Axis,
-    /// [m] or [rad]
+    /// [m] or [rad], within 1e9.
     pub position: f32,
-    /// [m/s] or [rad/s]
+    /// [m/s] or [rad/s], within 1e6.
     pub velocity: f32,
     /// How hard it pulls.
     pub spring: Spring,
@@ -227,8 +234,8 @@ impl Drive {
     }
 
     pub(crate) fn validate(&self) -> Result<(), Error> {
-        finite("drive position", self.position)?;
-        finite("drive velocity", self.velocity)?;
+        within("drive position", self.position, -MAX_DISPLACEMENT, MAX_DISPLACEMENT, "within 1e9")?;
+        within("drive velocity", self.velocity, -limits::MAX_SPEED, limits::MAX_SPEED, "within 1e6")?;
         if self.max_force != f32::INFINITY {
             within("drive force", self.max_force, 0.0, f32::MAX, "at least zero")?;
         }
@@ -359,7 +366,7 @@ impl JointDesc {
             return Err(Error::JointToItself);
         }
         for frame in &self.frames {
-            finite3("joint frame position", frame.position)?;
+            limits::offset("joint frame position", frame.position)?;
             unit_quat("joint frame rotation", frame.rotation)?;
         }
         self.limits.iter().try_for_each(Limit::validate)?;

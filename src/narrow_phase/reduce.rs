@@ -164,7 +164,9 @@ fn convex_hull(points: &mut [(Vec2, usize)], hull: &mut [(Vec2, usize); MOST]) -
             {
                 count -= 1;
             }
-            hull[count] = *point;
+            // Only where a coordinate is no number does a hull have more corners than points.
+            let Some(corner) = hull.get_mut(count) else { break };
+            *corner = *point;
             count += 1;
         }
         // The last is the first of the other half.

@@ -43,7 +43,7 @@ impl fmt::Display for DivergedBody {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "body {}.{}", self.handle.slot, self.handle.generation)?;
         if let Some(name) = &self.name {
-            write!(f, " \"{name}\"")?;
+            write!(f, " \"{}\"", crate::error::Escaped(name))?;
         }
         write!(f, " (user data {})", self.user_data)
     }

@@ -1,14 +1,14 @@
 //! Why a scene could not be read or written.
 
-use crate::error::Error;
+use crate::error::{Error, Escaped};
+use std::fmt;
 use std::path::PathBuf;
 
-/// Why a scene could not be read or written: the file, the node if it is about one, and what is wrong.
+/// Why a scene could not be read or written, as text with whatever a file says [escaped](Escaped): the file, the node if it is about one, and what is wrong.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
     /// The file can't be read.
-    #[error("{}: {source}", file.display())]
     Read {
         /// The scene, or a file that it refers to.
         file: PathBuf,
@@ -16,7 +16,6 @@ pub enum SceneError {
         source: std::io::Error,
     },
     /// The file can't be written.
-    #[error("can't write {}: {source}", file.display())]
     Write {
         /// Which file.
         file: PathBuf,
@@ -24,21 +23,27 @@ pub enum SceneError {
         source: std::io::Error,
     },
     /// Neither the name of a builtin scene nor a known kind of file.
-    #[error("{}: not a .gltf, .glb or .obj file, nor a builtin scene", file.display())]
     UnknownFormat {
         /// Which file.
         file: PathBuf,
     },
     /// The file breaks the rules of its format.
-    #[error("{}: {what}", file.display())]
     Malformed {
         /// Which file.
         file: PathBuf,
         /// What is wrong.
         what: String,
     },
+    /// A `uri` of the scene names what may not or can't be read.
+    Uri {
+        /// The scene.
+        file: PathBuf,
+        /// As it stands in the scene; escaped in the message.
+        uri: String,
+        /// Why, without any content.
+        reason: String,
+    },
     /// A node breaks the rules of its format, or asks for what can't be simulated.
-    #[error("{}, node {node}: {what}", file.display())]
     Node {
         /// Which file.
         file: PathBuf,
@@ -48,7 +53,6 @@ pub enum SceneError {
         what: String,
     },
     /// The engine refuses the shape or body of a node.
-    #[error("{}, node {node}: {source}", file.display())]
     Body {
         /// Which file.
         file: PathBuf,
@@ -57,4 +61,28 @@ pub enum SceneError {
         /// Why.
         source: Error,
     },
+}
+
+/// A uri or a name may be of any length; so much of it tells which it is.
+const SHOWN: usize = 200;
+
+impl fmt::Display for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let short = |text: &str| text.chars().take(SHOWN).collect::<String>();
+        let text = match self {
+            Self::Read { file, source } => format!("{}: {source}", file.display()),
+            Self::Write { file, source } => format!("can't write {}: {source}", file.display()),
+            Self::UnknownFormat { file } => {
+                format!("{}: not a .gltf, .glb or .obj file, nor a builtin scene", file.display())
+            }
+            Self::Malformed { file, what } => format!("{}: {what}", file.display()),
+            Self::Uri { file, uri, reason } => format!("{}, uri {}: {reason}", file.display(), short(uri)),
+            Self::Node { file, node, what } => format!("{}, node {}: {what}", file.display(), short(node)),
+            Self::Body { file, node, source } => {
+                format!("{}, node {}: {source}", file.display(), short(node))
+            }
+        };
+        // The one place: names, uris, words of a file in a parser's complaint, and the path itself.
+        write!(f, "{}", Escaped(text))
+    }
 }

@@ -19,6 +19,8 @@ mod weld;
 #[cfg(feature = "gltf")]
 mod assets;
 #[cfg(feature = "gltf")]
+mod atomic;
+#[cfg(feature = "gltf")]
 mod error;
 #[cfg(feature = "gltf")]
 mod generate;
@@ -28,6 +30,8 @@ mod gltf_in;
 mod gltf_out;
 #[cfg(feature = "gltf")]
 mod obj;
+#[cfg(feature = "gltf")]
+mod resolve;
 
 pub use plan::Plan;
 pub use record::Recorder;
@@ -35,11 +39,15 @@ pub use standing::Standing;
 pub use terrain::Terrain;
 
 #[cfg(feature = "gltf")]
+pub use atomic::{AtomicFile, refuse_input, write_file};
+#[cfg(feature = "gltf")]
 pub use error::SceneError;
 #[cfg(feature = "gltf")]
 pub use generate::{SHIPPED, shipped, write_shipped};
 #[cfg(feature = "gltf")]
-pub use gltf_out::{write_animation, write_scene};
+pub use gltf_out::{write_animation, write_animation_with, write_scene};
+#[cfg(feature = "gltf")]
+pub use resolve::{Resolver, scene_folder};
 
 use crate::body::{BodyDesc, BodyKind};
 use crate::error::Error;
@@ -177,16 +185,27 @@ impl Scene {
     }
 }
 
-/// Reads a scene: `.gltf` and `.glb` with or without physics, `.obj` as one static mesh.
+/// Reads a scene: `.gltf` and `.glb` with or without physics, `.obj` as one static mesh. What a glTF file refers to by
+/// `uri` must be a regular file in its own folder or below, see [`scene_folder`].
 ///
 /// # Errors
 /// Names the file, the node if it is about one, and what is wrong with it.
 #[cfg(feature = "gltf")]
 pub fn load(path: impl AsRef<std::path::Path>) -> Result<Scene, SceneError> {
     let path = path.as_ref();
+    load_with(path, &scene_folder(path))
+}
+
+/// The same with another [`Resolver`] for the uris of a glTF file; data URIs are read without it.
+///
+/// # Errors
+/// As [`load`].
+#[cfg(feature = "gltf")]
+pub fn load_with(path: impl AsRef<std::path::Path>, resolve: &Resolver<'_>) -> Result<Scene, SceneError> {
+    let path = path.as_ref();
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     match ending.as_str() {
-        "gltf" | "glb" => gltf_in::load(path),
+        "gltf" | "glb" => gltf_in::load(path, resolve),
         "obj" => obj::load(path),
         _ => Err(SceneError::UnknownFormat { file: path.into() }),
     }

@@ -8,14 +8,13 @@ use super::slabs::Near;
 use super::triangle_rays::take;
 use crate::error::{Error, finite, positive, within};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x4};
+use crate::limits::MAX_COORDINATE as MOST;
 use glam::{Vec2, Vec3};
 
 /// Cells, or boxes of the level below, along a side of a box of the pyramid.
 pub(super) const SIDE: usize = 4;
 /// Most boxes that wait: 15 for each of 14 levels, which is a side of 4^14 cells.
 pub(super) const STACK: usize = 224;
-/// Of the largest coordinate [m].
-const MOST: f32 = 1e7;
 
 /// A static grid of heights, shared by the shapes that use it.
 ///

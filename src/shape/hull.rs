@@ -2,7 +2,8 @@
 
 use super::hull_build::{self, Polyhedron};
 use super::mass::Moments;
-use crate::error::{Error, finite3};
+use crate::error::Error;
+use crate::limits;
 use crate::memory::bytes_of;
 use glam::Vec3;
 
@@ -64,10 +65,16 @@ impl ConvexHull {
     /// A triangle mesh on a dynamic body moves as the hull of its vertices.
     ///
     /// # Errors
-    /// If a coordinate is not finite; if all points are equal, on a line or in a plane.
+    /// If a coordinate is not finite or beyond 1e6, if no side of the points' box is 1e-6 long, or if all points are equal, on a line or in a plane.
     pub fn new(points: &[Vec3]) -> Result<ConvexHull, Error> {
         for point in points {
-            finite3("hull point", *point)?;
+            limits::offset("hull point", *point)?;
+        }
+        let low = points.iter().fold(Vec3::INFINITY, |low, p| low.min(*p));
+        let high = points.iter().fold(Vec3::NEG_INFINITY, |high, p| high.max(*p));
+        let size = (high - low).max_element();
+        if size > 0.0 {
+            crate::error::within("hull size", size, limits::MIN_LENGTH, f32::MAX, "at least 1e-6 m")?;
         }
         Ok(Self::assemble(points, hull_build::build(points, Self::MAX_VERTICES)?))
     }

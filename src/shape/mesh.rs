@@ -10,8 +10,7 @@ use crate::error::{Error, finite3};
 use crate::lanes::{Lanes, Mask, f32x4, f32x8, ones};
 use glam::Vec3;
 
-/// Of the largest coordinate [m]: squares of areas stay finite.
-pub(super) const MOST: f32 = 1e7;
+pub(super) use crate::limits::MAX_COORDINATE as MOST;
 /// Bits of a corner that are a vertex; the two above are the fold of the edge that starts there.
 pub(super) const VERTEX_BITS: u32 = 30;
 pub(super) const VERTEX_MASK: u32 = (1 << VERTEX_BITS) - 1;

@@ -127,12 +127,7 @@ impl MeshBvh {
         let mut node = Node::EMPTY;
         for axis in 0..3 {
             node.origin[axis] = min[axis];
-            let mut step = (max[axis] - min[axis]) / 255.0;
-            // Rounding must not leave the last step short of the end.
-            while min[axis] + 255.0 * step < max[axis] {
-                step *= 1.001;
-            }
-            node.step[axis] = step;
+            node.step[axis] = step_of(min[axis], max[axis]);
         }
         for (i, &(from, to)) in ranges[..count].iter().enumerate() {
             let (min, max) = union(&items[from..to]);
@@ -406,6 +401,24 @@ impl Path {
     }
 }
 
+/// The step of a grid of 256 lines from `min` to at least `max` [m], both finite and in this order.
+///
+/// Let `e` be the next number above the rounded extent, so `e` is at least the exact one, and `s` the next above the
+/// rounded `e / 255`. Then `255 s >= e`, and rounding is monotone: `min + 255 s`, rounded, is at least `max`. That holds
+/// for denormal extents too, where no factor would make a step larger.
+fn step_of(min: f32, max: f32) -> f32 {
+    let extent = max - min;
+    if !extent.is_finite() {
+        return (max / 255.0 - min / 255.0).next_up();
+    }
+    let step = extent / 255.0;
+    if min + 255.0 * step >= max {
+        return step;
+    }
+    // Where a thousandth counts it is more than the least that is enough.
+    (step * 1.001).max((extent.next_up() / 255.0).next_up())
+}
+
 fn union(items: &[Item]) -> (Vec3, Vec3) {
     items.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), i| (min.min(i.min), max.max(i.max)))
 }
@@ -481,4 +494,47 @@ fn cheapest(items: &[Item], bin: impl Fn(&Item) -> usize) -> Option<usize> {
         }
     }
     best.map(|(_, i)| i)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Three vertices, one with y = 1e-45, kept a loader busy for ever: times 1.001 the least number stays what it is.
+    ///
+    /// Expected: what any grid must do, its lines 0 and 255 enclose the range, and so do the boxes made of them.
+    #[test]
+    fn boxes_enclose_their_triangles_at_any_extent() {
+        let scales =
+            [0.0, f32::from_bits(1), 1e-43, 1e-40, f32::MIN_POSITIVE, 1e-20, 1.0, 1e6, 1e30, f32::MAX];
+        for size in scales {
+            for from in [0.0, -size, 1.0, -1e3, 1e9] {
+                let to = from + size;
+                let step = step_of(from, to);
+                assert!(step.is_finite() && from + 255.0 * step >= to, "{from} + {size}: {step}");
+                let item = |i: u32, at: f32| Item {
+                    min: Vec3::new(from, at, from),
+                    max: Vec3::new(to, at, at.max(from)),
+                    triangle: i,
+                };
+                let mut items: Vec<Item> =
+                    (0..20).map(|i| item(i, from + size * (i as f32 / 19.0))).collect();
+                let tree = MeshBvh::build(&mut items);
+                for node in &tree.nodes {
+                    for (lane, &child) in node.child.iter().enumerate() {
+                        if child == NO_CHILD || child & IS_LEAF == 0 {
+                            continue;
+                        }
+                        let (first, count) = triangles(child & !IS_LEAF);
+                        let (min, max) = union(&items[first as usize..][..count as usize]);
+                        for axis in 0..3 {
+                            let low = node.at(axis, node.low[axis][lane]);
+                            let high = node.at(axis, node.high[axis][lane]);
+                            assert!(low <= min[axis] && high >= max[axis], "{from} + {size}: {low}..{high}");
+                        }
+                    }
+                }
+            }
+        }
+    }
 }

@@ -36,11 +36,12 @@ pub(crate) use stored::{StoredField, StoredHull, StoredMesh};
 pub(crate) use stream::{FourTree, RAYS, Stream, Walk};
 pub(crate) use triangle_rays::TriangleRays;
 
-use crate::error::{Error, finite, finite3, positive, within};
+use crate::error::{Error, finite, within};
+use crate::limits::{self, length, length_or_zero};
 use glam::{Quat, Vec3};
 use std::sync::Arc;
 
-/// The form of a shape, in its own frame [m].
+/// The form of a shape, in its own frame [m]. Lengths that are not zero lie in 1e-6..=1e6 ([`limits`]).
 #[derive(Clone, Debug)]
 pub enum Geometry {
     /// A ball around the origin.
@@ -138,21 +139,20 @@ impl Geometry {
     /// Names the first number that is out of range.
     pub fn validate(&self) -> Result<(), Error> {
         match self {
-            Geometry::Sphere { radius } => positive("sphere radius", *radius).map(drop),
+            Geometry::Sphere { radius } => length("sphere radius", *radius),
             Geometry::Capsule { half_height, radius_bottom, radius_top } => {
-                within("capsule half height", *half_height, 0.0, f32::MAX, "at least zero")?;
-                positive("capsule radius", *radius_bottom)?;
-                positive("capsule radius", *radius_top).map(drop)
+                length_or_zero("capsule half height", *half_height)?;
+                length("capsule radius", *radius_bottom)?;
+                length("capsule radius", *radius_top)
             }
             Geometry::Box { half_extents } => {
-                finite3("box half extents", *half_extents)?;
-                positive("box half extents", half_extents.min_element()).map(drop)
+                half_extents.to_array().iter().try_for_each(|&x| length("box half extents", x))
             }
             Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
-                positive("cylinder half height", *half_height)?;
-                within("cylinder radius", *radius_bottom, 0.0, f32::MAX, "at least zero")?;
-                within("cylinder radius", *radius_top, 0.0, f32::MAX, "at least zero")?;
-                positive("cylinder radius", radius_bottom.max(*radius_top)).map(drop)
+                length("cylinder half height", *half_height)?;
+                length_or_zero("cylinder radius", *radius_bottom)?;
+                length_or_zero("cylinder radius", *radius_top)?;
+                length("cylinder radius", radius_bottom.max(*radius_top))
             }
             Geometry::Hull(_) | Geometry::Plane | Geometry::Mesh(_) | Geometry::HeightField(_) => Ok(()),
         }
@@ -278,11 +278,11 @@ impl Filter {
 pub struct ShapeDesc {
     /// Its form.
     pub geometry: Geometry,
-    /// Where its frame is in the body's [m].
+    /// Where its frame is in the body's [m], within 1e6 along each axis.
     pub position: Vec3,
     /// How its frame is turned in the body's.
     pub rotation: Quat,
-    /// Density [kg/m³], at least zero; zero adds no mass. Default 1000.
+    /// Density [kg/m³], 0..=1e15; zero adds no mass. Default 1000.
     pub density: f32,
     /// Friction and restitution.
     pub material: Material,
@@ -347,9 +347,9 @@ impl ShapeDesc {
         if self.sensor && !matches!(self.geometry, Geometry::Plane) {
             self.geometry.require_convex()?;
         }
-        finite3("shape position", self.position)?;
+        limits::offset("shape position", self.position)?;
         unit_quat("shape rotation", self.rotation)?;
-        within("density", self.density, 0.0, f32::MAX, "at least zero").map(drop)
+        within("density", self.density, 0.0, limits::MAX_DENSITY, "in 0..=1e15").map(drop)
     }
 }
 

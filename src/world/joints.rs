@@ -74,7 +74,7 @@ impl World {
         point: DVec3,
         rotation: Quat,
     ) -> Result<[Frame; 2], Error> {
-        super::finite_position(point)?;
+        crate::limits::position(point)?;
         let rotation = crate::shape::unit_quat("rotation", rotation)?;
         let mut frames = [Frame::default(); 2];
         for (frame, body) in frames.iter_mut().zip(bodies) {

@@ -2,7 +2,7 @@
 
 use super::World;
 use crate::body::{BodyKind, Cold, Mass, Pose};
-use crate::error::{Error, finite};
+use crate::error::Error;
 use crate::handle::BodyHandle;
 use crate::record::record;
 use crate::shape::{MassProperties, ShapeDesc};
@@ -24,6 +24,7 @@ impl World {
     pub fn set_mass(&mut self, body: BodyHandle, mass: MassProperties) -> Result<(), Error> {
         let index = self.index(body)?;
         mass.validate()?;
+        movable(&mass)?;
         record!(self, SetMass(body, mass));
         let index = self.wake_body(index);
         self.revise(index);
@@ -33,17 +34,18 @@ impl World {
     }
 
     pub(super) fn refresh_mass(&mut self, index: usize) {
-        let cold = self.bodies.cold[index];
-        let parts: Vec<MassProperties> = self.bodies.colliders[index]
-            .as_slice()
-            .iter()
-            .map(|&c| {
-                let c = &self.colliders.all[c as usize];
-                let (position, rotation) = (cold.centre + cold.axes * c.position, cold.axes * c.rotation);
-                MassProperties::of(&c.geometry, c.density).transformed(position, rotation)
-            })
-            .collect();
+        let parts: Vec<MassProperties> = self.parts_of(index).collect();
         self.replace_mass(index, &MassProperties::combine(&parts));
+    }
+
+    /// Mass of each shape of a body, in the body's axes.
+    pub(super) fn parts_of(&self, index: usize) -> impl Iterator<Item = MassProperties> + '_ {
+        let cold = self.bodies.cold[index];
+        self.bodies.colliders[index].as_slice().iter().map(move |&c| {
+            let c = &self.colliders.all[c as usize];
+            let (position, rotation) = (cold.centre + cold.axes * c.position, cold.axes * c.rotation);
+            MassProperties::of(&c.geometry, c.density).transformed(position, rotation)
+        })
     }
 
     /// Moves the centre of mass and the principal axes under the colliders, which stay where they are.
@@ -76,8 +78,7 @@ impl World {
     }
 }
 
-/// Whether mass and inertia, and one over them, are numbers: a body of 1e20 m is too heavy for them, one of 1e-20 m
-/// too light.
+/// Whether mass and inertia, and one over them, can be worked with.
 pub(super) fn movable(mass: &MassProperties) -> Result<(), Error> {
     let m = &mass.inertia;
     for (what, value) in [
@@ -86,8 +87,7 @@ pub(super) fn movable(mass: &MassProperties) -> Result<(), Error> {
         ("moment of inertia", m.y_axis.y),
         ("moment of inertia", m.z_axis.z),
     ] {
-        finite(what, value)?;
-        finite(what, 1.0 / value)?;
+        crate::limits::inertia(what, value)?;
     }
     Ok(())
 }

@@ -2,10 +2,11 @@
 
 use super::World;
 use crate::body::{BodyKind, Pose};
-use crate::error::{Error, finite3};
+use crate::error::Error;
 use crate::forces::world_inertia;
 use crate::handle::BodyHandle;
 use crate::lanes::Record;
+use crate::limits;
 use crate::record::record;
 use crate::shape::unit_quat;
 use glam::{DVec3, Quat, Vec3};
@@ -66,10 +67,10 @@ impl World {
     /// Moves a body to a pose of its origin, at once.
     ///
     /// # Errors
-    /// If the handle is stale or the pose is not one.
+    /// If the handle is stale, the pose is not one, or it is beyond [`limits::MAX_POSITION`].
     pub fn set_pose(&mut self, body: BodyHandle, position: DVec3, rotation: Quat) -> Result<(), Error> {
         let index = self.index(body)?;
-        finite_position(position)?;
+        limits::position(position)?;
         let unit = unit_quat("rotation", rotation)?;
         // As it was given: what is normalised twice may differ in a bit.
         record!(self, SetPose(body, position, rotation));
@@ -96,11 +97,11 @@ impl World {
     /// Sets linear [m/s] and angular [rad/s] velocity. Has no effect on a static body.
     ///
     /// # Errors
-    /// If the handle is stale or a number is not finite.
+    /// If the handle is stale or a number is beyond [`limits::MAX_SPEED`].
     pub fn set_velocity(&mut self, body: BodyHandle, linear: Vec3, angular: Vec3) -> Result<(), Error> {
         let index = self.index(body)?;
-        finite3("linear velocity", linear)?;
-        finite3("angular velocity", angular)?;
+        limits::speed("linear velocity", linear)?;
+        limits::speed("angular velocity", angular)?;
         record!(self, SetVelocity(body, linear, angular));
         if self.bodies.kind[index] != BodyKind::Static {
             let index = self.wake_body(index);
@@ -113,7 +114,8 @@ impl World {
     /// Gives a kinematic body the velocity that takes it to a pose of its origin within the next step of `dt` seconds.
     ///
     /// # Errors
-    /// If the handle is stale, the pose is not one or `dt` is not above zero.
+    /// If the handle is stale, the pose is not one, `dt` is not the length of a step, or the velocity is beyond
+    /// [`limits::MAX_SPEED`].
     pub fn move_kinematic(
         &mut self,
         body: BodyHandle,
@@ -122,9 +124,9 @@ impl World {
         dt: f32,
     ) -> Result<(), Error> {
         let index = self.index(body)?;
-        finite_position(position)?;
+        limits::position(position)?;
         let rotation = unit_quat("rotation", rotation)?;
-        crate::error::positive("dt", dt)?;
+        limits::step(dt)?;
         let (pose, cold) = (&self.bodies.pose[index], &self.bodies.cold[index]);
         let target = position + (rotation * cold.centre).as_dvec3();
         let linear = ((target - pose.position) / f64::from(dt)).as_vec3();
@@ -142,11 +144,14 @@ impl World {
     /// Adds a force [N] at the centre of mass and a torque [N m] to a dynamic body, for the next step.
     ///
     /// # Errors
-    /// If the handle is stale, a number is not finite, or, for the first force of a world, the budget does not allow it.
+    /// If the handle is stale, a number or the sum for this step is beyond [`limits::MAX_FORCE`], or, for the first force of a world, the budget does not allow it.
     pub fn add_force(&mut self, body: BodyHandle, force: Vec3, torque: Vec3) -> Result<(), Error> {
         let index = self.index(body)?;
-        finite3("force", force)?;
-        finite3("torque", torque)?;
+        limits::force("force", force)?;
+        limits::force("torque", torque)?;
+        let sum = self.bodies.force.get(index).copied().unwrap_or_default();
+        limits::force("sum of forces", sum.linear + force)?;
+        limits::force("sum of torques", sum.angular + torque)?;
         self.make_place_for_forces()?;
         record!(self, AddForce(body, force, torque));
         let index = self.wake_body(index);
@@ -160,28 +165,36 @@ impl World {
     /// Changes the velocity of a dynamic body by an impulse [N s] at a point of the world [m].
     ///
     /// # Errors
-    /// If the handle is stale or a number is not finite.
+    /// If the handle is stale, a number is beyond [`limits::MAX_FORCE`], or the velocity would be beyond
+    /// [`limits::MAX_SPEED`].
     pub fn apply_impulse(&mut self, body: BodyHandle, impulse: Vec3, point: DVec3) -> Result<(), Error> {
         let index = self.index(body)?;
-        finite3("impulse", impulse)?;
-        finite_position(point)?;
+        limits::force("impulse", impulse)?;
+        limits::position(point)?;
+        let dynamic = self.bodies.kind[index] == BodyKind::Dynamic;
+        let velocity = self.after_impulse(index, impulse, point);
+        if dynamic {
+            limits::speed("linear velocity after the impulse", velocity.linear)?;
+            limits::speed("angular velocity after the impulse", velocity.angular)?;
+        }
         record!(self, ApplyImpulse(body, impulse, point));
-        if self.bodies.kind[index] == BodyKind::Dynamic {
+        if dynamic {
             let index = self.wake_body(index);
-            let (mass, pose) = (&self.bodies.mass[index], &self.bodies.pose[index]);
-            let t = (point - pose.position).as_vec3().cross(impulse);
-            let inverse = world_inertia(&self.bodies, index);
-            let change = Record {
-                linear: impulse * mass.inverse,
-                angular: inverse.mul(crate::lanes::Vec3::new(t.x, t.y, t.z)).lane(0),
-                ..Record::default()
-            };
-            let velocity = &mut self.bodies.velocity[index];
-            velocity.linear += change.linear;
-            velocity.angular += change.angular;
-            self.bodies.traits[index].lock(velocity);
+            self.bodies.velocity[index] = velocity;
         }
         Ok(())
+    }
+
+    /// The velocity of a body after an impulse at a point.
+    fn after_impulse(&self, index: usize, impulse: Vec3, point: DVec3) -> Record {
+        let (mass, pose) = (&self.bodies.mass[index], &self.bodies.pose[index]);
+        let t = (point - pose.position).as_vec3().cross(impulse);
+        let inverse = world_inertia(&self.bodies, index);
+        let mut velocity = self.bodies.velocity[index];
+        velocity.linear += impulse * mass.inverse;
+        velocity.angular += inverse.mul(crate::lanes::Vec3::new(t.x, t.y, t.z)).lane(0);
+        self.bodies.traits[index].lock(&mut velocity);
+        velocity
     }
 }
 

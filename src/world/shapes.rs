@@ -23,6 +23,11 @@ impl World {
             MassProperties::of(&shape.geometry, shape.density).transformed(shape.position, shape.rotation);
         if self.bodies.kind[index] == BodyKind::Dynamic && mass.mass != 0.0 {
             movable(&mass)?;
+            if self.bodies.cold[index].mass_from_shapes {
+                // Two that are far apart turn harder than each of them.
+                let parts: Vec<MassProperties> = self.parts_of(index).chain([mass]).collect();
+                movable(&MassProperties::combine(&parts))?;
+            }
         }
         self.make_place_for_shape(
             self.bodies.kind[index],
@@ -53,6 +58,9 @@ impl World {
             if !rest.clone().any(|&c| self.colliders.all[c as usize].density > 0.0) {
                 return Err(Error::NoMass);
             }
+            let own = self.bodies.colliders[index].as_slice().iter().zip(self.parts_of(index));
+            let rest: Vec<_> = own.filter(|(c, _)| **c != collider).map(|(_, mass)| mass).collect();
+            movable(&MassProperties::combine(&rest))?;
         }
         record!(self, RemoveShape(shape));
         let index = self.disturb(index);

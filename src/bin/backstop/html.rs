@@ -1,7 +1,9 @@
 //! What all pages share.
 
 use anyhow::Context;
-use std::fmt::Write;
+use backstop::scene;
+use std::fmt::Write as _;
+use std::io::Write as _;
 use std::path::Path;
 
 const STYLE: &str = "
@@ -28,7 +30,8 @@ pub(crate) const TAIL: &str = "</body>\n</html>\n";
 
 /// Writes a file of the page.
 pub(crate) fn put(path: &Path, text: &str) -> anyhow::Result<()> {
-    std::fs::write(path, text).with_context(|| format!("can't write {}", path.display()))
+    scene::write_file(path, |file| file.write_all(text.as_bytes()))
+        .with_context(|| format!("can't write {}", path.display()))
 }
 
 /// A picture with its caption.

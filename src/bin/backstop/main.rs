@@ -19,7 +19,7 @@ mod trace;
 mod view;
 
 use args::{Command, Options, ScenesCommand};
-use backstop::scene;
+use backstop::{Escaped, scene};
 use clap::Parser;
 use std::process::ExitCode;
 
@@ -39,7 +39,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             // The whole chain of causes on one line.
-            eprintln!("error: {error:#}");
+            eprintln!("error: {}", Escaped(format!("{error:#}")));
             ExitCode::FAILURE
         }
     }

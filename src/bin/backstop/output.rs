@@ -1,15 +1,32 @@
 //! What goes to the terminal.
 
-use anyhow::Context;
+use anyhow::{Context, anyhow};
+use backstop::Escaped;
+use backstop::scene::{Scene, refuse_input};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
 use std::time::Duration;
 
+/// What of a scene was left out. Notes have words of its file.
+pub(crate) fn notes(scene: &Scene) {
+    scene.notes.iter().for_each(|note| eprintln!("note: {}", Escaped(note)));
+}
+
+/// Text with its line breaks, and without whatever else a name out of a file could do to a terminal.
+fn escaped_lines(text: &str) -> String {
+    text.split_inclusive('\n')
+        .map(|line| match line.strip_suffix('\n') {
+            Some(line) => format!("{}\n", Escaped(line)),
+            None => Escaped(line).to_string(),
+        })
+        .collect()
+}
+
 /// Writes to standard output. Whoever stops reading (`| head`) has what he wants: that is no error.
 pub(crate) fn print(text: &str) -> anyhow::Result<()> {
     let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out.write_all(escaped_lines(text).as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(error).context("can't write to standard output")
         }
@@ -32,6 +49,21 @@ pub(crate) fn make_folder(folder: &Path) -> anyhow::Result<()> {
 /// Makes the folder that a file will be in.
 pub(crate) fn make_folder_of(file: &Path) -> anyhow::Result<()> {
     file.parent().filter(|folder| !folder.as_os_str().is_empty()).map_or(Ok(()), make_folder)
+}
+
+/// Refuses outputs that would replace the input, or one another, before any work is done.
+pub(crate) fn refuse_inputs(outputs: &[Option<&Path>], input: Option<&Path>) -> anyhow::Result<()> {
+    let outputs: Vec<&Path> = outputs.iter().copied().flatten().collect();
+    for (i, output) in outputs.iter().enumerate() {
+        let about = || format!("can't write {}", output.display());
+        if let Some(input) = input {
+            refuse_input(output, input).with_context(about)?;
+        }
+        if outputs[..i].contains(output) {
+            return Err(anyhow!("two outputs have this name")).with_context(about);
+        }
+    }
+    Ok(())
 }
 
 /// A progress bar on standard error, if somebody watches there.

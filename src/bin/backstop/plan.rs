@@ -48,7 +48,7 @@ pub(crate) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
         scene.rain(options.drop, options.seed);
     }
     if !options.quiet {
-        scene.notes.iter().for_each(|note| eprintln!("note: {note}"));
+        output::notes(&scene);
     }
     let steps = options.steps.unwrap_or_else(|| run::default_steps(&scene, DT));
     // With a budget, place for what bodies need is made when they are added: as large a one as there is.

@@ -7,10 +7,9 @@ use crate::trace::Trace;
 use crate::view::{self, Frames, Look, Opened, Viewer};
 use crate::{output, page, summary};
 use anyhow::{Context, bail};
-use backstop::scene::{self, Recorder, Scene};
+use backstop::scene::{self, AtomicFile, Recorder, Scene};
 use backstop::{BodyHandle, Budget, Settings, World};
-use std::io::BufWriter;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Simulated time of scenes from files, unless steps are given [s].
 const SECONDS: f32 = 10.0;
@@ -25,6 +24,9 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
         output::make_folder_of(file)?;
     }
     options.report.as_deref().map_or(Ok(()), output::make_folder)?;
+    let page = options.report.as_ref().map(|folder| folder.join("index.html"));
+    let outputs = [options.out.as_deref(), options.record.as_deref(), page.as_deref()];
+    output::refuse_inputs(&outputs, Some(Path::new(&options.scene)))?;
     let mut scene = scene::open(&options.scene)?;
     // Rain comes from above, and gravity says where that is.
     scene.gravity = options.gravity.unwrap_or(scene.gravity);
@@ -32,7 +34,7 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
         scene.rain(options.drop, options.seed);
     }
     if !options.quiet {
-        scene.notes.iter().for_each(|note| eprintln!("note: {note}"));
+        output::notes(&scene);
         if scene.bodies.iter().all(|b| b.desc.kind == backstop::BodyKind::Static) {
             eprintln!("note: nothing moves in this scene; --drop 100 rains bodies onto it");
         }
@@ -89,10 +91,12 @@ struct Ran {
 
 fn simulate(options: &RunOptions, scene: &Scene, mut frames: Option<Frames>) -> anyhow::Result<Ran> {
     let mut world = World::new(settings(options, scene)).context("these settings are refused")?;
+    let mut recording = None;
     if let Some(path) = &options.record {
         let about = || format!("can't record into {}", path.display());
-        let file = std::fs::File::create(path).with_context(about)?;
-        world.start_recording(BufWriter::new(file)).with_context(about)?;
+        let file = AtomicFile::create(path).with_context(about)?;
+        world.start_recording(file.writer().with_context(about)?).with_context(about)?;
+        recording = Some(file);
     }
     let added = scene.add_to(&mut world).with_context(|| format!("scene {} is refused", scene.name))?;
     let handles = added.bodies;
@@ -120,8 +124,10 @@ fn simulate(options: &RunOptions, scene: &Scene, mut frames: Option<Frames>) -> 
         bar.inc(1);
     }
     bar.finish_and_clear();
-    if let Some(path) = &options.record {
-        world.stop_recording().with_context(|| format!("can't record into {}", path.display()))?;
+    if let (Some(path), Some(file)) = (&options.record, recording) {
+        let about = || format!("can't record into {}", path.display());
+        world.stop_recording().with_context(about)?;
+        file.commit().with_context(about)?;
     }
     Ok(Ran { world, handles, trace, film, frames })
 }

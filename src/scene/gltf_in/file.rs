@@ -1,6 +1,7 @@
 //! A glTF file taken apart: its JSON, its validated document, its buffers. Nothing here trusts a length or an offset.
 
 use super::super::SceneError;
+use super::super::resolve::Resolver;
 use base64::Engine;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -21,12 +22,12 @@ pub(in crate::scene) struct Parts {
 const KNOWN: &[&str] = &[super::extension::RIGID_BODIES, super::extension::SHAPES];
 
 impl Parts {
-    pub(in crate::scene) fn read(path: &Path) -> Result<Parts, SceneError> {
+    pub(in crate::scene) fn read(path: &Path, resolve: &Resolver<'_>) -> Result<Parts, SceneError> {
         let bytes = std::fs::read(path).map_err(|source| SceneError::Read { file: path.into(), source })?;
-        Self::parse(path, &bytes)
+        Self::parse(path, &bytes, resolve)
     }
 
-    fn parse(path: &Path, bytes: &[u8]) -> Result<Parts, SceneError> {
+    fn parse(path: &Path, bytes: &[u8], resolve: &Resolver<'_>) -> Result<Parts, SceneError> {
         let malformed = |what: String| SceneError::Malformed { file: path.into(), what };
         let (text, blob) = match bytes.starts_with(b"glTF") {
             true => split_glb(bytes).map_err(|what| malformed(what.into()))?,
@@ -49,7 +50,7 @@ impl Parts {
             return Err(malformed("a mesh refers to an accessor that does not exist".into()));
         }
         let document = gltf::Document::from_json(root).map_err(|e| malformed(validation_text(e)))?;
-        let buffers = read_buffers(path, &document, blob)?;
+        let buffers = read_buffers(path, &document, blob, resolve)?;
         Ok(Parts { path: path.into(), json, document, buffers, unknown_required })
     }
 }
@@ -102,6 +103,7 @@ fn read_buffers(
     path: &Path,
     document: &gltf::Document,
     blob: Option<&[u8]>,
+    resolve: &Resolver<'_>,
 ) -> Result<Vec<Vec<u8>>, SceneError> {
     let malformed = |what: String| SceneError::Malformed { file: path.into(), what };
     let mut buffers = Vec::new();
@@ -110,7 +112,7 @@ fn read_buffers(
             gltf::buffer::Source::Bin => {
                 blob.ok_or_else(|| malformed("its binary chunk is missing".into()))?.to_vec()
             }
-            gltf::buffer::Source::Uri(uri) => read_uri(path, uri)?,
+            gltf::buffer::Source::Uri(uri) => read_uri(path, uri, buffer.length() as u64, resolve)?,
         };
         if data.len() < buffer.length() {
             let (index, is, says) = (buffer.index(), data.len(), buffer.length());
@@ -121,8 +123,13 @@ fn read_buffers(
     Ok(buffers)
 }
 
-/// The bytes behind a data URI, or behind a path relative to the scene.
-pub(in crate::scene) fn read_uri(scene: &Path, uri: &str) -> Result<Vec<u8>, SceneError> {
+/// The bytes behind a data URI, or else what the resolver finds; at most `most` of them.
+pub(in crate::scene) fn read_uri(
+    scene: &Path,
+    uri: &str,
+    most: u64,
+    resolve: &Resolver<'_>,
+) -> Result<Vec<u8>, SceneError> {
     let malformed = |what: String| SceneError::Malformed { file: scene.into(), what };
     if let Some(data) = uri.strip_prefix("data:") {
         let Some((_, text)) = data.split_once(";base64,") else {
@@ -131,43 +138,5 @@ pub(in crate::scene) fn read_uri(scene: &Path, uri: &str) -> Result<Vec<u8>, Sce
         let engine = base64::engine::general_purpose::STANDARD;
         return engine.decode(text).map_err(|e| malformed(format!("a data URI: {e}")));
     }
-    if uri.contains("://") {
-        return Err(malformed(format!("{uri}: only data URIs and relative paths are read")));
-    }
-    let Some(relative) = percent_decode(uri) else {
-        return Err(malformed(format!("{uri}: not a valid URI")));
-    };
-    let file = scene.parent().unwrap_or(Path::new("")).join(relative);
-    std::fs::read(&file).map_err(|source| SceneError::Read { file, source })
-}
-
-fn percent_decode(uri: &str) -> Option<String> {
-    let mut bytes = Vec::with_capacity(uri.len());
-    let mut rest = uri.as_bytes();
-    while let Some((&first, after)) = rest.split_first() {
-        rest = after;
-        if first == b'%' {
-            let hex = std::str::from_utf8(rest.get(..2)?).ok()?;
-            bytes.push(u8::from_str_radix(hex, 16).ok()?);
-            rest = &rest[2..];
-        } else {
-            bytes.push(first);
-        }
-    }
-    String::from_utf8(bytes).ok()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn uris_are_decoded() {
-        assert_eq!(percent_decode("a%20b.bin").as_deref(), Some("a b.bin"));
-        assert_eq!(percent_decode("a%2"), None);
-        assert_eq!(percent_decode("%zz"), None);
-        let data = read_uri(Path::new("x.gltf"), "data:application/octet-stream;base64,AQID").unwrap();
-        assert_eq!(data, [1, 2, 3]);
-        assert!(read_uri(Path::new("x.gltf"), "https://example.org/a.bin").is_err());
-    }
+    resolve(uri, most).map_err(|reason| SceneError::Uri { file: scene.into(), uri: uri.into(), reason })
 }

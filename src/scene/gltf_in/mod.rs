@@ -19,6 +19,7 @@ pub(super) mod tree;
 #[cfg(test)]
 mod tests;
 
+use super::resolve::Resolver;
 use super::weld::Welded;
 use super::{Scene, SceneBody, SceneError, assets};
 use crate::body::{BodyDesc, BodyKind};
@@ -32,8 +33,8 @@ use shapes::{Placed, Problem};
 use std::path::Path;
 use tree::Tree;
 
-pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
-    let parts = Parts::read(path)?;
+pub(super) fn load(path: &Path, resolve: &Resolver<'_>) -> Result<Scene, SceneError> {
+    let parts = Parts::read(path, resolve)?;
     let tree = Tree::new(&parts)?;
     let name = path.file_stem().and_then(|s| s.to_str()).unwrap_or("scene");
     let mut scene = Scene::new(name);

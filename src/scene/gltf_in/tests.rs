@@ -531,3 +531,27 @@ fn broken_files_never_panic() {
     }
     assert!(refused > 300);
 }
+
+/// Error texts had bytes of any file, and the uri as it was, escape codes included.
+#[test]
+fn a_refused_uri_is_named_with_its_reason_and_escaped() {
+    let json = json!({ "asset": { "version": "2.0" }, "buffers": [{ "byteLength": 4, "uri": "../a\u{1b}[2J.bin" }] });
+    let text = load_json("uri", &json).unwrap_err().to_string();
+    assert!(text.contains(r"uri ../a\u{1b}[2J.bin: it leads out of the scene's folder"), "{text}");
+    // What an embedder says counts, also for what the policy would allow; the limit is the buffer's length.
+    let path = super::super::testing::scratch("uri_hook").join("hook.gltf");
+    let mut json = json;
+    json["buffers"][0]["uri"] = json!("near.bin");
+    std::fs::write(&path, json.to_string()).unwrap();
+    let refuse = |_: &str, _: u64| Err("no files here".into());
+    let text = super::super::load_with(&path, &refuse).unwrap_err().to_string();
+    assert!(text.ends_with("uri near.bin: no files here"), "{text}");
+    let asked = std::cell::RefCell::new(Vec::new());
+    let give = |uri: &str, most: u64| {
+        asked.borrow_mut().push((uri.to_owned(), most));
+        Ok(vec![0; 3])
+    };
+    let text = super::super::load_with(&path, &give).unwrap_err().to_string();
+    assert!(text.contains("buffer 0 has 3 bytes instead of 4"), "{text}");
+    assert_eq!(asked.into_inner(), [("near.bin".to_owned(), 4)]);
+}

@@ -3,6 +3,7 @@
 use super::super::gltf_in::extension::{RIGID_BODIES, SHAPES};
 use super::super::gltf_in::file::{Parts, read_uri};
 use super::super::gltf_in::tree::Tree;
+use super::super::resolve::{MAX_IMAGE, Resolver};
 use super::super::{Recorder, Scene, SceneError};
 use super::build::{self, Builder};
 use super::document::Document;
@@ -18,12 +19,16 @@ struct Track {
     rotations: Vec<Quat>,
 }
 
-pub(super) fn document(scene: &Scene, recorder: &Recorder) -> Result<Document, SceneError> {
+pub(super) fn document(
+    scene: &Scene,
+    recorder: &Recorder,
+    resolve: &Resolver<'_>,
+) -> Result<Document, SceneError> {
     let is_gltf = |p: &&std::path::PathBuf| {
         p.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf") || e.eq_ignore_ascii_case("glb"))
     };
     let (mut document, tracks) = match scene.source.as_ref().filter(is_gltf) {
-        Some(source) => over_source(scene, recorder, source)?,
+        Some(source) => over_source(scene, recorder, source, resolve)?,
         None => {
             let (document, nodes) = build::scene(scene, false);
             (
@@ -50,12 +55,13 @@ fn over_source(
     scene: &Scene,
     recorder: &Recorder,
     source: &Path,
+    resolve: &Resolver<'_>,
 ) -> Result<(Document, Vec<Track>), SceneError> {
-    let parts = Parts::read(source)?;
+    let parts = Parts::read(source, resolve)?;
     let tree = Tree::new(&parts)?;
     let mut document =
         Document::from_parts(parts.json.as_object().cloned().unwrap_or_default(), &parts.buffers);
-    embed_images(&mut document, source);
+    embed_images(&mut document, source, resolve);
     drop_required(&mut document.json);
     // The recorder's slot of the body at each node.
     let mut slots: Vec<Option<usize>> = vec![None; tree.parent.len()];
@@ -177,7 +183,7 @@ fn animate(document: &mut Document, times: &[f32], tracks: &[Track]) {
 }
 
 /// Images beside the source would be lost beside the film: takes them in. One that can't be read stays a reference.
-fn embed_images(document: &mut Document, source: &Path) {
+fn embed_images(document: &mut Document, source: &Path, resolve: &Resolver<'_>) {
     for index in 0..document.list("images").len() {
         let Some(uri) = document.list("images")[index]["uri"].as_str().map(str::to_owned) else { continue };
         let kind = match uri.rsplit('.').next().map(str::to_ascii_lowercase).as_deref() {
@@ -188,7 +194,7 @@ fn embed_images(document: &mut Document, source: &Path) {
         if uri.starts_with("data:") {
             continue;
         }
-        if let Ok(bytes) = read_uri(source, &uri) {
+        if let Ok(bytes) = read_uri(source, &uri, MAX_IMAGE, resolve) {
             let view = document.view(&bytes, None);
             if let Some(image) = document.list("images")[index].as_object_mut() {
                 image.remove("uri");

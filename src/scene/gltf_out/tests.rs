@@ -1,5 +1,6 @@
 //! What is written is read back, by our loader and by the `gltf` crate.
 
+use super::super::resolve::scene_folder;
 use super::super::testing::scratch;
 use super::super::{
     Recorder, SHIPPED, Scene, SceneJoint, assets, load, shipped, write_animation, write_scene,
@@ -344,7 +345,9 @@ fn a_film_keeps_meshes_materials_and_older_animations() {
 fn gltf_buffers(file: &gltf::Gltf, path: &Path) -> Vec<Vec<u8>> {
     let read = |b: gltf::Buffer| match b.source() {
         gltf::buffer::Source::Bin => file.blob.clone().unwrap(),
-        gltf::buffer::Source::Uri(uri) => super::super::gltf_in::file::read_uri(path, uri).unwrap(),
+        gltf::buffer::Source::Uri(uri) => {
+            super::super::gltf_in::file::read_uri(path, uri, u64::MAX, &scene_folder(path)).unwrap()
+        }
     };
     file.buffers().map(read).collect()
 }

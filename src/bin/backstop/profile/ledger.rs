@@ -4,6 +4,7 @@ use super::measure::{Frame, Measured, StageCost};
 use crate::compare::Comparison;
 use crate::document::CategoryBytes;
 use anyhow::Context;
+use backstop::scene;
 use backstop::{Category, MemoryReport, Settings};
 use serde::Serialize;
 use std::path::Path;
@@ -161,13 +162,16 @@ impl Memory {
 /// One line for each frame and number of threads.
 pub(crate) fn write_csv(path: &Path, runs: &[Run]) -> anyhow::Result<()> {
     let about = || format!("can't write {}", path.display());
-    let mut file = csv::Writer::from_path(path).with_context(about)?;
-    for run in runs {
-        for frame in &run.frames {
-            file.serialize(frame).with_context(about)?;
+    let write = |file: &mut scene::AtomicFile| {
+        let mut table = csv::Writer::from_writer(file);
+        for run in runs {
+            for frame in &run.frames {
+                table.serialize(frame)?;
+            }
         }
-    }
-    file.flush().with_context(about)
+        table.flush()
+    };
+    scene::write_file(path, write).with_context(about)
 }
 
 #[cfg(test)]

@@ -22,9 +22,12 @@ pub(crate) fn profile(options: &ProfileOptions) -> anyhow::Result<()> {
     // Fails before the work is done, not after it.
     options.report.as_deref().map_or(Ok(()), output::make_folder)?;
     options.csv.as_deref().map_or(Ok(()), output::make_folder_of)?;
+    let page = options.report.as_ref().map(|folder| folder.join("index.html"));
+    let input = options.scene.as_deref().map(Path::new);
+    output::refuse_inputs(&[options.csv.as_deref(), page.as_deref()], input)?;
     let scene = open(options)?;
     if !options.quiet {
-        scene.notes.iter().for_each(|note| eprintln!("note: {note}"));
+        output::notes(&scene);
     }
     let ledger = measure_all(options, &scene)?;
     if let Some(path) = &options.csv {

@@ -3,8 +3,7 @@
 use super::Viewer;
 use anyhow::Context;
 use backstop::World;
-use std::fs::File;
-use std::io::BufWriter;
+use backstop::scene::{self, AtomicFile};
 use std::path::{Path, PathBuf};
 
 /// Pixels drawn for each pixel of a picture, each way: edges without steps.
@@ -33,7 +32,8 @@ impl Frames {
         let path = self.folder.join(format!("frame-{:05}.png", self.count));
         self.count += 1;
         let picture = self.viewer.picture(world);
-        write_png(&path, &picture, self.viewer.canvas.size())
+        let size = self.viewer.canvas.size();
+        scene::write_file(&path, |file| Ok(write_png(file, &picture, size)?))
             .with_context(|| format!("can't write {}", path.display()))
     }
 
@@ -42,14 +42,17 @@ impl Frames {
     }
 }
 
-fn write_png(path: &Path, picture: &[u32], (width, height): (usize, usize)) -> anyhow::Result<()> {
-    let mut encoder = png::Encoder::new(BufWriter::new(File::create(path)?), width as u32, height as u32);
+fn write_png(
+    file: &mut AtomicFile,
+    picture: &[u32],
+    (width, height): (usize, usize),
+) -> Result<(), png::EncodingError> {
+    let mut encoder = png::Encoder::new(file, width as u32, height as u32);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_compression(png::Compression::Balanced);
     let bytes: Vec<u8> = picture.iter().flat_map(|p| [p >> 16, p >> 8, *p].map(|c| c as u8)).collect();
     let mut writer = encoder.write_header()?;
     writer.write_image_data(&bytes)?;
-    writer.finish()?;
-    Ok(())
+    writer.finish()
 }

@@ -1,0 +1,93 @@
+//! The ranges of what a caller says, stated once. Each is far beyond any honest scene, and close enough that what the stages
+//! make of it in `f32` stays a number: the fourth power of the largest distance, `(2e9)^4 = 1.6e37`, is one.
+
+use crate::error::{Error, finite, within};
+use glam::{DVec3, Vec3};
+
+/// Largest coordinate of a position [m]: beyond the moon, where `f32` has steps of 64 m around an origin.
+pub const MAX_POSITION: f64 = 1e9;
+/// Largest speed [m/s] and spin [rad/s], along or about each axis: a hundred times what enters the atmosphere. In the longest
+/// step it is a way of 1e7 m, and its square is far from the end of numbers.
+pub const MAX_SPEED: f32 = 1e6;
+/// Smallest radius or half extent [m]: the moments of a ball of water so small are 1e-27 kg m², and one over them is a number.
+pub const MIN_LENGTH: f32 = 1e-6;
+/// Largest radius, half extent, offset of a shape or arm of a joint [m]: the moments of a ball of rock so large are 1e34 kg m².
+pub const MAX_LENGTH: f32 = 1e6;
+/// Largest coordinate of a triangle mesh or height field [m]: squares of areas stay numbers.
+pub const MAX_COORDINATE: f32 = 1e7;
+/// Shortest step [s]: below, the gain of a step at 1 g is less than what `f32` tells apart of 100 m/s.
+pub const MIN_STEP: f32 = 1e-6;
+/// Longest step [s]: physics at a tenth of a frame a second is none.
+pub const MAX_STEP: f32 = 10.0;
+/// Largest gravity [m/s²] along each axis, and largest factor on it.
+pub const MAX_ACCELERATION: f32 = 1e6;
+/// Largest force [N], torque [N m] and impulse [N s] along or about each axis, also in sum: it would lift 1e17 kg, and its square
+/// is a number.
+pub const MAX_FORCE: f32 = 1e18;
+/// Largest mass [kg], moment of inertia [kg m²] and one over each: sums and products of a few stay numbers.
+pub const MAX_MASS: f32 = 1e36;
+/// Largest density [kg/m³].
+pub const MAX_DENSITY: f32 = 1e15;
+
+pub(crate) fn position(at: DVec3) -> Result<(), Error> {
+    let what = "position";
+    for value in at.to_array() {
+        if !value.is_finite() {
+            return Err(Error::NotFinite { what, value });
+        }
+        if value.abs() > MAX_POSITION {
+            return Err(Error::OutOfRange { what, expected: "within 1e9 m along each axis", value });
+        }
+    }
+    Ok(())
+}
+
+/// Whether all of a vector is within `most`.
+fn within3(what: &'static str, v: Vec3, most: f32, expected: &'static str) -> Result<(), Error> {
+    v.to_array().iter().try_for_each(|&x| within(what, x, -most, most, expected).map(drop))
+}
+
+pub(crate) fn speed(what: &'static str, v: Vec3) -> Result<(), Error> {
+    within3(what, v, MAX_SPEED, "within 1e6 along each axis")
+}
+
+/// A force, a torque or an impulse.
+pub(crate) fn force(what: &'static str, v: Vec3) -> Result<(), Error> {
+    within3(what, v, MAX_FORCE, "within 1e18 along each axis")
+}
+
+pub(crate) fn acceleration(what: &'static str, v: Vec3) -> Result<(), Error> {
+    within3(what, v, MAX_ACCELERATION, "within 1e6 along each axis")
+}
+
+/// An offset from a body's origin.
+pub(crate) fn offset(what: &'static str, v: Vec3) -> Result<(), Error> {
+    within3(what, v, MAX_LENGTH, "within 1e6 m along each axis")
+}
+
+/// A radius or a half extent.
+pub(crate) fn length(what: &'static str, value: f32) -> Result<(), Error> {
+    // Whoever gave none is told so.
+    crate::error::positive(what, value)?;
+    within(what, value, MIN_LENGTH, MAX_LENGTH, "in 1e-6..=1e6 m").map(drop)
+}
+
+/// The same, or zero.
+pub(crate) fn length_or_zero(what: &'static str, value: f32) -> Result<(), Error> {
+    if value == 0.0 {
+        Ok(())
+    } else {
+        within(what, value, MIN_LENGTH, MAX_LENGTH, "zero or in 1e-6..=1e6 m").map(drop)
+    }
+}
+
+/// The length of a step.
+pub(crate) fn step(dt: f32) -> Result<f32, Error> {
+    within("dt", dt, MIN_STEP, MAX_STEP, "in 1e-6..=10 s")
+}
+
+/// A mass or a moment of inertia of what can be pushed.
+pub(crate) fn inertia(what: &'static str, value: f32) -> Result<(), Error> {
+    finite(what, value)?;
+    within(what, value, 1.0 / MAX_MASS, MAX_MASS, "in 1e-36..=1e36").map(drop)
+}
