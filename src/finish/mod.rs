@@ -310,8 +310,9 @@ fn forget_impulses(world: &mut World) {
             let loads = contact.twist + contact.lasting_force + contact.rest + contact.static_load;
             let sums = contact.mean_friction + contact.friction.extend(points + loads);
             if !sums.is_finite() {
+                let share = contact.even_share();
                 let forget = |point: &mut Point| {
-                    (point.impulse, point.mean_force) = (0.0, 0.0);
+                    (point.impulse, point.mean_force, point.share) = (0.0, 0.0, share);
                 };
                 contact.points.iter_mut().for_each(forget);
                 contact.mean_friction = glam::Vec4::ZERO;

@@ -262,12 +262,13 @@ impl Contact {
         (self.lasting_force, self.static_load) = (load.max(borne), load);
     }
 
-    /// Lets the points share all of the lasting force.
+    /// Lets the points share all of the lasting force: evenly, if statics did not say how.
     fn share_all(&mut self) {
         let even = self.even_share();
         let sum: f32 = self.points().iter().map(|p| p.share).sum();
+        let known = sum > 0.0 && !self.is_unknown();
         for point in &mut self.points[..self.count as usize] {
-            point.share = if sum > 0.0 { point.share / sum } else { even };
+            point.share = if known { point.share / sum } else { even };
         }
     }
 
