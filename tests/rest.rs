@@ -184,6 +184,11 @@ fn hitches(step: u32) -> f32 {
     if step % 46 == 45 { 0.25 } else { 1.0 / 60.0 }
 }
 
+/// The same with frames that are never quite alike.
+fn rough_hitches(step: u32) -> f32 {
+    hitches(step) * random_step(step, 0.96, 1.04)
+}
+
 fn alternating(step: u32) -> f32 {
     if step.is_multiple_of(2) { 1.0 / 30.0 } else { 1.0 / 144.0 }
 }
@@ -205,6 +210,7 @@ fn what_several_contacts_bear_stands_through_hitches() {
     for structure in walls.into_iter().chain([Standing::Pyramid(20), Standing::Crib(40), Standing::Edge(20)])
     {
         stands_at(structure, hitches, REST);
+        stands_at(structure, rough_hitches, REST);
     }
     stands_at(Standing::Layers(20), hitches, REST);
 }

@@ -14,9 +14,9 @@ use crate::threads::Shared;
 ///
 /// Such a spring gives way under load: a stack becomes a column of springs, which sinks and, if it is high enough,
 /// buckles. So a lasting force acts beside the spring, at each point its share ([`PointRow::lasting`],
-/// `Contact::lasting_force`): the rest position of the spring is where this force bears the load alone. What differs between
-/// the points, which is what resists leaning, acts on the springs. They act at any depth, and over a small gap too, or nothing
-/// would take a lean back that is smaller than it; without a lasting force only what is deeper than the slop is pushed apart, and
+/// `Contact::lasting_force`): the rest position of the spring is where this force bears the load alone. What differs from it,
+/// which is what resists leaning, acts on the springs. They act at any depth, and over a small gap too, or nothing would take a
+/// lean back that is smaller than it; without a lasting force only what is deeper than the slop is pushed apart, and
 /// rows are rigid above it: a new load meets no spring that it could press through something thin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Softness {

@@ -27,9 +27,12 @@ const NEW: f32 = 0.25;
 /// Share of a step in [`evenness`].
 const EVENS: f32 = 0.1;
 
-/// Share of the last steps that were as long as the step before; `before`: the same a step ago, zero at first.
+/// By what share of it a step may differ from the one before and count as of the same length: frames are never quite alike.
+const ALIKE: f32 = 0.1;
+
+/// Share of the last steps that were about as long as the step before; `before`: the same a step ago, zero at first.
 pub(crate) fn evenness(before: f32, lengths: StepLengths) -> f32 {
-    let even = f32::from(u8::from(lengths.now == lengths.last));
+    let even = f32::from(u8::from((lengths.now - lengths.last).abs() <= ALIKE * lengths.last));
     before + (even - before) * EVENS
 }
 
@@ -40,7 +43,8 @@ pub(crate) fn evenness(before: f32, lengths: StepLengths) -> f32 {
 /// ratio whenever a long step follows a short one, and two boxes would rock each other at steps of 1/30 and 1/144 s by turns.
 /// So it never grows; that it shrinks before a shorter step keeps a tower of 20 up that falls otherwise. The mean of the last
 /// seconds tells load and rest apart: of fewer, and it would follow a sway, with a lag, and pump it at every hitch. But where every
-/// step is of another length the mean is all that is warm-started of a spring, and follows within a few of them. While steps are of one length nothing is kept.
+/// step is of another length the mean is all that is warm-started of a spring, and follows within a few of them. While steps
+/// are of one length nothing is kept.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StepLengths {
     /// Of the last step, or of this one if it is the first [s].
