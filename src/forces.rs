@@ -1,7 +1,7 @@
 //! Forces -> velocities: acceleration of the step, world inertia, and the motion it predicts.
 
 use crate::body::{Bodies, Mass, Traits};
-use crate::lanes::{Record, Sym3};
+use crate::lanes::{Lanes, Record, Sym3};
 use crate::memory::{Buffer, bytes_of};
 use crate::threads::{Crew, Shared, per_block};
 use crate::world::World;
@@ -167,7 +167,10 @@ pub(crate) fn world_inertia(bodies: &Bodies, i: usize) -> Sym3<f32> {
         }
         m.col_mut(axis)[axis] = 1.0;
     }
-    let mut inverse = if m.determinant() > 0.0 { m.inverse() } else { Mat3::ZERO };
+    // By a power of two: the determinant of what is huge or tiny is a number, and nothing is rounded otherwise.
+    let unit = 1.0 / m.x_axis.x.max(m.y_axis.y).max(m.z_axis.z).power_of_two().max(f32::MIN_POSITIVE);
+    m *= unit;
+    let mut inverse = if m.determinant() > 0.0 { m.inverse() * unit } else { Mat3::ZERO };
     for axis in (0..3).filter(|axis| locks >> axis & 1 != 0) {
         inverse.col_mut(axis)[axis] = 0.0;
     }

@@ -299,9 +299,20 @@ impl JointPass {
     }
 }
 
+/// One over the power of two at or below the greatest on a diagonal without negatives. What is multiplied by it has a determinant
+/// that is a number, whatever the scale of its masses, and not a bit is rounded otherwise; 1 if all are next to nothing.
+#[inline(always)]
+fn to_unit<L: Lanes>(most: L) -> L {
+    let power = most.power_of_two();
+    let some = power.gt(L::zero());
+    L::select(some, L::one() / L::select(some, power, L::one()), L::one())
+}
+
 /// The inverse of a symmetric matrix without negative eigenvalues; zero if it has none, or nearly none.
 #[inline(always)]
 pub(super) fn inverse<L: Lanes>(m: &Sym3<L>) -> Sym3<L> {
+    let unit = to_unit(m.xx.max(m.yy).max(m.zz));
+    let m = m.scaled(unit);
     let xx = m.yy * m.zz - m.yz * m.yz;
     let xy = m.xz * m.yz - m.xy * m.zz;
     let xz = m.xy * m.yz - m.xz * m.yy;
@@ -316,6 +327,7 @@ pub(super) fn inverse<L: Lanes>(m: &Sym3<L>) -> Sym3<L> {
         xz: xz * scale,
         yz: (m.xy * m.xz - m.xx * m.yz) * scale,
     }
+    .scaled(unit)
 }
 
 /// The inverse of a symmetric matrix across an axis, zero along it.
@@ -324,9 +336,11 @@ pub(super) fn across<L: Lanes>(m: &Sym3<L>, axis: Vec3<L>) -> Sym3<L> {
     let (t, s) = axis.tangents();
     let (mt, ms) = (m.mul(t), m.mul(s));
     let (a, b, d) = (t.dot(mt), t.dot(ms), s.dot(ms));
+    let unit = to_unit(a.max(d));
+    let (a, b, d) = (a * unit, b * unit, d * unit);
     let det = a * d - b * b;
     let some = det.gt(L::zero());
-    let over = L::select(some, L::one() / L::select(some, det, L::one()), L::zero());
+    let over = L::select(some, unit / L::select(some, det, L::one()), L::zero());
     // inverse · (t, s), and the outer products of it with t and s.
     let (p, q) = ((t * d - s * b) * over, (s * a - t * b) * over);
     Sym3 {

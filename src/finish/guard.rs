@@ -19,6 +19,7 @@ use crate::body::{Bodies, Pose, Traits};
 use crate::broad_phase::{BroadPhase, Pair};
 use crate::config::Continuous;
 use crate::constraint::{Restitution, Seat, Seats};
+use crate::joint::Joints;
 use crate::lanes::Record;
 use crate::narrow_phase::{Relative, Support, distance, from_triangle};
 use crate::query::segment_hits;
@@ -36,6 +37,9 @@ pub(crate) struct Guard<'a> {
     pub(crate) senses: bool,
     /// Pairs that hooks let pass through each other, sorted.
     pub(crate) vetoed: &'a [(u32, u32)],
+    pub(crate) joints: &'a Joints,
+    /// Of each body, by which joints know it.
+    pub(crate) slots: &'a [u32],
 }
 
 /// Share of the inner ball that a centre keeps from a surface when it is held.
@@ -163,14 +167,20 @@ impl Guard<'_> {
         true
     }
 
-    /// Whether all solid shapes of a body collide with another, now.
+    /// Whether a body and another's shape collide, now: all of its solid shapes do, and no joint keeps the two from it.
     pub(super) fn may_meet(&self, own: &[u32], other: u32) -> bool {
         let collider = |c: u32| &self.colliders[c as usize];
         let other_filter = &collider(other).filter;
         let meets = |&o: &u32| {
             collider(o).is_sensor() || collider(o).filter.allows(other_filter) && !self.is_vetoed(o, other)
         };
-        !collider(other).is_sensor() && own.iter().all(meets)
+        !collider(other).is_sensor() && own.iter().all(meets) && !self.are_joined(own, other)
+    }
+
+    /// Whether a joint lets a body and another's shape pass through each other.
+    fn are_joined(&self, own: &[u32], other: u32) -> bool {
+        let slot = |c: u32| self.slots[self.hot[c as usize].body as usize];
+        self.joints.count > 0 && own.first().is_some_and(|&o| self.joints.keep_apart(slot(o), slot(other)))
     }
 
     fn is_vetoed(&self, one: u32, other: u32) -> bool {

@@ -130,6 +130,14 @@ const WHIRLS: f32 = 0.5;
 const BLOCK: usize = per_block(64, 1);
 /// Moves the bodies to the end of the step. `fast`: how many outran their boxes; 0 if the list of pairs is not complete.
 pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> Ended {
+    // Read by the guard beside bodies that it moves.
+    let slots = std::mem::take(&mut world.bodies.slot);
+    let ended = move_all(crew, world, &slots, fast, dt);
+    world.bodies.slot = slots;
+    ended
+}
+
+fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f32) -> Ended {
     let (movers, dynamic) = (world.bodies.movers(), world.bodies.dynamic());
     let blocks = movers.div_ceil(BLOCK);
     let held = std::sync::atomic::AtomicU32::new(0);
@@ -147,6 +155,8 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
         mode: if continuous { world.settings.stage_modes().guard } else { Continuous::Discrete },
         senses: world.needs.sensors > 0,
         vetoed: &world.events.vetoed,
+        joints: &world.joints,
+        slots,
     };
     clear.resize(if continuous { dynamic } else { 0 }, Clear::default());
     let (bodies, narrow) = (&world.bodies, &world.buffers.narrow);

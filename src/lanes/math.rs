@@ -208,6 +208,18 @@ pub(crate) struct Sym3<L> {
 }
 
 impl<L: Lanes> Sym3<L> {
+    /// Every entry by a factor.
+    #[inline(always)]
+    pub(crate) fn scaled(self, by: L) -> Self {
+        Sym3 {
+            xx: self.xx * by,
+            yy: self.yy * by,
+            zz: self.zz * by,
+            xy: self.xy * by,
+            xz: self.xz * by,
+            yz: self.yz * by,
+        }
+    }
     #[inline(always)]
     pub(crate) fn select(mask: L::Mask, yes: Self, no: Self) -> Self {
         Sym3 {

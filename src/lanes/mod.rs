@@ -71,6 +71,8 @@ pub(crate) trait Lanes:
     fn gt(self, other: Self) -> Self::Mask;
     fn ge(self, other: Self) -> Self::Mask;
     fn eq(self, other: Self) -> Self::Mask;
+    /// The power of two at or below a value above zero; zero of one below the normal numbers.
+    fn power_of_two(self) -> Self;
     /// `yes` in the lanes of `mask`, `no` in the others.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
@@ -139,6 +141,10 @@ impl Lanes for f32 {
     #[inline(always)]
     fn sqrt(self) -> Self {
         f32::sqrt(self)
+    }
+    #[inline(always)]
+    fn power_of_two(self) -> Self {
+        f32::from_bits(self.to_bits() & f32::INFINITY.to_bits())
     }
     #[inline(always)]
     fn min(self, other: Self) -> Self {
@@ -255,6 +261,11 @@ macro_rules! wide_lanes {
             #[inline(always)]
             fn sqrt(self) -> Self {
                 <$float>::sqrt(self)
+            }
+            #[inline(always)]
+            fn power_of_two(self) -> Self {
+                // Infinity has all bits of the exponent and no other.
+                self & <$float>::splat(f32::INFINITY)
             }
             #[inline(always)]
             fn min(self, other: Self) -> Self {

@@ -285,11 +285,11 @@ fn ball_joint(bodies: [usize; 2], at: [Vec3; 2]) -> SceneJoint {
     }
 }
 
-pub(super) fn dynamic(geometry: Geometry, position: Vec3) -> BodyDesc {
+pub(crate) fn dynamic(geometry: Geometry, position: Vec3) -> BodyDesc {
     BodyDesc::dynamic().at(position).with_shape(ShapeDesc::new(geometry))
 }
 
-pub(super) fn fixed(geometry: Geometry, position: Vec3) -> BodyDesc {
+pub(crate) fn fixed(geometry: Geometry, position: Vec3) -> BodyDesc {
     BodyDesc::fixed().at(position).with_shape(ShapeDesc::new(geometry))
 }
 
@@ -300,7 +300,7 @@ pub(super) fn add_terrain(scene: &mut Scene, terrain: &Terrain) {
 }
 
 /// A convex hull of `count` points spread evenly, but not regularly, over an ellipsoid.
-pub(super) fn pebble(count: usize, radii: Vec3, rng: &mut Rng) -> Geometry {
+pub(crate) fn pebble(count: usize, radii: Vec3, rng: &mut Rng) -> Geometry {
     let point = |i: usize| {
         let y = 1.0 - 2.0 * (i as f32 + 0.5) / count as f32;
         let angle = i as f32 * 2.399_963 + rng.range(-0.2, 0.2);

@@ -7,10 +7,11 @@
 pub mod builtin;
 pub mod comparison;
 mod crowd;
+pub(crate) mod joined;
 mod plan;
 mod rain;
 mod record;
-mod rng;
+pub(crate) mod rng;
 pub mod shots;
 mod standing;
 mod terrain;

@@ -28,6 +28,8 @@ pub(crate) enum Command {
     Compare(CompareOptions),
     /// Whether what rests is stable: modes of the linearised step that grow (docs/stability.md).
     Stability(StabilityOptions),
+    /// Run small scenes under extreme conditions and map what holds (docs/envelope.md).
+    Extremes(ExtremesOptions),
     /// Play a recorded run again, compare every step, and name the first that goes another way.
     Replay(ReplayOptions),
     /// Scenes that come with backstop.
@@ -258,6 +260,38 @@ pub(crate) struct StabilityOptions {
     #[arg(long, value_name = "N")]
     pub(crate) dimension: Option<usize>,
     /// Print one JSON document instead of the table (docs/json.md).
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct ExtremesOptions {
+    /// Only cells with this in their names, which are like `stack/gravity/100-g`.
+    #[arg(long, value_name = "TEXT")]
+    pub(crate) only: Option<String>,
+    /// Name the cells and run none.
+    #[arg(long)]
+    pub(crate) list: bool,
+    /// Seconds that each cell is watched for.
+    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = positive)]
+    pub(crate) seconds: f32,
+    /// Cells that run at once.
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = threads)]
+    pub(crate) jobs: usize,
+    /// Keep each cell's figures in this file as it ends, and leave out those that are in it already, of the same build.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) results: Option<PathBuf>,
+    /// Show another engine's results, of a file in the same format, beside these; it is an error if a cell is lost here and
+    /// stable there.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) beside: Vec<PathBuf>,
+    /// It is an error if a cell is worse than in this file of results.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) guard: Option<PathBuf>,
+    /// Write the map as an HTML page.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) page: Option<PathBuf>,
+    /// Print one JSON document instead of the map.
     #[arg(long)]
     pub(crate) json: bool,
 }

@@ -1,9 +1,11 @@
-//! `cargo backstop`: runs scenes, plans their memory, replays recordings, measures tunnelling and the stability of rest, writes the shipped scenes.
+//! `cargo backstop`: runs scenes, plans their memory, replays recordings, measures tunnelling, the stability of rest and
+//! what holds at the extremes, writes the shipped scenes.
 
 mod args;
 mod charts;
 mod compare;
 mod document;
+mod extremes;
 mod html;
 mod output;
 mod page;
@@ -29,6 +31,7 @@ fn main() -> ExitCode {
         Command::Profile(options) => profile::profile(&options),
         Command::Plan(options) => plan::plan(&options),
         Command::Stability(options) => stability::stability_of(&options),
+        Command::Extremes(options) => extremes::extremes(&options),
         Command::Replay(options) => replay::replay(&options),
         Command::Shots(options) => shots::shots(&options),
         Command::Compare(options) => compare::print(&options),

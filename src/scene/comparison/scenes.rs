@@ -3,14 +3,14 @@
 //! Each is short: from the free flight to a few frames after the first impacts, so that what a method does is still what the
 //! scene asked of it and not what came of earlier differences. Steps are of 1/60 s.
 
+use super::super::Scene;
 use super::super::builtin::{dynamic, fixed};
+use super::super::joined::throw;
 use super::super::rng::{Rng, axis_angle};
-use super::super::{Scene, SceneJoint};
 use crate::body::BodyDesc;
-use crate::handle::BodyHandle;
-use crate::joint::{Frame, JointDesc, Skeleton};
+use crate::joint::Skeleton;
 use crate::shape::Geometry;
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 use std::f32::consts::{PI, TAU};
 
 /// The step that all of them are made for [s].
@@ -158,30 +158,4 @@ pub(crate) fn ragdoll_wall() -> Scene {
         throw(&mut scene, &figure, (at, rng.rotation()), velocity);
     }
     scene
-}
-
-/// Stands in where a joint's bodies are told by their indices.
-const NOBODY: BodyHandle = BodyHandle { slot: 0, generation: 0 };
-
-/// Adds a figure that moves as one.
-fn throw(scene: &mut Scene, figure: &Skeleton, (at, turn): (DVec3, Quat), velocity: Vec3) {
-    let first = scene.bodies.len();
-    for bone in &figure.bones {
-        scene.add("limb", figure.body(bone, (at, turn), velocity));
-    }
-    for (i, bone) in figure.bones.iter().enumerate() {
-        let Some(parent) = bone.parent else { continue };
-        let bodies = [first + parent, first + i];
-        let point = at + (turn * bone.joint_at).as_dvec3();
-        let axes = (turn * bone.axes()).normalize();
-        let frames = bodies.map(|body| {
-            let desc = &scene.bodies[body].desc;
-            let back = desc.rotation.conjugate();
-            let position = back * (point - desc.position).as_vec3();
-            Frame { rotation: (back * axes).normalize(), ..Frame::at(position) }
-        });
-        let desc = figure.joint(bone, JointDesc::ball([NOBODY; 2], frames));
-        let JointDesc { limits, drives, collide, .. } = desc;
-        scene.joints.push(SceneJoint { name: "joint".into(), bodies, frames, limits, drives, collide });
-    }
 }

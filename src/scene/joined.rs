@@ -1,0 +1,43 @@
+//! Bodies that are joined, by their indices in a scene.
+
+use super::{Scene, SceneJoint};
+use crate::handle::BodyHandle;
+use crate::joint::{Frame, JointDesc, Skeleton};
+use glam::{DVec3, Quat, Vec3};
+
+/// Stands in where a joint's bodies are told by their indices.
+const NOBODY: BodyHandle = BodyHandle { slot: 0, generation: 0 };
+
+/// Joins two bodies of a scene at a point, with frames whose axes are those of a rotation.
+pub(crate) fn join(
+    scene: &mut Scene,
+    bodies: [usize; 2],
+    point: DVec3,
+    axes: Quat,
+    describe: impl Fn([BodyHandle; 2], [Frame; 2]) -> JointDesc,
+) {
+    let frames = bodies.map(|body| {
+        let desc = &scene.bodies[body].desc;
+        let back = desc.rotation.conjugate();
+        let position = back * (point - desc.position).as_vec3();
+        Frame { rotation: (back * axes).normalize(), ..Frame::at(position) }
+    });
+    let JointDesc { limits, drives, collide, .. } = describe([NOBODY; 2], frames);
+    scene.joints.push(SceneJoint { name: "joint".into(), bodies, frames, limits, drives, collide });
+}
+
+/// Adds a figure that moves as one.
+pub(crate) fn throw(scene: &mut Scene, figure: &Skeleton, (at, turn): (DVec3, Quat), velocity: Vec3) {
+    let first = scene.bodies.len();
+    for bone in &figure.bones {
+        scene.add("limb", figure.body(bone, (at, turn), velocity));
+    }
+    for (i, bone) in figure.bones.iter().enumerate() {
+        let Some(parent) = bone.parent else { continue };
+        let point = at + (turn * bone.joint_at).as_dvec3();
+        let axes = (turn * bone.axes()).normalize();
+        join(scene, [first + parent, first + i], point, axes, |bodies, frames| {
+            figure.joint(bone, JointDesc::ball(bodies, frames))
+        });
+    }
+}
