@@ -153,6 +153,29 @@ fn bullets() {
     alone_and_shared(&settings(), &scene);
 }
 
+/// Balls and tilted cubes that bounce, on triangles and on cubes which stand and bounce too: rows of what an impact takes over are
+/// put out of action in their lanes.
+#[test]
+fn elastic_bodies() {
+    let bouncy = |mut desc: BodyDesc| {
+        desc.shapes[0].material = Material::default().with_restitution(1.0);
+        desc
+    };
+    let down = Vec3::new(0.5, -6.0, 0.0);
+    let ball = Geometry::Sphere { radius: 0.2 };
+    let cube_at = |x: f32, y: f32| dynamic(cube(0.2), Vec3::new(x, y, 0.1));
+    let turn = backstop::glam::Quat::from_rotation_z(0.4);
+    let scene = [
+        bouncy(floor_of_triangles()),
+        cube_at(-0.4, 0.2),
+        dynamic(ball.clone(), Vec3::new(-0.4, 0.62, 0.1)).moving(down, Vec3::Z),
+        cube_at(0.4, 0.32).rotated(turn).moving(down, Vec3::new(3.0, 5.0, 7.0)),
+        dynamic(ball, Vec3::new(0.1, 0.25, -0.4)).moving(down, Vec3::Y),
+    ]
+    .map(bouncy);
+    alone_and_shared(&settings(), &scene);
+}
+
 /// Nine boxes bear a slab, with friction at every point: more rows on one body than there are colours.
 #[test]
 fn a_slab_with_more_points_than_colours() {

@@ -76,6 +76,11 @@ impl Hot {
 }
 
 impl Collider {
+    /// From its middle to its surface where that is nearest [m]; infinite for what has no inside.
+    #[inline]
+    pub(crate) fn thickness(&self) -> f32 {
+        if self.inner_radius > 0.0 { self.inner_radius } else { f32::INFINITY }
+    }
     pub(crate) fn is_sensor(&self) -> bool {
         self.flags & SENSOR != 0
     }

@@ -11,6 +11,8 @@ use clap::Parser;
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::PathBuf;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
 /// An engine with a scene in it.
 trait Engine {
@@ -29,6 +31,12 @@ struct Options {
     /// Only cells with this in their names.
     #[arg(long)]
     only: Option<String>,
+    /// Only the cell of this name, here: what a run starts for each cell, as an engine may crash or never come back.
+    #[arg(long, hide = true)]
+    cell: Option<String>,
+    /// Seconds after which a cell counts as lost.
+    #[arg(long, default_value_t = 60)]
+    patience: u64,
     /// Seconds that each cell is watched for.
     #[arg(long, default_value_t = 60.0)]
     seconds: f64,
@@ -42,23 +50,47 @@ fn main() -> anyhow::Result<()> {
         "rapier" => ("Rapier", rapier::build),
         other => anyhow::bail!("no engine \"{other}\", but box3d and rapier"),
     };
+    let cells = Cell::all();
+    if let Some(wanted) = &options.cell {
+        let cell = cells.iter().find(|cell| cell.name() == *wanted).context("no such cell")?;
+        let scene = cell.scene();
+        let mut engine = build(&scene, cell.conditions.size)?;
+        println!("{}", watch(cell, &scene, engine.as_mut(), options.seconds));
+        return Ok(());
+    }
     let mut out = std::fs::File::create(&options.file).context("can't write the results")?;
-    for cell in Cell::all() {
-        if options.only.as_ref().is_some_and(|only| !cell.name().contains(only.as_str())) {
+    for cell in cells.iter().map(Cell::name) {
+        if options.only.as_ref().is_some_and(|only| !cell.contains(only.as_str())) {
             continue;
         }
-        let scene = cell.scene();
-        let mut engine = build(&scene, cell.conditions.size).with_context(|| cell.name())?;
-        let figures = watch(&cell, &scene, engine.as_mut(), options.seconds);
-        let run = json!({
-            "engine": name,
-            "seconds": options.seconds,
-            "cell": cell.name(),
-            "figures": figures,
-        });
+        let figures = apart(&options, &cell)?;
+        let run = json!({ "engine": name, "seconds": options.seconds, "cell": cell, "figures": figures });
         writeln!(out, "{run}").context("can't write the results")?;
     }
     Ok(())
+}
+
+/// A cell in a process of its own.
+fn apart(options: &Options, cell: &str) -> anyhow::Result<Value> {
+    let mut child = Command::new(std::env::current_exe()?)
+        .arg(&options.engine)
+        .arg(&options.file)
+        .args(["--cell", cell, "--seconds", &options.seconds.to_string()])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()?;
+    let start = Instant::now();
+    while child.try_wait()?.is_none() && start.elapsed().as_secs() < options.patience {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let lost = |measure: &str| json!([{ "measure": measure, "value": null, "verdict": "lost" }]);
+    if child.try_wait()?.is_none() {
+        child.kill()?;
+        child.wait()?;
+        return Ok(lost("never ended"));
+    }
+    let output = child.wait_with_output()?;
+    Ok(serde_json::from_slice(&output.stdout).unwrap_or_else(|_| lost("refused or crashed")))
 }
 
 /// As `Cell::run` does.

@@ -75,7 +75,7 @@ pub(super) enum Measure {
     Moved { unit: f64 },
     /// The deepest point of a body beyond a boundary, in the second half of the run.
     Depth { unit: f64 },
-    /// Bodies whose origin is, or was, beyond a boundary.
+    /// Bodies whose centre of mass is, or was, beyond a boundary.
     Through,
     /// The furthest that a joint's two anchors were apart.
     Apart { unit: f64 },
@@ -203,8 +203,12 @@ impl Watch {
             }
             Measure::Depth { .. } => before,
             Measure::Through => {
-                let beyond = |state: &State| self.boundaries.iter().any(|b| above(b, state.position) < 0.0);
-                before.max(moving().filter(|(_, state)| beyond(state)).count() as f64)
+                let beyond = |&i: &usize| {
+                    let centre = states[i].position + (states[i].rotation * self.masses[i].center).as_dvec3();
+                    self.boundaries.iter().any(|b| above(b, centre) < 0.0)
+                };
+                let dynamic = |&i: &usize| self.bodies[i].kind == BodyKind::Dynamic;
+                before.max((0..states.len()).filter(dynamic).filter(beyond).count() as f64)
             }
             Measure::Apart { unit } => {
                 let gaps = self.joints.iter().map(|joint| {

@@ -47,7 +47,8 @@ impl Value {
             Some(value) if self.measure == "through" => format!("{value} through"),
             Some(_) if self.measure == "finite" => "not finite".into(),
             Some(value) => format!("{} {value:.1e}", self.measure),
-            None => format!("{} without bound", self.measure),
+            // Another engine's, or infinite.
+            None => self.measure.clone(),
         }
     }
 }

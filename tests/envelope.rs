@@ -1,0 +1,92 @@
+//! Every cell of the published envelope that is green stays green: `docs/envelope/backstop.jsonl` has the verdicts.
+
+#![cfg(all(feature = "lab", feature = "serde", feature = "gltf"))]
+
+use backstop::Settings;
+use backstop::lab::envelope::{Cell, Figure, SECONDS, Verdict};
+use std::collections::HashMap;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// The verdicts that are published.
+fn published() -> HashMap<String, Verdict> {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/envelope/backstop.jsonl");
+    let text = std::fs::read_to_string(file).unwrap();
+    let run = |line: &str| {
+        let run: serde_json::Value = serde_json::from_str(line).unwrap();
+        let verdict = serde_json::from_value(run["figures"][0]["verdict"].clone()).unwrap();
+        (run["cell"].as_str().unwrap().to_owned(), verdict)
+    };
+    text.lines().map(run).collect()
+}
+
+/// The worst figure of each cell that is published as stable, watched for so long, on two threads.
+fn green(seconds: f64) -> Vec<(String, Figure)> {
+    let published = published();
+    let cells: Vec<_> = Cell::all()
+        .into_iter()
+        .filter(|cell| published.get(&cell.name()) == Some(&Verdict::Stable))
+        .collect();
+    let (next, found) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+    std::thread::scope(|scope| {
+        for _ in 0..2 {
+            scope.spawn(|| {
+                while let Some(cell) = cells.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    let figures = cell.run(&Settings::default(), seconds).unwrap();
+                    found.lock().unwrap().push((cell.name(), figures[0]));
+                }
+            });
+        }
+    });
+    found.into_inner().unwrap()
+}
+
+#[test]
+fn the_published_map_has_every_cell() {
+    let published = published();
+    let missing: Vec<_> =
+        Cell::all().iter().map(Cell::name).filter(|name| !published.contains_key(name)).collect();
+    assert!(missing.is_empty() && published.len() >= 400, "{missing:?}");
+}
+
+#[test]
+fn green_cells_hold_in_their_first_seconds() {
+    // A twentieth of what the map was measured with: what is not lost within a minute is not in three seconds.
+    let worse: Vec<_> =
+        green(SECONDS / 20.0).into_iter().filter(|(_, worst)| worst.verdict == Verdict::Lost).collect();
+    assert!(worse.is_empty(), "{worse:#?}");
+}
+
+/// Five minutes on two cores.
+#[test]
+#[ignore = "long: run in release"]
+fn green_cells_are_green() {
+    let worse: Vec<_> =
+        green(SECONDS).into_iter().filter(|(_, worst)| worst.verdict != Verdict::Stable).collect();
+    assert!(worse.is_empty(), "{worse:#?}");
+}
+
+/// Lengths and gravity by the same factor: the same motion in units of the scene.
+#[test]
+fn a_scene_scaled_with_its_gravity_is_the_same_run() {
+    use backstop::World;
+    use backstop::lab::envelope::{Axis, Conditions, Trial};
+    // Powers of two change no rounding, so any difference is a length that does not scale; 1e-4 is what is asked for.
+    for trial in [Trial::Stack, Trial::Pile, Trial::CardHouse, Trial::Chain, Trial::Ragdoll, Trial::Cart] {
+        let run = |size: f32| {
+            let conditions = Conditions { size, gravity: size, ..Conditions::default() };
+            let cell = Cell { trial, axis: Axis::Size, label: String::new(), conditions };
+            let scene = cell.scene();
+            let settings = Settings { gravity: scene.gravity, length_unit: size, ..Settings::default() };
+            let mut world = World::new(settings).unwrap();
+            let bodies = scene.add_to(&mut world).unwrap().bodies;
+            (0..120).for_each(|_| drop(world.step(1.0 / 60.0).unwrap()));
+            bodies.iter().map(|&body| world.position(body).unwrap() / f64::from(size)).collect::<Vec<_>>()
+        };
+        let metre = run(1.0);
+        for size in [1.0 / 64.0, 64.0] {
+            let apart = metre.iter().zip(run(size)).map(|(a, b)| (*a - b).length()).fold(0.0, f64::max);
+            assert!(apart <= 1e-4, "{} at {size}: {apart}", trial.name());
+        }
+    }
+}
