@@ -205,7 +205,8 @@ impl World {
 
     /// Of all contacts of the step.
     fn forget_friction(&mut self) {
-        for pair in &self.broad.pairs {
+        let dynamic = self.bodies.dynamic();
+        for pair in self.broad.pairs.iter().filter(|pair| !pair.is_idle(&self.colliders.hot, dynamic)) {
             let mut slot = pair.contact;
             while let Some(contact) = self.contacts.all.get_mut(slot as usize) {
                 contact.friction = glam::Vec3::ZERO;
@@ -216,7 +217,8 @@ impl World {
 
     /// Lets contacts whose points were solved apart bear what these did.
     fn bear_apart(&mut self, dt: f32, h: f32) {
-        for pair in &self.broad.pairs {
+        let dynamic = self.bodies.dynamic();
+        for pair in self.broad.pairs.iter().filter(|pair| !pair.is_idle(&self.colliders.hot, dynamic)) {
             let mut slot = pair.contact;
             while let Some(contact) = self.contacts.all.get_mut(slot as usize) {
                 self.buffers.statics.pending |= contact.bear(dt, h);

@@ -442,7 +442,7 @@ impl World {
     }
 
     pub(crate) fn shape_handle(&self, collider: u32) -> ShapeHandle {
-        ShapeHandle { slot: collider, generation: self.colliders.slots.generation(collider) }
+        self.colliders.handle(collider)
     }
 
     /// Checks a description and computes what the body's columns need.
@@ -524,6 +524,10 @@ impl Colliders {
         room.fit(&mut self.all, len);
         room.fit(&mut self.hot, len);
         room.fit(&mut self.poses, len);
+    }
+
+    pub(crate) fn handle(&self, collider: u32) -> ShapeHandle {
+        ShapeHandle { slot: collider, generation: self.slots.generation(collider) }
     }
 
     /// The collider's body has a new index.
