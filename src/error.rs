@@ -19,6 +19,14 @@ pub enum Error {
     /// A recording goes forwards.
     #[error("a world that is being recorded can't be restored: stop the recording first")]
     Recorded,
+    /// A step panicked, in a hook of the caller's or by a defect of this library, and what the world holds is half done.
+    #[error(
+        "a step panicked in its stage \"{stage}\", so the world can't be stepped any more: restore a snapshot, or make a new one"
+    )]
+    Poisoned {
+        /// Where: broad, narrow, prepare, solve or finish.
+        stage: &'static str,
+    },
     /// A joint needs two bodies.
     #[error("a joint can't join a body to itself")]
     JointToItself,

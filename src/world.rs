@@ -25,6 +25,7 @@ use crate::config::{Continuous, Settings};
 use crate::constraint::RowGroup;
 use crate::error::Error;
 use crate::events::Events;
+use crate::faults::Faults;
 use crate::finish::StepReport;
 use crate::handle::{BodyHandle, ShapeHandle, Slots};
 use crate::joint::Joints;
@@ -68,6 +69,10 @@ pub struct World {
     pub(crate) events: Events,
     /// Of what snapshots share.
     pub(crate) revisions: Revisions,
+    /// Bodies that the last step had to stop.
+    pub(crate) faults: Faults,
+    /// The stage of the step that is under way; after a step, that in which it panicked.
+    pub(crate) stage: Option<&'static str>,
     /// While it is recorded or replayed.
     #[cfg(feature = "replay")]
     pub(crate) tape: Option<Box<crate::replay::Tape>>,
