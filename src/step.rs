@@ -108,7 +108,9 @@ impl World {
 
     pub(crate) fn step_once(&mut self, dt: f32, hooks: &dyn ContactHooks) {
         let threads = if self.bodies.movers() < WORTH_THREADS { 1 } else { self.settings.threads };
-        with_crew(threads, |crew| self.run(&crew, dt, hooks));
+        let mut helpers = std::mem::take(&mut self.helpers);
+        with_crew(threads, &mut helpers, |crew| self.run(&crew, dt, hooks));
+        self.helpers = helpers;
     }
 
     /// The stages by name, in order, timed.

@@ -38,6 +38,7 @@ use crate::shape::{Collider, Geometry, Hot, Kind};
 use crate::sleep::Sleep;
 use crate::snapshot::Revisions;
 use crate::step::Buffers;
+use crate::threads::Helpers;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
@@ -73,6 +74,7 @@ pub struct World {
     pub(crate) faults: Faults,
     /// The stage of the step that is under way; after a step, that in which it panicked.
     pub(crate) stage: Option<&'static str>,
+    pub(crate) helpers: Helpers,
     /// While it is recorded or replayed.
     #[cfg(feature = "replay")]
     pub(crate) tape: Option<Box<crate::replay::Tape>>,
