@@ -121,12 +121,9 @@ impl Game {
         let limit = Limit::new(Motion::Linear, backstop::Axes::All, 0.0, 0.5);
         let desc = match self.rng.below(6) {
             0 => JointDesc::ball([a, b], frames),
-            1 => JointDesc::hinge([a, b], frames).with_drive(Drive::motor(
-                Motion::Angular,
-                Axis::X,
-                3.0,
-                10.0,
-            )),
+            1 => {
+                JointDesc::hinge([a, b], frames).with_drive(Drive::motor(Motion::Angular, Axis::X, 3.0, 10.0))
+            }
             2 => JointDesc::slider([a, b], frames).with_limit(limit),
             3 => JointDesc::distance([a, b], frames, 0.1, 2.0).breaking(1e4, 1e4),
             4 => JointDesc::ball([a, b], frames).colliding(true),
