@@ -7,13 +7,13 @@ use std::fmt::{self, Display, Write};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The body was removed, or the handle is of another world.
+    /// The body was removed. Handles of another world are told from the world's own by nothing but slot and generation.
     #[error("the body handle is stale: its body was removed")]
     StaleBody,
-    /// The shape or its body was removed, or the handle is of another world.
+    /// The shape or its body was removed; see [`Error::StaleBody`] for those of another world.
     #[error("the shape handle is stale: its shape was removed")]
     StaleShape,
-    /// The joint broke, it or one of its bodies was removed, or the handle is of another world.
+    /// The joint broke, or it or one of its bodies was removed; see [`Error::StaleBody`] for those of another world.
     #[error("the joint handle is stale: its joint broke or was removed")]
     StaleJoint,
     /// A recording goes forwards.

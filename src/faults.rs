@@ -7,6 +7,7 @@
 //! start, takes part in the next one, and [`World::stopped_bodies`] names it.
 
 use crate::broad_phase::Pair;
+use crate::constraint::Prepared;
 use crate::handle::BodyHandle;
 use crate::lanes::{Lanes, Mask, Record, f32x8};
 use crate::limits::MAX_LEFT_SPEED as MOST;
@@ -80,12 +81,20 @@ impl World {
         crate::forces::predict(crew, self, dt);
     }
 
-    /// Prepares and solves once more without those whose motion is no number.
+    /// Prepares and solves once more without those whose motion is no number. `prepared`: what came of it with them.
     #[cold]
-    pub(crate) fn solve_without_faults(&mut self, crew: &Crew<'_>, dt: f32) -> crate::constraint::Prepared {
-        let mut prepared = Default::default();
+    pub(crate) fn solve_without_faults(
+        &mut self,
+        crew: &Crew<'_>,
+        dt: f32,
+        mut prepared: Prepared,
+    ) -> Prepared {
         for attempt in 1..=ATTEMPTS {
             let slots = self.culprits(attempt == ATTEMPTS);
+            if slots.is_empty() {
+                // They came back into the range by themselves.
+                break;
+            }
             // Velocities as they were when the step began; poses still are.
             self.bodies.velocity[..self.buffers.forces.start.len()]
                 .copy_from_slice(&self.buffers.forces.start);

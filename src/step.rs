@@ -158,7 +158,7 @@ impl World {
         self.stage = Some("solve");
         let lengths = self.lengths(dt);
         if !self.solve(crew, dt) {
-            prepared = self.solve_without_faults(crew, dt);
+            prepared = self.solve_without_faults(crew, dt, prepared);
         }
         prepared.impacts = self.buffers.restitution.count;
         let free = self.settings.budget.is_none();

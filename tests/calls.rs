@@ -147,7 +147,11 @@ impl Game {
             7 => world.set_velocity(body, Vec3::ZERO, Vec3::ZERO),
             8 => world.set_enabled(body, rng.below(2) == 0),
             9 => world.apply_impulse(body, rng.vec() * 1000.0, rng.vec().as_dvec3()),
-            10 => world.add_force(body, rng.vec() * 1e4, rng.vec() * 1e3),
+            10 => {
+                // Most are honest.
+                let much = [1e4, 1e4, 1e4, 1e12, 9e17][rng.below(5)];
+                world.add_force(body, rng.vec() * much, rng.vec() * much)
+            }
             11 => world.set_can_sleep(body, rng.below(2) == 0),
             12 => {
                 let modes = [Continuous::Discrete, Continuous::Segment, Continuous::Volume];
