@@ -102,7 +102,8 @@ pub struct Settings {
     pub substeps: u32,
     /// Gauss-Seidel iterations in each substep, 1..=256. Default 1.
     pub iterations: u32,
-    /// Threads of the caller's rayon pool that a step may use, at least 1. Default 1.
+    /// Threads that a step may use, at least 1: the caller's own, and others of its rayon pool if they have nothing else to
+    /// do; a busy pool is not waited for. Default 1.
     pub threads: usize,
     /// The mode that [`Continuous::Segment`] bodies really use; `Discrete` switches continuous collision off for
     /// the whole world, `Volume` raises all that are not `Discrete`. Default `Segment`: each body's own mode.

@@ -7,18 +7,26 @@ use std::fmt::{self, Display, Write};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The body was removed, or the handle is of another world.
+    /// The body was removed. Handles of another world are told from the world's own by nothing but slot and generation.
     #[error("the body handle is stale: its body was removed")]
     StaleBody,
-    /// The shape or its body was removed, or the handle is of another world.
+    /// The shape or its body was removed; see [`Error::StaleBody`] for those of another world.
     #[error("the shape handle is stale: its shape was removed")]
     StaleShape,
-    /// The joint broke, it or one of its bodies was removed, or the handle is of another world.
+    /// The joint broke, or it or one of its bodies was removed; see [`Error::StaleBody`] for those of another world.
     #[error("the joint handle is stale: its joint broke or was removed")]
     StaleJoint,
     /// A recording goes forwards.
     #[error("a world that is being recorded can't be restored: stop the recording first")]
     Recorded,
+    /// A step panicked, in a hook of the caller's or by a defect of this library, and what the world holds is half done.
+    #[error(
+        "a step panicked in its stage \"{stage}\", so the world can't be stepped any more: restore a snapshot, or make a new one"
+    )]
+    Poisoned {
+        /// Where: broad, narrow, prepare, solve or finish.
+        stage: &'static str,
+    },
     /// A joint needs two bodies.
     #[error("a joint can't join a body to itself")]
     JointToItself,

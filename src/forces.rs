@@ -1,12 +1,15 @@
 //! Forces -> velocities: acceleration of the step, world inertia, and the motion it predicts.
 
 use crate::body::{Bodies, Mass, Traits};
+use crate::faults::is_within;
 use crate::lanes::{Lanes, Record, Sym3};
+use crate::limits::MAX_LEFT_SPEED;
 use crate::memory::{Buffer, bytes_of};
 use crate::threads::{Crew, Shared, per_block};
 use crate::world::World;
 use glam::{Mat3, Quat, Vec3};
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What is computed of each body before anything collides.
 #[derive(Debug, Default)]
@@ -45,8 +48,15 @@ impl Forces {
 /// Bodies a block.
 const BLOCK: usize = per_block(256, 1);
 
-/// Computes [`Forces`] for a step of `dt` seconds.
-pub(crate) fn predict(crew: &Crew<'_>, world: &mut World, dt: f32) {
+/// Whether a motion is one that a step can begin with: the velocity that it predicts is within [`MAX_LEFT_SPEED`].
+pub(crate) fn is_sound(motion: &Record, pull: &Record, dt: f32) -> bool {
+    let (motion, pull) = (bytemuck::must_cast(*motion), bytemuck::must_cast(*pull));
+    // The pad of a motion is the angle of its turn, about whichever axis.
+    is_within(motion, 2.0 * MAX_LEFT_SPEED * dt) && is_within(pull, MAX_LEFT_SPEED / dt)
+}
+
+/// Computes [`Forces`] for a step of `dt` seconds. Says whether the motion of a dynamic body is not [sound](is_sound).
+pub(crate) fn predict(crew: &Crew<'_>, world: &mut World, dt: f32) -> bool {
     let (movers, dynamic) = (world.bodies.movers(), world.bodies.dynamic());
     if world.bodies.locked > 0 {
         // What the caller set about a locked axis must not look like an impact to the rows.
@@ -66,16 +76,21 @@ pub(crate) fn predict(crew: &Crew<'_>, world: &mut World, dt: f32) {
         inverse_inertia: Shared::new(inverse_inertia),
         motion: Shared::new(motion),
     };
+    let unsound = AtomicBool::new(false);
     crew.run(movers.div_ceil(BLOCK), &|block| {
         let block = block * BLOCK..((block + 1) * BLOCK).min(movers);
         // What no body needs is not asked of each.
-        match (bodies.locked > 0, pulled) {
+        let sound = match (bodies.locked > 0, pulled) {
             (false, true) => predict_block::<false, true>(block, bodies, gravity, dt, &out),
             (false, false) => predict_block::<false, false>(block, bodies, gravity, dt, &out),
             (true, true) => predict_block::<true, true>(block, bodies, gravity, dt, &out),
             (true, false) => predict_block::<true, false>(block, bodies, gravity, dt, &out),
+        };
+        if !sound {
+            unsound.store(true, Ordering::Relaxed);
         }
     });
+    unsound.into_inner()
 }
 
 /// Where predictions go.
@@ -85,14 +100,15 @@ struct Out<'a> {
     motion: Shared<'a, Record>,
 }
 
+/// Says whether all is sound.
 fn predict_block<const LOCKED: bool, const PULLED: bool>(
     block: Range<usize>,
     bodies: &Bodies,
     gravity: Vec3,
     dt: f32,
     out: &Out<'_>,
-) {
-    let dynamic = bodies.dynamic();
+) -> bool {
+    let (dynamic, mut sound) = (bodies.dynamic(), true);
     for i in block {
         let v = bodies.velocity[i];
         let mut pull = Record::default();
@@ -114,6 +130,10 @@ fn predict_block<const LOCKED: bool, const PULLED: bool>(
             pad1: v.angular.length() * dt,
             ..Record::default()
         };
+        // Without a pull a velocity is what a caller said, or the step before left.
+        if PULLED {
+            sound &= is_sound(&predicted, &pull, dt);
+        }
         // SAFETY: each body is in one block.
         unsafe {
             if PULLED {
@@ -122,6 +142,7 @@ fn predict_block<const LOCKED: bool, const PULLED: bool>(
             *out.motion.get(i) = predicted;
         }
     }
+    sound
 }
 
 fn accelerate(bodies: &Bodies, i: usize, gravity: Vec3, inverse: &Sym3<f32>) -> Record {

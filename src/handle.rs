@@ -15,7 +15,8 @@ macro_rules! handle {
 }
 
 handle! {
-    /// A body of a world. Goes stale when the body is removed; a stale handle is an error, never another body.
+    /// A body of a world. Goes stale when the body is removed; a stale handle is an error, never another body. It is not known
+    /// of which world it is: in another, whose snapshot this one may have been restored from, it names what has its number.
     BodyHandle
 }
 handle! {

@@ -73,6 +73,7 @@ mod constraint;
 pub mod debug;
 mod error;
 mod events;
+mod faults;
 mod finish;
 mod forces;
 mod handle;

@@ -9,6 +9,10 @@ pub const MAX_POSITION: f64 = 1e9;
 /// Largest speed [m/s] and spin [rad/s], along or about each axis: a hundred times what enters the atmosphere. In the longest
 /// step it is a way of 1e7 m, and its square is far from the end of numbers.
 pub const MAX_SPEED: f32 = 1e6;
+/// The fastest that a step leaves a body [m/s], [rad/s], along or about each axis: what a caller may say, and what gravity,
+/// springs and impacts add to that in honest steps. A body that would be faster is stopped
+/// ([`StepReport::stopped`](crate::StepReport::stopped)).
+pub(crate) const MAX_LEFT_SPEED: f32 = 2.0 * MAX_SPEED;
 /// Smallest radius or half extent [m]: the moments of a ball of water so small are 1e-27 kg m², and one over them is a number.
 pub const MIN_LENGTH: f32 = 1e-6;
 /// Largest radius, half extent, offset of a shape or arm of a joint [m]: the moments of a ball of rock so large are 1e34 kg m².
@@ -63,6 +67,22 @@ pub(crate) fn acceleration(what: &'static str, v: Vec3) -> Result<(), Error> {
 /// An offset from a body's origin.
 pub(crate) fn offset(what: &'static str, v: Vec3) -> Result<(), Error> {
     within3(what, v, MAX_LENGTH, "within 1e6 m along each axis")
+}
+
+/// A place of a body's centre of mass or of a shape, which its body's origin may be this far from.
+pub(crate) fn centre(at: DVec3) -> Result<(), Error> {
+    let most = MAX_POSITION + 4.0 * f64::from(MAX_LENGTH);
+    if at.abs().cmple(DVec3::splat(most)).all() { Ok(()) } else { position(at) }
+}
+
+/// A velocity that a step left.
+pub(crate) fn left_speed(what: &'static str, v: Vec3) -> Result<(), Error> {
+    within3(what, v, MAX_LEFT_SPEED, "within 2e6 along each axis")
+}
+
+/// An offset from a body's centre of mass, which may be as far from its origin as the shape.
+pub(crate) fn lever(what: &'static str, v: Vec3) -> Result<(), Error> {
+    within3(what, v, 4.0 * MAX_LENGTH, "within 4e6 m along each axis")
 }
 
 /// A radius or a half extent.

@@ -16,7 +16,7 @@ use crate::record::probe;
 use crate::statics::Statics;
 use crate::threads::{Crew, Shared, with_crew};
 use crate::world::{PartTimes, World};
-use crate::{finish, forces, movers, solver, time_of_impact};
+use crate::{finish, movers, solver, time_of_impact};
 use std::time::Instant;
 
 /// Buffers that stages hand on to each other, kept from step to step.
@@ -80,17 +80,23 @@ impl World {
     /// Moves the world on by `dt` seconds and says what that took.
     ///
     /// # Errors
-    /// If `dt` is not in [`MIN_STEP`](crate::limits::MIN_STEP)..=[`MAX_STEP`](crate::limits::MAX_STEP).
+    /// If `dt` is not in [`MIN_STEP`](crate::limits::MIN_STEP)..=[`MAX_STEP`](crate::limits::MAX_STEP), or a step panicked before.
     pub fn step(&mut self, dt: f32) -> Result<&StepReport, Error> {
         self.step_with(dt, &NoHooks)
     }
 
     /// The same with a word on contacts before they are solved.
     ///
+    /// A hook that panics does so through this call, and leaves the step half done: from then on the world can't be stepped
+    /// ([`Error::Poisoned`]) until [`World::restore`] brings it back to a whole state.
+    ///
     /// # Errors
-    /// If `dt` is not in [`MIN_STEP`](crate::limits::MIN_STEP)..=[`MAX_STEP`](crate::limits::MAX_STEP).
+    /// If `dt` is not in [`MIN_STEP`](crate::limits::MIN_STEP)..=[`MAX_STEP`](crate::limits::MAX_STEP), or a step panicked before.
     pub fn step_with(&mut self, dt: f32, hooks: &dyn ContactHooks) -> Result<&StepReport, Error> {
         crate::limits::step(dt)?;
+        if let Some(stage) = self.stage {
+            return Err(Error::Poisoned { stage });
+        }
         #[cfg(feature = "replay")]
         if self.tape.is_some() {
             self.step_taped(dt, hooks);
@@ -102,7 +108,9 @@ impl World {
 
     pub(crate) fn step_once(&mut self, dt: f32, hooks: &dyn ContactHooks) {
         let threads = if self.bodies.movers() < WORTH_THREADS { 1 } else { self.settings.threads };
-        with_crew(threads, |crew| self.run(&crew, dt, hooks));
+        let mut helpers = std::mem::take(&mut self.helpers);
+        with_crew(threads, &mut helpers, |crew| self.run(&crew, dt, hooks));
+        self.helpers = helpers;
     }
 
     /// The stages by name, in order, timed.
@@ -116,21 +124,22 @@ impl World {
         self.events.start();
         self.buffers.dt = dt;
 
-        forces::predict(crew, self, dt);
+        self.forget_faults();
+        self.stage = Some("broad");
+        self.predict(crew, dt);
         let mut broad = movers::pairs(crew, self);
         let watch = Watch::start(self.settings.sleeping);
         let woke = self.wake_what_is_reached();
         self.spent.sleeping = watch.stop();
         if woke {
-            forces::predict(crew, self, dt);
+            self.predict(crew, dt);
             broad = sum(broad, movers::pairs(crew, self));
         }
         probe!(self, Forces);
         probe!(self, Broad);
-        let free = self.settings.budget.is_none();
-        self.bodies.forget_forces(free);
         let mut clock = lap(start, &mut times.broad);
 
+        self.stage = Some("narrow");
         let narrow = self.narrow(crew, dt);
         probe!(self, Narrow);
         let watch = Watch::start(self.needs.hooks > 0);
@@ -138,6 +147,7 @@ impl World {
         self.spent.hooks = watch.stop();
         clock = lap(clock, &mut times.narrow);
 
+        self.stage = Some("prepare");
         self.buffers.statics.pending |= narrow.touching;
         self.estimate_loads(dt);
         self.listen();
@@ -145,13 +155,14 @@ impl World {
         probe!(self, Prepare);
         clock = lap(clock, &mut times.prepare);
 
+        self.stage = Some("solve");
         let lengths = self.lengths(dt);
-        let buffers = &mut self.buffers;
-        let (rows, state) = ((&mut buffers.rows, &mut buffers.joints), &mut buffers.solver);
-        let impulses = self.events.impulses.as_mut_slice();
-        let impacts = (&mut buffers.restitution, impulses, self.colliders.all.as_slice());
-        solver::solve(crew, &self.settings, dt, &mut self.bodies, &mut buffers.forces, rows, impacts, state);
+        if !self.solve(crew, dt) {
+            prepared = self.solve_without_faults(crew, dt, prepared);
+        }
         prepared.impacts = self.buffers.restitution.count;
+        let free = self.settings.budget.is_none();
+        self.bodies.forget_forces(free);
         let watch = Watch::start(self.joints.count > 0);
         self.store_joints(dt);
         self.spent.joints += watch.stop();
@@ -173,10 +184,12 @@ impl World {
         probe!(self, Solve);
         clock = lap(clock, &mut times.solve);
 
+        self.stage = Some("finish");
         // Where pairs were shed, to have none says nothing.
         let fast = if broad.0.shed > 0 { 0 } else { broad.0.fast };
-        let ended = finish::finish(crew, self, fast, dt);
+        let held = finish::finish(crew, self, fast, dt);
         let impacts = time_of_impact::meet_impacts(crew, self, dt);
+        self.thaw();
         // Not before: hooks may have asked where things are.
         self.now.step(free);
         let watch = Watch::start(self.needs.sensors > 0);
@@ -192,9 +205,19 @@ impl World {
         times.step = (end - start).as_secs_f32() * 1e6;
         self.buffers.evenness = evenness(self.buffers.evenness, lengths);
         self.buffers.last_h = lengths.now();
-        self.report = StepReport::new(self, times, broad, narrow, prepared, stored.pushed, (ended, impacts));
+        self.report = StepReport::new(self, times, broad, narrow, prepared, stored.pushed, (held, impacts));
         (self.sleep.woke, self.sleep.slept) = (0, 0);
         self.note_peaks();
+        self.stage = None;
+    }
+
+    /// Solves the rows; says whether all velocities stayed in range.
+    pub(crate) fn solve(&mut self, crew: &Crew<'_>, dt: f32) -> bool {
+        let buffers = &mut self.buffers;
+        let (rows, state) = ((&mut buffers.rows, &mut buffers.joints), &mut buffers.solver);
+        let impulses = self.events.impulses.as_mut_slice();
+        let impacts = (&mut buffers.restitution, impulses, self.colliders.all.as_slice());
+        solver::solve(crew, &self.settings, dt, &mut self.bodies, &mut buffers.forces, rows, impacts, state)
     }
 
     pub(crate) fn lengths(&self, dt: f32) -> StepLengths {
@@ -205,7 +228,8 @@ impl World {
 
     /// Of all contacts of the step.
     fn forget_friction(&mut self) {
-        for pair in &self.broad.pairs {
+        let dynamic = self.bodies.dynamic();
+        for pair in self.broad.pairs.iter().filter(|pair| !pair.is_idle(&self.colliders.hot, dynamic)) {
             let mut slot = pair.contact;
             while let Some(contact) = self.contacts.all.get_mut(slot as usize) {
                 contact.friction = glam::Vec3::ZERO;
@@ -216,7 +240,8 @@ impl World {
 
     /// Lets contacts whose points were solved apart bear what these did.
     fn bear_apart(&mut self, dt: f32, h: f32) {
-        for pair in &self.broad.pairs {
+        let dynamic = self.bodies.dynamic();
+        for pair in self.broad.pairs.iter().filter(|pair| !pair.is_idle(&self.colliders.hot, dynamic)) {
             let mut slot = pair.contact;
             while let Some(contact) = self.contacts.all.get_mut(slot as usize) {
                 self.buffers.statics.pending |= contact.bear(dt, h);
@@ -261,7 +286,7 @@ impl World {
         collide(crew, &input, &mut self.broad.pairs, &mut self.contacts, scratch, &mut rooms)
     }
 
-    fn prepare(&mut self, crew: &Crew<'_>, dt: f32) -> Prepared {
+    pub(crate) fn prepare(&mut self, crew: &Crew<'_>, dt: f32) -> Prepared {
         let unit = self.settings.length_unit;
         let forces = &self.buffers.forces;
         let mut lost = 0;

@@ -1,10 +1,15 @@
 //! Blocks of work, claimed one by one; all that knows rayon.
 //!
-//! A step has hundreds of short parallel stages, and handing each to a pool costs microseconds. So the pool is
-//! entered once a step: helpers wait, spinning, for the caller to announce a stage, and claim blocks of it beside
-//! the caller. Nobody waits for a helper that has not claimed a block: if none ever arrives, the caller does all.
+//! A step has hundreds of short parallel stages, and handing each to a pool costs microseconds. So helpers are called
+//! once a step: they wait, spinning, for the caller to announce a stage, and claim blocks of it beside the caller, who
+//! works where it is. Nobody waits for a helper that has not claimed a block: if none ever arrives, because the pool has
+//! other work, the caller does all.
 
+use crate::memory::in_arc;
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Who works on a step: the caller alone, or with helpers.
 #[derive(Clone, Copy)]
@@ -52,21 +57,56 @@ enum End {
     Back,
 }
 
+#[cfg(feature = "parallel")]
+impl End {
+    /// Half of the crew at either end.
+    fn of(helper: usize) -> End {
+        if helper.is_multiple_of(2) { End::Back } else { End::Front }
+    }
+}
+
 /// The stage that is being worked on.
 #[cfg_attr(not(feature = "parallel"), allow(dead_code, reason = "only helpers read it"))]
+#[derive(Debug, Default)]
 struct Stage {
     /// Epoch (16 bits), end (24) and start (24) of the blocks that are not claimed, in one word, so that a claim is one
     /// exchange and can't mistake one stage for another.
     ticket: AtomicU64,
     done: AtomicUsize,
+    /// There is no step to help with.
     quit: AtomicBool,
+    /// Helpers that the pool was asked for and that have not left yet, whether they have arrived or not.
+    called: AtomicUsize,
+    /// Helpers that have arrived and not left.
+    present: AtomicUsize,
     /// Written by the caller only while no block is claimed.
     work: std::cell::UnsafeCell<Option<Erased>>,
+    /// Whether a helper's block panicked, and with what.
+    panicked: AtomicBool,
+    payload: Mutex<Option<Box<dyn Any + Send>>>,
 }
 
 // SAFETY: `work` is written only by the caller in `run`, before the ticket is released and after every claimed block
 // of the stage before is done; helpers read it only while they hold a claimed block, see `help`.
 unsafe impl Sync for Stage {}
+// SAFETY: as above; nothing of a stage belongs to a thread.
+unsafe impl Send for Stage {}
+/// What a panic leaves of a stage is never looked at.
+impl std::panic::RefUnwindSafe for Stage {}
+
+/// Where the helpers of a world's steps look for work. It is kept from step to step, because a helper that the pool had no
+/// thread for is not waited for: it may arrive in a later step and help there, or when there is no world any more. Made when
+/// help is first asked for from outside of the pool.
+#[derive(Debug, Default)]
+pub(crate) struct Helpers(Option<Arc<Stage>>);
+
+impl Helpers {
+    /// Live and reserved bytes.
+    pub(crate) fn bytes(&self) -> (usize, usize) {
+        let bytes = if self.0.is_some() { in_arc::<Stage>() } else { 0 };
+        (bytes, bytes)
+    }
+}
 
 /// Counts a block as done, also when its work panics: the caller must not wait for ever.
 struct Done<'a>(&'a AtomicUsize);
@@ -79,15 +119,6 @@ impl Drop for Done<'_> {
 
 #[cfg_attr(not(feature = "parallel"), allow(dead_code, reason = "only helpers need it"))]
 impl Stage {
-    fn new() -> Self {
-        Stage {
-            ticket: AtomicU64::new(0),
-            done: AtomicUsize::new(0),
-            quit: AtomicBool::new(false),
-            work: std::cell::UnsafeCell::new(None),
-        }
-    }
-
     fn run(&self, blocks: usize, work: Work<'_>) {
         fn call(work: *const (), block: usize) {
             // SAFETY: `work` points to the reference that the caller of `run` holds, see below.
@@ -106,6 +137,10 @@ impl Stage {
             work(block);
         }
         drop(finish);
+        if self.panicked.load(Ordering::Relaxed) {
+            let mut payload = self.payload.lock().unwrap_or_else(PoisonError::into_inner);
+            resume_unwind(payload.take().unwrap_or_else(|| Box::new("a block panicked")));
+        }
     }
 
     /// Takes a block of the current stage, if any is left.
@@ -127,8 +162,10 @@ impl Stage {
         }
     }
 
-    /// Works on what the caller announces until it quits.
+    /// Works on what the caller announces until it quits. A panic is kept for the caller: it must not end the pool's thread,
+    /// nor leave the caller without an answer.
     fn help(&self, end: End) {
+        self.present.fetch_add(1, Ordering::Relaxed);
         let mut idle = 0u32;
         while !self.quit.load(Ordering::Acquire) {
             if let Some(block) = self.claim(end) {
@@ -136,8 +173,11 @@ impl Stage {
                 let _done = Done(&self.done);
                 // SAFETY: this helper holds a block that is not done, so the caller is still in `run` of the stage
                 // that the block belongs to, and does not write.
-                if let Some((work, call)) = unsafe { *self.work.get() } {
-                    call(work, block);
+                if let Some((work, call)) = unsafe { *self.work.get() }
+                    && let Err(payload) = catch_unwind(AssertUnwindSafe(|| call(work, block)))
+                {
+                    *self.payload.lock().unwrap_or_else(PoisonError::into_inner) = Some(payload);
+                    self.panicked.store(true, Ordering::Relaxed);
                 }
             } else {
                 idle += 1;
@@ -145,6 +185,7 @@ impl Stage {
                 if idle < 4096 { std::hint::spin_loop() } else { std::thread::yield_now() }
             }
         }
+        self.present.fetch_sub(1, Ordering::Release);
     }
 }
 
@@ -169,40 +210,83 @@ impl Drop for Finish<'_> {
     }
 }
 
-/// Runs `f` with a crew of at most `threads`, from the caller's rayon pool.
+/// Runs `f` here, with a crew of at most `threads` from the caller's rayon pool.
 #[cfg(feature = "parallel")]
-pub(crate) fn with_crew<R: Send>(threads: usize, f: impl FnOnce(Crew<'_>) -> R + Send) -> R {
-    struct Quit<'a>(&'a AtomicBool);
-    impl Drop for Quit<'_> {
-        fn drop(&mut self) {
-            self.0.store(true, Ordering::Release);
-        }
-    }
-    fn helpers(stage: &Stage, count: usize) {
-        // Half of the crew at either end.
-        let end = if count % 2 == 1 { End::Back } else { End::Front };
-        match count {
-            0 => {}
-            1 => stage.help(end),
-            _ => drop(rayon::join(|| stage.help(end), || helpers(stage, count - 1))),
-        }
-    }
+pub(crate) fn with_crew<R: Send>(
+    threads: usize,
+    helpers: &mut Helpers,
+    f: impl FnOnce(Crew<'_>) -> R + Send,
+) -> R {
     // Asking rayon starts its pool: not for one thread.
     let helping = if threads > 1 { threads.min(rayon::current_num_threads()) - 1 } else { 0 };
     if helping == 0 {
         return f(Crew::alone());
     }
-    let stage = Stage::new();
-    let caller = || {
-        let _quit = Quit(&stage.quit);
-        f(Crew { stage: Some(&stage) })
-    };
-    rayon::join(caller, || helpers(&stage, helping)).0
+    if rayon::current_thread_index().is_some() {
+        let stage = Stage::default();
+        return beside(&stage, helping, || {
+            let _quit = Quit { stage: &stage, wait: true };
+            f(Crew { stage: Some(&stage) })
+        });
+    }
+    let stage = helpers.0.get_or_insert_default();
+    stage.panicked.store(false, Ordering::Relaxed);
+    stage.quit.store(false, Ordering::Release);
+    let _quit = Quit { stage, wait: false };
+    // Not `join`, which would have this thread wait until the pool has one to run all of this on.
+    while stage.called.load(Ordering::Relaxed) < helping {
+        let number = stage.called.fetch_add(1, Ordering::Relaxed);
+        let stage = stage.clone();
+        rayon::spawn(move || {
+            stage.help(End::of(number));
+            stage.called.fetch_sub(1, Ordering::Relaxed);
+        });
+    }
+    f(Crew { stage: Some(stage) })
+}
+
+/// Runs `f` on this thread of a pool, and offers so many helpers to the others: what none has taken by the end is taken
+/// back.
+#[cfg(feature = "parallel")]
+fn beside<R: Send>(stage: &Stage, helping: usize, f: impl FnOnce() -> R + Send) -> R {
+    fn offer(stage: &Stage, helping: usize, f: &mut (dyn FnMut() + Send)) {
+        match helping.checked_sub(1) {
+            None => f(),
+            Some(rest) => drop(rayon::join(|| offer(stage, rest, f), || stage.help(End::of(rest)))),
+        }
+    }
+    let (mut f, mut result) = (Some(f), None);
+    offer(stage, helping, &mut || result = f.take().map(|f| f()));
+    match result {
+        Some(result) => result,
+        None => unreachable!("it was called once"),
+    }
+}
+
+/// Sends the helpers away when a step ends, also when it panics.
+#[cfg(feature = "parallel")]
+struct Quit<'a> {
+    stage: &'a Stage,
+    /// For those that have arrived: on a thread of the pool whoever waits in `join` for a helper takes up other work meanwhile,
+    /// and returns when that is done.
+    wait: bool,
+}
+
+#[cfg(feature = "parallel")]
+impl Drop for Quit<'_> {
+    fn drop(&mut self) {
+        self.stage.quit.store(true, Ordering::Release);
+        let mut idle = 0u32;
+        while self.wait && self.stage.present.load(Ordering::Acquire) > 0 {
+            idle += 1;
+            if idle < 4096 { std::hint::spin_loop() } else { std::thread::yield_now() }
+        }
+    }
 }
 
 /// Runs `f` with the caller alone: built without threads.
 #[cfg(not(feature = "parallel"))]
-pub(crate) fn with_crew<R>(_threads: usize, f: impl FnOnce(Crew<'_>) -> R) -> R {
+pub(crate) fn with_crew<R>(_threads: usize, _helpers: &mut Helpers, f: impl FnOnce(Crew<'_>) -> R) -> R {
     f(Crew::alone())
 }
 
@@ -268,7 +352,7 @@ mod tests {
     #[test]
     fn every_block_runs_once_with_any_crew() {
         for threads in [1, 2, 3, 8] {
-            with_crew(threads, |crew| {
+            with_crew(threads, &mut Helpers::default(), |crew| {
                 for blocks in [0, 1, 2, 7, 100] {
                     for _ in 0..if cfg!(miri) { 4 } else { 50 } {
                         let mut counts = vec![0u32; blocks];
@@ -285,7 +369,7 @@ mod tests {
     #[test]
     fn a_crew_without_free_threads_still_finishes() {
         // The pool has one thread, so the helpers that were asked for never arrive.
-        with_crew(8, |crew| {
+        with_crew(8, &mut Helpers::default(), |crew| {
             let sum = AtomicUsize::new(0);
             crew.run(1000, &|block| {
                 sum.fetch_add(block, Ordering::Relaxed);
@@ -298,8 +382,9 @@ mod tests {
     fn a_panic_in_any_block_reaches_the_caller() {
         // The caller takes the first block, and a helper, if there is one, the last.
         for bad in [0, 4, 9] {
-            let run = || with_crew(2, |crew| crew.run(10, &|block| assert_ne!(block, bad)));
-            assert!(std::panic::catch_unwind(run).is_err());
+            let mut helpers = Helpers::default();
+            let run = || with_crew(2, &mut helpers, |crew| crew.run(10, &|block| assert_ne!(block, bad)));
+            assert!(catch_unwind(AssertUnwindSafe(run)).is_err());
         }
     }
 }

@@ -25,6 +25,7 @@ use crate::config::{Continuous, Settings};
 use crate::constraint::RowGroup;
 use crate::error::Error;
 use crate::events::Events;
+use crate::faults::Faults;
 use crate::finish::StepReport;
 use crate::handle::{BodyHandle, ShapeHandle, Slots};
 use crate::joint::Joints;
@@ -37,6 +38,7 @@ use crate::shape::{Collider, Geometry, Hot, Kind};
 use crate::sleep::Sleep;
 use crate::snapshot::Revisions;
 use crate::step::Buffers;
+use crate::threads::Helpers;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
@@ -68,6 +70,11 @@ pub struct World {
     pub(crate) events: Events,
     /// Of what snapshots share.
     pub(crate) revisions: Revisions,
+    /// Bodies that the last step had to stop.
+    pub(crate) faults: Faults,
+    /// The stage of the step that is under way; after a step, that in which it panicked.
+    pub(crate) stage: Option<&'static str>,
+    pub(crate) helpers: Helpers,
     /// While it is recorded or replayed.
     #[cfg(feature = "replay")]
     pub(crate) tape: Option<Box<crate::replay::Tape>>,
@@ -442,7 +449,7 @@ impl World {
     }
 
     pub(crate) fn shape_handle(&self, collider: u32) -> ShapeHandle {
-        ShapeHandle { slot: collider, generation: self.colliders.slots.generation(collider) }
+        self.colliders.handle(collider)
     }
 
     /// Checks a description and computes what the body's columns need.
@@ -524,6 +531,10 @@ impl Colliders {
         room.fit(&mut self.all, len);
         room.fit(&mut self.hot, len);
         room.fit(&mut self.poses, len);
+    }
+
+    pub(crate) fn handle(&self, collider: u32) -> ShapeHandle {
+        ShapeHandle { slot: collider, generation: self.slots.generation(collider) }
     }
 
     /// The collider's body has a new index.

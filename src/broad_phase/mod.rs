@@ -32,6 +32,7 @@ pub(crate) use bounds::aabb_of;
 
 use crate::config::Continuous;
 use crate::memory::{Buffer, Category, Marks, Room, Rooms, bytes_of};
+use crate::shape::Hot;
 use crate::threads::Crew;
 use bvh::{NONE, Tree};
 pub(crate) use current::{Current, Now, Present, Sorts};
@@ -117,6 +118,16 @@ pub(crate) struct Pair {
     pub(crate) fast: bool,
     /// The listeners' own: the two touched in the last step.
     pub(crate) touching: bool,
+}
+
+impl Pair {
+    /// Whether neither body can be pushed in this step: one sleeps beside a kinematic body, which would wake it before
+    /// anything is solved if it reached it; or one is a sensor. Such a pair has no rows, and its contacts stay as they are,
+    /// for the step in which the island wakes.
+    #[inline]
+    pub(crate) fn is_idle(&self, hot: &[Hot], dynamic: usize) -> bool {
+        hot[self.a as usize].body as usize >= dynamic && hot[self.b as usize].body as usize >= dynamic
+    }
 }
 
 /// What one update did.

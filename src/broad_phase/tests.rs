@@ -1,7 +1,7 @@
 //! The broad phase as a whole: against all pairs, against exact arithmetic, in any order of blocks.
 
 use super::*;
-use crate::threads::with_crew;
+use crate::threads::{Helpers, with_crew};
 use glam::{DVec3, vec3};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -279,7 +279,7 @@ fn pairs_and_their_order_do_not_depend_on_which_block_runs_when() {
         }
         scene.broad.shuffle = orders;
         let mut all = Vec::new();
-        with_crew(threads, |crew| {
+        with_crew(threads, &mut Helpers::default(), |crew| {
             for _ in 0..50 {
                 scene.disturb();
                 scene.step(&crew);

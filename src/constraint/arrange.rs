@@ -239,8 +239,9 @@ fn quota(mut parts: Quota, mut shed: u32) -> Quota {
 }
 
 fn each_contact<'a>(input: &PrepareInput<'a>, mut f: impl FnMut(u32, &'a Contact)) {
+    let dynamic = input.bodies.dynamic();
     for pair in input.pairs {
-        let mut slot = pair.contact;
+        let mut slot = if pair.is_idle(input.hot, dynamic) { NONE } else { pair.contact };
         while slot != NONE {
             let contact = &input.contacts[slot as usize];
             if contact.count > 0 {

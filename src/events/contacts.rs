@@ -29,9 +29,11 @@ impl World {
         self.grant_events();
         let mut events = std::mem::take(&mut self.events);
         let mut pairs = std::mem::take(&mut self.broad.pairs);
+        let dynamic = self.bodies.dynamic();
         for pair in &mut pairs {
             let [a, b] = [pair.a, pair.b].map(|c| &self.colliders.hot[c as usize]);
-            if !(a.has_events() || b.has_events()) || a.is_sensor() || b.is_sensor() {
+            let heard = a.has_events() || b.has_events();
+            if !heard || a.is_sensor() || b.is_sensor() || pair.is_idle(&self.colliders.hot, dynamic) {
                 continue;
             }
             self.hear(pair, &mut events);

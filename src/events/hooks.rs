@@ -202,7 +202,8 @@ impl World {
         for place in 0..self.broad.pairs.len() {
             let pair = self.broad.pairs[place];
             let asks = |c: u32| self.colliders.hot[c as usize].has_hooks();
-            if pair.contact == NONE || !(asks(pair.a) || asks(pair.b)) {
+            let asked = asks(pair.a) || asks(pair.b);
+            if pair.contact == NONE || !asked || pair.is_idle(&self.colliders.hot, self.bodies.dynamic()) {
                 continue;
             }
             let (mut slot, mut passes) = (pair.contact, false);

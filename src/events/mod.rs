@@ -20,7 +20,7 @@ pub(crate) use hooks::{Tweak, tweak_of};
 use crate::broad_phase::Pair;
 use crate::handle::{BodyHandle, ShapeHandle};
 use crate::memory::{Room, bytes_of};
-use crate::world::World;
+use crate::world::{Colliders, World};
 use glam::{DVec3, Vec3};
 
 /// Two shapes that began to touch, or hit each other.
@@ -144,6 +144,16 @@ impl Events {
         all.into_iter().fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
     }
 
+    /// Notes the end of a pair, if anyone listens to it.
+    pub(crate) fn part(&mut self, colliders: &Colliders, pair: &Pair) {
+        if pair.touching {
+            let [a, b] = [pair.a, pair.b].map(|c| colliders.handle(c));
+            let sensor = |c: u32| colliders.hot[c as usize].is_sensor();
+            let gone = if sensor(pair.b) { (b, a, true) } else { (a, b, sensor(pair.a)) };
+            self.missed += u32::from(!self.room.push(&mut self.gone, gone));
+        }
+    }
+
     /// Adds the ends of pairs that are gone, and sorts: the same for all who read whatever the order of pairs.
     pub(crate) fn finish(&mut self, most: usize) {
         let Events { gone, ends, left, lost, missed, room, .. } = self;
@@ -232,12 +242,6 @@ impl World {
 
     /// Pairs that end are heard of, if anyone listens to them.
     pub(crate) fn part(&mut self, pair: &Pair) {
-        if pair.touching {
-            let [a, b] = [pair.a, pair.b].map(|c| self.shape_handle(c));
-            let sensor = |c: u32| self.colliders.hot[c as usize].is_sensor();
-            let gone = if sensor(pair.b) { (b, a, true) } else { (a, b, sensor(pair.a)) };
-            let Events { gone: list, room, missed, .. } = &mut self.events;
-            *missed += u32::from(!room.push(list, gone));
-        }
+        self.events.part(&self.colliders, pair);
     }
 }

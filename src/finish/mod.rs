@@ -16,17 +16,17 @@ use crate::body::{Pose, carry_spin, exp_map, turn_freely};
 use crate::broad_phase::{Pair, STACK};
 use crate::config::Continuous;
 use crate::constraint::Seat;
+use crate::faults::is_sound;
 use crate::forces::spins_freely;
 use crate::lanes::{self, Record, Sym3};
-use crate::limits::MAX_POSITION;
+use crate::limits::{MAX_LEFT_SPEED, MAX_POSITION};
 use crate::memory::{Buffer, Made, bytes_of};
-use crate::narrow_phase::{Point, UNKNOWN_LOAD};
 use crate::shape::Hot;
 use crate::solver::closing;
 use crate::step::REAL;
 use crate::threads::{Crew, Shared, per_block};
 use crate::world::World;
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 
 /// Buffers of one step.
 #[derive(Debug, Default)]
@@ -89,15 +89,6 @@ fn stacks_of(all: &mut Vec<Mutex<Vec<u32>>>) -> Made<'_, Mutex<Vec<u32>>> {
     Made { all, make: || Mutex::new(Vec::with_capacity(STACK)), holds: STACK * size_of::<u32>() }
 }
 
-/// What finishing counted.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Ended {
-    /// Bodies that the guard held.
-    pub(crate) held: u32,
-    /// Bodies whose motion was no number.
-    pub(crate) stopped: u32,
-}
-
 /// Marks the dynamic bodies that something static may touch on their predicted paths: by a pair with it that the narrow
 /// phase did not see them miss. None if nothing is fast: what is slow is known to be clear of most already.
 fn mark_beside(
@@ -128,20 +119,21 @@ const WHIRLS: f32 = 0.5;
 
 /// Bodies a block.
 const BLOCK: usize = per_block(64, 1);
-/// Moves the bodies to the end of the step. `fast`: how many outran their boxes; 0 if the list of pairs is not complete.
-pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> Ended {
+/// Moves the bodies to the end of the step. `fast`: how many outran their boxes; 0 if the list of pairs is not complete. Says
+/// how many bodies the guard held.
+pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> u32 {
     // Read by the guard beside bodies that it moves.
     let slots = std::mem::take(&mut world.bodies.slot);
-    let ended = move_all(crew, world, &slots, fast, dt);
+    let held = move_all(crew, world, &slots, fast, dt);
     world.bodies.slot = slots;
-    ended
+    held
 }
 
-fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f32) -> Ended {
+fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f32) -> u32 {
     let (movers, dynamic) = (world.bodies.movers(), world.bodies.dynamic());
     let blocks = movers.div_ceil(BLOCK);
     let held = std::sync::atomic::AtomicU32::new(0);
-    let stopped = std::sync::atomic::AtomicU32::new(0);
+    let stopped = Mutex::new(Vec::new());
     let continuous = world.is_continuous();
     let Buffers { stacks, clear, beside, cut } = &mut world.buffers.finish;
     if continuous {
@@ -182,6 +174,10 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
             cut.push((seat, if share < 1.0 { share.max(0.0) } else { 1.0 }));
         }
     };
+    let stop = |i: usize, pose: &mut Pose, velocity: &mut Record, whence: Pose| {
+        stop_body(pose, velocity, whence, i < dynamic);
+        stopped.lock().unwrap_or_else(PoisonError::into_inner).push(i as u32);
+    };
     crew.run(blocks, &|block| {
         // Without the guard there are none, and nothing is pushed.
         let mut none = Vec::new();
@@ -190,15 +186,12 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
         for i in block * BLOCK..((block + 1) * BLOCK).min(movers) {
             // SAFETY: each body is in one block.
             let (pose, velocity, d) = unsafe { (pose.get(i), velocity.get(i), delta.get(i)) };
-            if !is_sound(d) || !is_sound(velocity) {
-                *d = Record::default();
-                // That of a kinematic one is the caller's.
-                if i < dynamic {
-                    *velocity = Record::default();
-                }
-                stopped.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-            }
             let whence = *pose;
+            if !is_sound(d, FAR) || !is_sound(velocity, MAX_LEFT_SPEED) {
+                *d = Record::default();
+                stop(i, pose, velocity, whence);
+                continue;
+            }
             // Bodies of trees that keep their energy turned with their angular momentum, substep by substep.
             let (touched, carried) = (d.pad0 != 0.0, d.pad1 != 0.0);
             let seat = seats.of(i);
@@ -258,18 +251,15 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
                 stop_end(velocity, &crossing, mass[i].inverse, &inverse_inertia[i]);
                 note(seat, crossing.share);
             }
-            if !is_in_range(pose) || !is_sound(velocity) {
+            if !is_in_range(pose) || !is_sound(velocity, MAX_LEFT_SPEED) {
                 // What it turned or was lifted by was no number, however sound it began, or it is out of the world.
-                *pose = whence;
-                if i < dynamic {
-                    *velocity = Record::default();
-                }
-                stopped.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+                stop(i, pose, velocity, whence);
             }
         }
     });
     let (mut held, stopped) = (held.into_inner(), stopped.into_inner());
-    let Ok(cut) = cut.get_mut() else { return Ended { held, stopped } };
+    let mut stopped = stopped.unwrap_or_else(PoisonError::into_inner);
+    let Ok(cut) = cut.get_mut() else { return held };
     if guard.mode != Continuous::Discrete {
         held += guard.hold_movers(&world.broad.pairs, bodies, impacts, seats, cut);
     }
@@ -288,18 +278,19 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
     {
         held += guard.hold_kinematic(&world.broad.pairs, bodies, &mut stack, dt);
     }
-    if stopped > 0 {
-        forget_impulses(world);
+    if !stopped.is_empty() {
+        world.note_stopped(&mut stopped);
     }
-    Ended { held, stopped }
+    held
 }
 
-/// Whether a displacement or a velocity is a number, and one that can be worked with.
-#[inline(always)]
-fn is_sound(r: &Record) -> bool {
-    let most = r.linear.abs().max_element() + r.angular.abs().max_element();
-    // Not a number is neither.
-    most < MOST && r.linear.is_finite() && r.angular.is_finite()
+/// Puts a body back to where it was, at rest. The velocity of a kinematic one is the caller's.
+#[cold]
+fn stop_body(pose: &mut Pose, velocity: &mut Record, whence: Pose, is_dynamic: bool) {
+    *pose = whence;
+    if is_dynamic {
+        *velocity = Record::default();
+    }
 }
 
 /// Whether a body is where a caller could put it; beyond, boxes and distances would be no numbers soon.
@@ -308,46 +299,8 @@ fn is_in_range(pose: &Pose) -> bool {
     pose.is_finite() && pose.position.abs().max_element() <= MAX_POSITION
 }
 
-/// Speeds [m/s], [rad/s] and ways [m], [rad] beyond are as good as no number: their squares would be none soon.
-const MOST: f32 = 1e18;
-
-/// Where impulses are no numbers, nothing is warm-started with them.
-fn forget_impulses(world: &mut World) {
-    for pair in &world.broad.pairs {
-        let mut slot = pair.contact;
-        while let Some(contact) = world.contacts.all.get_mut(slot as usize) {
-            let points = contact.points.iter().fold(0.0, |sum, point| sum + point.impulse + point.mean_force);
-            let loads = contact.twist + contact.lasting_force + contact.rest + contact.static_load;
-            let sums = contact.mean_friction + contact.friction.extend(points + loads);
-            if !sums.is_finite() {
-                let share = contact.even_share();
-                let forget = |point: &mut Point| {
-                    (point.impulse, point.mean_force, point.share) = (0.0, 0.0, share);
-                };
-                contact.points.iter_mut().for_each(forget);
-                contact.mean_friction = glam::Vec4::ZERO;
-                (contact.friction, contact.twist) = (glam::Vec3::ZERO, 0.0);
-                (contact.lasting_force, contact.rest, contact.static_load) = (0.0, 0.0, UNKNOWN_LOAD);
-            }
-            slot = contact.next;
-        }
-    }
-    for lock in &mut world.joints.locks {
-        if !(lock.impulse.is_finite() && lock.held.is_finite() && lock.steady.is_finite()) {
-            (lock.impulse, lock.held, lock.steady) = (glam::Vec3::ZERO, 0.0, 0.0);
-        }
-    }
-    for joint in &mut world.joints.all {
-        if !(joint.force.is_finite() && joint.torque.is_finite()) {
-            (joint.force, joint.torque) = (glam::Vec3::ZERO, glam::Vec3::ZERO);
-        }
-    }
-    for row in &mut world.joints.rows {
-        if !(row.impulse[0].is_finite() && row.impulse[1].is_finite() && row.held.is_finite()) {
-            (row.impulse, row.held) = ([0.0; 2], 0.0);
-        }
-    }
-}
+/// Displacements beyond are out of the world, whatever the body was [m], [rad].
+const FAR: f32 = 4.0 * MAX_POSITION as f32;
 
 /// Takes away the speed with which an end of a body goes into something.
 fn stop_end(velocity: &mut Record, crossing: &Crossing, inverse_mass: f32, inverse_inertia: &Sym3<f32>) {

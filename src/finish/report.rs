@@ -1,6 +1,5 @@
 //! What a step did.
 
-use super::Ended;
 use crate::broad_phase::BroadStats;
 use crate::constraint::Prepared;
 use crate::narrow_phase::NarrowStats;
@@ -66,8 +65,10 @@ pub struct StepReport {
     /// Trees of joints that whip, because a body bears several times its mass: there are no velocities at the start of a substep
     /// that leave them closed at its end, or only such that gain energy. They were closed all the same, and lost some.
     pub damped_trees: u32,
-    /// Bodies whose new place or velocity was no number or beyond [`MAX_POSITION`](crate::limits::MAX_POSITION). They stay where they were, at rest: whatever a
-    /// step returns, what it leaves is finite. More than none says that forces, speeds or joints ask for the impossible.
+    /// Bodies whose new place or velocity was no number or beyond [`MAX_POSITION`](crate::limits::MAX_POSITION) or twice
+    /// [`MAX_SPEED`](crate::limits::MAX_SPEED). They stay where they were, at rest, and the others go on as if they had stood
+    /// still all along: whatever a step returns, what it leaves is finite. More than none says that forces, speeds or joints
+    /// ask for the impossible; [`World::stopped_bodies`] has their handles.
     pub stopped: u32,
     /// Impacts that were met one by one at their times, by methods that do so
     /// ([`ContinuousMethod`](crate::ContinuousMethod)).
@@ -95,7 +96,7 @@ impl StepReport {
         narrow: NarrowStats,
         prepared: Prepared,
         pushed: u32,
-        (ended, impacts): (Ended, Impacts),
+        (held, impacts): (u32, Impacts),
     ) -> StepReport {
         StepReport {
             times,
@@ -110,10 +111,10 @@ impl StepReport {
             real: prepared.real,
             potential: prepared.potential,
             pushed,
-            held: ended.held,
+            held,
             weighted_trees: world.buffers.joints.weighted_trees(),
             damped_trees: world.buffers.joints.damped_trees(),
-            stopped: ended.stopped,
+            stopped: world.faults.stopped.len() as u32,
             struck: impacts.struck,
             stood: impacts.stood,
             shed: broad.shed + narrow.shed + prepared.shed + impacts.shed,

@@ -4,7 +4,7 @@
 //! no further on their ways than it, whatever is open then is closed, and each way is looked at once more.
 
 use super::guard::Guard;
-use super::is_sound;
+use super::{FAR, is_sound};
 use crate::body::{Bodies, Pose, exp_map};
 use crate::constraint::contact_row::Motion;
 use crate::constraint::{Closing, JointRows, Rows, Seat};
@@ -53,7 +53,7 @@ impl Trees<'_> {
             }
             for i in self.joints.bodies_of(seat) {
                 let d = &mut self.delta[i];
-                if !is_sound(d) {
+                if !is_sound(d, FAR) {
                     *d = Record::default();
                 }
                 let pose = &mut self.bodies.pose[i];

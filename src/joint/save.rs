@@ -1,10 +1,10 @@
 //! What a snapshot keeps of joints: what they bear, which changes in every step, and what they are, which seldom does.
 
-use super::desc::{Axes, Axis, Frame, Motion, Spring};
+use super::desc::{Axes, Axis, Drive, Frame, Limit, Motion, Spring};
 use super::store::{Joint, Joints, Lock, LockKind, NONE, Row, RowKind};
 use crate::constraint::RowGroup;
 use crate::error::Error;
-use crate::snapshot::words::{Reader, all_finite, broken, record, words};
+use crate::snapshot::words::{Reader, all_loads, broken, record, words};
 use glam::Vec3;
 
 /// How many of each there are in a saved state.
@@ -126,9 +126,18 @@ impl<'a> SavedJoints<'a> {
         })
     }
 
-    /// Whether there are as many as the world will have.
-    pub(crate) fn check(&self, [joints, locks, rows]: [usize; 3]) -> Result<(), Error> {
-        [self.joints, self.locks, self.rows].into_iter().try_for_each(all_finite)?;
+    /// Whether there are as many as the world will have, and none of them bears more than it can: it would have broken in the
+    /// step in which it did.
+    pub(crate) fn check(&self, records: &JointRecords) -> Result<(), Error> {
+        let [joints, locks, rows] = [records.all.len(), records.locks.len(), records.rows.len()];
+        let overloaded = |(joint, words): (&Joint, &[u32; 6])| {
+            let [force, torque] = record::<[Vec3; 2], 6>(words);
+            joint.is_there() && Joint { force, torque, ..joint.clone() }.is_overloaded()
+        };
+        if records.all.iter().zip(self.joints.as_chunks::<6>().0).any(overloaded) {
+            return Err(broken("what a joint bears"));
+        }
+        [self.joints, self.locks, self.rows].into_iter().try_for_each(all_loads)?;
         let JointLists { changed, .. } = self.lists;
         let counts = [self.lists.joints, self.lists.locks, self.lists.rows].map(|n| n as usize);
         if counts == [joints, locks, rows] && changed < 2 {
@@ -152,9 +161,9 @@ pub(crate) struct JointRecords {
 }
 
 impl JointRecords {
-    /// How many joints, locks and rows there are.
-    pub(crate) fn counts(&self) -> [usize; 3] {
-        [self.all.len(), self.locks.len(), self.rows.len()]
+    /// Slots of the two bodies of each joint.
+    pub(crate) fn bodies(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        self.all.iter().filter(|joint| joint.is_there()).map(|joint| joint.bodies)
     }
 
     /// Reads what [`Joints::save_all`] wrote. `is_dynamic`: of each body slot that is taken, whether it is.
@@ -183,6 +192,7 @@ impl JointRecords {
                 generation = from.one()?;
                 for frame in &mut joint.frames {
                     frame.position = from.finite::<Vec3, 3>()?;
+                    crate::limits::lever("joint frame position", frame.position)?;
                     frame.rotation = read_rotation(from)?;
                 }
                 joint.strength = from.record::<_, 2>()?;
@@ -347,14 +357,19 @@ fn read_row(from: &mut Reader<'_>) -> Result<Row, Error> {
         3 => Some(Spring::Acceleration { stiffness: p, damping: q }),
         _ => return Err(no()),
     };
-    spring.map_or(Ok(()), Spring::validate)?;
-    let kind = match (part(2), spring) {
-        (0, None) if a <= b => RowKind::Limit { min: a, max: b },
-        (1, Some(spring)) if a <= b => RowKind::Yielding { min: a, max: b, spring },
+    let limit = Limit { motion, axes, min: a, max: b, spring };
+    let kind = match (part(2), spring, axes) {
+        (0, None, _) => {
+            limit.validate()?;
+            RowKind::Limit { min: a, max: b }
+        }
+        (1, Some(spring), _) => {
+            limit.validate()?;
+            RowKind::Yielding { min: a, max: b, spring }
+        }
         // One direction each, as it is measured.
-        (2, Some(spring))
-            if most >= 0.0 && a.is_finite() && b.is_finite() && matches!(axes, Axes::One(_)) =>
-        {
+        (2, Some(spring), Axes::One(axis)) => {
+            Drive { motion, axis, position: a, velocity: b, spring, max_force: most }.validate()?;
             RowKind::Drive { position: a, velocity: b, spring, max_force: most }
         }
         _ => return Err(no()),

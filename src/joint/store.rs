@@ -172,6 +172,24 @@ pub(crate) struct Joints {
 }
 
 impl Joints {
+    /// Where what joints bear is no number, they begin the next step without.
+    pub(crate) fn forget_unsound(&mut self) {
+        for lock in &mut self.locks {
+            let all = lock.impulse.element_sum() + lock.held + lock.steady + lock.lag;
+            if !all.is_finite() {
+                (lock.impulse, lock.held, lock.steady, lock.lag) = (Vec3::ZERO, 0.0, 0.0, -1.0);
+            }
+        }
+        for joint in self.all.iter_mut().filter(|joint| !(joint.force + joint.torque).is_finite()) {
+            (joint.force, joint.torque) = (Vec3::ZERO, Vec3::ZERO);
+        }
+        for row in &mut self.rows {
+            if !(row.impulse[0] + row.impulse[1] + row.held).is_finite() {
+                (row.impulse, row.held) = ([0.0; 2], 0.0);
+            }
+        }
+    }
+
     pub(crate) fn add(&mut self, desc: &JointDesc, frames: [Frame; 2]) -> JointHandle {
         let next_slot = self.all.len() as u32;
         if self.stale && self.slots.spare() > 0 {

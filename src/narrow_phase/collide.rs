@@ -255,7 +255,12 @@ fn place(crew: &Crew<'_>, input: &Input<'_>, pairs: &[Pair], contacts: &mut Cont
             for (i, (pair, now)) in lanes.iter().zip(placed).enumerate() {
                 // SAFETY: block and lane fix `first + i`, which no other block has.
                 unsafe {
-                    *bin_of.get(first + i) = if recycle(input, pair, &now, &all) {
+                    let idle = pair.is_idle(input.hot, input.dynamic);
+                    *bin_of.get(first + i) = if idle && pair.contact != NONE {
+                        KEPT
+                    } else if idle {
+                        FAR
+                    } else if recycle(input, pair, &now, &all) {
                         KEPT
                     } else if far(input, pair, &now) || input.is_sensor(pair) {
                         FAR

@@ -201,8 +201,11 @@ impl World {
 
     /// Puts islands to sleep of which `tired` says so, by their root and how long all of them have been at rest.
     fn send_tired_to_sleep(&mut self, tired: impl Fn(u32, f32) -> bool) {
+        if self.needs.events > 0 {
+            self.grant_events();
+        }
         let mut room = self.room(Category::BroadPhase);
-        let World { bodies, colliders, broad, contacts, joints, sleep, .. } = self;
+        let World { bodies, colliders, broad, contacts, joints, sleep, events, .. } = self;
         let (dynamic, movers) = (bodies.dynamic() as u32, bodies.movers() as u32);
         let is_tired = |sleep: &Sleep, i: u32| {
             let root = sleep.groups.of(i);
@@ -211,6 +214,7 @@ impl World {
         if !(0..dynamic).any(|i| is_tired(sleep, i)) {
             return;
         }
+        let senses = |pair: &Pair| [pair.a, pair.b].iter().any(|&c| colliders.hot[c as usize].is_sensor());
         let fate = |sleep: &Sleep, pair: &Pair| {
             let [a, b] = [pair.a, pair.b].map(|c| colliders.hot[c as usize].body);
             let (i, k) = (a.min(b), a.max(b));
@@ -222,7 +226,7 @@ impl World {
                     Fate::Kept(sleep.groups.of(i))
                 }
                 // A sensor and who is in it know each other while both sleep.
-                (true, false) if k >= movers && !pair.touching => Fate::Dropped,
+                (true, false) if k >= movers && !(pair.touching && senses(pair)) => Fate::Dropped,
                 _ => Fate::Stays,
             }
         };
@@ -247,6 +251,7 @@ impl World {
                 Some(true)
             }
             Fate::Dropped => {
+                events.part(colliders, pair);
                 contacts.remove_chain(pair.contact);
                 Some(false)
             }

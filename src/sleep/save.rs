@@ -101,6 +101,21 @@ impl<'a> SavedSleep<'a> {
         })
     }
 
+    /// By body slot, of so many: the island that the body sleeps in, or none (`u32::MAX`). All has to fit together.
+    pub(crate) fn island_of(&self, slots: usize) -> Vec<u32> {
+        let mut island_of = vec![NONE; slots];
+        let sizes = self.islands.as_chunks::<2>().0.iter().map(|island| island[0] as usize);
+        let numbers = (0u32..).zip(sizes).flat_map(|(island, bodies)| std::iter::repeat_n(island, bodies));
+        self.bodies.iter().zip(numbers).for_each(|(&slot, island)| island_of[slot as usize] = island);
+        island_of
+    }
+
+    /// The island of each pair that islands keep.
+    pub(crate) fn islands_of_pairs(&self) -> impl Iterator<Item = u32> + '_ {
+        let sizes = self.islands.as_chunks::<2>().0.iter().map(|island| island[1] as usize);
+        (0u32..).zip(sizes).flat_map(|(island, pairs)| std::iter::repeat_n(island, pairs))
+    }
+
     /// Whether all fits together. `asleep`: slots of the bodies that sleep; `kept`: how many pairs there are.
     pub(crate) fn check(&self, asleep: &[u32], kept: usize) -> Result<(), Error> {
         let islands = self.islands.as_chunks::<2>().0;

@@ -15,7 +15,7 @@ impl World {
     /// Wakes the islands that something reaches within the step; says whether there were any. Pairs and predicted
     /// motions must be those of the step.
     pub(crate) fn wake_what_is_reached(&mut self) -> bool {
-        if self.bodies.sleepers() == 0 {
+        if self.sleep.count() == 0 {
             return false;
         }
         let mut waking = std::mem::take(&mut self.sleep.waking);
@@ -29,9 +29,11 @@ impl World {
                 _ => continue,
             };
             let sensor = |c: u32| self.colliders.hot[c as usize].is_sensor();
+            let body = self.colliders.hot[sleeper as usize].body as usize;
+            // What stands still for this step alone is in no island.
+            let Some(island) = self.sleep.island_of(self.bodies.slot[body]) else { continue };
             if !(sensor(comer) || sensor(sleeper)) && self.reaches(comer, sleeper, pair) {
-                let body = self.colliders.hot[sleeper as usize].body as usize;
-                waking.extend(self.sleep.island_of(self.bodies.slot[body]));
+                waking.push(island);
             }
         }
         // What a kinematic body drags along.

@@ -2,10 +2,12 @@
 
 use super::part::{BodyRecord, Records, read_pose};
 use super::view::{BALL, BODY, FORCE, PUSH, REST, RESTS, View};
-use super::words::{Reader, all_finite, broken, record};
+use super::words::{Reader, broken, record};
 use crate::body::BodyKind;
 use crate::error::Error;
+use crate::limits;
 use crate::shape::Kind;
+use glam::Vec3;
 
 /// A shape, for those who ask about pairs.
 #[derive(Clone, Copy)]
@@ -13,7 +15,9 @@ struct Known {
     kind: Kind,
     body: u32,
     dynamic: bool,
+    moves: bool,
     sensor: bool,
+    disabled: bool,
 }
 
 pub(super) fn check(view: &View<'_>, records: &Records) -> Result<(), Error> {
@@ -23,8 +27,9 @@ pub(super) fn check(view: &View<'_>, records: &Records) -> Result<(), Error> {
     for body in records.moving.iter().chain(&records.fixed) {
         for c in &body.colliders {
             let (kind, dynamic) = (c.collider.kind, body.body.kind == BodyKind::Dynamic);
-            let sensor = c.collider.is_sensor();
-            known[c.index as usize] = Some(Known { kind, body: body.slot, dynamic, sensor });
+            let (sensor, disabled) = (c.collider.is_sensor(), body.body.traits.disabled);
+            let moves = body.body.kind != BodyKind::Static;
+            known[c.index as usize] = Some(Known { kind, body: body.slot, dynamic, moves, sensor, disabled });
         }
     }
     let mut absent: Vec<u32> = records
@@ -40,26 +45,45 @@ pub(super) fn check(view: &View<'_>, records: &Records) -> Result<(), Error> {
         fixed[c.index as usize] = Some(!bounded);
     }
     view.broad.check(&colliders, &fixed, &absent)?;
-    let mut disabled = vec![false; records.bodies.count];
-    let all = records.moving.iter().chain(&records.fixed);
-    all.for_each(|body| disabled[body.slot as usize] = body.body.traits.disabled);
     let of = |c: u32| known.get(c as usize).copied().flatten();
+    let (movers, listed) = (view.counts.movers() as usize, view.counts.pairs as usize);
+    let disabled =
+        |slot: &u32| records.moving.iter().any(|body| body.slot == *slot && body.body.traits.disabled);
+    let asleep: Vec<u32> = view.slots[movers..].iter().copied().filter(|slot| !disabled(slot)).collect();
+    view.sleep.check(&asleep, view.counts.kept as usize)?;
     let mut awake = vec![false; records.bodies.count];
-    view.slots[..view.counts.movers() as usize].iter().for_each(|&slot| awake[slot as usize] = true);
+    view.slots[..movers].iter().for_each(|&slot| awake[slot as usize] = true);
+    let island_of = view.sleep.island_of(records.bodies.count);
+    let islands: Vec<u32> = view.sleep.islands_of_pairs().collect();
     view.pairs.check(view.counts.contacts as usize, |i, a, b| {
         let (Some(one), Some(other)) = (of(a), of(b)) else { return false };
-        // Who is awake has its pairs in the list, and who sleeps with its island.
-        let listed = i < view.counts.pairs as usize;
+        let there = !(one.disabled || other.disabled);
+        let collide = if one.sensor || other.sensor {
+            one.sensor != other.sensor && (one.moves || one.sensor) && (other.moves || other.sensor)
+        } else {
+            one.dynamic || other.dynamic
+        };
+        // Who is awake has its pairs in the list, and who sleeps with its island, among whom or with what is static.
         let any_awake = awake[one.body as usize] || awake[other.body as usize];
-        (one.kind, a) < (other.kind, b)
-            && one.body != other.body
-            && (one.dynamic || other.dynamic || one.sensor != other.sensor)
-            && (any_awake == listed || listed && one.sensor != other.sensor)
+        let placed = if i < listed {
+            any_awake || one.sensor != other.sensor
+        } else {
+            let own = |known: &Known| island_of[known.body as usize] == islands[i - listed];
+            (own(&one) && (own(&other) || !other.moves)) || (own(&other) && !one.moves)
+        };
+        (one.kind, a) < (other.kind, b) && one.body != other.body && there && collide && placed
     })?;
-    let mut asleep = view.slots[view.counts.movers() as usize..].to_vec();
-    asleep.retain(|&slot| !disabled[slot as usize]);
-    view.sleep.check(&asleep, view.counts.kept as usize)?;
-    view.joints.check(records.joints.counts())
+    // What is joined sleeps together.
+    let mut pushed = vec![false; records.bodies.count];
+    let all = records.moving.iter().filter(|body| body.body.kind == BodyKind::Dynamic);
+    all.for_each(|body| pushed[body.slot as usize] = !body.body.traits.disabled);
+    let torn = |[a, b]: [u32; 2]| {
+        pushed[a as usize] && pushed[b as usize] && island_of[a as usize] != island_of[b as usize]
+    };
+    if records.joints.bodies().any(torn) {
+        return Err(broken("an island"));
+    }
+    view.joints.check(&records.joints)
 }
 
 /// Whether the columns of bodies fit; returns their shapes in order.
@@ -94,12 +118,18 @@ fn check_bodies(view: &View<'_>, records: &Records) -> Result<Vec<u32>, Error> {
     }
     for body in view.bodies.as_chunks::<BODY>().0 {
         read_pose(&mut Reader(body))?;
-        all_finite(&body[10..])?;
+        let [linear, angular]: [Vec3; 2] = record::<_, 6>(&body[10..]);
+        limits::left_speed("linear velocity", linear)?;
+        limits::left_speed("angular velocity", angular)?;
     }
-    all_finite(view.rest)?;
+    if !view.rest.iter().all(|&rest| (0.0..f32::MAX).contains(&f32::from_bits(rest))) {
+        return Err(broken("a time of rest"));
+    }
     let taken = |slot: u32| records.moving.iter().chain(&records.fixed).any(|body| body.slot == slot);
     for force in view.forces.as_chunks::<PUSH>().0 {
-        all_finite(&force[1..])?;
+        let [linear, angular]: [Vec3; 2] = record::<_, 6>(&force[1..]);
+        limits::force("force", linear)?;
+        limits::force("torque", angular)?;
         if !taken(force[0]) {
             return Err(broken("a force on nothing"));
         }
@@ -116,7 +146,7 @@ fn check_clear(view: &View<'_>, most: usize) -> Result<(), Error> {
     let balls = view.clear.as_chunks::<BALL>().0.iter().all(|ball| {
         let centre: [f64; 3] = record::<_, 6>(&ball[..6]);
         let radius = f32::from_bits(ball[6]);
-        centre.iter().all(|x| x.is_finite()) && radius.is_finite() && radius > 0.0
+        limits::centre(centre.into()).is_ok() && radius > 0.0 && radius <= limits::MAX_LENGTH
     });
     if balls && !beyond && ones == view.counts.clear && guarded <= most {
         Ok(())

@@ -4,9 +4,10 @@
 //! which say what follows: what is zero, a normal along an axis, or was never going to be read is left out, and no bit of
 //! anything else is.
 
-use super::words::{Packer, Reader, all_finite, broken, byte, record, words};
+use super::words::{Packer, Reader, all_loads, broken, byte, record, words};
 use crate::broad_phase::Pair;
 use crate::error::Error;
+use crate::limits;
 use crate::narrow_phase::{Contact, Contacts, MAX_POINTS, NONE, Point, UNKNOWN_LOAD};
 use crate::shape::{Hot, Kind};
 use glam::Vec3;
@@ -320,28 +321,32 @@ impl<'a> SavedPairs<'a> {
 }
 
 fn check_contact(contact: &Contact) -> Result<(), Error> {
-    all_finite(&words::<3>(contact.normal))?;
-    all_finite(&words::<4>(contact.friction.extend(contact.twist).to_array()))?;
-    all_finite(&words::<4>(contact.mean_friction.to_array()))?;
-    all_finite(&words::<3>(contact.found_at.position))?;
-    all_finite(&[contact.lasting_force, contact.rest, contact.static_load].map(f32::to_bits))?;
-    let turn = contact.found_at.rotation.length_squared();
-    let unit = |x: f32| (0.9..1.1).contains(&x);
-    if !unit(turn)
+    all_loads(&words::<4>(contact.friction.extend(contact.twist).to_array()))?;
+    all_loads(&words::<4>(contact.mean_friction.to_array()))?;
+    all_loads(&[contact.lasting_force, contact.rest, contact.static_load].map(f32::to_bits))?;
+    // Points of a plane are as far from its origin as what lies on it.
+    let near = |v: Vec3| v.abs().max_element() <= 4.0 * limits::MAX_POSITION as f32;
+    let unit = |square: f32| (0.9..1.1).contains(&square);
+    let point = |p: &Point| {
+        let apart = Vec3::new(p.separation, p.found, 0.0);
+        !p.position.is_nan()
+            && near(p.position)
+            && !apart.is_nan()
+            && near(apart)
+            && (0.0..=1.0).contains(&p.share)
+    };
+    if !unit(contact.found_at.rotation.length_squared())
         || !unit(contact.frame.length_squared())
         || !unit(contact.normal.length_squared())
         || !(0.0..=1.0).contains(&contact.fraction)
+        || contact.found_at.position.is_nan()
+        || !near(contact.found_at.position)
+        || !contact.points().iter().all(point)
     {
         return Err(broken("a contact"));
     }
-    for p in contact.points() {
-        all_finite(&words::<3>(p.position))?;
-        all_finite(&[p.separation, p.found, p.impulse, p.mean_force].map(f32::to_bits))?;
-        if !(0.0..=1.0).contains(&p.share) {
-            return Err(broken("a contact"));
-        }
-    }
-    Ok(())
+    let loads = |p: &Point| all_loads(&[p.impulse, p.mean_force].map(f32::to_bits));
+    contact.points().iter().try_for_each(loads)
 }
 
 /// Appends the next contact; says whether another of the same pair follows.

@@ -65,10 +65,17 @@ pub(crate) struct Revisions {
 
 impl World {
     /// Writes the state of the world into a snapshot. Allocates nothing once the snapshot's buffer is large enough, unless
-    /// bodies, shapes or joints came, went or were changed since the last one.
+    /// bodies, shapes or joints came, went or were changed since the last one. Of a world that a panic left half stepped there is
+    /// none: it is empty, and can't be restored.
     pub fn snapshot(&self, into: &mut Snapshot) {
-        into.parts = self.parts().map(Some);
         into.foreign = None;
+        if self.stage.is_some() {
+            // What is half done is no state.
+            into.words.clear();
+            into.parts = [None, None];
+            return;
+        }
+        into.parts = self.parts().map(Some);
         into.arrangement = self.buffers.joints.arrangement;
         save::save(self, &mut into.words);
     }
@@ -78,7 +85,7 @@ impl World {
     /// the same handles. The snapshot may be of another world.
     ///
     /// [`Settings::threads`](crate::Settings::threads), [`Settings::budget`](crate::Settings::budget) and
-    /// [`World::report`] stay as they are.
+    /// [`World::report`] stay as they are. A world that a panic left half stepped ([`Error::Poisoned`]) is whole again.
     ///
     /// # Errors
     /// If the world is being recorded; and for snapshots from bytes: if they are broken, or the world lacks what they refer to.

@@ -8,10 +8,11 @@ use super::geometry::{Known, Table, code_of, geometry_of};
 use super::settings::mode_of;
 use super::words::{Reader, broken, hash, words};
 use crate::body::{BodyKind, Cold, Mass, NewBody, Pose, Traits};
-use crate::broad_phase::{BroadPhase, tree_words};
-use crate::error::Error;
+use crate::broad_phase::{BroadPhase, aabb_of, tree_words};
+use crate::error::{Error, within};
 use crate::joint::{JointRecords, group_code, group_of};
 use crate::lanes::Record;
+use crate::limits;
 use crate::shape::{Collider, Combine, EVENTS, Filter, HOOKS, Kind, Material, SENSOR};
 use crate::world::World;
 use glam::{DVec3, Quat, Vec3};
@@ -168,6 +169,22 @@ pub(super) struct ColliderRecord {
     pub(super) bounds: [u32; 6],
 }
 
+impl ColliderRecord {
+    /// Whether pose and box of what is static follow from its body, but for what rounding makes of a shape when others that come
+    /// and go move the centre of mass. What is disabled has no box.
+    fn is_placed(&self, body: &Pose, disabled: bool) -> bool {
+        let c = &self.collider;
+        let position = body.position + (body.rotation * c.position).as_dvec3();
+        let turned = (body.rotation * c.rotation).dot(self.pose.rotation).abs();
+        let own = aabb_of(c, body.position, body.rotation);
+        let own = words::<6>([own.min, own.max]).map(f32::from_bits);
+        let near = |x: f32, y: f32| x == y || (x - y).abs() <= 1e-3 + 1e-5 * x.abs();
+        self.pose.position.distance(position) <= 1e-3 + 1e-5 * position.length()
+            && turned > 0.99
+            && (disabled || own.iter().zip(self.bounds).all(|(&x, y)| near(x, f32::from_bits(y))))
+    }
+}
+
 /// Free slots with their generations, and how many slots there are.
 #[derive(Debug, Default)]
 pub(super) struct FreeSlots {
@@ -249,11 +266,13 @@ pub(super) fn read_pose(from: &mut Reader<'_>) -> Result<Pose, Error> {
     let position = DVec3::from_array(from.record::<[f64; 3], 6>()?);
     let rotation = Quat::from_array(from.finite::<[f32; 4], 4>()?);
     let unit = (0.9..1.1).contains(&rotation.length_squared());
-    if unit && position.is_finite() { Ok(Pose { position, rotation }) } else { Err(broken("a pose")) }
+    limits::centre(position)?;
+    if unit { Ok(Pose { position, rotation }) } else { Err(broken("a pose")) }
 }
 
 fn read_frame(from: &mut Reader<'_>) -> Result<(Vec3, Quat), Error> {
     let position = from.finite::<Vec3, 3>()?;
+    limits::lever("frame", position)?;
     let rotation = Quat::from_array(from.finite::<[f32; 4], 4>()?);
     let unit = (0.9..1.1).contains(&rotation.length_squared());
     if unit { Ok((position, rotation)) } else { Err(broken("a frame")) }
@@ -277,9 +296,18 @@ fn read_body(from: &mut Reader<'_>, geometry: &[crate::shape::Geometry]) -> Resu
     let [inertia, inverse_inertia]: [Vec3; 2] = from.finite::<_, 6>()?;
     let (centre, axes) = read_frame(from)?;
     let user_data = from.long()?;
-    let positive = [inverse, mass].into_iter().chain(inertia.to_array()).chain(inverse_inertia.to_array());
-    let pushed = kind == BodyKind::Dynamic;
-    if !positive.clone().all(|x| x >= 0.0) || (!pushed && inverse != 0.0) {
+    limits::acceleration("gravity scale", Vec3::splat(gravity_scale))?;
+    // As `columns_of` makes them.
+    let over = |x: f32| if x > 0.0 { 1.0 / x } else { 0.0 };
+    let fits = if kind == BodyKind::Dynamic {
+        let most = 2.0 * limits::MAX_MASS;
+        let moments = inertia.to_array().iter().all(|x| *x == 0.0 || (1.0 / most..=most).contains(x));
+        limits::inertia("mass", mass)?;
+        moments && inverse == over(mass) && inverse_inertia == inertia.map(over)
+    } else {
+        [inverse, mass] == [0.0; 2] && [inertia, inverse_inertia] == [Vec3::ZERO; 2]
+    };
+    if !fits {
         return Err(broken("a mass"));
     }
     let traits = Traits {
@@ -296,6 +324,9 @@ fn read_body(from: &mut Reader<'_>, geometry: &[crate::shape::Geometry]) -> Resu
         Pose { position: DVec3::ZERO, rotation: Quat::IDENTITY }
     };
     let colliders = (0..own).map(|_| read_collider(from, kind, geometry)).collect::<Result<Vec<_>, _>>()?;
+    if kind == BodyKind::Static && !colliders.iter().all(|c| c.is_placed(&pose, traits.disabled)) {
+        return Err(broken("the place of a static shape"));
+    }
     let cold = Cold { centre, axes, mass, mass_from_shapes: part(3) != 0, user_data };
     let mass = Mass { inverse, inertia, inverse_inertia };
     let body = NewBody { kind, pose, velocity: Record::default(), mass, traits, cold };
@@ -336,6 +367,7 @@ fn read_collider(
         restitution_combine: combine(code >> 12 & 15)?,
     };
     material.validate()?;
+    within("density", density, 0.0, limits::MAX_DENSITY, "in 0..=1e15")?;
     let [category, mask]: [u64; 2] = from.record::<_, 4>()?;
     let filter = Filter { category, mask, group: from.one()? as i32 };
     let user_data = from.long()?;
@@ -358,8 +390,5 @@ fn read_collider(
     let nowhere = Pose { position: DVec3::ZERO, rotation: Quat::IDENTITY };
     let pose = if fixed { read_pose(from)? } else { nowhere };
     let bounds: [u32; 6] = if fixed { from.record::<_, 6>()? } else { [0; 6] };
-    if bounds.iter().any(|&x| f32::from_bits(x).is_nan()) {
-        return Err(broken("a box"));
-    }
     Ok(ColliderRecord { index, generation, collider, pose, bounds })
 }

@@ -19,7 +19,8 @@ use std::sync::Arc;
 pub(super) fn restore(world: &mut World, snapshot: &Snapshot) -> Result<(), Error> {
     let view = View::read(&snapshot.words, &world.settings)?;
     let (parts, settle) = parts_of(world, snapshot)?;
-    let same = settle || world.has_parts(&parts);
+    let poisoned = world.stage.is_some();
+    let same = !poisoned && (settle || world.has_parts(&parts));
     let records = if same && snapshot.foreign.is_none() {
         None
     } else {
@@ -29,12 +30,17 @@ pub(super) fn restore(world: &mut World, snapshot: &Snapshot) -> Result<(), Erro
         }
         Some(records).filter(|_| !same)
     };
+    if poisoned {
+        // Whatever the step had in hand is lost.
+        let broken = std::mem::take(world);
+        (world.settings, world.report) = (broken.settings, broken.report);
+    }
     let mut pairs = std::mem::take(&mut world.sleep.restored);
     pairs.clear();
     read_pairs(&view.pairs, view.counts.contacts, &mut world.contacts, &mut pairs);
     if let Some(records) = records {
         install(world, records);
-    } else if settle {
+    } else if settle && !poisoned {
         world.broad.settle_statics();
     }
     apply(world, &view, &pairs);

@@ -7,7 +7,9 @@ use crate::broad_phase::{Lists, SavedBroad};
 use crate::config::Settings;
 use crate::error::Error;
 use crate::joint::{JointLists, SavedJoints};
+use crate::limits;
 use crate::sleep::{SavedSleep, SleepLists};
+use crate::statics::LONGEST_WAIT;
 use bytemuck::{Pod, Zeroable};
 
 /// The version of the format: of these columns, and of the parts that snapshots share.
@@ -123,8 +125,10 @@ impl<'a> View<'a> {
         let usual_h = f32::from_bits(from.one()?);
         let evenness = f32::from_bits(from.one()?);
         let statics = from.one()?;
-        let is_length = |h: &f32| (0.0..f32::MAX).contains(h);
-        if !origin.iter().all(|x| x.is_finite())
+        limits::position(origin.into())?;
+        // Of a substep, of which a step has 64 at most; zero before the first.
+        let is_length = |h: &f32| *h == 0.0 || (limits::MIN_STEP / 64.0..=limits::MAX_STEP).contains(h);
+        if statics >> 1 > LONGEST_WAIT
             || ![last_h, usual_h].iter().all(is_length)
             || !(0.0..=1.0).contains(&evenness)
         {

@@ -98,6 +98,12 @@ pub(crate) fn all_finite(words: &[u32]) -> Result<(), Error> {
     }
 }
 
+/// Refuses forces and impulses of which a sum of a few would be no number: more than the heaviest bodies that there may be bear.
+pub(crate) fn all_loads(words: &[u32]) -> Result<(), Error> {
+    const MOST: f32 = 10.0 * crate::limits::MAX_MASS;
+    if words.iter().all(|&w| f32::from_bits(w).abs() <= MOST) { Ok(()) } else { Err(broken("a load")) }
+}
+
 /// A number that differs, as good as surely, if a word does: a product of 128 bits folded for each two words, as wyhash has it
 /// (Wang Yi, *Modern Non-Cryptographic Hash Function*, 2019). In four lanes that don't wait for each other.
 pub(crate) fn hash(words: &[u32]) -> u64 {

@@ -10,14 +10,17 @@ use crate::body::Bodies;
 use crate::config::{FrictionCone, Settings};
 use crate::constraint::contact_row::{Motion, Softness};
 use crate::constraint::{Closing, JointRows, Restitution, Rows, Struck, usual_substep};
+use crate::faults::is_within;
 use crate::forces::Forces;
 use crate::lanes::{Lanes, Mask, Record, f32x8};
+use crate::limits::MAX_LEFT_SPEED;
 use crate::memory::{Buffer, bytes_of};
 use crate::shape::Collider;
 use crate::step::REAL;
 use crate::threads::{Crew, Shared, per_block};
 pub(crate) use pass::store;
 use pass::{Joined, Kind, Passes, add_impulses, disable};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Solver state of the bodies that can move.
 #[derive(Debug, Default)]
@@ -47,7 +50,7 @@ impl State {
 const BLOCK: usize = per_block(256, 1);
 
 /// Solves the rows over a step of `dt` seconds. `impulses`: those of contacts that someone listens to are added, or nothing if
-/// it is empty.
+/// it is empty. Says whether all velocities stayed in range.
 pub(crate) fn solve(
     crew: &Crew<'_>,
     settings: &Settings,
@@ -57,7 +60,7 @@ pub(crate) fn solve(
     (rows, joints): (&mut Rows, &mut JointRows),
     (impacts, impulses, colliders): (&mut Restitution, &mut [f32], &[Collider]),
     state: &mut State,
-) {
+) -> bool {
     let movers = bodies.movers();
     let h = dt / settings.substeps as f32;
     state.delta.clear();
@@ -97,6 +100,7 @@ pub(crate) fn solve(
     let (rubs, batches) = (rows.rubs(), rows.views());
     let joined = Joined { stages: &joint_stages, views: &views };
     let (pose, mass, traits, own) = (&bodies.pose, &bodies.mass, &bodies.traits, &bodies.colliders);
+    let unsound = AtomicBool::new(false);
     for substep in 0..settings.substeps {
         if !impacts.is_empty() {
             // SAFETY: between stages this thread is alone.
@@ -149,19 +153,13 @@ pub(crate) fn solve(
         for _ in 0..settings.iterations {
             passes.run(crew, Kind::Solve, &batches, &joined, &motion);
         }
-        if joined_at_all {
-            all_bodies(crew, movers, |i| {
-                // SAFETY: each body is in one block.
-                let (v, b) = unsafe { (velocity.get(i), base.get(i)) };
-                if lanes(*v).abs().lt(f32x8::splat(RUNAWAY)).bits() & BOTH != BOTH {
-                    *v = *b;
-                }
-            });
-        }
         all_bodies(crew, movers, |i| {
             // SAFETY: each body is in one block.
             let (v, d, b) = unsafe { (velocity.get(i), delta.get(i), base.get(i)) };
             let (now, before) = (lanes(*v), lanes(*b));
+            if !is_within(now, MAX_LEFT_SPEED) {
+                unsound.store(true, Ordering::Relaxed);
+            }
             let same = now.eq(before).bits();
             let mut moved = now * f32x8::splat(h);
             if i < dynamic
@@ -198,6 +196,7 @@ pub(crate) fn solve(
     // SAFETY: no stage runs.
     impacts.let_go(dt, unsafe { velocity.part(0..known) }, &mut forces.acceleration);
     joints.stages = joint_stages;
+    !unsound.into_inner()
 }
 
 /// How far trees may be open.
@@ -208,9 +207,6 @@ pub(crate) fn closing(settings: &Settings) -> Closing {
 
 /// Share of the stiffest spring that contacts have: with all of it a box on one a thousand times lighter rocks ever more.
 const CALM: f32 = 0.83;
-/// Joints that contradict each other can drive bodies ever faster. What is faster than this [m/s] or [rad/s], or no number any
-/// more, goes on as if no row had acted in the substep.
-const RUNAWAY: f32 = 1e6;
 /// The fastest that an error of a joint is taken back [length units/s] or [rad/s].
 const JOINT_PUSH: f32 = 40.0;
 /// Stiffness [Hz] and damping ratio of what joints lock.

@@ -25,7 +25,7 @@ const STEEPEST: f32 = 0.5;
 const STEPS_OF_FALL: f32 = 2.0;
 /// To find new contacts takes a look at all: a step is waited for so many pairs, so many of them at most.
 const PAIRS_PER_STEP: usize = 64;
-const LONGEST_WAIT: u32 = 16;
+pub(crate) const LONGEST_WAIT: u32 = 16;
 /// Points that there is place for below a body from the beginning.
 const POINTS: usize = 64;
 /// In [`Statics::places`]: the body has no new contacts.

@@ -12,7 +12,7 @@ impl World {
         let Statics { places, burdens, supports, .. } = statics;
         let dynamic = self.bodies.dynamic();
         supports.clear();
-        for pair in &self.broad.pairs {
+        for pair in self.broad.pairs.iter().filter(|pair| !pair.is_idle(&self.colliders.hot, dynamic)) {
             let mut slot = pair.contact;
             while slot != NONE {
                 let index = slot;

@@ -57,6 +57,8 @@ impl World {
         let [islands, kept] = self.sleep.bytes();
         report.add(Category::Bodies, islands);
         report.add(Category::BroadPhase, kept);
+        report.add(Category::Scratch, self.faults.bytes());
+        report.add(Category::Scratch, self.helpers.bytes());
         self.buffers.report(&mut report, self.is_continuous());
         report
     }

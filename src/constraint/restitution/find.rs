@@ -128,7 +128,8 @@ pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut 
 
 /// Calls `f` with the points of a pair that have restitution, until it says no.
 fn each_spot(input: &FindInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot) -> bool) {
-    if pair.contact == crate::narrow_phase::NONE {
+    let pushed = |c: u32| (input.colliders[c as usize].body as usize) < input.bodies.dynamic();
+    if pair.contact == crate::narrow_phase::NONE || !(pushed(pair.a) || pushed(pair.b)) {
         return;
     }
     let [x, y] = [pair.a, pair.b].map(|c| &input.colliders[c as usize].material);
