@@ -7,6 +7,7 @@ use super::joint_fill::{get_sym, line, point, row, tree, turn};
 use super::joint_line::LineBatch;
 use super::joint_lock::{PointBatch, TurnBatch};
 use super::joint_measure::{Distance, Slide, Tilt, Turn, Twist};
+use super::joint_nets::Nets;
 use super::joint_row::RowBatch;
 use super::joint_tree::{Node, TreeBatch};
 use super::joint_trees::{Tree, find};
@@ -37,6 +38,11 @@ pub(crate) enum JointType {
 }
 
 impl JointType {
+    /// Whether its directions turn by how its bodies move, and not only by how they turn.
+    pub(crate) fn slides(self) -> bool {
+        matches!(self, JointType::Slide | JointType::Distance | JointType::Line)
+    }
+
     /// Whether it locks directions all at once, without bounds.
     pub(crate) fn is_lock(self) -> bool {
         matches!(self, JointType::Point | JointType::Weld | JointType::Hinge | JointType::Line)
@@ -157,6 +163,8 @@ pub(crate) struct JointRows {
     touching: Vec<bool>,
     /// Bodies whose contacts with what is static go along with trees.
     pub(crate) seats: Seats,
+    /// What hangs together.
+    pub(crate) nets: Nets,
     /// As they are solved.
     pub(crate) stages: Vec<JointStage>,
     /// A number of its own for each arrangement, whatever the world: what a snapshot found arranged it need not have arranged
@@ -194,6 +202,7 @@ impl JointRows {
     pub(crate) fn each(&mut self, dynamic: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
         f(&mut self.touching, dynamic);
         f(self.seats.buffer(), dynamic);
+        self.nets.each(dynamic, f);
     }
 
     /// There are no joints any more.
@@ -203,7 +212,8 @@ impl JointRows {
 
     /// Reserved bytes of what goes along with all, of trees, of locks that are in none, and of rows.
     pub(crate) fn parts(&self) -> [usize; 4] {
-        let beside = [bytes_of(&self.stages), bytes_of(&self.touching), self.seats.bytes()];
+        let beside =
+            [bytes_of(&self.stages), bytes_of(&self.touching), self.seats.bytes(), self.nets.bytes()];
         let trees = [bytes_of_trees(&self.trees), bytes_of_trees(&self.tree)];
         let locks = [self.points.bytes(), self.welds.bytes(), self.hinges.bytes(), self.lines.bytes()];
         let rows = [
@@ -225,7 +235,8 @@ impl JointRows {
     /// Of how many trees a substep was done again.
     pub(crate) fn damped_trees(&self) -> u32 {
         let in_lanes = self.trees.iter().map(|tree| tree.damped.count_ones()).sum::<u32>();
-        in_lanes + self.tree.iter().map(|tree| tree.damped.count_ones()).sum::<u32>()
+        let single = self.tree.iter().map(|tree| tree.damped.count_ones()).sum::<u32>();
+        in_lanes + single + self.nets.damped()
     }
 
     /// How many bodies are in trees, and how many locks are in none.
@@ -253,6 +264,7 @@ impl JointRows {
             bytes_of_trees(&self.tree),
             bytes_of(&self.touching),
             self.seats.bytes(),
+            self.nets.bytes(),
         ];
         all.into_iter().fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
     }

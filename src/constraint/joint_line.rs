@@ -18,11 +18,11 @@ pub(crate) struct LineBatch<L> {
     /// From the first point to the second, at the start of the step [m].
     pub(crate) apart: Vec3<L>,
     /// After the last substep; both arms are to the second body's point, and of the separation only what is across is left.
-    axis_now: Vec3<L>,
-    arm_now: [Vec3<L>; 2],
+    pub(super) axis_now: Vec3<L>,
+    pub(super) arm_now: [Vec3<L>; 2],
     apart_now: Vec3<L>,
     /// Moments of the impulse, at the arms at which its parts acted [N m s].
-    moment: [Vec3<L>; 2],
+    pub(super) moment: [Vec3<L>; 2],
     /// Impulse per velocity error, across the line [kg].
     mass: Sym3<L>,
     /// Of the last substep [N s].

@@ -5,16 +5,21 @@ use super::contact_row::Pair;
 use super::joint_ends::{Lever, mean, seen, turned};
 use super::joint_fill::put;
 use crate::joint::{Axes, Axis, Placed};
-use crate::lanes::{GatherLanes, Lanes, Vec3};
+use crate::lanes::{GatherLanes, Lanes, Record, Vec3};
 
 /// What a row measures. The lever's arms are set before it is asked.
-pub(crate) trait Measure<L>: Copy + Default {
+pub(crate) trait Measure<L: Lanes>: Copy + Default {
     /// Takes a lane as it is at the start of a step, and says the displacement if that does not follow from what it took.
     fn place(&mut self, lane: usize, at: &Placed, axes: Axes) -> f32;
     /// After displacements: sets force and torque of the lever, says the displacement. `start`: what `place` said.
     fn follow(&mut self, d: &Pair<L>, lever: &mut Lever<L>, start: L) -> L;
     /// How much faster the displacement changes in the mean over a time than it does now: directions turn.
     fn bend(&self, v: &Pair<L>, lever: &Lever<L>, h: L) -> L;
+    /// How fast the direction of a lane turns [rad/s].
+    fn turns(&self, lane: usize, lever: &Lever<L>, v: [Record; 2]) -> f32 {
+        let along = lever.force.lane(lane) + lever.torque.lane(lane);
+        v[0].angular.cross(along).length().max(v[1].angular.cross(along).length())
+    }
 }
 
 /// A way along an axis of the first body [m].
@@ -94,6 +99,14 @@ impl<L: GatherLanes> Measure<L> for Distance<L> {
         let speed = self.across(seen(v, &lever.arm, h));
         let now = self.across(seen(v, &lever.arm, L::zero()));
         lengthens(self.apart_now, self.along, speed, h) + self.along.dot(speed - now)
+    }
+    /// With what is apart, the faster the nearer.
+    fn turns(&self, lane: usize, lever: &Lever<L>, v: [Record; 2]) -> f32 {
+        let arm = lever.arm.map(|arm| arm.lane(lane));
+        let speed = v[1].linear + v[1].angular.cross(arm[1]) - v[0].linear - v[0].angular.cross(arm[0]);
+        let apart = self.apart_now.lane(lane).length();
+        // A point that is next to the other has any direction; it matters as far as arms turn.
+        speed.length() / apart.max(f32::MIN_POSITIVE)
     }
 }
 

@@ -216,7 +216,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             motor.impulse = L::select(exact, L::zero(), motor.impulse);
         }
         let (known, lost) = self.close_ahead(pass, exact, alone);
-        (self.known, self.lost) = (known, lost.bits());
+        (self.known, self.lost, self.astray) = (known, lost.bits(), 0);
         // SAFETY: by the contract.
         unsafe { self.save(motion, self.exact) };
     }
@@ -473,6 +473,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             let (known, lost) = self.close_ahead(&solving, exact, exact);
             self.known = known;
             if lost.any() {
+                self.astray |= lost.bits();
                 // There may be none, where light links lie folded between bodies that part. Velocities that fit the joints
                 // where they are add no energy.
                 self.sweep(&still, lost, &[], |_, _| {});

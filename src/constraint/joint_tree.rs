@@ -201,6 +201,8 @@ pub(crate) struct TreeBatch<L> {
     pub(super) known: u32,
     /// Lanes for which no impulses were found that close joints.
     pub(super) lost: u32,
+    /// The same in any part of the substep.
+    pub(super) astray: u32,
     /// What pulls acts for so much longer in the first substep [s].
     pub(super) late: L,
     /// Half a substep, where nothing but joints and what pulls acts on the tree [s].

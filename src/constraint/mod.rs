@@ -16,6 +16,8 @@ mod joint_fill;
 mod joint_line;
 mod joint_lock;
 mod joint_measure;
+mod joint_nets;
+mod joint_rates;
 mod joint_rattle;
 mod joint_row;
 mod joint_run;
@@ -37,6 +39,7 @@ pub(crate) use friction::{FrictionRow, FrictionView};
 pub(crate) use impact_friction::rub;
 pub(crate) use joint_arrange::{JointInput, JointRows, JointStage, JointType};
 pub(crate) use joint_ends::JointPass;
+pub(crate) use joint_nets::{FOLLOWED, NetInput};
 pub(crate) use joint_run::JointViews;
 /// The most that a row of a joint takes in the batches: a lane of them all to itself, or a node of two trees that are alike
 /// with the rows of a cut joint.

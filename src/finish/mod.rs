@@ -124,12 +124,16 @@ const BLOCK: usize = per_block(64, 1);
 pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> u32 {
     // Read by the guard beside bodies that it moves.
     let slots = std::mem::take(&mut world.bodies.slot);
-    let held = move_all(crew, world, &slots, fast, dt);
+    let (held, mut stopped) = move_all(crew, world, &slots, fast, dt);
     world.bodies.slot = slots;
+    if !stopped.is_empty() {
+        world.note_stopped(&mut stopped);
+    }
     held
 }
 
-fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f32) -> u32 {
+/// How many bodies the guard held, and which were stopped.
+fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f32) -> (u32, Vec<u32>) {
     let (movers, dynamic) = (world.bodies.movers(), world.bodies.dynamic());
     let blocks = movers.div_ceil(BLOCK);
     let held = std::sync::atomic::AtomicU32::new(0);
@@ -258,8 +262,8 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
         }
     });
     let (mut held, stopped) = (held.into_inner(), stopped.into_inner());
-    let mut stopped = stopped.unwrap_or_else(PoisonError::into_inner);
-    let Ok(cut) = cut.get_mut() else { return held };
+    let stopped = stopped.unwrap_or_else(PoisonError::into_inner);
+    let Ok(cut) = cut.get_mut() else { return (held, stopped) };
     if guard.mode != Continuous::Discrete {
         held += guard.hold_movers(&world.broad.pairs, bodies, impacts, seats, cut);
     }
@@ -278,10 +282,7 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
     {
         held += guard.hold_kinematic(&world.broad.pairs, bodies, &mut stack, dt);
     }
-    if !stopped.is_empty() {
-        world.note_stopped(&mut stopped);
-    }
-    held
+    (held, stopped)
 }
 
 /// Puts a body back to where it was, at rest. The velocity of a kinematic one is the caller's.

@@ -63,7 +63,8 @@ pub struct StepReport {
     /// times as heavy: with its own mass nothing would be left of the digits that the exact solution needs.
     pub weighted_trees: u32,
     /// Trees of joints that whip, because a body bears several times its mass: there are no velocities at the start of a substep
-    /// that leave them closed at its end, or only such that gain energy. They were closed all the same, and lost some.
+    /// that leave them closed at its end, or only such that gain energy. They were closed all the same, and lost some. And nets of
+    /// joints that turn faster than a substep follows, in so far as they lost energy that their rows would have added.
     pub damped_trees: u32,
     /// Bodies whose new place or velocity was no number or beyond [`MAX_POSITION`](crate::limits::MAX_POSITION) or twice
     /// [`MAX_SPEED`](crate::limits::MAX_SPEED). They stay where they were, at rest, and the others go on as if they had stood

@@ -9,7 +9,7 @@ mod pass;
 use crate::body::Bodies;
 use crate::config::{FrictionCone, Settings};
 use crate::constraint::contact_row::{Motion, Softness};
-use crate::constraint::{Closing, JointRows, Restitution, Rows, Struck, usual_substep};
+use crate::constraint::{Closing, FOLLOWED, JointRows, NetInput, Restitution, Rows, Struck, usual_substep};
 use crate::faults::is_within;
 use crate::forces::Forces;
 use crate::lanes::{Lanes, Mask, Record, f32x8};
@@ -88,6 +88,8 @@ pub(crate) fn solve(
         joint: Softness::new(JOINT_HERTZ.min(Softness::stiffest(count, h)), JOINT_DAMPING, h),
     };
     let joint_stages = std::mem::take(&mut joints.stages);
+    let mut nets = std::mem::take(&mut joints.nets);
+    nets.start();
     let joined_at_all = !joint_stages.is_empty();
     let dynamic = bodies.dynamic();
     // Of what stands still the first is enough: all are zero.
@@ -100,6 +102,13 @@ pub(crate) fn solve(
     let (rubs, batches) = (rows.rubs(), rows.views());
     let joined = Joined { stages: &joint_stages, views: &views };
     let (pose, mass, traits, own) = (&bodies.pose, &bodies.mass, &bodies.traits, &bodies.colliders);
+    // What turns or goes further in a substep may be more than rows of joints follow.
+    let swift = {
+        let slides = joint_stages.iter().any(|stage| stage.kind.slides());
+        let way = if slides { SWIFT_WAY * settings.length_unit } else { f32::INFINITY };
+        let turn = if joined_at_all { FOLLOWED } else { f32::INFINITY };
+        f32x8::new([way, way, way, way, turn, turn, turn, turn]) * f32x8::splat(1.0 / h)
+    };
     let unsound = AtomicBool::new(false);
     for substep in 0..settings.substeps {
         if !impacts.is_empty() {
@@ -135,15 +144,33 @@ pub(crate) fn solve(
         // Velocities take gravity and forces. From the second substep on, warm starting is one addition a body: rows
         // keep their directions within a step, so the impulses of the substep before change the velocities by just
         // what they did then. Those of joints turn, and see to it themselves; trees that keep their energy need none.
+        let is_swift_at = |v: &Record| lanes(*v).abs().lt(swift).bits() & BOTH != BOTH;
+        let is_swift = AtomicBool::new(false);
         all_bodies(crew, movers, |i| {
             // SAFETY: each body is in one block.
             let (v, b) = unsafe { (velocity.get(i), base.get(i)) };
             let now = lanes(*v);
+            if is_swift_at(v) {
+                is_swift.store(true, Ordering::Relaxed);
+            }
             let warm = if substep == 0 { f32x8::ZERO } else { now - lanes(*b) };
             let pull = forces.acceleration.get(i).map_or(f32x8::ZERO, |&pull| lanes(pull) * f32x8::splat(h));
             let free = now + pull;
             (*b, *v) = (record(free), record(if i < dynamic { free + warm } else { free }));
         });
+        let net_input = NetInput {
+            views: &views,
+            stages: &joint_stages,
+            motion: &motion,
+            pose,
+            mass,
+            pull: &forces.acceleration,
+            h,
+        };
+        let mut watched = joined_at_all && is_swift.into_inner();
+        if watched {
+            nets.begin(&net_input, &batches, dynamic, &is_swift_at);
+        }
         if substep == 0 {
             passes.run(crew, Kind::WarmStart, &batches, &joined, &motion);
         }
@@ -152,6 +179,23 @@ pub(crate) fn solve(
         }
         for _ in 0..settings.iterations {
             passes.run(crew, Kind::Solve, &batches, &joined, &motion);
+        }
+        if joined_at_all {
+            let is_swift = AtomicBool::new(false);
+            all_bodies(crew, movers, |i| {
+                // SAFETY: each body is in one block.
+                if is_swift_at(unsafe { velocity.get(i) }) {
+                    is_swift.store(true, Ordering::Relaxed);
+                }
+            });
+            // What was still may be thrown by others, or by a spring.
+            if !watched && is_swift.into_inner() {
+                nets.begin(&net_input, &batches, dynamic, &is_swift_at);
+                watched = true;
+            }
+        }
+        if watched {
+            nets.hold_back(&net_input, &is_swift_at);
         }
         all_bodies(crew, movers, |i| {
             // SAFETY: each body is in one block.
@@ -189,15 +233,24 @@ pub(crate) fn solve(
                 passes.run(crew, Kind::Relax, &batches, &joined, &motion);
             }
         }
+        if watched {
+            nets.end(&net_input);
+        } else {
+            nets.rest();
+        }
         if !impulses.is_empty() {
             add_impulses(&batches, impulses);
         }
     }
     // SAFETY: no stage runs.
     impacts.let_go(dt, unsafe { velocity.part(0..known) }, &mut forces.acceleration);
+    joints.nets = nets;
     joints.stages = joint_stages;
     !unsound.into_inner()
 }
+
+/// What goes further in a substep may turn a distance or the arm of a slider too far for its rows [length units].
+const SWIFT_WAY: f32 = 0.02;
 
 /// How far trees may be open.
 pub(crate) fn closing(settings: &Settings) -> Closing {
