@@ -9,6 +9,7 @@ mod pass;
 use crate::body::Bodies;
 use crate::config::{FrictionCone, Settings};
 use crate::constraint::contact_row::{Motion, Softness};
+use crate::constraint::crowd::Crowd;
 use crate::constraint::{Closing, JointRows, Restitution, Rows, Struck, usual_substep};
 use crate::forces::Forces;
 use crate::lanes::{Lanes, Mask, Record, f32x8};
@@ -56,7 +57,7 @@ pub(crate) fn solve(
     forces: &mut Forces,
     (rows, joints): (&mut Rows, &mut JointRows),
     (impacts, impulses, colliders): (&mut Restitution, &mut [f32], &[Collider]),
-    state: &mut State,
+    (state, crowd): (&mut State, &Crowd),
 ) {
     let movers = bodies.movers();
     let h = dt / settings.substeps as f32;
@@ -97,6 +98,13 @@ pub(crate) fn solve(
     let (rubs, batches) = (rows.rubs(), rows.views());
     let joined = Joined { stages: &joint_stages, views: &views };
     let (pose, mass, traits, own) = (&bodies.pose, &bodies.mass, &bodies.traits, &bodies.colliders);
+    let calm = || {
+        if !crowd.is_empty() {
+            // SAFETY: between stages this thread is alone.
+            let (velocity, base) = unsafe { (velocity.part(0..known), base.part(0..movers)) };
+            crowd.calm(velocity, base, settings.push_speed * settings.length_unit);
+        }
+    };
     for substep in 0..settings.substeps {
         if !impacts.is_empty() {
             // SAFETY: between stages this thread is alone.
@@ -149,6 +157,7 @@ pub(crate) fn solve(
         for _ in 0..settings.iterations {
             passes.run(crew, Kind::Solve, &batches, &joined, &motion);
         }
+        calm();
         if joined_at_all {
             all_bodies(crew, movers, |i| {
                 // SAFETY: each body is in one block.
@@ -191,6 +200,7 @@ pub(crate) fn solve(
                 passes.run(crew, Kind::Relax, &batches, &joined, &motion);
             }
         }
+        calm();
         if !impulses.is_empty() {
             add_impulses(&batches, impulses);
         }
