@@ -127,7 +127,8 @@ pub struct Settings {
     pub contact_hertz: f32,
     /// Contact damping ratio. Default 10 (Catto, Box2D v3).
     pub contact_damping: f32,
-    /// The fastest that overlap is pushed apart [m/s per length unit]. Default 3.
+    /// The fastest that the overlap of two bodies is pushed apart [m/s per length unit]. Where many overlap each other, what that
+    /// gives any of them ends at five times as much. Default 3.
     pub push_speed: f32,
     /// Whether old impulses are applied first. Default true.
     pub warm_starting: bool,

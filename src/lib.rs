@@ -82,6 +82,8 @@ mod joint;
 pub mod lab;
 mod lanes;
 pub mod limits;
+#[cfg(any(feature = "gltf", feature = "replay"))]
+mod load_limits;
 mod memory;
 mod movers;
 mod narrow_phase;
@@ -114,6 +116,8 @@ pub use handle::{BodyHandle, JointHandle, ShapeHandle};
 pub use joint::{
     Axes, Axis, Bone, BoneJoint, Drive, Frame, JointDesc, Limit, Motion, Ragdoll, Skeleton, Spring,
 };
+#[cfg(any(feature = "gltf", feature = "replay"))]
+pub use load_limits::{LimitExceeded, LoadLimits};
 pub use memory::{Budget, Bytes, Category, MemoryReport};
 pub use query::{ClosestPoint, Overlap, QueryFilter, Ray, RayHit, ShapeCast, ShapeHit};
 pub use shape::{

@@ -214,7 +214,8 @@ impl World {
     /// Solves the rows; says whether all velocities stayed in range.
     pub(crate) fn solve(&mut self, crew: &Crew<'_>, dt: f32) -> bool {
         let buffers = &mut self.buffers;
-        let (rows, state) = ((&mut buffers.rows, &mut buffers.joints), &mut buffers.solver);
+        let rows = (&mut buffers.rows, &mut buffers.joints);
+        let state = (&mut buffers.solver, &buffers.prepare.crowd);
         let impulses = self.events.impulses.as_mut_slice();
         let impacts = (&mut buffers.restitution, impulses, self.colliders.all.as_slice());
         solver::solve(crew, &self.settings, dt, &mut self.bodies, &mut buffers.forces, rows, impacts, state)
@@ -364,6 +365,9 @@ impl World {
         };
         let prepared = prepare(crew, &input, &mut self.buffers.rows, &mut self.buffers.prepare, &mut rooms);
         if self.joints.count > 0 {
+            let joints = &self.joints;
+            let joined = |body: usize| joints.of_body(self.bodies.slot[body]).next().is_some();
+            self.buffers.prepare.crowd.leave_out(joined);
             let watch = Watch::start(true);
             let input = JointInput {
                 bodies: &self.bodies,

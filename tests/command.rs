@@ -510,6 +510,58 @@ fn a_full_disk_leaves_outputs_as_they_were_and_no_output_is_the_input() {
     refused(&["run", &scene, "--out", &film, "--record", &film], 1, "two outputs");
 }
 
+/// A film could take the place of the buffer or of the image that its scene refers to. Expected: refused however it is spelled,
+/// and both are what they were.
+#[test]
+fn no_output_is_a_file_that_the_scene_refers_to() {
+    let folder = scratch("referred");
+    std::fs::create_dir_all(folder.join("parts")).expect("a folder");
+    let path = |name: &str| folder.join(name).to_str().expect("a path").to_owned();
+    let corners: [f32; 9] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+    let bytes: Vec<u8> = corners.iter().flat_map(|x| x.to_le_bytes()).collect();
+    std::fs::write(path("a b.bin"), &bytes).expect("a buffer");
+    std::fs::write(path("parts/skin.png"), "image").expect("an image");
+    let scene = serde_json::json!({ "asset": { "version": "2.0" }, "nodes": [{ "mesh": 0 }],
+        "scenes": [{ "nodes": [0] }], "images": [{ "uri": "parts/skin.png" }],
+        "buffers": [{ "byteLength": 36, "uri": "a%20b.bin" }], "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
+        "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 } }] }],
+        "accessors": [{ "bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3, "min": [0, 0, 0],
+            "max": [1, 1, 1] }] });
+    std::fs::write(path("scene.gltf"), scene.to_string()).expect("a scene");
+    let scene = path("scene.gltf");
+    for file in ["a b.bin", "parts/../a b.bin", "parts/skin.png"].map(path) {
+        refused(&["run", &scene, "--steps", "1", "--out", &file], 1, "it would replace");
+        refused(&["run", &scene, "--steps", "1", "--record", &file], 1, "it would replace");
+        refused(&["profile", &scene, "--steps", "1", "--csv", &file], 1, "it would replace");
+    }
+    assert_eq!(std::fs::read(path("a b.bin")).expect("a buffer"), bytes);
+    assert_eq!(std::fs::read(path("parts/skin.png")).expect("an image"), b"image");
+    assert!(
+        backstop(&["run", &scene, "--steps", "1", "--quiet", "--out", &path("film.glb")]).status.success()
+    );
+}
+
+/// Expected: the limit's name and value, and none with `--no-limits`.
+#[test]
+fn a_file_that_asks_for_too_much_is_refused_unless_it_is_trusted() {
+    let nodes: Vec<Value> = (1..1002).map(|i| serde_json::json!({ "children": [i] })).collect();
+    let mut scene = serde_json::json!({ "asset": { "version": "2.0" }, "nodes": nodes, "scenes": [{ "nodes": [0] }],
+        "extensions": { "KHR_implicit_shapes": { "shapes": [{ "type": "box" }] } } });
+    let collider = serde_json::json!({ "collider": { "geometry": { "shape": 0 } } });
+    scene["nodes"][1000] = serde_json::json!({ "extensions": { "KHR_physics_rigid_bodies": collider } });
+    let (path, text) = (scratch("deep.gltf"), scene.to_string());
+    std::fs::write(&path, text).expect("a scene");
+    let path = path.to_str().expect("a path");
+    for command in ["run", "plan", "profile"] {
+        refused(
+            &[command, path, "--steps", "1", "--quiet"],
+            1,
+            "the load limit `depth` allows, which is 1000",
+        );
+    }
+    assert!(backstop(&["run", path, "--steps", "1", "--quiet", "--no-limits"]).status.success());
+}
+
 /// A node's name could clear the screen, forge a line or turn the text round. Expected: no control character but the ends of
 /// lines, wherever the name is told.
 #[test]

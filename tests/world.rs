@@ -320,3 +320,41 @@ fn a_static_body_can_be_moved() {
     common::steps(&mut world, 60, DT);
     assert!(world.position(body).unwrap().y < -6.0);
 }
+
+/// The list of a body with many shapes was gone through for each that was taken off it. Expected: the same shapes are left
+/// whatever the order, each where it was, and a snapshot knows them.
+#[test]
+fn shapes_are_taken_off_a_body_in_any_order() {
+    let mut world = World::new(Settings::default()).unwrap();
+    let body = world.add_body(&BodyDesc::fixed()).unwrap();
+    let mut shapes = Vec::new();
+    for i in 0..200u64 {
+        let mut shape = ShapeDesc::new(Geometry::Sphere { radius: 0.25 });
+        (shape.position, shape.user_data) = (Vec3::X * i as f32, i);
+        shapes.push(world.add_shape(body, &shape).unwrap());
+    }
+    let mut snapshot = backstop::Snapshot::new();
+    // Every seventh, from the middle on, until few are left.
+    let mut at = 100;
+    while shapes.len() > 3 {
+        at = (at + 7) % shapes.len();
+        let gone = shapes.swap_remove(at);
+        world.remove_shape(gone).unwrap();
+        assert!(world.remove_shape(gone).is_err());
+        if shapes.len() == 120 {
+            world.snapshot(&mut snapshot);
+            world.restore(&snapshot).unwrap();
+        }
+    }
+    let mut left: Vec<_> = world.shapes(body).unwrap().collect();
+    let mut expected = shapes.clone();
+    left.sort_unstable();
+    expected.sort_unstable();
+    assert_eq!(left, expected);
+    for shape in shapes {
+        let x = world.shape_user_data(shape).unwrap() as f64;
+        let ray = backstop::Ray::new(DVec3::new(x, 2.0, 0.0), Vec3::NEG_Y * 4.0);
+        let hit = world.cast_ray(&ray, &backstop::QueryFilter::default()).unwrap().unwrap();
+        assert_eq!(hit.shape, shape);
+    }
+}

@@ -185,16 +185,16 @@ impl Colliders {
             Colliders::Many(many) => many.push(collider),
         }
     }
-    fn remove(&mut self, collider: u32) {
+    /// The last takes the place: a body may have a hundred thousand.
+    fn remove(&mut self, place: usize) {
         match self {
-            Colliders::One(one) if *one == collider => *self = Colliders::None,
             Colliders::Many(many) => {
-                many.retain(|&c| c != collider);
+                many.swap_remove(place);
                 if let [last] = many[..] {
                     *self = Colliders::One(last);
                 }
             }
-            _ => {}
+            _ => *self = Colliders::None,
         }
     }
 }
@@ -263,9 +263,10 @@ impl Bodies {
         self.change(index, |own| own.push(collider));
     }
 
-    /// Takes a collider off a body.
-    pub(crate) fn detach(&mut self, index: usize, collider: u32) {
-        self.change(index, |own| own.remove(collider));
+    /// Takes a collider off a body, by its place; says which has that place now.
+    pub(crate) fn detach(&mut self, index: usize, place: usize) -> Option<u32> {
+        self.change(index, |own| own.remove(place));
+        self.colliders[index].as_slice().get(place).copied()
     }
 
     /// Takes all colliders off a body.

@@ -148,6 +148,7 @@ mod tests {
         Collider {
             kind: Kind::of(&geometry),
             body: 0,
+            place: 0,
             size,
             position: vec3(0.3, -0.2, 0.1),
             rotation: Quat::from_rotation_z(0.4),

@@ -2,6 +2,7 @@
 
 use super::batch::BatchRef;
 use super::colour::{Colouring, OVERFLOW};
+use super::crowd::Crowd;
 use super::keys::{KINDS, Keys};
 use super::order::{Group, Order, Stage};
 use super::prepare::PrepareInput;
@@ -56,6 +57,7 @@ impl Part {
 pub(crate) struct PrepareScratch {
     colouring: [Colouring; 4],
     keys: Keys,
+    pub(crate) crowd: Crowd,
     /// Contact and sort key.
     entries: Vec<(Part, u32)>,
     pub(crate) sorted: Vec<Part>,
@@ -77,6 +79,7 @@ impl PrepareScratch {
     ) {
         self.keys.each(any_raised, f);
         self.colouring.iter_mut().for_each(|c| f(c.buffer(), dynamic));
+        f(self.crowd.buffer(), dynamic);
     }
 
     /// Nothing is continuous any more.
@@ -113,10 +116,13 @@ impl PrepareScratch {
     pub(crate) fn bytes(&self) -> (usize, usize) {
         let lists =
             [bytes_of(&self.entries), bytes_of(&self.sorted), bytes_of(&self.ranges), self.keys.bytes()];
-        let colours = self.colouring.iter().map(Colouring::bytes);
-        lists.into_iter().chain(colours).fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
+        let bodies = self.colouring.iter().map(Colouring::bytes).chain([self.crowd.bytes()]);
+        lists.into_iter().chain(bodies).fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
     }
 }
+
+/// Overlap of two bodies from which on it counts for [`Crowd`] [slops]: what rests or was just hit has less.
+const DEEP: f32 = 20.0;
 
 /// Groups in the order in which their parts are given up for lack of room: what may meet before what does, and what keeps
 /// bodies out of the static world last.
@@ -299,8 +305,9 @@ fn sort(
     mut quota: Quota,
     mut granted: Ahead,
 ) -> (Prepared, u32) {
-    let PrepareScratch { colouring, keys, entries, sorted, .. } = scratch;
+    let PrepareScratch { colouring, keys, crowd, entries, sorted, .. } = scratch;
     let dynamic = input.bodies.dynamic();
+    crowd.clear();
     colouring.iter_mut().for_each(|c| c.reset(dynamic));
     entries.clear();
     keys.reset(input.order, input.bodies.raises());
@@ -314,6 +321,9 @@ fn sort(
         let body = |c: u32| input.hot[c as usize].body as usize;
         let (a, b) = (body(contact.a), body(contact.b));
         let touching = contact.points().iter().map(|p| u32::from(p.separation <= input.real)).sum::<u32>();
+        if contact.points().iter().any(|p| p.separation < -DEEP * input.slop) {
+            crowd.overlap((a, b), dynamic);
+        }
         let group = Group::of(a >= movers || b >= movers, touching == 0);
         prepared.manifolds += 1;
         prepared.real += touching;
@@ -349,6 +359,12 @@ fn sort(
             enter(Part::whole(slot), contact.count as usize);
         }
     });
+    if !crowd.is_empty() {
+        each_contact(input, |_, contact| {
+            let body = |c: u32| input.hot[c as usize].body as usize;
+            crowd.touch((body(contact.a), body(contact.b)), &input.bodies.velocity, movers);
+        });
+    }
     keys.line_up();
     room.fit(sorted, entries.len());
     sorted.clear();

@@ -4,6 +4,7 @@ mod arrange;
 mod batch;
 mod colour;
 pub(crate) mod contact_row;
+pub(crate) mod crowd;
 mod free_turn;
 mod friction;
 mod impact_friction;

@@ -48,6 +48,13 @@ impl Budget {
         self.of[category as usize]
     }
 
+    /// The same with no more than so many bytes in all.
+    #[cfg(feature = "replay")]
+    pub(crate) fn at_most(mut self, bytes: usize) -> Budget {
+        self.whole = Some(self.whole.map_or(bytes, |whole| whole.min(bytes)));
+        self
+    }
+
     /// Whether nothing is limited.
     pub fn is_none(&self) -> bool {
         *self == Budget::NONE

@@ -332,6 +332,7 @@ pub(crate) mod testing {
         Collider {
             kind: Kind::of(&geometry),
             body: 0,
+            place: 0,
             size,
             position: Vec3::ZERO,
             rotation: Quat::IDENTITY,

@@ -108,6 +108,7 @@ pub(crate) fn collider(geometry: Geometry) -> Collider {
     Collider {
         kind: Kind::of(&geometry),
         body: 0,
+        place: 0,
         size,
         position: Vec3::ZERO,
         rotation: Quat::IDENTITY,

@@ -1,6 +1,7 @@
 //! Why a run can't be recorded, or a file not be played.
 
 use crate::error::Error;
+use crate::load_limits::LimitExceeded;
 
 /// Why a run can't be recorded, or a file not be played.
 #[derive(Debug, thiserror::Error)]
@@ -39,6 +40,14 @@ pub enum ReplayError {
         steps: u64,
         /// What is wrong.
         what: &'static str,
+    },
+    /// It asks for more than its [`LoadLimits`](crate::LoadLimits) allow.
+    #[error("after step {steps}: {source}")]
+    Limit {
+        /// Steps before.
+        steps: u64,
+        /// Which limit.
+        source: LimitExceeded,
     },
     /// It starts with something that no world accepts.
     #[error("the recording starts with settings that are refused")]

@@ -11,6 +11,7 @@
 
 use super::error::ReplayError;
 use crate::config::Settings;
+use crate::load_limits::Count;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::io::{Read, Write};
@@ -81,8 +82,12 @@ pub(super) fn read_header(from: &mut impl Read) -> Result<(), ReplayError> {
     }
 }
 
-/// Reads a block. `steps`: how many there were before, for errors.
-pub(super) fn read_block(from: &mut impl Read, steps: u64) -> Result<(Block, Vec<u8>), ReplayError> {
+/// Reads a block of at most `bytes`. `steps`: how many there were before, for errors.
+pub(super) fn read_block(
+    from: &mut impl Read,
+    steps: u64,
+    bytes: &Count,
+) -> Result<(Block, Vec<u8>), ReplayError> {
     let cut_off = |error: std::io::Error| match error.kind() {
         std::io::ErrorKind::UnexpectedEof => ReplayError::CutOff { steps },
         _ => error.into(),
@@ -91,6 +96,7 @@ pub(super) fn read_block(from: &mut impl Read, steps: u64) -> Result<(Block, Vec
     from.read_exact(&mut head).map_err(cut_off)?;
     let [kind, length @ ..] = head;
     let length = u32::from_le_bytes(length);
+    bytes.allow(length as usize).map_err(|source| ReplayError::Limit { steps, source })?;
     // Not reserved ahead: a damaged length must not ask for gigabytes.
     let mut payload = Vec::new();
     from.take(length.into()).read_to_end(&mut payload)?;

@@ -4,6 +4,7 @@ use super::call::Call;
 use super::hash::Hash;
 use super::tape::Sink;
 use crate::error::Error;
+use crate::load_limits::{LimitExceeded, Tally};
 use crate::shape::{ConvexHull, Geometry, HeightField, TriangleMesh};
 pub(super) use crate::shape::{StoredHull, StoredMesh};
 use glam::Vec3;
@@ -87,11 +88,37 @@ impl Sink {
     }
 }
 
+fn bytes_of(geometry: &Geometry) -> usize {
+    match geometry {
+        Geometry::Hull(hull) => hull.bytes().1,
+        Geometry::Mesh(mesh) => mesh.bytes().1,
+        Geometry::HeightField(field) => field.bytes().1,
+        _ => 0,
+    }
+}
+
 /// What was read, by number.
 #[derive(Default)]
 pub(super) struct Read(Vec<Geometry>);
 
 impl Read {
+    /// Counts what a call defines, before it is made.
+    pub(super) fn charge(&self, call: &Call, tally: &mut Tally) -> Result<(), LimitExceeded> {
+        let (vertices, triangles) = match call {
+            Call::Hull(hull) => hull.counts(),
+            Call::Mesh(mesh) => mesh.counts(),
+            Call::Field(field) => field.counts(),
+            // A few bytes of the file: what is made counts by its bytes.
+            Call::Again(number) => {
+                let known = self.0.get(*number as usize);
+                return tally.memory.take(known.map_or(0, bytes_of));
+            }
+            _ => (0, 0),
+        };
+        tally.vertices.take(vertices)?;
+        tally.triangles.take(triangles)
+    }
+
     /// Keeps what a call defines; none if it is another sort of call.
     pub(super) fn define(&mut self, call: Call) -> Option<Result<(), Error>> {
         let made = match call {
@@ -109,6 +136,16 @@ impl Read {
             _ => return None,
         };
         Some(made.map(|geometry| self.0.push(geometry)))
+    }
+
+    #[cfg(test)]
+    pub(super) fn count(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Bytes of what was defined last.
+    pub(super) fn last_bytes(&self) -> usize {
+        self.0.last().map_or(0, bytes_of)
     }
 
     pub(super) fn geometry(&self, form: Form) -> Result<Geometry, Error> {

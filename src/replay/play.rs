@@ -10,6 +10,7 @@ use super::probe::{Stage, StepRecord};
 use super::tape::Tape;
 use crate::config::Settings;
 use crate::error::Error;
+use crate::load_limits::{LimitExceeded, LoadLimits, Tally};
 use crate::shape::ShapeDesc;
 use crate::world::World;
 use std::collections::BTreeMap;
@@ -27,12 +28,15 @@ pub struct Replay<R> {
     block: Vec<u8>,
     at: usize,
     ended: bool,
-    geometries: geometry::Read,
+    pub(super) geometries: geometry::Read,
     names: Names,
     /// Slots of the bodies that the recorded step looked at.
     awake: Vec<u32>,
     steps: u64,
     calls: BTreeMap<&'static str, u64>,
+    tally: Tally,
+    /// Whether the world has a budget that the recorded one had not.
+    bounded: bool,
 }
 
 /// What came of a step.
@@ -64,6 +68,14 @@ enum Failed {
     Refused(Error),
     /// What was read makes no sense.
     Damaged(&'static str),
+    /// It asks for too much.
+    Limit(LimitExceeded),
+}
+
+impl From<LimitExceeded> for Failed {
+    fn from(error: LimitExceeded) -> Failed {
+        Failed::Limit(error)
+    }
 }
 
 impl From<Error> for Failed {
@@ -87,16 +99,30 @@ impl<R: Read> Replay<R> {
     /// # Errors
     /// As for [`Replay::open`], and if the settings are refused.
     pub fn open_with(
-        mut from: R,
+        from: R,
         change: impl Fn(&mut Settings) + Send + 'static,
     ) -> Result<Replay<R>, ReplayError> {
+        Self::open_limited(from, &LoadLimits::default(), change)
+    }
+
+    /// The same within other limits.
+    ///
+    /// # Errors
+    /// As for [`Replay::open_with`].
+    pub fn open_limited(
+        mut from: R,
+        limits: &LoadLimits,
+        change: impl Fn(&mut Settings) + Send + 'static,
+    ) -> Result<Replay<R>, ReplayError> {
+        let tally = Tally::new(limits);
         read_header(&mut from)?;
         let damaged = |_| ReplayError::Damaged { steps: 0, what: "the start makes no sense" };
-        let Start { engine, mut settings, origin } = match read_block(&mut from, 0)? {
+        let Start { engine, mut settings, origin } = match read_block(&mut from, 0, &tally.bytes)? {
             (Block::Start, payload) => postcard::from_bytes(&payload).map_err(damaged)?,
             _ => return Err(ReplayError::Damaged { steps: 0, what: "there is no start" }),
         };
         change(&mut settings);
+        let bounded = bound(&mut settings, limits.memory);
         let mut world = World::new(settings)?;
         world.set_origin(origin)?;
         world.tape = Some(Tape::played());
@@ -113,6 +139,8 @@ impl<R: Read> Replay<R> {
             awake: Vec::new(),
             steps: 0,
             calls: BTreeMap::new(),
+            tally,
+            bounded,
         })
     }
 
@@ -145,6 +173,13 @@ impl<R: Read> Replay<R> {
             match self.play(call) {
                 Ok(()) => {}
                 Err(Failed::Damaged(what)) => return Err(ReplayError::Damaged { steps: self.steps, what }),
+                Err(Failed::Limit(source)) => {
+                    return Err(ReplayError::Limit { steps: self.steps, source });
+                }
+                // The recorded world had no such budget: it is the reader's.
+                Err(Failed::Refused(Error::Budget { .. })) if self.bounded => {
+                    return Err(self.out_of_memory());
+                }
                 Err(Failed::Refused(error)) => {
                     return Ok(Progress::Diverged(Box::new(Divergence {
                         step: self.steps + 1,
@@ -182,7 +217,7 @@ impl<R: Read> Replay<R> {
             if self.ended {
                 return Ok(None);
             }
-            match read_block(&mut self.from, self.steps)? {
+            match read_block(&mut self.from, self.steps, &self.tally.bytes)? {
                 (Block::Calls, payload) => (self.block, self.at) = (payload, 0),
                 (Block::End, payload) => {
                     let end: End =
@@ -214,8 +249,10 @@ impl<R: Read> Replay<R> {
         if self.awake.len() != record.bodies.len() {
             return Err(damaged("hashes of bodies are missing"));
         }
-        if self.world.step_with(record.dt, &Told::new(&record.decisions)).is_err() {
-            return Err(damaged("the length of a step makes no sense"));
+        match self.world.step_with(record.dt, &Told::new(&record.decisions)) {
+            Err(_) => return Err(damaged("the length of a step makes no sense")),
+            Ok(report) if report.shed > 0 && self.bounded => return Err(self.out_of_memory()),
+            Ok(_) => {}
         }
         self.steps += 1;
         let Some(tape) = &self.world.tape else { return Ok(Progress::Same) };
@@ -224,6 +261,16 @@ impl<R: Read> Replay<R> {
             Some(divergence) => Progress::Diverged(Box::new(divergence)),
             None => Progress::Same,
         })
+    }
+
+    fn out_of_memory(&self) -> ReplayError {
+        ReplayError::Limit { steps: self.steps, source: self.tally.memory.exceeded() }
+    }
+
+    /// Whether there may be so many bodies and joints more.
+    fn allow(&self, bodies: usize, joints: usize) -> Result<(), LimitExceeded> {
+        self.tally.bodies.allow(self.world.bodies.len() + bodies)?;
+        self.tally.joints.allow(self.world.joints.count + joints)
     }
 
     fn shape(&self, shape: &Shape) -> Result<ShapeDesc, Failed> {
@@ -243,20 +290,28 @@ impl<R: Read> Replay<R> {
         match call {
             Call::Step(_) => {}
             Call::Hull(_) | Call::Mesh(_) | Call::Field(_) | Call::Again(_) => {
+                let again = matches!(call, Call::Again(_));
+                self.geometries.charge(&call, &mut self.tally)?;
                 if let Some(Err(_)) = self.geometries.define(call) {
                     return Err(Failed::Damaged("a geometry makes no sense"));
+                }
+                if !again {
+                    self.tally.memory.take(self.geometries.last_bytes())?;
                 }
             }
             Call::SetSettings(mut settings) => {
                 (self.change)(&mut settings);
+                self.bounded = bound(&mut settings, self.tally.memory.most());
                 self.world.set_settings(settings)?;
             }
             Call::SetOrigin(origin) => self.world.set_origin(origin)?,
             Call::AddBody(body) => {
+                self.allow(1, 0)?;
                 let desc = self.body(&body)?;
                 self.world.add_body(&desc)?;
             }
             Call::AddBodies(bodies) => {
+                self.allow(bodies.len(), 0)?;
                 let descs = bodies.iter().map(|body| self.body(body)).collect::<Result<Vec<_>, _>>()?;
                 self.world.add_bodies(&descs)?;
             }
@@ -279,9 +334,11 @@ impl<R: Read> Replay<R> {
             Call::RaiseBody(body, above) => self.world.raise_body(body, above)?,
             Call::SetMass(body, mass) => self.world.set_mass(body, mass)?,
             Call::AddJoint(desc) => {
+                self.allow(0, 1)?;
                 self.world.add_joint(&desc)?;
             }
             Call::AddJoints(descs) => {
+                self.allow(0, descs.len())?;
                 self.world.add_joints(&descs)?;
             }
             Call::RemoveJoint(joint) => self.world.remove_joint(joint)?,
@@ -300,6 +357,16 @@ impl<R: Read> Replay<R> {
         }
         Ok(())
     }
+}
+
+/// Gives settings a budget of so many bytes unless they have a lower one; says whether it did.
+fn bound(settings: &mut Settings, bytes: u64) -> bool {
+    let bytes = usize::try_from(bytes).unwrap_or(usize::MAX);
+    let bound = bytes < settings.budget.limit().unwrap_or(usize::MAX);
+    if bound {
+        settings.budget = settings.budget.at_most(bytes);
+    }
+    bound
 }
 
 impl<R> std::fmt::Debug for Replay<R> {

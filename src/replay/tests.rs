@@ -10,6 +10,7 @@ use crate::config::{Continuous, Settings};
 use crate::constraint::RowGroup;
 use crate::handle::BodyHandle;
 use crate::joint::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
+use crate::load_limits::{LoadLimits, Tally};
 use crate::memory::Budget;
 use crate::scene::Terrain;
 use crate::shape::{
@@ -54,7 +55,7 @@ fn tampered(bytes: &[u8], mut change: impl FnMut(u64, &mut Call)) -> Vec<u8> {
     write_header(&mut to).unwrap();
     let mut step = 1;
     loop {
-        let (kind, payload) = read_block(&mut from, 0).unwrap();
+        let (kind, payload) = read_block(&mut from, 0, &Tally::new(&LoadLimits::NONE).bytes).unwrap();
         let (mut rest, mut changed) = (&payload[..], Vec::new());
         while kind == Block::Calls && !rest.is_empty() {
             let (mut call, next) = postcard::take_from_bytes::<Call>(rest).unwrap();
@@ -199,7 +200,7 @@ fn nonsense_with_a_right_checksum_does_not_panic() {
         read_header(&mut from).unwrap();
         write_header(&mut to).unwrap();
         loop {
-            let (kind, mut payload) = read_block(&mut from, 0).unwrap();
+            let (kind, mut payload) = read_block(&mut from, 0, &Tally::new(&LoadLimits::NONE).bytes).unwrap();
             if kind != Block::End {
                 for _ in 0..random(3) {
                     let bit = random(8 * payload.len());
@@ -237,7 +238,7 @@ fn the_format_is_that_of_its_version() {
     });
     let (mut from, mut payloads) = (&bytes[..], Vec::new());
     read_header(&mut from).unwrap();
-    while let Ok((kind, payload)) = read_block(&mut from, 0) {
+    while let Ok((kind, payload)) = read_block(&mut from, 0, &Tally::new(&LoadLimits::NONE).bytes) {
         // The start begins with the version of backstop.
         let skipped = if kind == Block::Start { 1 + env!("CARGO_PKG_VERSION").len() } else { 0 };
         payloads.extend_from_slice(&payload[skipped..]);
@@ -248,4 +249,109 @@ fn the_format_is_that_of_its_version() {
         (2, 0xACD6_5F10),
         "0x{sum:08X}: what is written has changed, so VERSION has to"
     );
+}
+
+/// A few bytes say that another geometry has the content of an earlier one: 482 KB of such calls took over 8.6 GB. Expected: as
+/// many copies as the limit has place for, and an error by its name.
+#[test]
+fn copies_of_geometry_are_bounded_by_their_bytes() {
+    let bytes = run_with_shapes();
+    let (vertices, triangles) = Terrain::bumpy(8, 1.0).mesh();
+    let mesh = TriangleMesh::new(vertices, triangles).unwrap().bytes().1;
+    let mut copied = Vec::new();
+    let mut from = &bytes[..];
+    read_header(&mut from).unwrap();
+    write_header(&mut copied).unwrap();
+    let again = postcard::to_stdvec(&Call::Again(0)).unwrap();
+    loop {
+        let (kind, payload) = read_block(&mut from, 0, &Tally::new(&LoadLimits::NONE).bytes).unwrap();
+        if kind == Block::End {
+            write_block(&mut copied, Block::Calls, &again.repeat(100_000)).unwrap();
+        }
+        write_block(&mut copied, kind, &payload).unwrap();
+        if kind == Block::End {
+            break;
+        }
+    }
+    let mut limits = LoadLimits::default();
+    limits.memory = 64 << 20;
+    let mut replay = Replay::open_limited(&copied[..], &limits, |_| {}).unwrap();
+    match replay.run() {
+        Err(ReplayError::Limit { steps: 8, source }) => {
+            assert_eq!((source.limit, source.most), ("memory", 64 << 20));
+        }
+        other => panic!("{other:?}"),
+    }
+    let copies = replay.geometries.count();
+    // Beside the three that are not copies.
+    assert!(copies <= (64 << 20) / mesh + 3 && copies > (32 << 20) / mesh, "{copies} of {mesh} bytes");
+}
+
+/// Expected: each limit is refused by its name, and at what the recording takes it plays, to the same hashes: a budget that
+/// suffices changes nothing.
+#[test]
+fn limits_of_a_recording_have_their_names() {
+    let bytes = run_with_shapes();
+    let run =
+        |limits: &LoadLimits| Replay::open_limited(&bytes[..], limits, |_| {}).and_then(|mut r| r.run());
+    let most = |name: &str| match name {
+        // As `run_with_shapes` has it.
+        "bodies" => 4,
+        "joints" => 1,
+        // Of the terrain, two for each of 64 squares, and of a field of nine heights.
+        "triangles" => 2 * 64 + 2 * 9,
+        "vertices" => 81 + 9 + 5,
+        _ => unreachable!(),
+    };
+    for name in ["bodies", "joints", "triangles", "vertices"] {
+        let limits = |most: u64| {
+            let mut limits = LoadLimits::default();
+            *match name {
+                "bodies" => &mut limits.bodies,
+                "joints" => &mut limits.joints,
+                "triangles" => &mut limits.triangles,
+                _ => &mut limits.vertices,
+            } = most;
+            limits
+        };
+        assert_eq!(run(&limits(most(name))).unwrap().divergence, None, "{name}");
+        match run(&limits(most(name) - 1)) {
+            Err(ReplayError::Limit { source, .. }) => {
+                assert_eq!((source.limit, source.most), (name, most(name) - 1));
+            }
+            other => panic!("{name}: {other:?}"),
+        }
+    }
+    let mut limits = LoadLimits::default();
+    limits.bytes = 100;
+    assert!(matches!(run(&limits), Err(ReplayError::Limit { source, .. }) if source.limit == "bytes"));
+}
+
+/// Two hundred boxes at one point are 20,000 pairs. Expected: within a memory that holds them the recording plays as it was, in
+/// less it is refused in the step that needs more, and not one byte beyond is reserved.
+#[test]
+fn the_world_of_a_recording_keeps_to_its_memory() {
+    let buffer = RecordingBuffer::default();
+    let mut world = World::new(Settings::default()).unwrap();
+    world.start_recording(buffer.clone()).unwrap();
+    let cube = BodyDesc::dynamic().with_shape(ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5)));
+    world.add_bodies(&vec![cube; 200]).unwrap();
+    for _ in 0..3 {
+        world.step(1.0 / 60.0).unwrap();
+    }
+    world.stop_recording().unwrap();
+    let bytes = buffer.bytes();
+    let mut limits = LoadLimits::default();
+    assert_eq!(Replay::open_limited(&bytes[..], &limits, |_| {}).unwrap().run().unwrap().divergence, None);
+    for memory in [1 << 20, 10_000] {
+        limits.memory = memory;
+        let mut replay = Replay::open_limited(&bytes[..], &limits, |_| {}).unwrap();
+        match replay.run() {
+            Err(ReplayError::Limit { steps: 0, source }) => {
+                assert_eq!((source.limit, source.most), ("memory", memory));
+            }
+            other => panic!("{memory}: {other:?}"),
+        }
+        assert!(replay.world().memory().total() as u64 <= memory);
+    }
 }

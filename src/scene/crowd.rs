@@ -67,6 +67,7 @@ fn collider(shape: &ShapeDesc) -> Collider {
     Collider {
         kind: Kind::of(geometry),
         body: 0,
+        place: 0,
         size: geometry.size(),
         position: shape.position,
         rotation: shape.rotation.normalize(),

@@ -1,6 +1,7 @@
 //! Why a scene could not be read or written.
 
 use crate::error::{Error, Escaped};
+use crate::load_limits::LimitExceeded;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -33,6 +34,13 @@ pub enum SceneError {
         file: PathBuf,
         /// What is wrong.
         what: String,
+    },
+    /// The file asks for more than its [`LoadLimits`](crate::LoadLimits) allow.
+    Limit {
+        /// Which file.
+        file: PathBuf,
+        /// Which limit.
+        source: LimitExceeded,
     },
     /// A `uri` of the scene names what may not or can't be read.
     Uri {
@@ -76,6 +84,7 @@ impl fmt::Display for SceneError {
                 format!("{}: not a .gltf, .glb or .obj file, nor a builtin scene", file.display())
             }
             Self::Malformed { file, what } => format!("{}: {what}", file.display()),
+            Self::Limit { file, source } => format!("{}: {source}", file.display()),
             Self::Uri { file, uri, reason } => format!("{}, uri {}: {reason}", file.display(), short(uri)),
             Self::Node { file, node, what } => format!("{}, node {}: {what}", file.display(), short(node)),
             Self::Body { file, node, source } => {

@@ -54,6 +54,8 @@ use crate::body::{BodyDesc, BodyKind};
 use crate::error::Error;
 use crate::handle::{BodyHandle, JointHandle};
 use crate::joint::{Drive, Frame, JointDesc, Limit};
+#[cfg(feature = "gltf")]
+use crate::load_limits::{LoadLimits, Tally};
 use crate::world::World;
 use glam::Vec3;
 use std::path::PathBuf;
@@ -73,6 +75,8 @@ pub struct Scene {
     pub steps: u32,
     /// The file that it is from.
     pub source: Option<PathBuf>,
+    /// The files that this one refers to, buffers and images, as far as they are there.
+    pub parts: Vec<PathBuf>,
     /// What of the file was left out or approximated, in sentences.
     pub notes: Vec<String>,
 }
@@ -137,6 +141,7 @@ impl Scene {
             joints: Vec::new(),
             steps: 300,
             source: None,
+            parts: Vec::new(),
             notes: Vec::new(),
         }
     }
@@ -193,8 +198,17 @@ impl Scene {
 /// Names the file, the node if it is about one, and what is wrong with it.
 #[cfg(feature = "gltf")]
 pub fn load(path: impl AsRef<std::path::Path>) -> Result<Scene, SceneError> {
+    load_limited(path, &LoadLimits::default())
+}
+
+/// The same within other limits.
+///
+/// # Errors
+/// As [`load`].
+#[cfg(feature = "gltf")]
+pub fn load_limited(path: impl AsRef<std::path::Path>, limits: &LoadLimits) -> Result<Scene, SceneError> {
     let path = path.as_ref();
-    load_with(path, &scene_folder(path))
+    load_with(path, &scene_folder(path), limits)
 }
 
 /// The same with another [`Resolver`] for the uris of a glTF file; data URIs are read without it.
@@ -202,12 +216,47 @@ pub fn load(path: impl AsRef<std::path::Path>) -> Result<Scene, SceneError> {
 /// # Errors
 /// As [`load`].
 #[cfg(feature = "gltf")]
-pub fn load_with(path: impl AsRef<std::path::Path>, resolve: &Resolver<'_>) -> Result<Scene, SceneError> {
+pub fn load_with(
+    path: impl AsRef<std::path::Path>,
+    resolve: &Resolver<'_>,
+    limits: &LoadLimits,
+) -> Result<Scene, SceneError> {
     let path = path.as_ref();
+    let load = parser(path)?;
+    let mut tally = Tally::new(limits);
+    let bytes = read_file(path, &mut tally.bytes)?;
+    let mut scene = load(path, &bytes, resolve, tally)?;
+    scene.source = Some(path.into());
+    Ok(scene)
+}
+
+/// The same of a file that is in memory. Its name says of what sort it is, and names it in errors.
+///
+/// # Errors
+/// As [`load`].
+#[cfg(feature = "gltf")]
+pub fn from_bytes(
+    name: impl AsRef<std::path::Path>,
+    bytes: &[u8],
+    resolve: &Resolver<'_>,
+    limits: &LoadLimits,
+) -> Result<Scene, SceneError> {
+    let name = name.as_ref();
+    let mut tally = Tally::new(limits);
+    tally.bytes.take(bytes.len()).map_err(|source| SceneError::Limit { file: name.into(), source })?;
+    parser(name)?(name, bytes, resolve, tally)
+}
+
+#[cfg(feature = "gltf")]
+type Parser = fn(&std::path::Path, &[u8], &Resolver<'_>, Tally) -> Result<Scene, SceneError>;
+
+/// What reads files with the ending of a path.
+#[cfg(feature = "gltf")]
+fn parser(path: &std::path::Path) -> Result<Parser, SceneError> {
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     match ending.as_str() {
-        "gltf" | "glb" => gltf_in::load(path, resolve),
-        "obj" => obj::load(path),
+        "gltf" | "glb" => Ok(gltf_in::read),
+        "obj" => Ok(|path, bytes, _, tally| obj::read(path, bytes, tally)),
         _ => Err(SceneError::UnknownFormat { file: path.into() }),
     }
 }
@@ -218,10 +267,33 @@ pub fn load_with(path: impl AsRef<std::path::Path>, resolve: &Resolver<'_>) -> R
 /// As [`load`].
 #[cfg(feature = "gltf")]
 pub fn open(name: &str) -> Result<Scene, SceneError> {
+    open_limited(name, &LoadLimits::default())
+}
+
+/// The same within other limits.
+///
+/// # Errors
+/// As [`load`].
+#[cfg(feature = "gltf")]
+pub fn open_limited(name: &str, limits: &LoadLimits) -> Result<Scene, SceneError> {
     match builtin::build(name) {
         Some(scene) => Ok(scene),
-        None => load(name),
+        None => load_limited(name, limits),
     }
+}
+
+/// Reads a whole file, if that is no more than its limit.
+#[cfg(feature = "gltf")]
+fn read_file(path: &std::path::Path, bytes: &mut crate::load_limits::Count) -> Result<Vec<u8>, SceneError> {
+    use std::io::Read;
+    let failed = |source| SceneError::Read { file: path.into(), source };
+    let file = std::fs::File::open(path).map_err(failed)?;
+    let mut content = Vec::new();
+    // One more, to see that there is more.
+    let most = bytes.left().saturating_add(1);
+    file.take(most).read_to_end(&mut content).map_err(failed)?;
+    bytes.take(content.len()).map_err(|source| SceneError::Limit { file: path.into(), source })?;
+    Ok(content)
 }
 
 #[cfg(all(test, feature = "gltf"))]

@@ -3,12 +3,12 @@
 use super::weld::Welded;
 use super::{Scene, SceneError, assets};
 use crate::body::BodyDesc;
+use crate::load_limits::{LimitExceeded, Tally};
 use crate::shape::{Geometry, ShapeDesc};
 use glam::Vec3;
 use std::path::Path;
 
-pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
-    let bytes = std::fs::read(path).map_err(|source| SceneError::Read { file: path.into(), source })?;
+pub(super) fn read(path: &Path, mut bytes: &[u8], mut tally: Tally) -> Result<Scene, SceneError> {
     let malformed = |what: String| SceneError::Malformed { file: path.into(), what };
     let options = tobj::LoadOptions {
         triangulate: true,
@@ -18,8 +18,13 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
     };
     // Materials say nothing about contacts: don't look for their files.
     let no_materials = |_: &Path| Err(tobj::LoadError::OpenFileFailed);
-    let (models, _) = tobj::load_obj_buf(&mut &bytes[..], &options, no_materials)
+    let (models, _) = tobj::load_obj_buf(&mut bytes, &options, no_materials)
         .map_err(|e| malformed(format!("not an OBJ file: {e}")))?;
+    let beyond = |source: LimitExceeded| SceneError::Limit { file: path.into(), source };
+    for model in &models {
+        tally.vertices.take(model.mesh.positions.len() / 3).map_err(beyond)?;
+        tally.triangles.take(model.mesh.indices.len() / 3).map_err(beyond)?;
+    }
     let mut welded = Welded::default();
     for model in &models {
         let corner = |i: &u32| {
@@ -46,13 +51,13 @@ pub(super) fn load(path: &Path) -> Result<Scene, SceneError> {
         source,
     })?;
     let mut scene = Scene::new(name);
-    scene.source = Some(path.into());
     scene.add(name, BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Mesh(mesh))));
     Ok(scene)
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::load;
     use super::super::testing::{data, scratch};
     use super::*;
 

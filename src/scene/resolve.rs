@@ -18,8 +18,7 @@ pub type Resolver<'a> = dyn Fn(&str, u64) -> Result<Vec<u8>, String> + 'a;
 /// A uri is a relative path, percent-encoded. It may neither lead out of the folder by `..` nor by a symbolic link, nor
 /// name a device, a pipe or a folder.
 pub fn scene_folder(path: &Path) -> impl Fn(&str, u64) -> Result<Vec<u8>, String> + use<> {
-    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
-    let folder = parent.unwrap_or(Path::new(".")).to_path_buf();
+    let folder = folder_of(path);
     move |uri, most| {
         let file = find(&folder, uri)?;
         let mut bytes = Vec::new();
@@ -31,6 +30,12 @@ pub fn scene_folder(path: &Path) -> impl Fn(&str, u64) -> Result<Vec<u8>, String
         file.take(most).read_to_end(&mut bytes).map_err(|e| e.to_string())?;
         Ok(bytes)
     }
+}
+
+/// The folder of a file.
+pub(super) fn folder_of(file: &Path) -> PathBuf {
+    let parent = file.parent().filter(|parent| !parent.as_os_str().is_empty());
+    parent.unwrap_or(Path::new(".")).to_path_buf()
 }
 
 /// The file that a uri names in a folder.

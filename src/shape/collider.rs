@@ -106,6 +106,8 @@ pub(crate) struct Collider {
     pub(crate) body: u32,
     /// By kind: sphere (radius); capsule and cylinder (half height, bottom, top radius); box (half extents).
     pub(crate) size: [f32; 4],
+    /// Its place in its body's list.
+    pub(crate) place: u32,
     /// Its frame in the body's, relative to the body's centre of mass.
     pub(crate) position: Vec3,
     pub(crate) rotation: Quat,

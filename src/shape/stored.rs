@@ -50,6 +50,27 @@ pub(crate) struct StoredField {
     heights: Vec<f32>,
 }
 
+impl StoredHull {
+    /// Vertices and triangles.
+    pub(crate) fn counts(&self) -> (usize, usize) {
+        (self.vertices.len(), 0)
+    }
+}
+
+impl StoredMesh {
+    /// Vertices and triangles.
+    pub(crate) fn counts(&self) -> (usize, usize) {
+        (self.vertices.len(), self.folds.len())
+    }
+}
+
+impl StoredField {
+    /// Vertices and triangles.
+    pub(crate) fn counts(&self) -> (usize, usize) {
+        (self.heights.len(), 2 * self.heights.len())
+    }
+}
+
 fn bad(what: &str) -> Error {
     Error::Degenerate(what.into())
 }

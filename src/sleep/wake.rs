@@ -96,12 +96,12 @@ impl World {
         }
         let mut waking = std::mem::take(&mut self.sleep.waking);
         waking.clear();
-        let own = self.bodies.colliders[index].as_slice();
         let hot = &self.colliders.hot;
+        let own = |c: u32| hot[c as usize].body as usize == index;
         let island_of = |c: u32| self.sleep.island_of(self.bodies.slot[hot[c as usize].body as usize]);
         let kept = self.sleep.kept_pairs();
         for pair in self.broad.pairs.iter().chain(kept) {
-            if own.contains(&pair.a) || own.contains(&pair.b) {
+            if own(pair.a) || own(pair.b) {
                 waking.extend(island_of(pair.a).into_iter().chain(island_of(pair.b)));
             }
         }

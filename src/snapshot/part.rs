@@ -374,6 +374,7 @@ fn read_collider(
     let collider = Collider {
         kind: Kind::of(&geometry),
         body: u32::MAX,
+        place: 0,
         size: geometry.size(),
         position,
         rotation,

@@ -101,8 +101,8 @@ fn install(world: &mut World, records: Records) {
         taken.push((body.slot, body.generation, index));
         let disabled = body.body.traits.disabled;
         world.bodies.append(body.slot, body.body, &own);
-        for mut c in body.colliders {
-            c.collider.body = index;
+        for (place, mut c) in body.colliders.into_iter().enumerate() {
+            (c.collider.body, c.collider.place) = (index, place as u32);
             world.put_collider(c.index, &c.collider, c.pose);
             if disabled {
                 // It is not there.

@@ -9,6 +9,7 @@ mod pass;
 use crate::body::Bodies;
 use crate::config::{FrictionCone, Settings};
 use crate::constraint::contact_row::{Motion, Softness};
+use crate::constraint::crowd::Crowd;
 use crate::constraint::{Closing, FOLLOWED, JointRows, NetInput, Restitution, Rows, Struck, usual_substep};
 use crate::faults::is_within;
 use crate::forces::Forces;
@@ -59,7 +60,7 @@ pub(crate) fn solve(
     forces: &mut Forces,
     (rows, joints): (&mut Rows, &mut JointRows),
     (impacts, impulses, colliders): (&mut Restitution, &mut [f32], &[Collider]),
-    state: &mut State,
+    (state, crowd): (&mut State, &Crowd),
 ) -> bool {
     let movers = bodies.movers();
     let h = dt / settings.substeps as f32;
@@ -110,6 +111,13 @@ pub(crate) fn solve(
         f32x8::new([way, way, way, way, turn, turn, turn, turn]) * f32x8::splat(1.0 / h)
     };
     let unsound = AtomicBool::new(false);
+    let calm = || {
+        if !crowd.is_empty() {
+            // SAFETY: between stages this thread is alone.
+            let (velocity, base) = unsafe { (velocity.part(0..known), base.part(0..movers)) };
+            crowd.calm(velocity, base, settings.push_speed * settings.length_unit);
+        }
+    };
     for substep in 0..settings.substeps {
         if !impacts.is_empty() {
             // SAFETY: between stages this thread is alone.
@@ -180,6 +188,7 @@ pub(crate) fn solve(
         for _ in 0..settings.iterations {
             passes.run(crew, Kind::Solve, &batches, &joined, &motion);
         }
+        calm();
         if joined_at_all {
             let is_swift = AtomicBool::new(false);
             all_bodies(crew, movers, |i| {
@@ -238,6 +247,7 @@ pub(crate) fn solve(
         } else {
             nets.rest();
         }
+        calm();
         if !impulses.is_empty() {
             add_impulses(&batches, impulses);
         }

@@ -15,6 +15,7 @@ impl World {
         let collider = Collider {
             kind: Kind::of(geometry),
             body: body as u32,
+            place: self.bodies.colliders[body].as_slice().len() as u32,
             size: geometry.size(),
             position: to_axes * (shape.position - cold.centre),
             rotation: (to_axes * shape.rotation.normalize()).normalize(),
@@ -63,6 +64,7 @@ impl World {
         let nothing = Collider {
             kind: Kind::Plane,
             body: u32::MAX,
+            place: 0,
             size: [0.0; 4],
             position: Vec3::ZERO,
             rotation: Quat::IDENTITY,

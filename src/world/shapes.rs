@@ -44,7 +44,9 @@ impl World {
         Ok(self.shape_handle(collider))
     }
 
-    /// Takes a shape off its body; its mass follows if it comes from the shapes, unless none would be left.
+    /// Takes a shape off its body; its mass follows if it comes from the shapes, unless none would be left. The body's last shape
+    /// takes its place in [`World::shapes`]. Takes the same time however many shapes there are, but for a mass that follows: that
+    /// is summed up anew.
     ///
     /// # Errors
     /// If the handle is stale, or a dynamic body would be left without mass.
@@ -53,6 +55,7 @@ impl World {
         let index = self.colliders.all[collider as usize].body as usize;
         let from_shapes =
             self.bodies.cold[index].mass_from_shapes && self.bodies.kind[index] == BodyKind::Dynamic;
+        let mut mass = None;
         if from_shapes {
             let rest = self.bodies.colliders[index].as_slice().iter().filter(|&&c| c != collider);
             if !rest.clone().any(|&c| self.colliders.all[c as usize].density > 0.0) {
@@ -60,15 +63,20 @@ impl World {
             }
             let own = self.bodies.colliders[index].as_slice().iter().zip(self.parts_of(index));
             let rest: Vec<_> = own.filter(|(c, _)| **c != collider).map(|(_, mass)| mass).collect();
-            movable(&MassProperties::combine(&rest))?;
+            let rest = MassProperties::combine(&rest);
+            movable(&rest)?;
+            mass = Some(rest);
         }
         record!(self, RemoveShape(shape));
         let index = self.disturb(index);
         self.revise(index);
-        self.bodies.detach(index, collider);
+        let place = self.colliders.all[collider as usize].place;
+        if let Some(moved) = self.bodies.detach(index, place as usize) {
+            self.colliders.all[moved as usize].place = place;
+        }
         self.drop_collider(collider);
-        if from_shapes {
-            self.refresh_mass(index);
+        if let Some(mass) = mass {
+            self.replace_mass(index, &mass);
         }
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use crate::view::Look;
 use backstop::glam::{DVec3, Vec3};
-use backstop::{Continuous, ContinuousMethod, FrictionModel};
+use backstop::{Continuous, ContinuousMethod, FrictionModel, LoadLimits};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -49,6 +49,11 @@ pub(crate) enum ScenesCommand {
         #[arg(value_name = "DIR")]
         folder: PathBuf,
     },
+}
+
+/// The load limits that `--no-limits` switches off.
+pub(crate) fn limits(none: bool) -> LoadLimits {
+    if none { LoadLimits::NONE } else { LoadLimits::default() }
 }
 
 #[derive(Args, Debug)]
@@ -111,6 +116,9 @@ pub(crate) struct RunOptions {
     /// Write a recording of the run: for `cargo backstop replay`.
     #[arg(long, value_name = "FILE")]
     pub(crate) record: Option<PathBuf>,
+    /// Read a file however much it asks for: by default more than any game's scene has is refused (`LoadLimits`).
+    #[arg(long)]
+    pub(crate) no_limits: bool,
     /// Print one JSON document instead of the summary (docs/json.md).
     #[arg(long)]
     pub(crate) json: bool,
@@ -142,6 +150,9 @@ pub(crate) struct PlanOptions {
     /// A budget to try: bytes, or a number with KiB, MiB or GiB. Says whether the scene fits and what is shed.
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     pub(crate) budget: Option<usize>,
+    /// Read a file however much it asks for: by default more than any game's scene has is refused (`LoadLimits`).
+    #[arg(long)]
+    pub(crate) no_limits: bool,
     /// Print one JSON document instead of the table (docs/json.md).
     #[arg(long)]
     pub(crate) json: bool,
@@ -209,6 +220,9 @@ pub(crate) struct ProfileOptions {
     /// Write all frames as a table.
     #[arg(long, value_name = "FILE.csv")]
     pub(crate) csv: Option<PathBuf>,
+    /// Read a file however much it asks for: by default more than any game's scene has is refused (`LoadLimits`).
+    #[arg(long)]
+    pub(crate) no_limits: bool,
     /// Print one JSON document instead of the summary (docs/json.md).
     #[arg(long)]
     pub(crate) json: bool,
@@ -304,6 +318,9 @@ pub(crate) struct ReplayOptions {
     /// Threads that work on a step, whatever their number was.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = threads)]
     pub(crate) threads: usize,
+    /// Read a file however much it asks for: by default more than any game's scene has is refused (`LoadLimits`).
+    #[arg(long)]
+    pub(crate) no_limits: bool,
     /// Print one JSON document instead of the summary (docs/json.md).
     #[arg(long)]
     pub(crate) json: bool,

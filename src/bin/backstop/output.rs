@@ -51,12 +51,15 @@ pub(crate) fn make_folder_of(file: &Path) -> anyhow::Result<()> {
     file.parent().filter(|folder| !folder.as_os_str().is_empty()).map_or(Ok(()), make_folder)
 }
 
-/// Refuses outputs that would replace the input, or one another, before any work is done.
-pub(crate) fn refuse_inputs(outputs: &[Option<&Path>], input: Option<&Path>) -> anyhow::Result<()> {
+/// Refuses outputs that would replace an input, or one another, before any work is done.
+pub(crate) fn refuse_inputs<'a>(
+    outputs: &[Option<&Path>],
+    inputs: impl IntoIterator<Item = &'a Path> + Clone,
+) -> anyhow::Result<()> {
     let outputs: Vec<&Path> = outputs.iter().copied().flatten().collect();
     for (i, output) in outputs.iter().enumerate() {
         let about = || format!("can't write {}", output.display());
-        if let Some(input) = input {
+        for input in inputs.clone() {
             refuse_input(output, input).with_context(about)?;
         }
         if outputs[..i].contains(output) {

@@ -1,6 +1,6 @@
 //! `plan`: what memory a scene will take, by the plan and by a run.
 
-use crate::args::PlanOptions;
+use crate::args::{self, PlanOptions};
 use crate::{output, run};
 use anyhow::Context;
 use backstop::scene::{self, Plan, Scene};
@@ -43,7 +43,7 @@ struct Trial {
 }
 
 pub(crate) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
-    let mut scene = scene::open(&options.scene)?;
+    let mut scene = scene::open_limited(&options.scene, &args::limits(options.no_limits))?;
     if options.drop > 0 {
         scene.rain(options.drop, options.seed);
     }

@@ -1,6 +1,6 @@
 //! `replay`: a recorded run, played again and compared.
 
-use crate::args::ReplayOptions;
+use crate::args::{self, ReplayOptions};
 use crate::output;
 use crate::output::{bytes, count, micros};
 use anyhow::{Context, bail};
@@ -52,7 +52,9 @@ pub(crate) fn replay(options: &ReplayOptions) -> anyhow::Result<()> {
     let about = || format!("can't replay {name}");
     let file = File::open(&options.file).with_context(about)?;
     let size = file.metadata().with_context(about)?.len();
-    let mut replay = Replay::open_with(BufReader::new(file), move |settings| settings.threads = threads)
+    let limits = args::limits(options.no_limits);
+    let file = BufReader::new(file);
+    let mut replay = Replay::open_limited(file, &limits, move |settings| settings.threads = threads)
         .with_context(about)?;
     if !options.quiet && replay.engine() != env!("CARGO_PKG_VERSION") {
         eprintln!("note: recorded by backstop {}; another version may go another way", replay.engine());

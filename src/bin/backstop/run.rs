@@ -1,6 +1,6 @@
 //! `run`: a scene from a file, step after step, and what is written of it.
 
-use crate::args::RunOptions;
+use crate::args::{self, RunOptions};
 use crate::document::Document;
 use crate::threads::with_threads;
 use crate::trace::Trace;
@@ -26,8 +26,9 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
     options.report.as_deref().map_or(Ok(()), output::make_folder)?;
     let page = options.report.as_ref().map(|folder| folder.join("index.html"));
     let outputs = [options.out.as_deref(), options.record.as_deref(), page.as_deref()];
-    output::refuse_inputs(&outputs, Some(Path::new(&options.scene)))?;
-    let mut scene = scene::open(&options.scene)?;
+    output::refuse_inputs(&outputs, [Path::new(&options.scene)])?;
+    let mut scene = scene::open_limited(&options.scene, &args::limits(options.no_limits))?;
+    output::refuse_inputs(&outputs, scene.parts.iter().map(PathBuf::as_path))?;
     // Rain comes from above, and gravity says where that is.
     scene.gravity = options.gravity.unwrap_or(scene.gravity);
     if options.drop > 0 {

@@ -34,46 +34,75 @@ impl<'a> Elements<'a> {
         })
     }
 
+    fn at(&self, i: usize) -> &'a [u8] {
+        &self.bytes[i * self.stride..][..self.size]
+    }
+
     fn iter(&self) -> impl Iterator<Item = &'a [u8]> + '_ {
-        (0..self.count).map(|i| &self.bytes[i * self.stride..][..self.size])
+        (0..self.count).map(|i| self.at(i))
     }
 }
 
 const OUTSIDE: &str = "an accessor reaches beyond its buffer";
 
-/// Positions as vectors of f32 [m].
-pub(super) fn positions(accessor: &gltf::Accessor, buffers: &[Vec<u8>]) -> Result<Vec<Vec3>, String> {
-    if accessor.dimensions() != Dimensions::Vec3 || accessor.data_type() != DataType::F32 {
-        return Err("positions must be vectors of three f32".into());
-    }
-    let vector = |b: &[u8]| {
-        let number = |i: usize| f32::from_le_bytes([b[i], b[i + 1], b[i + 2], b[i + 3]]);
-        Vec3::new(number(0), number(4), number(8))
-    };
-    let count = accessor.count();
-    let mut out = match accessor.view() {
-        Some(view) => {
-            let elements = Elements::new(buffers, &view, accessor.offset(), count, 12).ok_or(OUTSIDE)?;
-            elements.iter().map(vector).collect()
+/// Positions as they lie in the file. What is not there, and zero, takes no memory: a file of a few hundred bytes may state
+/// millions of them.
+pub(super) struct Positions<'a> {
+    elements: Option<Elements<'a>>,
+    count: usize,
+    /// In ascending order of the index.
+    sparse: Vec<(u32, Vec3)>,
+}
+
+impl<'a> Positions<'a> {
+    /// Those of an accessor of vectors of f32 [m].
+    pub(super) fn new(accessor: &gltf::Accessor, buffers: &'a [Vec<u8>]) -> Result<Positions<'a>, String> {
+        if accessor.dimensions() != Dimensions::Vec3 || accessor.data_type() != DataType::F32 {
+            return Err("positions must be vectors of three f32".into());
         }
-        // All zero but for the sparse ones; without any, the data is somewhere we can't read.
-        None if accessor.sparse().is_some() && count < 1 << 24 => vec![Vec3::ZERO; count],
-        None => return Err("positions without a buffer (compressed meshes are not read)".into()),
-    };
-    if let Some(sparse) = accessor.sparse() {
-        let (at, values) = (sparse.indices(), sparse.values());
-        let size = at.index_type().size();
-        let places = Elements::new(buffers, &at.view(), at.offset(), sparse.count(), size).ok_or(OUTSIDE)?;
-        let values =
-            Elements::new(buffers, &values.view(), values.offset(), sparse.count(), 12).ok_or(OUTSIDE)?;
-        for (place, value) in places.iter().map(unsigned).zip(values.iter().map(vector)) {
-            *out.get_mut(place as usize).ok_or("a sparse index is out of range")? = value;
+        let count = accessor.count();
+        let elements = match accessor.view() {
+            Some(view) => Some(Elements::new(buffers, &view, accessor.offset(), count, 12).ok_or(OUTSIDE)?),
+            // All zero but for the sparse ones; without any, the data is somewhere we can't read.
+            None if accessor.sparse().is_some() => None,
+            None => return Err("positions without a buffer (compressed meshes are not read)".into()),
+        };
+        let mut sparse = Vec::new();
+        if let Some(list) = accessor.sparse() {
+            let (at, values) = (list.indices(), list.values());
+            let size = at.index_type().size();
+            let places =
+                Elements::new(buffers, &at.view(), at.offset(), list.count(), size).ok_or(OUTSIDE)?;
+            let values =
+                Elements::new(buffers, &values.view(), values.offset(), list.count(), 12).ok_or(OUTSIDE)?;
+            sparse.extend(places.iter().map(unsigned).zip(values.iter().map(vector)));
+            if sparse.iter().any(|&(place, _)| place as usize >= count) {
+                return Err("a sparse index is out of range".into());
+            }
+            sparse.sort_by_key(|s| s.0);
+        }
+        let stored = elements.iter().flat_map(Elements::iter).map(vector);
+        let finite = stored.chain(sparse.iter().map(|s| s.1)).all(|p| p.is_finite());
+        match finite {
+            true => Ok(Positions { elements, count, sparse }),
+            false => Err("a position is not finite".into()),
         }
     }
-    match out.iter().all(|p| p.is_finite()) {
-        true => Ok(out),
-        false => Err("a position is not finite".into()),
+
+    pub(super) fn get(&self, index: u32) -> Option<Vec3> {
+        // Of several for one index the last counts.
+        let after = self.sparse.partition_point(|s| s.0 <= index);
+        match self.sparse[..after].last() {
+            Some(&(place, value)) if place == index => Some(value),
+            _ if index as usize >= self.count => None,
+            _ => Some(self.elements.as_ref().map_or(Vec3::ZERO, |e| vector(e.at(index as usize)))),
+        }
     }
+}
+
+fn vector(b: &[u8]) -> Vec3 {
+    let number = |i: usize| f32::from_le_bytes([b[i], b[i + 1], b[i + 2], b[i + 3]]);
+    Vec3::new(number(0), number(4), number(8))
 }
 
 /// Indices of vertices.

@@ -1,7 +1,8 @@
 //! A glTF file taken apart: its JSON, its validated document, its buffers. Nothing here trusts a length or an offset.
 
 use super::super::SceneError;
-use super::super::resolve::Resolver;
+use super::super::resolve::{Resolver, find, folder_of};
+use crate::load_limits::{LimitExceeded, Tally};
 use base64::Engine;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -22,12 +23,21 @@ pub(in crate::scene) struct Parts {
 const KNOWN: &[&str] = &[super::extension::RIGID_BODIES, super::extension::SHAPES];
 
 impl Parts {
-    pub(in crate::scene) fn read(path: &Path, resolve: &Resolver<'_>) -> Result<Parts, SceneError> {
-        let bytes = std::fs::read(path).map_err(|source| SceneError::Read { file: path.into(), source })?;
-        Self::parse(path, &bytes, resolve)
+    pub(in crate::scene) fn read(
+        path: &Path,
+        resolve: &Resolver<'_>,
+        tally: &mut Tally,
+    ) -> Result<Parts, SceneError> {
+        let bytes = crate::scene::read_file(path, &mut tally.bytes)?;
+        Self::parse(path, &bytes, resolve, tally)
     }
 
-    fn parse(path: &Path, bytes: &[u8], resolve: &Resolver<'_>) -> Result<Parts, SceneError> {
+    pub(super) fn parse(
+        path: &Path,
+        bytes: &[u8],
+        resolve: &Resolver<'_>,
+        tally: &mut Tally,
+    ) -> Result<Parts, SceneError> {
         let malformed = |what: String| SceneError::Malformed { file: path.into(), what };
         let (text, blob) = match bytes.starts_with(b"glTF") {
             true => split_glb(bytes).map_err(|what| malformed(what.into()))?,
@@ -50,7 +60,7 @@ impl Parts {
             return Err(malformed("a mesh refers to an accessor that does not exist".into()));
         }
         let document = gltf::Document::from_json(root).map_err(|e| malformed(validation_text(e)))?;
-        let buffers = read_buffers(path, &document, blob, resolve)?;
+        let buffers = read_buffers(path, &document, blob, resolve, tally)?;
         Ok(Parts { path: path.into(), json, document, buffers, unknown_required })
     }
 }
@@ -104,15 +114,19 @@ fn read_buffers(
     document: &gltf::Document,
     blob: Option<&[u8]>,
     resolve: &Resolver<'_>,
+    tally: &mut Tally,
 ) -> Result<Vec<Vec<u8>>, SceneError> {
     let malformed = |what: String| SceneError::Malformed { file: path.into(), what };
     let mut buffers = Vec::new();
     for buffer in document.buffers() {
         let data = match buffer.source() {
             gltf::buffer::Source::Bin => {
-                blob.ok_or_else(|| malformed("its binary chunk is missing".into()))?.to_vec()
+                // Only the first may be in it (glTF 2.0, section 3.6.1.2); each would be a copy of all of it.
+                let blob = blob.filter(|_| buffer.index() == 0);
+                let blob = blob.ok_or_else(|| malformed("its binary chunk is missing".into()))?;
+                blob[..buffer.length().min(blob.len())].to_vec()
             }
-            gltf::buffer::Source::Uri(uri) => read_uri(path, uri, buffer.length() as u64, resolve)?,
+            gltf::buffer::Source::Uri(uri) => read_uri(path, uri, buffer.length() as u64, resolve, tally)?,
         };
         if data.len() < buffer.length() {
             let (index, is, says) = (buffer.index(), data.len(), buffer.length());
@@ -129,6 +143,7 @@ pub(in crate::scene) fn read_uri(
     uri: &str,
     most: u64,
     resolve: &Resolver<'_>,
+    tally: &mut Tally,
 ) -> Result<Vec<u8>, SceneError> {
     let malformed = |what: String| SceneError::Malformed { file: scene.into(), what };
     if let Some(data) = uri.strip_prefix("data:") {
@@ -138,5 +153,19 @@ pub(in crate::scene) fn read_uri(
         let engine = base64::engine::general_purpose::STANDARD;
         return engine.decode(text).map_err(|e| malformed(format!("a data URI: {e}")));
     }
-    resolve(uri, most).map_err(|reason| SceneError::Uri { file: scene.into(), uri: uri.into(), reason })
+    // The same file may be named again and again. One more than is left, to see that there is more.
+    let asked = most.min(tally.bytes.left().saturating_add(1));
+    let failed = |reason| SceneError::Uri { file: scene.into(), uri: uri.into(), reason };
+    let bytes = resolve(uri, asked).map_err(failed)?;
+    let beyond = |source: LimitExceeded| SceneError::Limit { file: scene.into(), source };
+    tally.bytes.take(bytes.len()).map_err(beyond)?;
+    Ok(bytes)
+}
+
+/// The files that a scene's uris name, buffers and images, as far as they are there.
+pub(in crate::scene) fn referred(scene: &Path, json: &Value) -> Vec<PathBuf> {
+    let folder = folder_of(scene);
+    let uris = ["buffers", "images"].into_iter().filter_map(|list| json[list].as_array()).flatten();
+    let uris = uris.filter_map(|one| one["uri"].as_str()).filter(|uri| !uri.starts_with("data:"));
+    uris.filter_map(|uri| find(&folder, uri).ok()).collect()
 }

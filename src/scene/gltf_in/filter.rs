@@ -8,8 +8,12 @@
 use super::extension;
 use crate::shape::Filter;
 
-/// A bit for each system, in the order in which the file names them; `Err` says how many there are.
-pub(super) fn filters(filters: &[extension::Filter]) -> Result<Vec<Filter>, usize> {
+/// There are more systems than bits.
+#[derive(Debug, PartialEq)]
+pub(super) struct TooMany;
+
+/// A bit for each system, in the order in which the file names them.
+pub(super) fn filters(filters: &[extension::Filter]) -> Result<Vec<Filter>, TooMany> {
     let mut names: Vec<&str> = Vec::new();
     for filter in filters {
         let lists = [&filter.collide_with_systems, &filter.not_collide_with_systems];
@@ -17,10 +21,10 @@ pub(super) fn filters(filters: &[extension::Filter]) -> Result<Vec<Filter>, usiz
             if !names.contains(&name.as_str()) {
                 names.push(name);
             }
+            if names.len() > 64 {
+                return Err(TooMany);
+            }
         }
-    }
-    if names.len() > 64 {
-        return Err(names.len());
     }
     let bits = |list: &[String]| {
         let bit = |name: &String| names.iter().position(|n| n == name).map_or(0, |i| 1u64 << i);
@@ -92,6 +96,6 @@ mod tests {
             ..Default::default()
         };
         assert!(filters(&[many(64)]).is_ok());
-        assert_eq!(filters(&[many(65)]), Err(65));
+        assert_eq!(filters(&[many(65)]), Err(TooMany));
     }
 }

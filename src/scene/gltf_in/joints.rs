@@ -126,9 +126,11 @@ impl Loader<'_> {
         joint: &NodeJoint,
         world: &mut Option<usize>,
     ) -> Result<(), SceneError> {
-        let wrong = |what: String| problem(self.parts, node, Problem::Text(what));
-        let missing = |what: &str, index: usize| wrong(format!("{what} {index} does not exist"));
-        let Some(rows) = self.joints.get(joint.joint).cloned() else {
+        let parts = self.parts;
+        let missing = |what: &str, index: usize| {
+            problem(parts, node, Problem::Text(format!("{what} {index} does not exist")))
+        };
+        let Some(rows) = self.joints.get(joint.joint) else {
             return Err(missing("joint", joint.joint));
         };
         let other = joint.connected_node;
@@ -146,12 +148,14 @@ impl Loader<'_> {
             self.note(node, "its joint is left out: both its nodes are on the same body");
             return Ok(());
         }
+        let rows_of_it = 1 + rows.limits.len() + rows.drives.len();
+        self.tally.joints.take(rows_of_it).map_err(|e| problem(self.parts, node, e.into()))?;
         let frame = |n, body| self.frame(n, body).map_err(|e| problem(self.parts, node, Problem::Engine(e)));
         let frames = [frame(node, on[0])?, frame(other, on[1])?];
         let bodies = on.map(|body| {
             body.unwrap_or_else(|| *world.get_or_insert_with(|| self.scene.add("world", BodyDesc::fixed())))
         });
-        let Rows { limits, drives } = rows;
+        let Rows { limits, drives } = self.joints[joint.joint].clone();
         let (name, collide) = (self.name(node), joint.enable_collision);
         self.scene.joints.push(SceneJoint { name, bodies, frames, limits, drives, collide });
         Ok(())

@@ -24,21 +24,28 @@ use super::weld::Welded;
 use super::{Scene, SceneBody, SceneError, assets};
 use crate::body::{BodyDesc, BodyKind};
 use crate::error::Error;
+use crate::load_limits::Tally;
 use crate::shape::{Combine, Filter, Geometry, Material, ShapeDesc};
 use extension::{NodePhysics, Physics, RIGID_BODIES, SHAPES, Shapes};
 use file::Parts;
 use glam::{DMat3, DQuat, DVec3};
 use serde::de::DeserializeOwned;
 use shapes::{Placed, Problem};
+use std::collections::BTreeMap;
 use std::path::Path;
 use tree::Tree;
 
-pub(super) fn load(path: &Path, resolve: &Resolver<'_>) -> Result<Scene, SceneError> {
-    let parts = Parts::read(path, resolve)?;
-    let tree = Tree::new(&parts)?;
+pub(super) fn read(
+    path: &Path,
+    bytes: &[u8],
+    resolve: &Resolver<'_>,
+    mut tally: Tally,
+) -> Result<Scene, SceneError> {
+    let parts = Parts::parse(path, bytes, resolve, &mut tally)?;
+    let tree = Tree::new(&parts, &mut tally)?;
     let name = path.file_stem().and_then(|s| s.to_str()).unwrap_or("scene");
     let mut scene = Scene::new(name);
-    scene.source = Some(path.into());
+    scene.parts = file::referred(path, &parts.json);
     for unknown in &parts.unknown_required {
         scene.notes.push(format!("the extension {unknown}, which the file requires, is ignored"));
     }
@@ -48,10 +55,10 @@ pub(super) fn load(path: &Path, resolve: &Resolver<'_>) -> Result<Scene, SceneEr
         .map(|n| n.extension_value(RIGID_BODIES).map(|v| parse(&parts, v)).transpose())
         .collect::<Result<_, _>>()?;
     if physics.iter().all(Option::is_none) {
-        static_mesh(&parts, &tree, &mut scene)?;
+        static_mesh(&parts, &tree, &mut scene, &mut tally)?;
         return Ok(scene);
     }
-    let mut loader = Loader::new(&parts, &tree, physics, scene)?;
+    let mut loader = Loader::new(&parts, &tree, physics, scene, tally)?;
     for &node in &tree.order {
         loader.visit(node)?;
     }
@@ -59,9 +66,15 @@ pub(super) fn load(path: &Path, resolve: &Resolver<'_>) -> Result<Scene, SceneEr
 }
 
 /// All meshes of the scene as one static body at the origin.
-fn static_mesh(parts: &Parts, tree: &Tree, scene: &mut Scene) -> Result<(), SceneError> {
+fn static_mesh(parts: &Parts, tree: &Tree, scene: &mut Scene, tally: &mut Tally) -> Result<(), SceneError> {
     let mut welded = Welded::default();
     let nodes: Vec<gltf::Node> = parts.document.nodes().collect();
+    // All of them are one mesh: before the first is made it is known how large that is.
+    for &node in &tree.order {
+        for primitive in nodes[node].mesh().iter().flat_map(|m| m.primitives()) {
+            shapes::charge(&primitive, tally).map_err(|p| problem(parts, node, p))?;
+        }
+    }
     for &node in &tree.order {
         for primitive in nodes[node].mesh().iter().flat_map(|m| m.primitives()) {
             shapes::add_primitive(parts, &primitive, &tree.global[node], &mut welded)
@@ -78,6 +91,24 @@ fn static_mesh(parts: &Parts, tree: &Tree, scene: &mut Scene) -> Result<(), Scen
     Ok(())
 }
 
+/// What a geometry is built of.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Source {
+    /// An implicit shape.
+    Shape(usize),
+    /// Meshes at and below a node, and of what moves below it the node that takes part all the same.
+    Mesh(usize, Option<usize>),
+}
+
+/// All that a geometry depends on.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Build {
+    of: Source,
+    /// Bits of f32.
+    scale: [u32; 9],
+    hull: bool,
+}
+
 struct Loader<'a> {
     parts: &'a Parts,
     tree: &'a Tree,
@@ -88,6 +119,9 @@ struct Loader<'a> {
     unfiltered: Filter,
     joints: Vec<joints::Rows>,
     scene: Scene,
+    tally: Tally,
+    /// What was built, for all who use the same at the same scale.
+    built: BTreeMap<Build, Placed>,
     /// Per node: the body with `motion` that it belongs to.
     body: Vec<Option<usize>>,
     /// Per node: the static body at it, or else nearest above it.
@@ -100,6 +134,7 @@ impl<'a> Loader<'a> {
         tree: &'a Tree,
         physics: Vec<Option<NodePhysics>>,
         mut scene: Scene,
+        tally: Tally,
     ) -> Result<Self, SceneError> {
         let shapes: Shapes =
             parts.document.extension_value(SHAPES).map(|v| parse(parts, v)).transpose()?.unwrap_or_default();
@@ -109,9 +144,9 @@ impl<'a> Loader<'a> {
             .map(|v| parse(parts, v))
             .transpose()?
             .unwrap_or_default();
-        let filters = filter::filters(&root.collision_filters).map_err(|count| SceneError::Malformed {
+        let filters = filter::filters(&root.collision_filters).map_err(|_| SceneError::Malformed {
             file: parts.path.clone(),
-            what: format!("{count} collision systems: at most 64 can be told apart"),
+            what: "more than 64 collision systems: no more can be told apart".into(),
         })?;
         let materials = root.physics_materials.iter().map(|m| material(m, &mut scene.notes)).collect();
         let joints = joints::rows(parts, &root.physics_joints)?;
@@ -127,6 +162,8 @@ impl<'a> Loader<'a> {
             unfiltered,
             joints,
             scene,
+            tally,
+            built: BTreeMap::new(),
             body: nobody.clone(),
             ground: nobody,
         })
@@ -141,7 +178,7 @@ impl<'a> Loader<'a> {
         let Some(physics) = self.physics[node].take() else { return Ok(()) };
         if let Some(motion) = &physics.motion {
             let kind = if motion.is_kinematic { BodyKind::Kinematic } else { BodyKind::Dynamic };
-            self.body[node] = Some(self.add_body(node, kind));
+            self.body[node] = Some(self.add_body(node, kind)?);
         }
         // A trigger without a shape is one of the shapes of other nodes, which are triggers themselves.
         if let Some(extension::Trigger { geometry: Some(geometry), collision_filter }) = &physics.trigger {
@@ -155,11 +192,12 @@ impl<'a> Loader<'a> {
         Ok(())
     }
 
-    fn add_body(&mut self, node: usize, kind: BodyKind) -> usize {
+    fn add_body(&mut self, node: usize, kind: BodyKind) -> Result<usize, SceneError> {
+        self.tally.bodies.take(1).map_err(|e| problem(self.parts, node, e.into()))?;
         let rotation = self.tree.rotation[node].as_quat();
         let desc = BodyDesc::new(kind).at(self.tree.global[node].translation).rotated(rotation);
         self.scene.bodies.push(SceneBody { name: self.name(node), node: Some(node), desc });
-        self.scene.bodies.len() - 1
+        Ok(self.scene.bodies.len() - 1)
     }
 
     fn add_shape(
@@ -177,7 +215,7 @@ impl<'a> Loader<'a> {
         let body = match self.body[node] {
             Some(body) => body,
             None => {
-                let body = self.add_body(node, BodyKind::Static);
+                let body = self.add_body(node, BodyKind::Static)?;
                 self.ground[node] = Some(body);
                 body
             }
@@ -218,28 +256,59 @@ impl<'a> Loader<'a> {
         Ok(())
     }
 
+    /// The geometry of a collider, built once for all that are alike.
     fn geometry(
-        &self,
+        &mut self,
         node: usize,
         geometry: &extension::Geometry,
         scale: DMat3,
         kind: BodyKind,
     ) -> Result<Placed, Problem> {
-        match (geometry.shape, geometry.node) {
-            (Some(shape), None) => match self.shapes.get(shape) {
-                Some(shape) => shapes::implicit(shape, scale, kind),
-                None => Err(Problem::Text(format!("shape {shape} does not exist"))),
-            },
+        let dynamic = kind == BodyKind::Dynamic;
+        let hull = geometry.node.is_some() && (geometry.convex_hull || dynamic);
+        let of = match (geometry.shape, geometry.node) {
+            (Some(shape), None) => Source::Shape(shape),
             (None, Some(mesh)) => {
-                let moves = |n: usize| n != node && self.moves(n);
-                shapes::of_mesh(self.parts, mesh, &moves, geometry.convex_hull, scale, kind)
+                // Geometry ends where something else moves; it does not for the collider's own node.
+                let within =
+                    self.tree.is_below(node, mesh) || !self.tree.in_scene.get(mesh).is_some_and(|&i| i);
+                let moves = self.body[node].is_some_and(|body| self.scene.bodies[body].node == Some(node));
+                let own = (node != mesh && within && moves).then_some(node);
+                Source::Mesh(mesh, own)
             }
-            _ => Err(Problem::Text("its geometry must have either a shape or a node".into())),
+            _ => return Err(Problem::Text("its geometry must have either a shape or a node".into())),
+        };
+        // As f32, as files have it: under a rotation it has the noise of f64, zeros of both signs among it.
+        let rounded = scale.to_cols_array().map(|x| (x as f32 + 0.0).to_bits());
+        let key = Build { of, scale: rounded, hull };
+        let mut placed = match self.built.get(&key) {
+            Some(placed) => placed.clone(),
+            None => {
+                let placed = self.build(of, scale, hull)?;
+                self.built.insert(key, placed.clone());
+                placed
+            }
+        };
+        if dynamic && matches!(placed.geometry, Geometry::Plane | Geometry::Mesh(_)) {
+            return Err(Error::StaticOnly { shape: "plane" }.into());
         }
+        if hull && !geometry.convex_hull {
+            placed.note = Some("a mesh on a dynamic body is its convex hull");
+        }
+        Ok(placed)
     }
 
-    fn moves(&self, node: usize) -> bool {
-        self.physics.get(node).and_then(Option::as_ref).is_some_and(|p| p.motion.is_some())
+    fn build(&mut self, of: Source, scale: DMat3, hull: bool) -> Result<Placed, Problem> {
+        match of {
+            Source::Shape(shape) => match self.shapes.get(shape) {
+                Some(shape) => shapes::implicit(shape, scale, &mut self.tally),
+                None => Err(Problem::Text(format!("shape {shape} does not exist"))),
+            },
+            Source::Mesh(mesh, own) => {
+                let moves = |n: usize| Some(n) != own && moves(&self.physics, n);
+                shapes::of_mesh(self.parts, mesh, &moves, hull, scale, &mut self.tally)
+            }
+        }
     }
 
     /// Where a node is in the frame of another, without scales: position [m] and rotation.
@@ -296,6 +365,10 @@ impl<'a> Loader<'a> {
     }
 }
 
+fn moves(physics: &[Option<NodePhysics>], node: usize) -> bool {
+    physics.get(node).and_then(Option::as_ref).is_some_and(|p| p.motion.is_some())
+}
+
 /// Rounds what is nearly a whole number: a scale of 1 under a rotation must not become 0.9999999.
 fn tidy(m: DMat3) -> DMat3 {
     let near = |v: f64| if (v - v.round()).abs() < 1e-7 { v.round() } else { v };
@@ -334,5 +407,6 @@ fn problem(parts: &Parts, node: usize, problem: Problem) -> SceneError {
     match problem {
         Problem::Text(what) => SceneError::Node { file: parts.path.clone(), node: label, what },
         Problem::Engine(source) => SceneError::Body { file: parts.path.clone(), node: label, source },
+        Problem::Limit(source) => SceneError::Limit { file: parts.path.clone(), source },
     }
 }

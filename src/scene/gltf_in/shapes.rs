@@ -6,16 +6,18 @@
 
 use super::super::assets;
 use super::super::weld::Welded;
-use super::accessor;
+use super::accessor::{self, Positions};
 use super::extension;
 use super::file::Parts;
-use crate::body::BodyKind;
 use crate::error::Error;
+use crate::load_limits::{LimitExceeded, Tally};
 use crate::shape::Geometry;
 use glam::{DAffine3, DMat3, DVec3, Vec3};
+use gltf::mesh::Mode;
 use std::f64::consts::{PI, TAU};
 
 /// A geometry and where its frame is in the frame of the node.
+#[derive(Clone)]
 pub(super) struct Placed {
     pub(super) geometry: Geometry,
     /// Along the node's axes [m].
@@ -28,11 +30,18 @@ pub(super) struct Placed {
 pub(super) enum Problem {
     Text(String),
     Engine(Error),
+    Limit(LimitExceeded),
 }
 
 impl From<Error> for Problem {
     fn from(e: Error) -> Self {
         Problem::Engine(e)
+    }
+}
+
+impl From<LimitExceeded> for Problem {
+    fn from(e: LimitExceeded) -> Self {
+        Problem::Limit(e)
     }
 }
 
@@ -47,7 +56,7 @@ impl From<Geometry> for Placed {
 }
 
 /// An implicit shape under the linear map `scale`: scale in the node's axes, and shear if a turned ancestor is scaled.
-pub(super) fn implicit(shape: &extension::Shape, scale: DMat3, kind: BodyKind) -> Result<Placed, Problem> {
+pub(super) fn implicit(shape: &extension::Shape, scale: DMat3, tally: &mut Tally) -> Result<Placed, Problem> {
     let s = DVec3::new(scale.x_axis.x, scale.y_axis.y, scale.z_axis.z).abs();
     let aside =
         [scale.x_axis.y, scale.x_axis.z, scale.y_axis.x, scale.y_axis.z, scale.z_axis.x, scale.z_axis.y];
@@ -62,11 +71,8 @@ pub(super) fn implicit(shape: &extension::Shape, scale: DMat3, kind: BodyKind) -
             if !sheared && even(s.x, s.y) && even(s.y, s.z) {
                 return Ok(Geometry::Sphere { radius: by(radius, s.x) }.into());
             }
-            sampled(
-                scale,
-                capsule_points(0.0, radius, radius),
-                "a sphere with uneven scale is a hull of points on it",
-            )
+            let note = "a sphere with uneven scale is a hull of points on it";
+            sampled(scale, capsule_points(0.0, radius, radius), note, tally)
         }
         "box" => {
             let half = Vec3::from(shape.cuboid.size) * 0.5;
@@ -77,13 +83,13 @@ pub(super) fn implicit(shape: &extension::Shape, scale: DMat3, kind: BodyKind) -
             let corner = |i: u32| {
                 Vec3::from_array([0, 1, 2].map(|a| if i >> a & 1 == 0 { -half[a] } else { half[a] }))
             };
-            sampled(scale, (0..8).map(corner).collect(), "a sheared box is a hull of its corners")
+            sampled(scale, (0..8).map(corner).collect(), "a sheared box is a hull of its corners", tally)
         }
         "capsule" => {
             let (half, bottom, top) = round("capsule", &shape.capsule)?;
             if sheared || !even(s.x, s.z) {
                 let note = "a capsule that is not round is a hull of points on it";
-                return sampled(scale, capsule_points(half, bottom, top), note);
+                return sampled(scale, capsule_points(half, bottom, top), note, tally);
             }
             Ok(capsule(by(half, s.y), by(bottom, around), by(top, around)))
         }
@@ -92,22 +98,20 @@ pub(super) fn implicit(shape: &extension::Shape, scale: DMat3, kind: BodyKind) -
             if sheared || !even(s.x, s.z) {
                 let rings = [(-half, bottom), (half, top)];
                 let note = "a cylinder that is not round is a hull of points on it";
-                return sampled(scale, rings.iter().flat_map(|&(y, r)| ring(y, r, 32)).collect(), note);
+                let points = rings.iter().flat_map(|&(y, r)| ring(y, r, 32)).collect();
+                return sampled(scale, points, note, tally);
             }
             let (radius_bottom, radius_top) = (by(bottom, around), by(top, around));
             Ok(Geometry::Cylinder { half_height: by(half, s.y), radius_bottom, radius_top }.into())
         }
-        "plane" => plane(&shape.plane, scale, kind),
+        "plane" => plane(&shape.plane, scale),
         other => text(format!("shapes of type {other:?} are not known")),
     }
 }
 
-fn plane(plane: &extension::Plane, scale: DMat3, kind: BodyKind) -> Result<Placed, Problem> {
+fn plane(plane: &extension::Plane, scale: DMat3) -> Result<Placed, Problem> {
     /// Where only one size is given, the other one ends here [m].
     const FAR: f32 = 10_000.0;
-    if kind == BodyKind::Dynamic {
-        return Err(Error::StaticOnly { shape: "plane" }.into());
-    }
     if plane.size_x.is_none() && plane.size_z.is_none() {
         let note = plane.double_sided.then_some("a double-sided infinite plane holds bodies from above only");
         return Ok(Placed { note, ..Geometry::Plane.into() });
@@ -142,22 +146,19 @@ pub(super) fn of_mesh(
     parts: &Parts,
     node: usize,
     stop_at: &dyn Fn(usize) -> bool,
-    convex: bool,
+    hull: bool,
     scale: DMat3,
-    kind: BodyKind,
+    tally: &mut Tally,
 ) -> Result<Placed, Problem> {
     let mut welded = Welded::default();
-    let mut note = collect(parts, node, stop_at, scale, &mut welded)?;
+    let note = collect(parts, node, stop_at, scale, &mut welded, tally)?;
     if welded.vertices.is_empty() {
         return text(format!("its geometry, node {node}, has no triangles"));
     }
-    let geometry = match convex || kind == BodyKind::Dynamic {
+    let geometry = match hull {
         true => Geometry::Hull(assets::hull(&welded.vertices)?),
         false => Geometry::Mesh(assets::mesh(&welded.vertices, &welded.triangles)?),
     };
-    if !convex && kind == BodyKind::Dynamic {
-        note = Some("a mesh on a dynamic body is its convex hull");
-    }
     Ok(Placed { geometry, offset: Vec3::ZERO, note })
 }
 
@@ -169,20 +170,22 @@ fn collect(
     stop_at: &dyn Fn(usize) -> bool,
     scale: DMat3,
     welded: &mut Welded,
+    tally: &mut Tally,
 ) -> Result<Option<&'static str>, Problem> {
-    let nodes: Vec<gltf::Node> = parts.document.nodes().collect();
-    let Some(root) = nodes.get(node) else {
+    let Some(root) = parts.document.nodes().nth(node) else {
         return text(format!("its geometry, node {node}, does not exist"));
     };
     let mut note = None;
-    let mut stack = vec![(root.clone(), DAffine3::from_mat3(scale), 0)];
+    let mut stack = vec![(root, DAffine3::from_mat3(scale), 0)];
     // Nodes outside the scene were not checked for cycles.
     let mut visited = 0;
     while let Some((node, to_root, depth)) = stack.pop() {
         visited += 1;
-        if visited > nodes.len() {
+        if visited > parts.document.nodes().len() {
             return text("the nodes of its geometry form a cycle");
         }
+        tally.nodes.take(1)?;
+        tally.depth.allow(depth)?;
         if depth > 0 && stop_at(node.index()) {
             continue;
         }
@@ -190,6 +193,7 @@ fn collect(
             note = Some("skins and morph targets of collision meshes are ignored");
         }
         for primitive in node.mesh().iter().flat_map(|m| m.primitives()) {
+            charge(&primitive, tally)?;
             add_primitive(parts, &primitive, &to_root, welded)?;
         }
         for child in node.children() {
@@ -209,38 +213,34 @@ pub(super) fn add_primitive(
     transform: &DAffine3,
     welded: &mut Welded,
 ) -> Result<(), Problem> {
-    use gltf::mesh::Mode;
-    if !matches!(primitive.mode(), Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
-        return Ok(());
-    }
-    let Some(accessor) = primitive.get(&gltf::Semantic::Positions) else { return Ok(()) };
+    let Some((accessor, corners)) = corners_of(primitive) else { return Ok(()) };
     let exact = *transform == DAffine3::IDENTITY;
-    let through = |p: &Vec3| if exact { *p } else { transform.transform_point3(p.as_dvec3()).as_vec3() };
-    let positions = accessor::positions(&accessor, &parts.buffers).map_err(Problem::Text)?;
-    let positions: Vec<Vec3> = positions.iter().map(through).collect();
+    let through = |p: Vec3| if exact { p } else { transform.transform_point3(p.as_dvec3()).as_vec3() };
+    let positions = Positions::new(&accessor, &parts.buffers).map_err(Problem::Text)?;
+    let position = |i: u32| positions.get(i).map(through).filter(|p| p.is_finite());
     let indices = match primitive.indices() {
-        Some(accessor) => accessor::indices(&accessor, &parts.buffers).map_err(Problem::Text)?,
-        None => (0..positions.len() as u32).collect(),
-    };
-    let triples: Vec<[u32; 3]> = match primitive.mode() {
-        Mode::Triangles => indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
-        Mode::TriangleStrip => {
-            let turn =
-                |(i, w): (usize, &[u32])| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] };
-            indices.windows(3).enumerate().map(turn).collect()
-        }
-        _ => indices.windows(2).skip(1).map(|w| [indices[0], w[0], w[1]]).collect(),
+        Some(accessor) => Some(accessor::indices(&accessor, &parts.buffers).map_err(Problem::Text)?),
+        None => None,
     };
     // Vertices in the order of the file: a hull written and read again is the same to the bit.
-    let mut used = vec![false; positions.len()];
-    triples.iter().flatten().for_each(|&i| used.get_mut(i as usize).into_iter().for_each(|u| *u = true));
-    for (p, _) in positions.iter().zip(used).filter(|(p, used)| *used && p.is_finite()) {
-        welded.vertex(*p);
+    let mut weld = |i: u32| {
+        if let Some(p) = position(i) {
+            welded.vertex(p);
+        }
+    };
+    match &indices {
+        Some(indices) => {
+            let mut used = indices[..corners].to_vec();
+            used.sort_unstable();
+            used.dedup();
+            used.into_iter().for_each(weld);
+        }
+        None => (0..corners as u32).for_each(&mut weld),
     }
     let mirrored = transform.matrix3.determinant() < 0.0;
-    for triple in triples {
-        let corner = |i: u32| positions.get(i as usize).copied().filter(|p| p.is_finite());
-        let [Some(a), Some(b), Some(c)] = triple.map(corner) else {
+    for triangle in 0..triangle_count(primitive.mode(), corners) {
+        let corner = |k: usize| position(indices.as_ref().map_or(k as u32, |indices| indices[k]));
+        let [Some(a), Some(b), Some(c)] = places_of(primitive.mode(), triangle).map(corner) else {
             return text("an index of a mesh is out of range, or a position is not finite");
         };
         welded.triangle(if mirrored { [a, c, b] } else { [a, b, c] });
@@ -248,7 +248,48 @@ pub(super) fn add_primitive(
     Ok(())
 }
 
-fn sampled(scale: DMat3, points: Vec<Vec3>, note: &'static str) -> Result<Placed, Problem> {
+/// Counts what a primitive takes, before it takes it.
+pub(super) fn charge(primitive: &gltf::Primitive, tally: &mut Tally) -> Result<(), Problem> {
+    let Some((accessor, corners)) = corners_of(primitive) else { return Ok(()) };
+    tally.vertices.take(accessor.count())?;
+    Ok(tally.triangles.take(triangle_count(primitive.mode(), corners))?)
+}
+
+/// The positions of a primitive of triangles, and how many of its corners are a triangle's; points and lines have none.
+fn corners_of<'a>(primitive: &gltf::Primitive<'a>) -> Option<(gltf::Accessor<'a>, usize)> {
+    let accessor = primitive.get(&gltf::Semantic::Positions)?;
+    let corners = primitive.indices().map_or(accessor.count(), |indices| indices.count());
+    let used = match primitive.mode() {
+        Mode::Triangles => corners / 3 * 3,
+        Mode::TriangleStrip | Mode::TriangleFan if corners >= 3 => corners,
+        Mode::TriangleStrip | Mode::TriangleFan => 0,
+        _ => return None,
+    };
+    Some((accessor, used))
+}
+
+fn triangle_count(mode: Mode, corners: usize) -> usize {
+    if mode == Mode::Triangles { corners / 3 } else { corners.saturating_sub(2) }
+}
+
+/// Which of the corners are those of a triangle (glTF 2.0, section 3.7.2.1).
+fn places_of(mode: Mode, triangle: usize) -> [usize; 3] {
+    let t = triangle;
+    match mode {
+        Mode::Triangles => [3 * t, 3 * t + 1, 3 * t + 2],
+        Mode::TriangleStrip if t % 2 == 0 => [t, t + 1, t + 2],
+        Mode::TriangleStrip => [t + 1, t, t + 2],
+        _ => [0, t + 1, t + 2],
+    }
+}
+
+fn sampled(
+    scale: DMat3,
+    points: Vec<Vec3>,
+    note: &'static str,
+    tally: &mut Tally,
+) -> Result<Placed, Problem> {
+    tally.vertices.take(points.len())?;
     let points: Vec<Vec3> = points.into_iter().map(|p| transform(scale, p)).collect();
     Ok(Placed { note: Some(note), ..Geometry::Hull(assets::hull(&points)?).into() })
 }

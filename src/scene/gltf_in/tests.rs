@@ -4,6 +4,7 @@ use super::super::testing::{data, scratch};
 use super::super::{Scene, SceneError, SceneJoint, load, rng::Rng};
 use crate::body::BodyKind;
 use crate::joint::{Axes, Axis, Drive, Frame, Motion, Spring};
+use crate::load_limits::LoadLimits;
 use crate::shape::{Combine, Geometry, TriangleMesh};
 use glam::{DVec3, Quat, Vec3};
 use serde_json::{Value, json};
@@ -197,7 +198,11 @@ fn a_deep_chain_of_nodes_is_walked() {
     let mut nodes: Vec<Value> =
         (1..20_000).map(|i| json!({ "translation": [0, 1, 0], "children": [i] })).collect();
     nodes.push(json!({ "extensions": physics(json!({ "collider": { "geometry": { "shape": 0 } } })) }));
-    let scene = load_json("deep", &file(json!(nodes), json!([{ "type": "box" }]), json!({}))).unwrap();
+    let path = scratch("deep").join("scene.gltf");
+    std::fs::write(&path, file(json!(nodes), json!([{ "type": "box" }]), json!({})).to_string()).unwrap();
+    let mut limits = LoadLimits::default();
+    limits.depth = 20_000;
+    let scene = super::super::load_limited(&path, &limits).unwrap();
     assert_eq!(scene.bodies[0].desc.position.y, 19_999.0);
 }
 
@@ -544,14 +549,14 @@ fn a_refused_uri_is_named_with_its_reason_and_escaped() {
     json["buffers"][0]["uri"] = json!("near.bin");
     std::fs::write(&path, json.to_string()).unwrap();
     let refuse = |_: &str, _: u64| Err("no files here".into());
-    let text = super::super::load_with(&path, &refuse).unwrap_err().to_string();
+    let text = super::super::load_with(&path, &refuse, &LoadLimits::default()).unwrap_err().to_string();
     assert!(text.ends_with("uri near.bin: no files here"), "{text}");
     let asked = std::cell::RefCell::new(Vec::new());
     let give = |uri: &str, most: u64| {
         asked.borrow_mut().push((uri.to_owned(), most));
         Ok(vec![0; 3])
     };
-    let text = super::super::load_with(&path, &give).unwrap_err().to_string();
+    let text = super::super::load_with(&path, &give, &LoadLimits::default()).unwrap_err().to_string();
     assert!(text.contains("buffer 0 has 3 bytes instead of 4"), "{text}");
     assert_eq!(asked.into_inner(), [("near.bin".to_owned(), 4)]);
 }

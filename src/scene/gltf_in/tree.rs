@@ -2,6 +2,7 @@
 
 use super::super::SceneError;
 use super::file::Parts;
+use crate::load_limits::{LimitExceeded, Tally};
 use glam::{DAffine3, DMat3, DQuat, DVec3, Quat, Vec3};
 
 /// Nodes reachable from the scene.
@@ -14,12 +15,16 @@ pub(in crate::scene) struct Tree {
     pub(in crate::scene) global: Vec<DAffine3>,
     /// How each node is turned in the world, without scale.
     pub(in crate::scene) rotation: Vec<DQuat>,
+    /// Per node of the file: whether it is in the scene.
+    pub(in crate::scene) in_scene: Vec<bool>,
 }
 
 impl Tree {
-    pub(in crate::scene) fn new(parts: &Parts) -> Result<Tree, SceneError> {
+    pub(in crate::scene) fn new(parts: &Parts, tally: &mut Tally) -> Result<Tree, SceneError> {
+        let beyond = |source: LimitExceeded| SceneError::Limit { file: parts.path.clone(), source };
         let document = &parts.document;
         let count = document.nodes().len();
+        tally.nodes.take(count).map_err(beyond)?;
         let locals: Vec<Local> =
             document.nodes().map(|n| Local::of(parts, &n)).collect::<Result<_, SceneError>>()?;
         let mut tree = Tree {
@@ -27,12 +32,13 @@ impl Tree {
             parent: vec![None; count],
             global: vec![DAffine3::IDENTITY; count],
             rotation: vec![DQuat::IDENTITY; count],
+            in_scene: vec![false; count],
         };
-        let mut seen = vec![false; count];
-        let mut stack: Vec<usize> = roots(document);
+        let mut stack: Vec<(usize, usize)> = roots(document).into_iter().map(|root| (root, 1)).collect();
         stack.reverse();
-        while let Some(index) = stack.pop() {
-            if std::mem::replace(&mut seen[index], true) {
+        while let Some((index, depth)) = stack.pop() {
+            tally.depth.allow(depth).map_err(beyond)?;
+            if std::mem::replace(&mut tree.in_scene[index], true) {
                 let what = format!("node {index} has two parents, or is its own ancestor");
                 return Err(SceneError::Malformed { file: parts.path.clone(), what });
             }
@@ -42,10 +48,15 @@ impl Tree {
             let children: Vec<usize> = node.children().map(|c| c.index()).collect();
             for &child in children.iter().rev() {
                 tree.parent[child] = Some(index);
-                stack.push(child);
+                stack.push((child, depth + 1));
             }
         }
         Ok(tree)
+    }
+
+    /// Whether a node of the scene is below another.
+    pub(super) fn is_below(&self, node: usize, above: usize) -> bool {
+        std::iter::successors(self.parent[node], |&n| self.parent[n]).any(|n| n == above)
     }
 
     fn place(&mut self, index: usize, local: &Local) {

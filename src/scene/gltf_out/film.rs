@@ -8,6 +8,7 @@ use super::super::{Recorder, Scene, SceneError};
 use super::build::{self, Builder};
 use super::document::Document;
 use crate::body::BodyKind;
+use crate::load_limits::{LoadLimits, Tally};
 use glam::{DAffine3, Quat, Vec3};
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -57,11 +58,13 @@ fn over_source(
     source: &Path,
     resolve: &Resolver<'_>,
 ) -> Result<(Document, Vec<Track>), SceneError> {
-    let parts = Parts::read(source, resolve)?;
-    let tree = Tree::new(&parts)?;
+    // Its file was read before, within what limits there were.
+    let mut tally = Tally::new(&LoadLimits::NONE);
+    let parts = Parts::read(source, resolve, &mut tally)?;
+    let tree = Tree::new(&parts, &mut tally)?;
     let mut document =
         Document::from_parts(parts.json.as_object().cloned().unwrap_or_default(), &parts.buffers);
-    embed_images(&mut document, source, resolve);
+    embed_images(&mut document, source, resolve, &mut Tally::new(&LoadLimits::default()));
     drop_required(&mut document.json);
     // The recorder's slot of the body at each node.
     let mut slots: Vec<Option<usize>> = vec![None; tree.parent.len()];
@@ -183,7 +186,7 @@ fn animate(document: &mut Document, times: &[f32], tracks: &[Track]) {
 }
 
 /// Images beside the source would be lost beside the film: takes them in. One that can't be read stays a reference.
-fn embed_images(document: &mut Document, source: &Path, resolve: &Resolver<'_>) {
+fn embed_images(document: &mut Document, source: &Path, resolve: &Resolver<'_>, tally: &mut Tally) {
     for index in 0..document.list("images").len() {
         let Some(uri) = document.list("images")[index]["uri"].as_str().map(str::to_owned) else { continue };
         let kind = match uri.rsplit('.').next().map(str::to_ascii_lowercase).as_deref() {
@@ -194,7 +197,7 @@ fn embed_images(document: &mut Document, source: &Path, resolve: &Resolver<'_>) 
         if uri.starts_with("data:") {
             continue;
         }
-        if let Ok(bytes) = read_uri(source, &uri, MAX_IMAGE, resolve) {
+        if let Ok(bytes) = read_uri(source, &uri, MAX_IMAGE, resolve, tally) {
             let view = document.view(&bytes, None);
             if let Some(image) = document.list("images")[index].as_object_mut() {
                 image.remove("uri");

@@ -30,7 +30,8 @@ pub fn write_scene(scene: &Scene, path: impl AsRef<Path>) -> Result<(), SceneErr
 /// added in front, else a simple mesh for each shape. `.gltf`: text; anything else: `.glb`, which any viewer plays.
 ///
 /// # Errors
-/// If the scene's file can't be read again, or the film can't be written, for instance because it would replace that file.
+/// If the scene's file can't be read again, or the film can't be written, for instance because it would replace that file or one
+/// that it refers to.
 /// Whatever was at `path` is then still there.
 pub fn write_animation(scene: &Scene, recorder: &Recorder, path: impl AsRef<Path>) -> Result<(), SceneError> {
     let folder = scene_folder(scene.source.as_deref().unwrap_or(Path::new("")));
@@ -51,8 +52,9 @@ pub fn write_animation_with(
     // Not only because it is lost: the next run would have the film as its scene.
     scene
         .source
-        .as_deref()
-        .map_or(Ok(()), |source| refuse_input(path, source))
+        .iter()
+        .chain(&scene.parts)
+        .try_for_each(|input| refuse_input(path, input))
         .map_err(|source| SceneError::Write { file: path.into(), source })?;
     write(film::document(scene, recorder, resolve)?, path)
 }

@@ -8,6 +8,7 @@ use super::super::{
 use crate::body::{BodyDesc, BodyKind};
 use crate::handle::BodyHandle;
 use crate::joint::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
+use crate::load_limits::{LoadLimits, Tally};
 use crate::shape::{Geometry, ShapeDesc};
 use crate::{Settings, World};
 use glam::{DQuat, DVec3, Mat4, Quat, Vec3};
@@ -346,7 +347,9 @@ fn gltf_buffers(file: &gltf::Gltf, path: &Path) -> Vec<Vec<u8>> {
     let read = |b: gltf::Buffer| match b.source() {
         gltf::buffer::Source::Bin => file.blob.clone().unwrap(),
         gltf::buffer::Source::Uri(uri) => {
-            super::super::gltf_in::file::read_uri(path, uri, u64::MAX, &scene_folder(path)).unwrap()
+            let mut tally = Tally::new(&LoadLimits::NONE);
+            super::super::gltf_in::file::read_uri(path, uri, u64::MAX, &scene_folder(path), &mut tally)
+                .unwrap()
         }
     };
     file.buffers().map(read).collect()

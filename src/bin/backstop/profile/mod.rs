@@ -5,7 +5,7 @@ mod ledger;
 mod measure;
 mod page;
 
-use crate::args::{CompareOptions, ProfileOptions};
+use crate::args::{self, CompareOptions, ProfileOptions};
 use crate::threads::with_threads;
 use crate::{compare, output, run};
 use anyhow::{Context, bail};
@@ -13,7 +13,7 @@ use backstop::Settings;
 use backstop::scene::{self, Scene};
 use ledger::{Ledger, Memory, ProfileSettings, Run};
 use measure::{Measured, Way, measure};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The scene unless another is asked for; away from the repository it is made anew.
 const TALK: &str = "scenes/talk.glb";
@@ -23,9 +23,10 @@ pub(crate) fn profile(options: &ProfileOptions) -> anyhow::Result<()> {
     options.report.as_deref().map_or(Ok(()), output::make_folder)?;
     options.csv.as_deref().map_or(Ok(()), output::make_folder_of)?;
     let page = options.report.as_ref().map(|folder| folder.join("index.html"));
-    let input = options.scene.as_deref().map(Path::new);
-    output::refuse_inputs(&[options.csv.as_deref(), page.as_deref()], input)?;
+    let outputs = [options.csv.as_deref(), page.as_deref()];
+    output::refuse_inputs(&outputs, options.scene.iter().map(Path::new))?;
     let scene = open(options)?;
+    output::refuse_inputs(&outputs, scene.parts.iter().map(PathBuf::as_path))?;
     if !options.quiet {
         output::notes(&scene);
     }
@@ -54,7 +55,7 @@ pub(crate) fn profile(options: &ProfileOptions) -> anyhow::Result<()> {
 
 fn open(options: &ProfileOptions) -> anyhow::Result<Scene> {
     match &options.scene {
-        Some(name) => Ok(scene::open(name)?),
+        Some(name) => Ok(scene::open_limited(name, &args::limits(options.no_limits))?),
         None if Path::new(TALK).exists() => Ok(scene::open(TALK)?),
         None => scene::shipped("talk.glb").context("there is no talk.glb"),
     }
