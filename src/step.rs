@@ -258,6 +258,8 @@ impl World {
         }
         let hold = (dt / JOINT_HOLD).min(1.0);
         self.buffers.joints.store(&mut self.joints, &self.bodies, self.settings.substeps as f32 / dt, hold);
+        // Rows may end as no numbers though the velocities that they acted on were brought back.
+        self.joints.forget_unsound();
         if self.joints.any_breakable() {
             self.break_joints();
         }
