@@ -10,7 +10,7 @@ use crate::broad_phase::Pair;
 use crate::constraint::Prepared;
 use crate::handle::BodyHandle;
 use crate::lanes::{Lanes, Mask, Record, f32x8};
-use crate::limits::MAX_LEFT_SPEED as MOST;
+use crate::limits::{MAX_LEFT_SPEED as MOST, MAX_LOAD};
 use crate::memory::bytes_of;
 use crate::narrow_phase::{Contact, Point, UNKNOWN_LOAD};
 use crate::threads::Crew;
@@ -146,10 +146,10 @@ impl World {
 
     /// Ends the step for those that stood still.
     pub(crate) fn thaw(&mut self) {
-        self.faults.stopped.sort_unstable();
-        if self.faults.frozen.is_empty() {
+        if self.faults.stopped.is_empty() {
             return;
         }
+        self.faults.stopped.sort_unstable();
         let World { bodies, colliders, joints, faults, broad, .. } = self;
         for &slot in &faults.frozen {
             let index = bodies.wake(bodies.slots.dense(slot), |own, index| {
@@ -158,8 +158,10 @@ impl World {
             // Pairs with others that stood still were not looked for.
             bodies.colliders[index].as_slice().iter().for_each(|&c| broad.look_again(c));
         }
+        joints.changed |= joints.count > 0 && !faults.frozen.is_empty();
         faults.frozen.clear();
-        joints.changed |= joints.count > 0;
+        // What they made of impulses before they were found, or of those of others.
+        self.forget_impulses();
     }
 
     /// Bodies by index that were put back where they are moved.
@@ -168,7 +170,6 @@ impl World {
         indices.sort_unstable();
         let handles: Vec<BodyHandle> = indices.iter().map(|&i| self.handle_of(i as usize)).collect();
         self.faults.stopped.extend(handles);
-        self.forget_impulses();
     }
 
     /// Where impulses are no numbers, or are of a body that stands still, nothing is warm-started with them.
@@ -190,9 +191,10 @@ impl World {
 }
 
 fn has_sound_impulses(contact: &Contact) -> bool {
-    let points = contact.points.iter().fold(0.0, |sum, point| sum + point.impulse + point.mean_force);
-    let loads = contact.twist + contact.lasting_force + contact.rest + contact.static_load;
-    (contact.mean_friction + contact.friction.extend(points + loads)).is_finite()
+    let loads = [contact.twist, contact.lasting_force, contact.rest, contact.static_load];
+    let of_points = contact.points.iter().flat_map(|point| [point.impulse, point.mean_force]);
+    let vectors = contact.friction.to_array().into_iter().chain(contact.mean_friction.to_array());
+    loads.into_iter().chain(of_points).chain(vectors).all(|load| load.abs() <= MAX_LOAD)
 }
 
 fn forget(contact: &mut Contact) {

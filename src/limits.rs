@@ -33,6 +33,10 @@ pub const MAX_MASS: f32 = 1e36;
 /// Largest density [kg/m³].
 pub const MAX_DENSITY: f32 = 1e15;
 
+/// Largest force or impulse that is carried from step to step [N], [N s]: beyond what the heaviest bodies that there may be bear;
+/// the sum of a few is a number still.
+pub(crate) const MAX_LOAD: f32 = 10.0 * MAX_MASS;
+
 pub(crate) fn position(at: DVec3) -> Result<(), Error> {
     let what = "position";
     for value in at.to_array() {

@@ -115,6 +115,7 @@ impl World {
 
     /// The stages by name, in order, timed.
     fn run(&mut self, crew: &Crew<'_>, dt: f32, hooks: &dyn ContactHooks) {
+        self.stage = Some("broad");
         let start = Instant::now();
         let mut times = StageTimes::default();
         let demand = self.demand();
@@ -125,7 +126,6 @@ impl World {
         self.buffers.dt = dt;
 
         self.forget_faults();
-        self.stage = Some("broad");
         self.predict(crew, dt);
         let mut broad = movers::pairs(crew, self);
         let watch = Watch::start(self.settings.sleeping);
@@ -259,6 +259,8 @@ impl World {
         }
         let hold = (dt / JOINT_HOLD).min(1.0);
         self.buffers.joints.store(&mut self.joints, &self.bodies, self.settings.substeps as f32 / dt, hold);
+        // Rows may end as no numbers though the velocities that they acted on were brought back.
+        self.joints.forget_unsound();
         if self.joints.any_breakable() {
             self.break_joints();
         }

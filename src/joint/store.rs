@@ -3,6 +3,7 @@
 use super::desc::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
 use crate::constraint::RowGroup;
 use crate::handle::{JointHandle, Slots};
+use crate::limits::MAX_LOAD;
 use crate::memory::{Buffer, bytes_of};
 use glam::Vec3;
 
@@ -172,19 +173,21 @@ pub(crate) struct Joints {
 }
 
 impl Joints {
-    /// Where what joints bear is no number, they begin the next step without.
+    /// Where what joints bear is no number, or out of range, they begin the next step without.
     pub(crate) fn forget_unsound(&mut self) {
+        let sound = |loads: &[f32]| loads.iter().all(|load| load.abs() <= MAX_LOAD);
         for lock in &mut self.locks {
-            let all = lock.impulse.element_sum() + lock.held + lock.steady + lock.lag;
-            if !all.is_finite() {
+            if !sound(&lock.impulse.to_array()) || !sound(&[lock.held, lock.steady, lock.lag]) {
                 (lock.impulse, lock.held, lock.steady, lock.lag) = (Vec3::ZERO, 0.0, 0.0, -1.0);
             }
         }
-        for joint in self.all.iter_mut().filter(|joint| !(joint.force + joint.torque).is_finite()) {
-            (joint.force, joint.torque) = (Vec3::ZERO, Vec3::ZERO);
+        for joint in &mut self.all {
+            if !sound(&joint.force.to_array()) || !sound(&joint.torque.to_array()) {
+                (joint.force, joint.torque) = (Vec3::ZERO, Vec3::ZERO);
+            }
         }
         for row in &mut self.rows {
-            if !(row.impulse[0] + row.impulse[1] + row.held).is_finite() {
+            if !sound(&[row.impulse[0], row.impulse[1], row.held]) {
                 (row.impulse, row.held) = ([0.0; 2], 0.0);
             }
         }

@@ -47,9 +47,14 @@ pub(super) fn check(view: &View<'_>, records: &Records) -> Result<(), Error> {
     view.broad.check(&colliders, &fixed, &absent)?;
     let of = |c: u32| known.get(c as usize).copied().flatten();
     let (movers, listed) = (view.counts.movers() as usize, view.counts.pairs as usize);
-    let disabled =
-        |slot: &u32| records.moving.iter().any(|body| body.slot == *slot && body.body.traits.disabled);
-    let asleep: Vec<u32> = view.slots[movers..].iter().copied().filter(|slot| !disabled(slot)).collect();
+    // By slot: whether a body can be pushed, awake or asleep.
+    let mut pushed = vec![false; records.bodies.count];
+    for body in records.moving.iter().filter(|body| body.body.kind == BodyKind::Dynamic) {
+        pushed[body.slot as usize] = !body.body.traits.disabled;
+    }
+    // Of what could move and doesn't the rest is disabled.
+    let asleep: Vec<u32> =
+        view.slots[movers..].iter().copied().filter(|&slot| pushed[slot as usize]).collect();
     view.sleep.check(&asleep, view.counts.kept as usize)?;
     let mut awake = vec![false; records.bodies.count];
     view.slots[..movers].iter().for_each(|&slot| awake[slot as usize] = true);
@@ -74,9 +79,6 @@ pub(super) fn check(view: &View<'_>, records: &Records) -> Result<(), Error> {
         (one.kind, a) < (other.kind, b) && one.body != other.body && there && collide && placed
     })?;
     // What is joined sleeps together.
-    let mut pushed = vec![false; records.bodies.count];
-    let all = records.moving.iter().filter(|body| body.body.kind == BodyKind::Dynamic);
-    all.for_each(|body| pushed[body.slot as usize] = !body.body.traits.disabled);
     let torn = |[a, b]: [u32; 2]| {
         pushed[a as usize] && pushed[b as usize] && island_of[a as usize] != island_of[b as usize]
     };

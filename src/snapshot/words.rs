@@ -98,10 +98,10 @@ pub(crate) fn all_finite(words: &[u32]) -> Result<(), Error> {
     }
 }
 
-/// Refuses forces and impulses of which a sum of a few would be no number: more than the heaviest bodies that there may be bear.
+/// Refuses forces and impulses that no step leaves.
 pub(crate) fn all_loads(words: &[u32]) -> Result<(), Error> {
-    const MOST: f32 = 10.0 * crate::limits::MAX_MASS;
-    if words.iter().all(|&w| f32::from_bits(w).abs() <= MOST) { Ok(()) } else { Err(broken("a load")) }
+    let sound = words.iter().all(|&w| f32::from_bits(w).abs() <= crate::limits::MAX_LOAD);
+    if sound { Ok(()) } else { Err(broken("a load")) }
 }
 
 /// A number that differs, as good as surely, if a word does: a product of 128 bits folded for each two words, as wyhash has it
