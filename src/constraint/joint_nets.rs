@@ -77,6 +77,8 @@ pub(crate) struct NetInput<'a, 'b> {
     pub(crate) pull: &'a [Record],
     /// Substep [s].
     pub(crate) h: f32,
+    /// The fastest that an error of a joint is taken back [m/s] or [rad/s].
+    pub(crate) push: f32,
 }
 
 /// What a net has at a moment.
@@ -93,6 +95,13 @@ impl NetInput<'_, '_> {
     fn velocity(&self, body: usize) -> Record {
         // SAFETY: between stages this thread is alone.
         unsafe { self.motion.velocity.read(body) }
+    }
+
+    /// What a body may have while an error is taken back [J].
+    fn closing_energy(&self, body: usize) -> f64 {
+        let (mass, push) = (&self.mass[body], f64::from(self.push));
+        let m = if mass.inverse > 0.0 { 1.0 / f64::from(mass.inverse) } else { 0.0 };
+        0.5 * push * push * (m + f64::from(mass.inertia.max_element()).min(f64::from(f32::MAX)))
     }
 
     fn pull_of(&self, body: usize) -> Record {
@@ -303,8 +312,11 @@ impl Nets {
         for root in 0..self.all.len() {
             let Member { root: own, flags, moving, .. } = self.all[root];
             if own as usize == root && flags & SWIFT != 0 {
-                let most = f64::from(moving);
-                self.bound(input, root, (CHORD * most, most));
+                // What takes errors back is no speed that lasts.
+                let mut closing = 0.0;
+                self.around(root, |body| closing += input.closing_energy(body));
+                let most = CHORD * f64::from(moving) + closing;
+                self.bound(input, root, (most, most));
             }
         }
         self.forget_wild(input);
@@ -315,7 +327,7 @@ impl Nets {
     #[inline(never)]
     pub(crate) fn end(&mut self, input: &NetInput<'_, '_>) {
         visit(input.views, input.stages, &mut |batch: &mut dyn Watched| {
-            batch.lost(&mut |body| self.flag(body, FAST));
+            batch.lost(input.motion, input.h, &mut |body| self.flag(body, FAST));
             batch.unsolved(input.motion, &mut |body| self.flag(body, FAST));
         });
         self.sum_springs(input, true);

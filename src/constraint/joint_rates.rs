@@ -9,7 +9,7 @@ use super::joint_measure::Measure;
 use super::joint_nets::FOLLOWED;
 use super::joint_row::RowBatch;
 use super::joint_run::JointViews;
-use super::joint_tree::TreeBatch;
+use super::joint_tree::{TreeBatch, Turns};
 use crate::lanes::{GatherLanes, Lanes, Mask, Record};
 use glam::Vec3;
 
@@ -25,7 +25,7 @@ pub(super) trait Watched {
     /// Calls `f` with a body of each joint of which a direction turns too far in a substep.
     fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32));
     /// Calls `f` with a body of each tree whose rotation was not followed in the substep.
-    fn lost(&self, _f: &mut dyn FnMut(u32)) {}
+    fn lost(&self, _motion: &Motion<'_, '_>, _h: f32, _f: &mut dyn FnMut(u32)) {}
     /// Calls `f` with a body of each lock that still opens after velocities were relaxed: passes over its rows did not agree.
     fn unsolved(&self, _motion: &Motion<'_, '_>, _f: &mut dyn FnMut(u32)) {}
     /// Takes away what joints of some bodies pushed.
@@ -283,31 +283,22 @@ impl<L: GatherLanes> Watched for TreeBatch<L> {
         }
     }
     fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
-        for (i, node) in self.nodes.iter().enumerate().filter(|(_, node)| node.jointed) {
-            let own = &self.nodes[self.body_of(i)];
-            let above = self.nodes.get(node.parent as usize);
-            // What is watched has a way of its own to lose energy (see `joint_damp`).
-            for lane in (0..L::N).filter(|lane| (own.write & !self.watched) >> lane & 1 != 0) {
-                let body = own.body[lane];
-                let other = above.map_or(node.anchor[lane], |above| above.body[lane]);
-                // SAFETY: between stages this thread is alone.
-                let v = [body, other].map(|body| unsafe { motion.velocity.read(body as usize) });
-                if self.exact >> lane & 1 != 0 {
-                    let turn = v[0].angular.length().max(v[1].angular.length()) * h;
-                    let most = if self.is_cut() { FOLLOWED } else { FOLLOWED_IN_PARTS };
-                    if !(turn <= most) {
-                        f(body);
-                    }
-                } else if !(turn_of_arms(v, node.arm_now.map(|arm| arm.lane(lane))) * h <= FOLLOWED) {
+        let in_parts = if self.is_cut() { FOLLOWED } else { FOLLOWED_IN_PARTS };
+        // What is watched has a way of its own to lose energy (see `joint_damp`).
+        self.each_turn(motion, !self.watched, &mut |body, lane, turn| {
+            let most = if self.exact >> lane & 1 != 0 { in_parts } else { FOLLOWED };
+            if !(turn * h <= most) {
+                f(body);
+            }
+        });
+    }
+    fn lost(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
+        if self.astray != 0 {
+            self.each_turn(motion, self.astray, &mut |body, _, turn| {
+                if !(turn * h <= FOLLOWED) {
                     f(body);
                 }
-            }
-        }
-    }
-    fn lost(&self, f: &mut dyn FnMut(u32)) {
-        let Some(root) = self.nodes.first() else { return };
-        for lane in (0..L::N).filter(|lane| root.write & self.astray >> lane & 1 != 0) {
-            f(root.body[lane]);
+            });
         }
     }
     fn stored(&self, h: f32, f: &mut dyn FnMut(u32, [f32; 2])) {
@@ -325,6 +316,27 @@ impl<L: GatherLanes> Watched for TreeBatch<L> {
                     [motor.pull, motor.give, motor.speed, motor.most].map(|x| x.lane(lane));
                 let spring = [pull, give, speed, most, mobility.lane(lane)];
                 f(own.body[lane], held_by(spring, off.lane(lane).abs(), motor.impulse.lane(lane), h));
+            }
+        }
+    }
+}
+
+impl<L: GatherLanes> TreeBatch<L> {
+    /// Calls `f` with a body of each joint in some lanes, its lane, and how fast its arms or its axis turn [rad/s].
+    fn each_turn(&self, motion: &Motion<'_, '_>, lanes: u32, f: &mut dyn FnMut(u32, usize, f32)) {
+        for (i, node) in self.nodes.iter().enumerate().filter(|(_, node)| node.jointed) {
+            let own = &self.nodes[self.body_of(i)];
+            let above = self.nodes.get(node.parent as usize);
+            for lane in (0..L::N).filter(|lane| (own.write & lanes) >> lane & 1 != 0) {
+                let body = own.body[lane];
+                let other = above.map_or(node.anchor[lane], |above| above.body[lane]);
+                // SAFETY: between stages this thread is alone.
+                let v = [body, other].map(|body| unsafe { motion.velocity.read(body as usize) });
+                let mut turn = turn_of_arms(v, node.arm_now.map(|arm| arm.lane(lane)));
+                if node.turns == Turns::AboutAxis {
+                    turn = turn.max(v[0].angular.cross(node.axis_now[0].lane(lane)).length());
+                }
+                f(body, lane, turn);
             }
         }
     }

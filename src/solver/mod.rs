@@ -174,6 +174,7 @@ pub(crate) fn solve(
             mass,
             pull: &forces.acceleration,
             h,
+            push: passes.joint_push,
         };
         let mut watched = joined_at_all && is_swift.into_inner();
         if watched {
