@@ -273,8 +273,7 @@ fn copies_of_geometry_are_bounded_by_their_bytes() {
             break;
         }
     }
-    let mut limits = LoadLimits::default();
-    limits.memory = 64 << 20;
+    let limits = LoadLimits { memory: 64 << 20, ..LoadLimits::default() };
     let mut replay = Replay::open_limited(&copied[..], &limits, |_| {}).unwrap();
     match replay.run() {
         Err(ReplayError::Limit { steps: 8, source }) => {
@@ -322,8 +321,7 @@ fn limits_of_a_recording_have_their_names() {
             other => panic!("{name}: {other:?}"),
         }
     }
-    let mut limits = LoadLimits::default();
-    limits.bytes = 100;
+    let limits = LoadLimits { bytes: 100, ..LoadLimits::default() };
     assert!(matches!(run(&limits), Err(ReplayError::Limit { source, .. }) if source.limit == "bytes"));
 }
 

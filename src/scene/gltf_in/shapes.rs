@@ -277,7 +277,7 @@ fn places_of(mode: Mode, triangle: usize) -> [usize; 3] {
     let t = triangle;
     match mode {
         Mode::Triangles => [3 * t, 3 * t + 1, 3 * t + 2],
-        Mode::TriangleStrip if t % 2 == 0 => [t, t + 1, t + 2],
+        Mode::TriangleStrip if t.is_multiple_of(2) => [t, t + 1, t + 2],
         Mode::TriangleStrip => [t + 1, t, t + 2],
         _ => [0, t + 1, t + 2],
     }
