@@ -166,7 +166,7 @@ impl World {
 
     /// Bodies by index that were put back where they are moved.
     #[cold]
-    pub(crate) fn note_stopped(&mut self, indices: &mut Vec<u32>) {
+    pub(crate) fn note_stopped(&mut self, indices: &mut [u32]) {
         indices.sort_unstable();
         let handles: Vec<BodyHandle> = indices.iter().map(|&i| self.handle_of(i as usize)).collect();
         self.faults.stopped.extend(handles);

@@ -80,7 +80,9 @@ fn a_scene_scaled_with_its_gravity_is_the_same_run() {
             let settings = Settings { gravity: scene.gravity, length_unit: size, ..Settings::default() };
             let mut world = World::new(settings).unwrap();
             let bodies = scene.add_to(&mut world).unwrap().bodies;
-            (0..120).for_each(|_| drop(world.step(1.0 / 60.0).unwrap()));
+            for _ in 0..120 {
+                world.step(1.0 / 60.0).unwrap();
+            }
             bodies.iter().map(|&body| world.position(body).unwrap() / f64::from(size)).collect::<Vec<_>>()
         };
         let metre = run(1.0);

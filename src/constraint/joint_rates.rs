@@ -75,7 +75,7 @@ impl<L: Lanes> Ends<L> {
             // SAFETY: between stages this thread is alone.
             let v = link.bodies.map(|body| unsafe { motion.velocity.read(body as usize) });
             let (left, of) = left(lane, v);
-            if !(left.length() <= LEFT * of) {
+            if exceeds(left.length(), LEFT * of) {
                 f(self.one(lane));
             }
         });
@@ -93,7 +93,7 @@ impl<L: Lanes> Ends<L> {
             // SAFETY: between stages this thread is alone.
             let v = link.bodies.map(|body| unsafe { motion.velocity.read(body as usize) });
             // What is no number turns too far.
-            if !(turn(lane, v) * h <= FOLLOWED) {
+            if exceeds(turn(lane, v) * h, FOLLOWED) {
                 f(self.one(lane));
             }
         });
@@ -287,7 +287,7 @@ impl<L: GatherLanes> Watched for TreeBatch<L> {
         // What is watched has a way of its own to lose energy (see `joint_damp`).
         self.each_turn(motion, !self.watched, &mut |body, lane, turn| {
             let most = if self.exact >> lane & 1 != 0 { in_parts } else { FOLLOWED };
-            if !(turn * h <= most) {
+            if exceeds(turn * h, most) {
                 f(body);
             }
         });
@@ -295,7 +295,7 @@ impl<L: GatherLanes> Watched for TreeBatch<L> {
     fn lost(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
         if self.astray != 0 {
             self.each_turn(motion, self.astray, &mut |body, _, turn| {
-                if !(turn * h <= FOLLOWED) {
+                if exceeds(turn * h, FOLLOWED) {
                     f(body);
                 }
             });
@@ -368,4 +368,9 @@ impl JointViews<'_> {
             JointType::Tree => go!(trees, tree),
         }
     }
+}
+
+/// Whether something is more than a bound; what is no number is.
+fn exceeds(value: f32, most: f32) -> bool {
+    value > most || value.is_nan()
 }

@@ -201,7 +201,7 @@ struct Plain(f32);
 impl fmt::Display for Plain {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.0 {
-            value if value >= 1e3 || value < 1e-2 => write!(f, "{value:e}"),
+            value if !(1e-2..1e3).contains(&value) => write!(f, "{value:e}"),
             value => write!(f, "{value}"),
         }
     }
