@@ -20,8 +20,8 @@ fn published() -> HashMap<String, Verdict> {
     text.lines().map(run).collect()
 }
 
-/// The worst figure of each cell that is published as stable, watched for so long, on two threads.
-fn green(seconds: f64) -> Vec<(String, Figure)> {
+/// The figures of each cell that is published as stable, watched for so long, on two threads.
+fn green(seconds: f64) -> Vec<(String, Vec<Figure>)> {
     let published = published();
     let cells: Vec<_> = Cell::all()
         .into_iter()
@@ -33,7 +33,7 @@ fn green(seconds: f64) -> Vec<(String, Figure)> {
             scope.spawn(|| {
                 while let Some(cell) = cells.get(next.fetch_add(1, Ordering::Relaxed)) {
                     let figures = cell.run(&Settings::default(), seconds).unwrap();
-                    found.lock().unwrap().push((cell.name(), figures[0]));
+                    found.lock().unwrap().push((cell.name(), figures));
                 }
             });
         }
@@ -51,9 +51,10 @@ fn the_published_map_has_every_cell() {
 
 #[test]
 fn green_cells_hold_in_their_first_seconds() {
-    // A twentieth of what the map was measured with: what is not lost within a minute is not in three seconds.
-    let worse: Vec<_> =
-        green(SECONDS / 20.0).into_iter().filter(|(_, worst)| worst.verdict == Verdict::Lost).collect();
+    // What is not lost within a minute is not in three seconds; but how deep bodies are counts only when they have settled.
+    let lost =
+        |figures: &[Figure]| figures.iter().any(|f| f.verdict == Verdict::Lost && f.measure != "depth");
+    let worse: Vec<_> = green(SECONDS / 20.0).into_iter().filter(|(_, figures)| lost(figures)).collect();
     assert!(worse.is_empty(), "{worse:#?}");
 }
 
@@ -62,7 +63,7 @@ fn green_cells_hold_in_their_first_seconds() {
 #[ignore = "long: run in release"]
 fn green_cells_are_green() {
     let worse: Vec<_> =
-        green(SECONDS).into_iter().filter(|(_, worst)| worst.verdict != Verdict::Stable).collect();
+        green(SECONDS).into_iter().filter(|(_, figures)| figures[0].verdict != Verdict::Stable).collect();
     assert!(worse.is_empty(), "{worse:#?}");
 }
 

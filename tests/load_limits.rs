@@ -135,8 +135,8 @@ fn colliders_of_one_mesh_and_scale_share_it() {
     let collider = physics(json!({ "collider": { "geometry": { "node": 0 } } }));
     let (c, s) = (0.25f64.cos(), 0.25f64.sin());
     let instance = |i: usize| {
-        let scale = if i % 2 == 0 { 1.0 } else { 0.35 };
-        let rotation = if i % 3 == 0 { [0.0, s, 0.0, c] } else { [0.0, 0.0, 0.0, 1.0] };
+        let scale = if i.is_multiple_of(2) { 1.0 } else { 0.35 };
+        let rotation = if i.is_multiple_of(3) { [0.0, s, 0.0, c] } else { [0.0, 0.0, 0.0, 1.0] };
         json!({ "translation": [2 * i, 0, 0], "rotation": rotation, "scale": [scale, scale, scale],
             "extensions": collider })
     };

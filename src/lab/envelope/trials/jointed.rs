@@ -78,7 +78,7 @@ pub(super) fn ragdoll(c: &Conditions) -> Setup {
     let mut scene = Scene::new("ragdoll");
     // Limbs fly off no faster than they spin, for a minute at most.
     let fastest = c.speed.unwrap_or(5.0).max(c.spin.unwrap_or(0.0));
-    let boundaries = floor(&mut scene, (66.0 * fastest + 20.0) * c.size);
+    let boundaries = floor(&mut scene, (66.0 * fastest + 20.0) * c.size, c.size);
     let mut figure = Skeleton { friction: 0.0, ..Skeleton::humanoid() };
     for bone in &mut figure.bones {
         bone.joint_at *= c.size;
@@ -149,7 +149,7 @@ pub(super) fn rotor(c: &Conditions) -> Setup {
 pub(super) fn cart(c: &Conditions) -> Setup {
     let mut scene = Scene::new("cart");
     let speed = c.speed.unwrap_or(5.0) * c.size;
-    let boundaries = floor(&mut scene, 66.0 * speed + 20.0 * c.size);
+    let boundaries = floor(&mut scene, 66.0 * speed + 20.0 * c.size, c.size);
     let radius = 0.3 * c.size;
     let along = Vec3::X * speed;
     let chassis = Geometry::cuboid(c.size, 0.15 * c.size, 0.5 * c.size);

@@ -141,9 +141,10 @@ pub(super) struct Setup {
     pub(super) gauges: Vec<Gauge>,
 }
 
-/// Adds a floor whose top is at height 0.
-fn floor(scene: &mut Scene, half: f32) -> Vec<Boundary> {
-    let thick = half.min(1e3).max(0.01 * half);
+/// Adds a floor whose top is at height 0. `half`: of its sides; `size`: the length unit.
+fn floor(scene: &mut Scene, half: f32, size: f32) -> Vec<Boundary> {
+    // Were it as thick as it is long, the heights of its faces would be rounded by what a ball rolls in a minute.
+    let thick = half.min(1e3 * size).max(0.01 * half);
     scene.add("floor", fixed(Geometry::cuboid(half, thick, half), Vec3::new(0.0, -thick, 0.0)));
     vec![Boundary { point: DVec3::ZERO, normal: Vec3::Y }]
 }

@@ -91,7 +91,7 @@ pub(super) fn bullets(c: &Conditions) -> Setup {
 pub(super) fn ball(c: &Conditions) -> Setup {
     let mut scene = Scene::new("ball");
     let speed = c.speed.unwrap_or(5.0) * c.size;
-    let boundaries = floor(&mut scene, 66.0 * speed + 20.0 * c.size);
+    let boundaries = floor(&mut scene, 66.0 * speed + 20.0 * c.size, c.size);
     let radius = 0.5 * c.size;
     let body = dynamic(Geometry::Sphere { radius }, Vec3::Y * radius);
     let body = scene.add("ball", body.moving(Vec3::X * speed, Vec3::NEG_Z * (speed / radius)));

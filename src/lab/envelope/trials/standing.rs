@@ -18,7 +18,7 @@ fn stands(unit: f32) -> Vec<Gauge> {
 /// Ten boxes on each other; the topmost is the heavy one.
 pub(super) fn stack(c: &Conditions) -> Setup {
     let mut scene = Scene::new("stack");
-    let boundaries = floor(&mut scene, 20.0 * c.size);
+    let boundaries = floor(&mut scene, 20.0 * c.size, c.size);
     for i in 0..10 {
         let mut body = dynamic(cube(c.size), Vec3::new(0.0, i as f32 + 0.5, 0.0) * c.size);
         weight(&mut body, if i == 9 { c.mass_ratio } else { 1.0 });
@@ -32,7 +32,7 @@ pub(super) fn plate(c: &Conditions) -> Setup {
     let mut scene = Scene::new("plate");
     let rows = (c.carried as f32).sqrt().ceil();
     let half = 0.75 * rows * c.size;
-    let boundaries = floor(&mut scene, 2.0 * half + 10.0 * c.size);
+    let boundaries = floor(&mut scene, 2.0 * half + 10.0 * c.size, c.size);
     let thick = 0.25 * c.size;
     scene.add("plate", dynamic(Geometry::cuboid(half, thick, half), Vec3::new(0.0, thick, 0.0)));
     for i in 0..c.carried {
@@ -57,7 +57,7 @@ pub(super) fn card_house(c: &Conditions) -> Setup {
     const THICK: f32 = 0.01;
     const APART: f32 = 0.8;
     let mut scene = Scene::new("card house");
-    let boundaries = floor(&mut scene, 20.0 * c.size);
+    let boundaries = floor(&mut scene, 20.0 * c.size, c.size);
     let (sin, cos) = (libm::sinf(LEAN), libm::cosf(LEAN));
     let (aside, middle) = (THICK * cos + HEIGHT * sin, THICK * sin + HEIGHT * cos);
     let mut card = |half: [f32; 2], at: [f32; 2], lean: f32| {
@@ -92,7 +92,7 @@ pub(super) fn arch(c: &Conditions) -> Setup {
     const INNER: f32 = 2.0;
     const OUTER: f32 = 2.8;
     let mut scene = Scene::new("arch");
-    let boundaries = floor(&mut scene, 20.0 * c.size);
+    let boundaries = floor(&mut scene, 20.0 * c.size, c.size);
     let half = 0.5 * PI / WEDGES as f32;
     // Lying along x: its faces are at half an angle to either side, and the centre of its mass near the origin.
     let middle = 0.5 * (INNER + OUTER);
