@@ -116,7 +116,7 @@ fn words_of(bytes: &[u8]) -> Vec<u32> {
 }
 
 /// Flips a bit, puts in a number, moves or copies a word, scales a float.
-fn change(rng: &mut Rng, words: &mut Vec<u32>) {
+fn change(rng: &mut Rng, words: &mut [u32]) {
     const SPECIAL: [u32; 18] = [
         0,
         1,
