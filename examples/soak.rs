@@ -232,6 +232,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!(
         "{steps} steps: most memory {early} bytes in the first fifth, {late} after; {lost} out of the room"
     );
-    assert!(late <= early + early / 4, "memory grew from {early} to {late} bytes");
+    // A short run has no early part to compare with.
+    assert!(steps < 50 * LOOK || late <= early + early / 4, "memory grew from {early} to {late} bytes");
     Ok(())
 }
