@@ -5,6 +5,8 @@
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 mod common;
+#[path = "common/counting.rs"]
+mod counting;
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::{Scene, Terrain, builtin};
@@ -12,47 +14,8 @@ use backstop::{
     BodyDesc, BodyHandle, Category, ConvexHull, Geometry, HeightField, Material, QueryFilter, Ray, RowGroup,
     Settings, ShapeDesc, Skeleton, Snapshot, World,
 };
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
+use counting::live;
 use std::sync::Arc;
-
-/// Counts the bytes that each thread asked for and did not give back: of a test alone, whatever else the process does.
-struct Counting;
-
-thread_local! {
-    static LIVE: Cell<isize> = const { Cell::new(0) };
-}
-
-fn count(bytes: isize) {
-    // A thread that ends may free what it has after its counter is gone.
-    let _ = LIVE.try_with(|live| live.set(live.get() + bytes));
-}
-
-// SAFETY: every call goes to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count(layout.size() as isize);
-        // SAFETY: by the caller's contract.
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, ptr: *mut u8, layout: Layout) {
-        count(-(layout.size() as isize));
-        // SAFETY: by the caller's contract.
-        unsafe { System.dealloc(ptr, layout) }
-    }
-    unsafe fn realloc(&self, ptr: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        count(size as isize - layout.size() as isize);
-        // SAFETY: by the caller's contract.
-        unsafe { System.realloc(ptr, layout, size) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
-
-fn live() -> isize {
-    LIVE.with(Cell::get)
-}
 
 const DT: f32 = 1.0 / 60.0;
 

@@ -3,63 +3,18 @@
 //! and what is too much is refused by the name of its limit.
 #![cfg(feature = "cli")]
 
+#[path = "common/counting.rs"]
+mod counting;
+
 use backstop::glam::DVec3;
 use backstop::scene::{Resolver, Scene, SceneError, load, load_with};
 use backstop::{BodyDesc, Geometry, LimitExceeded, LoadLimits, Settings, ShapeDesc, World};
 use base64::Engine;
+use counting::most_bytes;
 use serde_json::{Value, json};
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
-
-/// Counts the bytes that each thread holds, and the most that it held.
-struct Counting;
-
-thread_local! {
-    static LIVE: Cell<(isize, isize)> = const { Cell::new((0, 0)) };
-}
-
-fn count(bytes: isize) {
-    let _ = LIVE.try_with(|live| {
-        let (now, most) = live.get();
-        live.set((now + bytes, most.max(now + bytes)));
-    });
-}
-
-// SAFETY: every call goes to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count(layout.size() as isize);
-        // SAFETY: by the caller's contract.
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, ptr: *mut u8, layout: Layout) {
-        count(-(layout.size() as isize));
-        // SAFETY: by the caller's contract.
-        unsafe { System.dealloc(ptr, layout) }
-    }
-    unsafe fn realloc(&self, ptr: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        count(size as isize - layout.size() as isize);
-        // SAFETY: by the caller's contract.
-        unsafe { System.realloc(ptr, layout, size) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
-
-/// What `f` makes, and the most bytes that were held meanwhile beyond those before.
-fn most_bytes<T>(f: impl FnOnce() -> T) -> (T, usize) {
-    let before = LIVE.with(|live| {
-        let (now, _) = live.get();
-        live.set((now, now));
-        now
-    });
-    let made = f();
-    (made, (LIVE.with(Cell::get).1 - before) as usize)
-}
 
 fn scratch(name: &str) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("load_limits");

@@ -7,13 +7,22 @@ use std::f32::consts::TAU;
 #[derive(Clone, Debug)]
 pub(crate) struct Rng(u64);
 
+/// Of the state, from one number to the next.
+const STEP: u64 = 0x9E37_79B9_7F4A_7C15;
+
 impl Rng {
     pub(crate) fn new(seed: u64) -> Self {
         Rng(seed)
     }
 
+    /// Seeded with 0, after so many numbers.
+    #[cfg(feature = "lab")]
+    pub(crate) fn after(count: u64) -> Self {
+        Rng(count.wrapping_mul(STEP))
+    }
+
     pub(crate) fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        self.0 = self.0.wrapping_add(STEP);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);

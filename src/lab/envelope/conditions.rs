@@ -1,5 +1,6 @@
 //! What a trial is run under, and the axes along which that goes to extremes.
 
+use crate::scene::rng::Rng;
 use std::fmt;
 
 /// How long the steps of a run are.
@@ -18,13 +19,8 @@ impl Rhythm {
     pub fn dt(self, step: u64) -> f32 {
         match self {
             Rhythm::Even(hertz) => 1.0 / hertz,
-            Rhythm::Random(least, most) => {
-                // SplitMix64's finaliser: any step's length without those before it.
-                let mut z = step.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-                z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-                z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-                least + (most - least) * (((z ^ (z >> 31)) >> 40) as f32 / (1_u64 << 24) as f32)
-            }
+            // Any step's length without those before it.
+            Rhythm::Random(least, most) => Rng::after(step).range(least, most),
             Rhythm::Hitches => [1.0 / 60.0, 0.25][usize::from(step % 46 == 45)],
         }
     }
