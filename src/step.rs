@@ -279,6 +279,7 @@ impl World {
             dynamic: self.bodies.dynamic(),
             margin: MARGIN * unit,
             real: REAL * unit,
+            unit,
             fast: FAST * unit,
             recycle: if self.settings.recycling { RECYCLE * unit } else { -1.0 },
             mode: self.settings.stage_modes().narrow,
@@ -338,6 +339,7 @@ impl World {
                 order: self.settings.order,
                 warm,
                 h,
+                unit: self.settings.length_unit,
             };
             joints.fill_trees(crew, &input, &mut forces.inverse_inertia);
         }
@@ -382,6 +384,7 @@ impl World {
                 order: self.settings.order,
                 warm,
                 h,
+                unit: self.settings.length_unit,
             };
             self.buffers.joints.fill(crew, &input);
             self.spent.joints += watch.stop();

@@ -192,6 +192,8 @@ pub(crate) struct JointInput<'a> {
     pub(crate) warm: f32,
     /// Substep [s].
     pub(crate) h: f32,
+    /// The length unit [m].
+    pub(crate) unit: f32,
 }
 
 /// Share of a lasting load that a joint bears rigidly.

@@ -21,7 +21,7 @@ const FURTHEST: f32 = 1e6;
 /// What closing trees needs to know.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Closing {
-    /// Errors up to this are left to the velocities [m] or [rad].
+    /// Errors up to this are left to the velocities [length units] or [rad].
     pub(crate) tolerance: f32,
     /// Overlap that contacts leave alone [m].
     pub(crate) slop: f32,
@@ -93,11 +93,17 @@ impl<L: GatherLanes> TreeBatch<L> {
 
     /// Whether any joint is.
     pub(super) fn is_open(&self, tolerance: f32) -> bool {
-        let most = L::splat(tolerance * tolerance);
+        let most = self.tolerances(tolerance);
         self.nodes.iter().filter(|node| node.jointed).any(|node| {
-            let open = node.apart_now.length_squared().max(node.error_now.length_squared()).gt(most);
+            let open =
+                node.apart_now.length_squared().gt(most[0]) | node.error_now.length_squared().gt(most[1]);
             open.bits() & node.write != 0
         })
+    }
+
+    /// The squares of what may be left of lengths and of angles, of a share that may be left of the length unit and of a radian.
+    pub(super) fn tolerances(&self, share: f32) -> [L; 2] {
+        [share * self.unit, share].map(|most| L::splat(most * most))
     }
 }
 

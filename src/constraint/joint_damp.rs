@@ -322,10 +322,12 @@ impl<L: GatherLanes> TreeBatch<L> {
 
     /// Lanes in which a joint is open by more.
     pub(super) fn open_by(&self, tolerance: f32) -> L::Mask {
-        let most = L::splat(tolerance * tolerance);
+        let most = self.tolerances(tolerance);
         let mut open = L::zero().gt(L::zero());
         for node in self.nodes.iter().filter(|node| node.jointed) {
-            open = open | !(node.apart_now.length_squared().max(node.error_now.length_squared()).lt(most));
+            let closed =
+                node.apart_now.length_squared().lt(most[0]) & node.error_now.length_squared().lt(most[1]);
+            open = open | !closed;
         }
         open
     }

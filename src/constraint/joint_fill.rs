@@ -352,7 +352,7 @@ pub(super) fn tree<L: GatherLanes>(
     let nodes = &batch.nodes;
     batch.extra.motors.iter_mut().for_each(|motor| fill_motor(motor, &nodes[motor.node as usize], input));
     batch.share = L::load(&share);
-    batch.begin(input.h);
+    batch.begin(input.h, input.unit);
     batch.look_back(&input.joints.locks);
 }
 

@@ -46,12 +46,10 @@ struct Member {
     start: Record,
 }
 
-/// Of a root: it hangs on what can't be moved; that moves; it has contacts; its trees turn fast enough to be looked at; rows turn
-/// too fast; it lost energy in this step; it was bound in the substep before; it went
-/// wild.
+/// Of a root: it hangs on or touches what can't be moved; that moves; bodies turn fast enough to be looked at; rows turn too fast;
+/// it lost energy in this step; it was bound in the substep before; it went wild.
 const HELD: u32 = 1;
 const CARRIED: u32 = 2;
-const TOUCHED: u32 = 4;
 const SWIFT: u32 = 8;
 const FAST: u32 = 16;
 const DAMPED: u32 = 32;
@@ -95,6 +93,15 @@ impl NetInput<'_, '_> {
     fn velocity(&self, body: usize) -> Record {
         // SAFETY: between stages this thread is alone.
         unsafe { self.motion.velocity.read(body) }
+    }
+
+    /// Velocity of a body, that before joints acted, and its displacement.
+    ///
+    /// # Safety
+    /// Between stages only, and as long as no other of the body is held.
+    unsafe fn all(&self, body: usize) -> (&mut Record, &mut Record, &mut Record) {
+        // SAFETY: by the contract.
+        unsafe { (self.motion.velocity.get(body), self.motion.base.get(body), self.motion.delta.get(body)) }
     }
 
     /// What a body may have while an error is taken back [J].
@@ -159,39 +166,13 @@ impl Nets {
         at as usize
     }
 
-    /// Joins what is joined.
+    /// Joins what is joined or touches: contacts do no work either, but carry energy from one body to another.
     fn link(&mut self, input: &NetInput<'_, '_>, contacts: &Views<'_>, dynamic: usize) {
         self.all.clear();
         self.all.extend((0..dynamic as u32).map(|i| Member { root: i, next: i, ..Member::default() }));
         visit(input.views, input.stages, &mut |batch: &mut dyn Watched| {
-            batch.links(&mut |Link { bodies, moves }| {
-                if moves == [true; 2] {
-                    let [a, b] = bodies.map(|body| self.root(body));
-                    if a != b {
-                        // The lower one, whatever the order.
-                        let (low, high) = (a.min(b), a.max(b));
-                        self.all[high].root = low as u32;
-                        let next = self.all[low].next;
-                        self.all[low].next = self.all[high].next;
-                        self.all[high].next = next;
-                        self.all[low].flags |= self.all[high].flags;
-                    }
-                    return;
-                }
-                for (body, other) in [(bodies[0], bodies[1]), (bodies[1], bodies[0])] {
-                    if moves[usize::from(body == bodies[1])] && (body as usize) < dynamic {
-                        // SAFETY: between stages this thread is alone.
-                        let v = unsafe { input.motion.velocity.read(other as usize) };
-                        let moves = v.linear != Vec3::ZERO || v.angular != Vec3::ZERO;
-                        let root = self.root(body);
-                        self.all[root].flags |= HELD | if moves { CARRIED } else { 0 };
-                    }
-                }
-            });
+            batch.links(&mut |link| self.tie(input, link));
         });
-        for i in 0..dynamic {
-            self.all[i].root = self.root(i as u32) as u32;
-        }
         for stage in contacts.stages {
             for &of in &contacts.schedule[stage.start as usize..stage.end as usize] {
                 // SAFETY: there is no other thread.
@@ -199,20 +180,48 @@ impl Nets {
                     with_batch!(contacts, stage.group, of, |batch, _friction| {
                         let b = batch.b.first().map(|b| b.index);
                         for lane in 0..8 {
-                            if batch.write_a >> lane & 1 != 0 {
-                                self.flag(batch.a[lane], TOUCHED);
-                            }
-                            if batch.write_b >> lane & 1 != 0
-                                && let Some(b) = b
-                            {
-                                self.flag(b[lane], TOUCHED);
-                            }
+                            let moves = [batch.write_a, batch.write_b].map(|write| write >> lane & 1 != 0);
+                            let moves = [moves[0], moves[1] && b.is_some()];
+                            // Rows against what stands still don't know it.
+                            let bodies = [batch.a[lane], b.map_or(u32::MAX, |b| b[lane])];
+                            self.tie(input, Link { bodies, moves });
                         }
                     });
                 }
             }
         }
+        for i in 0..dynamic {
+            self.all[i].root = self.root(i as u32) as u32;
+        }
         self.linked = true;
+    }
+
+    fn tie(&mut self, input: &NetInput<'_, '_>, Link { bodies, moves }: Link) {
+        let known = |side: usize| moves[side] && (bodies[side] as usize) < self.all.len();
+        match [known(0), known(1)] {
+            [true, true] => {
+                let [a, b] = bodies.map(|body| self.root(body));
+                if a != b {
+                    // The lower one, whatever the order.
+                    let (low, high) = (a.min(b), a.max(b));
+                    self.all[high].root = low as u32;
+                    let next = self.all[low].next;
+                    self.all[low].next = self.all[high].next;
+                    self.all[high].next = next;
+                    self.all[low].flags |= self.all[high].flags;
+                }
+            }
+            [false, false] => {}
+            [first, _] => {
+                let (body, other) = (bodies[usize::from(!first)], bodies[usize::from(first)]);
+                let moves = other != u32::MAX && {
+                    let v = input.velocity(other as usize);
+                    v.linear != Vec3::ZERO || v.angular != Vec3::ZERO
+                };
+                let root = self.root(body);
+                self.all[root].flags |= HELD | if moves { CARRIED } else { 0 };
+            }
+        }
     }
 
     fn flag(&mut self, body: u32, flags: u32) {
@@ -353,7 +362,7 @@ impl Nets {
     /// that is a number, goes on as one piece that does not turn.
     fn bound(&mut self, input: &NetInput<'_, '_>, root: usize, (most, left): (f64, f64)) {
         let flags = self.all[root].flags;
-        let followed = flags & FAST == 0 || flags & (TOUCHED | CARRIED) != 0;
+        let followed = flags & FAST == 0 || flags & CARRIED != 0;
         let now = self.ledger(input, root, |body| input.velocity(body));
         let mut fastest = 0.0_f32;
         self.around(root, |body| {
@@ -370,7 +379,9 @@ impl Nets {
             self.all[root].flags |= DAMPED | WILDLY;
             self.around(root, |body| {
                 // SAFETY: between stages this thread is alone.
-                let (v, base) = unsafe { (input.motion.velocity.get(body), input.motion.base.get(body)) };
+                let (v, base, d) = unsafe { input.all(body) };
+                // It does not go where it was expected, though no row will show it.
+                d.pad0 = 1.0;
                 v.linear = mean.as_vec3();
                 v.angular = Vec3::ZERO;
                 *base = *v;
@@ -394,7 +405,8 @@ impl Nets {
         let (own, mean, share) = (own.as_vec3(), mean.as_vec3(), share.min(1.0).sqrt() as f32);
         self.around(root, |body| {
             // SAFETY: between stages this thread is alone.
-            let (v, base) = unsafe { (input.motion.velocity.get(body), input.motion.base.get(body)) };
+            let (v, base, d) = unsafe { input.all(body) };
+            d.pad0 = 1.0;
             let old = *v;
             v.linear = mean + (v.linear - own) * share;
             v.angular *= share;

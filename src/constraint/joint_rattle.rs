@@ -51,7 +51,7 @@ impl<L: Lanes> Drift<L> {
     }
 }
 
-/// The most rounds of Newton's method in which a substep looks for the impulses of joints, and what is near enough [m], [rad].
+/// The most rounds of Newton's method in which a substep looks for the impulses of joints, and what is near enough [length units], [rad].
 const ROUNDS: u32 = 6;
 const MISS: f32 = 5e-8;
 /// What is missed by more than this is not found: it is looked for in parts of the substep.
@@ -325,19 +325,19 @@ impl<L: GatherLanes> TreeBatch<L> {
 
     /// Where a joint would be open by more than so much at the end of the substep [m] or [rad].
     fn misses(&self, by: f32) -> L::Mask {
-        let (h, most) = (L::splat(self.h), L::splat(by * by));
+        let (h, most) = (L::splat(self.h), self.tolerances(by));
         let mut misses = L::zero().gt(L::zero());
         for node in self.nodes.iter().filter(|node| node.jointed) {
             let above = self.nodes.get(node.parent as usize).map_or(node.anchored, |parent| parent.velocity);
             let [arm, other] = node.arm_now;
             let apart = node.velocity.at(arm) - above.at(other) + node.bend.linear;
-            misses = misses | (apart * h).length_squared().gt(most);
+            misses = misses | (apart * h).length_squared().gt(most[0]);
             if node.turns != Turns::Freely {
                 let mut error = node.velocity.angular - above.angular + node.bend.angular;
                 if node.turns == Turns::AboutAxis {
                     error -= node.axis_now[0] * node.axis_now[0].dot(error);
                 }
-                misses = misses | (error * h).length_squared().gt(most);
+                misses = misses | (error * h).length_squared().gt(most[1]);
             }
         }
         misses

@@ -216,6 +216,8 @@ pub(crate) struct TreeBatch<L> {
     pub(crate) contacts: (u32, u32),
     /// Substep [s].
     pub(crate) h: f32,
+    /// The length unit [m].
+    pub(crate) unit: f32,
     /// Lanes in which a body counts as heavier than it is.
     pub(crate) weighted: u32,
 }
@@ -278,7 +280,7 @@ impl<L: GatherLanes> TreeBatch<L> {
     }
 
     /// Takes arms and impulses as they are at the start of a step.
-    pub(crate) fn begin(&mut self, h: f32) {
+    pub(crate) fn begin(&mut self, h: f32, unit: f32) {
         self.weigh();
         for node in &mut self.nodes {
             (node.arm_now, node.apart_now) = (node.arm, node.apart);
@@ -286,7 +288,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             node.gained = Vec3::zero();
             (node.moved, node.turn) = (Twist::zero(), Quat { v: Vec3::zero(), w: L::one() });
         }
-        self.h = h;
+        (self.h, self.unit) = (h, unit);
         self.choose();
         self.brace();
     }

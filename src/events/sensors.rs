@@ -56,7 +56,7 @@ impl World {
         let [a, b] = [pair.a, pair.b].map(|c| &self.colliders.all[c as usize]);
         let path = |c: u32| if at_end { self.place_now(c) } else { self.way_of(c) };
         let motion = Motion::new(a, &path(pair.a), b, &path(pair.b));
-        let close = tolerance(a, b);
+        let close = tolerance(a, b, self.settings.length_unit);
         let touch = if b.kind == Kind::Plane {
             cast_plane(a, b, &motion, close)
         } else {

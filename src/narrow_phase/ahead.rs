@@ -25,7 +25,7 @@ use glam::{Quat, Vec3};
 pub(crate) fn look_ahead(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold, f32)> {
     let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
     let motion = motion_of(input, pair);
-    let tolerance = tolerance(a, b);
+    let tolerance = tolerance(a, b, input.unit);
     let touch = if b.kind == Kind::Plane {
         cast_plane(a, b, &motion, tolerance)
     } else {
@@ -55,7 +55,7 @@ pub(crate) fn look_beside(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold
     let raw =
         collide_convex(a, b, &motion.relative(fraction), input.margin + (1.0 - fraction) * way.length());
     let raw = carry_back(&raw, &motion, fraction, 0.0);
-    (raw.count > 0 && !pushes(&motion, &raw, fraction)).then_some((raw, fraction))
+    (raw.count > 0 && !pushes(input, &motion, &raw, fraction)).then_some((raw, fraction))
 }
 
 /// Where a shape in flight first touches a mesh or height field; [`Cast::Near`] if it begins close to it.
@@ -65,7 +65,7 @@ pub(crate) fn fly_mesh(
     (rel, motion): Way<'_>,
     scratch: &mut MeshScratch,
 ) -> Cast {
-    let asked = Asked { alone: input.margin, ..Asked::first(tolerance(a, b), input.real) };
+    let asked = Asked { alone: input.margin, ..Asked::first(tolerance(a, b, input.unit), input.real) };
     ask_mesh(a, b, rel, motion, asked, scratch.nearby())
 }
 
@@ -80,7 +80,8 @@ pub(crate) fn look_ahead_mesh(
 ) -> Option<Touch> {
     let way = motion.a.rotation.conjugate() * motion.displacement;
     let known = scratch.touched(a, resting, (way, input.margin));
-    let asked = Asked { known, lip: NO_GAP * input.real, ..Asked::first(tolerance(a, b), resting) };
+    let asked =
+        Asked { known, lip: NO_GAP * input.real, ..Asked::first(tolerance(a, b, input.unit), resting) };
     match ask_mesh(a, b, rel, motion, asked, scratch.nearby()) {
         Cast::First(touch) => Some(touch),
         _ => None,
@@ -155,19 +156,25 @@ fn further(input: &Input<'_>, pair: &Pair, touch: &Touch) -> f32 {
 }
 
 /// Whether a convex shape touches a mesh or height field at all within the step.
-pub(crate) fn touches_mesh((a, b): Shapes<'_>, (rel, motion): Way<'_>, scratch: &mut MeshScratch) -> bool {
-    let asked = Asked { any: true, ..Asked::first(tolerance(a, b), 0.0) };
+pub(crate) fn touches_mesh(
+    unit: f32,
+    (a, b): Shapes<'_>,
+    (rel, motion): Way<'_>,
+    scratch: &mut MeshScratch,
+) -> bool {
+    let asked = Asked { any: true, ..Asked::first(tolerance(a, b, unit), 0.0) };
     matches!(ask_mesh(a, b, rel, motion, asked, scratch.nearby()), Cast::First(_))
 }
 
 /// Whether the predicted motion takes any point of a manifold, found at the start of the step, through its plane.
-pub(crate) fn would_push(motion: &Motion, raw: &RawManifold) -> bool {
-    pushes(motion, raw, 0.0)
+pub(crate) fn would_push(input: &Input<'_>, motion: &Motion, raw: &RawManifold) -> bool {
+    pushes(input, motion, raw, 0.0)
 }
 
-fn pushes(motion: &Motion, raw: &RawManifold, fraction: f32) -> bool {
+fn pushes(input: &Input<'_>, motion: &Motion, raw: &RawManifold, fraction: f32) -> bool {
+    let nearly = NEARLY * input.unit;
     // A little early: the solver's path is not quite the predicted one.
-    closes(motion, raw, fraction).any(|(separation, closed)| separation < 1.05 * closed + NEARLY)
+    closes(motion, raw, fraction).any(|(separation, closed)| separation < 1.05 * closed + nearly)
 }
 
 /// Of each point, its separation and how much of that the motion takes away [m].
@@ -191,7 +198,7 @@ pub(crate) fn strikes(motion: &Motion, margin: f32, found: &[RawManifold]) -> bo
 
 /// A gap up to this share of that of a real contact is none, and what stands out by no more is not felt.
 pub(crate) const NO_GAP: f32 = 0.25;
-/// Rounding of a predicted path [m].
+/// Rounding of a predicted path [length units].
 const NEARLY: f32 = 1e-5;
 
 /// How much of the gap along `normal` the whole motion takes away at a point that is `arm` from a's centre, with the

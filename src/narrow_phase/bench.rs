@@ -212,7 +212,7 @@ pub fn cast() -> Kernel {
             Motion::new(&a, &flying, &b, &still)
         })
         .collect();
-    let tolerance = tolerance(&a, &b);
+    let tolerance = tolerance(&a, &b, 1.0);
     Kernel::new("box box", motions.len(), move || {
         for motion in &motions {
             black_box(cast_convex(&a, &b, motion, tolerance));

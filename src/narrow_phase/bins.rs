@@ -250,7 +250,7 @@ fn finish_convex(
         let closing = -(input.poses[pair.a as usize].rotation * raw.normal).dot(approach.way);
         if fast && !volume && !strays && closing + approach.spin < nearest {
             raw.count = 0;
-        } else if fast || would_push(&motion_of(input, pair), &raw) {
+        } else if fast || would_push(input, &motion_of(input, pair), &raw) {
             // Apart, and a plane at the start of the step would be a guess: look where they really touch.
             out.count_casts(1);
             // On a miss there is nothing in reach on this path; the larger volume keeps what it passes.
@@ -268,7 +268,7 @@ fn finish_convex(
     if fraction == 0.0 && (1..3).contains(&raw.count) && wanders(input, pair) {
         let middle = halfway(input, pair, input.margin);
         // Unless it would push where nothing is touched.
-        if middle.count > 0 && (nearest <= 0.0 || !would_push(&motion_of(input, pair), &middle)) {
+        if middle.count > 0 && (nearest <= 0.0 || !would_push(input, &motion_of(input, pair), &middle)) {
             (raw, fraction) = (middle, 0.5);
         }
     }
@@ -363,12 +363,12 @@ fn finish_mesh(
             mesh.raw.retain(|m| m.points().iter().any(|p| p.separation <= resting));
         }
         // Close, but apart by more than shows: planes count only if anything is touched at all.
-        let apart = nearest > tolerance(a, b).max(NO_GAP * input.real);
+        let apart = nearest > tolerance(a, b, input.unit).max(NO_GAP * input.real);
         let near = |m: &RawManifold| m.points().iter().any(|p| p.separation <= input.margin);
-        let guess = |m: &RawManifold| would_push(&motion, m) && !(near(m) && input.strays(pair));
+        let guess = |m: &RawManifold| would_push(input, &motion, m) && !(near(m) && input.strays(pair));
         if casts_at_all && apart && mesh.raw.iter().any(guess) {
             casts += 1;
-            if !touches_mesh(shapes, (rel, &motion), &mut mesh.mesh) {
+            if !touches_mesh(input.unit, shapes, (rel, &motion), &mut mesh.mesh) {
                 mesh.raw.retain(|m| !guess(m));
             }
         }

@@ -49,12 +49,12 @@ pub(crate) fn cast_plane(a: &Collider, _plane: &Collider, motion: &Motion, toler
     Sweep::new(Support::of(a)?, Other::Plane, motion, tolerance).first_touch(1.0)
 }
 
-/// The tolerance for two shapes [m]: a thousandth of the smaller one, at most 0.2 mm, and no less than what `f32` poses
-/// resolve over the extent of the larger one. A real contact begins at 2 mm.
-pub(crate) fn tolerance(a: &Collider, b: &Collider) -> f32 {
+/// The tolerance for two shapes [m]: a thousandth of the smaller one, at most 0.0002 of the length unit, and no less than
+/// what `f32` poses resolve over the extent of the larger one. A real contact begins at ten times as much.
+pub(crate) fn tolerance(a: &Collider, b: &Collider, unit: f32) -> f32 {
     let (small, large) = if a.radius < b.radius { (a.radius, b.radius) } else { (b.radius, a.radius) };
     let large = if large.is_finite() { large } else { small };
-    (1e-3 * small).min(2e-4).max(2.0 * f32::EPSILON * large)
+    (1e-3 * small).min(2e-4 * unit).max(2.0 * f32::EPSILON * large)
 }
 
 /// What a moves against.
@@ -443,7 +443,7 @@ mod tests {
 
     /// Steps through the motion and compares. Answers (touched, unsettled).
     fn check(a: &Collider, b: &Collider, paths: (&BodyPath, &BodyPath), steps: u32) -> (bool, bool) {
-        let eps = tolerance(a, b);
+        let eps = tolerance(a, b, 1.0);
         let tol = f64::from(eps);
         let touch = cast(a, b, paths, eps);
         let end = touch.map_or(1.0, |t| f64::from(t.fraction));
@@ -550,7 +550,7 @@ mod tests {
             (Geometry::cylinder(0.1, 0.05), 0.1),
         ] {
             let bullet = collider(shape);
-            let eps = tolerance(&bullet, &target);
+            let eps = tolerance(&bullet, &target, 1.0);
             for x in [0.3, 1.0, 4.0] {
                 for (gap, hit) in [(1e-3, false), (-1e-3, true)] {
                     let from = DVec3::new(-1.5, 0.5 + half + gap, 0.1);
@@ -564,7 +564,7 @@ mod tests {
             (collider(Geometry::Sphere { radius: 0.05 }), collider(Geometry::Sphere { radius: 0.5 }));
         for (gap, hit) in [(1e-3, false), (2e-4, false), (-1e-5, true), (-1e-3, true)] {
             let from = DVec3::new(-4.0, 0.55 + gap, 0.0);
-            let touch = cast(&a, &b, (&path(from, edge(1.0)), &still(DVec3::ZERO)), tolerance(&a, &b));
+            let touch = cast(&a, &b, (&path(from, edge(1.0)), &still(DVec3::ZERO)), tolerance(&a, &b, 1.0));
             assert_eq!(touch.is_some(), hit, "{gap}");
         }
     }
@@ -582,7 +582,7 @@ mod tests {
             let before = random.range(0.1, 20.0);
             let from = (through + away * before).as_dvec3();
             let paths = (&path(from, away * -33.0), &still(DVec3::ZERO));
-            let touch = cast(&bullet, &plate, paths, tolerance(&bullet, &plate)).unwrap();
+            let touch = cast(&bullet, &plate, paths, tolerance(&bullet, &plate, 1.0)).unwrap();
             let expected = (from.y - 0.0045) / (33.0 * f64::from(away.y));
             assert!((f64::from(touch.fraction) - expected).abs() < 1e-6, "{touch:?} {expected}");
             assert!((touch.normal + Vec3::Y).length() < 1e-3);
@@ -610,7 +610,7 @@ mod tests {
                 pa.spin = Vec3::new(0.0, 0.0, 200.0 / 60.0);
                 let pb = still(DVec3::Y * -0.5);
                 for (other, at) in [(&floor, &pb), (&plane, &still(DVec3::ZERO))] {
-                    let touch = cast(&rod, other, (&pa, at), tolerance(&rod, other));
+                    let touch = cast(&rod, other, (&pa, at), tolerance(&rod, other, 1.0));
                     assert_eq!(touch.is_some(), hit, "{:?} {gap} {touch:?}", rod.geometry);
                     check(&rod, other, (&pa, at), 1000);
                 }
@@ -625,7 +625,9 @@ mod tests {
         let mut pa = path(DVec3::Y * 0.3005, Vec3::X * 0.5);
         pa.rotation = Quat::from_rotation_x(std::f32::consts::FRAC_PI_2);
         pa.spin = Vec3::Z * -1.7;
-        assert!(cast(&wheel, &floor, (&pa, &still(DVec3::Y * -0.5)), tolerance(&wheel, &floor)).is_none());
+        assert!(
+            cast(&wheel, &floor, (&pa, &still(DVec3::Y * -0.5)), tolerance(&wheel, &floor, 1.0)).is_none()
+        );
     }
 
     #[test]
@@ -633,7 +635,10 @@ mod tests {
         let cube = collider(Geometry::cuboid(0.5, 0.5, 0.5));
         for y in [0.0, 0.9, 1.0, 1.000_04] {
             let paths = (&path(DVec3::Y * y, Vec3::X), &still(DVec3::ZERO));
-            assert_eq!(cast(&cube, &cube, paths, tolerance(&cube, &cube)).map(|t| t.fraction), Some(0.0));
+            assert_eq!(
+                cast(&cube, &cube, paths, tolerance(&cube, &cube, 1.0)).map(|t| t.fraction),
+                Some(0.0)
+            );
         }
     }
 

@@ -547,7 +547,7 @@ mod tests {
             pa.displacement = pa.centre.as_vec3() * -2.0 + pb.displacement * 3.0;
             let b = mesh();
             let motion = Motion::new(&a, &pa, &b, &pb);
-            let eps = tolerance(&a, &b);
+            let eps = tolerance(&a, &b, 1.0);
             let found = cast(&a, &soup, &motion, eps, 0.0);
             // A triangle with no thickness as a hull can't be; so each by itself, without the walk and its shortcuts.
             let sweeps = soup.0.iter().filter_map(|t| {

@@ -33,6 +33,8 @@ pub(crate) struct Input<'a> {
     pub(crate) margin: f32,
     /// A separation up to this is a real contact [m].
     pub(crate) real: f32,
+    /// The length unit [m].
+    pub(crate) unit: f32,
     /// Relative motion in a step above which a pair that is apart is cast [m].
     pub(crate) fast: f32,
     /// How far a pair may move before its contact is looked for again [m]; negative: at once.

@@ -126,7 +126,7 @@ mod tests {
             let (mut pa, pb) = (random.body(4.0, [0.0, 0.5, 3.0][i % 3]), random.body(1.0, 0.0));
             pa.displacement = pa.centre.as_vec3() * -0.7 + pb.displacement;
             let motion = Motion::new(&a, &pa, &b, &pb);
-            let asked = Asked::first(tolerance(&a, &b), 0.0);
+            let asked = Asked::first(tolerance(&a, &b, 1.0), 0.0);
             let path = ShapePath::new(&a, &motion.relative(0.0), &motion, &asked);
             let shape = Support::of(&a).unwrap();
             let BoxPath { from, to, inflate } = path.in_box();

@@ -466,7 +466,7 @@ mod tests {
             let (mut pa, pb) = (random.body(4.0, [0.0, 0.5, 3.0][i % 3]), random.body(1.0, 0.0));
             pa.displacement = pa.centre.as_vec3() * -2.0 + pb.displacement * 3.0;
             let motion = Motion::new(&a, &pa, &b, &pb);
-            let eps = tolerance(&a, &b);
+            let eps = tolerance(&a, &b, 1.0);
             let mut eight = Eight::default();
             // With the tolerance, and nearly without: what counts once something is touched.
             let mut exact = Vec::new();

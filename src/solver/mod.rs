@@ -265,8 +265,7 @@ const SWIFT_WAY: f32 = 0.02;
 
 /// How far trees may be open.
 pub(crate) fn closing(settings: &Settings) -> Closing {
-    let unit = settings.length_unit;
-    Closing { tolerance: JOINT_OPEN * unit, slop: settings.slop * unit }
+    Closing { tolerance: JOINT_OPEN, slop: settings.slop * settings.length_unit }
 }
 
 /// Share of the stiffest spring that contacts have: with all of it a box on one a thousand times lighter rocks ever more.

@@ -9,6 +9,8 @@ use glam::Vec3;
 pub(super) struct Search {
     /// Of the engine's own tolerance for a touch.
     pub(super) share: f32,
+    /// The length unit [m].
+    pub(super) unit: f32,
     /// A triangle nearer than this at the start, or in whose plane a shape slides, is the solver's business [m].
     pub(super) resting: f32,
 }
@@ -34,7 +36,7 @@ pub(super) fn first_touch(
     search: Search,
 ) -> Option<Touch> {
     let motion = Motion::new(a, path_a, b, path_b);
-    let close = (tolerance(a, b) * search.share).max(2.0 * f32::EPSILON * a.radius);
+    let close = (tolerance(a, b, search.unit) * search.share).max(2.0 * f32::EPSILON * a.radius);
     let touch = match b.kind {
         Kind::Plane => cast_plane(a, b, &motion, close),
         Kind::Mesh | Kind::HeightField => {

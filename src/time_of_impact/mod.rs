@@ -360,7 +360,8 @@ impl View<'_> {
         let path = |c: u32| self.way(shape(c).body as usize).rest(since);
         let turns = self.turns(a).max(self.turns(b));
         let share = if self.rules.linear { TIGHT } else { tightness(turns) };
-        let search = Search { share, resting: REAL * self.world.settings.length_unit };
+        let unit = self.world.settings.length_unit;
+        let search = Search { share, unit, resting: REAL * unit };
         let touch = first_touch((shape(a), &path(a)), (shape(b), &path(b)), search);
         touch.map_or(Touch::NEVER, |touch| Touch { time: since + touch.time * (1.0 - since), ..touch })
     }
