@@ -24,6 +24,8 @@ mod arnoldi;
 pub mod envelope;
 mod growth;
 mod map;
+pub mod methods;
+pub mod problem;
 mod rest;
 mod state;
 

@@ -1,0 +1,134 @@
+//! One problem statement for all methods of contact resolution: find impulses `r` and velocities `u = W r + q` such that each
+//! [`Law`] holds between its rows of both.
+//!
+//! `W = J M⁻¹ Jᵀ` says how fast each constraint moves per unit of impulse on each other one; `q` is what they would do with no
+//! impulse at all, with gap, restitution and stabilisation added to it. A linear complementarity problem is a [`Problem`] all of
+//! whose laws are [`Law::AT_LEAST_ZERO`]; then `W` may be any square matrix.
+
+mod matrix;
+
+pub use matrix::Matrix;
+
+use crate::error::Error;
+
+/// What has to hold between impulse and velocity of one or more rows in sequence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Law {
+    /// One row, `min <= r <= max` [N s]: `u = 0` between the bounds, `u >= 0` at `min`, `u <= 0` at `max`. Both infinite: a joint.
+    Bounds {
+        /// The least impulse; may be -inf.
+        min: f64,
+        /// The greatest impulse; may be inf.
+        max: f64,
+    },
+    /// Three rows, normal and two tangents, with Coulomb's law on the exact cone (De Saxcé 1992): `r` in
+    /// `K = {|r_t| <= mu r_n}`, `u + (mu |u_t|, 0, 0)` in its dual cone, and both perpendicular.
+    Contact {
+        /// Coefficient of friction, at least 0.
+        mu: f64,
+    },
+    /// Two tangent rows and one of twist that share the friction of several normals, as the engine's friction patches do:
+    /// `|r_t| <= mu N` against `u_t`, `|r_s| <= mu arm N` against `u_s`, where `N` is the sum of the normal impulses.
+    Patch {
+        /// Coefficient of friction, at least 0.
+        mu: f64,
+        /// Mean distance of the points from their middle [m].
+        arm: f64,
+        /// The first row of the normals, which are one row each, [`Law::AT_LEAST_ZERO`].
+        first: usize,
+        /// How many normals.
+        count: usize,
+    },
+}
+
+impl Law {
+    /// `0 <= r`, `0 <= u`, `r u = 0`: a contact without friction, or a row of a linear complementarity problem.
+    pub const AT_LEAST_ZERO: Law = Law::Bounds { min: 0.0, max: f64::INFINITY };
+    /// `u = 0`, whatever it takes.
+    pub const LOCKED: Law = Law::Bounds { min: f64::NEG_INFINITY, max: f64::INFINITY };
+
+    /// How many rows it takes.
+    pub fn rows(&self) -> usize {
+        match self {
+            Law::Bounds { .. } => 1,
+            Law::Contact { .. } | Law::Patch { .. } => 3,
+        }
+    }
+}
+
+/// Impulses `r` are looked for that, with `u = W r + q`, obey every law.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Problem {
+    /// Laws in the order of their rows.
+    laws: Vec<Law>,
+    /// The first row of each law.
+    starts: Vec<usize>,
+    /// W [1/kg].
+    w: Matrix,
+    /// Velocities without any impulse [m/s].
+    q: Vec<f64>,
+}
+
+impl Problem {
+    /// Refused unless all numbers but infinite bounds are finite, sizes agree, `min <= max`, `mu` and `arm` are not negative and
+    /// the normals of a patch are rows of their own before it.
+    pub fn new(laws: Vec<Law>, w: Matrix, q: Vec<f64>) -> Result<Problem, Error> {
+        let mut starts = Vec::with_capacity(laws.len());
+        let mut rows = 0;
+        for law in &laws {
+            starts.push(rows);
+            let fits = match *law {
+                Law::Bounds { min, max } => min <= max,
+                Law::Contact { mu } => (0.0..f64::INFINITY).contains(&mu),
+                Law::Patch { mu, arm, first, count } => {
+                    let range = 0.0..f64::INFINITY;
+                    range.contains(&mu) && range.contains(&arm) && first.saturating_add(count) <= rows
+                }
+            };
+            if !fits {
+                return Err(Error::Incomplete {
+                    what: "a law",
+                    expected: "ordered bounds, friction that is not negative, and normals before it",
+                });
+            }
+            rows += law.rows();
+        }
+        if q.len() != rows || w.size() != rows {
+            return Err(Error::Incomplete { what: "W and q", expected: "as many rows as the laws take" });
+        }
+        if let Some(&value) = q.iter().chain(w.values()).find(|x| !x.is_finite()) {
+            return Err(Error::NotFinite { what: "a number of W or q", value });
+        }
+        Ok(Problem { laws, starts, w, q })
+    }
+
+    /// A linear complementarity problem: `z >= 0`, `w = M z + q >= 0`, `z w = 0`.
+    pub fn lcp(m: Matrix, q: Vec<f64>) -> Result<Problem, Error> {
+        Problem::new(vec![Law::AT_LEAST_ZERO; q.len()], m, q)
+    }
+
+    /// How many rows there are.
+    pub fn rows(&self) -> usize {
+        self.q.len()
+    }
+
+    /// Each law and its first row.
+    pub fn laws(&self) -> impl ExactSizeIterator<Item = (usize, Law)> + Clone + '_ {
+        self.starts.iter().copied().zip(self.laws.iter().copied())
+    }
+
+    /// W [1/kg].
+    pub fn w(&self) -> &Matrix {
+        &self.w
+    }
+
+    /// Velocities without any impulse [m/s].
+    pub fn q(&self) -> &[f64] {
+        &self.q
+    }
+
+    /// `u = W r + q`. Panics if `r` has not as many rows.
+    pub fn velocities(&self, r: &[f64]) -> Vec<f64> {
+        (0..self.rows()).map(|i| self.w.dot(i, r) + self.q[i]).collect()
+    }
+}
