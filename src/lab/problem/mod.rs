@@ -6,8 +6,10 @@
 //! whose laws are [`Law::AT_LEAST_ZERO`]; then `W` may be any square matrix.
 
 mod matrix;
+mod residual;
 
 pub use matrix::Matrix;
+pub use residual::{Residual, project_cone, project_disc};
 
 use crate::error::Error;
 
