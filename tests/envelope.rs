@@ -67,13 +67,14 @@ fn green_cells_are_green() {
     assert!(worse.is_empty(), "{worse:#?}");
 }
 
-/// Lengths and gravity by the same factor: the same motion in units of the scene.
+/// Lengths and gravity by the same factor: the same motion in units of the scene, by dimensional analysis. Factors that are powers of
+/// two change no rounding, so that even a heap and what tumbles are alike after ten seconds: what differs is a length, a speed or a
+/// mass that the engine compares with a number of its own.
 #[test]
 fn a_scene_scaled_with_its_gravity_is_the_same_run() {
     use backstop::World;
     use backstop::lab::envelope::{Axis, Conditions, Trial};
-    // Not the pile, nor what tumbles: a difference of one rounding is a different heap two seconds later.
-    for trial in [Trial::Stack, Trial::CardHouse, Trial::Arch, Trial::Hinge, Trial::Rotor, Trial::Plate] {
+    for trial in Trial::ALL {
         let run = |size: f32| {
             let conditions = Conditions { size, gravity: size, ..Conditions::default() };
             let cell = Cell { trial, axis: Axis::Size, label: String::new(), conditions };
@@ -81,7 +82,7 @@ fn a_scene_scaled_with_its_gravity_is_the_same_run() {
             let settings = Settings { gravity: scene.gravity, length_unit: size, ..Settings::default() };
             let mut world = World::new(settings).unwrap();
             let bodies = scene.add_to(&mut world).unwrap().bodies;
-            for _ in 0..120 {
+            for _ in 0..600 {
                 world.step(1.0 / 60.0).unwrap();
             }
             bodies.iter().map(|&body| world.position(body).unwrap() / f64::from(size)).collect::<Vec<_>>()

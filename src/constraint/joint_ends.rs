@@ -6,14 +6,22 @@ use crate::lanes::{GatherLanes, Lanes, Mask, Record, Sym3, Vec3, scatter};
 use crate::threads::Shared;
 use std::f32::consts::PI;
 
+/// The fastest that an error of a joint is taken back.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Recovery {
+    /// Of lengths [m/s].
+    pub(crate) linear: f32,
+    /// Of angles [rad/s]: the same at any length unit.
+    pub(crate) angular: f32,
+}
+
 /// What a pass over the rows of joints uses.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct JointPass {
     /// 1 / substep [1/s].
     pub(crate) inverse_h: f32,
     pub(crate) softness: Softness,
-    /// The fastest that an error is taken back [m/s] or [rad/s].
-    pub(crate) push_speed: f32,
+    pub(crate) recovery: Recovery,
     /// Bodies were moved since the rows were last looked at.
     pub(crate) moved: bool,
     /// Nothing was solved since: what acted turns along.
@@ -26,7 +34,14 @@ impl JointPass {
     /// For velocities where bodies are.
     pub(super) fn relaxing(inverse_h: f32) -> JointPass {
         let softness = Softness::RIGID;
-        JointPass { inverse_h, softness, push_speed: 0.0, moved: false, fresh: false, relax: true }
+        JointPass {
+            inverse_h,
+            softness,
+            recovery: Recovery::default(),
+            moved: false,
+            fresh: false,
+            relax: true,
+        }
     }
 
     /// Speed per error [1/s], and how much of the impulse is applied and given up.
@@ -290,13 +305,23 @@ impl JointPass {
         L::splat(if self.relax { 0.0 } else { 1.0 / self.inverse_h })
     }
 
-    /// The velocity that takes back an error.
+    /// The velocity that takes back an error of lengths.
     #[inline(always)]
-    pub(super) fn bias<L: Lanes>(&self, error: Vec3<L>, rate: L) -> Vec3<L> {
-        let most = L::splat(self.push_speed);
-        let speed = error.length() * rate;
-        error * (rate * L::select(speed.gt(most), most / speed, L::one()))
+    pub(super) fn linear_bias<L: Lanes>(&self, apart: Vec3<L>, rate: L) -> Vec3<L> {
+        bias(apart, rate, self.recovery.linear)
     }
+
+    /// The angular velocity that takes back an error of angles.
+    #[inline(always)]
+    pub(super) fn angular_bias<L: Lanes>(&self, error: Vec3<L>, rate: L) -> Vec3<L> {
+        bias(error, rate, self.recovery.angular)
+    }
+}
+
+#[inline(always)]
+fn bias<L: Lanes>(error: Vec3<L>, rate: L, most: f32) -> Vec3<L> {
+    let (speed, most) = (error.length() * rate, L::splat(most));
+    error * (rate * L::select(speed.gt(most), most / speed, L::one()))
 }
 
 /// One over the power of two at or below the greatest on a diagonal without negatives. What is multiplied by it has a determinant

@@ -9,6 +9,8 @@ use crate::lanes::{GatherLanes, Lanes, Record, Vec3};
 
 /// What a row measures. The lever's arms are set before it is asked.
 pub(crate) trait Measure<L: Lanes>: Copy + Default {
+    /// An angle [rad] or a length [m].
+    const IS_ANGLE: bool;
     /// Takes a lane as it is at the start of a step, and says the displacement if that does not follow from what it took.
     fn place(&mut self, lane: usize, at: &Placed, axes: Axes) -> f32;
     /// After displacements: sets force and torque of the lever, says the displacement. `start`: what `place` said.
@@ -38,6 +40,8 @@ impl<L: Lanes> Default for Slide<L> {
 }
 
 impl<L: GatherLanes> Measure<L> for Slide<L> {
+    const IS_ANGLE: bool = false;
+
     fn place(&mut self, lane: usize, at: &Placed, axes: Axes) -> f32 {
         let axis = at.axis(0, axis_of(axes));
         put(&mut self.axis, lane, axis);
@@ -80,6 +84,8 @@ impl<L: Lanes> Default for Distance<L> {
 }
 
 impl<L: GatherLanes> Measure<L> for Distance<L> {
+    const IS_ANGLE: bool = false;
+
     fn place(&mut self, lane: usize, at: &Placed, axes: Axes) -> f32 {
         if let Axes::Around(axis) = axes {
             put(&mut self.axis, lane, at.axis(0, axis));
@@ -133,6 +139,8 @@ impl<L: Lanes> Default for Twist<L> {
 }
 
 impl<L: GatherLanes> Measure<L> for Twist<L> {
+    const IS_ANGLE: bool = true;
+
     fn place(&mut self, lane: usize, at: &Placed, axes: Axes) -> f32 {
         let axis = axis_of(axes);
         put(&mut self.axis[0], lane, at.axis(0, axis));
@@ -175,6 +183,8 @@ impl<L: Lanes> Default for Tilt<L> {
 }
 
 impl<L: GatherLanes> Measure<L> for Tilt<L> {
+    const IS_ANGLE: bool = true;
+
     fn place(&mut self, lane: usize, at: &Placed, axes: Axes) -> f32 {
         let axis = axis_of(axes);
         put(&mut self.axis[0], lane, at.axis(0, axis));
@@ -222,6 +232,8 @@ impl<L: Lanes> Default for Turn<L> {
 }
 
 impl<L: GatherLanes> Measure<L> for Turn<L> {
+    const IS_ANGLE: bool = true;
+
     fn place(&mut self, lane: usize, at: &Placed, axes: Axes) -> f32 {
         let error = at.turn();
         let half = 0.5 * error.length();

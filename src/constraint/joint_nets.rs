@@ -12,6 +12,7 @@
 
 use super::contact_row::Motion;
 use super::joint_arrange::JointStage;
+use super::joint_ends::Recovery;
 use super::joint_rates::{Link, Watched, visit};
 use super::joint_run::JointViews;
 use super::rows::{Views, with_batch};
@@ -75,8 +76,7 @@ pub(crate) struct NetInput<'a, 'b> {
     pub(crate) pull: &'a [Record],
     /// Substep [s].
     pub(crate) h: f32,
-    /// The fastest that an error of a joint is taken back [m/s] or [rad/s].
-    pub(crate) push: f32,
+    pub(crate) recovery: Recovery,
 }
 
 /// What a net has at a moment.
@@ -106,9 +106,10 @@ impl NetInput<'_, '_> {
 
     /// What a body may have while an error is taken back [J].
     fn closing_energy(&self, body: usize) -> f64 {
-        let (mass, push) = (&self.mass[body], f64::from(self.push));
+        let (mass, Recovery { linear, angular }) = (&self.mass[body], self.recovery);
         let m = if mass.inverse > 0.0 { 1.0 / f64::from(mass.inverse) } else { 0.0 };
-        0.5 * push * push * (m + f64::from(mass.inertia.max_element()).min(f64::from(f32::MAX)))
+        let inertia = f64::from(mass.inertia.max_element().min(f32::MAX));
+        0.5 * (m * f64::from(linear).powi(2) + inertia * f64::from(angular).powi(2))
     }
 
     fn pull_of(&self, body: usize) -> Record {

@@ -170,7 +170,7 @@ impl<L: GatherLanes, M: Measure<L>> RowBatch<L, M> {
         let waits = if pass.relax { drives | springs } else { zero.gt(zero) };
         let inverse_h = L::splat(pass.inverse_h);
         let (rate, scale, yields) = pass.numbers::<L>();
-        let push = L::splat(pass.push_speed);
+        let push = L::splat(if M::IS_ANGLE { pass.recovery.angular } else { pass.recovery.linear });
         // Signs are those of the lower end; the upper one is its mirror image.
         let mut pushed = zero;
         let one = |gap: L, speed: L, asked: L, (old, held): (L, L), (low, high): (L, L)| {

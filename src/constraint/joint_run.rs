@@ -3,7 +3,7 @@
 use super::contact_row::{Motion, Pass};
 use super::joint_arrange::{JointRows, JointStage, JointType};
 use super::joint_close::Closing;
-use super::joint_ends::JointPass;
+use super::joint_ends::{JointPass, Recovery};
 use super::joint_line::LineBatch;
 use super::joint_lock::{PointBatch, TurnBatch};
 use super::joint_measure::{Distance, Slide, Tilt, Turn, Twist};
@@ -135,19 +135,19 @@ impl JointRows {
         stage: &JointStage,
         i: usize,
         motion: &Motion<'_, '_>,
-        most: f32,
+        most: Recovery,
     ) {
         // SAFETY: by the contract.
         unsafe {
             match (stage.kind, stage.single) {
-                (JointType::Point, false) => views.points.get(i).close(motion, most),
-                (JointType::Point, true) => views.point.get(i).close(motion, most),
-                (JointType::Weld, false) => views.welds.get(i).close(motion, most),
-                (JointType::Weld, true) => views.weld.get(i).close(motion, most),
-                (JointType::Hinge, false) => views.hinges.get(i).close(motion, most),
-                (JointType::Hinge, true) => views.hinge.get(i).close(motion, most),
-                (JointType::Line, false) => views.lines.get(i).close(motion, most),
-                (JointType::Line, true) => views.line.get(i).close(motion, most),
+                (JointType::Point, false) => views.points.get(i).close(motion, most.linear),
+                (JointType::Point, true) => views.point.get(i).close(motion, most.linear),
+                (JointType::Weld, false) => views.welds.get(i).close(motion, most.angular),
+                (JointType::Weld, true) => views.weld.get(i).close(motion, most.angular),
+                (JointType::Hinge, false) => views.hinges.get(i).close(motion, most.angular),
+                (JointType::Hinge, true) => views.hinge.get(i).close(motion, most.angular),
+                (JointType::Line, false) => views.lines.get(i).close(motion, most.linear),
+                (JointType::Line, true) => views.line.get(i).close(motion, most.linear),
                 _ => {}
             }
         }

@@ -543,8 +543,8 @@ impl<L: GatherLanes> TreeBatch<L> {
             let [arm, other] = node.arm_now;
             let mut asked = node.velocity.seen_at(arm);
             asked.subtract(parent.map_or(node.anchored, |parent| parent.velocity).seen_at(other));
-            asked.linear += pass.bias(node.apart_now, rate);
-            asked.angular += pass.bias(node.error_now, rate);
+            asked.linear += pass.linear_bias(node.apart_now, rate);
+            asked.angular += pass.angular_bias(node.error_now, rate);
             if !pass.relax {
                 asked.add(node.bend);
             }

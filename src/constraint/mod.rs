@@ -39,7 +39,7 @@ pub(crate) use batch::{Batch, BatchRef};
 pub(crate) use friction::{FrictionRow, FrictionView};
 pub(crate) use impact_friction::rub;
 pub(crate) use joint_arrange::{JointInput, JointRows, JointStage, JointType};
-pub(crate) use joint_ends::JointPass;
+pub(crate) use joint_ends::{JointPass, Recovery};
 pub(crate) use joint_nets::{FOLLOWED, NetInput};
 pub(crate) use joint_run::JointViews;
 /// The most that a row of a joint takes in the batches: a lane of them all to itself, or a node of two trees that are alike

@@ -10,7 +10,9 @@ use crate::body::Bodies;
 use crate::config::{FrictionCone, Settings};
 use crate::constraint::contact_row::{Motion, Softness};
 use crate::constraint::crowd::Crowd;
-use crate::constraint::{Closing, FOLLOWED, JointRows, NetInput, Restitution, Rows, Struck, usual_substep};
+use crate::constraint::{
+    Closing, FOLLOWED, JointRows, NetInput, Recovery, Restitution, Rows, Struck, usual_substep,
+};
 use crate::faults::is_within;
 use crate::forces::Forces;
 use crate::lanes::{Lanes, Mask, Record, f32x8};
@@ -85,7 +87,7 @@ pub(crate) fn solve(
         shift: SHIFT * settings.length_unit,
         real: REAL * settings.length_unit,
         friction_box: settings.friction_cone == FrictionCone::Box,
-        joint_push: JOINT_PUSH * settings.length_unit,
+        recovery: Recovery { linear: JOINT_PUSH * settings.length_unit, angular: JOINT_PUSH },
         joint: Softness::new(JOINT_HERTZ.min(Softness::stiffest(count, h)), JOINT_DAMPING, h),
     };
     let joint_stages = std::mem::take(&mut joints.stages);
@@ -174,7 +176,7 @@ pub(crate) fn solve(
             mass,
             pull: &forces.acceleration,
             h,
-            push: passes.joint_push,
+            recovery: passes.recovery,
         };
         let mut watched = joined_at_all && is_swift.into_inner();
         if watched {

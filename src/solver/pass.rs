@@ -5,7 +5,7 @@ use crate::constraint::contact_row::{
 };
 use crate::constraint::{
     Batch, BatchRef, Closing, FrictionRow, FrictionView, Group, JointPass, JointRows, JointStage, JointType,
-    JointViews, Rows, Stage, StepLengths, Surface, TreeRef, Views, guard, rub, with_batch,
+    JointViews, Recovery, Rows, Stage, StepLengths, Surface, TreeRef, Views, guard, rub, with_batch,
 };
 use crate::lanes::GatherLanes;
 use crate::narrow_phase::{Contact, Point};
@@ -34,7 +34,7 @@ pub(crate) struct Passes {
     pub(crate) friction_box: bool,
     /// Of what joints lock.
     pub(crate) joint: Softness,
-    pub(crate) joint_push: f32,
+    pub(crate) recovery: Recovery,
 }
 
 /// Rows of joints, sorted as they are solved.
@@ -115,7 +115,7 @@ impl Passes {
             let pass = JointPass {
                 inverse_h: self.inverse_h,
                 softness: self.joint,
-                push_speed: self.joint_push,
+                recovery: self.recovery,
                 moved: relax && (is_tree || sweep == 0),
                 fresh: !relax && sweep == 0,
                 relax,
@@ -133,7 +133,7 @@ impl Passes {
         let pass = JointPass {
             inverse_h: self.inverse_h,
             softness: self.joint,
-            push_speed: self.joint_push,
+            recovery: self.recovery,
             moved: false,
             fresh: true,
             relax: false,
@@ -156,7 +156,10 @@ impl Passes {
         motion: &Motion<'_, '_>,
         closing: &Closing,
     ) {
-        let most = self.joint_push / self.inverse_h;
+        let most = Recovery {
+            linear: self.recovery.linear / self.inverse_h,
+            angular: self.recovery.angular / self.inverse_h,
+        };
         for stage in (0..JOINT_SWEEPS).flat_map(|_| joined.stages).filter(|stage| stage.kind.is_lock()) {
             // SAFETY: each batch is in one stage; no dynamic body is twice in it, unless it is of rows that found no
             // colour, and then one thread has it all.
