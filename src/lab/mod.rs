@@ -28,6 +28,7 @@ pub mod methods;
 pub mod problem;
 mod rest;
 mod state;
+pub mod tosses;
 
 pub use growth::growth;
 pub use rest::{Rest, find_rest};

@@ -30,6 +30,8 @@ pub(crate) enum Command {
     Stability(StabilityOptions),
     /// Run small scenes under extreme conditions and map what holds (docs/envelope.md).
     Extremes(ExtremesOptions),
+    /// Compare measured tosses of a cube with the same tosses simulated (docs/tosses.md).
+    Tosses(TossOptions),
     /// Play a recorded run again, compare every step, and name the first that goes another way.
     Replay(ReplayOptions),
     /// Scenes that come with backstop.
@@ -349,6 +351,38 @@ pub(crate) struct ShotOptions {
     /// No progress.
     #[arg(long)]
     pub(crate) quiet: bool,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct TossOptions {
+    /// A folder of CSV files, one a toss: t_s, px_m, py_m, pz_m, qw, qx, qy, qz, vx_m_s, vy_m_s, vz_m_s, wbx_rad_s, wby_rad_s,
+    /// wbz_rad_s.
+    #[arg(value_name = "DIR")]
+    pub(crate) folder: PathBuf,
+    /// Steps between two samples.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub(crate) parts: u32,
+    /// Substeps of a step.
+    #[arg(long, value_name = "N", default_value_t = 4)]
+    pub(crate) substeps: u32,
+    /// Iterations of a substep.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) iterations: u32,
+    /// Where friction acts: patch or point.
+    #[arg(long, value_name = "MODEL", default_value = "patch", value_parser = friction_model)]
+    pub(crate) friction_model: FrictionModel,
+    /// Coefficient of friction of cube and plate.
+    #[arg(long, value_name = "MU", default_value_t = 0.18)]
+    pub(crate) friction: f32,
+    /// Restitution of cube and plate.
+    #[arg(long, value_name = "E", default_value_t = 0.125)]
+    pub(crate) restitution: f32,
+    /// How far the plate is lowered [m].
+    #[arg(long, value_name = "M", default_value_t = 0.0)]
+    pub(crate) lowered: f64,
+    /// Print one JSON document instead of a table (docs/json.md).
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 #[derive(Args, Debug)]

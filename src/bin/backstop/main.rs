@@ -17,6 +17,7 @@ mod shots;
 mod stability;
 mod summary;
 mod threads;
+mod tosses;
 mod trace;
 mod view;
 
@@ -34,6 +35,7 @@ fn main() -> ExitCode {
         Command::Extremes(options) => extremes::extremes(&options),
         Command::Replay(options) => replay::replay(&options),
         Command::Shots(options) => shots::shots(&options),
+        Command::Tosses(options) => tosses::tosses(&options),
         Command::Compare(options) => compare::print(&options),
         Command::Scenes { command: ScenesCommand::List } => list_scenes(),
         Command::Scenes { command: ScenesCommand::Write { folder } } => write_scenes(&folder),
