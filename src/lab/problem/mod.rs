@@ -6,10 +6,14 @@
 //! whose laws are [`Law::AT_LEAST_ZERO`]; then `W` may be any square matrix.
 
 mod matrix;
+mod read;
 mod residual;
+mod write;
 
 pub use matrix::Matrix;
+pub use read::{File, Form, ReadError, read_problem};
 pub use residual::{Residual, project_cone, project_disc};
+pub use write::write_problem;
 
 use crate::error::Error;
 
