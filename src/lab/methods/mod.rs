@@ -1,5 +1,13 @@
 //! Methods of solving a [`Problem`], a file each: direct ones that pivot, Newton's, and iterations that project.
 
+mod cone;
+mod gs_cone;
+mod nncg;
+mod sweep;
+
+pub use gs_cone::gs_cone;
+pub use nncg::nncg;
+
 use crate::lab::problem::Problem;
 
 /// How it ended.
