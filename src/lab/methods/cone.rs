@@ -124,7 +124,11 @@ fn slide(s: [[f64; 2]; 2], c: [f64; 2], radius: Radius) -> [f64; 2] {
         if value.abs() <= 4.0 * f64::EPSILON {
             break;
         }
-        if value < 0.0 { low = k } else { high = k }
+        if value < 0.0 {
+            low = k
+        } else {
+            high = k
+        }
         let newton = k - value / rate;
         let middle = if low > 0.0 { (low * high).sqrt() } else { 1e-3 * high };
         let next = if newton > low && newton < high { newton } else { middle };

@@ -1,7 +1,7 @@
 //! Block Gauss-Seidel with exact contacts.
 
 use super::cone::{ContactBlock, solve_disc};
-use super::sweep::{iterate, pressure};
+use super::sweep::{Damping, iterate, pressure};
 use super::{Effort, Solution};
 use crate::lab::problem::{Law, Problem};
 
@@ -13,7 +13,7 @@ use crate::lab::problem::{Law, Problem};
 /// whose size is that of their normals at the moment. Fails (without end, not without a sign) where W is far from symmetric and
 /// positive semidefinite.
 pub fn gs_cone(problem: &Problem, effort: &Effort) -> Solution {
-    let blocks = Blocks::new(problem);
+    let mut blocks = Blocks::new(problem);
     iterate(problem, effort, |r| blocks.sweep(r))
 }
 
@@ -21,6 +21,7 @@ pub fn gs_cone(problem: &Problem, effort: &Effort) -> Solution {
 pub(super) struct Blocks<'a> {
     problem: &'a Problem,
     own: Vec<(usize, Own)>,
+    damping: Damping,
 }
 
 enum Own {
@@ -46,17 +47,18 @@ impl<'a> Blocks<'a> {
             };
             (first, own)
         });
-        Blocks { problem, own: own.collect() }
+        Blocks { problem, own: own.collect(), damping: Damping::new(problem) }
     }
 
     /// All laws in the order of their rows.
-    pub(super) fn sweep(&self, r: &mut [f64]) {
-        self.own.iter().for_each(|own| self.solve(own, r));
-    }
-
-    /// All laws in the opposite order.
-    pub(super) fn sweep_back(&self, r: &mut [f64]) {
-        self.own.iter().rev().for_each(|own| self.solve(own, r));
+    pub(super) fn sweep(&mut self, r: &mut [f64]) {
+        for law in 0..self.own.len() {
+            let (first, ref own) = self.own[law];
+            let rows = if matches!(own, Own::Row { .. }) { 1 } else { 3 };
+            let old = self.damping.before(first, r);
+            self.solve(&self.own[law], r);
+            self.damping.after(law, rows, old, r);
+        }
     }
 
     fn solve(&self, &(first, ref own): &(usize, Own), r: &mut [f64]) {

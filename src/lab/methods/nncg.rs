@@ -8,7 +8,7 @@ use crate::lab::problem::Problem;
 /// Nonsmooth nonlinear conjugate gradients (Silcowitz, Niebe and Erleben 2010): what a sweep of Gauss-Seidel changes counts as
 /// minus the gradient, and Fletcher and Reeves's formula carries on in the direction of the sweeps before.
 pub fn nncg(problem: &Problem, effort: &Effort) -> Solution {
-    let blocks = Blocks::new(problem);
+    let mut blocks = Blocks::new(problem);
     let mut best = Best::start(problem, effort);
     let mut r = best.impulses().to_vec();
     let mut direction = vec![0.0; r.len()];

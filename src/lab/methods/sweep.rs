@@ -22,7 +22,9 @@ impl<'a> Best<'a> {
     /// The start of `effort`, or without one that fits the problem, zero.
     pub(super) fn start(problem: &'a Problem, effort: &'a Effort) -> Best<'a> {
         let fits = |r: &&Vec<f64>| r.len() == problem.rows() && r.iter().all(|x| x.is_finite());
-        let r = effort.start.as_ref().filter(fits).cloned().unwrap_or_else(|| vec![0.0; problem.rows()]);
+        let zero = || vec![0.0; problem.rows()];
+        let start = effort.start.as_ref().filter(fits).filter(|r| problem.residual(r).relative.is_finite());
+        let r = start.cloned().unwrap_or_else(zero);
         let residual = problem.residual(&r).relative;
         Best { problem, effort, r, residual, at: 0, gain: (residual, 0) }
     }
@@ -41,8 +43,14 @@ impl<'a> Best<'a> {
 
     /// Keeps `r` if it is better than all before, and says what its residual is: infinite, if it has no finite one.
     pub(super) fn offer(&mut self, r: &[f64], sweep: u32) -> f64 {
-        let residual = self.problem.residual(r).relative;
-        let residual = if residual.is_finite() && r.iter().all(|x| x.is_finite()) { residual } else { f64::INFINITY };
+        self.offer_at(r, &self.problem.velocities(r), sweep)
+    }
+
+    /// The same where the velocities are known.
+    pub(super) fn offer_at(&mut self, r: &[f64], u: &[f64], sweep: u32) -> f64 {
+        let residual = self.problem.residual_at(r, u).relative;
+        let residual =
+            if residual.is_finite() && r.iter().all(|x| x.is_finite()) { residual } else { f64::INFINITY };
         if residual < self.residual {
             self.r.copy_from_slice(r);
             (self.residual, self.at) = (residual, sweep);
@@ -65,7 +73,7 @@ impl<'a> Best<'a> {
             status: if solved { Status::Solved } else { Status::Limit },
             iterations: if solved { self.at } else { sweeps },
             pivots: 0,
-            residual: self.residual,
+            residual: self.residual.min(f64::MAX),
             r: self.r,
         }
     }
@@ -102,6 +110,50 @@ pub(super) fn iterate(problem: &Problem, effort: &Effort, mut sweep: impl FnMut(
     best.finish(effort.iterations)
 }
 
+/// Damps laws that swing: one whose change points against that of the sweep before takes a smaller share of its next ones, down
+/// to a tenth, and a larger one again once it no longer does. With Coulomb's law sweeps can run in a circle, which this breaks;
+/// those that converge as usual hardly notice.
+pub(super) struct Damping {
+    share: Vec<f64>,
+    /// What the last sweep wanted to change.
+    change: Vec<f64>,
+}
+
+impl Damping {
+    pub(super) fn new(problem: &Problem) -> Damping {
+        Damping { share: vec![1.0; problem.laws().len()], change: vec![0.0; problem.rows()] }
+    }
+
+    /// Call it with the first row of a law before its impulses change.
+    pub(super) fn before(&self, first: usize, r: &[f64]) -> Old {
+        let at = |i: usize| r.get(first + i).copied().unwrap_or(0.0);
+        Old { first, r: [at(0), at(1), at(2)] }
+    }
+
+    /// Call it after; `rows` of the law.
+    pub(super) fn after(&mut self, law: usize, rows: usize, old: Old, r: &mut [f64]) {
+        let own = old.first..old.first + rows;
+        let (r, last) = (&mut r[own.clone()], &mut self.change[own]);
+        let mut turned = 0.0;
+        for ((r, old), last) in r.iter().zip(old.r).zip(last.iter_mut()) {
+            let change = r - old;
+            turned += change * *last;
+            *last = change;
+        }
+        let share = &mut self.share[law];
+        *share = if turned < 0.0 { (0.9 * *share).max(0.1) } else { (1.05 * *share).min(1.0) };
+        if *share < 1.0 {
+            r.iter_mut().zip(old.r).for_each(|(r, old)| *r = old + *share * (*r - old));
+        }
+    }
+}
+
+/// Impulses of a law before it was solved.
+pub(super) struct Old {
+    first: usize,
+    r: [f64; 3],
+}
+
 /// Moves impulses to the nearest that their laws allow; patches by the normals that are there then.
 pub(super) fn project(problem: &Problem, r: &mut [f64]) {
     for (first, law) in problem.laws() {
@@ -133,5 +185,9 @@ pub(super) fn tangent_scale(problem: &Problem, first: usize) -> f64 {
     let b = 0.5 * (w.at(first, first + 1) + w.at(first + 1, first));
     let half = 0.5 * (a - d);
     let greatest = 0.5 * (a + d) + (half * half + b * b).sqrt();
-    if greatest > 0.0 && greatest.is_finite() { greatest } else { problem.scale(first).max(problem.scale(first + 1)) }
+    if greatest > 0.0 && greatest.is_finite() {
+        greatest
+    } else {
+        problem.scale(first).max(problem.scale(first + 1))
+    }
 }

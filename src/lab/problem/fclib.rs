@@ -36,7 +36,9 @@ pub fn read_fclib(bytes: Vec<u8>) -> Result<File, FclibError> {
 
 fn read_local(local: &Group) -> Result<File, FclibError> {
     if names(local)?.iter().any(|name| name == "R" || name == "V") {
-        return error("the local problem has joints beside its contacts (matrices V and R), which is not supported");
+        return error(
+            "the local problem has joints beside its contacts (matrices V and R), which is not supported",
+        );
     }
     let dimensions = dimensions(local)?;
     let vectors = group(local, "vectors")?;
@@ -82,7 +84,12 @@ fn read_global(global: &Group) -> Result<File, FclibError> {
 }
 
 /// `W = Hᵀ M⁻¹ H` and `q = w + Hᵀ M⁻¹ f`, a group of coupled velocities (a body, as a rule) at a time.
-fn eliminate(mass: &Sparse, h: &Sparse, f: &[f64], mut q: Vec<f64>) -> Result<(Matrix, Vec<f64>), FclibError> {
+fn eliminate(
+    mass: &Sparse,
+    h: &Sparse,
+    f: &[f64],
+    mut q: Vec<f64>,
+) -> Result<(Matrix, Vec<f64>), FclibError> {
     let mut entries = Vec::new();
     let by_row = |sparse: &Sparse| {
         let mut rows = vec![Vec::new(); sparse.rows];
@@ -93,7 +100,9 @@ fn eliminate(mass: &Sparse, h: &Sparse, f: &[f64], mut q: Vec<f64>) -> Result<(M
     for velocities in coupled(mass) {
         let size = velocities.len();
         if size > COUPLED {
-            return error(format!("the mass matrix couples {size} velocities, and at most {COUPLED} are supported"));
+            return error(format!(
+                "the mass matrix couples {size} velocities, and at most {COUPLED} are supported"
+            ));
         }
         let mut m = DMatrix::zeros(size, size);
         for (i, &velocity) in velocities.iter().enumerate() {
@@ -103,7 +112,8 @@ fn eliminate(mass: &Sparse, h: &Sparse, f: &[f64], mut q: Vec<f64>) -> Result<(M
             }
         }
         let Some(factor) = m.cholesky() else { return error("the mass matrix must be positive definite") };
-        let mut columns: Vec<usize> = velocities.iter().flat_map(|&v| h_rows[v].iter().map(|e| e.0)).collect();
+        let mut columns: Vec<usize> =
+            velocities.iter().flat_map(|&v| h_rows[v].iter().map(|e| e.0)).collect();
         columns.sort_unstable();
         columns.dedup();
         let mut part = DMatrix::zeros(size, columns.len());
@@ -118,7 +128,9 @@ fn eliminate(mass: &Sparse, h: &Sparse, f: &[f64], mut q: Vec<f64>) -> Result<(M
         let root = factor.l_dirty().solve_lower_triangular(&part).expect("a Cholesky factor is regular");
         for (a, &i) in columns.iter().enumerate() {
             q[i] += free[a];
-            entries.extend(columns.iter().enumerate().map(|(b, &j)| (i, j, root.column(a).dot(&root.column(b)))));
+            entries.extend(
+                columns.iter().enumerate().map(|(b, &j)| (i, j, root.column(a).dot(&root.column(b)))),
+            );
         }
     }
     Ok((Matrix::from_entries(h.columns, entries), q))
@@ -160,7 +172,8 @@ impl Sparse {
         let own = group(parent, name)?;
         let size = |what: &str| {
             let size = integer(&own, what)?;
-            usize::try_from(size).map_err(|_| FclibError(format!("{name}/{what} must not be negative, but is {size}")))
+            usize::try_from(size)
+                .map_err(|_| FclibError(format!("{name}/{what} must not be negative, but is {size}")))
         };
         let (rows, columns, storage) = (size("m")?, size("n")?, integer(&own, "nz")?);
         let (p, i, x) = (indices(&own, "p")?, indices(&own, "i")?, reals(&own, "x")?);
@@ -171,13 +184,20 @@ impl Sparse {
             _ => return error(format!("{name}/nz must be at least -2, but is {storage}")),
         };
         let short = storage >= 0 && places.len() < storage as usize;
-        if short || places.len() > x.len() || places.iter().any(|&(row, column)| row >= rows || column >= columns) {
+        if short
+            || places.len() > x.len()
+            || places.iter().any(|&(row, column)| row >= rows || column >= columns)
+        {
             return error(format!("entries of {name} are missing or outside of it"));
         }
         if rows > x.len().max(COUPLED) * 64 || columns > x.len().max(COUPLED) * 64 {
             return error(format!("{name} is {rows} by {columns}, but has {} entries only", x.len()));
         }
-        Ok(Sparse { rows, columns, entries: places.into_iter().zip(x).map(|((i, j), x)| (i, j, x)).collect() })
+        Ok(Sparse {
+            rows,
+            columns,
+            entries: places.into_iter().zip(x).map(|((i, j), x)| (i, j, x)).collect(),
+        })
     }
 }
 
@@ -188,7 +208,11 @@ fn compressed<'a>(
     index: &'a [usize],
     name: &str,
 ) -> Result<impl Iterator<Item = (usize, usize)> + 'a, FclibError> {
-    if pointer.len() <= lines || !pointer[..=lines].is_sorted() || pointer[lines] > index.len() || pointer[0] != 0 {
+    if pointer.len() <= lines
+        || !pointer[..=lines].is_sorted()
+        || pointer[lines] > index.len()
+        || pointer[0] != 0
+    {
         return error(format!("{name}/p must rise from 0 to at most the length of {name}/i"));
     }
     Ok((0..lines).flat_map(move |line| (pointer[line]..pointer[line + 1]).map(move |k| (line, index[k]))))
@@ -203,7 +227,10 @@ fn group(parent: &Group, name: &str) -> Result<Group, FclibError> {
 }
 
 fn integers(parent: &Group, name: &str) -> Result<Vec<i32>, FclibError> {
-    parent.dataset(name).and_then(|set| set.read_i32()).map_err(|e| FclibError(format!("{name} can't be read: {e}")))
+    parent
+        .dataset(name)
+        .and_then(|set| set.read_i32())
+        .map_err(|e| FclibError(format!("{name} can't be read: {e}")))
 }
 
 fn integer(parent: &Group, name: &str) -> Result<i32, FclibError> {
@@ -218,7 +245,11 @@ fn indices(parent: &Group, name: &str) -> Result<Vec<usize>, FclibError> {
 fn reals(parent: &Group, name: &str) -> Result<Vec<f64>, FclibError> {
     let reals = parent.dataset(name).and_then(|set| set.read_f64());
     let reals = reals.map_err(|e| FclibError(format!("{name} can't be read: {e}")))?;
-    if reals.iter().all(|x| x.is_finite()) { Ok(reals) } else { error(format!("{name} has a number that is not finite")) }
+    if reals.iter().all(|x| x.is_finite()) {
+        Ok(reals)
+    } else {
+        error(format!("{name} has a number that is not finite"))
+    }
 }
 
 fn dimensions(parent: &Group) -> Result<usize, FclibError> {

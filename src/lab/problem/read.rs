@@ -46,14 +46,22 @@ impl File {
     }
 
     /// Contacts of a file: `w` and `q` have `dimensions` rows for each coefficient of `mu`, normal first.
-    pub fn of_contacts(dimensions: usize, w: Matrix, q: Vec<f64>, mu: &[f64]) -> Result<File, crate::error::Error> {
+    pub fn of_contacts(
+        dimensions: usize,
+        w: Matrix,
+        q: Vec<f64>,
+        mu: &[f64],
+    ) -> Result<File, crate::error::Error> {
         let laws = mu.iter().map(|&mu| Law::Contact { mu }).collect();
         if dimensions == 3 {
             return Ok(File { problem: Problem::new(laws, w, q)?, form: Form::Contacts });
         }
         let rows = mu.len() * 2;
         if w.size() != rows || q.len() != rows {
-            return Err(crate::error::Error::Incomplete { what: "W and q", expected: "two rows for each contact" });
+            return Err(crate::error::Error::Incomplete {
+                what: "W and q",
+                expected: "two rows for each contact",
+            });
         }
         let place = |row: usize| row / 2 * 3 + row % 2;
         let own = (0..rows).flat_map(|i| w.row(i).map(move |(j, value)| (place(i), place(j), value)));
@@ -76,7 +84,8 @@ pub fn read_problem(text: &str) -> Result<File, ReadError> {
     } else if first[0] == 2 || first[0] == 3 {
         read_contacts(&mut words)
     } else {
-        Err(words.error("neither the sizes of a linear complementarity problem nor those of a contact problem"))
+        Err(words
+            .error("neither the sizes of a linear complementarity problem nor those of a contact problem"))
     }
 }
 
@@ -104,7 +113,9 @@ fn read_contacts(words: &mut Words) -> Result<File, ReadError> {
 fn read_matrix(words: &mut Words, rows: usize) -> Result<Matrix, ReadError> {
     let storage = words.size("the storage of the matrix")?;
     if storage > 1 {
-        return Err(words.error(format!("storage {storage} of the matrix is not known: 0 is dense, 1 has blocks")));
+        return Err(
+            words.error(format!("storage {storage} of the matrix is not known: 0 is dense, 1 has blocks"))
+        );
     }
     words.exactly(rows, "rows of the matrix")?;
     words.exactly(rows, "columns of the matrix")?;
@@ -148,7 +159,8 @@ fn read_blocks(words: &mut Words, size: usize) -> Result<Entries, ReadError> {
     let column_ends = read_ends(words, columns, size)?;
     let pointers = words.size("the length of the row pointer")?;
     if pointers != rows.saturating_add(1) {
-        return Err(words.error(format!("the row pointer must have {} numbers, not {pointers}", rows.saturating_add(1))));
+        return Err(words
+            .error(format!("the row pointer must have {} numbers, not {pointers}", rows.saturating_add(1))));
     }
     words.exactly(blocks, "column indices of blocks")?;
     let pointers = words.sizes_of(pointers, "the row pointer")?;
@@ -207,7 +219,8 @@ impl<'a> Words<'a> {
 
     fn size(&mut self, what: &str) -> Result<usize, ReadError> {
         let word = self.word(what)?;
-        word.parse().map_err(|_| self.error(format!("{what} must be a whole number, not \"{}\"", shown(word))))
+        word.parse()
+            .map_err(|_| self.error(format!("{what} must be a whole number, not \"{}\"", shown(word))))
     }
 
     /// The first four.
@@ -221,7 +234,11 @@ impl<'a> Words<'a> {
 
     fn exactly(&mut self, expected: usize, what: &str) -> Result<(), ReadError> {
         let found = self.size(what)?;
-        if found == expected { Ok(()) } else { Err(self.error(format!("{expected} {what} expected, but found {found}"))) }
+        if found == expected {
+            Ok(())
+        } else {
+            Err(self.error(format!("{expected} {what} expected, but found {found}")))
+        }
     }
 
     fn number(&mut self, what: &str) -> Result<f64, ReadError> {
@@ -234,7 +251,11 @@ impl<'a> Words<'a> {
 
     /// Each number takes a digit and a space.
     fn room_for(&self, count: usize, what: &str) -> Result<(), ReadError> {
-        if count <= self.rest.len() / 2 { Ok(()) } else { Err(self.error(format!("the text is too short for {what}"))) }
+        if count <= self.rest.len() / 2 {
+            Ok(())
+        } else {
+            Err(self.error(format!("the text is too short for {what}")))
+        }
     }
 
     fn numbers(&mut self, count: usize, what: &str) -> Result<Vec<f64>, ReadError> {

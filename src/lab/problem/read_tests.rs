@@ -30,7 +30,8 @@ fn three_unknowns_are_not_three_dimensions() {
 #[test]
 fn blocks_are_put_where_their_pointers_say() {
     // Two contacts in a plane: three blocks of 2 x 2, with the lower left one missing.
-    let text = "2 2 1 4 4 3 2 2  2 4  2 4  3 3  0 2 3  0 1 1  0 1 2 3 4  1 5 6 7 8  2 9 10 11 12  1 2 3 4  0.1 0.2";
+    let text =
+        "2 2 1 4 4 3 2 2  2 4  2 4  3 3  0 2 3  0 1 1  0 1 2 3 4  1 5 6 7 8  2 9 10 11 12  1 2 3 4  0.1 0.2";
     let file = read_problem(text).unwrap();
     assert_eq!(file.form, Form::PlaneContacts);
     let expected = [
@@ -59,10 +60,18 @@ fn what_is_wrong_is_said_with_its_line() {
         ("3\n1\n0\n6\n3", 4, "3 rows of the matrix expected, but found 6"),
         ("-2 0 2 2", 1, "whole number"),
         // A billion rows in twenty bytes.
-        ("1000000000\n0\n1000000000\n1000000000\n1000000000 1000000000\n1 2 3", 5, "too short for the entries"),
+        (
+            "1000000000\n0\n1000000000\n1000000000\n1000000000 1000000000\n1 2 3",
+            5,
+            "too short for the entries",
+        ),
         ("3\n18446744073709551615\n0\n3\n3", 4, "rows of the matrix expected"),
         // One block of a billion rows, and empty.
-        ("1000000000 1 1000000000 1000000000\n0 1 1 1000000000 1000000000\n2 0\n0 0\n1", 4, "too short for q"),
+        (
+            "1000000000 1 1000000000 1000000000\n0 1 1 1000000000 1000000000\n2 0\n0 0\n1",
+            4,
+            "too short for q",
+        ),
         ("3 1 1 3 3\n1 1 1 3 3 2 1\n0 2\n0\n", 3, "must rise from 0"),
         ("3 1 1 3 3\n1 1 1 3 3 2 1\n0 1\n5\n", 4, "too great"),
         ("3 1 1 3 3\n1 1 1 4 3 2 1\n0 1\n5\n", 2, "must rise to 3"),
@@ -77,7 +86,8 @@ fn what_is_wrong_is_said_with_its_line() {
 
 #[test]
 fn no_beginning_of_a_text_panics() {
-    let text = "2 2 1 4 4 3 2 2  2 4  2 4  3 3  0 2 3  0 1 1  0 1 2 3 4  1 5 6 7 8  2 9 10 11 12  1 2 3 4  0.1 0.2";
+    let text =
+        "2 2 1 4 4 3 2 2  2 4  2 4  3 3  0 2 3  0 1 1  0 1 2 3 4  1 5 6 7 8  2 9 10 11 12  1 2 3 4  0.1 0.2";
     // The last number may lose digits and still be one.
     let shortest = text.len() - 2;
     assert!((0..=text.len()).all(|end| read_problem(&text[..end]).is_ok() == (end >= shortest)));

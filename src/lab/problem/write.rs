@@ -61,7 +61,10 @@ fn write_matrix(text: &mut String, w: &Matrix, block: usize) {
     });
     write_sizes(text, std::iter::once(0).chain(ends));
     write_sizes(text, columns.iter().flatten().copied());
-    let places = columns.iter().enumerate().flat_map(|(row, columns)| columns.iter().map(move |&column| (row, column)));
+    let places = columns
+        .iter()
+        .enumerate()
+        .flat_map(|(row, columns)| columns.iter().map(move |&column| (row, column)));
     for (number, (row, column)) in places.enumerate() {
         let _ = writeln!(text, "{number}");
         for j in 0..block {
