@@ -66,7 +66,7 @@ impl<'a> State<'a> {
     fn new(problem: &'a Problem, start: Vec<f64>) -> Option<State<'a>> {
         let root: Vec<f64> = weights(problem).iter().map(|x| x.sqrt()).collect();
         let inverse_root: Vec<f64> = root.iter().map(|x| 1.0 / x).collect();
-        let factor = Factor::new(problem, &inverse_root);
+        let factor = Factor::new(problem, &inverse_root)?;
         let z: Vec<f64> = start.iter().zip(&root).map(|(r, root)| r * root).collect();
         let u = problem.velocities(&start);
         let y = u.iter().zip(&inverse_root).map(|(u, root)| -u * root).collect();
@@ -157,7 +157,7 @@ impl<'a> State<'a> {
 }
 
 impl Factor {
-    fn new(problem: &Problem, scale: &[f64]) -> Factor {
+    fn new(problem: &Problem, scale: &[f64]) -> Option<Factor> {
         let w = problem.w();
         let (mut skew, mut greatest) = (0.0_f64, 0.0_f64);
         for i in 0..w.size() {
@@ -171,9 +171,9 @@ impl Factor {
             for i in 0..w.size() {
                 (0..w.size()).for_each(|j| matrix[(i, j)] *= scale[i] * scale[j]);
             }
-            return Factor::Dense { matrix, lu: None };
+            return Some(Factor::Dense { matrix, lu: None });
         }
-        Factor::Symmetric { envelope: Envelope::new(w), skew: skew > 0.0 }
+        Some(Factor::Symmetric { envelope: Envelope::new(w)?, skew: skew > 0.0 })
     }
 
     fn with(&mut self, problem: &Problem, scale: &[f64], rho: f64) -> bool {
@@ -215,5 +215,16 @@ impl Factor {
             }
         }
         sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{check_contacts, check_rows};
+
+    #[test]
+    fn it_finds_what_is_known() {
+        check_rows(super::admm);
+        check_contacts(super::admm);
     }
 }

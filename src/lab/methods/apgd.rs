@@ -1,6 +1,6 @@
 //! Accelerated projected gradients.
 
-use super::sweep::{Best, pressure, project};
+use super::sweep::{Best, pressure, project, within};
 use super::{Effort, Solution};
 use crate::lab::problem::{Law, Problem, project_cone, project_disc};
 
@@ -127,7 +127,7 @@ impl<'a> State<'a> {
 /// As [`project`] does it for one law, with a given size of the friction of a patch.
 pub(super) fn project_law(first: usize, law: Law, radius: f64, r: &mut [f64]) {
     match law {
-        Law::Bounds { min, max } => r[first] = r[first].clamp(min, max),
+        Law::Bounds { min, max } => r[first] = within(r[first], min, max),
         Law::Contact { mu } => {
             let own = project_cone([r[first], r[first + 1], r[first + 2]], mu);
             r[first..first + 3].copy_from_slice(&own);
@@ -135,7 +135,7 @@ pub(super) fn project_law(first: usize, law: Law, radius: f64, r: &mut [f64]) {
         Law::Patch { arm, .. } => {
             let own = project_disc([r[first], r[first + 1]], radius);
             r[first..first + 2].copy_from_slice(&own);
-            r[first + 2] = r[first + 2].clamp(-arm * radius, arm * radius);
+            r[first + 2] = within(r[first + 2], -arm * radius, arm * radius);
         }
     }
 }
@@ -157,4 +157,15 @@ pub(super) fn weights(problem: &Problem) -> Vec<f64> {
 
 fn length(x: f64, y: f64) -> f64 {
     (x * x + y * y).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{check_contacts, check_rows};
+
+    #[test]
+    fn it_finds_what_is_known() {
+        check_rows(super::apgd);
+        check_contacts(super::apgd);
+    }
 }

@@ -5,6 +5,9 @@
 
 use crate::lab::problem::Matrix;
 
+/// A gibibyte.
+const LARGEST: usize = 1 << 27;
+
 /// Where rows of the factor lie, for all matrices with the same entries.
 #[derive(Clone, Debug)]
 pub(super) struct Envelope {
@@ -19,8 +22,8 @@ pub(super) struct Envelope {
 }
 
 impl Envelope {
-    /// Of a matrix whose entries count as symmetric.
-    pub(super) fn new(matrix: &Matrix) -> Envelope {
+    /// Of a matrix whose entries count as symmetric; none if the factor would have more than [`LARGEST`] numbers.
+    pub(super) fn new(matrix: &Matrix) -> Option<Envelope> {
         let neighbours = neighbours(matrix);
         let order = reverse_cuthill_mckee(&neighbours);
         let mut place = vec![0; order.len()];
@@ -32,8 +35,8 @@ impl Envelope {
         for (k, first) in first.iter().enumerate() {
             start.push(start[k] + k + 1 - first);
         }
-        let factor = vec![0.0; start[order.len()]];
-        Envelope { order, place, first, start, factor }
+        let size = start[order.len()];
+        (size <= LARGEST).then(|| Envelope { order, place, first, start, factor: vec![0.0; size] })
     }
 
     /// Factors `D (A + Aᵀ)/2 D + shift I`, with `scale` as the diagonal D; whether it is positive definite.
@@ -165,7 +168,7 @@ mod tests {
             [(i, i, 2.5), (i, next, -1.0), (next, i, -1.0)]
         });
         let matrix = Matrix::from_entries(n, entries);
-        let mut envelope = Envelope::new(&matrix);
+        let mut envelope = Envelope::new(&matrix).unwrap();
         // A ring that is laid flat reaches two rows back.
         assert!(envelope.factor.len() <= 3 * n, "{}", envelope.factor.len());
         assert!(envelope.factorise(&matrix, &vec![2.0; n], 0.5));

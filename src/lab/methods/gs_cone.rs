@@ -1,7 +1,7 @@
 //! Block Gauss-Seidel with exact contacts.
 
 use super::cone::{ContactBlock, solve_disc};
-use super::sweep::{Damping, iterate, pressure};
+use super::sweep::{Damping, iterate, pressure, within};
 use super::{Effort, Solution};
 use crate::lab::problem::{Law, Problem};
 
@@ -65,7 +65,7 @@ impl<'a> Blocks<'a> {
         let velocity = |row: usize, r: &[f64]| self.problem.w().dot(row, r) + self.problem.q()[row];
         match *own {
             Own::Row { min, max, scale } => {
-                r[first] = (r[first] - velocity(first, r) / scale).clamp(min, max);
+                r[first] = within(r[first] - velocity(first, r) / scale, min, max);
             }
             Own::Contact(ref block) => {
                 let u = [0, 1, 2].map(|i| velocity(first + i, r));
@@ -78,8 +78,19 @@ impl<'a> Blocks<'a> {
                 let solved = solve_disc(w, mu * normal, [r[first], r[first + 1]], u);
                 r[first..first + 2].copy_from_slice(&solved);
                 let most = mu * arm * normal;
-                r[first + 2] = (r[first + 2] - velocity(first + 2, r) / twist).clamp(-most, most);
+                r[first + 2] = within(r[first + 2] - velocity(first + 2, r) / twist, -most, most);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{check_contacts, check_rows};
+
+    #[test]
+    fn it_finds_what_is_known() {
+        check_rows(super::gs_cone);
+        check_contacts(super::gs_cone);
     }
 }

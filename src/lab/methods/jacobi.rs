@@ -1,7 +1,7 @@
 //! Projected Jacobi.
 
 use super::pgs::limit;
-use super::sweep::{iterate, pressure};
+use super::sweep::{iterate, pressure, within};
 use super::{Effort, Solution};
 use crate::lab::problem::{Law, Problem};
 
@@ -20,7 +20,7 @@ pub fn jacobi(problem: &Problem, effort: &Effort) -> Solution {
         for (first, law) in problem.laws() {
             match law {
                 Law::Bounds { min, max } => {
-                    r[first] = (r[first] - u[first] / scale[first]).clamp(min, max);
+                    r[first] = within(r[first] - u[first] / scale[first], min, max);
                 }
                 Law::Contact { mu } => {
                     r[first] = (r[first] - u[first] / scale[first]).max(0.0);
@@ -35,7 +35,7 @@ pub fn jacobi(problem: &Problem, effort: &Effort) -> Solution {
                     let own = [first, first + 1].map(|row| r[row] - u[row] / both);
                     r[first..first + 2].copy_from_slice(&limit(own, most, effort.friction));
                     let twist = first + 2;
-                    r[twist] = (r[twist] - u[twist] / scale[twist]).clamp(-arm * most, arm * most);
+                    r[twist] = within(r[twist] - u[twist] / scale[twist], -arm * most, arm * most);
                 }
             }
         }
@@ -46,4 +46,15 @@ pub fn jacobi(problem: &Problem, effort: &Effort) -> Solution {
 fn row_sum(problem: &Problem, row: usize) -> f64 {
     let sum: f64 = problem.w().row(row).map(|(_, x)| x.abs()).sum();
     if sum > 0.0 && sum.is_finite() { sum } else { problem.scale(row) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{check_contacts, check_rows};
+
+    #[test]
+    fn it_finds_what_is_known() {
+        check_rows(super::jacobi);
+        check_contacts(super::jacobi);
+    }
 }

@@ -13,6 +13,8 @@ mod prox;
 mod psor;
 mod registry;
 mod sweep;
+#[cfg(test)]
+mod tests;
 
 pub use admm::admm;
 pub use apgd::apgd;

@@ -44,3 +44,14 @@ pub fn nncg(problem: &Problem, effort: &Effort) -> Solution {
     }
     best.finish(effort.iterations)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{check_contacts, check_rows};
+
+    #[test]
+    fn it_finds_what_is_known() {
+        check_rows(super::nncg);
+        check_contacts(super::nncg);
+    }
+}

@@ -1,6 +1,6 @@
 //! The proximal map as a fixed point.
 
-use super::sweep::{iterate, pressure};
+use super::sweep::{iterate, pressure, within};
 use super::{Effort, Solution};
 use crate::lab::problem::{Law, Problem, project_cone, project_disc};
 
@@ -51,7 +51,7 @@ fn reach(problem: &Problem) -> Vec<f64> {
 fn solve(first: usize, law: Law, step: f64, weight: &[f64], u: [f64; 3], r: &mut [f64]) {
     let moved = |row: usize, u: f64, r: &[f64]| r[row] - step * u / weight[row];
     match law {
-        Law::Bounds { min, max } => r[first] = moved(first, u[0], r).clamp(min, max),
+        Law::Bounds { min, max } => r[first] = within(moved(first, u[0], r), min, max),
         Law::Contact { mu } => {
             let normal = u[0] + mu * (u[1] * u[1] + u[2] * u[2]).sqrt();
             let own = [moved(first, normal, r), moved(first + 1, u[1], r), moved(first + 2, u[2], r)];
@@ -61,7 +61,18 @@ fn solve(first: usize, law: Law, step: f64, weight: &[f64], u: [f64; 3], r: &mut
             let most = mu * pressure(r, normals, count);
             let own = project_disc([moved(first, u[0], r), moved(first + 1, u[1], r)], most);
             r[first..first + 2].copy_from_slice(&own);
-            r[first + 2] = moved(first + 2, u[2], r).clamp(-arm * most, arm * most);
+            r[first + 2] = within(moved(first + 2, u[2], r), -arm * most, arm * most);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{check_contacts, check_rows};
+
+    #[test]
+    fn it_finds_what_is_known() {
+        check_rows(super::prox);
+        check_contacts(super::prox);
     }
 }

@@ -14,3 +14,14 @@ pub fn psor(problem: &Problem, effort: &Effort) -> Solution {
     let rows = Rows::new(problem, effort.friction);
     iterate(problem, effort, |r| rows.sweep(r, relaxation))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{check_contacts, check_rows};
+
+    #[test]
+    fn it_finds_what_is_known() {
+        check_rows(super::psor);
+        check_contacts(super::psor);
+    }
+}

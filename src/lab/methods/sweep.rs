@@ -158,7 +158,7 @@ pub(super) struct Old {
 pub(super) fn project(problem: &Problem, r: &mut [f64]) {
     for (first, law) in problem.laws() {
         match law {
-            Law::Bounds { min, max } => r[first] = r[first].clamp(min, max),
+            Law::Bounds { min, max } => r[first] = within(r[first], min, max),
             Law::Contact { mu } => {
                 let own = project_cone([r[first], r[first + 1], r[first + 2]], mu);
                 r[first..first + 3].copy_from_slice(&own);
@@ -167,10 +167,15 @@ pub(super) fn project(problem: &Problem, r: &mut [f64]) {
                 let normal = pressure(r, normals, count);
                 let own = project_disc([r[first], r[first + 1]], mu * normal);
                 r[first..first + 2].copy_from_slice(&own);
-                r[first + 2] = r[first + 2].clamp(-mu * arm * normal, mu * arm * normal);
+                r[first + 2] = within(r[first + 2], -mu * arm * normal, mu * arm * normal);
             }
         }
     }
+}
+
+/// The nearest number in a range: `f64::clamp` without its panic at limits that are not numbers, which come of numbers too great.
+pub(super) fn within(x: f64, min: f64, max: f64) -> f64 {
+    x.max(min).min(max)
 }
 
 /// The sum of the normal impulses that a patch shares.

@@ -71,7 +71,7 @@ impl Problem {
                 let own = [r[first], r[first + 1]];
                 let to = project_disc([own[0] - u[0] / s, own[1] - u[1] / s], mu * normal);
                 let most = mu * arm * normal;
-                let turned = r[first + 2] - (r[first + 2] - u[2] / twist).clamp(-most, most);
+                let turned = r[first + 2] - (r[first + 2] - u[2] / twist).max(-most).min(most);
                 s * (own[0] - to[0]).hypot(own[1] - to[1]) + twist * turned.abs()
             }
         }
