@@ -259,3 +259,7 @@ fn dimensions(parent: &Group) -> Result<usize, FclibError> {
         other => error(format!("spacedim must be 2 or 3, but is {other}")),
     }
 }
+
+#[cfg(test)]
+#[path = "fclib_tests.rs"]
+mod tests;
