@@ -33,10 +33,6 @@ impl<'a> Best<'a> {
         &self.r
     }
 
-    pub(super) fn residual(&self) -> f64 {
-        self.residual
-    }
-
     pub(super) fn is_solved(&self) -> bool {
         self.residual <= self.effort.tolerance
     }
@@ -93,9 +89,9 @@ impl<'a> Best<'a> {
 /// Whether the residual is looked at after so many sweeps: it costs as much as a sweep does.
 pub(super) fn is_checked(sweep: u32) -> bool {
     match sweep {
-        ..=16 => true,
-        ..=128 => sweep.is_multiple_of(4),
-        _ => sweep.is_multiple_of(16),
+        0..=16 => true,
+        17..=128 => sweep.is_multiple_of(4),
+        129.. => sweep.is_multiple_of(16),
     }
 }
 
