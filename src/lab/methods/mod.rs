@@ -1,5 +1,32 @@
 //! Methods of solving a [`Problem`], a file each: direct ones that pivot, Newton's, and iterations that project.
 
+mod block_pivoting;
+mod certificate;
+mod cone;
+mod dantzig;
+mod dictionary;
+mod forms;
+mod keller;
+mod lemke;
+mod linear;
+mod murty;
+mod newton_fb;
+mod newton_min;
+mod path;
+mod principal;
+mod rounds;
+mod run;
+mod tableau;
+
+pub use block_pivoting::block_pivoting;
+pub use dantzig::dantzig;
+pub use keller::keller;
+pub use lemke::lemke;
+pub use murty::murty;
+pub use newton_fb::newton_fb;
+pub use newton_min::newton_min;
+pub use path::path;
+
 use crate::lab::problem::Problem;
 
 /// How it ended.
