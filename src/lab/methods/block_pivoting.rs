@@ -11,7 +11,7 @@ use crate::lab::problem::Problem;
 const PATIENCE: u32 = 10;
 
 /// Block principal pivoting (Júdice, Pires 1994): all rows that violate their law change sides at once, each time with a
-/// factorisation of those that are free. If for ten rounds no fewer are wrong than ever before, only the one with the greatest
+/// factorisation of those that are free. If for ten rounds no fewer are wrong than ever before, only the one with the least
 /// index changes (Murty's rule) until there are, so that it is finite for P-matrices.
 ///
 /// 5 to 20 factorisations of k³/3 for k free rows, the cheapest of the exact methods where it works. A singular
@@ -79,15 +79,9 @@ fn solve_boxed(boxed: &Boxed, start: Option<&[f64]>, limit: u32) -> Outcome {
         pivots: 0,
         iterations: 0,
     };
-    // Brent's way to notice a cycle: sides of the round of the last power of two.
-    let mut mark = Vec::new();
+    // Brent's way to notice a cycle of Murty's rule, which only a matrix that is no P-matrix can have.
+    let (mut mark, mut singles) = (Vec::new(), 0_u32);
     while outcome.iterations < limit {
-        if sides == mark {
-            break;
-        }
-        if outcome.iterations.is_power_of_two() {
-            mark.clone_from(&sides);
-        }
         outcome.iterations += 1;
         let Some(x) = values(boxed, &sides) else { break };
         let w = boxed.w(&x);
@@ -102,16 +96,21 @@ fn solve_boxed(boxed: &Boxed, start: Option<&[f64]>, limit: u32) -> Outcome {
         if moves.len() < fewest {
             fewest = moves.len();
             patience = PATIENCE;
-            // Rounds before this one aren't part of a cycle.
+            singles = 0;
             mark.clear();
         } else {
             patience = patience.saturating_sub(1);
         }
-        let single = patience == 0;
-        if patience == 1 {
-            mark.clear();
+        let taken = if patience > 0 { &moves[..] } else { &moves[..1] };
+        if patience == 0 {
+            if sides == mark {
+                break;
+            }
+            singles += 1;
+            if singles.is_power_of_two() {
+                mark.clone_from(&sides);
+            }
         }
-        let taken = if !single { &moves[..] } else { &moves[moves.len() - 1..] };
         for &(i, side) in taken {
             sides[i] = side;
             outcome.pivots += 1;

@@ -10,6 +10,10 @@ use nalgebra::DMatrix;
 
 /// A pivot counts as zero below this share of the greatest entry of its column.
 const SMALL: f64 = 1e-10;
+/// Pivots after which rounding is looked at.
+const CHECK: u32 = 50;
+/// What the values may leave of the equations, relative to q and d, before the dictionary is computed anew.
+const DRIFT: f64 = 1e-12;
 /// Ratios closer than this, relative to the right-hand sides, are a tie.
 const TIE: f64 = 1e-12;
 
@@ -131,9 +135,8 @@ impl<'a> Dictionary<'a> {
     /// Complementary pivots, beginning with `enters`, until `t` leaves the basis.
     fn follow(&mut self, mut enters: usize, limit: u32) -> End {
         let n = self.n();
-        let every = if n <= 400 { 50 } else { n as u32 / 4 };
         for count in 1..=limit {
-            if count % every == 0 && !self.refactor() {
+            if count % CHECK == 0 && self.drifted() && !self.refactor() {
                 return End::Limit;
             }
             let Some(column) = self.columns.iter().position(|&v| v == enters) else { return End::Limit };
@@ -222,6 +225,23 @@ impl<'a> Dictionary<'a> {
             v if v < 2 * n => -self.lcp.m[(i, v - n)],
             _ => -self.cover[i],
         }
+    }
+
+    /// Whether the values of the basic variables no longer solve the equations.
+    fn drifted(&self) -> bool {
+        let n = self.n();
+        let mut rest = self.lcp.q.clone();
+        let mut size: Vec<f64> = rest.iter().map(|q| q.abs()).collect();
+        for (row, &variable) in self.rows.iter().enumerate() {
+            let value = self.t[(row, n + 1)];
+            for i in 0..n {
+                let part = self.original(variable, i) * value;
+                rest[i] -= part;
+                size[i] += part.abs();
+            }
+        }
+        let size = super::linear::greatest(&size);
+        super::linear::greatest(&rest) > DRIFT * size
     }
 
     /// The dictionary of the same basis computed anew. False if it is singular.

@@ -53,7 +53,7 @@ impl Boxed {
         let w = self.w(x);
         let errors = (0..self.rows()).map(|i| {
             let s = self.scale(i);
-            s * (x[i] - (x[i] - w[i] / s).clamp(self.lo[i], self.hi[i])).abs()
+            s * (w[i] / s).clamp(x[i] - self.hi[i], x[i] - self.lo[i]).abs()
         });
         errors.fold(0.0, |most: f64, e| if e.is_nan() { f64::INFINITY } else { most.max(e) })
     }

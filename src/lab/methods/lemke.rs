@@ -78,7 +78,45 @@ pub(super) fn solve_lcp(lcp: &Lcp, start: Option<&[f64]>, limit: u32) -> Outcome
             return outcome;
         }
     }
+    if outcome.status == Status::Ray {
+        along_unit_rays(&even, &factors, limit, &mut outcome);
+    }
     outcome
+}
+
+/// Lemke and Howson's start (1964), for matrices without a diagonal such as those of bimatrix games, whose path from the ray of `t`
+/// leads nowhere: from two positive variables, `z_k` and the one whose w it keeps at zero, only the pair k is not complementary.
+fn along_unit_rays(lcp: &Lcp, factors: &[f64], limit: u32, outcome: &mut Outcome) {
+    let n = lcp.q.len();
+    // The least z_k that makes all w positive that it raises, and the row that is zero then.
+    let least = |k: usize| {
+        let ratios = (0..n).filter(|&i| lcp.m[(i, k)] > 0.0).map(|i| (i, -lcp.q[i] / lcp.m[(i, k)]));
+        ratios.fold((k, 0.0), |most: (usize, f64), ratio| if ratio.1 > most.1 { ratio } else { most })
+    };
+    for k in 0..n.min(20) {
+        let mut z = vec![0.0; n];
+        let (l, value) = least(k);
+        z[k] = value;
+        if l == k || lcp.m[(l, l)] != 0.0 {
+            continue;
+        }
+        z[l] = least(l).1;
+        let mut w = super::forms::times(&lcp.m, &z, &lcp.q);
+        (w[k], w[l]) = (0.0, 0.0);
+        if z[l] <= 0.0 || w.iter().any(|&w| w < 0.0) {
+            continue;
+        }
+        let Some(mut dictionary) = Dictionary::through(lcp, &[k, l], &z, &w) else { continue };
+        let end = dictionary.descend(limit.saturating_sub(outcome.pivots));
+        outcome.pivots += dictionary.pivots;
+        outcome.iterations += 1;
+        let z = dictionary.z();
+        if end == End::Solved && lcp.error(&z) <= 1e-12 {
+            outcome.x = z.iter().zip(factors).map(|(z, f)| z * f).collect();
+            outcome.status = Status::Solved;
+            return;
+        }
+    }
 }
 
 /// Covering vectors that are tried.

@@ -24,6 +24,8 @@ fn solve_boxed(boxed: &Boxed, start: Option<&[f64]>, limit: u32) -> Outcome {
     let mut sides = Sides::new(boxed, start);
     let mut pivots = 0;
     let mut status = Status::Limit;
+    // Brent's way to notice a cycle, which only a matrix that is no P-matrix can have.
+    let mut mark = Vec::new();
     while let Some(values) = sides.values(boxed) {
         let noise = sides.noise;
         let wrong = (0..boxed.rows()).find_map(|i| sides.wrong(boxed, i, values[i], noise).map(|side| (i, side)));
@@ -35,6 +37,12 @@ fn solve_boxed(boxed: &Boxed, start: Option<&[f64]>, limit: u32) -> Outcome {
             break;
         }
         pivots += 1;
+        if sides.sides == mark {
+            break;
+        }
+        if pivots.is_power_of_two() {
+            mark.clone_from(&sides.sides);
+        }
         if pivots % 100 == 0 && !sides.refactor(boxed) {
             break;
         }

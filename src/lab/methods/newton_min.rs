@@ -62,6 +62,16 @@ fn step(boxed: &Boxed, x: &[f64], h: &[f64], sides: &[Side]) -> Option<Vec<f64>>
     dx.iter().all(|x| x.is_finite()).then_some(dx)
 }
 
+/// Projected Gauss-Seidel.
+fn sweep(boxed: &Boxed, x: &mut [f64], count: u32) {
+    for _ in 0..count {
+        for i in 0..x.len() {
+            let w: f64 = boxed.q[i] + boxed.m.row(i).iter().zip(x.iter()).map(|(m, x)| m * x).sum::<f64>();
+            x[i] = (x[i] - w / boxed.scale(i)).clamp(boxed.lo[i], boxed.hi[i]);
+        }
+    }
+}
+
 fn solve_boxed(boxed: &Boxed, start: Option<&[f64]>, limit: u32) -> Outcome {
     let n = boxed.rows();
     let mut sides = sides(boxed, start);
@@ -70,7 +80,7 @@ fn solve_boxed(boxed: &Boxed, start: Option<&[f64]>, limit: u32) -> Outcome {
     let goal = 1e-14 * greatest(&boxed.q);
     let mut outcome = Outcome { x: x.clone(), status: Status::Limit, pivots: 0, iterations: 0 };
     let mut least = f64::INFINITY;
-    let mut idle = 0;
+    let (mut idle, mut restarts) = (0, 5);
     while outcome.iterations < limit {
         let h = map(boxed, &x, &mut sides);
         let now = size(&h);
@@ -81,11 +91,22 @@ fn solve_boxed(boxed: &Boxed, start: Option<&[f64]>, limit: u32) -> Outcome {
         } else {
             idle += 1;
         }
-        if now <= goal || idle > 20 {
+        if now <= goal {
             break;
         }
         outcome.iterations += 1;
-        let Some(dx) = step(boxed, &x, &h, &sides) else { break };
+        let dx = if idle > 15 { None } else { step(boxed, &x, &h, &sides) };
+        let Some(dx) = dx else {
+            // A cycle, a local minimum or a singular block: some sweeps lead elsewhere.
+            if restarts == 0 {
+                break;
+            }
+            restarts -= 1;
+            idle = 0;
+            x.clone_from(&outcome.x);
+            sweep(boxed, &mut x, 20);
+            continue;
+        };
         let mut share = 1.0;
         let mut other = sides.clone();
         let mut next: Vec<f64> = Vec::new();

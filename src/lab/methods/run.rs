@@ -11,6 +11,8 @@ pub(super) struct Run {
     /// The problem with W and q divided by powers of two, so that their greatest numbers are in [1, 2).
     pub problem: Problem,
     pub tolerance: f64,
+    /// The norm of q.
+    size: f64,
     /// The best impulses that were seen, and their residual.
     pub best: Vec<f64>,
     pub residual: f64,
@@ -28,13 +30,21 @@ impl Run {
     /// Keeps impulses that are better than the best. True once the tolerance is met.
     pub fn consider(&mut self, r: &[f64]) -> bool {
         if r.len() == self.best.len() && r.iter().all(|x| x.is_finite()) {
-            let residual = self.problem.residual(r).relative;
+            // Impulses so great that rounding hides the velocities prove nothing.
+            let residual = self.problem.residual(r).relative.max(self.noise(r));
             if residual < self.residual {
                 self.residual = residual;
                 self.best.copy_from_slice(r);
             }
         }
         self.solved()
+    }
+
+    /// What rounding makes of the velocities `W r`, relative to q.
+    fn noise(&self, r: &[f64]) -> f64 {
+        let rows = (0..r.len()).map(|i| self.problem.w().row(i).map(|(j, w)| (w * r[j]).abs()).sum::<f64>());
+        let size = rows.fold(0.0_f64, f64::hypot);
+        0.5 * f64::EPSILON * size / self.size
     }
 
     pub fn solved(&self) -> bool {
@@ -57,8 +67,10 @@ pub(super) fn run(problem: &Problem, effort: &Effort, method: impl FnOnce(&mut R
     let rows = problem.rows();
     let (by_w, by_q) = (power_of_two(matrix_entries(problem)), power_of_two(problem.q().iter().copied()));
     let zeros = vec![0.0; rows];
+    let near_one = scaled(problem, by_w, by_q).unwrap_or_else(|| problem.clone());
     let mut run = Run {
-        problem: scaled(problem, by_w, by_q).unwrap_or_else(|| problem.clone()),
+        size: near_one.q().iter().fold(0.0_f64, |size, q| size.hypot(*q)).max(f64::MIN_POSITIVE),
+        problem: near_one,
         tolerance: effort.tolerance,
         best: zeros.clone(),
         residual: f64::INFINITY,
@@ -87,7 +99,7 @@ pub(super) fn run(problem: &Problem, effort: &Effort, method: impl FnOnce(&mut R
         r = zeros;
     }
     let residual = problem.residual(&r).relative;
-    let status = if residual <= effort.tolerance { Status::Solved } else { run.status };
+    let status = if residual <= effort.tolerance && run.solved() { Status::Solved } else { run.status };
     Solution { status, r, iterations: run.iterations, pivots: run.pivots, residual }
 }
 

@@ -55,7 +55,8 @@ impl Problem {
         match law {
             Law::Bounds { min, max } => {
                 let s = self.scale(first);
-                s * (r[first] - (r[first] - u[0] / s).clamp(min, max)).abs()
+                // Which is r - (r - u / s).clamp(min, max), but doesn't lose u beside a great r.
+                s * (u[0] / s).clamp(r[first] - max, r[first] - min).abs()
             }
             Law::Contact { mu } => {
                 let s = self.scale(first);
