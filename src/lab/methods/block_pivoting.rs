@@ -18,8 +18,7 @@ const PATIENCE: u32 = 10;
 /// principal minor breaks it: then `M + eps D` is solved in proximal rounds. Friction as for [`super::dantzig`]. A start says which
 /// rows begin free.
 pub fn block_pivoting(problem: &Problem, effort: &Effort) -> Solution {
-    let groups = groups(problem);
-    run(problem, effort, |run| by_boxes(run, groups, effort.friction, solve_boxed))
+    run(problem, effort, |run| by_boxes(run, groups(&run.problem), effort.friction, solve_boxed))
 }
 
 /// Where a row is: at its lower bound, at its upper bound, or between with w = 0.

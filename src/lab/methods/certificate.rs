@@ -41,7 +41,8 @@ pub(super) fn infeasible(lcp: &Lcp) -> bool {
     let mut dictionary = Dictionary::covered(&both, &[], &vec![1.0; 2 * n]);
     match dictionary.descend(20 * n as u32 + 100) {
         End::Ray(ray) => {
-            let tidy = |least: f64| ray[n..].iter().map(|&y| if y > least { y } else { 0.0 }).collect::<Vec<_>>();
+            let tidy =
+                |least: f64| ray[n..].iter().map(|&y| if y > least { y } else { 0.0 }).collect::<Vec<_>>();
             proves(&lcp, &ray[n..]) || proves(&lcp, &tidy(1e-12 * greatest(&ray)))
         }
         _ => false,

@@ -259,7 +259,8 @@ pub(super) fn sweeps(problem: &Problem, r: &mut [f64], count: u32, damp: f64) {
         for ((i, law), &s) in problem.laws().zip(&scales) {
             let inner = if law.rows() == 3 { 3 } else { 1 };
             for _ in 0..inner {
-                let u: Vec<f64> = (i..i + law.rows()).map(|k| problem.w().dot(k, r) + problem.q()[k]).collect();
+                let u: Vec<f64> =
+                    (i..i + law.rows()).map(|k| problem.w().dot(k, r) + problem.q()[k]).collect();
                 match law {
                     Law::Bounds { min, max } => r[i] = (r[i] - u[0] / s).clamp(min, max),
                     Law::Contact { mu } => {

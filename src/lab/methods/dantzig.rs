@@ -21,8 +21,7 @@ use crate::lab::problem::Problem;
 /// `Friction::Box` the axes stay and there is no Newton, with `Friction::Pyramid` it solves the pyramid's linear complementarity
 /// problem. A start gives the first bounds only. It fails for indefinite M, for which no pivot may be found.
 pub fn dantzig(problem: &Problem, effort: &Effort) -> Solution {
-    let groups = groups(problem);
-    run(problem, effort, |run| by_boxes(run, groups, effort.friction, solve_boxed))
+    run(problem, effort, |run| by_boxes(run, groups(&run.problem), effort.friction, solve_boxed))
 }
 
 fn solve_boxed(boxed: &Boxed, _: Option<&[f64]>, limit: u32) -> Outcome {

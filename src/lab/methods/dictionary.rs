@@ -39,6 +39,8 @@ pub(super) struct Dictionary<'a> {
     t: DMatrix<f64>,
     rows: Vec<usize>,
     columns: Vec<usize>,
+    /// The place of each variable in `rows` or `columns`.
+    place: Vec<usize>,
     /// The variables that were basic first: a perturbation of them makes ties differ.
     origin: Vec<usize>,
     pub pivots: u32,
@@ -52,7 +54,8 @@ impl<'a> Dictionary<'a> {
         let mut start = Tableau::new(&lcp.m, &lcp.q);
         start.pivot_all(active);
         let cold = !start.basic.contains(&true);
-        let lift: Vec<f64> = (0..n).map(|i| if cold || start.b[i] < 0.0 { weights[i] } else { 0.0 }).collect();
+        let lift: Vec<f64> =
+            (0..n).map(|i| if cold || start.b[i] < 0.0 { weights[i] } else { 0.0 }).collect();
         // In terms of w: the basic z_j raised by lift_j change w by -M_j lift_j.
         let mut cover = vec![0.0; n];
         for j in 0..n {
@@ -91,7 +94,9 @@ impl<'a> Dictionary<'a> {
         let rows: Vec<usize> = (0..n).map(|i| if start.basic[i] { n + i } else { i }).collect();
         let mut columns: Vec<usize> = (0..n).map(|i| if start.basic[i] { i } else { n + i }).collect();
         columns.push(2 * n);
-        Dictionary { lcp, cover, t, origin: rows.clone(), rows, columns, pivots: 0 }
+        let mut place: Vec<usize> = (0..n).chain(0..n).collect();
+        place.push(n);
+        Dictionary { place, lcp, cover, t, origin: rows.clone(), rows, columns, pivots: 0 }
     }
 
     fn n(&self) -> usize {
@@ -139,7 +144,7 @@ impl<'a> Dictionary<'a> {
             if count % CHECK == 0 && self.drifted() && !self.refactor() {
                 return End::Limit;
             }
-            let Some(column) = self.columns.iter().position(|&v| v == enters) else { return End::Limit };
+            let column = self.place[enters];
             let Some(row) = self.blocking(column) else {
                 return End::Ray(self.ray(enters, column));
             };
@@ -184,7 +189,8 @@ impl<'a> Dictionary<'a> {
     fn before(&self, a: usize, b: usize, column: usize, sign: f64) -> bool {
         let (p, q) = (sign * self.t[(a, column)], sign * self.t[(b, column)]);
         for &variable in &self.origin {
-            let (x, y) = if let Some(c) = self.columns.iter().position(|&v| v == variable) {
+            let c = self.place[variable];
+            let (x, y) = if self.columns[c] == variable {
                 (-self.t[(a, c)] / p, -self.t[(b, c)] / q)
             } else {
                 let one = |row: usize| if self.rows[row] == variable { 1.0 } else { 0.0 };
@@ -215,6 +221,8 @@ impl<'a> Dictionary<'a> {
         self.t.column_mut(column).iter_mut().for_each(|t| *t *= p);
         self.t[(row, column)] = p;
         std::mem::swap(&mut self.rows[row], &mut self.columns[column]);
+        self.place[self.rows[row]] = row;
+        self.place[self.columns[column]] = column;
     }
 
     /// The column of a variable in `w - M z - d t = q`.
@@ -282,7 +290,8 @@ impl<'a> Dictionary<'a> {
                 z[variable - n] = self.t[(row, n + 1)].max(0.0);
             }
         }
-        let active: Vec<usize> = self.rows.iter().filter(|v| (n..2 * n).contains(*v)).map(|v| v - n).collect();
+        let active: Vec<usize> =
+            self.rows.iter().filter(|v| (n..2 * n).contains(*v)).map(|v| v - n).collect();
         let m = super::forms::submatrix(&self.lcp.m, &active);
         let right: Vec<f64> = active.iter().map(|&i| -self.lcp.q[i]).collect();
         if let Some(exact) = solve(&m, &right) {

@@ -160,7 +160,9 @@ pub(super) fn boxed(problem: &Problem, groups: &[Group], r: &[f64]) -> Boxed {
         }
         (q[t], q[t + 1]) = (c * q[t] + s * q[t + 1], c * q[t + 1] - s * q[t]);
         let most = group.mu * group.load(r);
-        for (row, most) in [(t, most), (t + 1, most)].into_iter().chain(group.twist.map(|(row, arm)| (row, arm * most))) {
+        for (row, most) in
+            [(t, most), (t + 1, most)].into_iter().chain(group.twist.map(|(row, arm)| (row, arm * most)))
+        {
             (lo[row], hi[row]) = (-most, most);
         }
     }
@@ -271,7 +273,8 @@ fn assemble(solved: &Tableau, columns: &[Vec<(usize, f64)>], at: &[f64], extras:
     let mut m = DMatrix::zeros(size, size);
     for (b, right) in columns.iter().enumerate() {
         for (a, left) in columns.iter().enumerate() {
-            let terms = left.iter().flat_map(|&(i, f)| right.iter().map(move |&(j, g)| f * g * solved.t[(i, j)]));
+            let terms =
+                left.iter().flat_map(|&(i, f)| right.iter().map(move |&(j, g)| f * g * solved.t[(i, j)]));
             m[(a, b)] = terms.sum();
         }
     }
@@ -290,13 +293,15 @@ fn assemble(solved: &Tableau, columns: &[Vec<(usize, f64)>], at: &[f64], extras:
                     if solved.basic[normal] {
                         q[*slack] += factor * constant[normal];
                         for (b, right) in columns.iter().enumerate() {
-                            m[(*slack, b)] += right.iter().map(|&(j, g)| factor * g * solved.t[(normal, j)]).sum::<f64>();
+                            m[(*slack, b)] +=
+                                right.iter().map(|&(j, g)| factor * g * solved.t[(normal, j)]).sum::<f64>();
                         }
                         continue;
                     }
                     q[*slack] += factor * at[normal];
                     for (b, right) in columns.iter().enumerate() {
-                        m[(*slack, b)] += right.iter().filter(|x| x.0 == normal).map(|x| factor * x.1).sum::<f64>();
+                        m[(*slack, b)] +=
+                            right.iter().filter(|x| x.0 == normal).map(|x| factor * x.1).sum::<f64>();
                     }
                 }
             }

@@ -16,8 +16,7 @@ use crate::lab::problem::Problem;
 /// and again. Where nothing blocks the inequalities contradict each other, which a certificate then proves
 /// ([`Status::NoSolution`]); of an indefinite M a ray says nothing. Friction as for [`super::dantzig`].
 pub fn keller(problem: &Problem, effort: &Effort) -> Solution {
-    let groups = groups(problem);
-    run(problem, effort, |run| by_boxes(run, groups, effort.friction, solve_boxed))
+    run(problem, effort, |run| by_boxes(run, groups(&run.problem), effort.friction, solve_boxed))
 }
 
 fn solve_boxed(boxed: &Boxed, _: Option<&[f64]>, limit: u32) -> Outcome {

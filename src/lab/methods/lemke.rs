@@ -22,8 +22,7 @@ use crate::lab::problem::Problem;
 ///
 /// With a start the pairs that are positive there are pivoted in first, and `d` covers only what that leaves negative.
 pub fn lemke(problem: &Problem, effort: &Effort) -> Solution {
-    let groups = groups(problem);
-    run(problem, effort, |run| by_pyramids(run, groups, effort.friction, solve_lcp))
+    run(problem, effort, |run| by_pyramids(run, groups(&run.problem), effort.friction, solve_lcp))
 }
 
 /// Solves a linear complementarity problem from a start.

@@ -17,6 +17,8 @@ mod principal;
 mod rounds;
 mod run;
 mod tableau;
+#[cfg(test)]
+mod tests;
 
 pub use block_pivoting::block_pivoting;
 pub use dantzig::dantzig;

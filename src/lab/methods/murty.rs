@@ -16,8 +16,7 @@ use crate::lab::problem::Problem;
 /// `M + eps D` is solved in proximal rounds, which reach the solution if M is positive semidefinite. Friction as for
 /// [`super::dantzig`]. A start says which rows begin free.
 pub fn murty(problem: &Problem, effort: &Effort) -> Solution {
-    let groups = groups(problem);
-    run(problem, effort, |run| by_boxes(run, groups, effort.friction, solve_boxed))
+    run(problem, effort, |run| by_boxes(run, groups(&run.problem), effort.friction, solve_boxed))
 }
 
 fn solve_boxed(boxed: &Boxed, start: Option<&[f64]>, limit: u32) -> Outcome {
@@ -28,7 +27,8 @@ fn solve_boxed(boxed: &Boxed, start: Option<&[f64]>, limit: u32) -> Outcome {
     let mut mark = Vec::new();
     while let Some(values) = sides.values(boxed) {
         let noise = sides.noise;
-        let wrong = (0..boxed.rows()).find_map(|i| sides.wrong(boxed, i, values[i], noise).map(|side| (i, side)));
+        let wrong =
+            (0..boxed.rows()).find_map(|i| sides.wrong(boxed, i, values[i], noise).map(|side| (i, side)));
         let Some((i, side)) = wrong else {
             status = Status::Solved;
             break;
@@ -148,6 +148,8 @@ impl Sides {
         let free: Vec<usize> = (0..n).filter(|&i| self.tableau.basic[i]).collect();
         let rough = || (0..n).map(|i| if self.tableau.basic[i] { values[i] } else { at[i] }).collect();
         let x = boxed.with_free(&free, &at).unwrap_or_else(rough);
-        (0..n).map(|i| if x[i].is_finite() { x[i].clamp(boxed.lo[i], boxed.hi[i]) } else { boxed.bound(i) }).collect()
+        (0..n)
+            .map(|i| if x[i].is_finite() { x[i].clamp(boxed.lo[i], boxed.hi[i]) } else { boxed.bound(i) })
+            .collect()
     }
 }

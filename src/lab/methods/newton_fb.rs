@@ -18,8 +18,8 @@ use nalgebra::{DMatrix, DVector};
 /// added to it which falls with the residual. Newton's steps are whole ones as long as the equations get no ten times worse; if they
 /// stagnate more sweeps give another start. With `Friction::Box` or `Friction::Pyramid` as for [`super::dantzig`].
 pub fn newton_fb(problem: &Problem, effort: &Effort) -> Solution {
-    let groups = groups(problem);
     run(problem, effort, |run| {
+        let groups = groups(&run.problem);
         if groups.is_empty() || effort.friction != Friction::Cone {
             return by_boxes(run, groups, effort.friction, solve_boxed);
         }
@@ -99,7 +99,9 @@ fn solve_boxed(boxed: &Boxed, start: Option<&[f64]>, limit: u32) -> Outcome {
     let mut least = boxed.error(&x);
     while outcome.iterations < limit.min(200) {
         let w = boxed.w(&x);
-        for candidate in std::iter::once(x.clone()).chain((outcome.iterations > 0).then(|| snapped(boxed, &x, &w)).flatten()) {
+        for candidate in std::iter::once(x.clone())
+            .chain((outcome.iterations > 0).then(|| snapped(boxed, &x, &w)).flatten())
+        {
             let error = boxed.error(&candidate);
             if error < least {
                 least = error;

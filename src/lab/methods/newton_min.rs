@@ -17,8 +17,7 @@ use nalgebra::DVector;
 /// exact). It may cycle between active sets, or end in a minimum of `|H|` that is no solution; singular rows break it, both of which
 /// proximal rounds with `M + eps D` mend for positive semidefinite M. Friction as for [`super::dantzig`]. A start is where it begins.
 pub fn newton_min(problem: &Problem, effort: &Effort) -> Solution {
-    let groups = groups(problem);
-    run(problem, effort, |run| by_boxes(run, groups, effort.friction, solve_boxed))
+    run(problem, effort, |run| by_boxes(run, groups(&run.problem), effort.friction, solve_boxed))
 }
 
 /// The minimum map, as a velocity, and the side of each row.
@@ -49,7 +48,8 @@ fn size(h: &[f64]) -> f64 {
 
 /// The step that solves the linearised map; none if singular.
 fn step(boxed: &Boxed, x: &[f64], h: &[f64], sides: &[Side]) -> Option<Vec<f64>> {
-    let mut dx: Vec<f64> = (0..x.len()).map(|i| if sides[i] == Side::Free { 0.0 } else { -h[i] / boxed.scale(i) }).collect();
+    let mut dx: Vec<f64> =
+        (0..x.len()).map(|i| if sides[i] == Side::Free { 0.0 } else { -h[i] / boxed.scale(i) }).collect();
     let free: Vec<usize> = (0..x.len()).filter(|&i| sides[i] == Side::Free).collect();
     let zeros = vec![0.0; x.len()];
     let moved = super::forms::times(&boxed.m, &dx, &zeros);

@@ -21,8 +21,7 @@ const WATCH: u32 = 4;
 /// iteration linearises it as a pyramid whose axes are those of the slip, and starts from the impulses of the one before;
 /// at last Newton's method on the exact cone (see [`super::newton_fb`]). n² a pivot, few of them after a good start.
 pub fn path(problem: &Problem, effort: &Effort) -> Solution {
-    let groups = groups(problem);
-    run(problem, effort, |run| by_pyramids(run, groups, effort.friction, solve_lcp))
+    run(problem, effort, |run| by_pyramids(run, groups(&run.problem), effort.friction, solve_lcp))
 }
 
 /// A point of the normal map as z and w, of which one is zero in each pair, and the rest `F`.
@@ -89,7 +88,8 @@ fn solve_lcp(lcp: &Lcp, start: Option<&[f64]>, limit: u32) -> Outcome {
     let (even, factors) = lcp.equilibrated();
     let n = lcp.q.len();
     let zeros = vec![0.0; n];
-    let start = start.map(|start| start.iter().zip(&factors).map(|(z, f)| (z / f).max(0.0)).collect::<Vec<_>>());
+    let start =
+        start.map(|start| start.iter().zip(&factors).map(|(z, f)| (z / f).max(0.0)).collect::<Vec<_>>());
     let mut outcome = Outcome { x: zeros.clone(), status: Status::Limit, pivots: 0, iterations: 0 };
     for from in start.iter().chain(std::iter::once(&zeros)) {
         let (point, steps) = crash(&even, from);

@@ -151,8 +151,9 @@ impl<'a> Principal<'a> {
         again.pivot_all(&wanted);
         if again.basic == self.tableau.basic {
             self.tableau = again;
-            let fixed: Vec<f64> =
-                (0..self.x.len()).map(|k| if self.tableau.basic[k] { self.w[k] } else { self.x[k] }).collect();
+            let fixed: Vec<f64> = (0..self.x.len())
+                .map(|k| if self.tableau.basic[k] { self.w[k] } else { self.x[k] })
+                .collect();
             // The w of the driven row counts as well, which `values` takes for zero.
             let mut values = self.tableau.values(&fixed);
             for k in (0..self.x.len()).filter(|&k| self.tableau.basic[k] && self.w[k] != 0.0) {

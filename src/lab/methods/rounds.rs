@@ -61,7 +61,7 @@ impl Core {
         if matches!(self, Core::Lcp(_)) || best.status == Status::Solved && least <= 1e3 * goal {
             return best;
         }
-        for eps in [1e-6, 1e-4, 1e-2] {
+        for eps in [1e-6, 1e-4, 1e-2, 1.0] {
             let mut x = best.x.clone();
             let mut idle = 0;
             for _ in 0..50 {
@@ -148,7 +148,6 @@ fn by_rounds(run: &mut Run, mut groups: Vec<Group>, core: Core, with_pyramid: bo
         cone::search(run);
     }
 }
-
 
 fn without_friction(run: &mut Run, core: Core) {
     let boxed = boxed(&run.problem, &[], &run.best);

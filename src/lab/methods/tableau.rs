@@ -75,7 +75,8 @@ impl Tableau {
     pub fn pivot_two(&mut self, r: usize, s: usize) -> bool {
         let (a, b, c, d) = (self.t[(r, r)], self.t[(r, s)], self.t[(s, r)], self.t[(s, s)]);
         let det = a * d - b * c;
-        if det.abs() <= SMALL * SMALL * (a * d).abs().max((b * c).abs()).max(f64::MIN_POSITIVE) || det == 0.0 {
+        if det.abs() <= SMALL * SMALL * (a * d).abs().max((b * c).abs()).max(f64::MIN_POSITIVE) || det == 0.0
+        {
             return false;
         }
         let inverse = [d / det, -b / det, -c / det, a / det];
