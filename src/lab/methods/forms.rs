@@ -69,6 +69,20 @@ impl Boxed {
         Some(x)
     }
 
+    /// x computed at once with the sides that a point suggests; none if singular.
+    pub fn snapped(&self, x: &[f64]) -> Option<Vec<f64>> {
+        let (w, mut at, mut free) = (self.w(x), x.to_vec(), Vec::new());
+        for i in 0..x.len() {
+            let to = x[i] - w[i] / self.scale(i);
+            at[i] = to.clamp(self.lo[i], self.hi[i]);
+            if to > self.lo[i] && to < self.hi[i] {
+                free.push(i);
+            }
+        }
+        let x = self.with_free(&free, &at)?;
+        Some((0..x.len()).map(|i| x[i].clamp(self.lo[i], self.hi[i])).collect())
+    }
+
     /// With `eps` on the diagonal, and q such that what was a solution at `x` remains one: a proximal step.
     pub fn proximal(&self, eps: f64, x: &[f64]) -> Boxed {
         let mut near = self.clone();

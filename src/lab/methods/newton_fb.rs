@@ -76,20 +76,6 @@ fn jacobian(boxed: &Boxed, values: &[(f64, f64, f64)]) -> DMatrix<f64> {
     j
 }
 
-/// x with the sides that a point suggests, computed at once.
-fn snapped(boxed: &Boxed, x: &[f64], w: &[f64]) -> Option<Vec<f64>> {
-    let (mut at, mut free) = (x.to_vec(), Vec::new());
-    for i in 0..x.len() {
-        let to = x[i] - w[i] / boxed.scale(i);
-        at[i] = to.clamp(boxed.lo[i], boxed.hi[i]);
-        if to > boxed.lo[i] && to < boxed.hi[i] {
-            free.push(i);
-        }
-    }
-    let x = boxed.with_free(&free, &at)?;
-    Some((0..x.len()).map(|i| x[i].clamp(boxed.lo[i], boxed.hi[i])).collect())
-}
-
 fn solve_boxed(boxed: &Boxed, start: Option<&[f64]>, limit: u32) -> Outcome {
     let n = boxed.rows();
     let bound = |i: usize| boxed.bound(i);
@@ -99,8 +85,8 @@ fn solve_boxed(boxed: &Boxed, start: Option<&[f64]>, limit: u32) -> Outcome {
     let mut least = boxed.error(&x);
     while outcome.iterations < limit.min(200) {
         let w = boxed.w(&x);
-        for candidate in std::iter::once(x.clone())
-            .chain((outcome.iterations > 0).then(|| snapped(boxed, &x, &w)).flatten())
+        for candidate in
+            std::iter::once(x.clone()).chain((outcome.iterations > 0).then(|| boxed.snapped(&x)).flatten())
         {
             let error = boxed.error(&candidate);
             if error < least {

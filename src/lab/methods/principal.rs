@@ -88,12 +88,16 @@ impl<'a> Principal<'a> {
     /// Drives row `i` until it obeys its law.
     pub fn drive(&mut self, i: usize, limit: u32) -> Driven {
         let sign = if self.w[i] < 0.0 { 1.0 } else { -1.0 };
-        let mut idle = 0;
+        // Steps of length zero, and the basis after a power of two of them: if it comes again they cycle (Brent).
+        let (mut idle, mut mark) = (0_u32, Vec::new());
         while self.pivots < limit {
             let Some((length, stop)) = self.reach(i, sign) else { return Driven::Ray };
             idle = if length > 0.0 { 0 } else { idle + 1 };
-            if idle > 4 * self.x.len() + 20 {
+            if idle > 1 && self.tableau.basic == mark {
                 return Driven::Limit;
+            }
+            if idle.is_power_of_two() {
+                mark.clone_from(&self.tableau.basic);
             }
             self.advance(i, sign * length);
             match stop {

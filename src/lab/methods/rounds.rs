@@ -72,12 +72,17 @@ impl Core {
                 let outcome = self.on_box(&boxed.proximal(eps, &x), Some(&x), left);
                 best.pivots += outcome.pivots;
                 best.iterations += outcome.iterations;
-                let error = boxed.error(&outcome.x);
-                idle = if error < 0.5 * least { 0 } else { idle + 1 };
+                idle += 1;
                 x = outcome.x;
-                if error < least {
-                    least = error;
-                    best.x.clone_from(&x);
+                for candidate in std::iter::once(x.clone()).chain(boxed.snapped(&x)) {
+                    let error = boxed.error(&candidate);
+                    if error < 0.5 * least {
+                        idle = 0;
+                    }
+                    if error < least {
+                        least = error;
+                        best.x = candidate;
+                    }
                 }
             }
         }

@@ -114,10 +114,19 @@ fn run_part(
     };
     let start: Vec<f64> = start.unwrap_or_default().iter().map(|x| x * by_w / by_q).collect();
     run.warm = start.len() == rows && start.iter().any(|&x| x != 0.0) && start.iter().all(|x| x.is_finite());
-    let first = if run.warm { start } else { vec![0.0; rows] };
-    // A bad start is better than none.
-    run.best.clone_from(&first);
-    if !run.consider(&first) {
+    run.consider(&vec![0.0; rows]);
+    let cold = run.residual;
+    if run.warm {
+        run.residual = f64::INFINITY;
+        run.consider(&start);
+        // From a start that is far worse than nothing rounding lets no method come back.
+        run.warm = run.residual <= 1e3 * cold.max(run.tolerance);
+        if !run.warm {
+            run.best.fill(0.0);
+            run.residual = cold;
+        }
+    }
+    if !run.solved() {
         method(&mut run);
     }
     if run.solved() {
