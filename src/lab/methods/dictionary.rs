@@ -43,13 +43,13 @@ pub(super) struct Dictionary<'a> {
     place: Vec<usize>,
     /// The variables that were basic first: a perturbation of them makes ties differ.
     origin: Vec<usize>,
-    pub pivots: u32,
+    pub(super) pivots: u32,
 }
 
 impl<'a> Dictionary<'a> {
     /// With the z of `active` basic, as far as their matrix is regular, and a cover that raises each negative basic variable alike.
     /// `t` is the least that makes all of them positive.
-    pub fn covered(lcp: &'a Lcp, active: &[usize], weights: &[f64]) -> Dictionary<'a> {
+    pub(super) fn covered(lcp: &'a Lcp, active: &[usize], weights: &[f64]) -> Dictionary<'a> {
         let n = lcp.q.len();
         let mut start = Tableau::new(&lcp.m, &lcp.q);
         start.pivot_all(active);
@@ -70,7 +70,7 @@ impl<'a> Dictionary<'a> {
 
     /// With the z of `active` basic and the cover that makes `t = 1` the point `z`, `w` (zero where its pair is basic). None unless
     /// all of them can be basic.
-    pub fn through(lcp: &'a Lcp, active: &[usize], z: &[f64], w: &[f64]) -> Option<Dictionary<'a>> {
+    pub(super) fn through(lcp: &'a Lcp, active: &[usize], z: &[f64], w: &[f64]) -> Option<Dictionary<'a>> {
         let mut start = Tableau::new(&lcp.m, &lcp.q);
         start.pivot_all(active);
         if active.iter().any(|&i| !start.basic[i]) {
@@ -104,7 +104,7 @@ impl<'a> Dictionary<'a> {
     }
 
     /// Lowers `t` from infinity, or from one, until the first basic variable is zero, and goes on by complementary pivots.
-    pub fn descend(&mut self, limit: u32) -> End {
+    pub(super) fn descend(&mut self, limit: u32) -> End {
         let n = self.n();
         if (0..n).all(|i| self.t[(i, n + 1)] >= 0.0) {
             return End::Solved;
@@ -282,7 +282,7 @@ impl<'a> Dictionary<'a> {
     }
 
     /// z of the basis, computed anew from the matrix if that can be done, without `t`.
-    pub fn z(&self) -> Vec<f64> {
+    pub(super) fn z(&self) -> Vec<f64> {
         let n = self.n();
         let mut z = vec![0.0; n];
         for (row, &variable) in self.rows.iter().enumerate() {
@@ -307,7 +307,7 @@ impl<'a> Dictionary<'a> {
 
 impl Lcp {
     /// The greatest violation of any condition: `|min(z, w)|`.
-    pub fn error(&self, z: &[f64]) -> f64 {
+    pub(super) fn error(&self, z: &[f64]) -> f64 {
         let w = super::forms::times(&self.m, z, &self.q);
         z.iter().zip(&w).fold(0.0, |most: f64, (z, w)| {
             let e = z.min(*w).abs();
@@ -317,19 +317,19 @@ impl Lcp {
 
     /// With rows and columns multiplied by powers of two such that their greatest entries are near one, and the factors of columns.
     /// Neither changes what is complementary to what.
-    pub fn equilibrated(&self) -> (Lcp, Vec<f64>) {
+    pub(super) fn equilibrated(&self) -> (Lcp, Vec<f64>) {
         let n = self.q.len();
         let (mut m, mut q, mut factors) = (self.m.clone(), self.q.clone(), vec![1.0; n]);
         for _ in 0..3 {
-            for i in 0..n {
+            for (i, q) in q.iter_mut().enumerate() {
                 let by = half_power(m.row(i).iter().copied());
                 m.row_mut(i).iter_mut().for_each(|x| *x *= by);
-                q[i] *= by;
+                *q *= by;
             }
-            for j in 0..n {
-                let by = half_power(m.column(j).iter().copied());
-                m.column_mut(j).iter_mut().for_each(|x| *x *= by);
-                factors[j] *= by;
+            for (mut column, factor) in m.column_iter_mut().zip(&mut factors) {
+                let by = half_power(column.iter().copied());
+                column.iter_mut().for_each(|x| *x *= by);
+                *factor *= by;
             }
         }
         // One number for all of q and z.

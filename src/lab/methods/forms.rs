@@ -13,33 +13,33 @@ use std::ops::Range;
 /// Find `lo <= x <= hi` with `w = M x + q` zero between the bounds, `w >= 0` at `lo` and `w <= 0` at `hi`.
 #[derive(Clone, Debug)]
 pub(super) struct Boxed {
-    pub m: DMatrix<f64>,
-    pub q: Vec<f64>,
-    pub lo: Vec<f64>,
-    pub hi: Vec<f64>,
+    pub(super) m: DMatrix<f64>,
+    pub(super) q: Vec<f64>,
+    pub(super) lo: Vec<f64>,
+    pub(super) hi: Vec<f64>,
 }
 
 impl Boxed {
-    pub fn rows(&self) -> usize {
+    pub(super) fn rows(&self) -> usize {
         self.q.len()
     }
 
     /// `M x + q`.
-    pub fn w(&self, x: &[f64]) -> Vec<f64> {
+    pub(super) fn w(&self, x: &[f64]) -> Vec<f64> {
         times(&self.m, x, &self.q)
     }
 
-    pub fn is_free(&self, i: usize) -> bool {
+    pub(super) fn is_free(&self, i: usize) -> bool {
         self.lo[i] == f64::NEG_INFINITY && self.hi[i] == f64::INFINITY
     }
 
     /// The bound that a row starts at: the finite one that is nearer to zero, or zero for a free row.
-    pub fn bound(&self, i: usize) -> f64 {
+    pub(super) fn bound(&self, i: usize) -> f64 {
         0.0_f64.clamp(self.lo[i], self.hi[i]).clamp(-f64::MAX, f64::MAX)
     }
 
     /// What turns an impulse of a row into a velocity.
-    pub fn scale(&self, i: usize) -> f64 {
+    pub(super) fn scale(&self, i: usize) -> f64 {
         let diagonal = self.m[(i, i)];
         if diagonal > 0.0 {
             return diagonal;
@@ -49,7 +49,7 @@ impl Boxed {
     }
 
     /// The natural map's greatest entry, as a velocity.
-    pub fn error(&self, x: &[f64]) -> f64 {
+    pub(super) fn error(&self, x: &[f64]) -> f64 {
         let w = self.w(x);
         let errors = (0..self.rows()).map(|i| {
             let s = self.scale(i);
@@ -59,7 +59,7 @@ impl Boxed {
     }
 
     /// The values of all rows where those of `free` have `w = 0` and the others have the values given; none if singular.
-    pub fn with_free(&self, free: &[usize], x: &[f64]) -> Option<Vec<f64>> {
+    pub(super) fn with_free(&self, free: &[usize], x: &[f64]) -> Option<Vec<f64>> {
         let mut x = x.to_vec();
         free.iter().for_each(|&i| x[i] = 0.0);
         let right: Vec<f64> = self.w(&x).iter().map(|w| -w).collect();
@@ -70,7 +70,7 @@ impl Boxed {
     }
 
     /// x computed at once with the sides that a point suggests; none if singular.
-    pub fn snapped(&self, x: &[f64]) -> Option<Vec<f64>> {
+    pub(super) fn snapped(&self, x: &[f64]) -> Option<Vec<f64>> {
         let (w, mut at, mut free) = (self.w(x), x.to_vec(), Vec::new());
         for i in 0..x.len() {
             let to = x[i] - w[i] / self.scale(i);
@@ -84,12 +84,12 @@ impl Boxed {
     }
 
     /// With `eps` on the diagonal, and q such that what was a solution at `x` remains one: a proximal step.
-    pub fn proximal(&self, eps: f64, x: &[f64]) -> Boxed {
+    pub(super) fn proximal(&self, eps: f64, x: &[f64]) -> Boxed {
         let mut near = self.clone();
-        for i in 0..self.rows() {
+        for (i, x) in x.iter().enumerate() {
             let add = eps * self.scale(i);
             near.m[(i, i)] += add;
-            near.q[i] -= add * x[i];
+            near.q[i] -= add * x;
         }
         near
     }
@@ -115,19 +115,19 @@ pub(super) fn submatrix(m: &DMatrix<f64>, index: &[usize]) -> DMatrix<f64> {
 #[derive(Clone, Debug)]
 pub(super) struct Group {
     /// The first of two tangent rows.
-    pub tangent: usize,
+    pub(super) tangent: usize,
     /// The normals whose sum bounds it.
-    pub normals: Range<usize>,
-    pub mu: f64,
+    pub(super) normals: Range<usize>,
+    pub(super) mu: f64,
     /// A row of twist and its arm.
-    pub twist: Option<(usize, f64)>,
+    pub(super) twist: Option<(usize, f64)>,
     /// The first axis of box or pyramid among the two tangents: a unit vector.
-    pub axis: [f64; 2],
+    pub(super) axis: [f64; 2],
 }
 
 impl Group {
     /// The sum of the normal impulses.
-    pub fn load(&self, r: &[f64]) -> f64 {
+    pub(super) fn load(&self, r: &[f64]) -> f64 {
         r[self.normals.clone()].iter().map(|x| x.max(0.0)).sum()
     }
 }
@@ -204,13 +204,13 @@ pub(super) fn from_axes(groups: &[Group], x: &[f64]) -> Vec<f64> {
 /// Find `z >= 0` with `w = M z + q >= 0` and `z w = 0`.
 #[derive(Clone, Debug)]
 pub(super) struct Lcp {
-    pub m: DMatrix<f64>,
-    pub q: Vec<f64>,
+    pub(super) m: DMatrix<f64>,
+    pub(super) q: Vec<f64>,
 }
 
 /// A linear complementarity problem that stands for another one, and the way back.
 pub(super) struct Reduced {
-    pub lcp: Lcp,
+    pub(super) lcp: Lcp,
     /// `x = at + sum of columns z`: entries (row, factor) of the columns.
     columns: Vec<Vec<(usize, f64)>>,
     at: Vec<f64>,
@@ -326,7 +326,7 @@ fn assemble(solved: &Tableau, columns: &[Vec<(usize, f64)>], at: &[f64], extras:
 
 impl Reduced {
     /// The impulses of the problem.
-    pub fn back(&self, z: &[f64]) -> Vec<f64> {
+    pub(super) fn back(&self, z: &[f64]) -> Vec<f64> {
         let mut x = self.at.clone();
         for (column, &z) in self.columns.iter().zip(z) {
             column.iter().for_each(|&(i, factor)| x[i] += factor * z);
@@ -336,7 +336,7 @@ impl Reduced {
     }
 
     /// The variables for impulses `r`: where a method may start.
-    pub fn forth(&self, r: &[f64]) -> Vec<f64> {
+    pub(super) fn forth(&self, r: &[f64]) -> Vec<f64> {
         let along = |column: &Vec<(usize, f64)>| {
             column.iter().map(|&(i, factor)| factor * (r[i] - self.at[i])).sum::<f64>().max(0.0)
         };

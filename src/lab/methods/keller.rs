@@ -34,11 +34,11 @@ fn solve_boxed(boxed: &Boxed, _: Option<&[f64]>, limit: u32) -> Outcome {
     while state.pivots < limit && major <= 20 * n as u32 + 20 {
         major += 1;
         let mut worst: Option<usize> = None;
-        for i in 0..n {
+        for (i, &given_up) in given_up.iter().enumerate() {
             let violation = state.violation(i);
             state.done[i] = state.tableau.basic[i] || violation <= noise;
             let more = worst.is_none_or(|worst| violation > state.violation(worst));
-            if !state.done[i] && !given_up[i] && more {
+            if !state.done[i] && !given_up && more {
                 worst = Some(i);
             }
         }

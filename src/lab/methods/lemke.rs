@@ -37,7 +37,8 @@ pub(super) fn solve_lcp(lcp: &Lcp, start: Option<&[f64]>, limit: u32) -> Outcome
         if attempt == 1 && start.is_none() {
             continue;
         }
-        let left = limit.saturating_sub(outcome.pivots);
+        // Rounding can make a path cycle: not all pivots go to one try.
+        let left = limit.saturating_sub(outcome.pivots).min(5000 + 10 * n as u32);
         let shift = if attempt > COVERS { [1e-10, 1e-8, 1e-6][attempt - COVERS - 1] } else { 0.0 };
         let mut shifted = even.clone();
         (0..n).for_each(|i| shifted.m[(i, i)] += shift);

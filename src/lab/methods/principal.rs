@@ -32,17 +32,17 @@ enum Stop {
 /// that is being driven.
 pub(super) struct Principal<'a> {
     boxed: &'a Boxed,
-    pub tableau: Tableau,
-    pub x: Vec<f64>,
-    pub w: Vec<f64>,
+    pub(super) tableau: Tableau,
+    pub(super) x: Vec<f64>,
+    pub(super) w: Vec<f64>,
     /// Rows that obey their law, and block.
-    pub done: Vec<bool>,
-    pub pivots: u32,
+    pub(super) done: Vec<bool>,
+    pub(super) pivots: u32,
     since: u32,
 }
 
 impl<'a> Principal<'a> {
-    pub fn new(boxed: &'a Boxed) -> Principal<'a> {
+    pub(super) fn new(boxed: &'a Boxed) -> Principal<'a> {
         let x: Vec<f64> = (0..boxed.rows()).map(|i| boxed.bound(i)).collect();
         Principal {
             boxed,
@@ -56,7 +56,7 @@ impl<'a> Principal<'a> {
     }
 
     /// How far w is on the wrong side of what the bound of x allows; a free row must have none.
-    pub fn violation(&self, i: usize) -> f64 {
+    pub(super) fn violation(&self, i: usize) -> f64 {
         let (x, w) = (self.x[i], self.w[i]);
         let (lo, hi) = (self.boxed.lo[i], self.boxed.hi[i]);
         if lo == hi {
@@ -71,7 +71,7 @@ impl<'a> Principal<'a> {
     }
 
     /// Makes x of a row basic where its w is zero and nothing moves: rows without bounds must be, as theirs has to remain zero.
-    pub fn settle(&mut self, i: usize) {
+    pub(super) fn settle(&mut self, i: usize) {
         if self.boxed.is_free(i) && !self.tableau.basic[i] && self.pivotable(i, i) {
             self.tableau.pivot(i);
             self.pivots += 1;
@@ -86,7 +86,7 @@ impl<'a> Principal<'a> {
     }
 
     /// Drives row `i` until it obeys its law.
-    pub fn drive(&mut self, i: usize, limit: u32) -> Driven {
+    pub(super) fn drive(&mut self, i: usize, limit: u32) -> Driven {
         let sign = if self.w[i] < 0.0 { 1.0 } else { -1.0 };
         // Steps of length zero, and the basis after a power of two of them: if it comes again they cycle (Brent).
         let (mut idle, mut mark) = (0_u32, Vec::new());
@@ -242,7 +242,7 @@ impl<'a> Principal<'a> {
     }
 
     /// x of the basis computed anew, if that is better.
-    pub fn refined(&self) -> Vec<f64> {
+    pub(super) fn refined(&self) -> Vec<f64> {
         let free: Vec<usize> = (0..self.x.len()).filter(|&k| self.tableau.basic[k]).collect();
         if let Some(x) = self.boxed.with_free(&free, &self.x) {
             let x: Vec<f64> = (0..x.len()).map(|i| x[i].clamp(self.boxed.lo[i], self.boxed.hi[i])).collect();

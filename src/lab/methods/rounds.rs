@@ -6,10 +6,10 @@ use super::{Friction, Status, certificate, cone};
 
 /// What a method for one form found.
 pub(super) struct Outcome {
-    pub x: Vec<f64>,
-    pub status: Status,
-    pub pivots: u32,
-    pub iterations: u32,
+    pub(super) x: Vec<f64>,
+    pub(super) status: Status,
+    pub(super) pivots: u32,
+    pub(super) iterations: u32,
 }
 
 pub(super) type SolveBox = fn(&Boxed, Option<&[f64]>, u32) -> Outcome;
@@ -112,7 +112,7 @@ fn by_rounds(run: &mut Run, mut groups: Vec<Group>, core: Core, with_pyramid: bo
     let mut r = run.best.clone();
     for round in 0..ROUNDS {
         if run.pivots_left() == 0 || run.iterations_left() == 0 {
-            return;
+            break;
         }
         let warm = run.warm || round > 0;
         let limit = run.pivots_left().min(run.iterations_left());

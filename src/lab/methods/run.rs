@@ -9,24 +9,24 @@ const MOST: f64 = 1e290;
 /// The state of a method at work.
 pub(super) struct Run {
     /// The problem with W and q divided by powers of two, so that their greatest numbers are in [1, 2).
-    pub problem: Problem,
-    pub tolerance: f64,
+    pub(super) problem: Problem,
+    pub(super) tolerance: f64,
     /// The best impulses that were seen, and their residual.
-    pub best: Vec<f64>,
-    pub residual: f64,
+    pub(super) best: Vec<f64>,
+    pub(super) residual: f64,
     /// What may be spent in iterations, or in pivots.
-    pub limit: u32,
-    pub iterations: u32,
-    pub pivots: u32,
+    pub(super) limit: u32,
+    pub(super) iterations: u32,
+    pub(super) pivots: u32,
     /// How it ends unless the residual says that it is solved.
-    pub status: Status,
+    pub(super) status: Status,
     /// Whether impulses to start from were given.
-    pub warm: bool,
+    pub(super) warm: bool,
 }
 
 impl Run {
     /// Keeps impulses that are better than the best. True once the tolerance is met.
-    pub fn consider(&mut self, r: &[f64]) -> bool {
+    pub(super) fn consider(&mut self, r: &[f64]) -> bool {
         if r.len() == self.best.len() && r.iter().all(|x| x.is_finite()) {
             // Impulses so great that rounding hides the velocities prove nothing.
             let residual = self.problem.residual(r).relative.max(noise(&self.problem, r));
@@ -38,17 +38,17 @@ impl Run {
         self.solved()
     }
 
-    pub fn solved(&self) -> bool {
+    pub(super) fn solved(&self) -> bool {
         self.residual <= self.tolerance
     }
 
     /// Pivots that are left.
-    pub fn pivots_left(&self) -> u32 {
+    pub(super) fn pivots_left(&self) -> u32 {
         self.limit.saturating_sub(self.pivots)
     }
 
     /// Iterations that are left.
-    pub fn iterations_left(&self) -> u32 {
+    pub(super) fn iterations_left(&self) -> u32 {
         self.limit.saturating_sub(self.iterations)
     }
 }

@@ -9,17 +9,17 @@ pub(super) const SMALL: f64 = 1e-11;
 /// A principal pivot transform: for each pair (x_i, w_i) one is basic and depends on all that are not, `basic = T nonbasic + b`.
 #[derive(Clone, Debug)]
 pub(super) struct Tableau {
-    pub t: DMatrix<f64>,
-    pub b: DVector<f64>,
+    pub(super) t: DMatrix<f64>,
+    pub(super) b: DVector<f64>,
     /// Whether x_i is the basic one.
-    pub basic: Vec<bool>,
+    pub(super) basic: Vec<bool>,
     /// The greatest entry of M, of 1 where M is zero.
-    pub size: f64,
+    pub(super) size: f64,
 }
 
 impl Tableau {
     /// All w basic.
-    pub fn new(m: &DMatrix<f64>, q: &[f64]) -> Tableau {
+    pub(super) fn new(m: &DMatrix<f64>, q: &[f64]) -> Tableau {
         let size = greatest(m.as_slice());
         Tableau {
             t: m.clone(),
@@ -30,7 +30,7 @@ impl Tableau {
     }
 
     /// The basic variable of each pair for values of the others.
-    pub fn values(&self, nonbasic: &[f64]) -> Vec<f64> {
+    pub(super) fn values(&self, nonbasic: &[f64]) -> Vec<f64> {
         let mut values = self.b.as_slice().to_vec();
         for (j, column) in self.t.column_iter().enumerate() {
             let x = if self.basic[j] { 0.0 } else { nonbasic[j] };
@@ -42,14 +42,14 @@ impl Tableau {
     }
 
     /// Whether the diagonal entry of a pair can be pivoted on.
-    pub fn can_pivot(&self, k: usize) -> bool {
+    pub(super) fn can_pivot(&self, k: usize) -> bool {
         let column = greatest(self.t.column(k).as_slice());
         let pivot = self.t[(k, k)].abs();
         pivot > SMALL * column && (self.basic[k] || pivot > SMALL * SMALL * self.size)
     }
 
     /// Exchanges a pair on its diagonal entry, which must not be zero.
-    pub fn pivot(&mut self, k: usize) {
+    pub(super) fn pivot(&mut self, k: usize) {
         let n = self.b.len();
         let p = 1.0 / self.t[(k, k)];
         let column: Vec<f64> = self.t.column(k).iter().copied().collect();
@@ -72,7 +72,7 @@ impl Tableau {
     }
 
     /// Exchanges two pairs at once, on the 2x2 block of both; false if that is singular.
-    pub fn pivot_two(&mut self, r: usize, s: usize) -> bool {
+    pub(super) fn pivot_two(&mut self, r: usize, s: usize) -> bool {
         let (a, b, c, d) = (self.t[(r, r)], self.t[(r, s)], self.t[(s, r)], self.t[(s, s)]);
         let det = a * d - b * c;
         if det.abs() <= SMALL * SMALL * (a * d).abs().max((b * c).abs()).max(f64::MIN_POSITIVE) || det == 0.0
@@ -107,7 +107,7 @@ impl Tableau {
     }
 
     /// Makes the x of these pairs basic, greatest pivot first, as long as there is one; what is redundant stays out.
-    pub fn pivot_all(&mut self, pairs: &[usize]) {
+    pub(super) fn pivot_all(&mut self, pairs: &[usize]) {
         let mut left: Vec<usize> = pairs.iter().copied().filter(|&k| !self.basic[k]).collect();
         let first = self.size;
         while !left.is_empty() {
