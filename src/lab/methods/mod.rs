@@ -3,24 +3,51 @@
 
 mod admm;
 mod apgd;
+mod block_pivoting;
+mod certificate;
 mod cone;
+mod cone_newton;
+mod dantzig;
+mod dictionary;
 mod envelope;
+#[cfg(test)]
+mod exact_tests;
+mod forms;
 mod gs_cone;
 mod jacobi;
+mod keller;
+mod lemke;
+mod linear;
+mod murty;
+mod newton_fb;
+mod newton_min;
 mod nncg;
+mod path;
 mod pgs;
+mod principal;
 mod prox;
 mod psor;
 mod registry;
+mod rounds;
+mod run;
 mod sweep;
+mod tableau;
 #[cfg(test)]
 mod tests;
 
 pub use admm::admm;
 pub use apgd::apgd;
+pub use block_pivoting::block_pivoting;
+pub use dantzig::dantzig;
 pub use gs_cone::gs_cone;
 pub use jacobi::jacobi;
+pub use keller::keller;
+pub use lemke::lemke;
+pub use murty::murty;
+pub use newton_fb::newton_fb;
+pub use newton_min::newton_min;
 pub use nncg::nncg;
+pub use path::path;
 pub use pgs::pgs;
 pub use prox::prox;
 pub use psor::psor;

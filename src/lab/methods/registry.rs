@@ -15,9 +15,60 @@ pub struct Method {
     pub solve: Solve,
 }
 
+/// Of the exact methods.
+const EXACT: &str = "bounds, cone and patches; pyramid and box if asked for; dense, for some hundred rows";
+
 impl Method {
     /// All there are.
     pub const ALL: &'static [Method] = &[
+        Method {
+            name: "lemke",
+            about: "complementary pivoting, ties by the lexicographic rule (Lemke 1965)",
+            laws: EXACT,
+            solve: super::lemke,
+        },
+        Method {
+            name: "dantzig",
+            about: "principal pivoting row by row between bounds (Cottle and Dantzig 1968; Baraff 1994)",
+            laws: EXACT,
+            solve: super::dantzig,
+        },
+        Method {
+            name: "keller",
+            about: "symmetric principal pivoting with blocks of one and two (Keller 1973)",
+            laws: EXACT,
+            solve: super::keller,
+        },
+        Method {
+            name: "murty",
+            about: "principal pivoting by the least index (Murty 1974)",
+            laws: EXACT,
+            solve: super::murty,
+        },
+        Method {
+            name: "block-pivoting",
+            about: "all violated rows at once, by the least index where that stalls (J\u{fa}dice and Pires 1994)",
+            laws: EXACT,
+            solve: super::block_pivoting,
+        },
+        Method {
+            name: "newton-min",
+            about: "Newton's method on the minimum map (Pang 1990)",
+            laws: EXACT,
+            solve: super::newton_min,
+        },
+        Method {
+            name: "newton-fb",
+            about: "Newton's method on Fischer and Burmeister's function, for contacts on Alart and Curnier's (1991)",
+            laws: EXACT,
+            solve: super::newton_fb,
+        },
+        Method {
+            name: "path",
+            about: "path search between points of the normal map (Ralph 1994; Dirkse and Ferris 1995)",
+            laws: EXACT,
+            solve: super::path,
+        },
         Method {
             name: "jacobi",
             about: "projected Jacobi, with steps by row sums (Cottle, Pang and Stone 1992)",

@@ -31,7 +31,7 @@ impl Problem {
             let error = self.law_error(first, law, r, &u[rows]);
             sum = sum.hypot(error);
             worst = worst.max(error);
-            if !error.is_finite() {
+            if !sum.is_finite() {
                 return Residual { relative: f64::INFINITY, worst: f64::INFINITY };
             }
         }
@@ -55,7 +55,8 @@ impl Problem {
         match law {
             Law::Bounds { min, max } => {
                 let s = self.scale(first);
-                s * (r[first] - (r[first] - u[0] / s).clamp(min, max)).abs()
+                // Which is r - (r - u / s).clamp(min, max), but doesn't lose u beside a great r.
+                s * (u[0] / s).clamp(r[first] - max, r[first] - min).abs()
             }
             Law::Contact { mu } => {
                 let s = self.scale(first);
