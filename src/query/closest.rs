@@ -52,7 +52,7 @@ impl World {
                 first = Some((key.0, key.1, Candidate { ..*candidate }, *found));
             }
             first.as_ref().map_or(distance, |f| f.0)
-        });
+        })?;
         Ok(first.map(|(_, _, candidate, found)| self.closest(&candidate, &found)))
     }
 
@@ -72,7 +72,7 @@ impl World {
         self.near(point, distance, filter, |_, _| {
             any = true;
             -1.0
-        });
+        })?;
         Ok(any)
     }
 
@@ -89,11 +89,12 @@ impl World {
         found: &mut Vec<ClosestPoint>,
     ) -> Result<(), Error> {
         check(point, distance)?;
+        self.current()?;
         found.clear();
         self.near(point, distance, filter, |candidate, nearest| {
             found.push(self.closest(candidate, nearest));
             distance
-        });
+        })?;
         found.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(a.shape.cmp(&b.shape)));
         Ok(())
     }
@@ -106,7 +107,7 @@ impl World {
         distance: f32,
         filter: &QueryFilter<'_>,
         mut f: impl FnMut(&Candidate<'a>, &Nearest) -> f32,
-    ) {
+    ) -> Result<(), Error> {
         // A little more than the square, which is rounded.
         let squared = |d: f32| if d < 0.0 { -1.0 } else { d * d * (1.0 + 1e-6) + f32::MIN_POSITIVE };
         let mut most = distance;
@@ -120,7 +121,7 @@ impl World {
                 }
                 _ => limit,
             }
-        });
+        })
     }
 
     fn closest(&self, candidate: &Candidate<'_>, found: &Nearest) -> ClosestPoint {

@@ -40,12 +40,13 @@ impl World {
         found: &mut Vec<Overlap>,
     ) -> Result<(), Error> {
         let probe = Probe::new(shape, position, rotation)?;
+        self.current()?;
         found.clear();
         self.overlapping(&probe, filter, |candidate| {
             let (body, shape) = self.handles(candidate.index);
             found.push(Overlap { body, shape });
             true
-        });
+        })?;
         found.sort_unstable_by_key(|o| o.shape);
         Ok(())
     }
@@ -66,7 +67,7 @@ impl World {
         self.overlapping(&probe, filter, |_| {
             any = true;
             false
-        });
+        })?;
         Ok(any)
     }
 
@@ -76,10 +77,10 @@ impl World {
         probe: &Probe<'_>,
         filter: &QueryFilter<'_>,
         mut f: impl FnMut(&Candidate<'a>) -> bool,
-    ) {
+    ) -> Result<(), Error> {
         self.along((probe.position, Vec3::ZERO, probe.half), filter, 1.0, |candidate, most| {
             if meets(probe, candidate) && !f(candidate) { -1.0 } else { most }
-        });
+        })
     }
 }
 

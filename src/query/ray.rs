@@ -92,7 +92,7 @@ impl World {
     /// A number is not finite or beyond 1e15.
     pub fn cast_ray(&self, ray: &Ray, filter: &QueryFilter<'_>) -> Result<Option<RayHit>, Error> {
         ray.validate()?;
-        Ok(self.first_on_ray(ray, filter))
+        self.first_on_ray(ray, filter)
     }
 
     /// Whether a ray meets anything at all: less work than [`World::cast_ray`], whose rules it follows.
@@ -105,7 +105,7 @@ impl World {
         self.on_ray(ray, filter, true, |_, _, _| {
             any = true;
             -1.0
-        });
+        })?;
         Ok(any)
     }
 
@@ -121,16 +121,17 @@ impl World {
         hits: &mut Vec<RayHit>,
     ) -> Result<(), Error> {
         ray.validate()?;
+        self.current()?;
         hits.clear();
         self.on_ray(ray, filter, false, |candidate, met, most| {
             hits.push(self.ray_hit(ray, candidate, met));
             most
-        });
+        })?;
         hits.sort_unstable_by(|a, b| a.fraction.total_cmp(&b.fraction).then(a.shape.cmp(&b.shape)));
         Ok(())
     }
 
-    pub(super) fn first_on_ray(&self, ray: &Ray, filter: &QueryFilter<'_>) -> Option<RayHit> {
+    pub(super) fn first_on_ray(&self, ray: &Ray, filter: &QueryFilter<'_>) -> Result<Option<RayHit>, Error> {
         let mut first: Option<(Candidate<'_>, Met)> = None;
         self.on_ray(ray, filter, false, |candidate, met, _| {
             let (fraction, index) = (met.fraction, candidate.index);
@@ -138,8 +139,8 @@ impl World {
                 first = Some((Candidate { ..*candidate }, *met));
             }
             first.as_ref().map_or(fraction, |(_, m)| m.fraction)
-        });
-        first.map(|(candidate, met)| self.ray_hit(ray, &candidate, &met))
+        })?;
+        Ok(first.map(|(candidate, met)| self.ray_hit(ray, &candidate, &met)))
     }
 
     /// Calls `f` with all that a ray meets before the fraction that `f` last returned.
@@ -150,7 +151,7 @@ impl World {
         filter: &QueryFilter<'_>,
         any: bool,
         mut f: impl FnMut(&Candidate<'a>, &Met, f32) -> f32,
-    ) {
+    ) -> Result<(), Error> {
         self.along((ray.from, ray.path, Vec3::ZERO), filter, 1.0, |candidate, most| {
             match meet(candidate, ray, most, any) {
                 Some(met) if met.fraction <= most && !(met.inside && filter.skip_inside) => {
@@ -158,7 +159,7 @@ impl World {
                 }
                 _ => most,
             }
-        });
+        })
     }
 
     pub(super) fn ray_hit(&self, ray: &Ray, candidate: &Candidate<'_>, met: &Met) -> RayHit {
