@@ -243,7 +243,7 @@ impl Found {
         let wanted = total[0] as usize;
         let granted = room.within(4, |room| room.fit(&mut self.fresh, wanted));
         if granted < wanted {
-            cut(&mut bins.blocks, granted as u32, total[1]);
+            cut(&mut bins.blocks, granted as u32, [total[0] - total[1], total[1]]);
         }
         if self.fresh.len() < granted {
             self.fresh.resize(granted, Fresh::default());
@@ -378,14 +378,19 @@ const WAVE: u32 = 1024;
 /// Of what is left, a part that may go into evening out: it only saves later steps the growth.
 const PART: usize = 8;
 
-/// Less place for new contacts than there are pairs without one: first for those that touch something static.
-fn cut(blocks: &mut [Block], granted: u32, of_static: u32) {
-    let mut left = [granted - granted.min(of_static), granted.min(of_static)];
-    let mut start = 0;
+/// Less place for new contacts than there are pairs without one: first for those that touch something static, and of a kind all
+/// blocks get their share. Were it for the first blocks alone, pairs that have parted and stay pairs would keep it from those that
+/// have not.
+fn cut(blocks: &mut [Block], granted: u32, total: [u32; 2]) {
+    let of_static = granted.min(total[1]);
+    let shares = [granted - of_static, of_static];
+    let (mut passed, mut start) = ([0u64; 2], 0);
     for block in blocks {
-        for (quota, left) in block.quota.iter_mut().zip(&mut left) {
-            *quota = (*quota).min(*left);
-            *left -= *quota;
+        for (kind, quota) in block.quota.iter_mut().enumerate() {
+            let upto = |pairs: u64| pairs * u64::from(shares[kind]) / u64::from(total[kind].max(1));
+            let before = upto(passed[kind]);
+            passed[kind] += u64::from(*quota);
+            *quota = (upto(passed[kind]) - before) as u32;
         }
         (block.fresh, block.place) = (start, block.quota[0] + block.quota[1]);
         start += block.place;

@@ -37,7 +37,8 @@ impl World {
     /// [`QueryFilter::skip_inside`] has no effect. When, where and how often it may be asked: as [`World::cast_ray`].
     ///
     /// # Errors
-    /// A coordinate is not finite or beyond 1e15, or the distance is not a number in 0..=1e15.
+    /// A coordinate is not finite or beyond 1e15, the distance is not a number in 0..=1e15, or
+    /// the budget does not allow the tree of what moves (see [`World::cast_ray`]).
     pub fn closest_point(
         &self,
         point: DVec3,

@@ -29,8 +29,9 @@ impl World {
     /// [`QueryFilter::skip_inside`] has no effect. When, where and how often it may be asked: as [`World::cast_ray`].
     ///
     /// # Errors
-    /// The shape is not convex or has no size, the rotation is not a unit quaternion, or a number is not finite or beyond
-    /// 1e15; then `found` is as it was.
+    /// The shape is not convex or has no size, the rotation is not a unit quaternion, a number is not finite or beyond
+    /// 1e15, or the budget does not allow the tree of what moves (see [`World::cast_ray`]); then `found`
+    /// is as it was.
     pub fn overlap(
         &self,
         shape: &Geometry,

@@ -89,7 +89,8 @@ impl World {
     /// moving shapes needs to grow ([`World::memory`]). Any number of threads may ask at the same time.
     ///
     /// # Errors
-    /// A number is not finite or beyond 1e15.
+    /// A number is not finite or beyond 1e15, or the budget does not allow the tree of what moves ([`Error::Budget`]): asked by
+    /// the first query of a world, and by one that meets static bodies that no step has met.
     pub fn cast_ray(&self, ray: &Ray, filter: &QueryFilter<'_>) -> Result<Option<RayHit>, Error> {
         ray.validate()?;
         self.first_on_ray(ray, filter)
@@ -98,7 +99,7 @@ impl World {
     /// Whether a ray meets anything at all: less work than [`World::cast_ray`], whose rules it follows.
     ///
     /// # Errors
-    /// A number is not finite or beyond 1e15.
+    /// As there.
     pub fn cast_ray_any(&self, ray: &Ray, filter: &QueryFilter<'_>) -> Result<bool, Error> {
         ray.validate()?;
         let mut any = false;
@@ -113,7 +114,7 @@ impl World {
     /// what is in `hits`, which alone may grow. The rules are those of [`World::cast_ray`].
     ///
     /// # Errors
-    /// A number is not finite or beyond 1e15; then `hits` is as it was.
+    /// As there; then `hits` is as it was.
     pub fn cast_ray_all(
         &self,
         ray: &Ray,

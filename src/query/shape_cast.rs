@@ -89,8 +89,8 @@ impl World {
     /// When, where and how often it may be asked: as [`World::cast_ray`].
     ///
     /// # Errors
-    /// The shape is not convex or has no size, the rotation is not a unit quaternion, or a number is not finite or beyond
-    /// 1e15.
+    /// The shape is not convex or has no size, the rotation is not a unit quaternion, a number is not finite or beyond
+    /// 1e15, or the budget does not allow the tree of what moves (see [`World::cast_ray`]).
     pub fn cast_shape(
         &self,
         cast: &ShapeCast<'_>,

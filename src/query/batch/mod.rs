@@ -33,8 +33,8 @@ impl World {
     /// others are cast one by one. Uses about 64 kB of the stack.
     ///
     /// # Errors
-    /// There are not as many places for hits as rays, or a number of any ray is not finite or beyond 1e15; then `hits` is
-    /// as it was.
+    /// There are not as many places for hits as rays, or a number of any ray is not finite or beyond 1e15, or
+    /// the budget does not allow the tree of what moves (see [`World::cast_ray`]); then `hits` is as it was.
     pub fn cast_rays(
         &self,
         rays: &[Ray],
