@@ -152,6 +152,9 @@ impl World {
         self.estimate_loads(dt);
         self.listen();
         let mut prepared = self.prepare(crew, dt);
+        if broad.0.shed + narrow.shed + prepared.shed > 0 {
+            self.buffers.prepare.crowd.shed();
+        }
         probe!(self, Prepare);
         clock = lap(clock, &mut times.prepare);
 
