@@ -105,7 +105,7 @@ pub enum Error {
         /// What differs.
         what: &'static str,
     },
-    /// The addition does not fit into the memory budget.
+    /// What was asked for does not fit into the memory budget.
     #[error("the budget is exceeded: {asked} bytes are asked for, {left} are left (for {category})")]
     Budget {
         /// The one whose own limit is too low. If it is the limit of the whole: the one that asks for most.

@@ -4,14 +4,14 @@ use crate::broad_phase::BroadStats;
 use crate::config::{ContinuousMethod, FrictionModel};
 use crate::constraint::{
     FindInput, JointInput, JointRows, PrepareInput, PrepareScratch, Prepared, Restitution, Rows, StepLengths,
-    evenness, find, prepare,
+    evenness, find, missing_for, prepare,
 };
 use crate::error::Error;
 use crate::events::{ContactHooks, NoHooks};
 use crate::finish::{StageTimes, StepReport};
 use crate::forces::Forces;
 use crate::memory::{Category, MemoryReport, bytes_of};
-use crate::narrow_phase::{Input, Scratch, collide};
+use crate::narrow_phase::{Census, Input, Scratch, collide};
 use crate::record::probe;
 use crate::statics::Statics;
 use crate::threads::{Crew, Shared, with_crew};
@@ -152,6 +152,9 @@ impl World {
         self.estimate_loads(dt);
         self.listen();
         let mut prepared = self.prepare(crew, dt);
+        if broad.0.shed + narrow.shed + prepared.shed > 0 {
+            self.buffers.prepare.crowd.shed();
+        }
         probe!(self, Prepare);
         clock = lap(clock, &mut times.prepare);
 
@@ -270,11 +273,12 @@ impl World {
         let unit = self.settings.length_unit;
         let mut rooms = self.rooms();
         let (joints, slots) = (&self.joints, &self.bodies.slot);
+        let Buffers { forces, narrow, rows, prepare, statics, .. } = &mut self.buffers;
         let input = Input {
             colliders: &self.colliders.all,
             hot: &self.colliders.hot,
             poses: &self.colliders.poses,
-            motion: &self.buffers.forces.motion,
+            motion: &forces.motion,
             fall: self.settings.gravity * (0.5 * dt * dt),
             dynamic: self.bodies.dynamic(),
             margin: MARGIN * unit,
@@ -286,8 +290,13 @@ impl World {
             speculative: self.settings.method == ContinuousMethod::Speculative,
             has_joints: &|body| joints.has_any(slots[body as usize]),
         };
-        let scratch = &mut self.buffers.narrow;
-        collide(crew, &input, &mut self.broad.pairs, &mut self.contacts, scratch, &mut rooms)
+        let how = (self.needs.friction > 0, self.settings.friction_model == FrictionModel::Point);
+        let of_rows = |census: &Census| {
+            let mut missing = missing_for(census, (rows, prepare), how);
+            missing.add(Category::Scratch, statics.missing(census.total()));
+            missing
+        };
+        collide(crew, &input, &mut self.broad.pairs, &mut self.contacts, narrow, (&mut rooms, &of_rows))
     }
 
     pub(crate) fn prepare(&mut self, crew: &Crew<'_>, dt: f32) -> Prepared {

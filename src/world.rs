@@ -8,6 +8,7 @@ mod model;
 mod motion;
 mod needs;
 mod plan;
+mod restoring;
 mod shapes;
 mod sleep;
 
@@ -16,6 +17,7 @@ pub use model::{Feature, Model, ModelPart};
 pub(crate) use motion::finite_position;
 pub(crate) use needs::{Demand, Needs};
 pub(crate) use plan::Crowd;
+pub(crate) use restoring::{Brings, Replacement};
 
 use mass::{columns_of, mass_of, movable};
 
@@ -31,7 +33,7 @@ use crate::handle::{BodyHandle, ShapeHandle, Slots};
 use crate::joint::Joints;
 use crate::lanes::Record;
 use crate::limits;
-use crate::memory::{Amounts, Category, MemoryReport, Room, in_arc};
+use crate::memory::{Amounts, Buffer, Category, MemoryReport, Room, in_arc};
 use crate::narrow_phase::Contacts;
 use crate::record::record;
 use crate::shape::{Collider, Geometry, Hot, Kind};
@@ -179,9 +181,11 @@ impl World {
     /// Replaces the settings; the next step uses them.
     ///
     /// # Errors
-    /// If a setting is out of range.
+    /// If a setting is out of range, or the budget in them does not allow what they switch on, sleeping or a method that meets
+    /// impacts at their times, for the bodies that are there. A budget alone is never refused.
     pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
         settings.validate()?;
+        self.make_place_for_settings(&settings)?;
         record!(self, SetSettings(settings.clone()));
         if settings.gravity != self.settings.gravity || !settings.sleeping {
             self.wake_all();
@@ -275,11 +279,14 @@ impl World {
     /// be changed all the while.
     ///
     /// # Errors
-    /// If the handle is stale.
+    /// If the handle is stale, or the budget does not allow it to take part again: others may have come meanwhile.
     pub fn set_enabled(&mut self, body: BodyHandle, enabled: bool) -> Result<(), Error> {
         let index = self.index(body)?;
         if self.bodies.traits[index].disabled != enabled {
             return Ok(());
+        }
+        if enabled {
+            self.make_place_for_enabled(index)?;
         }
         record!(self, SetEnabled(body, enabled));
         let index = self.disturb(index);
@@ -515,6 +522,7 @@ impl World {
         self.bodies.rests = self.settings.sleeping;
         if self.bodies.rest.len() != wanted {
             self.bodies.rest.clear();
+            self.bodies.rest.widen(wanted);
             self.bodies.rest.resize(wanted, 0.0);
             if wanted == 0 {
                 self.bodies.rest.shrink_to_fit();

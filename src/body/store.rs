@@ -285,8 +285,8 @@ impl Bodies {
         result
     }
 
-    /// Calls `f` with each buffer and the place that it needs for so many bodies.
-    pub(crate) fn each(&mut self, n: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+    /// Calls `f` with each buffer and the place that it needs for so many bodies. `forced`: with forces.
+    pub(crate) fn each(&mut self, n: usize, forced: bool, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
         self.slots.each(n, f);
         f(&mut self.slot, n);
         f(&mut self.kind, n);
@@ -296,11 +296,8 @@ impl Bodies {
         f(&mut self.traits, n);
         f(&mut self.cold, n);
         f(&mut self.colliders, n);
-        if !self.force.is_empty() {
+        if forced {
             f(&mut self.force, n);
-        }
-        if self.rests {
-            f(&mut self.rest, n);
         }
     }
 

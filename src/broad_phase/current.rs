@@ -9,10 +9,11 @@
 use super::bvh::{NONE, Tree};
 use super::{Aabb, BroadPhase, Population, look_up};
 use crate::body::IDLE;
+use crate::error::Error;
 use crate::lanes::f32x4;
 use crate::memory::{Buffer, bytes_of};
 use crate::shape::{Near, Slabs};
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// What the tree asks of the world.
 pub(crate) trait Present {
@@ -168,17 +169,28 @@ impl Current {
         new.clear();
     }
 
-    /// Calls `f` with each buffer and the place that it needs for so many colliders, if anybody ever asked.
-    fn each(&mut self, n: Population, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        if !self.made {
-            return;
-        }
-        self.tree.each(n.moving, f);
+    /// Calls `f` with each buffer and the place that it needs for so many colliders, `late` of which are static ones that wait
+    /// for their place in the static tree.
+    fn each(&mut self, n: Population, late: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        self.tree.each(n.moving + late, f);
         f(&mut self.place, n.slots);
         f(&mut self.bounds, n.slots);
         f(&mut self.endless, n.endless);
+        f(&mut self.late, late);
         f(&mut self.touched, 2 * n.slots);
-        f(&mut self.new, n.moving);
+        f(&mut self.new, n.moving + late);
+    }
+
+    /// Calls `f` with each buffer and the place that it needs to be made anew.
+    fn each_wanted(&mut self, broad: &BroadPhase, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        self.each(broad.population(), broad.waiting().count(), f);
+    }
+
+    /// Bytes that it lacks to be made anew.
+    fn lacking(&mut self, broad: &BroadPhase) -> usize {
+        let mut bytes = 0;
+        self.each_wanted(broad, &mut |buffer, len| bytes += buffer.missing(len));
+        bytes
     }
 
     fn bytes(&self) -> (usize, usize) {
@@ -222,8 +234,7 @@ impl Now {
 
     /// Whether somebody asked, lately.
     pub(crate) fn is_kept(&self) -> bool {
-        let stale = || self.stale.lock().unwrap_or_else(PoisonError::into_inner).made;
-        self.fresh.get().map_or_else(stale, |current| current.made)
+        self.fresh.get().map_or_else(|| self.stale().made, |current| current.made)
     }
 
     /// Whether it was asked since the last change.
@@ -232,30 +243,72 @@ impl Now {
         self.fresh.get().is_some()
     }
 
-    /// As the world is now.
+    /// As the world is now. `grant`: whether so many bytes may be taken that it lacks, asked if there is a budget.
+    ///
+    /// # Errors
+    /// If they may not.
     #[inline]
-    pub(crate) fn get(&self, broad: &BroadPhase, world: &impl Present) -> &Current {
-        self.fresh.get_or_init(|| {
-            let mut stale = self.stale.lock().unwrap_or_else(PoisonError::into_inner);
+    pub(crate) fn get(
+        &self,
+        broad: &BroadPhase,
+        world: &impl Present,
+        grant: Option<&dyn Fn(usize) -> Result<(), Error>>,
+    ) -> Result<&Current, Error> {
+        match self.fresh.get() {
+            Some(current) => Ok(current),
+            None => self.make(broad, world, grant),
+        }
+    }
+
+    #[cold]
+    fn make(
+        &self,
+        broad: &BroadPhase,
+        world: &impl Present,
+        grant: Option<&dyn Fn(usize) -> Result<(), Error>>,
+    ) -> Result<&Current, Error> {
+        if let Some(grant) = grant {
+            // Not under the lock: who counts what is held counts this too.
+            let lacking = self.stale().lacking(broad);
+            if lacking > 0 {
+                grant(lacking)?;
+            }
+        }
+        let mut stale = self.stale();
+        Ok(self.fresh.get_or_init(|| {
             let mut current = std::mem::take(&mut *stale);
+            if grant.is_some() {
+                current.each_wanted(broad, &mut |buffer, len| buffer.widen(len));
+            }
             current.refresh(broad, world);
             current
-        })
+        }))
+    }
+
+    fn stale(&self) -> MutexGuard<'_, Current> {
+        self.stale.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Calls `f` with each buffer that has an entry for each collider, and the place that it needs, once somebody asked.
     pub(crate) fn each(&mut self, n: Population, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
         // It stays as fresh as it is.
-        match self.fresh.get_mut() {
-            Some(current) => current.each(n, f),
-            None => self.stale.get_mut().unwrap_or_else(PoisonError::into_inner).each(n, f),
+        let current = match self.fresh.get_mut() {
+            Some(current) => current,
+            None => self.stale.get_mut().unwrap_or_else(PoisonError::into_inner),
+        };
+        if current.made {
+            current.each(n, 0, f);
         }
     }
 
     /// Live and reserved bytes.
     pub(crate) fn bytes(&self) -> (usize, usize) {
-        let stale = || self.stale.lock().unwrap_or_else(PoisonError::into_inner).bytes();
-        self.fresh.get().map_or_else(stale, Current::bytes)
+        // It may be made just now.
+        let made = || {
+            let stale = self.stale();
+            self.fresh.get().map_or_else(|| stale.bytes(), Current::bytes)
+        };
+        self.fresh.get().map_or_else(made, Current::bytes)
     }
 }
 

@@ -207,9 +207,7 @@ impl BroadPhase {
             quota = [granted - of_static, of_static];
             let missing = self.missing(most);
             rooms.within(Category::BroadPhase, |room| room.take(missing));
-            self.pairs.widen(most);
-            self.changes.widen(words_of(most));
-            self.table.widen(&self.pairs, most);
+            self.widen(most);
         }
         let mut shed = 0;
         for b in 0..count {

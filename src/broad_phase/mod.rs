@@ -555,6 +555,13 @@ impl BroadPhase {
         self.pairs.missing(pairs) + self.table.missing(pairs) + self.changes.missing(find::words_of(pairs))
     }
 
+    /// Makes place for them.
+    pub(crate) fn widen(&mut self, pairs: usize) {
+        self.pairs.widen(pairs);
+        self.changes.widen(find::words_of(pairs));
+        self.table.widen(&self.pairs, pairs);
+    }
+
     /// Bytes that blocks take to find so many pairs in one step: each has the place of the one that found most.
     pub(crate) fn missing_to_find(pairs: usize) -> usize {
         pairs * size_of::<(u32, u32)>() * 6 / 5

@@ -4,7 +4,7 @@
 //! kept as they are; the boxes of their nodes follow from those of the leaves, and the table of pairs from the list.
 
 use super::bvh::Tree;
-use super::{Aabb, BroadPhase, NONE, Pair, Path, Proxy, Role, look_up};
+use super::{Aabb, BroadPhase, NONE, Path, Proxy, Role, look_up};
 use crate::error::Error;
 use crate::snapshot::words::{Packer, Reader, all_finite, broken, byte, record, words};
 use glam::Vec3;
@@ -118,10 +118,8 @@ impl BroadPhase {
         self.movers.restore(saved.tree, |c| cells[c as usize].get().bounds, place);
     }
 
-    /// Takes pairs; so many are kept elsewhere, and may come back.
-    pub(crate) fn restore_pairs(&mut self, away: usize, pairs: impl ExactSizeIterator<Item = Pair>) {
-        self.pairs.clear();
-        self.pairs.extend(pairs);
+    /// The list of pairs is another; so many are kept elsewhere, and may come back.
+    pub(crate) fn restore_pairs(&mut self, away: usize) {
         self.table.rebuild(&self.pairs);
         self.away = away;
     }

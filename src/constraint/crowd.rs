@@ -5,7 +5,8 @@
 //! 114 m/s. A share of the push for each contact does not help: once the bodies have come apart into a line, each has few. So
 //! it is the velocity that is bounded, of such bodies alone: what overlap gives them ends at [`MOST`] times the push speed, what
 //! they had, or what the fastest has of them and of what they touch: by a push of that they may become as fast. A body that
-//! overlaps one other adds that speed once more, so five times is what there is at all. Bodies with joints are left to these.
+//! overlaps one other adds that speed once more, so five times is what there is at all. Where a budget leaves contacts out, that is
+//! another one in each step, which adds up: there these bodies are bounded too. Bodies with joints are left to these.
 
 use crate::lanes::Record;
 use crate::memory::{Buffer, bytes_of};
@@ -13,7 +14,7 @@ use crate::memory::{Buffer, bytes_of};
 /// How often the push speed. Two bodies part at once that speed; this lets a pile that was made within itself part within a
 /// second.
 const MOST: f32 = 4.0;
-/// Overlaps of a body from which on its velocity is bounded.
+/// Overlaps of a body from which on its velocity is bounded, where each is known.
 const SEVERAL: u32 = 2;
 
 #[derive(Debug, Default)]
@@ -22,12 +23,20 @@ pub(crate) struct Crowd {
     overlaps: Vec<u32>,
     /// Speed of the fastest of these bodies and of what they touch [m/s].
     fastest: f32,
+    /// Overlaps may have been left out.
+    incomplete: bool,
 }
 
 impl Crowd {
     pub(super) fn clear(&mut self) {
         self.overlaps.clear();
         self.fastest = 0.0;
+        self.incomplete = false;
+    }
+
+    /// Notes that overlaps may have been left out.
+    pub(crate) fn shed(&mut self) {
+        self.incomplete = true;
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -57,7 +66,7 @@ impl Crowd {
     /// Leaves out bodies of which `skip` says so.
     pub(crate) fn leave_out(&mut self, skip: impl Fn(usize) -> bool) {
         for (body, overlaps) in self.overlaps.iter_mut().enumerate() {
-            if *overlaps >= SEVERAL && skip(body) {
+            if *overlaps > 0 && skip(body) {
                 *overlaps = 0;
             }
         }
@@ -66,7 +75,8 @@ impl Crowd {
     /// Bounds what a substep made of velocities; `base`: those before any row acted.
     pub(crate) fn calm(&self, velocity: &mut [Record], base: &[Record], push_speed: f32) {
         let bound = (MOST * push_speed).max(self.fastest);
-        for (i, _) in self.overlaps.iter().enumerate().filter(|(_, n)| **n >= SEVERAL) {
+        let several = if self.incomplete { 1 } else { SEVERAL };
+        for (i, _) in self.overlaps.iter().enumerate().filter(|(_, n)| **n >= several) {
             let (now, most) = (velocity[i].linear.length(), bound.max(base[i].linear.length()));
             if now > most {
                 velocity[i].linear *= most / now;

@@ -5,6 +5,7 @@ mod batch;
 mod colour;
 pub(crate) mod contact_row;
 pub(crate) mod crowd;
+mod expect;
 mod free_turn;
 mod friction;
 mod impact_friction;
@@ -36,6 +37,7 @@ mod step_lengths;
 
 pub(crate) use arrange::{Part, PrepareScratch, Prepared};
 pub(crate) use batch::{Batch, BatchRef};
+pub(crate) use expect::missing_for;
 pub(crate) use friction::{FrictionRow, FrictionView};
 pub(crate) use impact_friction::rub;
 pub(crate) use joint_arrange::{JointInput, JointRows, JointStage, JointType};

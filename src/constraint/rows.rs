@@ -140,6 +140,11 @@ impl Rows {
         self.batches.missing(rows) + self.friction.missing(friction) + lists
     }
 
+    /// Reserved bytes of batches and friction: what one has too many the other may take.
+    pub(super) fn slab_bytes(&self) -> usize {
+        self.batches.bytes(0).1 + self.friction.bytes(0).1
+    }
+
     /// Reserved bytes of friction.
     pub(crate) fn friction_bytes(&self) -> usize {
         self.friction.bytes(0).1

@@ -1,9 +1,10 @@
 //! What a snapshot keeps of joints: what they bear, which changes in every step, and what they are, which seldom does.
 
 use super::desc::{Axes, Axis, Drive, Frame, Limit, Motion, Spring};
-use super::store::{Joint, Joints, Lock, LockKind, NONE, Row, RowKind};
+use super::store::{Joint, Joints, Lock, LockKind, More, NONE, Row, RowKind};
 use crate::constraint::RowGroup;
 use crate::error::Error;
+use crate::memory::Buffer;
 use crate::snapshot::words::{Reader, all_loads, broken, record, words};
 use glam::Vec3;
 
@@ -94,6 +95,18 @@ impl Joints {
         free.for_each(|(slot, generation)| out.extend([slot, generation]));
     }
 
+    /// Calls `f` with each column and the place that it needs to take all joints of a snapshot.
+    pub(crate) fn each_of(&mut self, records: &JointRecords, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        self.each_of_all(records.more(), f);
+    }
+
+    /// Bytes of batches for locks and rows that a snapshot has beyond those that batches were arranged for.
+    pub(crate) fn batches_missing_for(&self, records: &JointRecords) -> usize {
+        let arranged = (self.locks.len() + self.rows.len()).saturating_sub(self.fresh);
+        let rows = (records.locks.len() + records.rows.len()).saturating_sub(arranged);
+        rows * crate::constraint::WIDEST_JOINT_BATCH
+    }
+
     /// Replaces all joints.
     pub(crate) fn restore_all(&mut self, records: &JointRecords) {
         let JointRecords { all, generations, locks, rows, first, stale, free } = records;
@@ -161,6 +174,22 @@ pub(crate) struct JointRecords {
 }
 
 impl JointRecords {
+    /// Whether there is any.
+    pub(crate) fn any(&self) -> bool {
+        self.all.iter().any(Joint::is_there)
+    }
+
+    fn more(&self) -> More {
+        let breakable = self.all.iter().filter(|joint| joint.is_there() && joint.can_break()).count();
+        More {
+            joints: self.all.len(),
+            breakable,
+            locks: self.locks.len(),
+            rows: self.rows.len(),
+            bodies: self.first.len(),
+        }
+    }
+
     /// Slots of the two bodies of each joint.
     pub(crate) fn bodies(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
         self.all.iter().filter(|joint| joint.is_there()).map(|joint| joint.bodies)

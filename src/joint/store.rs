@@ -98,12 +98,12 @@ pub(crate) struct Row {
 /// What is to be added.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct More {
-    joints: usize,
-    breakable: usize,
-    locks: usize,
-    rows: usize,
+    pub(super) joints: usize,
+    pub(super) breakable: usize,
+    pub(super) locks: usize,
+    pub(super) rows: usize,
     /// The list of bodies must be this long.
-    bodies: usize,
+    pub(super) bodies: usize,
 }
 
 impl More {
@@ -377,15 +377,24 @@ impl Joints {
 
     /// Calls `f` with each column and the place that it needs.
     fn each(&mut self, more: More, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        let joints = self.all.len() + more.joints.saturating_sub(self.slots.spare());
-        let (locks, rows) = (self.locks.len() + more.locks, self.rows.len() + more.rows);
-        let bodies = self.first.len().max(more.bodies);
-        f(&mut self.all, joints);
-        self.slots.each(joints, f);
-        f(&mut self.locks, locks);
-        f(&mut self.rows, rows);
-        f(&mut self.first, bodies);
-        f(&mut self.broken, self.breakable as usize + more.breakable);
+        let all = More {
+            joints: self.all.len() + more.joints.saturating_sub(self.slots.spare()),
+            breakable: self.breakable as usize + more.breakable,
+            locks: self.locks.len() + more.locks,
+            rows: self.rows.len() + more.rows,
+            bodies: self.first.len().max(more.bodies),
+        };
+        self.each_of_all(all, f);
+    }
+
+    /// The same for so many in all.
+    pub(super) fn each_of_all(&mut self, all: More, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        f(&mut self.all, all.joints);
+        self.slots.each(all.joints, f);
+        f(&mut self.locks, all.locks);
+        f(&mut self.rows, all.rows);
+        f(&mut self.first, all.bodies);
+        f(&mut self.broken, all.breakable);
     }
 
     /// As many again as a quarter of what there is.

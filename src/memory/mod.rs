@@ -135,6 +135,14 @@ impl MemoryReport {
         self.add(to, (live, reserved));
     }
 
+    /// Takes bytes off that will be gone.
+    pub(crate) fn drop(&mut self, gone: &Amounts) {
+        for category in Category::ALL {
+            let held = &mut self.bytes[category as usize].reserved;
+            *held = held.saturating_sub(gone.of(category));
+        }
+    }
+
     /// Takes over some categories of another report.
     pub(crate) fn take_over(&mut self, other: &MemoryReport, categories: &[Category]) {
         categories.iter().for_each(|&c| self.bytes[c as usize] = other.bytes[c as usize]);

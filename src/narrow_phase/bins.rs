@@ -130,6 +130,12 @@ impl Bins {
     }
 
     /// Bytes that buffers lack for so many pairs.
+    pub(crate) fn each(&mut self, pairs: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        f(&mut self.order, pairs);
+        f(&mut self.blocks, Self::most_blocks(pairs));
+    }
+
+    /// Bytes that it lacks for so many.
     pub(crate) fn missing(&self, pairs: usize) -> usize {
         self.order.missing(pairs) + self.blocks.missing(Self::most_blocks(pairs))
     }

@@ -5,6 +5,7 @@
 //! one thread and in the order of the pairs: contacts come and go.
 
 use super::Relative;
+use super::admit::Census;
 use super::bins::{Bin, Bins, run_bin};
 use super::contact::{Contact, Contacts, NONE};
 use super::found::{CLEAR, EMPTIED, Found};
@@ -13,7 +14,7 @@ use crate::body::Pose;
 use crate::broad_phase::Pair;
 use crate::config::Continuous;
 use crate::lanes::{Lanes, Quat, Record, Vec3, f32x8};
-use crate::memory::{Buffer, Category, Rooms, bytes_of};
+use crate::memory::{Amounts, Buffer, Category, Rooms, bytes_of};
 use crate::shape::{Collider, Hot, Kind};
 use crate::threads::{Crew, Shared, per_block};
 
@@ -139,6 +140,12 @@ impl Scratch {
         self.bin_of.missing(pairs) + self.bins.missing(pairs)
     }
 
+    /// Calls `f` with each of these buffers and the place that it needs.
+    pub(crate) fn each(&mut self, pairs: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        f(&mut self.bin_of, pairs);
+        self.bins.each(pairs, f);
+    }
+
     /// Bytes that it takes to find so many contacts that are new in one step, and to look at so many pairs of meshes.
     pub(crate) fn missing_to_find(&self, fresh: usize, of_meshes: usize) -> usize {
         self.found.missing(fresh, of_meshes)
@@ -178,14 +185,14 @@ const SINK: f32 = 4.0;
 /// Pairs a block: a multiple of the lanes; fewer and the claim shows, more and two threads end apart.
 const BLOCK: usize = per_block(128, 8);
 
-/// Finds the contacts of all pairs.
+/// Finds the contacts of all pairs. `rows` says what the rows of so many contacts will lack, which is left to them.
 pub(crate) fn collide(
     crew: &Crew<'_>,
     input: &Input<'_>,
     pairs: &mut [Pair],
     contacts: &mut Contacts,
     scratch: &mut Scratch,
-    rooms: &mut Rooms,
+    (rooms, rows): (&mut Rooms, &dyn Fn(&Census) -> Amounts),
 ) -> NarrowStats {
     // Pairs are only taken in if there is room for this.
     rooms.within(Category::Scratch, |room| room.fit(&mut scratch.bin_of, pairs.len()));
@@ -202,7 +209,7 @@ pub(crate) fn collide(
     loop {
         let last = rooms.within(Category::Scratch, |room| found.wave(&mut bins.blocks, first, room));
         run_blocks(crew, input, (bins, first..last, bin_of), pairs, contacts, found);
-        stats.shed += found.commit((bins, first..last, bin_of), pairs, contacts, input, rooms);
+        stats.shed += found.commit((bins, first..last, bin_of), pairs, contacts, input, (rooms, rows));
         first = last;
         if first == end {
             break;

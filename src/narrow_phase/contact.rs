@@ -307,13 +307,29 @@ pub(crate) struct Contacts {
 }
 
 impl Contacts {
+    /// Bytes of a slot, which may become free one day.
+    const EACH: usize = size_of::<Contact>() + size_of::<u32>();
+
+    /// How many slots are lacking for so many more.
+    fn lacking(&self, more: usize) -> usize {
+        more.saturating_sub(self.free.len() + self.all.capacity() - self.all.len())
+    }
+
+    /// The same in bytes.
+    pub(super) fn missing_for(&self, more: usize) -> usize {
+        self.lacking(more) * Self::EACH
+    }
+
+    /// How many there are.
+    pub(super) fn live(&self) -> usize {
+        self.all.len() - self.free.len()
+    }
+
     /// Makes place for so many more, as far as there is room; says for how many there is.
     pub(crate) fn make_place(&mut self, more: usize, room: &mut Room) -> usize {
-        let missing = more.saturating_sub(self.free.len() + self.all.capacity() - self.all.len());
+        let missing = self.lacking(more);
         if missing > 0 && !room.is_endless() {
-            // Each may become free one day.
-            let each = size_of::<Contact>() + size_of::<u32>();
-            let granted = missing.min(room.left() / each);
+            let granted = missing.min(room.left() / Self::EACH);
             let capacity = self.all.capacity() + granted;
             room.within(1, |room| room.fit(&mut self.all, capacity));
             let slots = self.all.capacity();
@@ -326,6 +342,13 @@ impl Contacts {
             self.free.reserve_exact(self.all.capacity() - self.free.len());
         }
         self.free.len() + self.all.capacity().min(self.free.capacity()) - self.all.len()
+    }
+
+    /// Calls `f` with each buffer and the place that it needs for so many.
+    pub(crate) fn each(&mut self, contacts: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        f(&mut self.all, contacts);
+        // Each may become free one day.
+        f(&mut self.free, contacts);
     }
 
     /// Bytes that are lacking for so many.
@@ -346,6 +369,11 @@ impl Contacts {
         self.all.len() as u32 - 1
     }
 
+    /// The same while there are fewer than so many.
+    pub(super) fn insert_within(&mut self, contact: Contact, most: usize) -> u32 {
+        if self.live() < most { self.insert(contact) } else { NONE }
+    }
+
     /// Frees a contact and all that follow it.
     pub(crate) fn remove_chain(&mut self, mut slot: u32) {
         while slot != NONE {
@@ -361,9 +389,7 @@ impl Contacts {
     pub(crate) fn reset(&mut self, place: usize) {
         self.all.clear();
         self.free.clear();
-        self.all.reserve(place);
-        // Each may become free one day.
-        self.free.reserve(self.all.capacity());
+        self.each(place, &mut |buffer, len| buffer.widen(len));
     }
 
     /// How many contacts a chain has.

@@ -5,12 +5,13 @@
 //! leaves too little place, what protects from static geometry is kept longest.
 
 use super::RawManifold;
+use super::admit::{Census, admit};
 use super::bins::{BLOCK as PAIRS, Bins, Block};
 use super::collide::{Input, Same, relative_pose};
 use super::contact::{Contact, Contacts, NONE};
 use super::mesh::MeshScratch;
 use crate::broad_phase::Pair;
-use crate::memory::{Buffer, Buffers, Category, Marks, Room, Rooms, bytes_of, even_out};
+use crate::memory::{Amounts, Buffer, Buffers, Category, Marks, Room, Rooms, bytes_of, even_out};
 use crate::threads::Shared;
 
 /// A contact of a pair that had none.
@@ -58,6 +59,19 @@ impl MeshBlock {
             self.mesh.shed += lost.map(|(raw, _)| raw.count).sum::<u32>();
         }
         listed
+    }
+
+    /// Manifolds that a pair has now and had no contact for, pair by pair.
+    fn more<'a>(
+        &'a self,
+        pairs: &'a [Pair],
+        contacts: &'a Contacts,
+    ) -> impl Iterator<Item = (&'a [(RawManifold, f32)], &'a Pair)> + 'a {
+        self.looked.iter().map(|&(index, start, end)| {
+            let pair = &pairs[index as usize];
+            let old = contacts.count(pair.contact);
+            (&self.many[(start as usize + old).min(end as usize)..end as usize], pair)
+        })
     }
 
     fn bytes(&self) -> (usize, usize) {
@@ -229,7 +243,7 @@ impl Found {
         let wanted = total[0] as usize;
         let granted = room.within(4, |room| room.fit(&mut self.fresh, wanted));
         if granted < wanted {
-            cut(&mut bins.blocks, granted as u32, total[1]);
+            cut(&mut bins.blocks, granted as u32, [total[0] - total[1], total[1]]);
         }
         if self.fresh.len() < granted {
             self.fresh.resize(granted, Fresh::default());
@@ -269,7 +283,7 @@ impl Found {
         pairs: &mut [Pair],
         contacts: &mut Contacts,
         input: &Input<'_>,
-        rooms: &mut Rooms,
+        (rooms, rows): (&mut Rooms, &dyn Fn(&Census) -> Amounts),
     ) -> u32 {
         let (blocks, last) = (&bins.blocks[wave.clone()], wave.end == bins.blocks.len());
         let mut shed = 0;
@@ -280,32 +294,48 @@ impl Found {
                 contacts.remove_chain(slot);
             }
         }
+        let meshes = if last { self.meshes.as_mut_slice() } else { &mut [] };
         // By class: bodies that can move among themselves, and what protects from all else.
         let mut wanted = [0; 2];
         for block in blocks {
             wanted[0] += block.used[0] as usize;
             wanted[1] += block.used[1] as usize;
         }
-        let meshes = if last { self.meshes.as_mut_slice() } else { &mut [] };
         for block in &mut *meshes {
-            for &(index, start, end) in &block.looked {
-                let old = contacts.count(pairs[index as usize].contact);
-                wanted[1] += ((end - start) as usize).saturating_sub(old);
-            }
+            wanted[1] += block.more(pairs, contacts).map(|(more, _)| more.len()).sum::<usize>();
             let used = self.share.left() - block.mesh.room.left();
             rooms.within(Category::Scratch, |room| room.take(used));
             shed += std::mem::take(&mut block.mesh.shed);
         }
         shed += blocks.iter().map(|block| block.shed).sum::<u32>();
-        let place =
-            rooms.within(Category::Manifolds, |room| contacts.make_place(wanted[0] + wanted[1], room));
-        let short = place < wanted[0] + wanted[1];
-        if short && place < wanted[1] {
-            shed += evict(wanted[1] - place, pairs, contacts, input);
+        let total = wanted[0] + wanted[1];
+        let (mut most, mut short, mut of_rows) = (usize::MAX, false, 0);
+        if rooms.is_endless() {
+            rooms.within(Category::Manifolds, |room| contacts.make_place(total, room));
+        } else {
+            let mut new = Census::default();
+            for block in blocks {
+                let (start, used) = (block.fresh as usize, (block.used[0] + block.used[1]) as usize);
+                for found in &self.fresh[start..start + used] {
+                    new.add_new(input.is_static(&pairs[found.pair as usize]), &found.raw, input);
+                }
+            }
+            for (many, pair) in meshes.iter().flat_map(|block| block.more(pairs, contacts)) {
+                many.iter().for_each(|(raw, _)| new.add_new(input.is_static(pair), raw, input));
+            }
+            let here = Census::of(pairs, contacts, input);
+            let admitted = admit(contacts, (&here, &new), rows, rooms);
+            (short, of_rows) = (admitted.count < total, admitted.of_rows);
+            if short {
+                // Support takes the place of others, those the rest.
+                most = contacts.live() + admitted.count;
+                shed += evict(wanted[1].saturating_sub(admitted.count), pairs, contacts, input);
+            }
         }
         for block in meshes {
             shed += rooms.within(Category::Scratch, |room| {
-                commit_meshes(block, pairs, contacts, (&mut self.chain, &mut self.touching), input, room)
+                let found = (&mut self.chain, &mut self.touching);
+                commit_meshes(block, pairs, (contacts, most), found, input, room)
             });
         }
         // In need, those of static geometry before the others.
@@ -323,14 +353,18 @@ impl Found {
                     contact.take(&found.raw, relative_pose(pair, input.poses), frame);
                     contact.fraction = found.fraction;
                     self.touching |= contact.touches_anew(input.real);
-                    pair.contact = contacts.insert(contact);
+                    pair.contact = contacts.insert_within(contact, most);
                     shed += if pair.contact == NONE { found.raw.count } else { 0 };
                 }
             }
         }
         if last {
             rooms.within(Category::Scratch, |room| {
-                room.within(PART, |room| even_out(&mut self.meshes, &mut self.marks, room));
+                let spare = room.left().saturating_sub(of_rows);
+                let mut part = if room.is_endless() { *room } else { Room::new(spare / PART) };
+                let before = part.left();
+                even_out(&mut self.meshes, &mut self.marks, &mut part);
+                room.take(before - part.left());
             });
         }
         shed
@@ -344,14 +378,19 @@ const WAVE: u32 = 1024;
 /// Of what is left, a part that may go into evening out: it only saves later steps the growth.
 const PART: usize = 8;
 
-/// Less place for new contacts than there are pairs without one: first for those that touch something static.
-fn cut(blocks: &mut [Block], granted: u32, of_static: u32) {
-    let mut left = [granted - granted.min(of_static), granted.min(of_static)];
-    let mut start = 0;
+/// Less place for new contacts than there are pairs without one: first for those that touch something static, and of a kind all
+/// blocks get their share. Were it for the first blocks alone, pairs that have parted and stay pairs would keep it from those that
+/// have not.
+fn cut(blocks: &mut [Block], granted: u32, total: [u32; 2]) {
+    let of_static = granted.min(total[1]);
+    let shares = [granted - of_static, of_static];
+    let (mut passed, mut start) = ([0u64; 2], 0);
     for block in blocks {
-        for (quota, left) in block.quota.iter_mut().zip(&mut left) {
-            *quota = (*quota).min(*left);
-            *left -= *quota;
+        for (kind, quota) in block.quota.iter_mut().enumerate() {
+            let upto = |pairs: u64| pairs * u64::from(shares[kind]) / u64::from(total[kind].max(1));
+            let before = upto(passed[kind]);
+            passed[kind] += u64::from(*quota);
+            *quota = (upto(passed[kind]) - before) as u32;
         }
         (block.fresh, block.place) = (start, block.quota[0] + block.quota[1]);
         start += block.place;
@@ -385,7 +424,7 @@ fn evict(mut wanted: usize, pairs: &mut [Pair], contacts: &mut Contacts, input: 
 fn commit_meshes(
     block: &mut MeshBlock,
     pairs: &mut [Pair],
-    contacts: &mut Contacts,
+    (contacts, most): (&mut Contacts, usize),
     (chain, touching): (&mut Vec<Contact>, &mut bool),
     input: &Input<'_>,
     room: &mut Room,
@@ -417,7 +456,7 @@ fn commit_meshes(
                 contact.mean_friction = old.mean_friction;
             }
             *touching |= contact.touches_anew(input.real);
-            let slot = contacts.insert(contact);
+            let slot = contacts.insert_within(contact, most);
             if slot == NONE {
                 shed += raw.count;
             } else if last == NONE {

@@ -1,5 +1,6 @@
 //! Pairs in, manifolds out.
 
+mod admit;
 mod ahead;
 #[cfg(feature = "internals")]
 pub(crate) mod bench;
@@ -51,6 +52,7 @@ mod spin;
 mod support;
 mod touched;
 
+pub(crate) use admit::Census;
 pub(crate) use bins::GHOST_GAP;
 pub(crate) use cast::{cast_convex, cast_plane, tolerance};
 pub(crate) use cast_mesh::{Asked, Cast, Triangles, ask_mesh};

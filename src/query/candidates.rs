@@ -3,8 +3,10 @@
 use super::filter::{QueryFilter, Sees};
 use crate::body::{BodyKind, Pose};
 use crate::broad_phase::{Aabb, Current, Present};
+use crate::error::Error;
 use crate::handle::{BodyHandle, ShapeHandle};
 use crate::lanes::f32x4;
+use crate::memory::Category;
 use crate::shape::{Collider, Near, Slabs};
 use crate::world::World;
 use glam::{DVec3, Quat, Vec3};
@@ -64,13 +66,22 @@ impl Present for World {
 
 impl World {
     /// The tree of what moves, as it is now.
+    ///
+    /// # Errors
+    /// If the budget does not allow it.
     #[inline]
-    pub(crate) fn current(&self) -> &Current {
-        self.now.get(&self.broad, self)
+    pub(crate) fn current(&self) -> Result<&Current, Error> {
+        let grant = |bytes: usize| self.grant(Category::BroadPhase, bytes);
+        let bounded: Option<&dyn Fn(usize) -> Result<(), Error>> =
+            if self.settings.budget.is_none() { None } else { Some(&grant) };
+        self.now.get(&self.broad, self, bounded)
     }
 
     /// Calls `ask` with every shape that the filter sees and whose box a box of half extents `half`, which moves along
     /// `path`, meets before the fraction `most`; about the nearest first. `ask` returns the new `most`.
+    ///
+    /// # Errors
+    /// If the budget does not allow the tree of what moves.
     #[inline]
     pub(super) fn along<'a>(
         &'a self,
@@ -78,36 +89,41 @@ impl World {
         filter: &QueryFilter<'_>,
         most: f32,
         mut ask: impl FnMut(&Candidate<'a>, f32) -> f32,
-    ) {
+    ) -> Result<(), Error> {
         let sees = Sees::new(self, filter);
         let slabs = Slabs::<f32x4>::new(from, path, half);
-        self.broad.ordered_path(self.current(), filter.sorts(), &slabs, most, |index, most| {
+        self.broad.ordered_path(self.current()?, filter.sorts(), &slabs, most, |index, most| {
             let shape = &self.colliders.all[index as usize];
             if !sees.sees(index, shape) {
                 return most;
             }
             ask(&self.candidate(index), most)
         });
+        Ok(())
     }
 
     /// Calls `ask` with every shape that the filter sees and whose box may be within the squared distance `most` of a
     /// point [m²]; about the nearest first. `ask` returns the new `most`.
+    ///
+    /// # Errors
+    /// As for [`World::along`].
     pub(super) fn around<'a>(
         &'a self,
         point: DVec3,
         filter: &QueryFilter<'_>,
         most: f32,
         mut ask: impl FnMut(&Candidate<'a>, f32) -> f32,
-    ) {
+    ) -> Result<(), Error> {
         let sees = Sees::new(self, filter);
         let near = Near::<f32x4>::new(point);
-        self.broad.ordered_near(self.current(), filter.sorts(), &near, most, |index, most| {
+        self.broad.ordered_near(self.current()?, filter.sorts(), &near, most, |index, most| {
             let shape = &self.colliders.all[index as usize];
             if !sees.sees(index, shape) {
                 return most;
             }
             ask(&self.candidate(index), most)
         });
+        Ok(())
     }
 
     #[inline]

@@ -37,7 +37,8 @@ impl World {
     /// [`QueryFilter::skip_inside`] has no effect. When, where and how often it may be asked: as [`World::cast_ray`].
     ///
     /// # Errors
-    /// A coordinate is not finite or beyond 1e15, or the distance is not a number in 0..=1e15.
+    /// A coordinate is not finite or beyond 1e15, the distance is not a number in 0..=1e15, or
+    /// the budget does not allow the tree of what moves (see [`World::cast_ray`]).
     pub fn closest_point(
         &self,
         point: DVec3,
@@ -52,7 +53,7 @@ impl World {
                 first = Some((key.0, key.1, Candidate { ..*candidate }, *found));
             }
             first.as_ref().map_or(distance, |f| f.0)
-        });
+        })?;
         Ok(first.map(|(_, _, candidate, found)| self.closest(&candidate, &found)))
     }
 
@@ -72,7 +73,7 @@ impl World {
         self.near(point, distance, filter, |_, _| {
             any = true;
             -1.0
-        });
+        })?;
         Ok(any)
     }
 
@@ -89,11 +90,12 @@ impl World {
         found: &mut Vec<ClosestPoint>,
     ) -> Result<(), Error> {
         check(point, distance)?;
+        self.current()?;
         found.clear();
         self.near(point, distance, filter, |candidate, nearest| {
             found.push(self.closest(candidate, nearest));
             distance
-        });
+        })?;
         found.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(a.shape.cmp(&b.shape)));
         Ok(())
     }
@@ -106,7 +108,7 @@ impl World {
         distance: f32,
         filter: &QueryFilter<'_>,
         mut f: impl FnMut(&Candidate<'a>, &Nearest) -> f32,
-    ) {
+    ) -> Result<(), Error> {
         // A little more than the square, which is rounded.
         let squared = |d: f32| if d < 0.0 { -1.0 } else { d * d * (1.0 + 1e-6) + f32::MIN_POSITIVE };
         let mut most = distance;
@@ -120,7 +122,7 @@ impl World {
                 }
                 _ => limit,
             }
-        });
+        })
     }
 
     fn closest(&self, candidate: &Candidate<'_>, found: &Nearest) -> ClosestPoint {

@@ -29,8 +29,9 @@ impl World {
     /// [`QueryFilter::skip_inside`] has no effect. When, where and how often it may be asked: as [`World::cast_ray`].
     ///
     /// # Errors
-    /// The shape is not convex or has no size, the rotation is not a unit quaternion, or a number is not finite or beyond
-    /// 1e15; then `found` is as it was.
+    /// The shape is not convex or has no size, the rotation is not a unit quaternion, a number is not finite or beyond
+    /// 1e15, or the budget does not allow the tree of what moves (see [`World::cast_ray`]); then `found`
+    /// is as it was.
     pub fn overlap(
         &self,
         shape: &Geometry,
@@ -40,12 +41,13 @@ impl World {
         found: &mut Vec<Overlap>,
     ) -> Result<(), Error> {
         let probe = Probe::new(shape, position, rotation)?;
+        self.current()?;
         found.clear();
         self.overlapping(&probe, filter, |candidate| {
             let (body, shape) = self.handles(candidate.index);
             found.push(Overlap { body, shape });
             true
-        });
+        })?;
         found.sort_unstable_by_key(|o| o.shape);
         Ok(())
     }
@@ -66,7 +68,7 @@ impl World {
         self.overlapping(&probe, filter, |_| {
             any = true;
             false
-        });
+        })?;
         Ok(any)
     }
 
@@ -76,10 +78,10 @@ impl World {
         probe: &Probe<'_>,
         filter: &QueryFilter<'_>,
         mut f: impl FnMut(&Candidate<'a>) -> bool,
-    ) {
+    ) -> Result<(), Error> {
         self.along((probe.position, Vec3::ZERO, probe.half), filter, 1.0, |candidate, most| {
             if meets(probe, candidate) && !f(candidate) { -1.0 } else { most }
-        });
+        })
     }
 }
 

@@ -89,23 +89,24 @@ impl World {
     /// moving shapes needs to grow ([`World::memory`]). Any number of threads may ask at the same time.
     ///
     /// # Errors
-    /// A number is not finite or beyond 1e15.
+    /// A number is not finite or beyond 1e15, or the budget does not allow the tree of what moves ([`Error::Budget`]): asked by
+    /// the first query of a world, and by one that meets static bodies that no step has met.
     pub fn cast_ray(&self, ray: &Ray, filter: &QueryFilter<'_>) -> Result<Option<RayHit>, Error> {
         ray.validate()?;
-        Ok(self.first_on_ray(ray, filter))
+        self.first_on_ray(ray, filter)
     }
 
     /// Whether a ray meets anything at all: less work than [`World::cast_ray`], whose rules it follows.
     ///
     /// # Errors
-    /// A number is not finite or beyond 1e15.
+    /// As there.
     pub fn cast_ray_any(&self, ray: &Ray, filter: &QueryFilter<'_>) -> Result<bool, Error> {
         ray.validate()?;
         let mut any = false;
         self.on_ray(ray, filter, true, |_, _, _| {
             any = true;
             -1.0
-        });
+        })?;
         Ok(any)
     }
 
@@ -113,7 +114,7 @@ impl World {
     /// what is in `hits`, which alone may grow. The rules are those of [`World::cast_ray`].
     ///
     /// # Errors
-    /// A number is not finite or beyond 1e15; then `hits` is as it was.
+    /// As there; then `hits` is as it was.
     pub fn cast_ray_all(
         &self,
         ray: &Ray,
@@ -121,16 +122,17 @@ impl World {
         hits: &mut Vec<RayHit>,
     ) -> Result<(), Error> {
         ray.validate()?;
+        self.current()?;
         hits.clear();
         self.on_ray(ray, filter, false, |candidate, met, most| {
             hits.push(self.ray_hit(ray, candidate, met));
             most
-        });
+        })?;
         hits.sort_unstable_by(|a, b| a.fraction.total_cmp(&b.fraction).then(a.shape.cmp(&b.shape)));
         Ok(())
     }
 
-    pub(super) fn first_on_ray(&self, ray: &Ray, filter: &QueryFilter<'_>) -> Option<RayHit> {
+    pub(super) fn first_on_ray(&self, ray: &Ray, filter: &QueryFilter<'_>) -> Result<Option<RayHit>, Error> {
         let mut first: Option<(Candidate<'_>, Met)> = None;
         self.on_ray(ray, filter, false, |candidate, met, _| {
             let (fraction, index) = (met.fraction, candidate.index);
@@ -138,8 +140,8 @@ impl World {
                 first = Some((Candidate { ..*candidate }, *met));
             }
             first.as_ref().map_or(fraction, |(_, m)| m.fraction)
-        });
-        first.map(|(candidate, met)| self.ray_hit(ray, &candidate, &met))
+        })?;
+        Ok(first.map(|(candidate, met)| self.ray_hit(ray, &candidate, &met)))
     }
 
     /// Calls `f` with all that a ray meets before the fraction that `f` last returned.
@@ -150,7 +152,7 @@ impl World {
         filter: &QueryFilter<'_>,
         any: bool,
         mut f: impl FnMut(&Candidate<'a>, &Met, f32) -> f32,
-    ) {
+    ) -> Result<(), Error> {
         self.along((ray.from, ray.path, Vec3::ZERO), filter, 1.0, |candidate, most| {
             match meet(candidate, ray, most, any) {
                 Some(met) if met.fraction <= most && !(met.inside && filter.skip_inside) => {
@@ -158,7 +160,7 @@ impl World {
                 }
                 _ => most,
             }
-        });
+        })
     }
 
     pub(super) fn ray_hit(&self, ray: &Ray, candidate: &Candidate<'_>, met: &Met) -> RayHit {

@@ -89,8 +89,8 @@ impl World {
     /// When, where and how often it may be asked: as [`World::cast_ray`].
     ///
     /// # Errors
-    /// The shape is not convex or has no size, the rotation is not a unit quaternion, or a number is not finite or beyond
-    /// 1e15.
+    /// The shape is not convex or has no size, the rotation is not a unit quaternion, a number is not finite or beyond
+    /// 1e15, or the budget does not allow the tree of what moves (see [`World::cast_ray`]).
     pub fn cast_shape(
         &self,
         cast: &ShapeCast<'_>,
@@ -104,7 +104,7 @@ impl World {
                 first = Some((key.0, key.1, *found));
             }
             first.as_ref().map_or(fraction, |f| f.0)
-        });
+        })?;
         Ok(first.map(|(_, index, found)| self.shape_hit(&probe, index, &found)))
     }
 
@@ -118,7 +118,7 @@ impl World {
         self.on_way(&probe, cast.path, filter, true, |_, _, _| {
             any = true;
             -1.0
-        });
+        })?;
         Ok(any)
     }
 
@@ -135,11 +135,12 @@ impl World {
         hits: &mut Vec<ShapeHit>,
     ) -> Result<(), Error> {
         let probe = check(cast)?;
+        self.current()?;
         hits.clear();
         self.on_way(&probe, cast.path, filter, false, |candidate, found, _| {
             hits.push(self.shape_hit(&probe, candidate.index, found));
             1.0
-        });
+        })?;
         hits.sort_unstable_by(|a, b| a.fraction.total_cmp(&b.fraction).then(a.shape.cmp(&b.shape)));
         Ok(())
     }
@@ -157,7 +158,7 @@ impl World {
         self.on_way(&probe, Vec3::ZERO, &filter, false, |candidate, found, _| {
             f(self.shape_hit(&probe, candidate.index, found));
             1.0
-        });
+        })?;
         Ok(())
     }
 
@@ -169,7 +170,7 @@ impl World {
         filter: &QueryFilter<'_>,
         any: bool,
         mut f: impl FnMut(&Candidate<'a>, &Found, f32) -> f32,
-    ) {
+    ) -> Result<(), Error> {
         let local = probe.local(path);
         self.along((probe.position, path, probe.half), filter, 1.0, |candidate, most| {
             let course = Course {
@@ -181,7 +182,7 @@ impl World {
                 Some(found) if found.fraction() <= most => f(candidate, &found, found.fraction()),
                 _ => most,
             }
-        });
+        })
     }
 
     fn shape_hit(&self, probe: &Probe<'_>, index: u32, found: &Found) -> ShapeHit {

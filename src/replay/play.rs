@@ -352,7 +352,7 @@ impl<R: Read> Replay<R> {
                 self.names.insert(body.slot, (body.generation, name));
             }
             Call::Asked() => {
-                self.world.current();
+                self.world.current()?;
             }
         }
         Ok(())

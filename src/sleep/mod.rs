@@ -32,8 +32,6 @@ pub(crate) struct Sleep {
     kept: u32,
     /// Who hangs together, as found when it was last looked for.
     pub(crate) groups: Groups,
-    /// Pairs on their way back.
-    pub(crate) restored: Vec<Pair>,
     /// Islands that are to wake.
     waking: Vec<u32>,
     /// Steps since it was last looked for islands.
@@ -111,13 +109,18 @@ impl Sleep {
         self.island_of(slot).map(|island| self.islands[island as usize].body)
     }
 
-    /// Ends an island: calls `body` with the slot of each of its bodies and `pair` with each of its pairs.
-    fn close(&mut self, island: u32, mut body: impl FnMut(u32), mut pair: impl FnMut(Pair)) {
-        let Island { body: mut slot, pair: mut place } = self.islands[island as usize];
+    /// Takes the bodies out of an island: calls `body` with the slot of each.
+    fn take_bodies(&mut self, island: u32, mut body: impl FnMut(u32)) {
+        let mut slot = std::mem::replace(&mut self.islands[island as usize].body, NONE);
         while slot != NONE {
             body(slot);
             slot = std::mem::replace(&mut self.bodies[slot as usize], Link::AWAKE).next;
         }
+    }
+
+    /// Ends an island without bodies: calls `pair` with each of its pairs.
+    fn close(&mut self, island: u32, mut pair: impl FnMut(Pair)) {
+        let mut place = self.islands[island as usize].pair;
         while place != NONE {
             let (kept, next) = self.pairs[place as usize];
             pair(kept);
@@ -145,6 +148,19 @@ impl Sleep {
         })
     }
 
+    /// Adds an island to those that are to wake. Many pairs and joints name the same, so the list is thinned out before it grows:
+    /// place for twice as many as there are islands is always enough.
+    fn note(waking: &mut Vec<u32>, island: u32) {
+        if waking.len() == waking.capacity() {
+            waking.sort_unstable();
+            waking.dedup();
+            if 2 * waking.len() > waking.capacity() {
+                waking.reserve(waking.capacity());
+            }
+        }
+        waking.push(island);
+    }
+
     /// How many islands sleep.
     pub(crate) fn count(&self) -> usize {
         self.islands.len() - self.free_islands.len()
@@ -154,9 +170,14 @@ impl Sleep {
     pub(crate) fn each(&mut self, bodies: usize, dynamic: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
         f(&mut self.islands, dynamic);
         f(&mut self.free_islands, dynamic);
-        f(&mut self.waking, dynamic);
+        f(&mut self.waking, 2 * dynamic);
         f(&mut self.bodies, bodies);
         self.groups.each(dynamic, f);
+    }
+
+    /// The pairs that islands keep.
+    pub(crate) fn kept_buffer(&mut self) -> &mut dyn Buffer {
+        &mut self.pairs
     }
 
     /// Live and reserved bytes of islands, and of their pairs.
@@ -166,7 +187,6 @@ impl Sleep {
             bytes_of(&self.free_islands),
             bytes_of(&self.bodies),
             bytes_of(&self.waking),
-            bytes_of(&self.restored),
             self.groups.bytes(),
         ];
         [lists.into_iter().fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1)), bytes_of(&self.pairs)]

@@ -67,8 +67,8 @@ impl Sleep {
         }
     }
 
-    /// Takes what was saved, with the pairs.
-    pub(crate) fn restore(&mut self, saved: &SavedSleep<'_>, pairs: &[Pair]) {
+    /// Takes what was saved; [`Sleep::keep_pair`] adds the pairs.
+    pub(crate) fn restore(&mut self, saved: &SavedSleep<'_>) {
         let SleepLists { waited, woke, slept, .. } = saved.lists;
         (self.waited, self.woke, self.slept) = (waited, woke, slept);
         self.free_islands.clear();
@@ -77,16 +77,25 @@ impl Sleep {
         self.islands.clear();
         self.pairs.clear();
         (self.free_pair, self.kept) = (None, 0);
-        let (mut bodies, mut pairs) = (saved.bodies, pairs);
-        for (i, &[of_bodies, of_pairs]) in saved.islands.as_chunks::<2>().0.iter().enumerate() {
+        let mut bodies = saved.bodies;
+        for (i, &[of_bodies, _]) in saved.islands.as_chunks::<2>().0.iter().enumerate() {
             self.islands.push(Island { body: NONE, pair: NONE });
             let (own, rest) = bodies.split_at(of_bodies as usize);
             // Each goes to the front of its list.
             own.iter().rev().for_each(|&slot| self.add_body(i as u32, slot));
-            let (own_pairs, rest_pairs) = pairs.split_at(of_pairs as usize);
-            own_pairs.iter().rev().for_each(|&pair| self.add_pair(i as u32, pair));
-            (bodies, pairs) = (rest, rest_pairs);
+            bodies = rest;
         }
+    }
+
+    /// Adds the next pair of an island: in the order in which they were saved.
+    pub(crate) fn keep_pair(&mut self, island: u32, pair: Pair) {
+        let (place, first) = (self.pairs.len() as u32, self.islands[island as usize].pair);
+        match self.pairs.last_mut().filter(|_| first != NONE) {
+            Some(last) => last.1 = place,
+            None => self.islands[island as usize].pair = place,
+        }
+        self.pairs.push((pair, NONE));
+        self.kept += 1;
     }
 }
 

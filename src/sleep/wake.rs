@@ -4,6 +4,7 @@
 //! their boxes meet, whether that is pushed or kinematic, or when one that rests touches it. It wakes too when the
 //! caller changes anything about one of its bodies, their joints, or what they touch.
 
+use super::Sleep;
 use super::islands::touches;
 use crate::broad_phase::{Aabb, Pair, aabb_of};
 use crate::narrow_phase::NONE;
@@ -33,7 +34,7 @@ impl World {
             // What stands still for this step alone is in no island.
             let Some(island) = self.sleep.island_of(self.bodies.slot[body]) else { continue };
             if !(sensor(comer) || sensor(sleeper)) && self.reaches(comer, sleeper, pair) {
-                waking.push(island);
+                Sleep::note(&mut waking, island);
             }
         }
         // What a kinematic body drags along.
@@ -41,7 +42,8 @@ impl World {
             if self.bodies.rest[i] == 0.0 && self.joints.count > 0 {
                 for joint in self.joints.of_body(self.bodies.slot[i]) {
                     let bodies = self.joints.all[joint as usize].bodies;
-                    waking.extend(bodies.iter().filter_map(|&slot| self.sleep.island_of(slot)));
+                    let islands = bodies.iter().filter_map(|&slot| self.sleep.island_of(slot));
+                    islands.for_each(|island| Sleep::note(&mut waking, island));
                 }
             }
         }
@@ -102,12 +104,14 @@ impl World {
         let kept = self.sleep.kept_pairs();
         for pair in self.broad.pairs.iter().chain(kept) {
             if own(pair.a) || own(pair.b) {
-                waking.extend(island_of(pair.a).into_iter().chain(island_of(pair.b)));
+                let islands = island_of(pair.a).into_iter().chain(island_of(pair.b));
+                islands.for_each(|island| Sleep::note(&mut waking, island));
             }
         }
         for joint in self.joints.of_body(slot) {
             let bodies = self.joints.all[joint as usize].bodies;
-            waking.extend(bodies.iter().filter_map(|&slot| self.sleep.island_of(slot)));
+            let islands = bodies.iter().filter_map(|&slot| self.sleep.island_of(slot));
+            islands.for_each(|island| Sleep::note(&mut waking, island));
         }
         self.wake_all_of(waking);
         self.bodies.slots.dense(slot) as usize
@@ -127,7 +131,8 @@ impl World {
                 aabb_of(collider, pose.position, pose.rotation).overlaps(bounds)
             });
             if meets {
-                waking.extend(self.sleep.island_of(self.bodies.slot[i]));
+                let island = self.sleep.island_of(self.bodies.slot[i]);
+                island.into_iter().for_each(|island| Sleep::note(&mut waking, island));
             }
         }
         self.wake_all_of(waking);
@@ -138,7 +143,7 @@ impl World {
         let mut waking = std::mem::take(&mut self.sleep.waking);
         waking.clear();
         let islands = self.bodies.asleep().filter_map(|i| self.sleep.island_of(self.bodies.slot[i]));
-        waking.extend(islands);
+        islands.for_each(|island| Sleep::note(&mut waking, island));
         self.wake_all_of(waking);
     }
 
@@ -161,10 +166,8 @@ impl World {
             // Pairs with others that sleep were not kept.
             bodies.colliders[index as usize].as_slice().iter().for_each(|&c| broad.look_again(c));
         };
-        let mut pairs = std::mem::take(&mut sleep.restored);
-        sleep.close(island, body, |pair| pairs.push(pair));
-        pairs.drain(..).for_each(|pair| broad.put_back(pair));
-        sleep.restored = pairs;
+        sleep.take_bodies(island, body);
+        sleep.close(island, |pair| broad.put_back(pair));
         sleep.woke += woke;
         joints.changed |= joints.count > 0;
     }

@@ -88,7 +88,7 @@ impl World {
     /// [`World::report`] stay as they are. A world that a panic left half stepped ([`Error::Poisoned`]) is whole again.
     ///
     /// # Errors
-    /// If the world is being recorded; and for snapshots from bytes: if they are broken, or the world lacks what they refer to.
+    /// If the world is being recorded, or its budget does not allow what the snapshot needs; and for snapshots from bytes: if they are broken, or the world lacks what they refer to.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
         #[cfg(feature = "replay")]
         if self.tape.is_some() {

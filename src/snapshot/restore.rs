@@ -1,18 +1,16 @@
 //! Makes a world what it was: first all is read, and what came from outside is checked; then nothing can fail any more.
 
+use super::Snapshot;
 use super::check::check;
 use super::part::{BodyRecord, Part, Records};
 use super::view::{BALL, BODY, FORCE, PUSH, REST, RESTS, View};
 use super::words::record;
-use super::{Snapshot, contacts::SavedPairs};
 use crate::body::Pose;
-use crate::broad_phase::Pair;
 use crate::error::Error;
 use crate::finish::Clear;
 use crate::lanes::Record;
-use crate::narrow_phase::Contacts;
 use crate::sleep::Sleep;
-use crate::world::World;
+use crate::world::{Brings, Replacement, World};
 use glam::{DVec3, Quat, Vec3};
 use std::sync::Arc;
 
@@ -30,26 +28,26 @@ pub(super) fn restore(world: &mut World, snapshot: &Snapshot) -> Result<(), Erro
         }
         Some(records).filter(|_| !same)
     };
+    let brings = brought(&view, records.as_ref());
     if poisoned {
-        // Whatever the step had in hand is lost.
-        let broken = std::mem::take(world);
-        (world.settings, world.report) = (broken.settings, broken.report);
+        // Whatever the step had in hand is lost, once it is known that there is place for a whole world.
+        let mut whole = World::new(world.settings.clone())?;
+        whole.make_place_to_restore(&brings)?;
+        whole.report = std::mem::take(&mut world.report);
+        *world = whole;
+    } else {
+        world.make_place_to_restore(&brings)?;
     }
-    let mut pairs = std::mem::take(&mut world.sleep.restored);
-    pairs.clear();
-    read_pairs(&view.pairs, view.counts.contacts, &mut world.contacts, &mut pairs);
     if let Some(records) = records {
         install(world, records);
     } else if settle && !poisoned {
         world.broad.settle_statics();
     }
-    apply(world, &view, &pairs);
+    apply(world, &view);
     let slots = world.colliders.all.len();
     if let Some(now) = world.now.change() {
         now.touch_all(slots);
     }
-    pairs.clear();
-    world.sleep.restored = pairs;
     if world.buffers.joints.arrangement != snapshot.arrangement {
         world.joints.changed = true;
     }
@@ -83,10 +81,48 @@ fn parts_of(world: &World, snapshot: &Snapshot) -> Result<([Arc<Part>; 2], bool)
     Ok(([Arc::new(settled), moving], true))
 }
 
-/// Pairs, those that islands keep last, and all contacts.
-fn read_pairs(saved: &SavedPairs<'_>, contacts: u32, all: &mut Contacts, pairs: &mut Vec<Pair>) {
-    let read = saved.restore(all, contacts as usize, |pair| pairs.push(pair));
+/// What it brings that takes memory.
+fn brought<'a>(view: &'a View<'_>, records: Option<&'a Records>) -> Brings<'a> {
+    let counts = &view.counts;
+    let new = records.map(|records| {
+        let all = || records.moving.iter().chain(&records.fixed);
+        let shapes = all().flat_map(|record| &record.colliders);
+        let slots = (records.bodies.count, records.colliders.count);
+        let mut new = Replacement::new(slots, &records.joints, shapes.map(|c| &c.collider.geometry));
+        for record in all() {
+            let kinds = record.colliders.iter().map(|c| c.collider.kind);
+            new.add(record.body.kind, &record.body.traits, kinds);
+        }
+        new
+    });
+    Brings {
+        settings: &view.settings,
+        pairs: (counts.pairs + counts.kept) as usize,
+        kept: counts.kept as usize,
+        contacts: counts.contacts as usize,
+        forced: counts.has(FORCE),
+        rests: counts.has(RESTS) || counts.parts[2] > 0,
+        new,
+    }
+}
+
+/// Pairs, first those of the step and then those that islands keep, and all contacts.
+fn read_pairs(world: &mut World, view: &View<'_>) {
+    let World { broad, contacts, sleep, .. } = world;
+    broad.pairs.clear();
+    let mut islands = view.sleep.islands_of_pairs();
+    let mut left = view.counts.pairs;
+    broad.pairs.reserve(left as usize);
+    let read = view.pairs.restore(contacts, view.counts.contacts as usize, |pair| {
+        if left > 0 {
+            left -= 1;
+            broad.pairs.push(pair);
+        } else if let Some(island) = islands.next() {
+            sleep.keep_pair(island, pair);
+        }
+    });
     debug_assert!(read.is_ok(), "what was written or checked can be read");
+    broad.restore_pairs(view.counts.kept as usize);
 }
 
 /// Puts in place all that snapshots share.
@@ -129,7 +165,7 @@ fn install(world: &mut World, records: Records) {
 }
 
 /// Takes the state; what snapshots share is in place.
-fn apply(world: &mut World, view: &View<'_>, pairs: &[Pair]) {
+fn apply(world: &mut World, view: &View<'_>) {
     let counts = &view.counts;
     let World { bodies, colliders, broad, joints, sleep, buffers, events, .. } = world;
     world.settings = view.settings.clone();
@@ -181,14 +217,13 @@ fn apply(world: &mut World, view: &View<'_>, pairs: &[Pair]) {
     }
     let own = bodies.colliders[..all].iter().flat_map(|own| own.as_slice()).copied();
     broad.restore(&view.broad, own);
-    let (listed, kept) = pairs.split_at(counts.pairs as usize);
-    broad.restore_pairs(kept.len(), listed.iter().copied());
-    if !counts.has(RESTS) && kept.is_empty() && counts.parts[2] == 0 && sleep.count() == 0 {
+    if !counts.has(RESTS) && counts.kept == 0 && counts.parts[2] == 0 && sleep.count() == 0 {
         // Where nothing may sleep there is nothing of it.
         *sleep = Sleep::default();
     }
-    sleep.restore(&view.sleep, kept);
+    sleep.restore(&view.sleep);
     joints.restore(&view.joints);
+    read_pairs(world, view);
 }
 
 fn pose_of(words: &[u32]) -> Pose {

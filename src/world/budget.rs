@@ -3,25 +3,30 @@
 use super::World;
 use crate::body::{BodyDesc, BodyKind};
 use crate::broad_phase::Population;
+use crate::config::Settings;
 use crate::error::Error;
 use crate::joint::More;
 use crate::lanes::Record;
-use crate::memory::{Amounts, Buffer, Category, MemoryReport, Room, Rooms, bytes_of};
-use crate::shape::{Geometry, ShapeDesc};
+use crate::memory::{Amounts, Budget, Buffer, Category, MemoryReport, Room, Rooms, bytes_of};
+use crate::shape::{Kind, ShapeDesc};
 
 /// How many there are, or will be, of what has an entry in buffers that a step can't do without.
 #[derive(Clone, Copy, Debug, Default)]
-struct Counts {
-    bodies: usize,
-    movers: usize,
-    dynamic: usize,
-    colliders: Population,
-    raised: bool,
+pub(super) struct Counts {
+    pub(super) bodies: usize,
+    pub(super) movers: usize,
+    pub(super) dynamic: usize,
+    pub(super) colliders: Population,
+    pub(super) raised: bool,
     /// Whether there are joints.
-    joined: bool,
+    pub(super) joined: bool,
+    /// Whether there are forces, bodies may sleep, and impacts are met at their times.
+    pub(super) forced: bool,
+    pub(super) rests: bool,
+    pub(super) meets: bool,
     /// Geometries, and the bytes of those that the world doesn't have yet and of compounds' lists.
-    assets: usize,
-    once: Amounts,
+    pub(super) assets: usize,
+    pub(super) once: Amounts,
 }
 
 impl World {
@@ -69,14 +74,35 @@ impl World {
 
     /// What may still be reserved.
     pub(crate) fn rooms(&self) -> Rooms {
-        if self.settings.budget.is_none() {
+        self.rooms_of(&self.settings.budget)
+    }
+
+    /// What another budget leaves.
+    fn rooms_of(&self, budget: &Budget) -> Rooms {
+        self.rooms_without(budget, &Amounts::default())
+    }
+
+    /// The same once so much is gone.
+    pub(super) fn rooms_without(&self, budget: &Budget, gone: &Amounts) -> Rooms {
+        if budget.is_none() {
             return Rooms::ENDLESS;
         }
         let whole = self.buffers_by_category();
         let mut held = self.memory();
         // What continuous collision has of their buffers may be theirs in the next step.
         held.take_over(&whole, &[Category::Manifolds, Category::Rows]);
-        Rooms::new(&self.settings.budget, &held, whole.total())
+        held.drop(gone);
+        Rooms::new(budget, &held, whole.total() - gone.total())
+    }
+
+    /// Whether so many bytes may be reserved.
+    ///
+    /// # Errors
+    /// If they may not.
+    pub(crate) fn grant(&self, category: Category, bytes: usize) -> Result<(), Error> {
+        let mut asked = Amounts::default();
+        asked.add(category, bytes);
+        check(&asked, &self.rooms())
     }
 
     /// What may still be reserved of one category.
@@ -164,6 +190,42 @@ impl World {
         Ok(())
     }
 
+    /// Makes place for what other settings switch on.
+    ///
+    /// # Errors
+    /// If their budget does not allow it.
+    pub(super) fn make_place_for_settings(&mut self, settings: &Settings) -> Result<(), Error> {
+        let now = self.counts(Counts::default());
+        let counts = Counts {
+            rests: settings.sleeping && !now.rests,
+            meets: settings.method.meets_impacts() && !now.meets,
+            ..now
+        };
+        if settings.budget.is_none() || !(counts.rests || counts.meets) {
+            return Ok(());
+        }
+        let mut asked = Amounts::default();
+        self.each_of_switched(counts, &mut |category, buffer, len| asked.add(category, buffer.missing(len)));
+        check(&asked, &self.rooms_of(&settings.budget))?;
+        self.each_of_switched(counts, &mut |_, buffer, len| buffer.widen(len));
+        Ok(())
+    }
+
+    /// Makes place for a body that takes part again.
+    pub(super) fn make_place_for_enabled(&mut self, index: usize) -> Result<(), Error> {
+        if self.settings.budget.is_none() {
+            return Ok(());
+        }
+        let kind = self.bodies.kind[index];
+        let mut more = Counts { dynamic: usize::from(kind == BodyKind::Dynamic), ..Counts::default() };
+        for &c in self.bodies.colliders[index].as_slice() {
+            more.add_collider(kind, self.colliders.all[c as usize].kind);
+        }
+        // They have their slots.
+        more.colliders.slots = 0;
+        self.make_place_for(more, false)
+    }
+
     /// Makes place for what is there, whether or not the budget allows it: without it there is no step.
     pub(crate) fn make_place_for_step(&mut self) {
         if !self.settings.budget.is_none() {
@@ -200,7 +262,7 @@ impl World {
     }
 
     /// Bytes that are missing for so many.
-    fn lacking(&mut self, counts: Counts) -> Amounts {
+    pub(super) fn lacking(&mut self, counts: Counts) -> Amounts {
         let mut bytes = counts.once;
         self.each_buffer(counts, &mut |category, buffer, len| bytes.add(category, buffer.missing(len)));
         bytes
@@ -231,7 +293,7 @@ impl World {
         Ok(())
     }
 
-    fn counts(&self, more: Counts) -> Counts {
+    pub(super) fn counts(&self, more: Counts) -> Counts {
         let now = self.broad.population();
         let spare = self.colliders.slots.spare();
         Counts {
@@ -246,6 +308,9 @@ impl World {
                 endless: now.endless + more.colliders.endless,
             },
             joined: more.joined || self.joints.count > 0,
+            forced: more.forced || !self.bodies.force.is_empty(),
+            rests: more.rests || self.settings.sleeping || self.bodies.rests,
+            meets: more.meets || self.settings.method.meets_impacts(),
             raised: more.raised || self.bodies.raises().next().is_some(),
             assets: self.assets.list.len() + more.assets,
             ..more
@@ -253,9 +318,9 @@ impl World {
     }
 
     /// Calls `f` with each buffer that has an entry for each body or collider, its category, and the place that it needs.
-    fn each_buffer(&mut self, n: Counts, f: &mut dyn FnMut(Category, &mut dyn Buffer, usize)) {
+    pub(super) fn each_buffer(&mut self, n: Counts, f: &mut dyn FnMut(Category, &mut dyn Buffer, usize)) {
         use Category::{Bodies, BroadPhase, Continuous, Joints, Scratch, Shapes};
-        self.bodies.each(n.bodies, &mut |buffer, len| f(Bodies, buffer, len));
+        self.bodies.each(n.bodies, n.forced, &mut |buffer, len| f(Bodies, buffer, len));
         let colliders = &mut self.colliders;
         f(Shapes, &mut colliders.all, n.colliders.slots);
         f(Shapes, &mut colliders.hot, n.colliders.slots);
@@ -274,14 +339,25 @@ impl World {
         buffers.statics.each(n.dynamic, &mut scratch);
         buffers.solver.each(n.movers, &mut scratch);
         buffers.finish.each((n.movers, n.dynamic), n.joined, &mut scratch);
-        if self.bodies.rests {
-            self.sleep.each(n.bodies, n.dynamic, &mut |buffer, len| f(Bodies, buffer, len));
-        }
-        if self.settings.method.meets_impacts() {
-            buffers.impacts.each(n.movers, &mut |buffer, len| f(Continuous, buffer, len));
-        }
         if n.joined {
             buffers.joints.each(n.dynamic, &mut |buffer, len| f(Joints, buffer, len));
+        }
+        self.each_of_switched(n, f);
+    }
+
+    /// The same of what settings switch on alone.
+    pub(super) fn each_of_switched(
+        &mut self,
+        n: Counts,
+        f: &mut dyn FnMut(Category, &mut dyn Buffer, usize),
+    ) {
+        if n.rests {
+            f(Category::Bodies, &mut self.bodies.rest, n.bodies);
+            self.sleep.each(n.bodies, n.dynamic, &mut |buffer, len| f(Category::Bodies, buffer, len));
+        }
+        if n.meets {
+            let tracks = &mut self.buffers.impacts;
+            tracks.each(n.movers, &mut |buffer, len| f(Category::Continuous, buffer, len));
         }
     }
 }
@@ -290,7 +366,7 @@ impl World {
 const AHEAD: usize = 8;
 
 /// Whether so much fits; says what is short if it doesn't.
-fn check(asked: &Amounts, rooms: &Rooms) -> Result<(), Error> {
+pub(super) fn check(asked: &Amounts, rooms: &Rooms) -> Result<(), Error> {
     if rooms.fits(asked) {
         return Ok(());
     }
@@ -303,12 +379,16 @@ fn check(asked: &Amounts, rooms: &Rooms) -> Result<(), Error> {
 
 impl Counts {
     fn add_shape(&mut self, kind: BodyKind, shape: &ShapeDesc) {
+        self.add_collider(kind, Kind::of(&shape.geometry));
+    }
+
+    pub(super) fn add_collider(&mut self, of: BodyKind, kind: Kind) {
         self.colliders.slots += 1;
-        *match kind {
+        *match of {
             BodyKind::Static => &mut self.colliders.still,
             _ => &mut self.colliders.moving,
         } += 1;
-        self.colliders.endless += usize::from(matches!(shape.geometry, Geometry::Plane));
+        self.colliders.endless += usize::from(kind == Kind::Plane);
     }
 
     /// One in `part` more of each.
@@ -323,7 +403,7 @@ impl Counts {
 }
 
 /// Bytes that a body's list of colliders grows by, from so many to so many.
-fn list_bytes(from: usize, to: usize) -> usize {
+pub(super) fn list_bytes(from: usize, to: usize) -> usize {
     let bytes = |n: usize| if n < 2 { 0 } else { n.next_power_of_two() * size_of::<u32>() };
     bytes(to) - bytes(from)
 }

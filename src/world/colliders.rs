@@ -1,6 +1,6 @@
 //! Where shapes come into the world and leave it, and how queries and the broad phase hear of it.
 
-use super::{Assets, Needs, World};
+use super::{Needs, World};
 use crate::body::{BodyKind, Pose};
 use crate::broad_phase::{Aabb, aabb_of};
 use crate::config::Continuous;
@@ -79,7 +79,8 @@ impl World {
         };
         let nowhere = Pose { position: DVec3::ZERO, rotation: Quat::IDENTITY };
         let shapes = &mut self.colliders;
-        (self.assets, self.needs) = (Assets::default(), Needs::default());
+        self.assets.list.clear();
+        self.needs = Needs::default();
         shapes.hot.clear();
         shapes.hot.resize(slots, nothing.hot(Continuous::Discrete));
         shapes.all.clear();

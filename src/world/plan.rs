@@ -34,7 +34,6 @@ impl World {
     ) -> Amounts {
         // No body ever comes into it: it only knows how large things are.
         let mut empty = World { settings: settings.clone(), ..World::default() };
-        empty.bodies.rests = settings.sleeping;
         let mut shapes =
             bodies.clone().into_iter().flat_map(|body| &body.shapes).filter(|shape| !shape.sensor);
         let friction = shapes.any(|shape| {

@@ -33,8 +33,8 @@ impl World {
     /// others are cast one by one. Uses about 64 kB of the stack.
     ///
     /// # Errors
-    /// There are not as many places for hits as rays, or a number of any ray is not finite or beyond 1e15; then `hits` is
-    /// as it was.
+    /// There are not as many places for hits as rays, or a number of any ray is not finite or beyond 1e15, or
+    /// the budget does not allow the tree of what moves (see [`World::cast_ray`]); then `hits` is as it was.
     pub fn cast_rays(
         &self,
         rays: &[Ray],
@@ -46,27 +46,34 @@ impl World {
             return Err(Error::OutOfRange { what: "places for hits", expected, value: hits.len() as f64 });
         }
         rays.iter().try_for_each(Ray::validate)?;
+        self.current()?;
         // The streams are large: they are set up once, where they stay, and not for those who need none.
         let alike = |rays: &[Ray]| rays.len() >= FEWEST && are_alike(rays);
         if rays.chunks(RAYS).any(alike) {
             let mut stream = RayStream::new();
             for (rays, hits) in rays.chunks(RAYS).zip(hits.chunks_mut(RAYS)) {
                 if alike(rays) {
-                    stream.cast(self, rays, filter, hits);
+                    stream.cast(self, rays, filter, hits)?;
                 } else {
-                    self.one_by_one(rays, filter, hits);
+                    self.one_by_one(rays, filter, hits)?;
                 }
             }
         } else {
-            self.one_by_one(rays, filter, hits);
+            self.one_by_one(rays, filter, hits)?;
         }
         Ok(())
     }
 
-    fn one_by_one(&self, rays: &[Ray], filter: &QueryFilter<'_>, hits: &mut [Option<RayHit>]) {
+    fn one_by_one(
+        &self,
+        rays: &[Ray],
+        filter: &QueryFilter<'_>,
+        hits: &mut [Option<RayHit>],
+    ) -> Result<(), Error> {
         for (ray, hit) in rays.iter().zip(hits) {
-            *hit = self.first_on_ray(ray, filter);
+            *hit = self.first_on_ray(ray, filter)?;
         }
+        Ok(())
     }
 }
 

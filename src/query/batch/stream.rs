@@ -1,5 +1,6 @@
 //! The rays of a stream and the shapes that they meet.
 
+use crate::error::Error;
 use crate::lanes::{f32x4, ones};
 use crate::query::candidates::{Candidate, turn_back};
 use crate::query::filter::{QueryFilter, Sees};
@@ -49,7 +50,7 @@ impl RayStream {
         rays: &[Ray],
         filter: &QueryFilter<'_>,
         hits: &mut [Option<RayHit>],
-    ) {
+    ) -> Result<(), Error> {
         let sees = Sees::new(world, filter);
         let RayStream { stream, walk, first, among } = self;
         for (i, ray) in rays.iter().enumerate() {
@@ -58,7 +59,7 @@ impl RayStream {
         }
         let all = u64::MAX >> (RAYS - rays.len());
         let skip = filter.skip_inside;
-        world.broad.together(world.current(), filter.sorts(), (stream, walk), all, |index, here, stream| {
+        world.broad.together(world.current()?, filter.sorts(), (stream, walk), all, |index, here, stream| {
             let shape = &world.colliders.all[index as usize];
             if !sees.sees(index, shape) {
                 return;
@@ -82,6 +83,7 @@ impl RayStream {
         for (i, (ray, hit)) in rays.iter().zip(hits).enumerate() {
             *hit = first.0[i].map(|(index, met)| world.ray_hit(ray, &world.candidate(index), &met));
         }
+        Ok(())
     }
 }
 

@@ -24,8 +24,8 @@ fn rays_with_nothing_in_common_answer_in_a_stream_as_alone() {
                 })
                 .collect();
             let mut hits: Vec<Option<RayHit>> = vec![None; rays.len()];
-            stream.cast(&world, &rays, &filter, &mut hits);
-            let alone: Vec<_> = rays.iter().map(|ray| world.first_on_ray(ray, &filter)).collect();
+            stream.cast(&world, &rays, &filter, &mut hits).unwrap();
+            let alone: Vec<_> = rays.iter().map(|ray| world.first_on_ray(ray, &filter).unwrap()).collect();
             assert_eq!(hits, alone);
             met += alone.iter().flatten().count();
         }

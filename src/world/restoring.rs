@@ -1,0 +1,108 @@
+//! What restoring a snapshot takes, asked of the budget before anything changes.
+
+use super::budget::{Counts, check, list_bytes};
+use super::{Assets, World};
+use crate::body::{BodyKind, Traits};
+use crate::config::Settings;
+use crate::error::Error;
+use crate::joint::JointRecords;
+use crate::memory::{Amounts, Buffer, Category};
+use crate::shape::{Geometry, Kind};
+
+/// The bodies and joints that replace those of a world.
+pub(crate) struct Replacement<'a> {
+    counts: Counts,
+    joints: &'a JointRecords,
+}
+
+/// What a snapshot brings.
+pub(crate) struct Brings<'a> {
+    pub(crate) settings: &'a Settings,
+    pub(crate) pairs: usize,
+    /// Of the pairs, how many islands that sleep keep.
+    pub(crate) kept: usize,
+    pub(crate) contacts: usize,
+    pub(crate) forced: bool,
+    pub(crate) rests: bool,
+    /// Nothing where bodies, shapes and joints stay as they are.
+    pub(crate) new: Option<Replacement<'a>>,
+}
+
+impl<'a> Replacement<'a> {
+    /// `slots`: of bodies and of shapes.
+    pub(crate) fn new(
+        (bodies, shapes): (usize, usize),
+        joints: &'a JointRecords,
+        geometry: impl Iterator<Item = &'a Geometry>,
+    ) -> Replacement<'a> {
+        let (once, assets) = Assets::default().cost(geometry);
+        let mut counts = Counts { bodies, joined: joints.any(), once, assets, ..Counts::default() };
+        counts.colliders.slots = shapes;
+        Replacement { counts, joints }
+    }
+
+    /// A body with shapes of these kinds.
+    pub(crate) fn add(&mut self, kind: BodyKind, traits: &Traits, shapes: impl Iterator<Item = Kind>) {
+        let counts = &mut self.counts;
+        counts.movers += usize::from(kind != BodyKind::Static);
+        counts.raised |= traits.raised.is_some();
+        counts.dynamic += usize::from(kind == BodyKind::Dynamic && !traits.disabled);
+        let (mut own, slots) = (0, counts.colliders.slots);
+        for shape in shapes {
+            own += 1;
+            if !traits.disabled {
+                counts.add_collider(kind, shape);
+            }
+        }
+        // They are counted among all slots.
+        counts.colliders.slots = slots;
+        counts.once.add(Category::Bodies, list_bytes(0, own));
+    }
+}
+
+impl World {
+    /// Makes place for what a snapshot brings: no more than it lacks. In the world that took it that is nothing, unless what
+    /// bodies, shapes and joints there are has changed since.
+    ///
+    /// # Errors
+    /// If the budget does not allow it.
+    pub(crate) fn make_place_to_restore(&mut self, brings: &Brings<'_>) -> Result<(), Error> {
+        if self.settings.budget.is_none() {
+            return Ok(());
+        }
+        let (mut asked, mut gone) = (Amounts::default(), Amounts::default());
+        if let Some(new) = &brings.new {
+            self.assets.bytes().for_each(|(category, (_, reserved))| gone.add(category, reserved));
+            gone.add(Category::Bodies, self.bodies.list_bytes());
+            asked += new.counts.once;
+            asked.add(Category::Joints, self.joints.batches_missing_for(new.joints));
+        }
+        self.each_restored(brings, &mut |category, buffer, len| asked.add(category, buffer.missing(len)));
+        asked.add(Category::BroadPhase, self.broad.missing(brings.pairs));
+        check(&asked, &self.rooms_without(&self.settings.budget, &gone))?;
+        self.each_restored(brings, &mut |_, buffer, len| buffer.widen(len));
+        self.broad.widen(brings.pairs);
+        Ok(())
+    }
+
+    /// Calls `f` with each buffer, its category, and the place that it needs.
+    fn each_restored(&mut self, brings: &Brings<'_>, f: &mut dyn FnMut(Category, &mut dyn Buffer, usize)) {
+        let now = self.counts(Counts::default());
+        let (rests, meets) =
+            (brings.rests || brings.settings.sleeping, brings.settings.method.meets_impacts());
+        if let Some(new) = &brings.new {
+            let forced = brings.forced;
+            self.each_buffer(Counts { rests, meets, forced, once: Amounts::default(), ..new.counts }, f);
+            self.joints.each_of(new.joints, &mut |buffer, len| f(Category::Joints, buffer, len));
+        } else {
+            if brings.forced && !now.forced {
+                f(Category::Bodies, &mut self.bodies.force, now.bodies);
+            }
+            let switched = Counts { rests: rests && !now.rests, meets: meets && !now.meets, ..now };
+            self.each_of_switched(switched, f);
+        }
+        self.contacts.each(brings.contacts, &mut |buffer, len| f(Category::Manifolds, buffer, len));
+        f(Category::BroadPhase, self.sleep.kept_buffer(), brings.kept);
+        self.buffers.narrow.each(brings.pairs, &mut |buffer, len| f(Category::Scratch, buffer, len));
+    }
+}
