@@ -8,6 +8,7 @@
 //! The system is that of the whole step with directions as they are at its start. Its unknowns are therefore impulses of the step,
 //! and `u` is the velocity at its end.
 
+mod contact_problem;
 mod contacts;
 mod frames;
 mod islands;
@@ -15,6 +16,7 @@ mod joints;
 mod problem;
 mod sums;
 
+pub use contact_problem::Reduction;
 pub use problem::Stabilisation;
 
 use super::problem::Law;
