@@ -594,3 +594,54 @@ fn names_of_a_file_do_not_reach_the_terminal_raw() {
     }
     assert!(texts[0].contains(r"\u{1b}[2J") && texts[1].contains(r"\u{1b}[2J"), "{texts:?}");
 }
+
+/// A ball of 2 kg that falls at 3 m/s and slides at 4, mu = 0.5: 6 N s stop it, 3 N s brake it.
+const BALL: &str = "3\n1\n0\n3\n3\n3 3\n0.5 0 0\n0 0.5 0\n0 0 0.5\n-3 4 0\n0.5\nfree text";
+
+#[test]
+fn a_problem_is_solved_as_is_promised() {
+    let file = scratch("ball.dat");
+    std::fs::write(&file, BALL).expect("a file");
+    let file = file.to_str().expect("a name");
+    let found = document(&backstop(&["solve", file, "--method", "gs-cone", "--json"]));
+    has_keys(&found, &["status", "iterations", "pivots", "residual", "time_us", "solution"]);
+    assert_eq!(
+        (&found["status"], &found["iterations"], &found["pivots"]),
+        (&"solved".into(), &1.into(), &0.into())
+    );
+    numbers(&found["solution"], 3);
+    let close = |i: usize, x: f64| (found["solution"][i].as_f64().expect("a number") - x).abs() < 1e-12;
+    assert!(close(0, 6.0) && close(1, -3.0) && close(2, 0.0), "{found}");
+
+    // One round of ADMM is not enough.
+    let limited = backstop(&["solve", file, "--method", "admm", "--iterations", "1", "--json"]);
+    assert_eq!(limited.status.code(), Some(3));
+    let limited: Value = serde_json::from_slice(&limited.stdout).expect("one JSON document");
+    assert_eq!(limited["status"], "limit");
+
+    let text = backstop(&["solve", file, "--method", "pgs"]);
+    let text = String::from_utf8_lossy(&text.stdout);
+    assert!(text.starts_with("pgs: solved\n") && text.contains("median of 5 runs"), "{text}");
+    let list = backstop(&["solve", "--list"]);
+    assert!(String::from_utf8_lossy(&list.stdout).contains("nncg"));
+}
+
+#[test]
+fn problems_that_are_wrong_are_refused() {
+    let write = |name: &str, bytes: &[u8]| {
+        let file = scratch(name);
+        std::fs::write(&file, bytes).expect("a file");
+        file.to_str().expect("a name").to_owned()
+    };
+    let cut = write("cut.dat", &BALL.as_bytes()[..40]);
+    refused(&["solve", &cut, "--method", "pgs"], 1, "line ");
+    let hdf5 = write("broken.hdf5", b"\x89HDF\r\n\x1a\n and no more");
+    refused(
+        &["solve", &hdf5, "--method", "pgs"],
+        1,
+        if cfg!(feature = "hdf5") { "HDF5" } else { "feature `hdf5`" },
+    );
+    refused(&["solve", &cut, "--method", "guess"], 2, "must be one of");
+    refused(&["solve", &cut], 2, "--method");
+    refused(&["solve", "no such file", "--method", "pgs"], 1, "can't read");
+}

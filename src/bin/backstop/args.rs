@@ -2,6 +2,7 @@
 
 use crate::view::Look;
 use backstop::glam::{DVec3, Vec3};
+use backstop::lab::methods::{Friction, Method};
 use backstop::{Continuous, ContinuousMethod, FrictionModel, LoadLimits};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
@@ -30,6 +31,8 @@ pub(crate) enum Command {
     Stability(StabilityOptions),
     /// Run small scenes under extreme conditions and map what holds (docs/envelope.md).
     Extremes(ExtremesOptions),
+    /// Solve a linear complementarity or contact problem out of a file by one of many methods (docs/methods.md).
+    Solve(SolveOptions),
     /// Play a recorded run again, compare every step, and name the first that goes another way.
     Replay(ReplayOptions),
     /// Scenes that come with backstop.
@@ -328,6 +331,35 @@ pub(crate) struct ExtremesOptions {
 }
 
 #[derive(Args, Debug)]
+pub(crate) struct SolveOptions {
+    /// A .dat file of Siconos, with a linear complementarity problem or a contact problem; with the feature hdf5 also an .hdf5
+    /// file of FCLIB.
+    #[arg(value_name = "FILE", required_unless_present = "list")]
+    pub(crate) file: Option<PathBuf>,
+    /// By which method (--list names them).
+    #[arg(long, value_name = "NAME", required_unless_present = "list", value_parser = solver)]
+    pub(crate) method: Option<&'static Method>,
+    /// The most iterations, sweeps or pivots.
+    #[arg(long, value_name = "N", default_value_t = 10_000)]
+    pub(crate) iterations: u32,
+    /// Residual to be reached, without unit.
+    #[arg(long, value_name = "T", default_value_t = 1e-10, value_parser = tolerance)]
+    pub(crate) tolerance: f64,
+    /// Friction of contacts, where the method has a choice: cone, pyramid or box.
+    #[arg(long, value_name = "SHAPE", default_value = "cone", value_parser = friction)]
+    pub(crate) friction: Friction,
+    /// Over-relaxation of psor.
+    #[arg(long, value_name = "W", default_value_t = 1.3, value_parser = relaxation)]
+    pub(crate) relaxation: f64,
+    /// Describe the methods and solve nothing.
+    #[arg(long)]
+    pub(crate) list: bool,
+    /// Print one JSON document instead of the summary (docs/json.md).
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Args, Debug)]
 pub(crate) struct ReplayOptions {
     /// A recording, by `run --record` or by a game (docs/replay.md).
     #[arg(value_name = "FILE")]
@@ -408,6 +440,31 @@ fn friction_model(text: &str) -> Result<FrictionModel, String> {
         "point" => Ok(FrictionModel::Point),
         _ => Err("must be patch or point".into()),
     }
+}
+
+fn solver(text: &str) -> Result<&'static Method, String> {
+    let names = || Method::ALL.iter().map(|method| method.name).collect::<Vec<_>>().join(", ");
+    Method::by_name(text).ok_or_else(|| format!("must be one of {}", names()))
+}
+
+fn friction(text: &str) -> Result<Friction, String> {
+    match text {
+        "cone" => Ok(Friction::Cone),
+        "pyramid" => Ok(Friction::Pyramid),
+        "box" => Ok(Friction::Box),
+        _ => Err("must be cone, pyramid or box".into()),
+    }
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|x: &f64| *x >= 0.0 && x.is_finite())
+        .ok_or_else(|| "must be a number that is at least 0".into())
+}
+
+fn relaxation(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x| (0.01..=1.99).contains(x)).ok_or_else(|| "must be in 0.01..=1.99".into())
 }
 
 fn seconds(text: &str) -> Result<f32, String> {

@@ -1,5 +1,5 @@
 //! `cargo backstop`: runs scenes, plans their memory, replays recordings, measures tunnelling, the stability of rest and
-//! what holds at the extremes, writes the shipped scenes.
+//! what holds at the extremes, solves problems of contact resolution, writes the shipped scenes.
 
 mod accuracy;
 mod args;
@@ -15,6 +15,7 @@ mod profile;
 mod replay;
 mod run;
 mod shots;
+mod solve;
 mod stability;
 mod summary;
 mod threads;
@@ -36,6 +37,11 @@ fn main() -> ExitCode {
         Command::Replay(options) => replay::replay(&options),
         Command::Shots(options) => shots::shots(&options),
         Command::Compare(options) => compare::print(&options),
+        // Alone in having more to say than whether it ran.
+        Command::Solve(options) => match solve::solve(&options) {
+            Ok(code) => return code,
+            Err(error) => Err(error),
+        },
         Command::Scenes { command: ScenesCommand::List } => list_scenes(),
         Command::Scenes { command: ScenesCommand::Write { folder } } => write_scenes(&folder),
     };

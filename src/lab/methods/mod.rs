@@ -1,4 +1,30 @@
-//! Methods of solving a [`Problem`], a file each: direct ones that pivot, Newton's, and iterations that project.
+//! Methods of solving a [`Problem`], a file each: direct ones that pivot, Newton's, and iterations that project. [`Method::ALL`]
+//! names them.
+
+mod admm;
+mod apgd;
+mod cone;
+mod envelope;
+mod gs_cone;
+mod jacobi;
+mod nncg;
+mod pgs;
+mod prox;
+mod psor;
+mod registry;
+mod sweep;
+#[cfg(test)]
+mod tests;
+
+pub use admm::admm;
+pub use apgd::apgd;
+pub use gs_cone::gs_cone;
+pub use jacobi::jacobi;
+pub use nncg::nncg;
+pub use pgs::pgs;
+pub use prox::prox;
+pub use psor::psor;
+pub use registry::Method;
 
 use crate::lab::problem::Problem;
 

@@ -12,9 +12,10 @@ pub struct Matrix {
 }
 
 impl Matrix {
-    /// From entries (row, column, value) in any order; those of one place are added up. Panics if a place is outside.
+    /// From entries (row, column, value) in any order; those of one place are added up, and those that are zero left out. Panics
+    /// if a place is outside.
     pub fn from_entries(size: usize, entries: impl IntoIterator<Item = (usize, usize, f64)>) -> Matrix {
-        let mut entries: Vec<_> = entries.into_iter().collect();
+        let mut entries: Vec<_> = entries.into_iter().filter(|entry| entry.2 != 0.0).collect();
         // Stable: what is added up is so in the order given.
         entries.sort_by_key(|&(row, column, _)| (row, column));
         let mut matrix = Matrix { start: vec![0; size + 1], ..Matrix::default() };

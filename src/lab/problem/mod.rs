@@ -5,11 +5,19 @@
 //! impulse at all, with gap, restitution and stabilisation added to it. A linear complementarity problem is a [`Problem`] all of
 //! whose laws are [`Law::AT_LEAST_ZERO`]; then `W` may be any square matrix.
 
+#[cfg(feature = "hdf5")]
+mod fclib;
 mod matrix;
+mod read;
 mod residual;
+mod write;
 
+#[cfg(feature = "hdf5")]
+pub use fclib::{FclibError, read_fclib};
 pub use matrix::Matrix;
+pub use read::{File, Form, ReadError, read_problem};
 pub use residual::{Residual, project_cone, project_disc};
+pub use write::write_problem;
 
 use crate::error::Error;
 

@@ -24,18 +24,19 @@ impl Problem {
 
     /// The same where the velocities `u` are known, for instance those that a step ended with.
     pub fn residual_at(&self, r: &[f64], u: &[f64]) -> Residual {
-        let (mut sum, mut worst) = (0.0, 0.0_f64);
+        // `hypot` squares nothing that is too great for it.
+        let (mut sum, mut worst) = (0.0_f64, 0.0_f64);
         for (first, law) in self.laws() {
             let rows = first..first + law.rows();
             let error = self.law_error(first, law, r, &u[rows]);
-            sum += error * error;
+            sum = sum.hypot(error);
             worst = worst.max(error);
             if !error.is_finite() {
                 return Residual { relative: f64::INFINITY, worst: f64::INFINITY };
             }
         }
-        let scale = self.q().iter().map(|x| x * x).sum::<f64>().sqrt();
-        Residual { relative: sum.sqrt() / scale.max(FLOOR), worst }
+        let scale = self.q().iter().fold(0.0_f64, |scale, x| scale.hypot(*x));
+        Residual { relative: sum / scale.max(FLOOR), worst }
     }
 
     /// What turns an impulse of a row into a velocity [1/kg]: its diagonal, or where that is not positive the greatest entry of the
@@ -70,7 +71,7 @@ impl Problem {
                 let own = [r[first], r[first + 1]];
                 let to = project_disc([own[0] - u[0] / s, own[1] - u[1] / s], mu * normal);
                 let most = mu * arm * normal;
-                let turned = r[first + 2] - (r[first + 2] - u[2] / twist).clamp(-most, most);
+                let turned = r[first + 2] - (r[first + 2] - u[2] / twist).max(-most).min(most);
                 s * (own[0] - to[0]).hypot(own[1] - to[1]) + twist * turned.abs()
             }
         }
