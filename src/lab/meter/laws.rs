@@ -6,8 +6,8 @@ use crate::lab::system::{JointRow, System, SystemLaw};
 
 /// Slower than this nothing slides [m/s].
 const STICK: f64 = 1e-3;
-/// Below this velocity [m/s] a problem counts as one at rest.
-const FLOOR: f64 = 1e-12;
+/// Velocities that impulses had to answer count as no less than this [m/s]: rounding is no error.
+const FLOOR: f64 = 1e-4;
 
 /// A step after it: velocities of rows where bodies are at its end, and how far what has one end is from it.
 pub(super) struct Found<'a> {
@@ -55,8 +55,8 @@ impl<'a> Found<'a> {
         for &i in laws {
             let law = &self.system.laws[i];
             self.overlap(i, law, &mut out);
-            if law.yields {
-                out.soft += 1;
+            if law.yields || law.bouncing {
+                *if law.yields { &mut out.soft } else { &mut out.bouncing } += 1;
                 continue;
             }
             out.laws += 1;
@@ -83,14 +83,17 @@ impl<'a> Found<'a> {
             return;
         }
         let Some(start) = law.gap else { return };
-        let (gap, speed, load) = (self.gap[i], self.u[law.first], self.system.rows[law.first].impulse);
-        let deep = (-gap).max(0.0);
+        let (speed, load) = (self.u[law.first], self.system.rows[law.first].impulse);
+        let deep = (-start).max(0.0);
         out.points[usize::from(law.potential)] += 1;
         out.penetration = out.penetration.max(deep);
         out.penetration_squares += deep * deep;
         out.penetration_share = out.penetration_share.max(deep / law.size);
+        if law.bouncing {
+            return;
+        }
         let speed = speed - self.bounce(law, start);
-        if gap <= 0.0 || load > 0.0 && !law.potential {
+        if start <= 0.0 || load > 0.0 {
             out.approach = out.approach.max(-speed);
         }
         out.parting = out.parting.max(load * speed);
@@ -214,8 +217,8 @@ impl<'a> Found<'a> {
         };
         let (r, u) = ([rows[at].impulse, rows[at + 1].impulse], [self.u[at], self.u[at + 1]]);
         let (push, slip) = (r[0].hypot(r[1]), u[0].hypot(u[1]));
-        // What bears next to nothing has no cone worth speaking of.
-        if push * self.scale[at] > FLOOR.sqrt() {
+        // What changes no velocity worth speaking of has no cone.
+        if push * self.scale[at] > STICK {
             out.cone = out.cone.max(if most > 0.0 { push / most - 1.0 } else { 1.0 });
             if slip > STICK {
                 out.slip_angle = out.slip_angle.max(1.0 + (r[0] * u[0] + r[1] * u[1]) / (push * slip));

@@ -24,6 +24,7 @@ impl System {
             gap: None,
             potential: lane.potential,
             restitution: restitution.into(),
+            bouncing: false,
             yields: false,
             drives: false,
             size: x.thickness().min(y.thickness()).into(),

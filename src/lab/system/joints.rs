@@ -43,6 +43,7 @@ impl System {
                 gap: one.gap,
                 potential: false,
                 restitution: 0.0,
+            bouncing: false,
                 yields: one.yields,
                 drives: one.drives,
                 size: f64::INFINITY,

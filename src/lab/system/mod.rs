@@ -101,6 +101,8 @@ pub struct SystemLaw {
     pub potential: bool,
     /// Coefficient of restitution.
     pub restitution: f64,
+    /// A body of it bounced in the step, and had other contacts too.
+    pub bouncing: bool,
     /// A spring, or a drive that yields.
     pub yields: bool,
     /// A drive.

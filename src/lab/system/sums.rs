@@ -42,24 +42,39 @@ impl Sums {
             body.given = *given;
         }
         self.give_joints(world, system);
+        let bounced = self.impacts.iter().filter(|impact| **impact > 0.0).count();
+        if bounced > 0 {
+            self.give_impacts(world, system);
+        }
+        bounced
+    }
+
+    /// Impulses of what bounced. Which of a contact's points did is not told: each has its share.
+    fn give_impacts(&self, world: &mut World, system: &mut System) {
         let mut rows = std::mem::take(&mut world.buffers.rows);
         let mut row = 0;
+        // Of each body: contacts, and those that bounced.
+        let mut counts = vec![[0; 2]; system.bodies.len()];
         // SAFETY: between stages there is no other thread.
         unsafe {
             rows.views().each_lane(&mut |lane| {
                 let (normals, stride, all) = rows_of(lane);
                 let impact = self.impacts[lane.part.slot()];
-                if impact > 0.0 {
-                    // Which of its points bounced is not told: each has its share.
-                    for i in 0..normals {
-                        system.rows[row + i * stride].impulse += impact / normals as f64;
-                    }
+                for body in system.rows[row].bodies.into_iter().flatten() {
+                    counts[body][0] += 1;
+                    counts[body][1] += usize::from(impact > 0.0);
+                }
+                for i in 0..if impact > 0.0 { normals } else { 0 } {
+                    system.give_impact(row + i * stride, impact / normals as f64);
                 }
                 row += all;
             });
         }
         world.buffers.rows = rows;
-        self.impacts.iter().filter(|impact| **impact > 0.0).count()
+        for law in &mut system.laws {
+            let bodies = system.rows[law.first].bodies.into_iter().flatten();
+            law.bouncing = bodies.map(|body| counts[body]).any(|[all, bounced]| bounced > 0 && all > 1);
+        }
     }
 
     fn give_joints(&self, world: &World, system: &mut System) {
@@ -98,6 +113,21 @@ impl Sums {
             }
             row += 1;
         });
+    }
+}
+
+impl System {
+    /// Adds an impulse of an impact to a row, and takes it off what is not explained by rows.
+    fn give_impact(&mut self, row: usize, impulse: f64) {
+        let row = &mut self.rows[row];
+        row.impulse += impulse;
+        for side in 0..2 {
+            if let Some(body) = row.bodies[side] {
+                let body = &mut self.bodies[body];
+                body.given[0] -= body.inverse_mass * row.linear[side] * impulse;
+                body.given[1] -= body.inverse_inertia * row.angular[side] * impulse;
+            }
+        }
     }
 }
 
