@@ -9,8 +9,8 @@ use backstop::lab::Accuracy;
 use backstop::lab::problem::Law;
 use backstop::lab::system::Stabilisation;
 use backstop::{
-    Axes, Axis, BodyDesc, BodyHandle, Drive, Frame, FrictionModel, Geometry, JointDesc, Limit, Material, Motion,
-    Settings, ShapeDesc, World,
+    Axes, Axis, BodyDesc, BodyHandle, Drive, Frame, FrictionModel, Geometry, JointDesc, Limit, Material,
+    Motion, Settings, ShapeDesc, World,
 };
 use common::{Floor, G, shape};
 
@@ -277,7 +277,8 @@ fn measuring_changes_nothing() {
             let found = accuracy(&world);
             let all = [&found.whole].into_iter().chain(found.islands.iter().map(|island| &island.measures));
             for one in all {
-                let numbers = [one.residual.worst, one.residual.relative, one.gained(), one.momentum, one.unexplained];
+                let numbers =
+                    [one.residual.worst, one.residual.relative, one.gained(), one.momentum, one.unexplained];
                 assert!(numbers.iter().all(|x| x.is_finite()), "{one:?}");
             }
         }
@@ -306,7 +307,8 @@ fn a_weld_is_eliminated_from_the_contact_problem() {
     for normal in (0..24).step_by(3) {
         assert!((problem.w().dot(normal, &ones) - 4.0).abs() < 1e-4, "{normal}");
     }
-    let normals = system.laws.iter().filter(|law| law.gap.is_some()).map(|law| system.rows[law.first].impulse);
+    let normals =
+        system.laws.iter().filter(|law| law.gap.is_some()).map(|law| system.rows[law.first].impulse);
     let r: Vec<f64> = normals.flat_map(|r| [r, 0.0, 0.0]).collect();
     assert!(problem.residual(&r).worst < 1e-3, "{:?}", problem.residual(&r));
 }

@@ -11,7 +11,8 @@ use crate::config::{FrictionCone, Settings};
 use crate::constraint::contact_row::{Motion, Softness};
 use crate::constraint::crowd::Crowd;
 use crate::constraint::{
-    Closing, FOLLOWED, JointRows, JointViews, NetInput, Recovery, Restitution, Rows, Struck, Views, usual_substep,
+    Closing, FOLLOWED, JointRows, JointViews, NetInput, Recovery, Restitution, Rows, Struck, Views,
+    usual_substep,
 };
 use crate::faults::is_within;
 use crate::forces::Forces;
@@ -301,8 +302,10 @@ pub(crate) fn solve(
             add_impulses(&batches, impulses);
         }
     }
+    watch(&mut witness, false);
     // SAFETY: no stage runs.
     impacts.let_go(dt, unsafe { velocity.part(0..known) }, &mut forces.acceleration);
+    watch(&mut witness, true);
     joints.nets = nets;
     joints.stages = joint_stages;
     !unsound.into_inner()

@@ -245,15 +245,20 @@ pub(crate) fn energy(area: &Area<'_>, trace: &Trace, dt: f64) -> Drawn {
 /// What is left of the laws in each step: the most of each column, on a logarithmic axis.
 pub(crate) fn accuracy(area: &Area<'_>, course: &Course) -> Drawn {
     let columns = Columns::of(course.figures[0].len());
-    let lines: Vec<Line> = [("residual", "residual [m/s]", RED), ("penetration", "penetration [m]", BLUE), ("joint_length", "joint error [m]", GREEN)]
-        .into_iter()
-        .filter_map(|(figure, name, colour)| {
-            let values = &course.figures[FIGURES.iter().position(|f| f.0 == figure)?];
-            let most = |range: std::ops::Range<usize>| values[range].iter().copied().fold(LEAST, f64::max);
-            Some((name, colour, columns.map(most).map(|(x, y)| (x, y.log10())).collect()))
-        })
-        .collect();
-    let top = lines.iter().flat_map(|(_, _, line)| line).fold(LEAST.log10() + 4.0, |m, p| m.max(p.1)).ceil() + 1.0;
+    let lines: Vec<Line> = [
+        ("residual", "residual [m/s]", RED),
+        ("penetration", "penetration [m]", BLUE),
+        ("joint_length", "joint error [m]", GREEN),
+    ]
+    .into_iter()
+    .filter_map(|(figure, name, colour)| {
+        let values = &course.figures[FIGURES.iter().position(|f| f.0 == figure)?];
+        let most = |range: std::ops::Range<usize>| values[range].iter().copied().fold(LEAST, f64::max);
+        Some((name, colour, columns.map(most).map(|(x, y)| (x, y.log10())).collect()))
+    })
+    .collect();
+    let top =
+        lines.iter().flat_map(|(_, _, line)| line).fold(LEAST.log10() + 4.0, |m, p| m.max(p.1)).ceil() + 1.0;
     let mut chart = frame!(
         area,
         "Accuracy: zero is exact",

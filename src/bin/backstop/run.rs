@@ -29,8 +29,7 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
     }
     options.report.as_deref().map_or(Ok(()), output::make_folder)?;
     let page = options.report.as_ref().map(|folder| folder.join("index.html"));
-    let outputs =
-        [options.out.as_deref(), options.record.as_deref(), page.as_deref(), export_to.as_deref()];
+    let outputs = [options.out.as_deref(), options.record.as_deref(), page.as_deref(), export_to.as_deref()];
     output::refuse_inputs(&outputs, [Path::new(&options.scene)])?;
     let mut scene = scene::open_limited(&options.scene, &args::limits(options.no_limits))?;
     output::refuse_inputs(&outputs, scene.parts.iter().map(PathBuf::as_path))?;

@@ -169,11 +169,19 @@ impl<'a> Found<'a> {
                 let start = law.gap.unwrap_or(0.0);
                 let slip = u(1).hypot(u(2));
                 let own = [r(0), r(1), r(2)];
-                let to = [own[0] - (self.target(i, law, start) + mu * slip) / s, own[1] - u(1) / s, own[2] - u(2) / s];
+                let to = [
+                    own[0] - (self.target(i, law, start) + mu * slip) / s,
+                    own[1] - u(1) / s,
+                    own[2] - u(2) / s,
+                ];
                 let to = project_cone(to, mu);
                 let error = s * (own[0] - to[0]).hypot(own[1] - to[1]).hypot(own[2] - to[2]);
                 let free = asked(start, own[0]);
-                let free = if free == 0.0 { 0.0 } else { free.hypot(self.free[first + 1]).hypot(self.free[first + 2]) };
+                let free = if free == 0.0 {
+                    0.0
+                } else {
+                    free.hypot(self.free[first + 1]).hypot(self.free[first + 2])
+                };
                 (error, free)
             }
             Law::Patch { mu, arm, first: normals, count } => {

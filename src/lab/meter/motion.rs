@@ -53,9 +53,7 @@ impl<'a> Balance<'a> {
         let forces = bodies.clone().map(work).collect();
         let changes = changes(system, joints);
         let rest = bodies
-            .map(|(i, body)| {
-                [0, 1].map(|k| body.end[k] - body.free[k] - changes[i][k] - body.given[k])
-            })
+            .map(|(i, body)| [0, 1].map(|k| body.end[k] - body.free[k] - changes[i][k] - body.given[k]))
             .collect();
         let drives = system.laws.iter().map(|law| {
             let rows = &system.rows[law.first..law.first + law.law.rows()];

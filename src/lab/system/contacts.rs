@@ -61,8 +61,12 @@ impl System {
         }
         if let Some(f) = &friction {
             let [t, s] = tangents(f);
-            let twist =
-                SystemRow { linear: [DVec3::ZERO; 2], angular: [-n, n], angle: true, ..along(n, [n; 2], 0.0) };
+            let twist = SystemRow {
+                linear: [DVec3::ZERO; 2],
+                angular: [-n, n],
+                angle: true,
+                ..along(n, [n; 2], 0.0)
+            };
             let (mu, arm, count) = (f.coefficient.into(), f.radius.into(), lane.points().len());
             self.push(SystemLaw { law: Law::Patch { mu, arm, first, count }, ..law }, &[t, s, twist]);
         }

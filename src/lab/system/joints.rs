@@ -43,7 +43,7 @@ impl System {
                 gap: one.gap,
                 potential: false,
                 restitution: 0.0,
-            bouncing: false,
+                bouncing: false,
                 yields: one.yields,
                 drives: one.drives,
                 size: f64::INFINITY,
@@ -63,8 +63,8 @@ pub(in crate::lab) fn each_joint_row(world: &World, f: &mut dyn FnMut(&JointRow)
             return None;
         }
         let dense = own.bodies.map(|slot| bodies.slots.dense(slot) as usize);
-        let acts = dense.iter().any(|&i| i < bodies.dynamic())
-            && dense.iter().all(|&i| !bodies.traits[i].disabled);
+        let acts =
+            dense.iter().any(|&i| i < bodies.dynamic()) && dense.iter().all(|&i| !bodies.traits[i].disabled);
         let to = Joined {
             joint,
             bodies: dense.map(|i| (i < bodies.movers()).then_some(i)),

@@ -225,7 +225,8 @@ impl System {
                 }
             }
         }
-        let moved = |(body, [p, l]): (&SystemBody, Velocity)| [body.inverse_mass * p, body.inverse_inertia * l];
+        let moved =
+            |(body, [p, l]): (&SystemBody, Velocity)| [body.inverse_mass * p, body.inverse_inertia * l];
         self.bodies.iter().zip(push).map(moved).collect()
     }
 
