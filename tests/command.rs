@@ -610,7 +610,7 @@ fn a_problem_is_solved_as_is_promised() {
     has_keys(&found, &["status", "iterations", "pivots", "residual", "time_us", "solution"]);
     assert_eq!(
         (&found["status"], &found["iterations"], &found["pivots"]),
-        (&"solved".into(), &1.into(), &0.into())
+        (&Value::from("solved"), &Value::from(1), &Value::from(0))
     );
     numbers(&found["solution"], 3);
     let close = |i: usize, x: f64| (found["solution"][i].as_f64().expect("a number") - x).abs() < 1e-12;

@@ -96,7 +96,8 @@ impl<'a> State<'a> {
                 bend += d * (next_u[i] - self.ahead_u[i]);
                 square += self.weight[i] * d * d;
             }
-            if !(bend > self.lipschitz * square) || self.lipschitz >= self.most {
+            let too_long = bend > self.lipschitz * square;
+            if !too_long || self.lipschitz >= self.most {
                 break;
             }
             self.lipschitz = (2.0 * self.lipschitz).min(self.most);

@@ -1,7 +1,7 @@
 //! Projected Jacobi.
 
 use super::pgs::limit;
-use super::sweep::{iterate, pressure, within};
+use super::sweep::{iterate_shaped, pressure, within};
 use super::{Effort, Solution};
 use crate::lab::problem::{Law, Problem};
 
@@ -13,7 +13,7 @@ use crate::lab::problem::{Law, Problem};
 pub fn jacobi(problem: &Problem, effort: &Effort) -> Solution {
     let scale: Vec<f64> = (0..problem.rows()).map(|i| row_sum(problem, i)).collect();
     let mut u = vec![0.0; problem.rows()];
-    iterate(problem, effort, |r| {
+    iterate_shaped(problem, effort, |r| {
         for (i, u) in u.iter_mut().enumerate() {
             *u = problem.w().dot(i, r) + problem.q()[i];
         }

@@ -1,6 +1,6 @@
 //! Projected Gauss-Seidel.
 
-use super::sweep::{iterate, pressure, tangent_scale, within};
+use super::sweep::{iterate_shaped, pressure, tangent_scale, within};
 use super::{Effort, Friction, Solution};
 use crate::lab::problem::{Law, Problem, project_disc};
 
@@ -12,7 +12,7 @@ use crate::lab::problem::{Law, Problem, project_disc};
 /// multiplication by W. Source: Cottle, Pang and Stone 1992, 5.2; Catto 2005.
 pub fn pgs(problem: &Problem, effort: &Effort) -> Solution {
     let rows = Rows::new(problem, effort.friction);
-    iterate(problem, effort, |r| rows.sweep(r, 1.0))
+    iterate_shaped(problem, effort, |r| rows.sweep(r, 1.0))
 }
 
 /// What turns velocities of a law's rows into impulses.

@@ -1,7 +1,7 @@
 //! Projected successive over-relaxation.
 
 use super::pgs::Rows;
-use super::sweep::iterate;
+use super::sweep::iterate_shaped;
 use super::{Effort, Solution};
 use crate::lab::problem::Problem;
 
@@ -12,7 +12,7 @@ use crate::lab::problem::Problem;
 pub fn psor(problem: &Problem, effort: &Effort) -> Solution {
     let relaxation = if effort.relaxation.is_nan() { 1.0 } else { effort.relaxation.clamp(0.01, 1.99) };
     let rows = Rows::new(problem, effort.friction);
-    iterate(problem, effort, |r| rows.sweep(r, relaxation))
+    iterate_shaped(problem, effort, |r| rows.sweep(r, relaxation))
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! What all iterations share: where they start, when the residual is looked at, the best iterate, and when it is no use to go on.
 
-use super::{Effort, Solution, Status};
+use super::{Effort, Friction, Solution, Status};
 use crate::lab::problem::{Law, Problem, project_cone, project_disc};
 
 /// Sweeps without a better residual after which an iteration counts as stagnant: as many as there were before, and these.
@@ -33,10 +33,6 @@ impl<'a> Best<'a> {
         &self.r
     }
 
-    pub(super) fn residual(&self) -> f64 {
-        self.residual
-    }
-
     pub(super) fn is_solved(&self) -> bool {
         self.residual <= self.effort.tolerance
     }
@@ -61,6 +57,17 @@ impl<'a> Best<'a> {
         residual
     }
 
+    /// Keeps `r` even if it is worse, unless that has no finite residual: then it says no.
+    fn replace(&mut self, r: &[f64], sweep: u32) -> bool {
+        let residual = self.problem.residual(r).relative;
+        let finite = residual.is_finite() && r.iter().all(|x| x.is_finite());
+        if finite {
+            self.r.copy_from_slice(r);
+            (self.residual, self.at) = (residual, sweep);
+        }
+        finite
+    }
+
     /// Whether it is long since anything was gained.
     pub(super) fn stagnates(&self, sweep: u32) -> bool {
         sweep - self.gain.1 > self.gain.1.saturating_add(PATIENCE)
@@ -82,9 +89,9 @@ impl<'a> Best<'a> {
 /// Whether the residual is looked at after so many sweeps: it costs as much as a sweep does.
 pub(super) fn is_checked(sweep: u32) -> bool {
     match sweep {
-        ..=16 => true,
-        ..=128 => sweep.is_multiple_of(4),
-        _ => sweep.is_multiple_of(16),
+        0..=16 => true,
+        17..=128 => sweep.is_multiple_of(4),
+        129.. => sweep.is_multiple_of(16),
     }
 }
 
@@ -108,6 +115,36 @@ pub(super) fn iterate(problem: &Problem, effort: &Effort, mut sweep: impl FnMut(
         }
     }
     best.finish(effort.iterations)
+}
+
+/// The same for a method that has the friction which `effort` asks for. Of the cone's answers the best is kept; a pyramid or a box
+/// is another law, whose answer is where the sweeps come to rest, however far that is from the cone's.
+pub(super) fn iterate_shaped(
+    problem: &Problem,
+    effort: &Effort,
+    mut sweep: impl FnMut(&mut [f64]),
+) -> Solution {
+    if effort.friction == Friction::Cone {
+        return iterate(problem, effort, sweep);
+    }
+    let mut last = Best::start(problem, effort);
+    let mut r = last.impulses().to_vec();
+    let still = 0.1 * effort.tolerance * problem.q().iter().fold(0.0_f64, |norm, x| norm.hypot(*x));
+    for number in 1..=effort.iterations {
+        if last.is_solved() {
+            return last.finish(number - 1);
+        }
+        let before = r.clone();
+        sweep(&mut r);
+        if is_checked(number) || number == effort.iterations {
+            let change = |i: usize| problem.scale(i) * (r[i] - before[i]);
+            let change = (0..r.len()).fold(0.0_f64, |norm, i| norm.hypot(change(i)));
+            if !last.replace(&r, number) || change <= still {
+                return last.finish(number);
+            }
+        }
+    }
+    last.finish(effort.iterations)
 }
 
 /// Damps laws that swing: one whose change points against that of the sweep before takes a smaller share of its next ones, down

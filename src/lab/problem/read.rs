@@ -174,9 +174,10 @@ fn read_blocks(words: &mut Words, size: usize) -> Result<Entries, ReadError> {
     let range = |ends: &[usize], i: usize| (if i == 0 { 0 } else { ends[i - 1] })..ends[i];
     let mut entries = Vec::new();
     for row in 0..rows {
-        for block in pointers[row]..pointers[row + 1] {
+        let blocks = pointers[row]..pointers[row + 1];
+        for (block, &column) in blocks.clone().zip(&indices[blocks]) {
             words.exactly(block, "as the number of the block")?;
-            read_block(words, &mut entries, range(&row_ends, row), range(&column_ends, indices[block]))?;
+            read_block(words, &mut entries, range(&row_ends, row), range(&column_ends, column))?;
         }
     }
     Ok(entries)
