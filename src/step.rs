@@ -192,6 +192,8 @@ impl World {
         let fast = if broad.0.shed > 0 { 0 } else { broad.0.fast };
         let held = finish::finish(crew, self, fast, dt);
         let impacts = time_of_impact::meet_impacts(crew, self, dt);
+        #[cfg(feature = "lab")]
+        self.read_accuracy();
         self.thaw();
         // Not before: hooks may have asked where things are.
         self.now.step(free);
@@ -216,12 +218,22 @@ impl World {
 
     /// Solves the rows; says whether all velocities stayed in range.
     pub(crate) fn solve(&mut self, crew: &Crew<'_>, dt: f32) -> bool {
+        #[cfg(feature = "lab")]
+        let mut meter = self.start_measuring(dt);
+        #[cfg(feature = "lab")]
+        let witness = meter.as_deref_mut().map(|meter| meter as &mut dyn solver::Witness);
+        #[cfg(not(feature = "lab"))]
+        let witness = None;
         let buffers = &mut self.buffers;
         let rows = (&mut buffers.rows, &mut buffers.joints);
-        let state = (&mut buffers.solver, &buffers.prepare.crowd);
+        let state = (&mut buffers.solver, &buffers.prepare.crowd, witness);
         let impulses = self.events.impulses.as_mut_slice();
         let impacts = (&mut buffers.restitution, impulses, self.colliders.all.as_slice());
-        solver::solve(crew, &self.settings, dt, &mut self.bodies, &mut buffers.forces, rows, impacts, state)
+        let (bodies, forces) = (&mut self.bodies, &mut buffers.forces);
+        let sound = solver::solve(crew, &self.settings, dt, bodies, forces, rows, impacts, state);
+        #[cfg(feature = "lab")]
+        self.stop_measuring(meter);
+        sound
     }
 
     pub(crate) fn lengths(&self, dt: f32) -> StepLengths {

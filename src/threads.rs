@@ -330,6 +330,16 @@ impl<'a, T> Shared<'a, T> {
         unsafe { std::slice::from_raw_parts_mut(self.start.add(range.start), range.len()) }
     }
 
+    /// All elements, to be looked at.
+    ///
+    /// # Safety
+    /// Until the stage is over nobody may write any.
+    #[cfg(feature = "lab")]
+    pub(crate) unsafe fn all(&self) -> &[T] {
+        // SAFETY: the whole slice; nobody writes by the contract.
+        unsafe { std::slice::from_raw_parts(self.start, self.len) }
+    }
+
     /// A copy of the element at `i`.
     ///
     /// # Safety

@@ -77,6 +77,9 @@ pub struct World {
     /// The stage of the step that is under way; after a step, that in which it panicked.
     pub(crate) stage: Option<&'static str>,
     pub(crate) helpers: Helpers,
+    /// While the accuracy of steps is measured.
+    #[cfg(feature = "lab")]
+    pub(crate) meter: Option<Box<crate::lab::Meter>>,
     /// While it is recorded or replayed.
     #[cfg(feature = "replay")]
     pub(crate) tape: Option<Box<crate::replay::Tape>>,

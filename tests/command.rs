@@ -56,7 +56,10 @@ fn a_run_prints_the_document_that_is_promised() {
     let document = document(&backstop(&["run", "scenes/tower.gltf", "--steps", "10", "--json"]));
     has_keys(
         &document,
-        &["scene", "settings", "steps", "bodies", "joints", "time_us", "contacts", "memory", "model", "hash"],
+        &[
+            "scene", "settings", "steps", "bodies", "joints", "time_us", "contacts", "memory", "model", "accuracy",
+            "hash",
+        ],
     );
     let model = document["model"].as_array().expect("a list");
     for part in model {
@@ -644,4 +647,30 @@ fn problems_that_are_wrong_are_refused() {
     refused(&["solve", &cut, "--method", "guess"], 2, "must be one of");
     refused(&["solve", &cut], 2, "--method");
     refused(&["solve", "no such file", "--method", "pgs"], 1, "can't read");
+}
+
+/// The problem that is written is one that `solve` reads, and measuring changes no bit.
+#[test]
+fn a_run_says_how_accurate_it_is_and_writes_the_problem_of_a_step() {
+    let file = scratch("problem.dat");
+    let path = file.to_str().expect("a name");
+    let run = ["run", "scenes/tower.gltf", "--steps", "10", "--json"];
+    let plain = document(&backstop(&run));
+    assert!(plain["accuracy"].is_null());
+    let with = [&run[..], &["--accuracy", "--export-problem", "10", path]].concat();
+    let measured = document(&backstop(&with));
+    assert_eq!(measured["hash"], plain["hash"]);
+    has_keys(&measured["accuracy"], &["figures", "islands", "laws", "soft"]);
+    let figures = measured["accuracy"]["figures"].as_array().expect("a list");
+    assert!(figures.iter().any(|one| one["name"] == "residual" && one["unit"] == "m/s"));
+    for figure in figures {
+        has_keys(figure, &["name", "unit", "median", "worst", "worst_step"]);
+        assert!(figure["median"].is_f64() && figure["worst"].is_f64(), "{figure}");
+    }
+    let text = std::fs::read_to_string(&file).expect("it was written");
+    assert!(text.starts_with("3\n"), "three rows a contact");
+    let solved = document(&backstop(&["solve", path, "--method", "gs-cone", "--json"]));
+    assert!(solved.is_object());
+    refused(&["run", "tall_stack", "--steps", "5", "--export-problem", "6", path], 1, "step 6 of 5");
+    refused(&["run", "tall_stack", "--export-problem", "none", path], 1, "the number of a step");
 }

@@ -605,7 +605,7 @@ fn batch_of<L: Lanes>(group: &[Tree]) -> TreeBatch<L> {
 }
 
 /// Calls `f` with each lock of a batch of trees and its impulse.
-fn impulses_of<L: Lanes>(batch: &TreeBatch<L>, f: &mut impl FnMut(u32, glam::Vec3)) {
+pub(super) fn impulses_of<L: Lanes>(batch: &TreeBatch<L>, f: &mut impl FnMut(u32, glam::Vec3)) {
     for node in batch.nodes.iter().filter(|node| node.jointed) {
         let sign = if node.side == 1 { 1.0 } else { -1.0 };
         for (lane, owner) in node.owner.into_iter().enumerate().filter(|(_, owner)| *owner != NONE) {
@@ -618,7 +618,10 @@ fn impulses_of<L: Lanes>(batch: &TreeBatch<L>, f: &mut impl FnMut(u32, glam::Vec
 }
 
 /// Calls `f` with the row of each motor of a batch of trees, its impulse, and about what it turns the second body of its joint.
-fn motors_of<L: Lanes>(batch: &TreeBatch<L>, f: &mut impl FnMut(u32, ([f32; 2], glam::Vec3, glam::Vec3))) {
+pub(super) fn motors_of<L: Lanes>(
+    batch: &TreeBatch<L>,
+    f: &mut impl FnMut(u32, ([f32; 2], glam::Vec3, glam::Vec3)),
+) {
     for motor in &batch.extra.motors {
         let node = &batch.nodes[motor.node as usize];
         let sign = if node.side == 1 { 1.0 } else { -1.0 };

@@ -29,6 +29,8 @@ mod joint_trees;
 mod keys;
 mod order;
 mod prepare;
+#[cfg(feature = "lab")]
+mod readout;
 mod restitution;
 mod rows;
 mod seats;
@@ -67,6 +69,8 @@ pub(crate) use joint_tour::guard;
 pub(crate) use order::{Group, Stage};
 pub use order::{Order, RowGroup};
 pub(crate) use prepare::{PrepareInput, prepare};
+#[cfg(feature = "lab")]
+pub(crate) use readout::{ContactLane, FrictionLane};
 pub(crate) use restitution::{Bodies as Struck, FindInput, Restitution, find};
 pub(crate) use rows::{Rows, Surface, Views, with_batch};
 pub(crate) use seats::{Seat, Seats, TreeRef};

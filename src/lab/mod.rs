@@ -24,13 +24,17 @@ mod arnoldi;
 pub mod envelope;
 mod growth;
 mod map;
+mod meter;
 pub mod methods;
 pub mod problem;
 mod rest;
 mod state;
+pub mod system;
 pub mod tosses;
 
 pub use growth::growth;
+pub(crate) use meter::Meter;
+pub use meter::{Accuracy, IslandAccuracy, Measures};
 pub use rest::{Rest, find_rest};
 
 use crate::error::{Error, positive, within};

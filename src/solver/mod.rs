@@ -11,7 +11,8 @@ use crate::config::{FrictionCone, Settings};
 use crate::constraint::contact_row::{Motion, Softness};
 use crate::constraint::crowd::Crowd;
 use crate::constraint::{
-    Closing, FOLLOWED, JointRows, NetInput, Recovery, Restitution, Rows, Struck, usual_substep,
+    Closing, FOLLOWED, JointRows, JointViews, NetInput, Recovery, Restitution, Rows, Struck, Views,
+    usual_substep,
 };
 use crate::faults::is_within;
 use crate::forces::Forces;
@@ -49,6 +50,19 @@ impl State {
     }
 }
 
+/// Looks on while rows are solved: the lab does, on request.
+pub(crate) trait Witness {
+    /// Something other than rows is about to change velocities.
+    fn before(&mut self, velocity: &[Record]);
+    /// It did.
+    fn after(&mut self, velocity: &[Record]);
+    /// What bounced gave contacts such normal impulses [N s], in the order of contacts.
+    fn contacts(&self) -> usize;
+    fn impacts(&mut self, impulses: &mut dyn Iterator<Item = f32>);
+    /// A substep is over.
+    fn substep(&mut self, rows: &Views<'_>, joints: &JointViews<'_>);
+}
+
 /// Bodies a block.
 const BLOCK: usize = per_block(256, 1);
 
@@ -62,7 +76,7 @@ pub(crate) fn solve(
     forces: &mut Forces,
     (rows, joints): (&mut Rows, &mut JointRows),
     (impacts, impulses, colliders): (&mut Restitution, &mut [f32], &[Collider]),
-    (state, crowd): (&mut State, &Crowd),
+    (state, crowd, mut witness): (&mut State, &Crowd, Option<&mut dyn Witness>),
 ) -> bool {
     let movers = bodies.movers();
     let h = dt / settings.substeps as f32;
@@ -120,6 +134,13 @@ pub(crate) fn solve(
             crowd.calm(velocity, base, settings.push_speed * settings.length_unit);
         }
     };
+    let watch = |witness: &mut Option<&mut dyn Witness>, done: bool| {
+        if let Some(witness) = witness.as_deref_mut() {
+            // SAFETY: between stages this thread is alone.
+            let velocity = unsafe { velocity.part(0..known) };
+            if done { witness.after(velocity) } else { witness.before(velocity) }
+        }
+    };
     for substep in 0..settings.substeps {
         if !impacts.is_empty() {
             // SAFETY: between stages this thread is alone.
@@ -142,7 +163,19 @@ pub(crate) fn solve(
                 together: TOGETHER * settings.length_unit,
             };
             let before = impacts.standing().len();
-            impacts.meet(&mut struck, impulses);
+            if let Some(witness) = witness.as_deref_mut() {
+                witness.before(struck.velocity);
+                let mut own = impulses.to_vec();
+                own.resize(witness.contacts(), 0.0);
+                impacts.meet(&mut struck, &mut own);
+                let old = |i: usize| impulses.get(i).copied().unwrap_or(0.0);
+                witness.impacts(&mut own.iter().enumerate().map(|(i, new)| new - old(i)));
+                let heard = impulses.len();
+                impulses.copy_from_slice(&own[..heard]);
+                witness.after(struck.velocity);
+            } else {
+                impacts.meet(&mut struck, impulses);
+            }
             if impacts.standing().len() > before {
                 disable(&batches, &motion, &|body| impacts.stands(body));
                 // SAFETY: as above.
@@ -191,7 +224,9 @@ pub(crate) fn solve(
         for _ in 0..settings.iterations {
             passes.run(crew, Kind::Solve, &batches, &joined, &motion);
         }
+        watch(&mut witness, false);
         calm();
+        watch(&mut witness, true);
         if joined_at_all {
             let is_swift = AtomicBool::new(false);
             all_bodies(crew, movers, |i| {
@@ -206,9 +241,11 @@ pub(crate) fn solve(
                 watched = true;
             }
         }
+        watch(&mut witness, false);
         if watched {
             nets.hold_back(&net_input, &is_swift_at);
         }
+        watch(&mut witness, true);
         all_bodies(crew, movers, |i| {
             // SAFETY: each body is in one block.
             let (v, d, b) = unsafe { (velocity.get(i), delta.get(i), base.get(i)) };
@@ -230,6 +267,7 @@ pub(crate) fn solve(
             let touched = if same & BOTH == BOTH { 0.0 } else { 1.0 };
             *d = record(lanes(*d) + (moved + f32x8::new(PAD) * f32x8::splat(touched)));
         });
+        watch(&mut witness, false);
         if !impacts.is_empty() {
             // SAFETY: as above.
             let moving = unsafe { [velocity.part(0..known), base.part(0..movers), delta.part(0..movers)] };
@@ -238,25 +276,36 @@ pub(crate) fn solve(
         if joined_at_all {
             passes.go(crew, &batches, &joined, &motion, &closing(settings));
         }
+        watch(&mut witness, true);
         if passes.run(crew, Kind::Relax, &batches, &joined, &motion) && rubs {
             // What was pushed before it touched has its friction now; if that is much, the points share the load that it
             // shifts.
-            if passes.run(crew, Kind::Rub, &batches, &joined, &motion) {
+            watch(&mut witness, false);
+            let shifts = passes.run(crew, Kind::Rub, &batches, &joined, &motion);
+            watch(&mut witness, true);
+            if shifts {
                 passes.run(crew, Kind::Relax, &batches, &joined, &motion);
             }
         }
+        watch(&mut witness, false);
         if watched {
             nets.end(&net_input);
         } else {
             nets.rest();
         }
         calm();
+        watch(&mut witness, true);
+        if let Some(witness) = witness.as_deref_mut() {
+            witness.substep(&batches, &views);
+        }
         if !impulses.is_empty() {
             add_impulses(&batches, impulses);
         }
     }
+    watch(&mut witness, false);
     // SAFETY: no stage runs.
     impacts.let_go(dt, unsafe { velocity.part(0..known) }, &mut forces.acceleration);
+    watch(&mut witness, true);
     joints.nets = nets;
     joints.stages = joint_stages;
     !unsound.into_inner()

@@ -121,6 +121,12 @@ pub(crate) struct RunOptions {
     /// Write a recording of the run: for `cargo backstop replay`.
     #[arg(long, value_name = "FILE")]
     pub(crate) record: Option<PathBuf>,
+    /// Measure how accurately each step was solved (docs/accuracy.md).
+    #[arg(long)]
+    pub(crate) accuracy: bool,
+    /// Write the contact problem of one step, counted from 1, as text (docs/accuracy.md).
+    #[arg(long, value_names = ["STEP", "FILE.dat"], num_args = 2, conflicts_with = "view")]
+    pub(crate) export_problem: Option<Vec<String>>,
     /// Read a file however much it asks for: by default more than any game's scene has is refused (`LoadLimits`).
     #[arg(long)]
     pub(crate) no_limits: bool,
@@ -130,6 +136,17 @@ pub(crate) struct RunOptions {
     /// No summary, no progress, no notes.
     #[arg(long)]
     pub(crate) quiet: bool,
+}
+
+impl RunOptions {
+    /// Of which step the problem is written, and where to.
+    pub(crate) fn export(&self) -> anyhow::Result<Option<(u32, PathBuf)>> {
+        let Some([step, path]) = self.export_problem.as_deref() else { return Ok(None) };
+        match step.parse() {
+            Ok(step @ 1..) => Ok(Some((step, path.into()))),
+            _ => anyhow::bail!("--export-problem wants the number of a step, from 1, not {step}"),
+        }
+    }
 }
 
 #[derive(Args, Debug)]

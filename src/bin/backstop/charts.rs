@@ -1,5 +1,6 @@
 //! Charts of a run, as SVG.
 
+use crate::accuracy::{Course, FIGURES};
 use crate::document::Document;
 use crate::trace::{STAGES, Stage, Trace};
 use plotters::coord::Shift;
@@ -241,6 +242,39 @@ pub(crate) fn energy(area: &Area<'_>, trace: &Trace, dt: f64) -> Drawn {
     Ok(())
 }
 
+/// What is left of the laws in each step: the most of each column, on a logarithmic axis.
+pub(crate) fn accuracy(area: &Area<'_>, course: &Course) -> Drawn {
+    let columns = Columns::of(course.figures[0].len());
+    let lines: Vec<Line> = [
+        ("residual", "residual [m/s]", RED),
+        ("penetration", "penetration [m]", BLUE),
+        ("joint_length", "joint error [m]", GREEN),
+    ]
+    .into_iter()
+    .filter_map(|(figure, name, colour)| {
+        let values = &course.figures[FIGURES.iter().position(|f| f.0 == figure)?];
+        let most = |range: std::ops::Range<usize>| values[range].iter().copied().fold(LEAST, f64::max);
+        Some((name, colour, columns.map(most).map(|(x, y)| (x, y.log10())).collect()))
+    })
+    .collect();
+    let top =
+        lines.iter().flat_map(|(_, _, line)| line).fold(LEAST.log10() + 4.0, |m, p| m.max(p.1)).ceil() + 1.0;
+    let mut chart = frame!(
+        area,
+        "Accuracy: zero is exact",
+        0.0..columns.steps as f64 + 1.0,
+        LEAST.log10()..top,
+        columns.axis("most"),
+        "power of ten",
+        &|y| format!("1e{y:.0}")
+    );
+    draw_lines!(chart, lines);
+    Ok(())
+}
+
+/// Errors below this are drawn as if they were it.
+const LEAST: f64 = 1e-8;
+
 /// Bytes by category: live inside reserved, with the peak as a mark.
 pub(crate) fn memory(area: &Area<'_>, document: &Document) -> Drawn {
     area.fill(&WHITE)?;
@@ -334,7 +368,7 @@ mod tests {
     fn long_and_short_runs_are_drawn() {
         for steps in [1, 7, 5000] {
             let reports = vec![StepReport::default(); steps];
-            let trace = Trace { energy: vec![1.0; steps], reports };
+            let trace = Trace { energy: vec![1.0; steps], reports, accuracy: None };
             for text in [
                 svg(|a| times(a, &trace)).unwrap(),
                 svg(|a| contacts(a, &trace)).unwrap(),

@@ -1,5 +1,6 @@
 //! What `run --json` prints; docs/json.md says what its fields mean.
 
+use crate::accuracy::{Course, Summary};
 use crate::args::RunOptions;
 use crate::trace::{Times, Trace};
 use backstop::scene::Scene;
@@ -17,6 +18,7 @@ pub(crate) struct Document {
     pub(crate) contacts: Contacts,
     pub(crate) memory: Memory,
     pub(crate) model: Vec<Part>,
+    pub(crate) accuracy: Option<Summary>,
     pub(crate) hash: String,
 }
 
@@ -144,6 +146,7 @@ impl Document {
                 meshes: reserved(Category::Meshes),
             },
             model: world.model().iter().map(Part::of).collect(),
+            accuracy: trace.accuracy.as_ref().map(Course::summary),
             hash: format!("{:016x}", world.hash()),
         })
     }

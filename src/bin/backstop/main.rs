@@ -1,6 +1,7 @@
 //! `cargo backstop`: runs scenes, plans their memory, replays recordings, measures tunnelling, the stability of rest and
 //! what holds at the extremes, solves problems of contact resolution, writes the shipped scenes.
 
+mod accuracy;
 mod args;
 mod charts;
 mod compare;

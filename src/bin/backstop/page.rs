@@ -1,5 +1,6 @@
 //! `--report`: a page with charts, and the numbers that belong to them.
 
+use crate::accuracy::{Spread, Summary};
 use crate::charts;
 use crate::document::{CategoryBytes, Document, Part};
 use crate::html::{self, escape, figure, put, table};
@@ -20,6 +21,9 @@ pub(crate) fn write(folder: &Path, document: &Document, trace: &Trace) -> anyhow
     save("times.svg", charts::svg(|area| charts::times(area, trace)))?;
     save("contacts.svg", charts::svg(|area| charts::contacts(area, trace)))?;
     save("energy.svg", charts::svg(|area| charts::energy(area, trace, dt)))?;
+    if let Some(course) = &trace.accuracy {
+        save("accuracy.svg", charts::svg(|area| charts::accuracy(area, course)))?;
+    }
     save("memory.svg", charts::svg(|area| charts::memory(area, document)))?;
     let path = folder.join("index.html");
     put(&path, &page(document, trace))?;
@@ -55,6 +59,15 @@ fn page(document: &Document, trace: &Trace) -> String {
         "Of all dynamic bodies together. Friction, inelastic impacts and kinematic bodies change it; nothing else should \
          raise it.",
     );
+    if let Some(accuracy) = &document.accuracy {
+        figure(
+            &mut html,
+            "accuracy.svg",
+            "What is left of the laws of contact, friction and joints after each step, the deepest overlap and the greatest error \
+             of a joint.",
+        );
+        accuracy_table(&mut html, accuracy);
+    }
     figure(
         &mut html,
         "memory.svg",
@@ -75,6 +88,18 @@ fn time_table(html: &mut String, document: &Document, trace: &Trace) {
     let mut rows: Vec<_> = STAGES.iter().map(|(name, stage)| row(name, &trace.stage_times(*stage))).collect();
     rows.push(row("whole step", &document.time_us.step));
     table(html, &["stage", "median", "mean", "p95", "max"], 1, &rows);
+}
+
+fn accuracy_table(html: &mut String, accuracy: &Summary) {
+    let row = |figure: &Spread| {
+        let number = |x: f64| format!("{x:.1e} {}", figure.unit);
+        let name = figure.name.replace('_', " ");
+        vec![name, number(figure.median), number(figure.worst), figure.worst_step.to_string()]
+    };
+    let rows: Vec<Vec<String>> = accuracy.figures.iter().map(row).collect();
+    table(html, &["accuracy", "median", "worst", "in step"], 1, &rows);
+    let rows: Vec<Vec<String>> = accuracy.islands.iter().map(|island| vec![island.text()]).collect();
+    table(html, &["islands that were solved worst"], 1, &rows);
 }
 
 /// Bytes of each category.

@@ -1,5 +1,6 @@
 //! `run`: a scene from a file, step after step, and what is written of it.
 
+use crate::accuracy::{self, Course};
 use crate::args::{self, RunOptions};
 use crate::document::Document;
 use crate::threads::with_threads;
@@ -7,8 +8,10 @@ use crate::trace::Trace;
 use crate::view::{self, Frames, Look, Opened, Viewer};
 use crate::{output, page, summary};
 use anyhow::{Context, bail};
+use backstop::lab::system::System;
 use backstop::scene::{self, AtomicFile, Recorder, Scene};
 use backstop::{BodyHandle, Budget, Settings, World};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Simulated time of scenes from files, unless steps are given [s].
@@ -20,12 +23,13 @@ const FRAME_RATE: f32 = 60.0;
 
 pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
     // Fails before the work is done, not after it.
-    for file in [&options.out, &options.record].into_iter().flatten() {
+    let export_to = options.export()?.map(|(_, path)| path);
+    for file in [&options.out, &options.record, &export_to].into_iter().flatten() {
         output::make_folder_of(file)?;
     }
     options.report.as_deref().map_or(Ok(()), output::make_folder)?;
     let page = options.report.as_ref().map(|folder| folder.join("index.html"));
-    let outputs = [options.out.as_deref(), options.record.as_deref(), page.as_deref()];
+    let outputs = [options.out.as_deref(), options.record.as_deref(), page.as_deref(), export_to.as_deref()];
     output::refuse_inputs(&outputs, [Path::new(&options.scene)])?;
     let mut scene = scene::open_limited(&options.scene, &args::limits(options.no_limits))?;
     output::refuse_inputs(&outputs, scene.parts.iter().map(PathBuf::as_path))?;
@@ -88,6 +92,8 @@ struct Ran {
     trace: Trace,
     film: Option<Recorder>,
     frames: Option<Frames>,
+    /// What was written of the problem of a step.
+    exported: Option<(PathBuf, String)>,
 }
 
 fn simulate(options: &RunOptions, scene: &Scene, mut frames: Option<Frames>) -> anyhow::Result<Ran> {
@@ -108,12 +114,32 @@ fn simulate(options: &RunOptions, scene: &Scene, mut frames: Option<Frames>) -> 
     let steps = options.steps.unwrap_or_else(|| default_steps(scene, options.dt));
     let every = ((1.0 / FRAME_RATE) / options.dt).round().max(1.0) as u32;
     let mut film = options.out.as_ref().map(|_| Recorder::new(scene));
-    let mut trace = Trace { reports: Vec::with_capacity(steps as usize), energy: Vec::new() };
+    let accuracy = options.accuracy.then(Course::default);
+    let mut trace = Trace { reports: Vec::with_capacity(steps as usize), energy: Vec::new(), accuracy };
+    world.measure_accuracy(options.accuracy);
+    let export_to = options.export()?;
+    if let Some((at, _)) = &export_to
+        && *at > steps
+    {
+        bail!("--export-problem wants step {at} of {steps}");
+    }
+    let mut exported = None;
     record(&mut film, &world, &handles, 0.0);
     frames.iter_mut().try_for_each(|frames| frames.take(&world, 0))?;
     let bar = output::progress(!options.quiet, steps.into(), "steps");
     for step in 1..=steps {
+        let exports = export_to.as_ref().is_some_and(|(at, _)| *at == step);
+        if exports {
+            world.measure_accuracy(true);
+        }
         let report = *world.step(options.dt)?;
+        if let Some(course) = &mut trace.accuracy {
+            course.add(&world, scene, &handles);
+        }
+        if exports && let (Some((_, path)), Some(system)) = (&export_to, world.system()) {
+            exported = Some(export(system, path)?);
+            world.measure_accuracy(options.accuracy);
+        }
         trace.reports.push(report);
         if options.report.is_some() {
             trace.energy.push(world.energy());
@@ -130,7 +156,17 @@ fn simulate(options: &RunOptions, scene: &Scene, mut frames: Option<Frames>) -> 
         world.stop_recording().with_context(about)?;
         file.commit().with_context(about)?;
     }
-    Ok(Ran { world, handles, trace, film, frames })
+    Ok(Ran { world, handles, trace, film, frames, exported })
+}
+
+/// Writes the contact problem of the step that was just made; says where, and what it holds.
+fn export(system: &System, path: &Path) -> anyhow::Result<(PathBuf, String)> {
+    let (text, about) = accuracy::export(system).context("the problem of the step can't be written")?;
+    let wrote = || format!("can't write {}", path.display());
+    let mut file = AtomicFile::create(path).with_context(wrote)?;
+    file.write_all(text.as_bytes()).with_context(wrote)?;
+    file.commit().with_context(wrote)?;
+    Ok((path.to_path_buf(), about))
 }
 
 fn settings(options: &RunOptions, scene: &Scene) -> Settings {
@@ -164,7 +200,7 @@ fn record(film: &mut Option<Recorder>, world: &World, handles: &[BodyHandle], ti
 }
 
 fn write(options: &RunOptions, scene: &Scene, ran: &Ran) -> anyhow::Result<()> {
-    let Ran { world, handles, trace, film, frames } = ran;
+    let Ran { world, handles, trace, film, frames, exported } = ran;
     let mut written = Vec::new();
     if let (Some(path), Some(film)) = (&options.out, film) {
         scene::write_animation(scene, film, path)?;
@@ -172,6 +208,12 @@ fn write(options: &RunOptions, scene: &Scene, ran: &Ran) -> anyhow::Result<()> {
     }
     written.extend(frames.iter().map(|frames| frames.folder().to_path_buf()));
     written.extend(options.record.clone());
+    if let Some((path, about)) = exported {
+        if !options.quiet {
+            eprintln!("note: {}: {about}", path.display());
+        }
+        written.push(path.clone());
+    }
     let document = Document::new(options, scene, world, handles, trace)?;
     if let Some(folder) = &options.report {
         written.push(page::write(folder, &document, trace)?);

@@ -1,5 +1,6 @@
 //! What a person reads after a run.
 
+use crate::accuracy::Summary;
 use crate::document::Document;
 use crate::output::{bytes, count, micros};
 use crate::trace::Trace;
@@ -100,6 +101,7 @@ pub(crate) fn rows(document: &Document, trace: &Trace) -> Vec<(&'static str, Str
     if shed > 0 {
         rows.push(("shed", format!("{} points for lack of memory", count(shed))));
     }
+    rows.extend(document.accuracy.iter().flat_map(Summary::rows));
     rows.push(("memory", memory));
     let spare = document.model.iter().filter(|part| !part.needed).map(|part| part.name.replace('_', " "));
     rows.push(("not needed", spare.collect::<Vec<_>>().join(", ")));

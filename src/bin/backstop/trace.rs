@@ -1,5 +1,6 @@
 //! What a run leaves behind: the report of each step, and numbers out of them.
 
+use crate::accuracy::Course;
 use backstop::StepReport;
 use serde::Serialize;
 
@@ -21,6 +22,8 @@ pub(crate) struct Trace {
     pub(crate) reports: Vec<StepReport>,
     /// Energy after each step [J]; only if it was asked for.
     pub(crate) energy: Vec<f64>,
+    /// If it was asked for.
+    pub(crate) accuracy: Option<Course>,
 }
 
 /// Times of a stage over a run [us].

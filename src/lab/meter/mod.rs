@@ -1,0 +1,215 @@
+//! How accurately a step was solved: what is left of the laws of contact, friction and joints after it, how deep bodies overlap,
+//! and whether energy and momentum add up.
+//!
+//! ```
+//! use backstop::{BodyDesc, Geometry, ShapeDesc, World, Settings};
+//! use backstop::glam::DVec3;
+//!
+//! # fn main() -> Result<(), backstop::Error> {
+//! let mut world = World::new(Settings::default())?;
+//! world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Plane)))?;
+//! let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+//! world.add_body(&BodyDesc::dynamic().at(DVec3::Y * 0.5).with_shape(cube))?;
+//! world.measure_accuracy(true);
+//! for _ in 0..60 {
+//!     world.step(1.0 / 60.0)?;
+//! }
+//! let measures = &world.accuracy().expect("it is measured").whole;
+//! assert!(measures.residual.worst < 1e-3 && measures.penetration < 1e-3);
+//! # Ok(())
+//! # }
+//! ```
+
+mod laws;
+mod motion;
+
+use super::problem::Residual;
+use super::system::{Owner, Sums, System, Velocity, each_joint_row, velocity};
+use crate::handle::BodyHandle;
+use crate::world::World;
+
+/// What of a step is measured, of all bodies or of an island. Zero is exact for all of it but the counts and the energies;
+/// `docs/accuracy.md` says what scenes reach.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Measures {
+    /// The natural-map residual of the impulses of the step and the velocities at its end: `worst` is the velocity of the law
+    /// that is obeyed worst [m/s], `relative` the norm of all errors over that of the velocities without impulses. Good: `worst`
+    /// below the slop per step, 0.05 of gravity times the step; `relative` below 1e-2. An angular error counts as that of a point
+    /// at the radius of gyration. Springs and drives that yield are left out.
+    pub residual: Residual,
+    /// To what the worst law belongs.
+    pub worst: Option<Owner>,
+    /// Fastest approach at the end of the step of points that touched at its start or bear load [m/s].
+    pub approach: f64,
+    /// The most that a point pushes while it parts, impulse times speed [J].
+    pub parting: f64,
+    /// The most that friction exceeds its cone by, as a share of it. Good: below 1e-2; a load that shifts from step to step leaves
+    /// more, because friction is bounded by the load of the pass before.
+    pub cone: f64,
+    /// How far friction of what slides is from pointing against the slip: 1 + cosine of the angle between both, 2 where it points
+    /// along it. Good: below 1e-2.
+    pub slip_angle: f64,
+    /// Deepest overlap at the start of the step, as collision detection found it: what the step before left [m]. Good: about the
+    /// slop.
+    pub penetration: f64,
+    /// The sum of the squares of all overlaps [m²].
+    pub penetration_squares: f64,
+    /// The deepest overlap as a share of the size of the thinner shape, from its middle to its surface. Good: below 1e-2.
+    pub penetration_share: f64,
+    /// The most that something rigid in a joint is off at the end of the step: its lengths [m].
+    pub joint_length: f64,
+    /// The same of its angles [rad].
+    pub joint_angle: f64,
+    /// Kinetic and potential energy before the step [J].
+    pub energy_before: f64,
+    /// The same after it [J].
+    pub energy_after: f64,
+    /// Work of motors, drives, springs, kinematic bodies, moving surfaces and the caller's forces [J], by the mean of the
+    /// velocities before and after.
+    pub work: f64,
+    /// Momentum that is neither gravity's, nor the forces', nor that of impulses [N s]: of what takes no impulse from rows.
+    pub momentum: f64,
+    /// The same of angular momentum about the centre of mass [N m s].
+    pub angular_momentum: f64,
+    /// The greatest change of a body's velocity that none of those explains [m/s]: directions that turned within the step, rows
+    /// of trees that count bodies as heavier. The other numbers are no more certain than this.
+    pub unexplained: f64,
+    /// Laws that were measured.
+    pub laws: usize,
+    /// Points that touch, and those that might have.
+    pub points: [usize; 2],
+    /// Laws that were left out: springs and drives that yield.
+    pub soft: usize,
+    /// Laws that were left out because a body bounced and had more than one contact: impacts are solved one by one, each at its
+    /// time, and no law of the whole step says what is left after several.
+    pub bouncing: usize,
+}
+
+impl Measures {
+    /// Energy that came from nowhere [J]; negative is what impacts and friction took. Good: at most rounding.
+    pub fn gained(&self) -> f64 {
+        self.energy_after - self.energy_before - self.work
+    }
+}
+
+/// The measures of bodies that touch or are joined.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct IslandAccuracy {
+    /// Its dynamic bodies.
+    pub bodies: Vec<BodyHandle>,
+    /// What was measured.
+    pub measures: Measures,
+}
+
+/// How accurately a step was solved.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Accuracy {
+    /// Everything together.
+    pub whole: Measures,
+    /// Of each island that has contacts or joints, in the order of their first bodies.
+    pub islands: Vec<IslandAccuracy>,
+    /// Contacts that bounced: their impulses are shared out evenly among their points.
+    pub bounced: usize,
+}
+
+/// What measuring keeps of a step.
+#[derive(Debug, Default)]
+pub(crate) struct Meter {
+    system: System,
+    sums: Sums,
+    energy: Vec<f64>,
+    forces: Vec<Velocity>,
+    accuracy: Option<Accuracy>,
+}
+
+impl crate::solver::Witness for Meter {
+    fn before(&mut self, velocity: &[crate::lanes::Record]) {
+        self.sums.before(velocity);
+    }
+    fn after(&mut self, velocity: &[crate::lanes::Record]) {
+        self.sums.after(velocity);
+    }
+    fn contacts(&self) -> usize {
+        self.sums.contacts()
+    }
+    fn impacts(&mut self, impulses: &mut dyn Iterator<Item = f32>) {
+        self.sums.impacts(impulses);
+    }
+    fn substep(&mut self, rows: &crate::constraint::Views<'_>, joints: &crate::constraint::JointViews<'_>) {
+        self.sums.substep(rows, joints);
+    }
+}
+
+impl World {
+    /// Measures the accuracy of each step from now on, or no longer. It changes no result; a step that is measured allocates, and
+    /// takes a multiple of its time.
+    pub fn measure_accuracy(&mut self, on: bool) {
+        if on != self.meter.is_some() {
+            self.meter = on.then(Box::default);
+        }
+    }
+
+    /// The accuracy of the last step, if it was measured.
+    pub fn accuracy(&self) -> Option<&Accuracy> {
+        self.meter.as_ref()?.accuracy.as_ref()
+    }
+
+    /// The rows of the last step as one system with the impulses that they got, if it was measured.
+    pub fn system(&self) -> Option<&System> {
+        let meter = self.meter.as_ref()?;
+        meter.accuracy.as_ref().map(|_| &meter.system)
+    }
+
+    pub(crate) fn start_measuring(&mut self, dt: f32) -> Option<Box<Meter>> {
+        let mut meter = self.meter.take()?;
+        meter.system = System::assemble(self, dt);
+        meter.sums = Sums::new(self, &meter.system);
+        meter.energy = motion::energies(self);
+        meter.forces = self.bodies.force.iter().map(velocity).collect();
+        meter.accuracy = None;
+        Some(meter)
+    }
+
+    pub(crate) fn stop_measuring(&mut self, meter: Option<Box<Meter>>) {
+        let Some(mut meter) = meter else { return };
+        for (i, body) in meter.system.bodies.iter_mut().enumerate() {
+            body.end = velocity(&self.bodies.velocity[i]);
+            body.moved = velocity(&self.buffers.solver.delta[i]);
+        }
+        let mut sums = std::mem::take(&mut meter.sums);
+        let bounced = sums.give(self, &mut meter.system);
+        std::mem::swap(&mut meter.sums, &mut sums);
+        meter.accuracy = Some(Accuracy { bounced, ..Accuracy::default() });
+        self.meter = Some(meter);
+    }
+
+    /// Measures the step, once bodies have moved.
+    pub(crate) fn read_accuracy(&mut self) {
+        let Some(mut meter) = self.meter.take() else { return };
+        let mut joints = Vec::new();
+        each_joint_row(self, &mut |row| joints.push(*row));
+        if let Some(accuracy) = &mut meter.accuracy {
+            let system = &meter.system;
+            let found = laws::Found::new(system, &joints);
+            let all: Vec<usize> = (0..system.laws.len()).collect();
+            let bodies: Vec<usize> = (0..system.bodies.len()).collect();
+            let after = motion::energies(self);
+            let balance = motion::Balance::new(system, &joints, [&meter.energy, &after], &meter.forces);
+            let measure = |laws: &[usize], bodies: &[usize]| {
+                let mut measures = found.measure(laws);
+                balance.measure(laws, bodies, &mut measures);
+                measures
+            };
+            accuracy.whole = measure(&all, &bodies);
+            accuracy.islands = system
+                .islands
+                .iter()
+                .map(|island| IslandAccuracy {
+                    bodies: island.bodies.iter().map(|&i| system.bodies[i].body).collect(),
+                    measures: measure(&island.laws, &island.bodies),
+                })
+                .collect();
+        }
+        self.meter = Some(meter);
+    }
+}

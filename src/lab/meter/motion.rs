@@ -1,0 +1,133 @@
+//! Energy and momentum of a step.
+
+use super::Measures;
+use crate::lab::system::{JointRow, System, SystemRow, Velocity};
+use crate::world::World;
+use glam::DVec3;
+
+/// Kinetic and potential energy of each dynamic body that is awake [J].
+pub(super) fn energies(world: &World) -> Vec<f64> {
+    let bodies = &world.bodies;
+    let gravity = world.settings.gravity.as_dvec3();
+    let of = |i: usize| {
+        let (mass, pose, v) = (f64::from(bodies.cold[i].mass), &bodies.pose[i], &bodies.velocity[i]);
+        let spin = pose.rotation.as_dquat().normalize().conjugate() * v.angular.as_dvec3();
+        let turning = spin.dot(bodies.mass[i].inertia.as_dvec3() * spin);
+        let pull = gravity * f64::from(bodies.traits[i].gravity_scale);
+        0.5 * (mass * v.linear.as_dvec3().length_squared() + turning) - mass * pull.dot(pose.position)
+    };
+    (0..bodies.dynamic()).map(of).collect()
+}
+
+/// What of a step's energy and momentum comes from where.
+pub(super) struct Balance<'a> {
+    system: &'a System,
+    /// Of each body before and after [J].
+    energies: [&'a [f64]; 2],
+    /// Work of the caller's forces on each body, and of each law that drives [J].
+    forces: Vec<f64>,
+    drives: Vec<f64>,
+    /// Changes of velocity that nothing explains.
+    rest: Vec<Velocity>,
+}
+
+fn mean([v, w]: Velocity, [x, y]: Velocity) -> Velocity {
+    [(v + x) * 0.5, (w + y) * 0.5]
+}
+
+impl<'a> Balance<'a> {
+    /// `joints`: the rows of joints at the end of the step. `forces`: those of the caller on each body, if there are any.
+    pub(super) fn new(
+        system: &'a System,
+        joints: &[JointRow],
+        energies: [&'a [f64]; 2],
+        forces: &[Velocity],
+    ) -> Balance<'a> {
+        let bodies = system.bodies.iter().enumerate();
+        let work = |(i, body): (usize, _)| {
+            let [force, torque] = forces.get(i).copied().unwrap_or_default();
+            let body: &crate::lab::system::SystemBody = body;
+            let [v, w] = mean(body.start, body.end);
+            (force.dot(v) + torque.dot(w)) * system.dt
+        };
+        let forces = bodies.clone().map(work).collect();
+        let changes = changes(system, joints);
+        let rest = bodies
+            .map(|(i, body)| [0, 1].map(|k| body.end[k] - body.free[k] - changes[i][k] - body.given[k]))
+            .collect();
+        let drives = system.laws.iter().map(|law| {
+            let rows = &system.rows[law.first..law.first + law.law.rows()];
+            rows.iter().map(|row| row.impulse * driven(system, law.drives || law.yields, row)).sum()
+        });
+        Balance { system, energies, forces, drives: drives.collect(), rest }
+    }
+
+    /// Of some bodies and the laws between them.
+    pub(super) fn measure(&self, laws: &[usize], bodies: &[usize], out: &mut Measures) {
+        let sum = |of: &[f64], which: &[usize]| which.iter().filter_map(|&i| of.get(i)).sum::<f64>();
+        let [before, after] = self.energies.map(|of| sum(of, bodies));
+        (out.energy_before, out.energy_after) = (before, after);
+        out.work = sum(&self.drives, laws) + sum(&self.forces, bodies);
+        let centre = centre_of(self.system, bodies);
+        let (mut momentum, mut spin) = (DVec3::ZERO, DVec3::ZERO);
+        for &i in bodies {
+            let (body, [v, w]) = (&self.system.bodies[i], self.rest[i]);
+            if !body.dynamic {
+                continue;
+            }
+            // Radius of gyration: what turns counts as its points move.
+            let turning = body.inverse_inertia.determinant();
+            let inverse_mass = body.inverse_mass.max_element();
+            let reach = (inverse(turning.cbrt()) * inverse_mass).sqrt();
+            out.unexplained = out.unexplained.max(v.length()).max(w.length() * reach);
+            let p = v * inverse(inverse_mass);
+            momentum += p;
+            spin += (body.centre - centre).cross(p);
+            if turning > 0.0 {
+                spin += body.inverse_inertia.inverse() * w;
+            }
+        }
+        (out.momentum, out.angular_momentum) = (momentum.length(), spin.length());
+    }
+}
+
+/// How fast a row moves, of what drives; of others what the caller moves of them, against the impulse.
+fn driven(system: &System, drives: bool, row: &SystemRow) -> f64 {
+    if drives {
+        return system.speed(row, |body| mean(body.start, body.end));
+    }
+    -system.speed(row, |body| if body.dynamic { Velocity::default() } else { body.end }) - row.bias
+}
+
+/// What the impulses of the step do to velocities, where rows of joints have turned by half of what they turn in the step.
+fn changes(system: &System, joints: &[JointRow]) -> Vec<Velocity> {
+    let mut changes = system.velocity_changes(&system.impulses());
+    let laws = system.laws[system.contacts()..].iter().zip(joints);
+    for (law, end) in laws {
+        let start = &system.rows[law.first];
+        for side in 0..2 {
+            if let Some(i) = start.bodies[side] {
+                let body = &system.bodies[i];
+                let half = 0.5 * start.impulse;
+                changes[i][0] += body.inverse_mass * (end.row.linear[side] - start.linear[side]) * half;
+                changes[i][1] += body.inverse_inertia * (end.row.angular[side] - start.angular[side]) * half;
+            }
+        }
+    }
+    changes
+}
+
+fn inverse(x: f64) -> f64 {
+    if x > 0.0 { 1.0 / x } else { 0.0 }
+}
+
+/// The centre of mass of some bodies.
+fn centre_of(system: &System, bodies: &[usize]) -> DVec3 {
+    let (mut sum, mut mass) = (DVec3::ZERO, 0.0);
+    for &i in bodies {
+        let own = inverse(system.bodies[i].inverse_mass.max_element());
+        sum += system.bodies[i].centre * own;
+        mass += own;
+    }
+    if mass > 0.0 { sum / mass } else { sum }
+}

@@ -1,0 +1,141 @@
+//! A system in the form that collections of contact problems have: points with Coulomb's cone, three rows each, and nothing else.
+
+use super::*;
+use crate::error::Error;
+use crate::lab::problem::{Matrix, Problem};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+/// What became of rows that are no contacts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Reduction {
+    /// Eliminated: locks, springs without a bound on their force, and ends of ranges that bear load.
+    pub eliminated: usize,
+    /// Drives with a bounded force: they keep the impulse that the engine's solver gave them.
+    pub held: usize,
+    /// Ends of ranges that bear nothing: left out.
+    pub open: usize,
+}
+
+/// Share of the greatest eigenvalue of what joints hold below which a direction is one that others hold already.
+const GONE: f64 = 1e-10;
+
+impl System {
+    /// The problem of the step with contacts only. Friction of a patch is Coulomb's at each of its points, with the patch's
+    /// coefficient and without its row against twist, which the points bear by their arms; points that do not touch yet have
+    /// none. Joints are eliminated (a Schur complement, exact for what is locked and for springs):
+    /// `W - W_cj W_jj⁻¹ W_jc`.
+    ///
+    /// # Errors
+    /// If a number is not finite.
+    pub fn contact_problem(&self) -> Result<(Problem, Reduction), Error> {
+        let mut points = System {
+            dt: self.dt,
+            threshold: self.threshold,
+            bodies: self.bodies.clone(),
+            ..System::default()
+        };
+        for (i, law) in self.laws[..self.contacts].iter().enumerate() {
+            if law.gap.is_some() {
+                self.give_point(i, &mut points);
+            }
+        }
+        points.contacts = points.laws.len();
+        let mut told = Reduction::default();
+        for law in &self.laws[self.contacts..] {
+            let row = &self.rows[law.first];
+            let bounded = matches!(law.law, Law::Bounds { min, max } if law.drives && (min.is_finite() || max.is_finite()));
+            if bounded {
+                told.held += 1;
+                points.push_velocities(row, row.impulse);
+            } else if law.law == Law::AT_LEAST_ZERO && row.impulse <= 0.0 {
+                told.open += 1;
+            } else {
+                told.eliminated += 1;
+                let gap = law.gap.map(|gap| gap.min(0.0));
+                points.push(SystemLaw { law: Law::LOCKED, gap, ..*law }, &[*row]);
+            }
+        }
+        Ok((points.without_joints()?, told))
+    }
+
+    /// Adds a point with its normal and tangents to `out`.
+    fn give_point(&self, i: usize, out: &mut System) {
+        let law = &self.laws[i];
+        let normal = self.rows[law.first];
+        if let Law::Contact { .. } = law.law {
+            out.push(*law, &self.rows[law.first..law.first + 3]);
+            return;
+        }
+        // Its patch, if it has one.
+        let patch = self.laws[i..self.contacts].iter().find_map(|patch| match patch.law {
+            Law::Patch { mu, first, count, .. } if (first..first + count).contains(&law.first) => {
+                Some((mu, patch.first))
+            }
+            _ => None,
+        });
+        let n = normal.linear[1];
+        let (mu, t, along) = match patch {
+            Some((mu, first)) => {
+                let row = &self.rows[first];
+                let t = row.linear[1];
+                // The arm along the normal, which all points share: (r x t) . (n x t) = r . n.
+                let along = [0, 1].map(|side| {
+                    let moment = if side == 0 { -row.angular[0] } else { row.angular[1] };
+                    moment.dot(n.cross(t))
+                });
+                (mu, t, along)
+            }
+            None => (0.0, n.any_orthonormal_vector(), [0.0; 2]),
+        };
+        // r without its part along n is n x (r x n).
+        let arm = [0, 1].map(|side| {
+            let moment = if side == 0 { -normal.angular[0] } else { normal.angular[1] };
+            n.cross(moment) + n * along[side]
+        });
+        let bias = patch.map_or([0.0; 2], |(_, first)| [self.rows[first].bias, self.rows[first + 1].bias]);
+        let tangents = [t, n.cross(t)].map(|t| SystemRow {
+            linear: [-t, t],
+            angular: [-arm[0].cross(t), arm[1].cross(t)],
+            impulse: 0.0,
+            ..normal
+        });
+        let [t, s] = tangents;
+        let rows = [normal, SystemRow { bias: bias[0], ..t }, SystemRow { bias: bias[1], ..s }];
+        out.push(SystemLaw { law: Law::Contact { mu }, ..*law }, &rows);
+    }
+
+    /// An impulse that is known changes the velocities that others start from.
+    fn push_velocities(&mut self, row: &SystemRow, impulse: f64) {
+        for (side, body) in row.bodies.iter().enumerate() {
+            if let Some(body) = *body {
+                let body = &mut self.bodies[body];
+                body.free[0] += body.inverse_mass * row.linear[side] * impulse;
+                body.free[1] += body.inverse_inertia * row.angular[side] * impulse;
+            }
+        }
+    }
+
+    /// The problem of what comes before the rows of joints, with these solved for.
+    fn without_joints(&self) -> Result<Problem, Error> {
+        let whole = self.problem(Stabilisation::Rest)?;
+        let kept = self.laws.get(self.contacts).map_or(self.rows.len(), |law| law.first);
+        let laws = self.laws[..self.contacts].iter().map(|law| law.law).collect();
+        if kept == self.rows.len() {
+            return Problem::new(laws, whole.w().clone(), whole.q().to_vec());
+        }
+        let dense = whole.w().dense();
+        let count = self.rows.len() - kept;
+        let own = SymmetricEigen::new(dense.view((kept, kept), (count, count)).into_owned());
+        let least = GONE * own.eigenvalues.amax();
+        // Of what is held twice the least impulses.
+        let inverse = own.eigenvalues.map(|x| if x > least { 1.0 / x } else { 0.0 });
+        let across: DMatrix<f64> = dense.view((kept, 0), (count, kept)).into_owned();
+        let seen = own.eigenvectors.transpose() * across;
+        let q = DVector::from_column_slice(&whole.q()[kept..]);
+        let asked = own.eigenvectors.transpose() * q;
+        let scaled = DMatrix::from_diagonal(&inverse) * &seen;
+        let w = dense.view((0, 0), (kept, kept)) - seen.transpose() * &scaled;
+        let q = DVector::from_column_slice(&whole.q()[..kept]) - scaled.transpose() * asked;
+        Problem::new(laws, Matrix::from_dense(&w), q.as_slice().to_vec())
+    }
+}

@@ -1,0 +1,74 @@
+//! Rows of contacts, from the batches.
+
+use super::*;
+use crate::constraint::{ContactLane, FrictionLane};
+use crate::events::tweak_of;
+
+impl System {
+    pub(super) fn take_contacts(&mut self, world: &World, views: &Views<'_>) {
+        // SAFETY: between stages there is no other thread.
+        unsafe { views.each_lane(&mut |lane| self.take_contact(world, lane)) };
+    }
+
+    fn take_contact(&mut self, world: &World, lane: &ContactLane) {
+        let contact = &world.contacts.all[lane.part.slot()];
+        let [x, y] = [contact.a, contact.b].map(|c| &world.colliders.all[c as usize]);
+        let tweak = tweak_of(&world.events.tweaks, lane.part.slot());
+        let restitution = tweak.restitution_or(x.material.restitution_with(&y.material));
+        let (a, b) = lane.bodies;
+        let (own, other) = if x.body == a { (x.body, y.body) } else { (y.body, x.body) };
+        let law = SystemLaw {
+            law: Law::AT_LEAST_ZERO,
+            first: 0,
+            owner: Owner::Contact([own, other].map(|body| world.handle_of(body as usize))),
+            gap: None,
+            potential: lane.potential,
+            restitution: restitution.into(),
+            bouncing: false,
+            yields: false,
+            drives: false,
+            size: x.thickness().min(y.thickness()).into(),
+        };
+        let bodies = [self.mover(a as usize), b.and_then(|b| self.mover(b as usize))];
+        let n = lane.normal.as_dvec3();
+        let along = |d: DVec3, arms: [DVec3; 2], bias: f64| SystemRow {
+            bodies,
+            linear: [-d, d],
+            angular: [-arms[0], arms[1]],
+            bias,
+            compliance: 0.0,
+            impulse: 0.0,
+            angle: false,
+        };
+        let friction = lane.friction.filter(|f| f.coefficient > 0.0);
+        let tangents = |f: &FrictionLane| {
+            let t = [f.tangent, lane.normal.cross(f.tangent)].map(|t| t.as_dvec3());
+            let arms = f.arms.map(|arm| arm.as_dvec3());
+            [0, 1].map(|i| along(t[i], arms.map(|arm| arm.cross(t[i])), f.surface[i].into()))
+        };
+        let normal = |i: usize| along(n, lane.points()[i].arms.map(|arm| arm.as_dvec3()), 0.0);
+        let gap = |i: usize| Some(f64::from(lane.points()[i].separation));
+        if let (Some(f), [_]) = (&friction, lane.points()) {
+            // A point has no lever against twist, so it is Coulomb's cone exactly.
+            let [t, s] = tangents(f);
+            let mu = f.coefficient.into();
+            self.push(SystemLaw { law: Law::Contact { mu }, gap: gap(0), ..law }, &[normal(0), t, s]);
+            return;
+        }
+        let first = self.rows.len();
+        for i in 0..lane.points().len() {
+            self.push(SystemLaw { gap: gap(i), ..law }, &[normal(i)]);
+        }
+        if let Some(f) = &friction {
+            let [t, s] = tangents(f);
+            let twist = SystemRow {
+                linear: [DVec3::ZERO; 2],
+                angular: [-n, n],
+                angle: true,
+                ..along(n, [n; 2], 0.0)
+            };
+            let (mu, arm, count) = (f.coefficient.into(), f.radius.into(), lane.points().len());
+            self.push(SystemLaw { law: Law::Patch { mu, arm, first, count }, ..law }, &[t, s, twist]);
+        }
+    }
+}

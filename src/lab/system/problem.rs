@@ -1,0 +1,121 @@
+//! A system as a problem: W and q.
+
+use super::*;
+use crate::error::Error;
+use crate::lab::problem::{Matrix, Problem};
+
+/// What is done about overlap, beside keeping it from growing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Stabilisation {
+    /// Nothing: no row asks for more than that its points part no faster than at zero.
+    #[default]
+    Rest,
+    /// What is deeper than `slop` is pushed apart by that share of it per second, no faster than `most`.
+    Push {
+        /// [1/s]
+        rate: f64,
+        /// [m]
+        slop: f64,
+        /// [m/s]
+        most: f64,
+    },
+}
+
+impl System {
+    /// The problem of the whole step, with q for a method to solve: velocities with gravity and forces applied, of what is apart
+    /// the speed that would close the gap within the step, restitution times the approach speed of what closes faster than the
+    /// threshold, and what springs pull.
+    ///
+    /// # Errors
+    /// If a number is not finite.
+    pub fn problem(&self, stabilisation: Stabilisation) -> Result<Problem, Error> {
+        let all: Vec<usize> = (0..self.laws.len()).collect();
+        self.problem_of(&all, stabilisation)
+    }
+
+    /// The problem of some laws, in ascending order: those of an island for instance. Other rows are left out.
+    ///
+    /// # Errors
+    /// If a number is not finite, or a patch is there without its normals.
+    pub fn problem_of(&self, laws: &[usize], stabilisation: Stabilisation) -> Result<Problem, Error> {
+        let mut place = vec![usize::MAX; self.rows.len()];
+        let (mut rows, mut kept) = (Vec::new(), Vec::new());
+        for &i in laws {
+            let SystemLaw { law, first, .. } = self.laws[i];
+            for row in first..first + law.rows() {
+                place[row] = rows.len();
+                rows.push(row);
+            }
+            kept.push(match law {
+                Law::Patch { mu, arm, first, count } => Law::Patch { mu, arm, first: place[first], count },
+                other => other,
+            });
+        }
+        let mut q = vec![0.0; rows.len()];
+        for &i in laws {
+            let law = &self.laws[i];
+            for row in law.first..law.first + law.law.rows() {
+                q[place[row]] = self.speed(&self.rows[row], |body| body.free) + self.rows[row].bias;
+            }
+            if let Some(gap) = law.gap {
+                q[place[law.first]] += self.offset(law, gap, stabilisation);
+            }
+        }
+        Problem::new(kept, self.matrix(&rows), q)
+    }
+
+    /// What is added to the normal velocity of a row with one end.
+    fn offset(&self, law: &SystemLaw, gap: f64, stabilisation: Stabilisation) -> f64 {
+        let start = self.speed(&self.rows[law.first], |body| body.start);
+        if law.restitution > 0.0 && -start > self.threshold && gap + start * self.dt <= 0.0 {
+            return law.restitution * start;
+        }
+        match stabilisation {
+            _ if gap > 0.0 => gap / self.dt,
+            Stabilisation::Push { rate, slop, most } if gap < -slop => ((gap + slop) * rate).max(-most),
+            _ => 0.0,
+        }
+    }
+
+    /// W of some rows.
+    fn matrix(&self, rows: &[usize]) -> Matrix {
+        let mut of_body: Vec<Vec<(usize, usize)>> = vec![Vec::new(); self.bodies.len()];
+        for (at, &row) in rows.iter().enumerate() {
+            for (side, body) in self.rows[row].bodies.iter().enumerate() {
+                if let Some(body) = body.filter(|&body| self.bodies[body].dynamic) {
+                    of_body[body].push((at, side));
+                }
+            }
+        }
+        let mut entries = Vec::new();
+        for (at, &row) in rows.iter().enumerate() {
+            let compliance = self.rows[row].compliance;
+            if compliance > 0.0 {
+                entries.push((at, at, compliance));
+            }
+        }
+        for (body, touching) in self.bodies.iter().zip(&of_body) {
+            for &(i, side) in touching {
+                let row = &self.rows[rows[i]];
+                let (p, l) = (body.inverse_mass * row.linear[side], body.inverse_inertia * row.angular[side]);
+                entries.extend(touching.iter().map(|&(j, side)| {
+                    let other = &self.rows[rows[j]];
+                    (i, j, p.dot(other.linear[side]) + l.dot(other.angular[side]))
+                }));
+            }
+        }
+        Matrix::from_entries(rows.len(), entries)
+    }
+
+    /// The entry of a row on the diagonal of W, without compliance [1/kg] or [1/(kg m²)].
+    pub(in crate::lab) fn mobility(&self, row: &SystemRow) -> f64 {
+        let side = |i: usize| {
+            row.bodies[i].map_or(0.0, |body| {
+                let body = &self.bodies[body];
+                row.linear[i].dot(body.inverse_mass * row.linear[i])
+                    + row.angular[i].dot(body.inverse_inertia * row.angular[i])
+            })
+        };
+        side(0) + side(1)
+    }
+}

@@ -1,0 +1,197 @@
+//! Impulses of rows, summed over the substeps of a step.
+
+use super::joints::Source;
+use super::*;
+use crate::constraint::{ContactLane, JointViews};
+use crate::solver::Witness;
+
+/// Impulses that the solver gave, and velocities that it changed by something else.
+#[derive(Debug, Default)]
+pub(in crate::lab) struct Sums {
+    /// Of the rows of contacts, in the order of the system.
+    contacts: Vec<f64>,
+    /// Normal impulses of what bounced, by contacts.
+    impacts: Vec<f64>,
+    locks: Vec<DVec3>,
+    /// Of other rows of joints: at both ends, and as force and torque on the second body at its point.
+    rows: Vec<([f64; 2], [DVec3; 2])>,
+    given: Vec<Velocity>,
+    before: Vec<Record>,
+}
+
+impl Sums {
+    pub(in crate::lab) fn new(world: &World, system: &System) -> Sums {
+        let contact_rows =
+            system.laws.get(system.contacts).map_or(system.rows.len(), |first_joint| first_joint.first);
+        Sums {
+            contacts: vec![0.0; contact_rows],
+            impacts: vec![0.0; world.contacts.all.len()],
+            locks: vec![DVec3::ZERO; world.joints.locks.len()],
+            rows: vec![([0.0; 2], [DVec3::ZERO; 2]); world.joints.rows.len()],
+            given: vec![[DVec3::ZERO; 2]; system.bodies.len()],
+            before: Vec::new(),
+        }
+    }
+
+    /// Hands the system the impulses, and says how many contacts bounced.
+    pub(in crate::lab) fn give(&self, world: &mut World, system: &mut System) -> usize {
+        for (row, &impulse) in system.rows.iter_mut().zip(&self.contacts) {
+            row.impulse = impulse;
+        }
+        for (body, given) in system.bodies.iter_mut().zip(&self.given) {
+            body.given = *given;
+        }
+        self.give_joints(world, system);
+        let bounced = self.impacts.iter().filter(|impact| **impact > 0.0).count();
+        if bounced > 0 {
+            self.give_impacts(world, system);
+        }
+        bounced
+    }
+
+    /// Impulses of what bounced. Which of a contact's points did is not told: each has its share.
+    fn give_impacts(&self, world: &mut World, system: &mut System) {
+        let mut rows = std::mem::take(&mut world.buffers.rows);
+        let mut row = 0;
+        // Of each body: contacts, and those that bounced.
+        let mut counts = vec![[0; 2]; system.bodies.len()];
+        // SAFETY: between stages there is no other thread.
+        unsafe {
+            rows.views().each_lane(&mut |lane| {
+                let (normals, stride, all) = rows_of(lane);
+                let impact = self.impacts[lane.part.slot()];
+                for body in system.rows[row].bodies.into_iter().flatten() {
+                    counts[body][0] += 1;
+                    counts[body][1] += usize::from(impact > 0.0);
+                }
+                for i in 0..if impact > 0.0 { normals } else { 0 } {
+                    system.give_impact(row + i * stride, impact / normals as f64);
+                }
+                row += all;
+            });
+        }
+        world.buffers.rows = rows;
+        for law in &mut system.laws {
+            let bodies = system.rows[law.first].bodies.into_iter().flatten();
+            law.bouncing = bodies.map(|body| counts[body]).any(|[all, bounced]| bounced > 0 && all > 1);
+        }
+    }
+
+    fn give_joints(&self, world: &World, system: &mut System) {
+        let contacts = self.contacts.len();
+        let mut row = contacts;
+        let mut seen = vec![false; self.rows.len()];
+        let mut rests = vec![[DVec3::ZERO; 2]; world.joints.all.len()];
+        each_joint_row(world, &mut |one: &JointRow| {
+            if let Source::Row(i, end) = one.source {
+                let ([lower, upper], acted) = self.rows[i];
+                let impulse = match end {
+                    0 => lower,
+                    1 => upper,
+                    _ => lower - upper,
+                };
+                system.rows[row].impulse = impulse;
+                // What guides it bears the rest.
+                let rest = &mut rests[one.joint as usize];
+                let sign = if end == 1 { -1.0 } else { 1.0 };
+                if !std::mem::replace(&mut seen[i], true) {
+                    let net = lower - upper;
+                    for k in 0..2 {
+                        rest[k] += acted[k] - one.direction[k] * (sign * net);
+                    }
+                }
+            }
+            row += 1;
+        });
+        let mut row = contacts;
+        each_joint_row(world, &mut |one: &JointRow| {
+            if let Source::Lock(i) = one.source {
+                let [force, torque] = rests[one.joint as usize];
+                system.rows[row].impulse = self.locks[i].dot(one.direction[0] + one.direction[1])
+                    + force.dot(one.direction[0])
+                    + torque.dot(one.direction[1]);
+            }
+            row += 1;
+        });
+    }
+}
+
+impl System {
+    /// Adds an impulse of an impact to a row, and takes it off what is not explained by rows.
+    fn give_impact(&mut self, row: usize, impulse: f64) {
+        let row = &mut self.rows[row];
+        row.impulse += impulse;
+        for side in 0..2 {
+            if let Some(body) = row.bodies[side] {
+                let body = &mut self.bodies[body];
+                body.given[0] -= body.inverse_mass * row.linear[side] * impulse;
+                body.given[1] -= body.inverse_inertia * row.angular[side] * impulse;
+            }
+        }
+    }
+}
+
+/// Normals of a lane, from each to the next, and all its rows: as the system has them.
+fn rows_of(lane: &ContactLane) -> (usize, usize, usize) {
+    let (points, rubs) = (lane.points().len(), lane.friction.is_some_and(|f| f.coefficient > 0.0));
+    if points == 1 && rubs { (1, 3, 3) } else { (points, 1, points + if rubs { 3 } else { 0 }) }
+}
+
+impl Witness for Sums {
+    fn before(&mut self, velocity: &[Record]) {
+        self.before.clear();
+        self.before.extend_from_slice(velocity);
+    }
+
+    fn after(&mut self, now: &[Record]) {
+        for ((given, before), now) in self.given.iter_mut().zip(&self.before).zip(now) {
+            let (before, now) = (velocity(before), velocity(now));
+            for k in 0..2 {
+                given[k] += now[k] - before[k];
+            }
+        }
+    }
+
+    fn contacts(&self) -> usize {
+        self.impacts.len()
+    }
+
+    fn impacts(&mut self, impulses: &mut dyn Iterator<Item = f32>) {
+        for (sum, impulse) in self.impacts.iter_mut().zip(impulses) {
+            *sum += f64::from(impulse);
+        }
+    }
+
+    fn substep(&mut self, rows: &Views<'_>, joints: &JointViews<'_>) {
+        let mut at = 0;
+        // SAFETY: between stages there is no other thread.
+        unsafe {
+            rows.each_lane(&mut |lane| {
+                let own = &mut self.contacts[at..];
+                for (sum, point) in own.iter_mut().zip(lane.points()) {
+                    *sum += f64::from(point.impulse);
+                }
+                let (.., all) = rows_of(lane);
+                if let Some(f) = lane.friction.filter(|f| f.coefficient > 0.0) {
+                    let count = if lane.points().len() == 1 { 2 } else { 3 };
+                    for (sum, impulse) in own[all - count..].iter_mut().zip(f.impulse).take(count) {
+                        *sum += f64::from(impulse);
+                    }
+                }
+                at += all;
+            });
+            joints.each_impulse(
+                &mut |owner, impulse| self.locks[owner as usize] += impulse.as_dvec3(),
+                &mut |owner, (impulse, force, torque)| {
+                    let (ends, acted) = &mut self.rows[owner as usize];
+                    for k in 0..2 {
+                        ends[k] += f64::from(impulse[k]);
+                    }
+                    let net = f64::from(impulse[0] - impulse[1]);
+                    acted[0] += force.as_dvec3() * net;
+                    acted[1] += torque.as_dvec3() * net;
+                },
+            );
+        }
+    }
+}
