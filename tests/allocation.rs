@@ -307,6 +307,44 @@ fn two_threads_allocate_nothing() {
     assert_eq!(pool.install(|| resting(2)), 0);
 }
 
+/// What comes from outside of a pool is rayon's to keep, and it allocates for that (docs/memory.md): a box for each helper, and a
+/// block for each 63 jobs, whoever hands them in. Nothing else is allocated, and nothing by the engine.
+#[cfg(feature = "parallel")]
+#[test]
+fn outside_of_the_pool_a_step_allocates_a_box_for_each_helper() {
+    let _alone = ONE_AT_A_TIME.lock().unwrap();
+    const HELPERS: usize = 3;
+    rayon::ThreadPoolBuilder::new().num_threads(HELPERS + 1).build_global().unwrap();
+    // All threads of the pool but one are taken. The one takes what comes from outside in its order, so that all helpers of a step
+    // have left when a `join` after it returns, and the next step calls them anew.
+    let taken: Vec<_> = (0..HELPERS)
+        .map(|_| {
+            let (arrived, is_there) = std::sync::mpsc::channel();
+            let (go, told) = std::sync::mpsc::channel::<()>();
+            rayon::spawn(move || {
+                arrived.send(()).unwrap();
+                let _ = told.recv();
+            });
+            is_there.recv().unwrap();
+            go
+        })
+        .collect();
+    let (mut world, _) = common::world_of(&common::small_pile(), settings(1 + HELPERS));
+    let mut steps = |count: usize| {
+        for _ in 0..count {
+            world.step(1.0 / 60.0).unwrap();
+            rayon::join(|| (), || ());
+        }
+    };
+    steps(400);
+    let before = ALLOCATIONS.load(Ordering::Relaxed);
+    steps(63);
+    let allocations = ALLOCATIONS.load(Ordering::Relaxed) - before;
+    drop(taken);
+    // 63 steps hand in 63 times three helpers and a `join`, which needs no box: four blocks.
+    assert_eq!(allocations, 63 * HELPERS + (HELPERS + 1));
+}
+
 /// Stacks that fall asleep and are woken in turn, listened to, in a sensor and with hooks.
 #[test]
 fn sleep_events_and_hooks_allocate_nothing() {
