@@ -5,11 +5,14 @@
 //! works where it is. Nobody waits for a helper that has not claimed a block: if none ever arrives, because the pool has
 //! other work, the caller does all.
 
+mod stage;
+mod sync;
+
 use crate::memory::in_arc;
-use std::any::Any;
-use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use stage::Stage;
+#[cfg(feature = "parallel")]
+use stage::{End, Quit};
+use std::sync::Arc;
 
 /// Who works on a step: the caller alone, or with helpers.
 #[derive(Clone, Copy)]
@@ -27,7 +30,7 @@ impl Crew<'_> {
     /// the same time: what a block writes must be its own.
     pub(crate) fn run(&self, blocks: usize, work: &(dyn Fn(usize) + Sync)) {
         match self.stage {
-            Some(stage) if blocks > 1 && blocks <= MASK as usize => stage.run(blocks, work),
+            Some(stage) if blocks > 1 && u32::try_from(blocks).is_ok() => stage.run(blocks, work),
             _ => (0..blocks).for_each(work),
         }
     }
@@ -37,62 +40,6 @@ impl Crew<'_> {
 pub(crate) const fn per_block(usual: usize, least: usize) -> usize {
     if cfg!(miri) { least } else { usual }
 }
-
-const BITS: u32 = 24;
-const MASK: u64 = (1 << BITS) - 1;
-
-type Work<'a> = &'a (dyn Fn(usize) + Sync + 'a);
-
-/// A [`Work`] without its lifetime: where the caller's reference lies, and how to call through it.
-type Erased = (*const (), fn(*const (), usize));
-
-/// Which end of the blocks that are left is claimed.
-///
-/// The caller works from the front and the first helper from the back, until they meet. Stages that go over the same
-/// blocks again and again, as the solver's do, thus leave most of a block's data in the cache of one core.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum End {
-    Front,
-    #[cfg_attr(not(feature = "parallel"), allow(dead_code, reason = "only helpers claim there"))]
-    Back,
-}
-
-#[cfg(feature = "parallel")]
-impl End {
-    /// Half of the crew at either end.
-    fn of(helper: usize) -> End {
-        if helper.is_multiple_of(2) { End::Back } else { End::Front }
-    }
-}
-
-/// The stage that is being worked on.
-#[cfg_attr(not(feature = "parallel"), allow(dead_code, reason = "only helpers read it"))]
-#[derive(Debug, Default)]
-struct Stage {
-    /// Epoch (16 bits), end (24) and start (24) of the blocks that are not claimed, in one word, so that a claim is one
-    /// exchange and can't mistake one stage for another.
-    ticket: AtomicU64,
-    done: AtomicUsize,
-    /// There is no step to help with.
-    quit: AtomicBool,
-    /// Helpers that the pool was asked for and that have not left yet, whether they have arrived or not.
-    called: AtomicUsize,
-    /// Helpers that have arrived and not left.
-    present: AtomicUsize,
-    /// Written by the caller only while no block is claimed.
-    work: std::cell::UnsafeCell<Option<Erased>>,
-    /// Whether a helper's block panicked, and with what.
-    panicked: AtomicBool,
-    payload: Mutex<Option<Box<dyn Any + Send>>>,
-}
-
-// SAFETY: `work` is written only by the caller in `run`, before the ticket is released and after every claimed block
-// of the stage before is done; helpers read it only while they hold a claimed block, see `help`.
-unsafe impl Sync for Stage {}
-// SAFETY: as above; nothing of a stage belongs to a thread.
-unsafe impl Send for Stage {}
-/// What a panic leaves of a stage is never looked at.
-impl std::panic::RefUnwindSafe for Stage {}
 
 /// Where the helpers of a world's steps look for work. It is kept from step to step, because a helper that the pool had no
 /// thread for is not waited for: it may arrive in a later step and help there, or when there is no world any more. Made when
@@ -105,108 +52,6 @@ impl Helpers {
     pub(crate) fn bytes(&self) -> (usize, usize) {
         let bytes = if self.0.is_some() { in_arc::<Stage>() } else { 0 };
         (bytes, bytes)
-    }
-}
-
-/// Counts a block as done, also when its work panics: the caller must not wait for ever.
-struct Done<'a>(&'a AtomicUsize);
-
-impl Drop for Done<'_> {
-    fn drop(&mut self) {
-        self.0.fetch_add(1, Ordering::Release);
-    }
-}
-
-#[cfg_attr(not(feature = "parallel"), allow(dead_code, reason = "only helpers need it"))]
-impl Stage {
-    fn run(&self, blocks: usize, work: Work<'_>) {
-        fn call(work: *const (), block: usize) {
-            // SAFETY: `work` points to the reference that the caller of `run` holds, see below.
-            unsafe { (*work.cast::<Work<'_>>())(block) }
-        }
-        let epoch = (self.ticket.load(Ordering::Relaxed) >> (2 * BITS)).wrapping_add(1);
-        self.done.store(0, Ordering::Relaxed);
-        // SAFETY: no helper holds a block now, so nobody reads while this writes. This function does not return
-        // before all blocks are done, and a helper uses the pointer only while it holds a block, so it never outlives
-        // the reference.
-        unsafe { *self.work.get() = Some(((&raw const work).cast(), call)) };
-        self.ticket.store(epoch << (2 * BITS) | (blocks as u64) << BITS, Ordering::Release);
-        let finish = Finish { stage: self, blocks };
-        while let Some(block) = self.claim(End::Front) {
-            let _done = Done(&self.done);
-            work(block);
-        }
-        drop(finish);
-        if self.panicked.load(Ordering::Relaxed) {
-            let mut payload = self.payload.lock().unwrap_or_else(PoisonError::into_inner);
-            resume_unwind(payload.take().unwrap_or_else(|| Box::new("a block panicked")));
-        }
-    }
-
-    /// Takes a block of the current stage, if any is left.
-    fn claim(&self, end: End) -> Option<usize> {
-        let mut ticket = self.ticket.load(Ordering::Acquire);
-        loop {
-            let (front, back) = (ticket & MASK, ticket >> BITS & MASK);
-            if front >= back {
-                return None;
-            }
-            let (next, block) = match end {
-                End::Front => (ticket + 1, front),
-                End::Back => (ticket - (1 << BITS), back - 1),
-            };
-            match self.ticket.compare_exchange_weak(ticket, next, Ordering::AcqRel, Ordering::Acquire) {
-                Ok(_) => return Some(block as usize),
-                Err(now) => ticket = now,
-            }
-        }
-    }
-
-    /// Works on what the caller announces until it quits. A panic is kept for the caller: it must not end the pool's thread,
-    /// nor leave the caller without an answer.
-    fn help(&self, end: End) {
-        self.present.fetch_add(1, Ordering::Relaxed);
-        let mut idle = 0u32;
-        while !self.quit.load(Ordering::Acquire) {
-            if let Some(block) = self.claim(end) {
-                idle = 0;
-                let _done = Done(&self.done);
-                // SAFETY: this helper holds a block that is not done, so the caller is still in `run` of the stage
-                // that the block belongs to, and does not write.
-                if let Some((work, call)) = unsafe { *self.work.get() }
-                    && let Err(payload) = catch_unwind(AssertUnwindSafe(|| call(work, block)))
-                {
-                    *self.payload.lock().unwrap_or_else(PoisonError::into_inner) = Some(payload);
-                    self.panicked.store(true, Ordering::Relaxed);
-                }
-            } else {
-                idle += 1;
-                // A helper whose core is wanted by someone else gives way after some microseconds.
-                if idle < 4096 { std::hint::spin_loop() } else { std::thread::yield_now() }
-            }
-        }
-        self.present.fetch_sub(1, Ordering::Release);
-    }
-}
-
-/// Waits for every claimed block of a stage, also when the caller's own block panics.
-struct Finish<'a> {
-    stage: &'a Stage,
-    blocks: usize,
-}
-
-impl Drop for Finish<'_> {
-    fn drop(&mut self) {
-        // What is left unclaimed after a panic is given up, so that only claimed blocks are waited for.
-        let mut unclaimed = 0;
-        while self.stage.claim(End::Front).is_some() {
-            unclaimed += 1;
-        }
-        let mut idle = 0u32;
-        while self.stage.done.load(Ordering::Acquire) + unclaimed < self.blocks {
-            idle += 1;
-            if idle < 4096 { std::hint::spin_loop() } else { std::thread::yield_now() }
-        }
     }
 }
 
@@ -230,18 +75,13 @@ pub(crate) fn with_crew<R: Send>(
         });
     }
     let stage = helpers.0.get_or_insert_default();
-    stage.panicked.store(false, Ordering::Relaxed);
-    stage.quit.store(false, Ordering::Release);
+    stage.open();
     let _quit = Quit { stage, wait: false };
     // Not `join`, which would have this thread wait until the pool has one to run all of this on.
-    while stage.called.load(Ordering::Relaxed) < helping {
-        let number = stage.called.fetch_add(1, Ordering::Relaxed);
+    stage.call(helping, |number| {
         let stage = stage.clone();
-        rayon::spawn(move || {
-            stage.help(End::of(number));
-            stage.called.fetch_sub(1, Ordering::Relaxed);
-        });
-    }
+        rayon::spawn(move || stage.answer(number));
+    });
     f(Crew { stage: Some(stage) })
 }
 
@@ -260,27 +100,6 @@ fn beside<R: Send>(stage: &Stage, helping: usize, f: impl FnOnce() -> R + Send) 
     match result {
         Some(result) => result,
         None => unreachable!("it was called once"),
-    }
-}
-
-/// Sends the helpers away when a step ends, also when it panics.
-#[cfg(feature = "parallel")]
-struct Quit<'a> {
-    stage: &'a Stage,
-    /// For those that have arrived: on a thread of the pool whoever waits in `join` for a helper takes up other work meanwhile,
-    /// and returns when that is done.
-    wait: bool,
-}
-
-#[cfg(feature = "parallel")]
-impl Drop for Quit<'_> {
-    fn drop(&mut self) {
-        self.stage.quit.store(true, Ordering::Release);
-        let mut idle = 0u32;
-        while self.wait && self.stage.present.load(Ordering::Acquire) > 0 {
-            idle += 1;
-            if idle < 4096 { std::hint::spin_loop() } else { std::thread::yield_now() }
-        }
     }
 }
 
@@ -358,6 +177,8 @@ impl<'a, T> Shared<'a, T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::panic::{AssertUnwindSafe, catch_unwind};
+    use std::sync::atomic::{AtomicUsize, Ordering};
 
     #[test]
     fn every_block_runs_once_with_any_crew() {

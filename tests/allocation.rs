@@ -10,20 +10,51 @@ use backstop::{
     Mover, MoverReport, MoverSettings, QueryFilter, Ray, Settings, ShapeCast, Snapshot, Spring, World,
 };
 use std::alloc::{GlobalAlloc, Layout, System};
-use std::sync::Mutex;
+use std::cell::Cell;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Counts every allocation of the process.
+/// Counts the allocations of threads that asked for it.
 struct Counting;
 
 static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
 /// Tests of one process share the count, so they run one at a time.
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
+thread_local! {
+    /// Not the thread that runs the tests: it allocates when it prints, and it prints that a test takes more than a minute.
+    static COUNTED: Cell<bool> = const { Cell::new(false) };
+}
+
+fn count_this_thread() {
+    COUNTED.set(true);
+}
+
+fn add_one() {
+    ALLOCATIONS.fetch_add(usize::from(COUNTED.get()), Ordering::Relaxed);
+}
+
+/// A test that counts, on its own thread and those of its pools, while no other does.
+struct Alone {
+    _lock: MutexGuard<'static, ()>,
+}
+
+fn one_at_a_time() -> Alone {
+    let lock = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
+    count_this_thread();
+    Alone { _lock: lock }
+}
+
+impl Drop for Alone {
+    fn drop(&mut self) {
+        COUNTED.set(false);
+    }
+}
+
 // SAFETY: every call goes to the system's allocator unchanged.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        add_one();
         // SAFETY: by the caller's contract.
         unsafe { System.alloc(layout) }
     }
@@ -32,7 +63,7 @@ unsafe impl GlobalAlloc for Counting {
         unsafe { System.dealloc(ptr, layout) }
     }
     unsafe fn realloc(&self, ptr: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        add_one();
         // SAFETY: by the caller's contract.
         unsafe { System.realloc(ptr, layout, size) }
     }
@@ -98,7 +129,7 @@ fn moving(threads: usize) -> usize {
 
 #[test]
 fn a_resting_pile_allocates_nothing() {
-    let _alone = ONE_AT_A_TIME.lock().unwrap();
+    let _alone = one_at_a_time();
     assert_eq!(resting(1), 0);
 }
 
@@ -116,7 +147,7 @@ fn steps_that_allocate(scene: &Scene, steps: u32) -> Vec<u32> {
 /// What falls, flies and comes to rest has its most contacts once; after that nothing grows any more.
 #[test]
 fn a_scene_past_its_densest_moment_allocates_nothing() {
-    let _alone = ONE_AT_A_TIME.lock().unwrap();
+    let _alone = one_at_a_time();
     for (scene, densest) in [
         // The bodies hit the ground up to frame 33, jump on from hill to hill, and lie in the valleys in the end: there
         // each touches the most triangles.
@@ -137,7 +168,7 @@ fn a_scene_past_its_densest_moment_allocates_nothing() {
 
 #[test]
 fn a_moving_scene_allocates_nothing() {
-    let _alone = ONE_AT_A_TIME.lock().unwrap();
+    let _alone = one_at_a_time();
     assert_eq!(moving(1), 0);
 }
 
@@ -179,14 +210,14 @@ fn joined(threads: usize) -> usize {
 
 #[test]
 fn joints_allocate_nothing() {
-    let _alone = ONE_AT_A_TIME.lock().unwrap();
+    let _alone = one_at_a_time();
     assert_eq!(joined(1), 0);
 }
 
 /// Elastic balls at 60 m/s in a closed box of thin walls: every step has impacts, whatever the method.
 #[test]
 fn every_method_of_continuous_collision_allocates_nothing() {
-    let _alone = ONE_AT_A_TIME.lock().unwrap();
+    let _alone = one_at_a_time();
     use ContinuousMethod::{ConservativeAdvancement, LinearCast, Speculative};
     for method in [Speculative, LinearCast, ConservativeAdvancement] {
         let settings = Settings { method, gravity: Vec3::ZERO, ..settings(1) };
@@ -220,7 +251,7 @@ fn every_method_of_continuous_collision_allocates_nothing() {
 /// Rays, moving shapes, overlaps and nearest points after each step of a scene that moves.
 #[test]
 fn queries_allocate_nothing() {
-    let _alone = ONE_AT_A_TIME.lock().unwrap();
+    let _alone = one_at_a_time();
     let (mut world, bodies) = common::world_of(&common::small_pile(), settings(1));
     let filter = QueryFilter::new();
     let (mut rays, mut casts) = (Vec::with_capacity(999), Vec::with_capacity(999));
@@ -248,7 +279,7 @@ fn queries_allocate_nothing() {
 /// Movers that run into a pile, over its rubble and into each other's way.
 #[test]
 fn movers_allocate_nothing() {
-    let _alone = ONE_AT_A_TIME.lock().unwrap();
+    let _alone = one_at_a_time();
     let (mut world, _) = common::world_of(&common::small_pile(), settings(1));
     let mut movers = [0.0, 2.0, 4.0].map(|x| {
         (Mover::new(MoverSettings::default(), DVec3::new(x, 6.0, 8.0)).unwrap(), MoverReport::default())
@@ -270,7 +301,7 @@ fn movers_allocate_nothing() {
 /// Eight frames are rolled back and done again, with a snapshot after each, over and over.
 #[test]
 fn a_rollback_allocates_nothing() {
-    let _alone = ONE_AT_A_TIME.lock().unwrap();
+    let _alone = one_at_a_time();
     for sleeping in [false, true] {
         let (mut world, bodies) =
             common::world_of(&common::small_pile(), Settings { sleeping, ..settings(1) });
@@ -298,19 +329,63 @@ fn a_rollback_allocates_nothing() {
     }
 }
 
+/// A pool whose threads are counted.
+#[cfg(feature = "parallel")]
+fn pool(threads: usize) -> rayon::ThreadPoolBuilder {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).start_handler(|_| count_this_thread())
+}
+
 #[cfg(feature = "parallel")]
 #[test]
 fn two_threads_allocate_nothing() {
-    let _alone = ONE_AT_A_TIME.lock().unwrap();
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+    let _alone = one_at_a_time();
+    let pool = pool(2).build().unwrap();
     assert_eq!(pool.install(|| joined(2)), 0);
     assert_eq!(pool.install(|| resting(2)), 0);
+}
+
+/// What comes from outside of a pool is rayon's to keep, and it allocates for that (docs/memory.md): a box for each helper, and a
+/// block for each 63 jobs, whoever hands them in. Nothing else is allocated, and nothing by the engine.
+#[cfg(feature = "parallel")]
+#[test]
+fn outside_of_the_pool_a_step_allocates_a_box_for_each_helper() {
+    let _alone = one_at_a_time();
+    const HELPERS: usize = 3;
+    pool(1 + HELPERS).build_global().unwrap();
+    // All threads of the pool but one are taken. The one takes what comes from outside in its order, so that all helpers of a step
+    // have left when a `join` after it returns, and the next step calls them anew.
+    let taken: Vec<_> = (0..HELPERS)
+        .map(|_| {
+            let (arrived, is_there) = std::sync::mpsc::channel();
+            let (go, told) = std::sync::mpsc::channel::<()>();
+            rayon::spawn(move || {
+                arrived.send(()).unwrap();
+                let _ = told.recv();
+            });
+            is_there.recv().unwrap();
+            go
+        })
+        .collect();
+    let (mut world, _) = common::world_of(&common::small_pile(), settings(1 + HELPERS));
+    let mut steps = |count: usize| {
+        for _ in 0..count {
+            world.step(1.0 / 60.0).unwrap();
+            rayon::join(|| (), || ());
+        }
+    };
+    steps(400);
+    let before = ALLOCATIONS.load(Ordering::Relaxed);
+    steps(63);
+    let allocations = ALLOCATIONS.load(Ordering::Relaxed) - before;
+    drop(taken);
+    // 63 steps hand in 63 times three helpers and a `join`, which needs no box: four blocks.
+    assert_eq!(allocations, 63 * HELPERS + (HELPERS + 1));
 }
 
 /// Stacks that fall asleep and are woken in turn, listened to, in a sensor and with hooks.
 #[test]
 fn sleep_events_and_hooks_allocate_nothing() {
-    let _alone = ONE_AT_A_TIME.lock().unwrap();
+    let _alone = one_at_a_time();
     let settings = Settings { sleeping: true, sleep_time: 0.1, ..settings(1) };
     let mut world = World::new(settings).unwrap();
     let shape = |geometry: Geometry| common::shape(geometry, Material::default());
