@@ -265,6 +265,23 @@ fn free_fall_keeps_its_energy() {
     }
 }
 
+/// Boxes at 100 m/s that bounce between posts, several times in a step, and stand still for the rest of one: each change of
+/// velocity has its cause all the same.
+#[test]
+fn impacts_explain_what_they_do() {
+    let (mut world, _) =
+        common::world_of(&backstop::scene::builtin::build("posts").unwrap(), Settings::default());
+    world.measure_accuracy(true);
+    let mut bounced = 0;
+    for _ in 0..10 {
+        world.step(DT).unwrap();
+        let found = accuracy(&world);
+        bounced += found.bounced;
+        assert!(found.whole.unexplained < 1e-2, "{:?}", found.whole);
+    }
+    assert!(bounced > 10, "{bounced}");
+}
+
 /// The hash of all poses and velocities after steps that were measured is that of steps that were not.
 #[test]
 fn measuring_changes_nothing() {

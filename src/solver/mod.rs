@@ -59,6 +59,8 @@ pub(crate) trait Witness {
     /// What bounced gave contacts such normal impulses [N s], in the order of contacts.
     fn contacts(&self) -> usize;
     fn impacts(&mut self, impulses: &mut dyn Iterator<Item = f32>);
+    /// Velocities take so much acceleration for a time [s].
+    fn pull(&mut self, acceleration: &[Record], h: f32);
     /// A substep is over.
     fn substep(&mut self, rows: &Views<'_>, joints: &JointViews<'_>);
 }
@@ -183,6 +185,9 @@ pub(crate) fn solve(
                     unsafe { (motion.velocity.part(0..known), motion.base.part(0..movers)) };
                 impacts.standing().iter().for_each(|&i| base[i as usize] = velocity[i as usize]);
             }
+        }
+        if let Some(witness) = witness.as_deref_mut() {
+            witness.pull(&forces.acceleration, h);
         }
         // Velocities take gravity and forces. From the second substep on, warm starting is one addition a body: rows
         // keep their directions within a step, so the impulses of the substep before change the velocities by just

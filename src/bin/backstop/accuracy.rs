@@ -151,7 +151,7 @@ impl Summary {
             rows.push(("", text));
         }
         for island in &self.islands {
-            rows.push(("worst island", island.text()));
+            rows.push(("island", island.text()));
         }
         rows
     }

@@ -135,6 +135,9 @@ impl crate::solver::Witness for Meter {
     fn impacts(&mut self, impulses: &mut dyn Iterator<Item = f32>) {
         self.sums.impacts(impulses);
     }
+    fn pull(&mut self, acceleration: &[crate::lanes::Record], h: f32) {
+        self.sums.pull(acceleration, h);
+    }
     fn substep(&mut self, rows: &crate::constraint::Views<'_>, joints: &crate::constraint::JointViews<'_>) {
         self.sums.substep(rows, joints);
     }

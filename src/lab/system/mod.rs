@@ -52,7 +52,8 @@ pub struct SystemBody {
     pub free: Velocity,
     /// At the end of the step.
     pub end: Velocity,
-    /// What changed its velocity beside gravity, forces and rows: impacts of bodies that bounce, friction of impacts, limits.
+    /// What changed its velocity beside gravity, forces and rows: friction of impacts, impacts as far as rows do not have them, and
+    /// limits; less what gravity and forces did not do.
     pub given: Velocity,
     /// Displacement [m] and rotation vector [rad] of the step.
     pub moved: Velocity,

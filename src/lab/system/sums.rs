@@ -16,6 +16,8 @@ pub(in crate::lab) struct Sums {
     /// Of other rows of joints: at both ends, and as force and torque on the second body at its point.
     rows: Vec<([f64; 2], [DVec3; 2])>,
     given: Vec<Velocity>,
+    /// By gravity and forces. What stands after a bounce has none.
+    pulled: Vec<Velocity>,
     before: Vec<Record>,
 }
 
@@ -29,6 +31,7 @@ impl Sums {
             locks: vec![DVec3::ZERO; world.joints.locks.len()],
             rows: vec![([0.0; 2], [DVec3::ZERO; 2]); world.joints.rows.len()],
             given: vec![[DVec3::ZERO; 2]; system.bodies.len()],
+            pulled: vec![[DVec3::ZERO; 2]; system.bodies.len()],
             before: Vec::new(),
         }
     }
@@ -38,8 +41,9 @@ impl Sums {
         for (row, &impulse) in system.rows.iter_mut().zip(&self.contacts) {
             row.impulse = impulse;
         }
-        for (body, given) in system.bodies.iter_mut().zip(&self.given) {
-            body.given = *given;
+        for (i, body) in system.bodies.iter_mut().enumerate() {
+            let (given, pulled) = (self.given[i], self.pulled[i]);
+            body.given = [0, 1].map(|k| given[k] + pulled[k] - (body.free[k] - body.start[k]));
         }
         self.give_joints(world, system);
         let bounced = self.impacts.iter().filter(|impact| **impact > 0.0).count();
@@ -159,6 +163,15 @@ impl Witness for Sums {
     fn impacts(&mut self, impulses: &mut dyn Iterator<Item = f32>) {
         for (sum, impulse) in self.impacts.iter_mut().zip(impulses) {
             *sum += f64::from(impulse);
+        }
+    }
+
+    fn pull(&mut self, acceleration: &[Record], h: f32) {
+        for (sum, pull) in self.pulled.iter_mut().zip(acceleration) {
+            let pull = velocity(pull);
+            for k in 0..2 {
+                sum[k] += pull[k] * f64::from(h);
+            }
         }
     }
 
