@@ -72,7 +72,7 @@ fn without_the_pool<R>(taken: &Taken, steps: impl FnOnce() -> R) -> R {
 fn a_step_ends_while_the_pool_is_taken() {
     rayon::ThreadPoolBuilder::new().num_threads(2).build_global().unwrap();
     let taken = Taken::default();
-    (0..2).for_each(|_| taken.take(|job| rayon::spawn(job)));
+    (0..2).for_each(|_| taken.take(rayon::spawn));
     let mut world_of_two = world(2);
     let mut alone = world(1);
     common::steps(&mut alone, 60, 1.0 / 60.0);

@@ -99,6 +99,7 @@ impl NetInput<'_, '_> {
     ///
     /// # Safety
     /// Between stages only, and as long as no other of the body is held.
+    #[allow(clippy::mut_from_ref, reason = "the contract is the caller's, see `Shared::get`")]
     unsafe fn all(&self, body: usize) -> (&mut Record, &mut Record, &mut Record) {
         // SAFETY: by the contract.
         unsafe { (self.motion.velocity.get(body), self.motion.base.get(body), self.motion.delta.get(body)) }

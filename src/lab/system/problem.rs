@@ -42,10 +42,9 @@ impl System {
         let (mut rows, mut kept) = (Vec::new(), Vec::new());
         for &i in laws {
             let SystemLaw { law, first, .. } = self.laws[i];
-            for row in first..first + law.rows() {
-                place[row] = rows.len();
-                rows.push(row);
-            }
+            let own = first..first + law.rows();
+            place[own.clone()].iter_mut().zip(rows.len()..).for_each(|(place, row)| *place = row);
+            rows.extend(own);
             kept.push(match law {
                 Law::Patch { mu, arm, first, count } => Law::Patch { mu, arm, first: place[first], count },
                 other => other,
