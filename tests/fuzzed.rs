@@ -57,3 +57,27 @@ fn changed_recordings_are_played_or_refused() {
 fn settings_are_stepped_with_or_refused() {
     seeded(7, 20000, 120, bodies::settings::run);
 }
+
+/// Inputs of `fuzz/corpus`, which coverage-guided runs found to reach code that others do not.
+#[test]
+fn inputs_that_were_kept_leave_all_in_order() {
+    let targets: [(&str, fn(&[u8])); 7] = [
+        ("calls", bodies::calls::run),
+        ("scenes", bodies::scenes::run),
+        ("hulls", bodies::hulls::run),
+        ("meshes", bodies::meshes::run),
+        ("snapshots", bodies::snapshots::run),
+        ("recordings", bodies::recordings::run),
+        ("settings", bodies::settings::run),
+    ];
+    let corpus = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus");
+    for (target, run) in targets {
+        let files: Vec<_> = std::fs::read_dir(corpus.join(target)).unwrap().collect();
+        assert!(files.len() >= 40, "{target} has {} inputs", files.len());
+        for file in files {
+            let path = file.unwrap().path();
+            println!("{}", path.display());
+            run(&std::fs::read(path).unwrap());
+        }
+    }
+}
