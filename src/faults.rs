@@ -10,12 +10,10 @@ use crate::broad_phase::Pair;
 use crate::constraint::Prepared;
 use crate::handle::BodyHandle;
 use crate::lanes::{Lanes, Mask, Record, f32x8};
-use crate::limits::{MAX_LEFT_SPEED as MOST, MAX_LOAD};
+use crate::limits::MAX_LEFT_SPEED as MOST;
 use crate::memory::bytes_of;
-use crate::narrow_phase::{Contact, Point, UNKNOWN_LOAD};
 use crate::threads::Crew;
 use crate::world::World;
-use glam::Vec3;
 
 /// How often a step begins again. Each time at least one body stands still; what is left then is stopped where bodies are
 /// moved.
@@ -180,28 +178,12 @@ impl World {
         for pair in &self.broad.pairs {
             let (mut slot, stands) = (pair.contact, !frozen.is_empty() && stands(pair));
             while let Some(contact) = self.contacts.all.get_mut(slot as usize) {
-                if stands || !has_sound_impulses(contact) {
-                    forget(contact);
+                if stands || !contact.has_sound_loads() {
+                    contact.forget_loads();
                 }
                 slot = contact.next;
             }
         }
         self.joints.forget_unsound();
     }
-}
-
-fn has_sound_impulses(contact: &Contact) -> bool {
-    let loads = [contact.twist, contact.lasting_force, contact.rest, contact.static_load];
-    let of_points = contact.points.iter().flat_map(|point| [point.impulse, point.mean_force]);
-    let vectors = contact.friction.to_array().into_iter().chain(contact.mean_friction.to_array());
-    loads.into_iter().chain(of_points).chain(vectors).all(|load| load.abs() <= MAX_LOAD)
-}
-
-fn forget(contact: &mut Contact) {
-    let share = contact.even_share();
-    let forget = |point: &mut Point| (point.impulse, point.mean_force, point.share) = (0.0, 0.0, share);
-    contact.points.iter_mut().for_each(forget);
-    contact.mean_friction = glam::Vec4::ZERO;
-    (contact.friction, contact.twist) = (Vec3::ZERO, 0.0);
-    (contact.lasting_force, contact.rest, contact.static_load) = (0.0, 0.0, UNKNOWN_LOAD);
 }

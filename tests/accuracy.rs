@@ -277,7 +277,7 @@ fn impacts_explain_what_they_do() {
         world.step(DT).unwrap();
         let found = accuracy(&world);
         bounced += found.bounced;
-        assert!(found.whole.unexplained < 1e-2, "{:?}", found.whole);
+        assert!(found.whole.unexplained < 1e-3, "{:?}", found.whole);
     }
     assert!(bounced > 10, "{bounced}");
 }

@@ -3,6 +3,7 @@
 use super::Relative;
 use super::collide::Same;
 use super::manifold::{MAX_POINTS, RawManifold};
+use crate::limits::MAX_LOAD;
 use crate::memory::{Buffer, Room, bytes_of};
 use glam::{Quat, Vec3, Vec4};
 
@@ -242,6 +243,26 @@ impl Contact {
     /// spring, which it could press through something thin.
     pub(crate) fn spring(&self, slop: f32) -> [f32; 2] {
         if self.is_unknown() { [-slop, 0.0] } else { [self.rest, GAP * slop] }
+    }
+
+    /// Whether all that is carried to the next step is a number and in range.
+    pub(crate) fn has_sound_loads(&self) -> bool {
+        let loads = [self.twist, self.lasting_force, self.rest, self.static_load];
+        let of_points = self.points.iter().flat_map(|point| [point.impulse, point.mean_force]);
+        let vectors = self.friction.to_array().into_iter().chain(self.mean_friction.to_array());
+        // A sum of what is none is none. No branch for each: this is asked of every contact in every step.
+        let sum: f32 = loads.into_iter().chain(of_points).chain(vectors).map(f32::abs).sum();
+        sum <= MAX_LOAD
+    }
+
+    /// Begins the next step as if nothing had been borne.
+    pub(crate) fn forget_loads(&mut self) {
+        let share = self.even_share();
+        let forget = |point: &mut Point| (point.impulse, point.mean_force, point.share) = (0.0, 0.0, share);
+        self.points.iter_mut().for_each(forget);
+        self.mean_friction = glam::Vec4::ZERO;
+        (self.friction, self.twist) = (Vec3::ZERO, 0.0);
+        (self.lasting_force, self.rest, self.static_load) = (0.0, 0.0, UNKNOWN_LOAD);
     }
 
     /// Sum of the normal impulses [N s].

@@ -344,6 +344,7 @@ fn store_in_contacts<L: GatherLanes, const P: usize, const B: usize>(
             take(&mut contact.points[point], impulses[0], lengths);
             contact.pushed |= pushed;
             contact.friction += friction;
+            forget_unsound(contact);
             return;
         }
         for (point, &impulse) in contact.points.iter_mut().zip(impulses).take(contact.count as usize) {
@@ -353,6 +354,14 @@ fn store_in_contacts<L: GatherLanes, const P: usize, const B: usize>(
         (contact.friction, contact.twist) = (friction, twist);
         contact.mean_friction = lengths.follow(contact.mean_friction, friction.extend(twist));
         stored.unknown_load |= contact.bear(dt, lengths.now());
+        forget_unsound(contact);
     });
     stored
+}
+
+/// The heaviest bodies at the greatest speeds may bear more than is a number, though they are stopped.
+fn forget_unsound(contact: &mut Contact) {
+    if !contact.has_sound_loads() {
+        contact.forget_loads();
+    }
 }

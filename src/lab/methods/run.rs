@@ -79,7 +79,7 @@ pub(super) fn run(problem: &Problem, effort: &Effort, method: impl Fn(&mut Run))
             (other, _) => other,
         };
     }
-    let residual = problem.residual(&r).relative;
+    let residual = problem.residual(&r).relative.min(f64::MAX);
     let holds = residual.max(noise(problem, &r)) <= effort.tolerance;
     let status = match status {
         Status::Solved if !holds => Status::Limit,
