@@ -5,6 +5,7 @@
 //! works where it is. Nobody waits for a helper that has not claimed a block: if none ever arrives, because the pool has
 //! other work, the caller does all.
 
+#[cfg_attr(not(feature = "parallel"), allow(dead_code, reason = "only helpers need all of it"))]
 mod stage;
 mod sync;
 

@@ -25,11 +25,9 @@ type Erased = (*const (), fn(*const (), usize));
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum End {
     Front,
-    #[cfg_attr(not(feature = "parallel"), allow(dead_code, reason = "only helpers claim there"))]
     Back,
 }
 
-#[cfg(feature = "parallel")]
 impl End {
     /// Half of the workers at either end.
     pub(super) fn of(helper: usize) -> End {
@@ -121,10 +119,7 @@ impl Stage {
             }
         }
     }
-}
 
-#[cfg(feature = "parallel")]
-impl Stage {
     /// Lets helpers in, those that are still there from an earlier step too.
     pub(super) fn open(&self) {
         self.panicked.store(false, Ordering::Relaxed);
@@ -190,7 +185,6 @@ impl Drop for Finish<'_> {
 }
 
 /// Sends the helpers away when a step ends, also when it panics.
-#[cfg(feature = "parallel")]
 pub(super) struct Quit<'a> {
     pub(super) stage: &'a Stage,
     /// For those that have arrived: on a thread of the pool whoever waits in `join` for a helper takes up other work meanwhile,
@@ -198,7 +192,6 @@ pub(super) struct Quit<'a> {
     pub(super) wait: bool,
 }
 
-#[cfg(feature = "parallel")]
 impl Drop for Quit<'_> {
     fn drop(&mut self) {
         self.stage.quit.store(true, Ordering::Relaxed);
