@@ -447,7 +447,7 @@ fn a_run_within_a_budget_plays_again() {
 /// Every public method that changes a world is recorded, or stands here with the reason why it is not.
 #[test]
 fn no_method_is_forgotten() {
-    const OTHERS: [(&str, &str); 8] = [
+    const OTHERS: [(&str, &str); 9] = [
         ("remove_bodies", "calls remove_body"),
         ("restore", "is refused while a run is recorded"),
         ("move_kinematic", "calls set_velocity"),

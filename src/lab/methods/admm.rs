@@ -4,7 +4,7 @@ use super::apgd::{project_law, weights};
 use super::envelope::Envelope;
 use super::sweep::{Best, is_checked, pressure};
 use super::{Effort, Solution};
-use crate::lab::problem::{Law, Problem};
+use crate::lab::problem::{Law, Problem, nearest_within};
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 /// Rounds between two looks at the penalty: each change of it costs a factorisation.
@@ -152,7 +152,7 @@ impl<'a> State<'a> {
         if !ratio.is_finite() || (0.4..2.5).contains(&ratio) {
             return true;
         }
-        self.refactorise((self.rho * ratio.clamp(0.1, 10.0)).clamp(1e-8, 1e8))
+        self.refactorise(nearest_within(self.rho * nearest_within(ratio, 0.1, 10.0), 1e-8, 1e8))
     }
 }
 

@@ -1,8 +1,8 @@
 //! Accelerated projected gradients.
 
-use super::sweep::{Best, pressure, project, within};
+use super::sweep::{Best, pressure, project};
 use super::{Effort, Solution};
-use crate::lab::problem::{Law, Problem, project_cone, project_disc};
+use crate::lab::problem::{Law, Problem, nearest_within, project_cone, project_disc};
 
 /// Accelerated projected gradient descent (Mazhar, Heyn, Negrut and Tasora 2015, after Nesterov): on `1/2 rᵀ W r + (q + s)ᵀ r` over the
 /// cones, with a step that adapts and momentum that restarts when it leads uphill.
@@ -128,7 +128,7 @@ impl<'a> State<'a> {
 /// As [`project`] does it for one law, with a given size of the friction of a patch.
 pub(super) fn project_law(first: usize, law: Law, radius: f64, r: &mut [f64]) {
     match law {
-        Law::Bounds { min, max } => r[first] = within(r[first], min, max),
+        Law::Bounds { min, max } => r[first] = nearest_within(r[first], min, max),
         Law::Contact { mu } => {
             let own = project_cone([r[first], r[first + 1], r[first + 2]], mu);
             r[first..first + 3].copy_from_slice(&own);
@@ -136,7 +136,7 @@ pub(super) fn project_law(first: usize, law: Law, radius: f64, r: &mut [f64]) {
         Law::Patch { arm, .. } => {
             let own = project_disc([r[first], r[first + 1]], radius);
             r[first..first + 2].copy_from_slice(&own);
-            r[first + 2] = within(r[first + 2], -arm * radius, arm * radius);
+            r[first + 2] = nearest_within(r[first + 2], -arm * radius, arm * radius);
         }
     }
 }

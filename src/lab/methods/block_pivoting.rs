@@ -5,7 +5,7 @@ use super::linear::greatest;
 use super::rounds::{Outcome, by_boxes};
 use super::run::run;
 use super::{Effort, Solution, Status};
-use crate::lab::problem::Problem;
+use crate::lab::problem::{Problem, nearest_within};
 
 /// Rounds that may flip all rows without fewer of them being wrong.
 const PATIENCE: u32 = 10;
@@ -87,7 +87,7 @@ fn solve_boxed(boxed: &Boxed, start: Option<&[f64]>, limit: u32) -> Outcome {
         let moves: Vec<(usize, Side)> = (0..n)
             .filter_map(|i| wrong(boxed, sides[i], i, x[i], w[i], noise).map(|side| (i, side)))
             .collect();
-        outcome.x = (0..n).map(|i| x[i].clamp(boxed.lo[i], boxed.hi[i])).collect();
+        outcome.x = (0..n).map(|i| nearest_within(x[i], boxed.lo[i], boxed.hi[i])).collect();
         if moves.is_empty() {
             outcome.status = Status::Solved;
             break;

@@ -6,7 +6,7 @@
 //! Brémond, Huber 2018).
 
 use super::run::Run;
-use crate::lab::problem::{Law, Problem, project_cone, project_disc};
+use crate::lab::problem::{Law, Problem, nearest_within, project_cone, project_disc};
 use nalgebra::{DMatrix, DVector};
 
 /// A row of the linearised equations: factors of single impulse changes and of single velocity changes, and the value.
@@ -197,7 +197,7 @@ pub(super) fn newton(run: &mut Run, r: &[f64], most: u32) -> bool {
         seen.push(now);
         run.iterations += 1;
         let relative = now / super::linear::greatest(run.problem.q()).max(f64::MIN_POSITIVE);
-        let alpha = (1e-3 * relative).clamp(floor, 1e-3);
+        let alpha = nearest_within(1e-3 * relative, floor, 1e-3);
         let Some(change) = step(&run.problem, &all, alpha) else {
             floor *= 100.0;
             if floor > 1e-4 {
@@ -235,7 +235,7 @@ pub(super) fn admitted(problem: &Problem, r: &[f64]) -> Vec<f64> {
     let mut r = r.to_vec();
     for (i, law) in problem.laws() {
         match law {
-            Law::Bounds { min, max } => r[i] = r[i].clamp(min, max),
+            Law::Bounds { min, max } => r[i] = nearest_within(r[i], min, max),
             Law::Contact { mu } => {
                 r[i] = r[i].max(0.0);
                 let t = project_disc([r[i + 1], r[i + 2]], mu * r[i]);
@@ -245,7 +245,7 @@ pub(super) fn admitted(problem: &Problem, r: &[f64]) -> Vec<f64> {
                 let load: f64 = r[first..first + count].iter().map(|x| x.max(0.0)).sum();
                 let t = project_disc([r[i], r[i + 1]], mu * load);
                 (r[i], r[i + 1]) = (t[0], t[1]);
-                r[i + 2] = r[i + 2].clamp(-mu * arm * load, mu * arm * load);
+                r[i + 2] = nearest_within(r[i + 2], -mu * arm * load, mu * arm * load);
             }
         }
     }
@@ -262,7 +262,7 @@ pub(super) fn sweeps(problem: &Problem, r: &mut [f64], count: u32, damp: f64) {
                 let u: Vec<f64> =
                     (i..i + law.rows()).map(|k| problem.w().dot(k, r) + problem.q()[k]).collect();
                 match law {
-                    Law::Bounds { min, max } => r[i] = (r[i] - u[0] / s).clamp(min, max),
+                    Law::Bounds { min, max } => r[i] = nearest_within(r[i] - u[0] / s, min, max),
                     Law::Contact { mu } => {
                         let shift = mu * u[1].hypot(u[2]);
                         let to = [r[i] - (u[0] + shift) / s, r[i + 1] - u[1] / s, r[i + 2] - u[2] / s];
@@ -273,7 +273,7 @@ pub(super) fn sweeps(problem: &Problem, r: &mut [f64], count: u32, damp: f64) {
                         let twist = problem.scale(i + 2);
                         let t = project_disc([r[i] - u[0] / s, r[i + 1] - u[1] / s], mu * load);
                         (r[i], r[i + 1]) = (t[0], t[1]);
-                        r[i + 2] = (r[i + 2] - u[2] / twist).clamp(-mu * arm * load, mu * arm * load);
+                        r[i + 2] = nearest_within(r[i + 2] - u[2] / twist, -mu * arm * load, mu * arm * load);
                     }
                 }
             }

@@ -6,7 +6,7 @@
 
 use super::linear::solve;
 use super::tableau::Tableau;
-use crate::lab::problem::{Law, Problem};
+use crate::lab::problem::{Law, Problem, nearest_within};
 use nalgebra::DMatrix;
 use std::ops::Range;
 
@@ -35,7 +35,7 @@ impl Boxed {
 
     /// The bound that a row starts at: the finite one that is nearer to zero, or zero for a free row.
     pub(super) fn bound(&self, i: usize) -> f64 {
-        0.0_f64.clamp(self.lo[i], self.hi[i]).clamp(-f64::MAX, f64::MAX)
+        nearest_within(0.0, self.lo[i], self.hi[i]).clamp(-f64::MAX, f64::MAX)
     }
 
     /// What turns an impulse of a row into a velocity.
@@ -53,7 +53,7 @@ impl Boxed {
         let w = self.w(x);
         let errors = (0..self.rows()).map(|i| {
             let s = self.scale(i);
-            s * (w[i] / s).clamp(x[i] - self.hi[i], x[i] - self.lo[i]).abs()
+            s * nearest_within(w[i] / s, x[i] - self.hi[i], x[i] - self.lo[i]).abs()
         });
         errors.fold(0.0, |most: f64, e| if e.is_nan() { f64::INFINITY } else { most.max(e) })
     }
@@ -74,13 +74,13 @@ impl Boxed {
         let (w, mut at, mut free) = (self.w(x), x.to_vec(), Vec::new());
         for i in 0..x.len() {
             let to = x[i] - w[i] / self.scale(i);
-            at[i] = to.clamp(self.lo[i], self.hi[i]);
+            at[i] = nearest_within(to, self.lo[i], self.hi[i]);
             if to > self.lo[i] && to < self.hi[i] {
                 free.push(i);
             }
         }
         let x = self.with_free(&free, &at)?;
-        Some((0..x.len()).map(|i| x[i].clamp(self.lo[i], self.hi[i])).collect())
+        Some((0..x.len()).map(|i| nearest_within(x[i], self.lo[i], self.hi[i])).collect())
     }
 
     /// With `eps` on the diagonal, and q such that what was a solution at `x` remains one: a proximal step.

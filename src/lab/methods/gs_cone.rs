@@ -1,9 +1,9 @@
 //! Block Gauss-Seidel with exact contacts.
 
 use super::cone::{ContactBlock, solve_disc};
-use super::sweep::{Damping, iterate, pressure, within};
+use super::sweep::{Damping, iterate, pressure};
 use super::{Effort, Solution};
-use crate::lab::problem::{Law, Problem};
+use crate::lab::problem::{Law, Problem, nearest_within};
 
 /// Nonsmooth Gauss-Seidel (Jean and Moreau 1992): one contact after another gets the impulses that solve its own three rows
 /// exactly, with friction on the round cone, while all others stay.
@@ -65,7 +65,7 @@ impl<'a> Blocks<'a> {
         let velocity = |row: usize, r: &[f64]| self.problem.w().dot(row, r) + self.problem.q()[row];
         match *own {
             Own::Row { min, max, scale } => {
-                r[first] = within(r[first] - velocity(first, r) / scale, min, max);
+                r[first] = nearest_within(r[first] - velocity(first, r) / scale, min, max);
             }
             Own::Contact(ref block) => {
                 let u = [0, 1, 2].map(|i| velocity(first + i, r));
@@ -78,7 +78,7 @@ impl<'a> Blocks<'a> {
                 let solved = solve_disc(w, mu * normal, [r[first], r[first + 1]], u);
                 r[first..first + 2].copy_from_slice(&solved);
                 let most = mu * arm * normal;
-                r[first + 2] = within(r[first + 2] - velocity(first + 2, r) / twist, -most, most);
+                r[first + 2] = nearest_within(r[first + 2] - velocity(first + 2, r) / twist, -most, most);
             }
         }
     }

@@ -1,9 +1,9 @@
 //! Projected Jacobi.
 
 use super::pgs::limit;
-use super::sweep::{iterate_shaped, pressure, within};
+use super::sweep::{iterate_shaped, pressure};
 use super::{Effort, Solution};
-use crate::lab::problem::{Law, Problem};
+use crate::lab::problem::{Law, Problem, nearest_within};
 
 /// Projected Jacobi: all rows move at once, by the velocities before the sweep. A step is `1 / sum_j |W_ij|`: the more contacts a
 /// body has, the less each of them may do alone (mass splitting does the same: Tonge, Benevolenski and Voroshilov 2012).
@@ -20,7 +20,7 @@ pub fn jacobi(problem: &Problem, effort: &Effort) -> Solution {
         for (first, law) in problem.laws() {
             match law {
                 Law::Bounds { min, max } => {
-                    r[first] = within(r[first] - u[first] / scale[first], min, max);
+                    r[first] = nearest_within(r[first] - u[first] / scale[first], min, max);
                 }
                 Law::Contact { mu } => {
                     r[first] = (r[first] - u[first] / scale[first]).max(0.0);
@@ -35,7 +35,7 @@ pub fn jacobi(problem: &Problem, effort: &Effort) -> Solution {
                     let own = [first, first + 1].map(|row| r[row] - u[row] / both);
                     r[first..first + 2].copy_from_slice(&limit(own, most, effort.friction));
                     let twist = first + 2;
-                    r[twist] = within(r[twist] - u[twist] / scale[twist], -arm * most, arm * most);
+                    r[twist] = nearest_within(r[twist] - u[twist] / scale[twist], -arm * most, arm * most);
                 }
             }
         }

@@ -6,7 +6,7 @@ use super::rounds::{Outcome, by_boxes};
 use super::run::run;
 use super::tableau::Tableau;
 use super::{Effort, Solution, Status};
-use crate::lab::problem::Problem;
+use crate::lab::problem::{Problem, nearest_within};
 
 /// Bard's method with Murty's rule (1974): of all rows that violate their law the one with the least index changes sides, by a
 /// principal pivot, until none does.
@@ -149,7 +149,9 @@ impl Sides {
         let rough = || (0..n).map(|i| if self.tableau.basic[i] { values[i] } else { at[i] }).collect();
         let x = boxed.with_free(&free, &at).unwrap_or_else(rough);
         (0..n)
-            .map(|i| if x[i].is_finite() { x[i].clamp(boxed.lo[i], boxed.hi[i]) } else { boxed.bound(i) })
+            .map(|i| {
+                if x[i].is_finite() { nearest_within(x[i], boxed.lo[i], boxed.hi[i]) } else { boxed.bound(i) }
+            })
             .collect()
     }
 }

@@ -6,7 +6,7 @@ use super::linear::greatest;
 use super::rounds::{Outcome, by_boxes};
 use super::run::run;
 use super::{Effort, Solution, Status};
-use crate::lab::problem::Problem;
+use crate::lab::problem::{Problem, nearest_within};
 use nalgebra::DVector;
 
 /// Semismooth Newton on `H(x) = x - P(x - w / s) = 0`, which for `x >= 0` is `min(x, w / s)` with the diagonal as `s`: where `w / s`
@@ -67,7 +67,7 @@ fn sweep(boxed: &Boxed, x: &mut [f64], count: u32) {
     for _ in 0..count {
         for i in 0..x.len() {
             let w: f64 = boxed.q[i] + boxed.m.row(i).iter().zip(x.iter()).map(|(m, x)| m * x).sum::<f64>();
-            x[i] = (x[i] - w / boxed.scale(i)).clamp(boxed.lo[i], boxed.hi[i]);
+            x[i] = nearest_within(x[i] - w / boxed.scale(i), boxed.lo[i], boxed.hi[i]);
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Projected Gauss-Seidel.
 
-use super::sweep::{iterate_shaped, pressure, tangent_scale, within};
+use super::sweep::{iterate_shaped, pressure, tangent_scale};
 use super::{Effort, Friction, Solution};
-use crate::lab::problem::{Law, Problem, project_disc};
+use crate::lab::problem::{Law, Problem, nearest_within, project_disc};
 
 /// Projected Gauss-Seidel, which game engines call sequential impulses: row by row `r_i <- P(r_i - u_i / W_ii)` with the newest
 /// velocities. The friction of a contact is projected onto what its normal impulse allows at the moment: a disc (the exact law at
@@ -40,7 +40,7 @@ impl<'a> Rows<'a> {
             let step = scale.map(|scale| relaxation / scale);
             match law {
                 Law::Bounds { min, max } => {
-                    r[first] = within(r[first] - step[0] * velocity(first, r), min, max);
+                    r[first] = nearest_within(r[first] - step[0] * velocity(first, r), min, max);
                 }
                 Law::Contact { mu } => {
                     r[first] = (r[first] - step[0] * velocity(first, r)).max(0.0);
@@ -48,7 +48,7 @@ impl<'a> Rows<'a> {
                     if self.friction == Friction::Box {
                         for row in first + 1..first + 3 {
                             let step = relaxation / self.problem.scale(row);
-                            r[row] = within(r[row] - step * velocity(row, r), -most, most);
+                            r[row] = nearest_within(r[row] - step * velocity(row, r), -most, most);
                         }
                     } else {
                         let [a, b] = [first + 1, first + 2].map(|row| r[row] - step[1] * velocity(row, r));
@@ -61,7 +61,8 @@ impl<'a> Rows<'a> {
                     let own = [first, first + 1].map(|row| r[row] - step[0] * velocity(row, r));
                     r[first..first + 2].copy_from_slice(&limit(own, most, self.friction));
                     let twist = first + 2;
-                    r[twist] = within(r[twist] - step[1] * velocity(twist, r), -arm * most, arm * most);
+                    r[twist] =
+                        nearest_within(r[twist] - step[1] * velocity(twist, r), -arm * most, arm * most);
                 }
             }
         }
@@ -73,10 +74,10 @@ pub(super) fn limit(friction: [f64; 2], most: f64, shape: Friction) -> [f64; 2] 
     let [x, y] = friction;
     match shape {
         Friction::Cone => project_disc(friction, most),
-        Friction::Box => friction.map(|x| within(x, -most, most)),
+        Friction::Box => friction.map(|x| nearest_within(x, -most, most)),
         // |x| + |y| <= most: a box in the directions of its sides.
         Friction::Pyramid => {
-            let [sum, difference] = [x + y, x - y].map(|x| within(x, -most, most));
+            let [sum, difference] = [x + y, x - y].map(|x| nearest_within(x, -most, most));
             [0.5 * (sum + difference), 0.5 * (sum - difference)]
         }
     }

@@ -3,6 +3,7 @@
 
 use super::forms::Boxed;
 use super::tableau::{SMALL, Tableau};
+use crate::lab::problem::nearest_within;
 
 /// Where a drive ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -245,7 +246,8 @@ impl<'a> Principal<'a> {
     pub(super) fn refined(&self) -> Vec<f64> {
         let free: Vec<usize> = (0..self.x.len()).filter(|&k| self.tableau.basic[k]).collect();
         if let Some(x) = self.boxed.with_free(&free, &self.x) {
-            let x: Vec<f64> = (0..x.len()).map(|i| x[i].clamp(self.boxed.lo[i], self.boxed.hi[i])).collect();
+            let x: Vec<f64> =
+                (0..x.len()).map(|i| nearest_within(x[i], self.boxed.lo[i], self.boxed.hi[i])).collect();
             if self.boxed.error(&x) <= self.boxed.error(&self.x) {
                 return x;
             }

@@ -1,8 +1,8 @@
 //! The proximal map as a fixed point.
 
-use super::sweep::{iterate, pressure, within};
+use super::sweep::{iterate, pressure};
 use super::{Effort, Solution};
-use crate::lab::problem::{Law, Problem, project_cone, project_disc};
+use crate::lab::problem::{Law, Problem, nearest_within, project_cone, project_disc};
 
 /// The least and the greatest step, in units of what the diagonal of W asks for.
 const STEPS: (f64, f64) = (1e-3, 1.5);
@@ -30,7 +30,7 @@ pub fn prox(problem: &Problem, effort: &Effort) -> Solution {
                 last[row] = r[row] - old;
             }
             let factor = if turned < 0.0 { 0.8 } else { 1.05 };
-            step[index] = (step[index] * factor).clamp(STEPS.0, STEPS.1);
+            step[index] = nearest_within(step[index] * factor, STEPS.0, STEPS.1);
         }
     })
 }
@@ -51,7 +51,7 @@ fn reach(problem: &Problem) -> Vec<f64> {
 fn solve(first: usize, law: Law, step: f64, weight: &[f64], u: [f64; 3], r: &mut [f64]) {
     let moved = |row: usize, u: f64, r: &[f64]| r[row] - step * u / weight[row];
     match law {
-        Law::Bounds { min, max } => r[first] = within(moved(first, u[0], r), min, max),
+        Law::Bounds { min, max } => r[first] = nearest_within(moved(first, u[0], r), min, max),
         Law::Contact { mu } => {
             let normal = u[0] + mu * (u[1] * u[1] + u[2] * u[2]).sqrt();
             let own = [moved(first, normal, r), moved(first + 1, u[1], r), moved(first + 2, u[2], r)];
@@ -61,7 +61,7 @@ fn solve(first: usize, law: Law, step: f64, weight: &[f64], u: [f64; 3], r: &mut
             let most = mu * pressure(r, normals, count);
             let own = project_disc([moved(first, u[0], r), moved(first + 1, u[1], r)], most);
             r[first..first + 2].copy_from_slice(&own);
-            r[first + 2] = within(moved(first + 2, u[2], r), -arm * most, arm * most);
+            r[first + 2] = nearest_within(moved(first + 2, u[2], r), -arm * most, arm * most);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What all iterations share: where they start, when the residual is looked at, the best iterate, and when it is no use to go on.
 
 use super::{Effort, Friction, Solution, Status};
-use crate::lab::problem::{Law, Problem, project_cone, project_disc};
+use crate::lab::problem::{Law, Problem, nearest_within, project_cone, project_disc};
 
 /// Sweeps without a better residual after which an iteration counts as stagnant: as many as there were before, and these.
 const PATIENCE: u32 = 1000;
@@ -195,7 +195,7 @@ pub(super) struct Old {
 pub(super) fn project(problem: &Problem, r: &mut [f64]) {
     for (first, law) in problem.laws() {
         match law {
-            Law::Bounds { min, max } => r[first] = within(r[first], min, max),
+            Law::Bounds { min, max } => r[first] = nearest_within(r[first], min, max),
             Law::Contact { mu } => {
                 let own = project_cone([r[first], r[first + 1], r[first + 2]], mu);
                 r[first..first + 3].copy_from_slice(&own);
@@ -204,15 +204,10 @@ pub(super) fn project(problem: &Problem, r: &mut [f64]) {
                 let normal = pressure(r, normals, count);
                 let own = project_disc([r[first], r[first + 1]], mu * normal);
                 r[first..first + 2].copy_from_slice(&own);
-                r[first + 2] = within(r[first + 2], -mu * arm * normal, mu * arm * normal);
+                r[first + 2] = nearest_within(r[first + 2], -mu * arm * normal, mu * arm * normal);
             }
         }
     }
-}
-
-/// The nearest number in a range: `f64::clamp` without its panic at limits that are not numbers, which come of numbers too great.
-pub(super) fn within(x: f64, min: f64, max: f64) -> f64 {
-    x.max(min).min(max)
 }
 
 /// The sum of the normal impulses that a patch shares.

@@ -16,6 +16,7 @@ mod write;
 pub use fclib::{FclibError, read_fclib};
 pub use matrix::Matrix;
 pub use read::{File, Form, ReadError, read_problem};
+pub(crate) use residual::nearest_within;
 pub use residual::{Residual, project_cone, project_disc};
 pub use write::write_problem;
 

@@ -24,6 +24,9 @@ impl Problem {
 
     /// The same where the velocities `u` are known, for instance those that a step ended with.
     pub fn residual_at(&self, r: &[f64], u: &[f64]) -> Residual {
+        if r.iter().chain(u).any(|x| !x.is_finite()) {
+            return Residual { relative: f64::INFINITY, worst: f64::INFINITY };
+        }
         // `hypot` squares nothing that is too great for it.
         let (mut sum, mut worst) = (0.0_f64, 0.0_f64);
         for (first, law) in self.laws() {
@@ -56,7 +59,7 @@ impl Problem {
             Law::Bounds { min, max } => {
                 let s = self.scale(first);
                 // Which is r - (r - u / s).clamp(min, max), but doesn't lose u beside a great r.
-                s * (u[0] / s).clamp(r[first] - max, r[first] - min).abs()
+                s * nearest_within(u[0] / s, r[first] - max, r[first] - min).abs()
             }
             Law::Contact { mu } => {
                 let s = self.scale(first);
@@ -72,11 +75,16 @@ impl Problem {
                 let own = [r[first], r[first + 1]];
                 let to = project_disc([own[0] - u[0] / s, own[1] - u[1] / s], mu * normal);
                 let most = mu * arm * normal;
-                let turned = r[first + 2] - (r[first + 2] - u[2] / twist).max(-most).min(most);
+                let turned = r[first + 2] - nearest_within(r[first + 2] - u[2] / twist, -most, most);
                 s * (own[0] - to[0]).hypot(own[1] - to[1]) + twist * turned.abs()
             }
         }
     }
+}
+
+/// The nearest number in a range: `f64::clamp` without its panic at limits that are no numbers, which come of numbers too great.
+pub(crate) fn nearest_within(x: f64, min: f64, max: f64) -> f64 {
+    x.max(min).min(max)
 }
 
 fn norm(x: [f64; 3]) -> f64 {
