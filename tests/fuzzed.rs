@@ -61,7 +61,8 @@ fn settings_are_stepped_with_or_refused() {
 /// Inputs of `fuzz/corpus`, which coverage-guided runs found to reach code that others do not.
 #[test]
 fn inputs_that_were_kept_leave_all_in_order() {
-    let targets: [(&str, fn(&[u8])); 7] = [
+    type Body = fn(&[u8]);
+    let targets: [(&str, Body); 7] = [
         ("calls", bodies::calls::run),
         ("scenes", bodies::scenes::run),
         ("hulls", bodies::hulls::run),
