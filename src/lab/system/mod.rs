@@ -3,7 +3,7 @@
 //! Contacts are read from the batches that the solver works on, so their normals, arms and coefficients are the ones it used.
 //! Joints are measured anew in `f64` where the bodies are, by the same measures: their batches hold blocks with directions
 //! eliminated, trees hold nothing but recursions, and a row as J is in neither. Impulses are those of the batches, of trees and cut
-//! loops too, summed over the substeps of the step ([`Sums`]).
+//! loops too, summed over the substeps of the step (`Sums`).
 //!
 //! The system is that of the whole step with directions as they are at its start. Its unknowns are therefore impulses of the step,
 //! and `u` is the velocity at its end.
