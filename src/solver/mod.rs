@@ -56,8 +56,9 @@ pub(crate) trait Witness {
     fn before(&mut self, velocity: &[Record]);
     /// It did.
     fn after(&mut self, velocity: &[Record]);
-    /// What bounced gave contacts such normal impulses [N s], in the order of contacts.
+    /// How many contacts there are.
     fn contacts(&self) -> usize;
+    /// What bounced gave contacts such normal impulses [N s], in the order of contacts.
     fn impacts(&mut self, impulses: &mut dyn Iterator<Item = f32>);
     /// Velocities take so much acceleration for a time [s].
     fn pull(&mut self, acceleration: &[Record], h: f32);

@@ -76,7 +76,8 @@ impl Problem {
                 let to = project_disc([own[0] - u[0] / s, own[1] - u[1] / s], mu * normal);
                 let most = mu * arm * normal;
                 let turned = r[first + 2] - nearest_within(r[first + 2] - u[2] / twist, -most, most);
-                s * (own[0] - to[0]).hypot(own[1] - to[1]) + twist * turned.abs()
+                // A twist counts as the velocity of the points, `arm` from their middle.
+                s * (own[0] - to[0]).hypot(own[1] - to[1]) + arm * twist * turned.abs()
             }
         }
     }
