@@ -23,7 +23,7 @@ fn flight(time: f64) -> Sample {
 #[test]
 fn a_cube_in_free_flight_is_where_the_parabola_is() {
     let samples: Vec<Sample> = (0..100).map(|i| flight(f64::from(i) * STEP)).collect();
-    let found = deviation(&samples, &Cube::default(), &Settings::default(), 1).unwrap();
+    let found = deviation(&samples, &Cube::default(), &Settings::default(), None, 1).unwrap();
     assert!(found.last_position < 1e-4, "{found:?}");
     assert!(found.last_rotation < 1e-4, "{found:?}");
 }
@@ -32,16 +32,16 @@ fn a_cube_in_free_flight_is_where_the_parabola_is() {
 fn what_is_no_toss_is_refused() {
     let settings = Settings::default();
     let one = [flight(0.0)];
-    assert!(deviation(&one, &Cube::default(), &settings, 1).is_err());
-    assert!(deviation(&[], &Cube::default(), &settings, 1).is_err());
+    assert!(deviation(&one, &Cube::default(), &settings, None, 1).is_err());
+    assert!(deviation(&[], &Cube::default(), &settings, None, 1).is_err());
     let still = [flight(0.0), flight(0.0)];
-    assert!(deviation(&still, &Cube::default(), &settings, 1).is_err(), "no time passes");
+    assert!(deviation(&still, &Cube::default(), &settings, None, 1).is_err(), "no time passes");
     let lost = [Sample { position: DVec3::NAN, ..flight(0.0) }, flight(STEP)];
-    assert!(deviation(&lost, &Cube::default(), &settings, 1).is_err());
+    assert!(deviation(&lost, &Cube::default(), &settings, None, 1).is_err());
     let turned = [Sample { rotation: DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0), ..flight(0.0) }, flight(STEP)];
-    assert!(deviation(&turned, &Cube::default(), &settings, 1).is_err());
+    assert!(deviation(&turned, &Cube::default(), &settings, None, 1).is_err());
     let flat = Cube { half_width: 0.0, ..Cube::default() };
-    assert!(deviation(&[flight(0.0), flight(STEP)], &flat, &settings, 1).is_err());
+    assert!(deviation(&[flight(0.0), flight(STEP)], &flat, &settings, None, 1).is_err());
 }
 
 /// MuJoCo with stiff contacts and an elliptic cone is off by 13.2 % of the width on these tosses, and by 18.5 degrees; this engine's
@@ -72,7 +72,7 @@ fn measured_tosses_are_followed_as_closely_as_by_others() {
                 }
             };
             let samples: Vec<Sample> = text.lines().skip(1).map(sample).collect();
-            deviation(&samples, &Cube::default(), &Settings::default(), 1).unwrap()
+            deviation(&samples, &Cube::default(), &Settings::default(), None, 1).unwrap()
         })
         .collect();
     let mean = Deviation::mean(&all);

@@ -7,6 +7,7 @@
 use crate::body::BodyDesc;
 use crate::config::Settings;
 use crate::error::{Error, positive, within};
+use crate::lab::WorldSolver;
 use crate::shape::{Geometry, MassProperties, Material, ShapeDesc};
 use crate::world::World;
 use glam::{DQuat, DVec3, Mat3, Quat, Vec3};
@@ -83,7 +84,7 @@ impl Deviation {
 }
 
 /// Simulates a toss from its first sample and compares it with the others. Each interval between samples is cut into `parts` steps;
-/// gravity of the settings is replaced.
+/// gravity of the settings is replaced. `solver`: what solves the steps, if not the fast path.
 ///
 /// # Errors
 /// If there are less than two samples, a number is not finite or out of range, or times do not rise.
@@ -91,6 +92,7 @@ pub fn deviation(
     samples: &[Sample],
     cube: &Cube,
     settings: &Settings,
+    solver: Option<&WorldSolver>,
     parts: u32,
 ) -> Result<Deviation, Error> {
     let [first, later @ ..] = samples else {
@@ -102,6 +104,7 @@ pub fn deviation(
     within("parts of an interval", parts as f32, 1.0, 1e4, "in 1..=10000")?;
     positive("half width", cube.half_width)?;
     let (mut world, body) = start(first, cube, settings)?;
+    world.solve_with(solver.cloned());
     let mut sum = Deviation::default();
     let mut time = first.time;
     for sample in later {

@@ -2,6 +2,7 @@
 
 use crate::view::Look;
 use backstop::glam::{DVec3, Vec3};
+use backstop::lab::WorldMethod;
 use backstop::lab::methods::{Friction, Method};
 use backstop::{Continuous, ContinuousMethod, FrictionModel, LoadLimits};
 use clap::{Args, Parser, Subcommand};
@@ -121,6 +122,12 @@ pub(crate) struct RunOptions {
     /// Write a recording of the run: for `cargo backstop replay`.
     #[arg(long, value_name = "FILE")]
     pub(crate) record: Option<PathBuf>,
+    /// Solve islands by a method of the lab instead of the engine's own (docs/methods.md).
+    #[arg(long, value_name = "NAME", value_parser = world_method, conflicts_with = "record")]
+    pub(crate) solver: Option<WorldMethod>,
+    /// Islands with more rows than this are left to the engine's own.
+    #[arg(long, value_name = "N", default_value_t = 400, requires = "solver")]
+    pub(crate) solver_rows: usize,
     /// Measure how accurately each step was solved (docs/accuracy.md).
     #[arg(long)]
     pub(crate) accuracy: bool,
@@ -429,6 +436,9 @@ pub(crate) struct TossOptions {
     /// How far the plate is lowered [m].
     #[arg(long, value_name = "M", default_value_t = 0.0)]
     pub(crate) lowered: f64,
+    /// Solve each step by a method of the lab instead (docs/methods.md).
+    #[arg(long, value_name = "NAME", value_parser = world_method)]
+    pub(crate) solver: Option<WorldMethod>,
     /// Print one JSON document instead of a table (docs/json.md).
     #[arg(long)]
     pub(crate) json: bool,
@@ -479,6 +489,11 @@ fn friction_model(text: &str) -> Result<FrictionModel, String> {
 fn solver(text: &str) -> Result<&'static Method, String> {
     let names = || Method::ALL.iter().map(|method| method.name).collect::<Vec<_>>().join(", ");
     Method::by_name(text).ok_or_else(|| format!("must be one of {}", names()))
+}
+
+fn world_method(text: &str) -> Result<WorldMethod, String> {
+    let names = || WorldMethod::names().collect::<Vec<_>>().join(", ");
+    WorldMethod::by_name(text).ok_or_else(|| format!("must be one of {}", names()))
 }
 
 fn friction(text: &str) -> Result<Friction, String> {

@@ -2,7 +2,7 @@
 
 use crate::accuracy::{Course, Summary};
 use crate::args::RunOptions;
-use crate::trace::{Times, Trace};
+use crate::trace::{SolverSum, Times, Trace};
 use backstop::scene::Scene;
 use backstop::{BodyHandle, BodyKind, Bytes, Category, Error, ModelPart, Settings, World};
 use serde::Serialize;
@@ -19,6 +19,7 @@ pub(crate) struct Document {
     pub(crate) memory: Memory,
     pub(crate) model: Vec<Part>,
     pub(crate) accuracy: Option<Summary>,
+    pub(crate) solver: Option<SolverSum>,
     pub(crate) hash: String,
 }
 
@@ -147,6 +148,7 @@ impl Document {
             },
             model: world.model().iter().map(Part::of).collect(),
             accuracy: trace.accuracy.as_ref().map(Course::summary),
+            solver: trace.solver.clone(),
             hash: format!("{:016x}", world.hash()),
         })
     }

@@ -4,10 +4,11 @@ use crate::accuracy::{self, Course};
 use crate::args::{self, RunOptions};
 use crate::document::Document;
 use crate::threads::with_threads;
-use crate::trace::Trace;
+use crate::trace::{SolverSum, Trace};
 use crate::view::{self, Frames, Look, Opened, Viewer};
 use crate::{output, page, summary};
 use anyhow::{Context, bail};
+use backstop::lab::WorldSolver;
 use backstop::lab::system::System;
 use backstop::scene::{self, AtomicFile, Recorder, Scene};
 use backstop::{BodyHandle, Budget, Settings, World};
@@ -115,7 +116,11 @@ fn simulate(options: &RunOptions, scene: &Scene, mut frames: Option<Frames>) -> 
     let every = ((1.0 / FRAME_RATE) / options.dt).round().max(1.0) as u32;
     let mut film = options.out.as_ref().map(|_| Recorder::new(scene));
     let accuracy = options.accuracy.then(Course::default);
-    let mut trace = Trace { reports: Vec::with_capacity(steps as usize), energy: Vec::new(), accuracy };
+    let solver = options.solver.map(|method| SolverSum { method: method.name(), ..SolverSum::default() });
+    let mut trace =
+        Trace { reports: Vec::with_capacity(steps as usize), energy: Vec::new(), accuracy, solver };
+    let solver = |method| WorldSolver { most_rows: options.solver_rows, ..WorldSolver::new(method) };
+    world.solve_with(options.solver.map(solver));
     world.measure_accuracy(options.accuracy);
     let export_to = options.export()?;
     if let Some((at, _)) = &export_to
@@ -133,6 +138,9 @@ fn simulate(options: &RunOptions, scene: &Scene, mut frames: Option<Frames>) -> 
             world.measure_accuracy(true);
         }
         let report = *world.step(options.dt)?;
+        if let (Some(sum), Some(report)) = (&mut trace.solver, world.solver_report()) {
+            sum.add(report);
+        }
         if let Some(course) = &mut trace.accuracy {
             course.add(&world, scene, &handles);
         }

@@ -101,6 +101,7 @@ pub(crate) fn rows(document: &Document, trace: &Trace) -> Vec<(&'static str, Str
     if shed > 0 {
         rows.push(("shed", format!("{} points for lack of memory", count(shed))));
     }
+    rows.extend(trace.solver.iter().map(|solver| ("solver", solver.text())));
     rows.extend(document.accuracy.iter().flat_map(Summary::rows));
     rows.push(("memory", memory));
     let spare = document.model.iter().filter(|part| !part.needed).map(|part| part.name.replace('_', " "));

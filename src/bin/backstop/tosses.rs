@@ -5,6 +5,7 @@ use crate::output;
 use anyhow::{Context, ensure};
 use backstop::Settings;
 use backstop::glam::{DQuat, DVec3};
+use backstop::lab::WorldSolver;
 use backstop::lab::tosses::{Cube, Deviation, Sample, deviation};
 use serde_json::json;
 use std::fmt::Write;
@@ -26,10 +27,11 @@ pub(crate) fn tosses(options: &TossOptions) -> anyhow::Result<()> {
         friction_model: options.friction_model,
         ..Settings::default()
     };
+    let solver = options.solver.map(WorldSolver::new);
     let mut deviations = Vec::new();
     for file in files(&options.folder)? {
         let samples = read(&file).with_context(|| format!("can't read {}", file.display()))?;
-        let one = deviation(&samples, &cube, &settings, options.parts)
+        let one = deviation(&samples, &cube, &settings, solver.as_ref(), options.parts)
             .with_context(|| format!("{} is refused", file.display()))?;
         deviations.push((file, one));
     }

@@ -2,6 +2,7 @@
 
 use crate::accuracy::Course;
 use backstop::StepReport;
+use backstop::lab::SolverReport;
 use serde::Serialize;
 
 /// One stage's time in a report [us].
@@ -24,6 +25,43 @@ pub(crate) struct Trace {
     pub(crate) energy: Vec<f64>,
     /// If it was asked for.
     pub(crate) accuracy: Option<Course>,
+    /// If a method of the lab solved it.
+    pub(crate) solver: Option<SolverSum>,
+}
+
+/// What a method of the lab did over a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub(crate) struct SolverSum {
+    pub(crate) method: &'static str,
+    /// Islands, counted in every step; those that it solved, and why it left the others to the engine's own solver.
+    pub(crate) islands: u64,
+    pub(crate) solved: u64,
+    pub(crate) too_large: u64,
+    pub(crate) refused: u64,
+    pub(crate) iterations: u64,
+    pub(crate) pivots: u64,
+    /// The greatest unit-free residual.
+    pub(crate) worst_residual: f64,
+}
+
+impl SolverSum {
+    pub(crate) fn add(&mut self, report: &SolverReport) {
+        self.islands += report.islands as u64;
+        self.solved += report.solved as u64;
+        self.too_large += report.too_large as u64;
+        self.refused += report.refused as u64;
+        self.iterations += report.iterations;
+        self.pivots += report.pivots;
+        self.worst_residual = self.worst_residual.max(report.residual);
+    }
+
+    /// For people.
+    pub(crate) fn text(&self) -> String {
+        let Self { method, islands, solved, too_large, refused, iterations, pivots, worst_residual } = self;
+        format!(
+            "{method}: {solved} of {islands} islands, {too_large} too large, {refused} refused; {iterations} iterations, {pivots} pivots, residual up to {worst_residual:.1e}"
+        )
+    }
 }
 
 /// Times of a stage over a run [us].

@@ -54,6 +54,12 @@ impl WorldMethod {
         }
     }
 
+    /// The one of that name.
+    pub fn by_name(name: &str) -> Option<WorldMethod> {
+        let problem = Method::by_name(name).map(WorldMethod::Problem);
+        problem.or_else(|| Stepper::by_name(name).map(WorldMethod::Step))
+    }
+
     /// Names of all there are: those of problems, then those of steps.
     pub fn names() -> impl Iterator<Item = &'static str> {
         Method::ALL.iter().map(|m| m.name).chain(Stepper::ALL.iter().map(|s| s.name))
@@ -123,8 +129,7 @@ impl WorldSolver {
 
     /// With the method of that name, and the defaults.
     pub fn by_name(name: &str) -> Option<WorldSolver> {
-        let problem = Method::by_name(name).map(WorldSolver::new);
-        problem.or_else(|| Stepper::by_name(name).map(WorldSolver::new))
+        WorldMethod::by_name(name).map(WorldSolver::new)
     }
 }
 
