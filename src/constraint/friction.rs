@@ -97,6 +97,16 @@ impl<'a, L: Lanes, const B: usize> FrictionView<'a, L, B> {
         if self.needed { Some(unsafe { self.rows.get(batch.friction as usize) }) } else { None }
     }
 
+    /// What is kept of a batch of potential contacts, if any shape rubs.
+    ///
+    /// # Safety
+    /// No other thread works on the batch.
+    #[cfg(feature = "lab")]
+    pub(crate) unsafe fn impact(&self, batch: BatchRef) -> Option<ImpactRow<L, B>> {
+        // SAFETY: by the contract; each batch has rows of its own.
+        if self.needed { Some(unsafe { *self.impacts.get(batch.friction as usize) }) } else { None }
+    }
+
     /// What the friction of impacts takes of a batch whose contacts bear load before they touch.
     ///
     /// # Safety

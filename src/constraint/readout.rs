@@ -37,6 +37,16 @@ pub(crate) struct FrictionLane {
     pub(crate) impulse: [f32; 3],
 }
 
+/// Friction of the impact of a manifold that doesn't touch yet.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ImpactLane {
+    pub(crate) coefficient: f32,
+    /// Of the arm of the first body the part along the normal [m].
+    pub(crate) along: f32,
+    /// From the arm of the first body to that of the second [m].
+    pub(crate) to_b: Vec3,
+}
+
 /// The rows of a contact, or of one point of it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ContactLane {
@@ -48,6 +58,8 @@ pub(crate) struct ContactLane {
     points: [PointLane; 4],
     count: usize,
     pub(crate) friction: Option<FrictionLane>,
+    /// Of a potential contact that will rub once it touches.
+    pub(crate) impact: Option<ImpactLane>,
 }
 
 impl ContactLane {
@@ -104,6 +116,8 @@ impl Views<'_> {
     ) {
         // SAFETY: by the contract.
         let mut rows = if potential { None } else { unsafe { friction.touching(of) } };
+        // SAFETY: by the contract.
+        let impact = if potential { unsafe { friction.impact(of) } } else { None };
         for lane in (0..L::N).filter(|&lane| batch.contact[lane] != Part::NONE) {
             let mut out = ContactLane {
                 part: batch.contact[lane],
@@ -117,6 +131,11 @@ impl Views<'_> {
                 points: [PointLane::default(); 4],
                 count: 0,
                 friction: None,
+                impact: impact.map(|row| ImpactLane {
+                    coefficient: row.coefficient.lane(lane),
+                    along: row.along.lane(lane),
+                    to_b: row.to_b.first().map_or(Vec3::ZERO, |to| to.lane(lane)),
+                }),
             };
             // What lacks a point is infinitely far away.
             for point in batch.points.iter().filter(|point| point.separation.lane(lane).is_finite()) {

@@ -24,6 +24,7 @@ impl System {
             gap: None,
             off: 0.0,
             potential: lane.potential,
+            impact: None,
             restitution: restitution.into(),
             bouncing: false,
             yields: false,
@@ -65,8 +66,14 @@ impl System {
             return;
         }
         let first = self.rows.len();
+        let impact = |i: usize| {
+            let impact = lane.impact.filter(|impact| impact.coefficient > 0.0)?;
+            // n x (r x n) is r without its part along n.
+            let arm = n.cross(lane.points()[i].arms[0].as_dvec3()) + n * f64::from(impact.along);
+            Some((impact.coefficient.into(), [arm, arm + impact.to_b.as_dvec3()]))
+        };
         for i in 0..lane.points().len() {
-            self.push(SystemLaw { gap: gap(i), ..law }, &[normal(i)]);
+            self.push(SystemLaw { gap: gap(i), impact: impact(i), ..law }, &[normal(i)]);
         }
         if let Some(f) = &friction {
             let [t, s] = tangents(f);

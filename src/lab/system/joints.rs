@@ -43,6 +43,7 @@ impl System {
                 gap: one.gap,
                 off: if one.law == Law::LOCKED && !one.drives { one.error } else { 0.0 },
                 potential: false,
+                impact: None,
                 restitution: 0.0,
                 bouncing: false,
                 yields: one.yields,

@@ -11,6 +11,7 @@
 mod contact_problem;
 mod contacts;
 mod frames;
+mod impacts;
 mod islands;
 mod joints;
 mod problem;
@@ -102,6 +103,8 @@ pub struct SystemLaw {
     pub off: f64,
     /// Whether the solver took it for one that does not touch yet.
     pub potential: bool,
+    /// Of such a point the coefficient of friction that it will have when it touches, and where it is from the centres of mass [m].
+    pub impact: Option<(f64, [DVec3; 2])>,
     /// Coefficient of restitution.
     pub restitution: f64,
     /// A body of it bounced in the step, and had other contacts too.

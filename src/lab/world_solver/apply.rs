@@ -7,7 +7,6 @@ use crate::lab::steppers::{Resolution, Step};
 use crate::lab::system::{LaneRows, Owner, Stabilisation, System, SystemIsland, Velocity};
 use crate::lanes::Record;
 use crate::world::World;
-use glam::DVec3;
 
 /// Impulses of the step before.
 #[derive(Debug, Default)]
@@ -86,19 +85,27 @@ impl WorldSolver {
             Guess::LastStep => last.guess(system),
             Guess::FastPath => system.impulses(),
         };
+        let (own, of) = system.with_impacts();
+        let begin = |row: &Option<usize>| row.map_or(0.0, |row| start.get(row).copied().unwrap_or(0.0));
+        let start: Vec<f64> = if start.is_empty() { start } else { of.iter().map(begin).collect() };
         let chosen: Option<Vec<usize>> = (!self.only.is_empty()).then(|| {
             let handles = system.bodies.iter().enumerate();
             handles.filter(|(_, body)| self.only.contains(&body.body)).map(|(i, _)| i).collect()
         });
         let mut replaced = vec![false; system.rows.len()];
-        for island in std::mem::take(&mut system.islands) {
+        for island in &own.islands {
             let is_chosen = |of: &Vec<usize>| island.bodies.iter().any(|i| of.contains(i));
             if chosen.as_ref().is_none_or(is_chosen)
-                && let Some(found) = self.island(world, system, &island, &start, &mut report)
+                && let Some(found) = self.island(world, &own, island, &start, &mut report)
             {
-                found.put(world, system, &island, &mut replaced);
+                for (row, &impulse) in rows_of(&own, island).zip(&found.impulses) {
+                    if let Some(row) = of[row] {
+                        system.rows[row].impulse = impulse;
+                        replaced[row] = true;
+                    }
+                }
+                found.put(world, system, island);
             }
-            system.islands.push(island);
         }
         if report.solved > 0 {
             put_impulses(world, system, &replaced);
@@ -194,17 +201,17 @@ impl WorldSolver {
 }
 
 impl Found {
-    fn put(self, world: &mut World, system: &mut System, island: &SystemIsland, replaced: &mut [bool]) {
-        let rows: Vec<usize> = rows_of(system, island).collect();
-        for (&row, &impulse) in rows.iter().zip(&self.impulses) {
-            system.rows[row].impulse = impulse;
-            replaced[row] = true;
-        }
+    /// Bodies go on with it.
+    fn put(self, world: &mut World, system: &mut System, island: &SystemIsland) {
         for law in &island.laws {
             system.laws[*law].bouncing = false;
         }
-        for ((&i, end), moving) in island.bodies.iter().zip(&self.end).zip(&self.moving) {
-            system.bodies[i].given = [DVec3::ZERO; 2];
+        let impulses: Vec<f64> = rows_of(system, island).map(|row| system.rows[row].impulse).collect();
+        let explained = system.velocities_with(island, &impulses);
+        let ends = self.end.iter().zip(&self.moving).zip(explained);
+        for (&i, ((end, moving), explained)) in island.bodies.iter().zip(ends) {
+            // By friction of what touched only now.
+            system.bodies[i].given = [0, 1].map(|k| end[k] - explained[k]);
             let way = moving.map(|v| v * system.dt);
             world.buffers.solver.delta[i] = record(&way, 1.0);
             let velocity = &mut world.bodies.velocity[i];

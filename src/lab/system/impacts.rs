@@ -1,0 +1,58 @@
+//! A system for methods that solve a step: points that may touch within it rub when they do.
+
+use super::*;
+
+impl System {
+    /// The same with Coulomb's cone at each point that doesn't touch yet, and of each row the one here, if there is one.
+    ///
+    /// The fast path has no friction there while it solves, and sees to the friction of what touched afterwards. A method that solves a
+    /// step as one has no afterwards: what it stops at the end of the step touches, and an impact without friction would slide on
+    /// as on ice.
+    pub(in crate::lab) fn with_impacts(&self) -> (System, Vec<Option<usize>>) {
+        let mut out = System {
+            dt: self.dt,
+            threshold: self.threshold,
+            bodies: self.bodies.clone(),
+            rows: Vec::with_capacity(self.rows.len()),
+            laws: Vec::with_capacity(self.laws.len()),
+            islands: self.islands.clone(),
+            contacts: self.contacts,
+        };
+        let mut of = Vec::with_capacity(self.rows.len());
+        // Where rows of the system have gone, for patches to find their normals.
+        let mut place = vec![0; self.rows.len()];
+        for law in &self.laws {
+            let own = law.first..law.first + law.law.rows();
+            for row in own.clone() {
+                place[row] = out.rows.len() + row - law.first;
+            }
+            let rows = &self.rows[own.clone()];
+            of.extend(own.map(Some));
+            match (law.law, law.impact) {
+                (Law::Bounds { .. }, Some((mu, arms))) => {
+                    let [t, s] = tangents(&rows[0], arms);
+                    out.push(SystemLaw { law: Law::Contact { mu }, ..*law }, &[rows[0], t, s]);
+                    of.extend([None, None]);
+                }
+                (Law::Patch { mu, arm, first, count }, _) => {
+                    let law = SystemLaw { law: Law::Patch { mu, arm, first: place[first], count }, ..*law };
+                    out.push(law, rows);
+                }
+                _ => out.push(*law, rows),
+            }
+        }
+        (out, of)
+    }
+}
+
+/// Both tangents of a point.
+fn tangents(normal: &SystemRow, arms: [DVec3; 2]) -> [SystemRow; 2] {
+    let n = normal.linear[1];
+    let t = n.any_orthonormal_vector();
+    [t, n.cross(t)].map(|t| SystemRow {
+        linear: [-t, t],
+        angular: [-arms[0].cross(t), arms[1].cross(t)],
+        impulse: 0.0,
+        ..*normal
+    })
+}
