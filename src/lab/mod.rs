@@ -32,6 +32,7 @@ mod rest;
 pub mod retroactive;
 mod state;
 pub mod steppers;
+pub mod structures;
 pub mod system;
 pub mod tosses;
 mod world_solver;

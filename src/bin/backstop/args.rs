@@ -4,6 +4,7 @@ use crate::view::Look;
 use backstop::glam::{DVec3, Vec3};
 use backstop::lab::WorldMethod;
 use backstop::lab::methods::{Friction, Method};
+use backstop::lab::structures::Structure;
 use backstop::{Continuous, ContinuousMethod, FrictionModel, LoadLimits};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
@@ -36,6 +37,8 @@ pub(crate) enum Command {
     Tosses(TossOptions),
     /// Solve a linear complementarity or contact problem out of a file by one of many methods (docs/methods.md).
     Solve(SolveOptions),
+    /// Run a pyramid, an arch, a card house and a chain under every method of contact resolution (docs/methods.md).
+    Methods(MethodsOptions),
     /// Play a recorded run again, compare every step, and name the first that goes another way.
     Replay(ReplayOptions),
     /// Scenes that come with backstop.
@@ -340,6 +343,31 @@ pub(crate) struct ExtremesOptions {
 }
 
 #[derive(Args, Debug)]
+pub(crate) struct MethodsOptions {
+    /// Only this structure: pyramid, arch, card-house or chain; may be given again.
+    #[arg(long, value_name = "NAME", value_parser = structure)]
+    pub(crate) structure: Vec<Structure>,
+    /// Only this method; may be given again [default: all, and the engine's own].
+    #[arg(long, value_name = "NAME", value_parser = world_method)]
+    pub(crate) method: Vec<WorldMethod>,
+    /// Seconds that each structure is watched for.
+    #[arg(long, value_name = "S", default_value_t = 2.0, value_parser = positive)]
+    pub(crate) seconds: f32,
+    /// Length of a step in seconds: a number or a fraction.
+    #[arg(long, value_name = "SECONDS", default_value = "1/60", value_parser = seconds)]
+    pub(crate) dt: f32,
+    /// The most sweeps, iterations or pivots of an island in a step.
+    #[arg(long, value_name = "N", default_value_t = 1000)]
+    pub(crate) iterations: u32,
+    /// Unit-free residual to be reached.
+    #[arg(long, value_name = "R", default_value_t = 1e-8, value_parser = tolerance)]
+    pub(crate) tolerance: f64,
+    /// Print one JSON document instead of a table (docs/json.md).
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Args, Debug)]
 pub(crate) struct SolveOptions {
     /// A .dat file of Siconos, with a linear complementarity problem or a contact problem; with the feature hdf5 also an .hdf5
     /// file of FCLIB.
@@ -489,6 +517,11 @@ fn friction_model(text: &str) -> Result<FrictionModel, String> {
 fn solver(text: &str) -> Result<&'static Method, String> {
     let names = || Method::ALL.iter().map(|method| method.name).collect::<Vec<_>>().join(", ");
     Method::by_name(text).ok_or_else(|| format!("must be one of {}", names()))
+}
+
+fn structure(text: &str) -> Result<Structure, String> {
+    let names = || Structure::ALL.map(Structure::name).join(", ");
+    Structure::named(text).ok_or_else(|| format!("must be one of {}", names()))
 }
 
 fn world_method(text: &str) -> Result<WorldMethod, String> {

@@ -8,6 +8,7 @@ mod compare;
 mod document;
 mod extremes;
 mod html;
+mod methods;
 mod output;
 mod page;
 mod plan;
@@ -37,6 +38,7 @@ fn main() -> ExitCode {
         Command::Extremes(options) => extremes::extremes(&options),
         Command::Replay(options) => replay::replay(&options),
         Command::Shots(options) => shots::shots(&options),
+        Command::Methods(options) => methods::methods(&options),
         Command::Tosses(options) => tosses::tosses(&options),
         Command::Compare(options) => compare::print(&options),
         // Alone in having more to say than whether it ran.

@@ -105,6 +105,11 @@ impl Trial {
         self != Trial::Bullets || conditions.size >= 0.01
     }
 
+    /// What is run under some conditions.
+    pub fn scene(self, conditions: &Conditions) -> Scene {
+        self.setup(conditions).scene
+    }
+
     /// The scene and what is judged of it.
     pub(super) fn setup(self, conditions: &Conditions) -> Setup {
         let build = match self {
