@@ -4,6 +4,8 @@
 mod blocks;
 mod guendelman;
 mod impulse_based;
+pub mod limit;
+mod memory;
 mod moving;
 mod penalty;
 mod sequential;
@@ -12,6 +14,7 @@ mod tests;
 
 pub use guendelman::guendelman;
 pub use impulse_based::impulse_based;
+pub(super) use memory::Memory;
 pub use penalty::{penalty, penalty_implicit};
 pub use sequential::sequential;
 

@@ -3,7 +3,7 @@
 use super::{Guess, SolverReport, WorldMethod, WorldSolver};
 use crate::handle::JointHandle;
 use crate::lab::methods::{Effort, Status};
-use crate::lab::steppers::{Resolution, Step};
+use crate::lab::steppers::{Memory, Resolution, Step};
 use crate::lab::system::{LaneRows, Owner, Stabilisation, System, SystemIsland, Velocity};
 use crate::lanes::Record;
 use crate::world::World;
@@ -17,6 +17,8 @@ pub(in crate::lab) struct Last {
     joints: Vec<(JointHandle, u32, f64)>,
     /// Length of the step that they are of [s].
     dt: f64,
+    /// Of penalty methods.
+    directions: Memory,
 }
 
 impl Last {
@@ -85,7 +87,10 @@ impl WorldSolver {
             Guess::LastStep => last.guess(system),
             Guess::FastPath => system.impulses(),
         };
-        let (own, of) = system.with_impacts();
+        let (mut own, of) = system.with_impacts();
+        if self.direction_memory && self.pushes_itself() {
+            last.directions.apply(&mut own);
+        }
         let begin = |row: &Option<usize>| row.map_or(0.0, |row| start.get(row).copied().unwrap_or(0.0));
         let start: Vec<f64> = if start.is_empty() { start } else { of.iter().map(begin).collect() };
         let chosen: Option<Vec<usize>> = (!self.only.is_empty()).then(|| {
@@ -143,11 +148,7 @@ impl WorldSolver {
             joint_rate: self.joint_share / system.dt,
         };
         let mut moving = moving.unwrap_or_else(|| end.clone());
-        let pushes = match self.method {
-            WorldMethod::Problem(_) => true,
-            WorldMethod::Step(stepper) => !stepper.pushes,
-        };
-        if pushes && system.needs_push(island, push) {
+        if !self.pushes_itself() && system.needs_push(island, push) {
             let effort = Effort { start: Some(solution.r.clone()), ..self.effort.clone() };
             match self.solve(system, island, push, &effort) {
                 Some(pushed) => moving = pushed.end,
@@ -160,6 +161,11 @@ impl WorldSolver {
         report.pivots += u64::from(solution.pivots);
         report.residual = report.residual.max(solution.residual);
         Some(Found { impulses: solution.r, end, moving })
+    }
+
+    /// Whether the method sees to overlap by itself.
+    fn pushes_itself(&self) -> bool {
+        matches!(self.method, WorldMethod::Step(stepper) if stepper.pushes)
     }
 
     /// None if it comes to nothing that may be taken.

@@ -110,6 +110,8 @@ pub struct WorldSolver {
     pub overlap_share: f64,
     /// The same of joint errors. Default 0.5.
     pub joint_share: f64,
+    /// Whether a penalty method keeps the direction in which bodies entered each other. Default true.
+    pub direction_memory: bool,
 }
 
 impl WorldSolver {
@@ -124,6 +126,7 @@ impl WorldSolver {
             most_residual: 1e-2,
             overlap_share: 0.2,
             joint_share: 0.5,
+            direction_memory: true,
         }
     }
 

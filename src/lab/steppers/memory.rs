@@ -1,0 +1,62 @@
+//! Direction memory: the face that was entered is the one to leave by.
+//!
+//! Overlap is measured the shortest way out. A body that a soft spring lets in beyond the middle is nearest to the other side, and
+//! from then on the spring pushes it through: the flip. So the direction of a contact is kept from step to step for as long as the two
+//! bodies touch, and where detection turns it round, the depth is what is left of the whole way through.
+
+use crate::handle::BodyHandle;
+use crate::lab::problem::Law;
+use crate::lab::system::{Owner, System};
+use glam::DVec3;
+
+/// What is known of two bodies that touch.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    bodies: [BodyHandle; 2],
+    /// Of the first row, from the first body to the second.
+    normal: DVec3,
+    /// Deepest point [m].
+    depth: f64,
+    /// The whole way through, once the direction was turned round [m].
+    width: Option<f64>,
+}
+
+/// The directions in which bodies entered each other.
+#[derive(Debug, Default)]
+pub(in crate::lab) struct Memory {
+    entries: Vec<Entry>,
+}
+
+impl Memory {
+    /// Turns contacts back that detection has turned round, and keeps the directions of this step.
+    pub(in crate::lab) fn apply(&mut self, system: &mut System) {
+        let mut now: Vec<Entry> = Vec::new();
+        for i in 0..system.contacts() {
+            let law = system.laws[i];
+            let (Owner::Contact(bodies), Some(gap)) = (law.owner, law.gap) else { continue };
+            let normal = system.rows[law.first].linear[1];
+            let last = self.entries.iter().find(|entry| entry.bodies == bodies).copied();
+            let turned = last.filter(|last| last.normal.dot(normal) < -0.5 && gap < 0.0);
+            let Some(last) = turned else {
+                match now.iter_mut().find(|entry| entry.bodies == bodies) {
+                    Some(entry) => entry.depth = entry.depth.max(-gap),
+                    None => now.push(Entry { bodies, normal, depth: -gap, width: None }),
+                }
+                continue;
+            };
+            // How far it came since then, by its speed.
+            let speed = -system.speed(&system.rows[law.first], |body| body.start);
+            let width = last.width.unwrap_or(last.depth - speed * system.dt - gap);
+            system.laws[i].gap = Some(-(width + gap).max(0.0));
+            let rows = if matches!(law.law, Law::Contact { .. }) { 1 } else { law.law.rows() };
+            for row in &mut system.rows[law.first..law.first + rows] {
+                row.linear = row.linear.map(|d| -d);
+                row.angular = row.angular.map(|d| -d);
+            }
+            if now.iter().all(|entry| entry.bodies != bodies) {
+                now.push(Entry { width: Some(width), ..last });
+            }
+        }
+        self.entries = now;
+    }
+}
