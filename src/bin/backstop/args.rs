@@ -347,9 +347,9 @@ pub(crate) struct MethodsOptions {
     /// Only this structure: pyramid, arch, card-house or chain; may be given again.
     #[arg(long, value_name = "NAME", value_parser = structure)]
     pub(crate) structure: Vec<Structure>,
-    /// Only this method; may be given again [default: all, and the engine's own].
-    #[arg(long, value_name = "NAME", value_parser = world_method)]
-    pub(crate) method: Vec<WorldMethod>,
+    /// Only this method, or backstop for the engine's own; may be given again [default: all].
+    #[arg(long, value_name = "NAME", value_parser = any_method)]
+    pub(crate) method: Vec<AnyMethod>,
     /// Seconds that each structure is watched for.
     #[arg(long, value_name = "S", default_value_t = 2.0, value_parser = positive)]
     pub(crate) seconds: f32,
@@ -522,6 +522,27 @@ fn solver(text: &str) -> Result<&'static Method, String> {
 fn structure(text: &str) -> Result<Structure, String> {
     let names = || Structure::ALL.map(Structure::name).join(", ");
     Structure::named(text).ok_or_else(|| format!("must be one of {}", names()))
+}
+
+/// A method of the lab, or the engine's own.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AnyMethod(pub(crate) Option<WorldMethod>);
+
+impl AnyMethod {
+    /// What the engine's own is called.
+    pub(crate) const OWN: &str = "backstop";
+
+    pub(crate) fn name(self) -> &'static str {
+        self.0.map_or(AnyMethod::OWN, |method| method.name())
+    }
+}
+
+fn any_method(text: &str) -> Result<AnyMethod, String> {
+    if text == AnyMethod::OWN {
+        Ok(AnyMethod(None))
+    } else {
+        world_method(text).map(|method| AnyMethod(Some(method)))
+    }
 }
 
 fn world_method(text: &str) -> Result<WorldMethod, String> {

@@ -1,15 +1,12 @@
 //! `methods`: the same structures under every method of contact resolution.
 
-use crate::args::MethodsOptions;
+use crate::args::{AnyMethod, MethodsOptions};
 use crate::output;
 use anyhow::Context;
 use backstop::lab::structures::{Outcome, Structure};
 use backstop::lab::{WorldMethod, WorldSolver};
 use serde::Serialize;
 use std::fmt::Write;
-
-/// What the engine's own solver is called in tables.
-const OWN: &str = "backstop";
 
 #[derive(Serialize)]
 struct Row {
@@ -27,17 +24,18 @@ struct Row {
 pub(crate) fn methods(options: &MethodsOptions) -> anyhow::Result<()> {
     let structures =
         if options.structure.is_empty() { Structure::ALL.to_vec() } else { options.structure.clone() };
-    let methods: Vec<Option<WorldMethod>> = if options.method.is_empty() {
-        std::iter::once(None).chain(WorldMethod::names().map(WorldMethod::by_name)).collect()
+    let all = || WorldMethod::names().map(WorldMethod::by_name).map(AnyMethod);
+    let methods: Vec<AnyMethod> = if options.method.is_empty() {
+        std::iter::once(AnyMethod(None)).chain(all()).collect()
     } else {
-        options.method.iter().copied().map(Some).collect()
+        options.method.clone()
     };
     let bar = output::progress(!options.json, (structures.len() * methods.len()) as u64, "runs");
     let mut rows = Vec::new();
     for &structure in &structures {
         for &method in &methods {
-            let name = method.map_or(OWN, |method| method.name());
-            let solver = method.map(|method| {
+            let name = method.name();
+            let solver = method.0.map(|method| {
                 let mut solver = WorldSolver {
                     most_rows: usize::MAX,
                     most_residual: f64::INFINITY,
