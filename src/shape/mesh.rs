@@ -2,6 +2,8 @@
 
 use super::corners::Corners;
 use super::mesh_bvh::{Item, LEAF, MAX_TRIANGLES, MeshBvh, triangles};
+#[cfg(feature = "lab")]
+use super::mesh_edges::Fold;
 use super::mesh_edges::{Edges, find_edges};
 use super::segment_triangle::SegmentTest;
 use super::slabs::{Near, Slabs};
@@ -37,7 +39,26 @@ impl TriangleMesh {
     /// # Errors
     /// A coordinate is not finite or beyond 1e7, an index has no vertex, no triangle has an area, or there are more
     /// than 2^28 triangles.
-    pub fn new(mut vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<TriangleMesh, Error> {
+    pub fn new(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<TriangleMesh, Error> {
+        TriangleMesh::build(vertices, triangles, find_edges)
+    }
+
+    /// The same without inactive edges: every edge may yield a normal of its own, as if nothing were beyond it, and bodies that
+    /// slide trip over the seams. It is there to measure what inactive edges are worth (`docs/methods.md`).
+    ///
+    /// # Errors
+    /// As for [`TriangleMesh::new`].
+    #[cfg(feature = "lab")]
+    pub fn with_active_edges(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<TriangleMesh, Error> {
+        let open = |_: &[Vec3], triangles: &[[u32; 3]]| vec![Edges::new([Fold::Open; 3]); triangles.len()];
+        TriangleMesh::build(vertices, triangles, open)
+    }
+
+    fn build(
+        mut vertices: Vec<Vec3>,
+        triangles: Vec<[u32; 3]>,
+        find_edges: impl Fn(&[Vec3], &[[u32; 3]]) -> Vec<Edges>,
+    ) -> Result<TriangleMesh, Error> {
         for v in &vertices {
             finite3("mesh vertex", *v)?;
             crate::error::within("mesh vertex", v.abs().max_element(), 0.0, MOST, "within 1e7")?;
