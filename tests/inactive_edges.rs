@@ -15,51 +15,53 @@ fn grid() -> (Vec<Vec3>, Vec<[u32; 3]>) {
     (vertices, triangles)
 }
 
-/// The greatest speed upwards [m/s] and loss of speed [m/s] of a body that slides at 5 m/s without friction for three seconds.
-fn slide(geometry: Geometry, half_height: f64, inactive: bool) -> (f32, f32) {
+/// Bodies that fall, tumble and slide at 10 m/s without friction for two seconds: by how much the velocity along the plane of any of them
+/// changes [m/s]. Nothing on a frictionless plane changes it.
+fn swerve(geometry: &Geometry, inactive: bool) -> f64 {
     let (vertices, triangles) = grid();
     let mesh = if inactive {
         TriangleMesh::new(vertices, triangles)
     } else {
         TriangleMesh::with_active_edges(vertices, triangles)
     };
+    let mesh = Arc::new(mesh.unwrap());
     let material = Material::default().with_friction(0.0);
     let shape = |geometry| ShapeDesc { material, ..ShapeDesc::new(geometry) };
-    let mut world = World::new(Settings::default()).unwrap();
-    let ground = shape(Geometry::Mesh(Arc::new(mesh.unwrap())));
-    world.add_body(&BodyDesc::fixed().with_shape(ground)).unwrap();
-    let desc = BodyDesc::dynamic()
-        .at(DVec3::new(-8.0, half_height, 0.13))
-        .moving(Vec3::new(5.0, 0.0, 0.3), Vec3::ZERO);
-    let body = world.add_body(&desc.with_shape(shape(geometry))).unwrap();
-    let (mut hop, mut loss) = (0.0_f32, 0.0_f32);
-    for _ in 0..180 {
-        world.step(1.0 / 60.0).unwrap();
-        let v = world.linear_velocity(body).unwrap();
-        hop = hop.max(v.y);
-        loss = loss.max(5.0 - v.x);
+    let mut worst = 0.0_f64;
+    for i in 0..8 {
+        let mut world = World::new(Settings::default()).unwrap();
+        world.add_body(&BodyDesc::fixed().with_shape(shape(Geometry::Mesh(mesh.clone())))).unwrap();
+        let start = DVec3::new(-12.0, 0.7 + 0.05 * f64::from(i), 0.13 * f64::from(i));
+        let along = Vec3::new(10.0, 0.0, 1.0);
+        let spin = Vec3::new(3.0 - i as f32, 1.0 + i as f32, 5.0 - 2.0 * i as f32);
+        let desc = BodyDesc::dynamic().at(start).moving(along, spin);
+        let body = world.add_body(&desc.with_shape(shape(geometry.clone()))).unwrap();
+        for _ in 0..120 {
+            world.step(1.0 / 60.0).unwrap();
+        }
+        let change = world.linear_velocity(body).unwrap() - along;
+        worst = worst.max(f64::from(change.x.hypot(change.z)));
     }
-    (hop, loss)
+    worst
 }
 
-/// On a plane nothing turns a body aside: with inactive edges it keeps its speed and its height. Where every edge counts, some shape
-/// trips.
+/// With inactive edges the velocity along the plane is kept to a millimetre per second; where every edge counts, some shape trips.
 #[test]
 fn inactive_edges_keep_bodies_from_tripping() {
     let shapes = [
-        ("sphere", Geometry::Sphere { radius: 0.25 }, 0.25),
-        ("capsule", Geometry::Capsule { half_height: 0.3, radius_bottom: 0.2, radius_top: 0.2 }, 0.5),
-        ("box", Geometry::cuboid(0.25, 0.25, 0.25), 0.25),
+        ("sphere", Geometry::Sphere { radius: 0.25 }),
+        ("capsule", Geometry::Capsule { half_height: 0.3, radius_bottom: 0.2, radius_top: 0.2 }),
+        ("box", Geometry::cuboid(0.25, 0.25, 0.25)),
+        ("plank", Geometry::cuboid(0.6, 0.05, 0.2)),
     ];
-    let mut worst = 0.0_f32;
-    for (name, geometry, half_height) in shapes {
-        let (hop, loss) = slide(geometry.clone(), half_height, true);
-        let (trip, lost) = slide(geometry, half_height, false);
+    let mut worst = 0.0_f64;
+    for (name, geometry) in shapes {
+        let (inactive, active) = (swerve(&geometry, true), swerve(&geometry, false));
         println!(
-            "{name:8} inactive: {hop:.1e} m/s up, {loss:.1e} m/s lost; all active: {trip:.1e}, {lost:.1e}"
+            "{name:8} swerves by {inactive:.1e} m/s with inactive edges, {active:.1e} m/s if all are active"
         );
-        assert!(hop < 1e-3 && loss < 1e-3, "{name}: {hop} m/s up, {loss} m/s lost");
-        worst = worst.max(trip).max(lost);
+        assert!(inactive < 1e-3, "{name}: {inactive} m/s");
+        worst = worst.max(active);
     }
-    assert!(worst > 1e-2, "{worst}");
+    assert!(worst > 0.1, "{worst}");
 }
