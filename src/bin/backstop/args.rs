@@ -31,6 +31,9 @@ pub(crate) enum Command {
     Stability(StabilityOptions),
     /// Run small scenes under extreme conditions and map what holds (docs/envelope.md).
     Extremes(ExtremesOptions),
+    /// Run cases of mechanics whose answer is known, by several methods and settings, and print what each is off by
+    /// (docs/cases.md).
+    Cases(CaseOptions),
     /// Compare measured tosses of a cube with the same tosses simulated (docs/tosses.md).
     Tosses(TossOptions),
     /// Solve a linear complementarity or contact problem out of a file by one of many methods (docs/methods.md).
@@ -435,6 +438,51 @@ pub(crate) struct TossOptions {
 }
 
 #[derive(Args, Debug)]
+pub(crate) struct CaseOptions {
+    /// Only cases with this in their names; may be given several times.
+    #[arg(long = "case", value_name = "NAME")]
+    pub(crate) cases: Vec<String>,
+    /// What solves the steps: backstop or a method of the lab (`solve --list`); may be given several times [default:
+    /// backstop].
+    #[arg(long = "method", value_name = "NAME", value_parser = case_method)]
+    pub(crate) methods: Vec<CaseMethod>,
+    /// Rates of the steps, with commas between them [default: six settings, see docs/cases.md].
+    #[arg(long, value_name = "HZ,...", value_delimiter = ',', value_parser = hertz)]
+    pub(crate) hz: Vec<f32>,
+    /// Substeps of the solver in a step [default: 4].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub(crate) substeps: Option<u32>,
+    /// Solver iterations in each substep [default: 1].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=256))]
+    pub(crate) iterations: Option<u32>,
+    /// Where friction acts: patch or point.
+    #[arg(long, value_name = "MODEL", value_parser = friction_model)]
+    pub(crate) friction_model: Option<FrictionModel>,
+    /// Runs at once [default: one per core].
+    #[arg(long, value_name = "N", value_parser = threads)]
+    pub(crate) jobs: Option<usize>,
+    /// Name the cases with their formulas and bars, and run none.
+    #[arg(long)]
+    pub(crate) list: bool,
+    /// Print one JSON document instead of tables (docs/json.md).
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// No progress.
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}
+
+/// The engine's own solver, or a method of the lab.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CaseMethod(pub(crate) Option<&'static Method>);
+
+impl CaseMethod {
+    pub(crate) fn name(self) -> &'static str {
+        self.0.map_or("backstop", |method| method.name)
+    }
+}
+
+#[derive(Args, Debug)]
 pub(crate) struct CompareOptions {
     /// Only this scene: talk, posts, blades, deflector, head_on or ragdoll_wall.
     #[arg(long, value_name = "NAME")]
@@ -479,6 +527,14 @@ fn friction_model(text: &str) -> Result<FrictionModel, String> {
 fn solver(text: &str) -> Result<&'static Method, String> {
     let names = || Method::ALL.iter().map(|method| method.name).collect::<Vec<_>>().join(", ");
     Method::by_name(text).ok_or_else(|| format!("must be one of {}", names()))
+}
+
+fn case_method(text: &str) -> Result<CaseMethod, String> {
+    if text == "backstop" {
+        Ok(CaseMethod(None))
+    } else {
+        solver(text).map(|method| CaseMethod(Some(method)))
+    }
 }
 
 fn friction(text: &str) -> Result<Friction, String> {

@@ -1,0 +1,192 @@
+//! `cases`: what cases with known answers are off by, by method and setting (docs/cases.md).
+
+use crate::args::{CaseMethod, CaseOptions};
+use crate::output;
+use anyhow::{Context, bail};
+use backstop::lab::cases::{Case, Outcome, Setting};
+use serde::Serialize;
+use std::fmt::Write;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// One case by one method at one setting; docs/json.md says what its fields mean.
+#[derive(Debug, Serialize)]
+struct Run {
+    case: &'static str,
+    unit: &'static str,
+    method: &'static str,
+    setting: String,
+    expected: f64,
+    /// None if what was to be measured never happened.
+    measured: Option<f64>,
+    error: Option<f64>,
+    bar: f64,
+    within: bool,
+}
+
+pub(crate) fn cases(options: &CaseOptions) -> anyhow::Result<()> {
+    let asked = |case: &&Case| {
+        options.cases.is_empty() || options.cases.iter().any(|name| case.name.contains(name.as_str()))
+    };
+    let cases: Vec<_> = Case::all().filter(asked).collect();
+    if cases.is_empty() {
+        bail!("no case has such a name (--list names them)");
+    }
+    if options.list {
+        return output::print(&list(&cases));
+    }
+    let settings = settings(options);
+    let methods = if options.methods.is_empty() { vec![CaseMethod(None)] } else { options.methods.clone() };
+    let runs = run_all(&cases, &methods, &settings, options)?;
+    if options.json {
+        return output::print_json(&runs);
+    }
+    output::print(&tables(&cases, &methods, &settings, &runs))
+}
+
+/// Those that are asked for; the usual ones if nothing is.
+fn settings(options: &CaseOptions) -> Vec<Setting> {
+    let asked =
+        options.substeps.is_some() || options.iterations.is_some() || options.friction_model.is_some();
+    if options.hz.is_empty() && !asked {
+        return Setting::usual().to_vec();
+    }
+    let reference = Setting::REFERENCE;
+    let at = |dt| Setting {
+        dt,
+        substeps: options.substeps.unwrap_or(reference.substeps),
+        iterations: options.iterations.unwrap_or(reference.iterations),
+        friction: options.friction_model.unwrap_or(reference.friction),
+        ..reference
+    };
+    if options.hz.is_empty() {
+        vec![at(reference.dt)]
+    } else {
+        options.hz.iter().map(|hz| at(1.0 / hz)).collect()
+    }
+}
+
+/// Every case by every method at every setting, in this order.
+fn run_all(
+    cases: &[&'static Case],
+    methods: &[CaseMethod],
+    settings: &[Setting],
+    options: &CaseOptions,
+) -> anyhow::Result<Vec<Run>> {
+    let mut jobs = Vec::new();
+    for &case in cases {
+        for &method in methods {
+            jobs.extend(settings.iter().map(|&setting| (case, method, setting)));
+        }
+    }
+    let bar = output::progress(!options.quiet && !options.json, jobs.len() as u64, "runs");
+    let (next, done) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+    let work = || -> anyhow::Result<()> {
+        loop {
+            let number = next.fetch_add(1, Ordering::Relaxed);
+            let Some(&(case, method, setting)) = jobs.get(number) else { return Ok(()) };
+            let about = || format!("can't run {} by {} at {}", case.name, method.name(), setting.name());
+            let outcome = case.run(&Setting { method: method.0, ..setting }).with_context(about)?;
+            done.lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .push((number, run(case, method, &setting, outcome)));
+            bar.inc(1);
+        }
+    };
+    let threads = options.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, |n| n.get()));
+    std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+        workers.into_iter().try_for_each(|worker| match worker.join() {
+            Ok(done) => done,
+            Err(_) => bail!("a case panicked"),
+        })
+    })?;
+    bar.finish_and_clear();
+    let mut done = done.into_inner().unwrap_or_else(PoisonError::into_inner);
+    done.sort_by_key(|&(number, _)| number);
+    Ok(done.into_iter().map(|(_, run)| run).collect())
+}
+
+fn run(case: &'static Case, method: CaseMethod, setting: &Setting, outcome: Outcome) -> Run {
+    let error = outcome.error();
+    Run {
+        case: case.name,
+        unit: case.unit,
+        method: method.name(),
+        setting: setting.name(),
+        expected: outcome.expected,
+        measured: Some(outcome.measured).filter(|x| x.is_finite()),
+        error: Some(error).filter(|x| x.is_finite()),
+        bar: case.bar,
+        within: error <= case.bar,
+    }
+}
+
+/// A table for each method: a row for each case, a column for each setting. `!` is beyond the bar.
+fn tables(cases: &[&Case], methods: &[CaseMethod], settings: &[Setting], runs: &[Run]) -> String {
+    let mut text = String::from(
+        "What cases are off by, as a share of the exact answer, or in its unit if that is zero; ! is beyond the bar, - is none.\n",
+    );
+    let halved = halved(settings);
+    for (m, method) in methods.iter().enumerate() {
+        let _ = write!(text, "\n{:<22}{:>9}", method.name(), "bar");
+        for setting in settings {
+            let _ = write!(text, "  {:>15}", setting.name());
+        }
+        text += if halved.is_some() { "   order\n" } else { "\n" };
+        let mut within = vec![0; settings.len()];
+        for (c, case) in cases.iter().enumerate() {
+            let first = (c * methods.len() + m) * settings.len();
+            let row = &runs[first..first + settings.len()];
+            let _ = write!(text, "{:<22}{:>9}", case.name, figure(case.bar));
+            for (run, within) in row.iter().zip(&mut within) {
+                *within += usize::from(run.within);
+                let mark = if run.within { ' ' } else { '!' };
+                let _ = write!(text, "  {:>14}{mark}", run.error.map_or("-".into(), figure));
+            }
+            if let Some([coarse, fine]) = halved {
+                let _ = write!(text, "  {:>6}", order(row, coarse, fine, settings));
+            }
+            text = text.trim_end().to_owned() + "\n";
+        }
+        let _ = write!(text, "{:<22}{:>9}", "within the bar", format!("of {}", cases.len()));
+        within.iter().for_each(|n| {
+            let _ = write!(text, "  {n:>14} ");
+        });
+        text = text.trim_end().to_owned() + "\n";
+    }
+    text
+}
+
+/// The first setting, and the one that differs from it only by the shortest steps.
+fn halved(settings: &[Setting]) -> Option<[usize; 2]> {
+    let first = settings.first()?;
+    let same = |s: &Setting| {
+        (s.substeps, s.iterations, s.friction) == (first.substeps, first.iterations, first.friction)
+    };
+    let finer = settings.iter().enumerate().filter(|(_, s)| same(s) && s.dt < first.dt);
+    finer.min_by(|a, b| a.1.dt.total_cmp(&b.1.dt)).map(|(i, _)| [0, i])
+}
+
+/// Power of the step with which the error falls; nothing where rounding or a count makes it.
+fn order(row: &[Run], coarse: usize, fine: usize, settings: &[Setting]) -> String {
+    match (row[coarse].error, row[fine].error) {
+        (Some(a), Some(b)) if a > 1e-6 && b > 1e-6 => {
+            format!("{:.1}", (a / b).ln() / f64::from(settings[coarse].dt / settings[fine].dt).ln())
+        }
+        _ => String::new(),
+    }
+}
+
+fn figure(x: f64) -> String {
+    if x == 0.0 { "0".into() } else { format!("{x:.1e}") }
+}
+
+fn list(cases: &[&Case]) -> String {
+    let mut text = String::new();
+    for case in cases {
+        let bar = figure(case.bar);
+        let _ = writeln!(text, "{:<22}{}\n{:<22}{}; bar {bar}", case.name, case.about, "", case.formula);
+    }
+    text
+}
