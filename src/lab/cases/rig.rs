@@ -91,14 +91,15 @@ impl Rig {
     }
 }
 
-/// Coulomb's coefficient and Newton's restitution of a surface.
+/// Coulomb's coefficient and Newton's restitution of a surface. Of two the smoother counts.
 pub(super) fn surface(friction: f64, restitution: f64) -> Material {
-    Material::default().with_friction(friction as f32).with_restitution(restitution as f32)
+    let material = Material::default().with_friction(friction as f32).with_restitution(restitution as f32);
+    Material { friction_combine: Combine::Minimum, ..material }
 }
 
-/// A surface without friction, whatever touches it.
+/// A surface without friction.
 pub(super) fn smooth(restitution: f64) -> Material {
-    Material { friction_combine: Combine::Minimum, ..surface(0.0, restitution) }
+    surface(0.0, restitution)
 }
 
 pub(super) fn shape(geometry: Geometry, material: Material) -> ShapeDesc {
