@@ -56,12 +56,29 @@ impl ContactLane {
     }
 }
 
+/// Impulses for the rows of a contact: of its points, then of friction along both tangents and about the normal.
+pub(crate) type LaneImpulses = ([f32; 4], [f32; 3]);
+
 impl Views<'_> {
     /// Calls `f` with each lane that has a contact, in the order in which they are solved.
     ///
     /// # Safety
     /// No other thread works on the batches.
     pub(crate) unsafe fn each_lane(&self, f: &mut dyn FnMut(&ContactLane)) {
+        // SAFETY: by the contract.
+        unsafe {
+            self.replace_impulses(&mut |lane| {
+                f(lane);
+                None
+            });
+        }
+    }
+
+    /// The same, and replaces the impulses of those that `f` says others for.
+    ///
+    /// # Safety
+    /// As for [`Views::each_lane`].
+    pub(crate) unsafe fn replace_impulses(&self, f: &mut dyn FnMut(&ContactLane) -> Option<LaneImpulses>) {
         for stage in self.stages {
             let potential = stage.group.is_potential();
             for &of in &self.schedule[stage.start as usize..stage.end as usize] {
@@ -79,14 +96,14 @@ impl Views<'_> {
     /// As for [`Views::each_lane`].
     unsafe fn lanes_of<L: Lanes, const P: usize, const B: usize>(
         &self,
-        batch: &Batch<L, P, B>,
+        batch: &mut Batch<L, P, B>,
         friction: &FrictionView<'_, L, B>,
         of: BatchRef,
         potential: bool,
-        f: &mut dyn FnMut(&ContactLane),
+        f: &mut dyn FnMut(&ContactLane) -> Option<LaneImpulses>,
     ) {
         // SAFETY: by the contract.
-        let rows = if potential { None } else { unsafe { friction.touching(of) } };
+        let mut rows = if potential { None } else { unsafe { friction.touching(of) } };
         for lane in (0..L::N).filter(|&lane| batch.contact[lane] != Part::NONE) {
             let mut out = ContactLane {
                 part: batch.contact[lane],
@@ -121,7 +138,16 @@ impl Views<'_> {
                 surface: self.surfaces.get(batch.surface as usize).map_or([0.0; 2], |s| s.map(|s| s[lane])),
                 impulse: [f.impulse[0].lane(lane), f.impulse[1].lane(lane), f.twist.lane(lane)],
             });
-            f(&out);
+            let Some((normal, rubbing)) = f(&out) else { continue };
+            let there = batch.points.iter_mut().filter(|point| point.separation.lane(lane).is_finite());
+            for (point, impulse) in there.zip(normal) {
+                point.impulse.set_lane(lane, impulse);
+            }
+            if let Some(friction) = &mut rows {
+                friction.impulse[0].set_lane(lane, rubbing[0]);
+                friction.impulse[1].set_lane(lane, rubbing[1]);
+                friction.twist.set_lane(lane, rubbing[2]);
+            }
         }
     }
 }

@@ -28,15 +28,20 @@ mod map;
 mod meter;
 pub mod methods;
 pub mod problem;
+pub mod reduction;
 mod rest;
+pub mod retroactive;
 mod state;
+pub mod steppers;
 pub mod system;
 pub mod tosses;
+mod world_solver;
 
 pub use growth::growth;
 pub(crate) use meter::Meter;
 pub use meter::{Accuracy, IslandAccuracy, Measures};
 pub use rest::{Rest, find_rest};
+pub use world_solver::{Guess, SolverReport, WorldMethod, WorldSolver};
 
 use crate::error::{Error, positive, within};
 use crate::handle::BodyHandle;

@@ -44,6 +44,7 @@ pub(crate) fn solve(options: &SolveOptions) -> anyhow::Result<ExitCode> {
         friction: options.friction,
         start: None,
         relaxation: options.relaxation,
+        ..Effort::default()
     };
     let (found, times) = timed(|| (method.solve)(&file.problem, &effort));
     let document = Document {

@@ -114,6 +114,14 @@ impl Restitution {
         self.struck.get(body).and_then(|struck| struck.turned)
     }
 
+    /// Something else than impacts says where a body is at the end of the step, and how it moves.
+    #[cfg(feature = "lab")]
+    pub(crate) fn forget(&mut self, body: usize) {
+        if let Some(struck) = self.struck.get_mut(body) {
+            (struck.turned, struck.bounced) = (None, false);
+        }
+    }
+
     /// Whether a body bounced in the step.
     pub(crate) fn bounced(&self, body: usize) -> bool {
         self.struck.get(body).is_some_and(|struck| struck.bounced)

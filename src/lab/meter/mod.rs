@@ -25,6 +25,7 @@ mod motion;
 
 use super::problem::Residual;
 use super::system::{Owner, Sums, System, Velocity, each_joint_row, velocity};
+use super::world_solver::{Last, SolverReport, WorldSolver};
 use crate::handle::BodyHandle;
 use crate::world::World;
 
@@ -120,6 +121,35 @@ pub(crate) struct Meter {
     energy: Vec<f64>,
     forces: Vec<Velocity>,
     accuracy: Option<Accuracy>,
+    /// Whether it measures, or only solves.
+    measures: bool,
+    solver: Option<Box<Solving>>,
+}
+
+/// A method that solves the world, and what it remembers.
+#[derive(Debug)]
+struct Solving {
+    solver: WorldSolver,
+    report: SolverReport,
+    last: Last,
+}
+
+impl Meter {
+    /// What another one remembered is forgotten.
+    pub(super) fn set_solver(&mut self, solver: Option<WorldSolver>) {
+        let with =
+            |solver| Box::new(Solving { solver, report: SolverReport::default(), last: Last::default() });
+        self.solver = solver.map(with);
+    }
+
+    pub(super) fn solver(&self) -> Option<(&WorldSolver, &SolverReport)> {
+        self.solver.as_deref().map(|solving| (&solving.solver, &solving.report))
+    }
+
+    /// Whether it is there for nothing.
+    pub(super) fn is_idle(&self) -> bool {
+        !self.measures && self.solver.is_none()
+    }
 }
 
 impl crate::solver::Witness for Meter {
@@ -147,8 +177,15 @@ impl World {
     /// Measures the accuracy of each step from now on, or no longer. It changes no result; a step that is measured allocates, and
     /// takes a multiple of its time.
     pub fn measure_accuracy(&mut self, on: bool) {
-        if on != self.meter.is_some() {
-            self.meter = on.then(Box::default);
+        if !on && self.meter.is_none() {
+            return;
+        }
+        let meter = self.meter.get_or_insert_with(Box::default);
+        if on != meter.measures {
+            (meter.measures, meter.accuracy) = (on, None);
+        }
+        if meter.is_idle() {
+            self.meter = None;
         }
     }
 
@@ -167,28 +204,35 @@ impl World {
         let mut meter = self.meter.take()?;
         meter.system = System::assemble(self, dt);
         meter.sums = Sums::new(self, &meter.system);
-        meter.energy = motion::energies(self);
-        meter.forces = self.bodies.force.iter().map(velocity).collect();
         meter.accuracy = None;
+        if meter.measures {
+            meter.energy = motion::energies(self);
+            meter.forces = self.bodies.force.iter().map(velocity).collect();
+        }
+        if let Some(solving) = &mut meter.solver {
+            solving.last.take(&meter.system);
+        }
         Some(meter)
     }
 
     pub(crate) fn stop_measuring(&mut self, meter: Option<Box<Meter>>) {
         let Some(mut meter) = meter else { return };
-        for (i, body) in meter.system.bodies.iter_mut().enumerate() {
+        let Meter { system, sums, solver, .. } = &mut *meter;
+        let bounced = sums.give(self, system);
+        if let Some(solving) = solver {
+            solving.report = solving.solver.apply(self, system, &mut solving.last);
+        }
+        for (i, body) in system.bodies.iter_mut().enumerate() {
             body.end = velocity(&self.bodies.velocity[i]);
             body.moved = velocity(&self.buffers.solver.delta[i]);
         }
-        let mut sums = std::mem::take(&mut meter.sums);
-        let bounced = sums.give(self, &mut meter.system);
-        std::mem::swap(&mut meter.sums, &mut sums);
-        meter.accuracy = Some(Accuracy { bounced, ..Accuracy::default() });
+        meter.accuracy = meter.measures.then(|| Accuracy { bounced, ..Accuracy::default() });
         self.meter = Some(meter);
     }
 
     /// Measures the step, once bodies have moved.
     pub(crate) fn read_accuracy(&mut self) {
-        let Some(mut meter) = self.meter.take() else { return };
+        let Some(mut meter) = self.meter.take_if(|meter| meter.measures) else { return };
         let mut joints = Vec::new();
         each_joint_row(self, &mut |row| joints.push(*row));
         if let Some(accuracy) = &mut meter.accuracy {

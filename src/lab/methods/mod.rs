@@ -93,6 +93,10 @@ pub struct Effort {
     pub start: Option<Vec<f64>>,
     /// Over-relaxation of `psor`, in (0, 2). Default 1.3.
     pub relaxation: f64,
+    /// Frequency of the springs of penalty methods [Hz]; zero: 0.048 of the rate of steps. Default 0.
+    pub frequency: f64,
+    /// Damping ratio of these springs. Default 0.7.
+    pub damping: f64,
 }
 
 impl Default for Effort {
@@ -103,6 +107,8 @@ impl Default for Effort {
             friction: Friction::Cone,
             start: None,
             relaxation: 1.3,
+            frequency: 0.0,
+            damping: 0.7,
         }
     }
 }

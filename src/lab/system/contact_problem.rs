@@ -58,6 +58,40 @@ impl System {
         Ok((points.without_joints()?, told))
     }
 
+    /// The contacts of an island with Coulomb's cone at each of their points, and of each point the row of its normal here, and
+    /// the first of its friction. Joints are left out.
+    pub(in crate::lab) fn with_points(&self, island: &SystemIsland) -> (System, Vec<(usize, Option<usize>)>) {
+        let mut points = System {
+            dt: self.dt,
+            threshold: self.threshold,
+            bodies: self.bodies.clone(),
+            ..System::default()
+        };
+        let mut of = Vec::new();
+        for &i in island.laws.iter().filter(|&&i| i < self.contacts && self.laws[i].gap.is_some()) {
+            let law = &self.laws[i];
+            let friction = match law.law {
+                Law::Contact { .. } => Some(law.first + 1),
+                _ => self.patch_of(i).map(|(_, first)| first),
+            };
+            self.give_point(i, &mut points);
+            of.push((law.first, friction));
+        }
+        points.contacts = points.laws.len();
+        (points, of)
+    }
+
+    /// The coefficient and the first row of the patch that a normal belongs to, if it has one.
+    fn patch_of(&self, i: usize) -> Option<(f64, usize)> {
+        let normal = self.laws[i].first;
+        self.laws[i..self.contacts].iter().find_map(|patch| match patch.law {
+            Law::Patch { mu, first, count, .. } if (first..first + count).contains(&normal) => {
+                Some((mu, patch.first))
+            }
+            _ => None,
+        })
+    }
+
     /// Adds a point with its normal and tangents to `out`.
     fn give_point(&self, i: usize, out: &mut System) {
         let law = &self.laws[i];
@@ -66,13 +100,7 @@ impl System {
             out.push(*law, &self.rows[law.first..law.first + 3]);
             return;
         }
-        // Its patch, if it has one.
-        let patch = self.laws[i..self.contacts].iter().find_map(|patch| match patch.law {
-            Law::Patch { mu, first, count, .. } if (first..first + count).contains(&law.first) => {
-                Some((mu, patch.first))
-            }
-            _ => None,
-        });
+        let patch = self.patch_of(i);
         let n = normal.linear[1];
         let (mu, t, along) = match patch {
             Some((mu, first)) => {

@@ -22,6 +22,7 @@ impl System {
             first: 0,
             owner: Owner::Contact([own, other].map(|body| world.handle_of(body as usize))),
             gap: None,
+            off: 0.0,
             potential: lane.potential,
             restitution: restitution.into(),
             bouncing: false,
@@ -41,12 +42,20 @@ impl System {
             angle: false,
         };
         let friction = lane.friction.filter(|f| f.coefficient > 0.0);
+        // What rows are warm-started with is that of a substep.
+        let substeps = f64::from(world.settings.substeps);
         let tangents = |f: &FrictionLane| {
             let t = [f.tangent, lane.normal.cross(f.tangent)].map(|t| t.as_dvec3());
             let arms = f.arms.map(|arm| arm.as_dvec3());
-            [0, 1].map(|i| along(t[i], arms.map(|arm| arm.cross(t[i])), f.surface[i].into()))
+            [0, 1].map(|i| SystemRow {
+                impulse: f64::from(f.impulse[i]) * substeps,
+                ..along(t[i], arms.map(|arm| arm.cross(t[i])), f.surface[i].into())
+            })
         };
-        let normal = |i: usize| along(n, lane.points()[i].arms.map(|arm| arm.as_dvec3()), 0.0);
+        let normal = |i: usize| SystemRow {
+            impulse: f64::from(lane.points()[i].impulse) * substeps,
+            ..along(n, lane.points()[i].arms.map(|arm| arm.as_dvec3()), 0.0)
+        };
         let gap = |i: usize| Some(f64::from(lane.points()[i].separation));
         if let (Some(f), [_]) = (&friction, lane.points()) {
             // A point has no lever against twist, so it is Coulomb's cone exactly.
@@ -65,6 +74,7 @@ impl System {
                 linear: [DVec3::ZERO; 2],
                 angular: [-n, n],
                 angle: true,
+                impulse: f64::from(f.impulse[2]) * substeps,
                 ..along(n, [n; 2], 0.0)
             };
             let (mu, arm, count) = (f.coefficient.into(), f.radius.into(), lane.points().len());

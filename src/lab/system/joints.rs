@@ -41,6 +41,7 @@ impl System {
                 first: 0,
                 owner: Owner::Joint(handle),
                 gap: one.gap,
+                off: if one.law == Law::LOCKED && !one.drives { one.error } else { 0.0 },
                 potential: false,
                 restitution: 0.0,
                 bouncing: false,

@@ -28,7 +28,7 @@ use crate::lanes::{Record, Sym3};
 use crate::world::World;
 use glam::{DMat3, DVec3};
 pub(super) use joints::{JointRow, each_joint_row};
-pub(super) use sums::Sums;
+pub(super) use sums::{LaneRows, Sums};
 
 /// A linear and an angular velocity [m/s], [rad/s].
 pub type Velocity = [DVec3; 2];
@@ -98,6 +98,8 @@ pub struct SystemLaw {
     pub owner: Owner,
     /// Of what has one end only, at the start of the step: how far it is from that [m] or [rad], negative beyond.
     pub gap: Option<f64>,
+    /// Of what is locked, by how much it is off along its row at the start of the step [m] or [rad].
+    pub off: f64,
     /// Whether the solver took it for one that does not touch yet.
     pub potential: bool,
     /// Coefficient of restitution.
@@ -190,6 +192,11 @@ impl System {
         self.contacts
     }
 
+    /// How many rows are of contacts; those of joints come after them.
+    pub(super) fn contact_rows(&self) -> usize {
+        self.laws.get(self.contacts).map_or(self.rows.len(), |first_joint| first_joint.first)
+    }
+
     /// Appends a law with its rows.
     pub(super) fn push(&mut self, mut law: SystemLaw, rows: &[SystemRow]) {
         law.first = self.rows.len();
@@ -231,11 +238,64 @@ impl System {
         self.bodies.iter().zip(push).map(moved).collect()
     }
 
+    /// Velocities of the bodies of an island at the end of the step if its rows get the impulses `r`, in the order of its laws.
+    pub(super) fn velocities_with(&self, island: &SystemIsland, r: &[f64]) -> Vec<Velocity> {
+        let place = |body: usize| island.bodies.binary_search(&body).ok();
+        let mut push = vec![[DVec3::ZERO; 2]; island.bodies.len()];
+        let rows = island.laws.iter().flat_map(|&law| {
+            let law = &self.laws[law];
+            &self.rows[law.first..law.first + law.law.rows()]
+        });
+        for (row, &r) in rows.zip(r) {
+            for (side, body) in row.bodies.iter().enumerate() {
+                if let Some(i) = body.and_then(place) {
+                    push[i][0] += row.linear[side] * r;
+                    push[i][1] += row.angular[side] * r;
+                }
+            }
+        }
+        let moved = |(&i, [p, l]): (&usize, Velocity)| {
+            let body = &self.bodies[i];
+            [body.free[0] + body.inverse_mass * p, body.free[1] + body.inverse_inertia * l]
+        };
+        island.bodies.iter().zip(push).map(moved).collect()
+    }
+
+    /// Whether the bodies of an island have more kinetic energy with velocities `end` than they would without any row, although
+    /// nothing in it can give any: no bounce, drive, spring, moving surface or kinematic body. A solution can't (it is the nearest to the
+    /// free velocities, by energy, of all that the rows allow, and rest is allowed); impulses that are off may.
+    pub(super) fn gains(&self, island: &SystemIsland, end: &[Velocity]) -> bool {
+        let gives = |&i: &usize| {
+            let law = &self.laws[i];
+            let rows = &self.rows[law.first..law.first + law.law.rows()];
+            let moved = |i: &usize| !self.bodies[*i].dynamic;
+            let given = |row: &SystemRow| row.bias != 0.0 || row.bodies.iter().flatten().any(moved);
+            law.restitution > 0.0 || law.yields || law.drives || rows.iter().any(given)
+        };
+        if island.laws.iter().any(gives) {
+            return false;
+        }
+        let energy = |body: &SystemBody, [v, w]: Velocity| {
+            // Along what is locked there is none.
+            let inverse = body.inverse_mass.max_element();
+            let linear = if inverse > 0.0 { v.length_squared() / inverse } else { 0.0 };
+            let turning = body.inverse_inertia.determinant();
+            linear + if turning > 0.0 { w.dot(body.inverse_inertia.inverse() * w) } else { 0.0 }
+        };
+        let bodies = island.bodies.iter().map(|&i| &self.bodies[i]);
+        let free: f64 = bodies.clone().map(|body| energy(body, body.free)).sum();
+        let after: f64 = bodies.zip(end).map(|(body, &end)| energy(body, end)).sum();
+        after > free * (1.0 + GAIN)
+    }
+
     /// What the engine's solver gave each row [N s] or [N m s].
     pub fn impulses(&self) -> Vec<f64> {
         self.rows.iter().map(|row| row.impulse).collect()
     }
 }
+
+/// Share of its energy that an island may gain by how exact its solution is.
+const GAIN: f64 = 1e-3;
 
 /// A record in `f64`.
 pub(super) fn velocity(record: &Record) -> Velocity {

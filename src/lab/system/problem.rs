@@ -18,6 +18,8 @@ pub enum Stabilisation {
         slop: f64,
         /// [m/s]
         most: f64,
+        /// Share of the errors of what is locked in joints that is taken back per second, with no limit [1/s].
+        joint_rate: f64,
     },
 }
 
@@ -56,22 +58,36 @@ impl System {
             for row in law.first..law.first + law.law.rows() {
                 q[place[row]] = self.speed(&self.rows[row], |body| body.free) + self.rows[row].bias;
             }
-            if let Some(gap) = law.gap {
-                q[place[law.first]] += self.offset(law, gap, stabilisation);
-            }
+            q[place[law.first]] += self.offset(law, stabilisation);
         }
         Problem::new(kept, self.matrix(&rows), q)
     }
 
-    /// What is added to the normal velocity of a row with one end.
-    fn offset(&self, law: &SystemLaw, gap: f64, stabilisation: Stabilisation) -> f64 {
-        let start = self.speed(&self.rows[law.first], |body| body.start);
-        if law.restitution > 0.0 && -start > self.threshold && gap + start * self.dt <= 0.0 {
-            return law.restitution * start;
+    /// Whether a stabilisation asks for more than rest does in an island.
+    pub(in crate::lab) fn needs_push(&self, island: &SystemIsland, stabilisation: Stabilisation) -> bool {
+        let mut laws = island.laws.iter().map(|&i| &self.laws[i]);
+        laws.any(|law| self.offset(law, stabilisation) != self.offset(law, Stabilisation::Rest))
+    }
+
+    /// What is added to the velocity of a law's first row.
+    fn offset(&self, law: &SystemLaw, stabilisation: Stabilisation) -> f64 {
+        if let Some(gap) = law.gap {
+            let start = self.speed(&self.rows[law.first], |body| body.start);
+            if law.restitution > 0.0 && -start > self.threshold && gap + start * self.dt <= 0.0 {
+                return law.restitution * start;
+            }
         }
-        match stabilisation {
-            _ if gap > 0.0 => gap / self.dt,
-            Stabilisation::Push { rate, slop, most } if gap < -slop => ((gap + slop) * rate).max(-most),
+        self.target(law, stabilisation)
+    }
+
+    /// The same without restitution.
+    pub(in crate::lab) fn target(&self, law: &SystemLaw, stabilisation: Stabilisation) -> f64 {
+        match (law.gap, stabilisation) {
+            (Some(gap), _) if gap > 0.0 => gap / self.dt,
+            (Some(gap), Stabilisation::Push { rate, slop, most, .. }) if gap < -slop => {
+                ((gap + slop) * rate).max(-most)
+            }
+            (None, Stabilisation::Push { joint_rate, .. }) => law.off * joint_rate,
             _ => 0.0,
         }
     }

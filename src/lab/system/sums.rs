@@ -23,10 +23,8 @@ pub(in crate::lab) struct Sums {
 
 impl Sums {
     pub(in crate::lab) fn new(world: &World, system: &System) -> Sums {
-        let contact_rows =
-            system.laws.get(system.contacts).map_or(system.rows.len(), |first_joint| first_joint.first);
         Sums {
-            contacts: vec![0.0; contact_rows],
+            contacts: vec![0.0; system.contact_rows()],
             impacts: vec![0.0; world.contacts.all.len()],
             locks: vec![DVec3::ZERO; world.joints.locks.len()],
             rows: vec![([0.0; 2], [DVec3::ZERO; 2]); world.joints.rows.len()],
@@ -62,16 +60,16 @@ impl Sums {
         // SAFETY: between stages there is no other thread.
         unsafe {
             rows.views().each_lane(&mut |lane| {
-                let (normals, stride, all) = rows_of(lane);
+                let own = LaneRows::of(lane);
                 let impact = self.impacts[lane.part.slot()];
                 for body in system.rows[row].bodies.into_iter().flatten() {
                     counts[body][0] += 1;
                     counts[body][1] += usize::from(impact > 0.0);
                 }
-                for i in 0..if impact > 0.0 { normals } else { 0 } {
-                    system.give_impact(row + i * stride, impact / normals as f64);
+                for i in 0..if impact > 0.0 { own.points } else { 0 } {
+                    system.give_impact(row + i, impact / own.points as f64);
                 }
-                row += all;
+                row += own.count();
             });
         }
         world.buffers.rows = rows;
@@ -135,10 +133,34 @@ impl System {
     }
 }
 
-/// Normals of a lane, from each to the next, and all its rows: as the system has them.
-fn rows_of(lane: &ContactLane) -> (usize, usize, usize) {
-    let (points, rubs) = (lane.points().len(), lane.friction.is_some_and(|f| f.coefficient > 0.0));
-    if points == 1 && rubs { (1, 3, 3) } else { (points, 1, points + if rubs { 3 } else { 0 }) }
+/// The rows of a lane as the system has them: normals first, then friction.
+pub(in crate::lab) struct LaneRows {
+    /// How many normals.
+    pub(in crate::lab) points: usize,
+    /// How many rows of friction.
+    pub(in crate::lab) friction: usize,
+}
+
+impl LaneRows {
+    pub(in crate::lab) fn of(lane: &ContactLane) -> LaneRows {
+        let points = lane.points().len();
+        let friction = match lane.friction {
+            Some(f) if f.coefficient > 0.0 => {
+                if points == 1 {
+                    2
+                } else {
+                    3
+                }
+            }
+            _ => 0,
+        };
+        LaneRows { points, friction }
+    }
+
+    /// All of them.
+    pub(in crate::lab) fn count(&self) -> usize {
+        self.points + self.friction
+    }
 }
 
 impl Witness for Sums {
@@ -184,14 +206,14 @@ impl Witness for Sums {
                 for (sum, point) in own.iter_mut().zip(lane.points()) {
                     *sum += f64::from(point.impulse);
                 }
-                let (.., all) = rows_of(lane);
-                if let Some(f) = lane.friction.filter(|f| f.coefficient > 0.0) {
-                    let count = if lane.points().len() == 1 { 2 } else { 3 };
-                    for (sum, impulse) in own[all - count..].iter_mut().zip(f.impulse).take(count) {
+                let rows = LaneRows::of(lane);
+                if let Some(f) = lane.friction {
+                    let own = own[rows.points..].iter_mut();
+                    for (sum, impulse) in own.zip(f.impulse).take(rows.friction) {
                         *sum += f64::from(impulse);
                     }
                 }
-                at += all;
+                at += rows.count();
             });
             joints.each_impulse(
                 &mut |owner, impulse| self.locks[owner as usize] += impulse.as_dvec3(),

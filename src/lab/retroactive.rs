@@ -1,0 +1,104 @@
+//! Time of impact with retroactive detection: step, look whether bodies went into each other, and if so go back to when they met.
+//!
+//! It is a way to run a world without continuous collision, for comparison: detection only ever sees where bodies are.
+//! The time is bisected until overlap is within the tolerance, the world steps to there, meets the contact as a touching one in
+//! the next step, and goes on with what is left of the time. After [`Retroactive::rounds`] returns it goes through the rest without
+//! looking: an impact too many is less than a game that stands still.
+
+use crate::error::{Error, positive};
+use crate::limits::MIN_STEP;
+use crate::snapshot::Snapshot;
+use crate::world::World;
+
+/// How far back and how often.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Retroactive {
+    /// Overlap that a step may add [m].
+    pub tolerance: f64,
+    /// The most returns in a step.
+    pub rounds: u32,
+}
+
+/// What a step took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Returns {
+    /// Steps that the world went through and kept.
+    pub steps: u32,
+    /// Steps that were taken back.
+    pub undone: u32,
+    /// Whether rounds ran out before the time.
+    pub gave_up: bool,
+}
+
+impl Retroactive {
+    /// Moves a world on by `dt` seconds. Measuring its accuracy is switched off afterwards.
+    ///
+    /// # Errors
+    /// If `dt` can't be a step's, or the tolerance is not positive.
+    pub fn step(&self, world: &mut World, dt: f32) -> Result<Returns, Error> {
+        crate::limits::step(dt)?;
+        positive("tolerance", self.tolerance as f32)?;
+        let mut returns = Returns::default();
+        let (mut left, mut start) = (dt, Snapshot::default());
+        let mut deep = overlap(world)?;
+        while left >= MIN_STEP {
+            world.snapshot(&mut start);
+            let most = deep.max(0.0) + self.tolerance;
+            let attempt = |world: &mut World, time: f32| -> Result<f64, Error> {
+                world.restore(&start)?;
+                world.step(time)?;
+                overlap(world)
+            };
+            let mut time = left;
+            deep = attempt(world, time)?;
+            returns.steps += 1;
+            if deep > most && returns.steps <= self.rounds {
+                // Longest time that is known to be good, shortest that is known to be bad.
+                let (mut good, mut bad) = (0.0_f32, left);
+                for _ in 0..BISECTIONS {
+                    time = 0.5 * (good + bad);
+                    if time < MIN_STEP {
+                        break;
+                    }
+                    returns.undone += 1;
+                    deep = attempt(world, time)?;
+                    if deep > most {
+                        bad = time;
+                    } else {
+                        good = time;
+                    }
+                    if good > 0.0 && (bad - good) < NEAR * dt {
+                        break;
+                    }
+                }
+                // What is bad at once is in overlap already, and going back helps it no further.
+                let chosen = if good >= MIN_STEP { good } else { bad.max(MIN_STEP) };
+                if chosen != time {
+                    time = chosen;
+                    deep = attempt(world, time)?;
+                }
+            } else if deep > most {
+                returns.gave_up = true;
+            }
+            left -= time;
+        }
+        Ok(returns)
+    }
+}
+
+/// Halvings of a step.
+const BISECTIONS: u32 = 24;
+/// A share of the step to which the time of impact is found.
+const NEAR: f32 = 1e-4;
+
+/// The deepest overlap where bodies are [m]: the world looks, and stays as it is.
+fn overlap(world: &mut World) -> Result<f64, Error> {
+    let mut here = Snapshot::default();
+    world.snapshot(&mut here);
+    world.measure_accuracy(true);
+    let stepped = world.step(MIN_STEP).map(drop);
+    let deep = world.accuracy().map_or(0.0, |accuracy| accuracy.whole.penetration);
+    world.measure_accuracy(false);
+    world.restore(&here)?;
+    stepped.map(|()| deep)
+}

@@ -1,0 +1,103 @@
+//! Methods that go through a step in time, a file each: they need its gaps, its bodies and the velocities at its start, not only
+//! the problem of its end. [`Stepper::ALL`] names them.
+
+mod blocks;
+mod guendelman;
+mod impulse_based;
+mod moving;
+mod penalty;
+mod sequential;
+#[cfg(test)]
+mod tests;
+
+pub use guendelman::guendelman;
+pub use impulse_based::impulse_based;
+pub use penalty::{penalty, penalty_implicit};
+pub use sequential::sequential;
+
+use super::methods::{Effort, Solution};
+use super::problem::Problem;
+use super::system::{Stabilisation, System, SystemIsland, Velocity};
+
+/// An island in a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Step<'a> {
+    /// All rows of the world.
+    pub system: &'a System,
+    /// Which of them are to be solved.
+    pub island: &'a SystemIsland,
+    /// What the end of the step is to be like, with the rows of the island in the order of its laws.
+    pub problem: &'a Problem,
+    /// What the problem asks about overlap.
+    pub stabilisation: Stabilisation,
+}
+
+/// What a method came to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Resolution {
+    /// How it ended, with the impulses of the whole step by the rows of the problem. Its residual is that of the problem, which
+    /// asks for another law of impacts than most of these methods have.
+    pub solution: Solution,
+    /// Velocities of the island's bodies at the end of the step. They may be others than the impulses explain: what shock
+    /// propagation holds takes no impulse.
+    pub end: Vec<Velocity>,
+    /// Their mean velocities over the step, of a method that knows them; else bodies go with those at its end.
+    pub moving: Option<Vec<Velocity>>,
+}
+
+/// A method as a function.
+pub type Resolve = fn(&Step<'_>, &Effort) -> Resolution;
+
+/// A method as the command line names it.
+#[derive(Clone, Copy, Debug)]
+pub struct Stepper {
+    /// Lower case, with hyphens.
+    pub name: &'static str,
+    /// What it does, and where it comes from.
+    pub about: &'static str,
+    /// Whether it sees to overlap by itself.
+    pub pushes: bool,
+    /// The method.
+    pub resolve: Resolve,
+}
+
+impl Stepper {
+    /// All there are.
+    pub const ALL: &'static [Stepper] = &[
+        Stepper {
+            name: "sequential",
+            about: "impacts one pair after the other, the fastest first, counted; then sequential impulses (Moore and Wilhelms 1988)",
+            pushes: false,
+            resolve: sequential,
+        },
+        Stepper {
+            name: "guendelman",
+            about: "impacts, then contacts with rising restitution, then shock propagation (Guendelman, Bridson and Fedkiw 2003)",
+            pushes: false,
+            resolve: guendelman,
+        },
+        Stepper {
+            name: "impulse-based",
+            about: "every contact a train of collisions with friction, by the time at which they happen (Mirtich and Canny 1995)",
+            pushes: true,
+            resolve: impulse_based,
+        },
+        Stepper {
+            name: "penalty",
+            about: "springs and dampers where bodies overlap, explicit (Moore and Wilhelms 1988)",
+            pushes: true,
+            resolve: penalty,
+        },
+        Stepper {
+            name: "penalty-implicit",
+            about: "the same springs at the end of the step, which no stiffness makes unstable",
+            pushes: true,
+            resolve: penalty_implicit,
+        },
+    ];
+
+    /// The one of that name.
+    pub fn by_name(name: &str) -> Option<&'static Stepper> {
+        Stepper::ALL.iter().find(|stepper| stepper.name == name)
+    }
+}

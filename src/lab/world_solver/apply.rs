@@ -1,0 +1,265 @@
+//! Islands solved anew, and what comes of it written where the fast path left its own.
+
+use super::{Guess, SolverReport, WorldMethod, WorldSolver};
+use crate::handle::JointHandle;
+use crate::lab::methods::{Effort, Status};
+use crate::lab::steppers::{Resolution, Step};
+use crate::lab::system::{LaneRows, Owner, Stabilisation, System, SystemIsland, Velocity};
+use crate::lanes::Record;
+use crate::world::World;
+use glam::DVec3;
+
+/// Impulses of the step before.
+#[derive(Debug, Default)]
+pub(in crate::lab) struct Last {
+    /// Of the rows of contacts, as they are prepared.
+    contacts: Vec<f64>,
+    /// Of the rows of joints: which of its joint, and its impulse.
+    joints: Vec<(JointHandle, u32, f64)>,
+    /// Length of the step that they are of [s].
+    dt: f64,
+}
+
+impl Last {
+    /// What rows of contacts are warm-started with.
+    pub(in crate::lab) fn take(&mut self, system: &System) {
+        let rows = system.contact_rows();
+        self.contacts = system.rows[..rows].iter().map(|row| row.impulse).collect();
+    }
+
+    /// Impulses of all rows to start from. Joints are in the order of their rows in both steps.
+    fn guess(&self, system: &System) -> Vec<f64> {
+        let mut start = self.contacts.clone();
+        start.resize(system.rows.len(), 0.0);
+        let warm = if self.dt > 0.0 { system.dt / self.dt } else { 0.0 };
+        let mut own = self.joints.iter().peekable();
+        for (joint, index, row) in joint_rows(system) {
+            // Rows of joints that are gone are passed over; new ones start from zero.
+            let same = self.joints.iter().find(|of| (of.0, of.1) == (joint, index));
+            if let Some(&&(.., impulse)) = own.peek().filter(|of| (of.0, of.1) == (joint, index)) {
+                start[row] = impulse * warm;
+                own.next();
+            } else if let Some((.., impulse)) = same {
+                start[row] = impulse * warm;
+            }
+        }
+        start
+    }
+
+    fn keep(&mut self, system: &System) {
+        self.joints.clear();
+        self.joints
+            .extend(joint_rows(system).map(|(joint, index, row)| (joint, index, system.rows[row].impulse)));
+        self.dt = system.dt;
+    }
+}
+
+/// Each row of a joint: which of the joint's, and its place in the system.
+fn joint_rows(system: &System) -> impl Iterator<Item = (JointHandle, u32, usize)> + '_ {
+    let mut last = (None, 0);
+    system.laws[system.contacts()..].iter().filter_map(move |law| {
+        let Owner::Joint(joint) = law.owner else { return None };
+        let index = if last.0 == Some(joint) { last.1 + 1 } else { 0 };
+        last = (Some(joint), index);
+        Some((joint, index, law.first))
+    })
+}
+
+/// Velocities for the end of the step, and those that bodies go with meanwhile.
+struct Found {
+    impulses: Vec<f64>,
+    end: Vec<Velocity>,
+    moving: Vec<Velocity>,
+}
+
+impl WorldSolver {
+    /// Solves the islands of a system whose rows have the fast path's impulses, and replaces what that left of them.
+    pub(in crate::lab) fn apply(
+        &self,
+        world: &mut World,
+        system: &mut System,
+        last: &mut Last,
+    ) -> SolverReport {
+        let mut report = SolverReport { islands: system.islands.len(), ..SolverReport::default() };
+        let start = match self.guess {
+            Guess::Zero => Vec::new(),
+            Guess::LastStep => last.guess(system),
+            Guess::FastPath => system.impulses(),
+        };
+        let chosen: Option<Vec<usize>> = (!self.only.is_empty()).then(|| {
+            let handles = system.bodies.iter().enumerate();
+            handles.filter(|(_, body)| self.only.contains(&body.body)).map(|(i, _)| i).collect()
+        });
+        let mut replaced = vec![false; system.rows.len()];
+        for island in std::mem::take(&mut system.islands) {
+            let is_chosen = |of: &Vec<usize>| island.bodies.iter().any(|i| of.contains(i));
+            if chosen.as_ref().is_none_or(is_chosen)
+                && let Some(found) = self.island(world, system, &island, &start, &mut report)
+            {
+                found.put(world, system, &island, &mut replaced);
+            }
+            system.islands.push(island);
+        }
+        if report.solved > 0 {
+            put_impulses(world, system, &replaced);
+        }
+        last.keep(system);
+        report
+    }
+
+    fn island(
+        &self,
+        world: &World,
+        system: &System,
+        island: &SystemIsland,
+        start: &[f64],
+        report: &mut SolverReport,
+    ) -> Option<Found> {
+        let rows: Vec<usize> = rows_of(system, island).collect();
+        if rows.len() > self.most_rows {
+            report.too_large += 1;
+            return None;
+        }
+        let start = (!start.is_empty()).then(|| rows.iter().map(|&row| start[row]).collect());
+        let effort = Effort { start, ..self.effort.clone() };
+        let Some(Resolution { solution, end, moving }) =
+            self.solve(system, island, Stabilisation::Rest, &effort)
+        else {
+            report.refused += 1;
+            return None;
+        };
+        let settings = &world.settings;
+        let push = Stabilisation::Push {
+            rate: self.overlap_share / system.dt,
+            slop: f64::from(settings.slop * settings.length_unit),
+            most: f64::from(settings.push_speed * settings.length_unit),
+            joint_rate: self.joint_share / system.dt,
+        };
+        let mut moving = moving.unwrap_or_else(|| end.clone());
+        let pushes = match self.method {
+            WorldMethod::Problem(_) => true,
+            WorldMethod::Step(stepper) => !stepper.pushes,
+        };
+        if pushes && system.needs_push(island, push) {
+            let effort = Effort { start: Some(solution.r.clone()), ..self.effort.clone() };
+            match self.solve(system, island, push, &effort) {
+                Some(pushed) => moving = pushed.end,
+                None => report.not_pushed += 1,
+            }
+        }
+        report.solved += 1;
+        report.rows += rows.len();
+        report.iterations += u64::from(solution.iterations);
+        report.pivots += u64::from(solution.pivots);
+        report.residual = report.residual.max(solution.residual);
+        Some(Found { impulses: solution.r, end, moving })
+    }
+
+    /// None if it comes to nothing that may be taken.
+    fn solve(
+        &self,
+        system: &System,
+        island: &SystemIsland,
+        stabilisation: Stabilisation,
+        effort: &Effort,
+    ) -> Option<Resolution> {
+        // Numbers that are none are the fast path's business.
+        let problem = system.problem_of(&island.laws, stabilisation).ok()?;
+        let found = match self.method {
+            WorldMethod::Problem(method) => {
+                let solution = (method.solve)(&problem, effort);
+                let end = system.velocities_with(island, &solution.r);
+                Resolution { solution, end, moving: None }
+            }
+            WorldMethod::Step(stepper) => {
+                (stepper.resolve)(&Step { system, island, problem: &problem, stabilisation }, effort)
+            }
+        };
+        let Resolution { solution, end, moving } = &found;
+        let good = match (self.method, solution.status) {
+            (WorldMethod::Step(_), Status::Solved | Status::Limit) | (_, Status::Solved) => true,
+            (_, Status::Limit) => solution.residual <= self.most_residual,
+            // There may be none of these laws, and what the method came to is no answer.
+            (_, Status::Ray | Status::NoSolution) => false,
+        };
+        let sound = solution.r.iter().all(|r| r.is_finite())
+            && is_finite(end)
+            && moving.as_ref().is_none_or(|moving| is_finite(moving));
+        // What pushes overlap apart has to give energy, and so has a penalty.
+        let is_passive =
+            stabilisation == Stabilisation::Rest && matches!(self.method, WorldMethod::Problem(_));
+        let gains = || is_passive && system.gains(island, end);
+        (good && sound && !gains()).then_some(found)
+    }
+}
+
+impl Found {
+    fn put(self, world: &mut World, system: &mut System, island: &SystemIsland, replaced: &mut [bool]) {
+        let rows: Vec<usize> = rows_of(system, island).collect();
+        for (&row, &impulse) in rows.iter().zip(&self.impulses) {
+            system.rows[row].impulse = impulse;
+            replaced[row] = true;
+        }
+        for law in &island.laws {
+            system.laws[*law].bouncing = false;
+        }
+        for ((&i, end), moving) in island.bodies.iter().zip(&self.end).zip(&self.moving) {
+            system.bodies[i].given = [DVec3::ZERO; 2];
+            let way = moving.map(|v| v * system.dt);
+            world.buffers.solver.delta[i] = record(&way, 1.0);
+            let velocity = &mut world.bodies.velocity[i];
+            *velocity = Record { pad0: velocity.pad0, pad1: velocity.pad1, ..record(end, 0.0) };
+            world.buffers.restitution.forget(i);
+        }
+    }
+}
+
+fn rows_of<'a>(system: &'a System, island: &'a SystemIsland) -> impl Iterator<Item = usize> + 'a {
+    island.laws.iter().flat_map(|&law| {
+        let law = &system.laws[law];
+        law.first..law.first + law.law.rows()
+    })
+}
+
+/// What can be stored: a speed beyond it is no better than none.
+fn is_finite(velocities: &[Velocity]) -> bool {
+    let most = f64::from(crate::limits::MAX_LEFT_SPEED);
+    velocities.iter().flatten().all(|v| v.is_finite() && v.abs().max_element() <= most)
+}
+
+fn record([linear, angular]: &Velocity, touched: f32) -> Record {
+    Record { linear: linear.as_vec3(), pad0: touched, angular: angular.as_vec3(), pad1: 0.0 }
+}
+
+/// Contacts bear what the method found, from step to step and for who listens to them. A substep has its share.
+fn put_impulses(world: &mut World, system: &System, replaced: &[bool]) {
+    let share = 1.0 / f64::from(world.settings.substeps);
+    let mut rows = std::mem::take(&mut world.buffers.rows);
+    let heard = &mut world.events.impulses;
+    let mut first = 0;
+    let each = &mut |lane: &crate::constraint::ContactLane| {
+        let own = LaneRows::of(lane);
+        let at = first;
+        first += own.count();
+        if !replaced.get(at).is_some_and(|replaced| *replaced) {
+            return None;
+        }
+        let impulse = |row: usize| (system.rows[at + row].impulse * share) as f32;
+        let (mut normals, mut friction) = ([0.0; 4], [0.0; 3]);
+        let mut sum = 0.0;
+        for (i, normal) in normals.iter_mut().enumerate().take(own.points) {
+            *normal = impulse(i);
+            sum += system.rows[at + i].impulse;
+        }
+        for (i, friction) in friction.iter_mut().enumerate().take(own.friction) {
+            *friction = impulse(own.points + i);
+        }
+        if let Some(heard) = heard.get_mut(lane.part.slot()) {
+            *heard = sum as f32;
+        }
+        Some((normals, friction))
+    };
+    // SAFETY: between stages there is no other thread.
+    unsafe { rows.views().replace_impulses(each) };
+    world.buffers.rows = rows;
+}

@@ -1,0 +1,171 @@
+//! A method of the lab as the solver of a world: of all its islands, of those up to a size, or of those that hold some body, so that a
+//! game can have one precious mechanism solved exactly and leave the rest to the fast path.
+//!
+//! The fast path solves every step first. Then each island that is chosen is solved again from the velocities of the start of the
+//! step, as one step without substeps: once for its velocities, and once more with overlap and joint errors taken back for the
+//! displacements only, so that taking them back gives no energy. Where that fails ([`WorldSolver::most_residual`]), or the island
+//! has more rows than [`WorldSolver::most_rows`], it keeps what the fast path found: that is the fallback, and
+//! [`SolverReport`] counts it. A bounce is Newton's law, at the start of the step in which bodies would meet.
+//!
+//! A step allocates, and takes a multiple of its time. It is no part of a world's snapshots and recordings.
+//!
+//! ```
+//! use backstop::lab::WorldSolver;
+//! use backstop::{BodyDesc, Geometry, Settings, ShapeDesc, World, glam::DVec3};
+//!
+//! # fn main() -> Result<(), backstop::Error> {
+//! let mut world = World::new(Settings::default())?;
+//! world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Plane)))?;
+//! let cube = ShapeDesc::new(Geometry::cuboid(0.5, 0.5, 0.5));
+//! world.add_body(&BodyDesc::dynamic().at(DVec3::Y * 0.5).with_shape(cube))?;
+//! world.solve_with(WorldSolver::by_name("admm"));
+//! for _ in 0..60 {
+//!     world.step(1.0 / 60.0)?;
+//! }
+//! let report = world.solver_report().expect("a method solves it");
+//! assert_eq!((report.islands, report.solved), (1, 1));
+//! # Ok(())
+//! # }
+//! ```
+
+mod apply;
+
+use super::methods::{Effort, Method};
+use super::steppers::Stepper;
+use crate::handle::BodyHandle;
+use crate::world::World;
+pub(super) use apply::Last;
+
+/// A method that can solve a world.
+#[derive(Clone, Copy, Debug)]
+pub enum WorldMethod {
+    /// One that solves the problem of a step.
+    Problem(&'static Method),
+    /// One that goes through the step in time.
+    Step(&'static Stepper),
+}
+
+impl WorldMethod {
+    /// As the command line names it.
+    pub fn name(&self) -> &'static str {
+        match self {
+            WorldMethod::Problem(method) => method.name,
+            WorldMethod::Step(stepper) => stepper.name,
+        }
+    }
+
+    /// Names of all there are: those of problems, then those of steps.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        Method::ALL.iter().map(|m| m.name).chain(Stepper::ALL.iter().map(|s| s.name))
+    }
+}
+
+impl From<&'static Method> for WorldMethod {
+    fn from(method: &'static Method) -> WorldMethod {
+        WorldMethod::Problem(method)
+    }
+}
+
+impl From<&'static Stepper> for WorldMethod {
+    fn from(stepper: &'static Stepper) -> WorldMethod {
+        WorldMethod::Step(stepper)
+    }
+}
+
+/// The impulses that a method starts from: how much warm starting is worth to it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Guess {
+    /// None.
+    #[default]
+    Zero,
+    /// Those of the step before, contact by contact and joint by joint.
+    LastStep,
+    /// Those that the fast path found for this step.
+    FastPath,
+}
+
+/// How a method solves a world.
+#[derive(Clone, Debug)]
+pub struct WorldSolver {
+    /// The method.
+    pub method: WorldMethod,
+    /// What it may spend on an island in a step; its start is replaced by `guess`. Default tolerance: 1e-8.
+    pub effort: Effort,
+    /// What it starts from.
+    pub guess: Guess,
+    /// Islands with more rows keep what the fast path found. Default 400.
+    pub most_rows: usize,
+    /// Only islands with one of these bodies are solved; none: all are.
+    pub only: Vec<BodyHandle>,
+    /// An island that it leaves with a greater unit-free natural-map residual keeps what the fast path found. Default 1e-2;
+    /// infinite: whatever it finds is taken, as long as it is finite and gives no energy where nothing can.
+    pub most_residual: f64,
+    /// The share of overlap beyond the slop that is taken back per step. Default 0.2.
+    pub overlap_share: f64,
+    /// The same of joint errors. Default 0.5.
+    pub joint_share: f64,
+}
+
+impl WorldSolver {
+    /// With the defaults.
+    pub fn new(method: impl Into<WorldMethod>) -> WorldSolver {
+        WorldSolver {
+            method: method.into(),
+            effort: Effort { tolerance: 1e-8, ..Effort::default() },
+            guess: Guess::Zero,
+            most_rows: 400,
+            only: Vec::new(),
+            most_residual: 1e-2,
+            overlap_share: 0.2,
+            joint_share: 0.5,
+        }
+    }
+
+    /// With the method of that name, and the defaults.
+    pub fn by_name(name: &str) -> Option<WorldSolver> {
+        let problem = Method::by_name(name).map(WorldSolver::new);
+        problem.or_else(|| Stepper::by_name(name).map(WorldSolver::new))
+    }
+}
+
+/// What a method did in the last step.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SolverReport {
+    /// Islands with rows.
+    pub islands: usize,
+    /// Those that it solved.
+    pub solved: usize,
+    /// Those with too many rows for it.
+    pub too_large: usize,
+    /// Those whose solution was not good enough: the fast path's was kept.
+    pub refused: usize,
+    /// Those whose displacements took no overlap back, because that had no solution.
+    pub not_pushed: usize,
+    /// Rows of those that it solved.
+    pub rows: usize,
+    /// Sweeps, iterations or collisions, of all islands.
+    pub iterations: u64,
+    /// Pivots.
+    pub pivots: u64,
+    /// The greatest unit-free residual among those that it solved.
+    pub residual: f64,
+}
+
+impl World {
+    /// Has a method of the lab solve the steps from now on; none: the fast path alone, as it is without. See
+    /// [`WorldSolver`] for which islands it solves and what becomes of the others.
+    pub fn solve_with(&mut self, solver: Option<WorldSolver>) {
+        if solver.is_some() || self.meter.is_some() {
+            let meter = self.meter.get_or_insert_with(Box::default);
+            meter.set_solver(solver);
+            if meter.is_idle() {
+                self.meter = None;
+            }
+        }
+    }
+
+    /// What the method of [`World::solve_with`] did in the last step.
+    pub fn solver_report(&self) -> Option<&SolverReport> {
+        self.meter.as_ref()?.solver().map(|(_, report)| report)
+    }
+}
