@@ -3,6 +3,7 @@
 use crate::view::Look;
 use backstop::glam::{DVec3, Vec3};
 use backstop::lab::methods::{Friction, Method};
+use backstop::lab::{WorldMethod, WorldSolver};
 use backstop::{Continuous, ContinuousMethod, FrictionModel, LoadLimits};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
@@ -443,7 +444,7 @@ pub(crate) struct CaseOptions {
     #[arg(long = "case", value_name = "NAME")]
     pub(crate) cases: Vec<String>,
     /// What solves the steps: backstop or a method of the lab (`solve --list`); may be given several times [default:
-    /// backstop].
+    /// backstop, gs-cone, admm and sequential].
     #[arg(long = "method", value_name = "NAME", value_parser = case_method)]
     pub(crate) methods: Vec<CaseMethod>,
     /// Rates of the steps, with commas between them [default: six settings, see docs/cases.md].
@@ -472,15 +473,9 @@ pub(crate) struct CaseOptions {
     pub(crate) quiet: bool,
 }
 
-/// The engine's own solver, or a method of the lab.
+/// The engine's own solver if none, or a method of the lab.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct CaseMethod(pub(crate) Option<&'static Method>);
-
-impl CaseMethod {
-    pub(crate) fn name(self) -> &'static str {
-        self.0.map_or("backstop", |method| method.name)
-    }
-}
+pub(crate) struct CaseMethod(pub(crate) Option<WorldMethod>);
 
 #[derive(Args, Debug)]
 pub(crate) struct CompareOptions {
@@ -531,10 +526,12 @@ fn solver(text: &str) -> Result<&'static Method, String> {
 
 fn case_method(text: &str) -> Result<CaseMethod, String> {
     if text == "backstop" {
-        Ok(CaseMethod(None))
-    } else {
-        solver(text).map(|method| CaseMethod(Some(method)))
+        return Ok(CaseMethod(None));
     }
+    let names = || WorldMethod::names().collect::<Vec<_>>().join(", ");
+    let solver =
+        WorldSolver::by_name(text).ok_or_else(|| format!("must be backstop or one of {}", names()))?;
+    Ok(CaseMethod(Some(solver.method)))
 }
 
 fn friction(text: &str) -> Result<Friction, String> {

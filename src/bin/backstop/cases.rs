@@ -3,6 +3,7 @@
 use crate::args::{CaseMethod, CaseOptions};
 use crate::output;
 use anyhow::{Context, bail};
+use backstop::lab::WorldSolver;
 use backstop::lab::cases::{Case, Outcome, Setting};
 use serde::Serialize;
 use std::fmt::Write;
@@ -35,21 +36,28 @@ pub(crate) fn cases(options: &CaseOptions) -> anyhow::Result<()> {
     if options.list {
         return output::print(&list(&cases));
     }
-    let settings = settings(options);
-    let methods = if options.methods.is_empty() { vec![CaseMethod(None)] } else { options.methods.clone() };
-    let runs = run_all(&cases, &methods, &settings, options)?;
+    let methods = if options.methods.is_empty() { usual_methods() } else { options.methods.clone() };
+    let columns: Vec<_> = methods.iter().map(|method| settings(options, *method)).collect();
+    let runs = run_all(&cases, &columns, options)?;
     if options.json {
         return output::print_json(&runs);
     }
-    output::print(&tables(&cases, &methods, &settings, &runs))
+    output::print(&tables(&cases, &columns, &runs))
+}
+
+/// The engine's own solver and three of the lab: sweeps to convergence, a splitting with factors, and impact after impact.
+fn usual_methods() -> Vec<CaseMethod> {
+    let lab = ["gs-cone", "admm", "sequential"].into_iter().filter_map(WorldSolver::by_name);
+    let lab = lab.map(|solver| CaseMethod(Some(solver.method)));
+    std::iter::once(CaseMethod(None)).chain(lab).collect()
 }
 
 /// Those that are asked for; the usual ones if nothing is.
-fn settings(options: &CaseOptions) -> Vec<Setting> {
+fn settings(options: &CaseOptions, method: CaseMethod) -> Vec<Setting> {
     let asked =
         options.substeps.is_some() || options.iterations.is_some() || options.friction_model.is_some();
     if options.hz.is_empty() && !asked {
-        return Setting::usual().to_vec();
+        return Setting::usual(method.0);
     }
     let reference = Setting::REFERENCE;
     let at = |dt| Setting {
@@ -57,7 +65,7 @@ fn settings(options: &CaseOptions) -> Vec<Setting> {
         substeps: options.substeps.unwrap_or(reference.substeps),
         iterations: options.iterations.unwrap_or(reference.iterations),
         friction: options.friction_model.unwrap_or(reference.friction),
-        ..reference
+        method: method.0,
     };
     if options.hz.is_empty() {
         vec![at(reference.dt)]
@@ -66,30 +74,25 @@ fn settings(options: &CaseOptions) -> Vec<Setting> {
     }
 }
 
-/// Every case by every method at every setting, in this order.
+/// Every case at every setting of every method, in this order.
 fn run_all(
     cases: &[&'static Case],
-    methods: &[CaseMethod],
-    settings: &[Setting],
+    columns: &[Vec<Setting>],
     options: &CaseOptions,
 ) -> anyhow::Result<Vec<Run>> {
-    let mut jobs = Vec::new();
-    for &case in cases {
-        for &method in methods {
-            jobs.extend(settings.iter().map(|&setting| (case, method, setting)));
-        }
-    }
+    let settings = || columns.iter().flatten();
+    let jobs: Vec<_> =
+        cases.iter().flat_map(|&case| settings().map(move |setting| (case, setting))).collect();
     let bar = output::progress(!options.quiet && !options.json, jobs.len() as u64, "runs");
     let (next, done) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let work = || -> anyhow::Result<()> {
         loop {
             let number = next.fetch_add(1, Ordering::Relaxed);
-            let Some(&(case, method, setting)) = jobs.get(number) else { return Ok(()) };
-            let about = || format!("can't run {} by {} at {}", case.name, method.name(), setting.name());
-            let outcome = case.run(&Setting { method: method.0, ..setting }).with_context(about)?;
-            done.lock()
-                .unwrap_or_else(PoisonError::into_inner)
-                .push((number, run(case, method, &setting, outcome)));
+            let Some(&(case, setting)) = jobs.get(number) else { return Ok(()) };
+            let about =
+                || format!("can't run {} by {} at {}", case.name, setting.method_name(), setting.name());
+            let outcome = case.run(setting).with_context(about)?;
+            done.lock().unwrap_or_else(PoisonError::into_inner).push((number, run(case, setting, outcome)));
             bar.inc(1);
         }
     };
@@ -107,12 +110,12 @@ fn run_all(
     Ok(done.into_iter().map(|(_, run)| run).collect())
 }
 
-fn run(case: &'static Case, method: CaseMethod, setting: &Setting, outcome: Outcome) -> Run {
+fn run(case: &'static Case, setting: &Setting, outcome: Outcome) -> Run {
     let error = outcome.error();
     Run {
         case: case.name,
         unit: case.unit,
-        method: method.name(),
+        method: setting.method_name(),
         setting: setting.name(),
         expected: outcome.expected,
         measured: Some(outcome.measured).filter(|x| x.is_finite()),
@@ -123,39 +126,46 @@ fn run(case: &'static Case, method: CaseMethod, setting: &Setting, outcome: Outc
 }
 
 /// A table for each method: a row for each case, a column for each setting. `!` is beyond the bar.
-fn tables(cases: &[&Case], methods: &[CaseMethod], settings: &[Setting], runs: &[Run]) -> String {
+fn tables(cases: &[&Case], columns: &[Vec<Setting>], runs: &[Run]) -> String {
     let mut text = String::from(
         "What cases are off by, as a share of the exact answer, or in its unit if that is zero; ! is beyond the bar, - is none.\n",
     );
-    let halved = halved(settings);
-    for (m, method) in methods.iter().enumerate() {
-        let _ = write!(text, "\n{:<22}{:>9}", method.name(), "bar");
-        for setting in settings {
-            let _ = write!(text, "  {:>15}", setting.name());
-        }
-        text += if halved.is_some() { "   order\n" } else { "\n" };
-        let mut within = vec![0; settings.len()];
-        for (c, case) in cases.iter().enumerate() {
-            let first = (c * methods.len() + m) * settings.len();
-            let row = &runs[first..first + settings.len()];
-            let _ = write!(text, "{:<22}{:>9}", case.name, figure(case.bar));
-            for (run, within) in row.iter().zip(&mut within) {
-                *within += usize::from(run.within);
-                let mark = if run.within { ' ' } else { '!' };
-                let _ = write!(text, "  {:>14}{mark}", run.error.map_or("-".into(), figure));
-            }
-            if let Some([coarse, fine]) = halved {
-                let _ = write!(text, "  {:>6}", order(row, coarse, fine, settings));
-            }
-            text = text.trim_end().to_owned() + "\n";
-        }
-        let _ = write!(text, "{:<22}{:>9}", "within the bar", format!("of {}", cases.len()));
-        within.iter().for_each(|n| {
-            let _ = write!(text, "  {n:>14} ");
-        });
-        text = text.trim_end().to_owned() + "\n";
+    let in_all = columns.iter().map(Vec::len).sum();
+    let mut first = 0;
+    for settings in columns {
+        let rows: Vec<_> = runs.chunks(in_all).map(|row| &row[first..first + settings.len()]).collect();
+        text += &table(cases, settings, &rows);
+        first += settings.len();
     }
     text
+}
+
+fn table(cases: &[&Case], settings: &[Setting], rows: &[&[Run]]) -> String {
+    let mut text = format!("\n{:<22}{:>9}", settings[0].method_name(), "bar");
+    for setting in settings {
+        let _ = write!(text, "  {:>15}", setting.name());
+    }
+    let halved = halved(settings);
+    text += if halved.is_some() { "   order\n" } else { "\n" };
+    let mut within = vec![0; settings.len()];
+    for (case, row) in cases.iter().zip(rows) {
+        let mut line = format!("{:<22}{:>9}", case.name, figure(case.bar));
+        for (run, within) in row.iter().zip(&mut within) {
+            *within += usize::from(run.within);
+            let mark = if run.within { ' ' } else { '!' };
+            let _ = write!(line, "  {:>14}{mark}", run.error.map_or("-".into(), figure));
+        }
+        if let Some([coarse, fine]) = halved {
+            let _ = write!(line, "  {:>6}", order(row, coarse, fine, settings));
+        }
+        text += line.trim_end();
+        text.push('\n');
+    }
+    let mut line = format!("{:<22}{:>9}", "within the bar", format!("of {}", cases.len()));
+    within.iter().for_each(|n| {
+        let _ = write!(line, "  {n:>14} ");
+    });
+    text + line.trim_end() + "\n"
 }
 
 /// The first setting, and the one that differs from it only by the shortest steps.

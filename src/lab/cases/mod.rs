@@ -31,7 +31,7 @@ mod watch;
 
 use crate::config::{FrictionModel, Settings};
 use crate::error::Error;
-use crate::lab::methods::Method;
+use crate::lab::{WorldMethod, WorldSolver};
 use crate::world::World;
 use glam::Vec3;
 
@@ -91,14 +91,14 @@ impl Case {
 pub struct Setting {
     /// Length of a step [s].
     pub dt: f32,
-    /// Of the solver.
+    /// Of the engine's solver; methods of the lab solve a step as one.
     pub substeps: u32,
     /// Of each substep.
     pub iterations: u32,
     /// Where friction acts.
     pub friction: FrictionModel,
     /// What solves the rows of a step: a method of the lab, or, if there is none, the engine's own solver.
-    pub method: Option<&'static Method>,
+    pub method: Option<WorldMethod>,
 }
 
 impl Setting {
@@ -106,29 +106,45 @@ impl Setting {
     pub const REFERENCE: Setting =
         Setting { dt: 1.0 / 60.0, substeps: 4, iterations: 1, friction: FrictionModel::Patch, method: None };
 
-    /// The settings of the table: the reference, then one thing changed in each; the steps are halved twice.
-    pub fn usual() -> [Setting; 6] {
-        let reference = Setting::REFERENCE;
-        [
+    /// The settings of the table: the reference, then one thing changed in each; the steps are halved twice. Methods of the lab
+    /// know no substeps.
+    pub fn usual(method: Option<WorldMethod>) -> Vec<Setting> {
+        let reference = Setting { method, ..Setting::REFERENCE };
+        let mut settings = vec![
             reference,
             Setting { dt: 1.0 / 120.0, ..reference },
             Setting { dt: 1.0 / 240.0, ..reference },
-            Setting { substeps: 1, iterations: 8, ..reference },
-            Setting { substeps: 16, ..reference },
             Setting { friction: FrictionModel::Point, ..reference },
-        ]
+        ];
+        if method.is_none() {
+            settings.push(Setting { substeps: 16, ..reference });
+            settings.push(Setting { substeps: 1, iterations: 8, ..reference });
+        }
+        settings
     }
 
-    /// Rate, substeps and iterations, as `60 Hz 4x1`; with `point` if friction acts at points.
+    /// Of the method: `backstop` is the engine's own solver.
+    pub fn method_name(&self) -> &'static str {
+        self.method.map_or("backstop", |method| method.name())
+    }
+
+    /// Rate, and substeps and iterations of the engine's solver, as `60 Hz 4x1`; with `point` if friction acts at points.
     pub fn name(&self) -> String {
+        let passes = if self.method.is_none() {
+            format!(" {}x{}", self.substeps, self.iterations)
+        } else {
+            String::new()
+        };
         let point = if self.friction == FrictionModel::Point { " point" } else { "" };
-        format!("{:.0} Hz {}x{}{point}", 1.0 / self.dt, self.substeps, self.iterations)
+        format!("{:.0} Hz{passes}{point}", 1.0 / self.dt)
     }
 
     /// An empty world that is stepped so.
     fn world(&self, settings: Settings) -> Result<World, Error> {
         let Setting { substeps, iterations, friction: friction_model, .. } = *self;
-        World::new(Settings { substeps, iterations, friction_model, ..settings })
+        let mut world = World::new(Settings { substeps, iterations, friction_model, ..settings })?;
+        world.solve_with(self.method.map(WorldSolver::new));
+        Ok(world)
     }
 
     /// With gravity alone set [m/s²].
