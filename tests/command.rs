@@ -630,6 +630,29 @@ fn a_problem_is_solved_as_is_promised() {
 }
 
 #[test]
+fn cases_tell_what_they_are_off_by() {
+    let asked =
+        ["cases", "--case", "cradle-3", "--hz", "60,120", "--method", "backstop", "--method", "gs-cone"];
+    let document = document(&backstop(&[&asked[..], &["--json"]].concat()));
+    let runs = document.as_array().expect("a list");
+    assert_eq!(runs.len(), 4);
+    for run in runs {
+        has_keys(
+            run,
+            &["case", "unit", "method", "setting", "expected", "measured", "error", "bar", "within"],
+        );
+        assert_eq!((&run["case"], &run["within"]), (&Value::from("cradle-3"), &Value::from(true)));
+    }
+    let text = backstop(&asked);
+    let text = String::from_utf8_lossy(&text.stdout);
+    assert!(text.contains("\nbackstop ") && text.contains("\ngs-cone "), "{text}");
+    let list = backstop(&["cases", "--list"]);
+    assert!(String::from_utf8_lossy(&list.stdout).contains("v0² / (49 mu g)"));
+    refused(&["cases", "--case", "guess"], 1, "no case has such a name");
+    refused(&["cases", "--method", "guess"], 2, "must be backstop or one of");
+}
+
+#[test]
 fn problems_that_are_wrong_are_refused() {
     let write = |name: &str, bytes: &[u8]| {
         let file = scratch(name);

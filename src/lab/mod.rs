@@ -21,6 +21,7 @@
 //! ```
 
 mod arnoldi;
+pub mod cases;
 pub mod envelope;
 mod growth;
 mod map;

@@ -33,6 +33,9 @@ pub(crate) enum Command {
     Stability(StabilityOptions),
     /// Run small scenes under extreme conditions and map what holds (docs/envelope.md).
     Extremes(ExtremesOptions),
+    /// Run cases of mechanics whose answer is known, by several methods and settings, and print what each is off by
+    /// (docs/cases.md).
+    Cases(CaseOptions),
     /// Compare measured tosses of a cube with the same tosses simulated (docs/tosses.md).
     Tosses(TossOptions),
     /// Solve a linear complementarity or contact problem out of a file by one of many methods (docs/methods.md).
@@ -470,6 +473,41 @@ pub(crate) struct TossOptions {
     /// Print one JSON document instead of a table (docs/json.md).
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct CaseOptions {
+    /// Only cases with this in their names; may be given several times.
+    #[arg(long = "case", value_name = "NAME")]
+    pub(crate) cases: Vec<String>,
+    /// What solves the steps: backstop or a method of the lab (`solve --list`); may be given several times [default:
+    /// backstop, gs-cone, admm and sequential].
+    #[arg(long = "method", value_name = "NAME", value_parser = any_method)]
+    pub(crate) methods: Vec<AnyMethod>,
+    /// Rates of the steps, with commas between them [default: six settings, see docs/cases.md].
+    #[arg(long, value_name = "HZ,...", value_delimiter = ',', value_parser = hertz)]
+    pub(crate) hz: Vec<f32>,
+    /// Substeps of the solver in a step [default: 4].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub(crate) substeps: Option<u32>,
+    /// Solver iterations in each substep [default: 1].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=256))]
+    pub(crate) iterations: Option<u32>,
+    /// Where friction acts: patch or point.
+    #[arg(long, value_name = "MODEL", value_parser = friction_model)]
+    pub(crate) friction_model: Option<FrictionModel>,
+    /// Runs at once [default: one per core].
+    #[arg(long, value_name = "N", value_parser = threads)]
+    pub(crate) jobs: Option<usize>,
+    /// Name the cases with their formulas and bars, and run none.
+    #[arg(long)]
+    pub(crate) list: bool,
+    /// Print one JSON document instead of tables (docs/json.md).
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// No progress.
+    #[arg(long)]
+    pub(crate) quiet: bool,
 }
 
 #[derive(Args, Debug)]

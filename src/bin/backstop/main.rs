@@ -1,8 +1,9 @@
-//! `cargo backstop`: runs scenes, plans their memory, replays recordings, measures tunnelling, the stability of rest and
-//! what holds at the extremes, solves problems of contact resolution, writes the shipped scenes.
+//! `cargo backstop`: runs scenes, plans their memory, replays recordings, measures tunnelling, the stability of rest,
+//! what holds at the extremes and what exact cases are off by, solves problems of contact resolution, writes the shipped scenes.
 
 mod accuracy;
 mod args;
+mod cases;
 mod charts;
 mod compare;
 mod document;
@@ -39,6 +40,7 @@ fn main() -> ExitCode {
         Command::Replay(options) => replay::replay(&options),
         Command::Shots(options) => shots::shots(&options),
         Command::Methods(options) => methods::methods(&options),
+        Command::Cases(options) => cases::cases(&options),
         Command::Tosses(options) => tosses::tosses(&options),
         Command::Compare(options) => compare::print(&options),
         // Alone in having more to say than whether it ran.

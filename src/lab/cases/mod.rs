@@ -1,0 +1,183 @@
+//! Cases of mechanics whose answer is known in closed form, each run in a world and compared with its formula.
+//!
+//! A [`Case`] builds its bodies through the public interface, steps the world by a [`Setting`], measures one number and tells
+//! it beside the exact one. `cargo backstop cases` prints the errors of all; `docs/cases.md` has the table and what falls
+//! short of its bar.
+//!
+//! ```
+//! use backstop::lab::cases::{Case, Setting};
+//!
+//! # fn main() -> Result<(), backstop::Error> {
+//! let slide = Case::by_name("slide-45").expect("a case of this name");
+//! let outcome = slide.run(&Setting::REFERENCE)?;
+//! assert!(outcome.error() < slide.bar);
+//! # Ok(())
+//! # }
+//! ```
+
+mod balls;
+mod bounces;
+mod discs;
+mod falling;
+mod pendulums;
+mod rig;
+mod rods;
+mod rolling;
+mod sliding;
+mod statics;
+mod structures;
+mod tops;
+mod watch;
+
+use crate::config::{FrictionModel, Settings};
+use crate::error::Error;
+use crate::lab::{WorldMethod, WorldSolver};
+use crate::world::World;
+use glam::Vec3;
+
+/// One case: what is built, what is known of it, and how near one has to come.
+#[derive(Clone, Copy, Debug)]
+pub struct Case {
+    /// Lower case, with hyphens.
+    pub name: &'static str,
+    /// What happens and what is measured.
+    pub about: &'static str,
+    /// The exact answer as a formula.
+    pub formula: &'static str,
+    /// Unit of the measured number.
+    pub unit: &'static str,
+    /// The greatest error that a good engine has at 60 Hz with 4 to 8 substeps; a share of the exact answer, unless the
+    /// answer is zero, and the error in `unit`.
+    pub bar: f64,
+    measure: fn(&Setting) -> Result<Outcome, Error>,
+}
+
+impl Case {
+    /// All of them, subject by subject.
+    pub fn all() -> impl Iterator<Item = &'static Case> {
+        [
+            sliding::CASES,
+            statics::CASES,
+            rolling::CASES,
+            discs::CASES,
+            bounces::CASES,
+            rods::CASES,
+            balls::CASES,
+            pendulums::CASES,
+            falling::CASES,
+            tops::CASES,
+            structures::CASES,
+        ]
+        .into_iter()
+        .flatten()
+    }
+
+    /// The case of this name.
+    pub fn by_name(name: &str) -> Option<&'static Case> {
+        Case::all().find(|case| case.name == name)
+    }
+
+    /// Runs it.
+    ///
+    /// # Errors
+    /// If the world refuses a setting, or a step fails.
+    pub fn run(&self, setting: &Setting) -> Result<Outcome, Error> {
+        (self.measure)(setting)
+    }
+}
+
+/// How the world of a case is stepped.
+#[derive(Clone, Copy, Debug)]
+pub struct Setting {
+    /// Length of a step [s].
+    pub dt: f32,
+    /// Of the engine's solver; methods of the lab solve a step as one.
+    pub substeps: u32,
+    /// Of each substep.
+    pub iterations: u32,
+    /// Where friction acts.
+    pub friction: FrictionModel,
+    /// What solves the rows of a step: a method of the lab, or, if there is none, the engine's own solver.
+    pub method: Option<WorldMethod>,
+}
+
+impl Setting {
+    /// The one at which the bars are meant: 60 Hz, and what [`Settings`] has by default.
+    pub const REFERENCE: Setting =
+        Setting { dt: 1.0 / 60.0, substeps: 4, iterations: 1, friction: FrictionModel::Patch, method: None };
+
+    /// The settings of the table: the reference, then one thing changed in each; the steps are halved twice. Methods of the lab
+    /// know no substeps.
+    pub fn usual(method: Option<WorldMethod>) -> Vec<Setting> {
+        let reference = Setting { method, ..Setting::REFERENCE };
+        let mut settings = vec![
+            reference,
+            Setting { dt: 1.0 / 120.0, ..reference },
+            Setting { dt: 1.0 / 240.0, ..reference },
+            Setting { friction: FrictionModel::Point, ..reference },
+        ];
+        if method.is_none() {
+            settings.push(Setting { substeps: 16, ..reference });
+            settings.push(Setting { substeps: 1, iterations: 8, ..reference });
+        }
+        settings
+    }
+
+    /// Of the method: `backstop` is the engine's own solver.
+    pub fn method_name(&self) -> &'static str {
+        self.method.map_or("backstop", |method| method.name())
+    }
+
+    /// Rate, and substeps and iterations of the engine's solver, as `60 Hz 4x1`; with `point` if friction acts at points.
+    pub fn name(&self) -> String {
+        let passes = if self.method.is_none() {
+            format!(" {}x{}", self.substeps, self.iterations)
+        } else {
+            String::new()
+        };
+        let point = if self.friction == FrictionModel::Point { " point" } else { "" };
+        format!("{:.0} Hz{passes}{point}", 1.0 / self.dt)
+    }
+
+    /// An empty world that is stepped so.
+    fn world(&self, settings: Settings) -> Result<World, Error> {
+        let Setting { substeps, iterations, friction: friction_model, .. } = *self;
+        let mut world = World::new(Settings { substeps, iterations, friction_model, ..settings })?;
+        world.solve_with(self.method.map(WorldSolver::new));
+        Ok(world)
+    }
+
+    /// With gravity alone set [m/s²].
+    fn settings(gravity: Vec3) -> Settings {
+        Settings { gravity, ..Settings::default() }
+    }
+}
+
+/// The exact answer and the measured one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outcome {
+    /// By the formula, for what was really built.
+    pub expected: f64,
+    /// Not a number if what was to be measured never happened.
+    pub measured: f64,
+    /// What the difference is divided by.
+    pub scale: f64,
+}
+
+impl Outcome {
+    /// An error that counts as a share of the exact answer.
+    fn of(expected: f64, measured: f64) -> Outcome {
+        Outcome { expected, measured, scale: expected.abs() }
+    }
+
+    /// The exact answer is zero: the error is what was measured.
+    fn zero(measured: f64) -> Outcome {
+        Outcome { expected: 0.0, measured, scale: 1.0 }
+    }
+
+    /// How far the measured answer is off; infinite if there is none.
+    pub fn error(&self) -> f64 {
+        let error = (self.measured - self.expected).abs() / self.scale;
+        if error.is_nan() { f64::INFINITY } else { error }
+    }
+}
