@@ -16,6 +16,7 @@ mod profile;
 mod replay;
 mod run;
 mod shots;
+mod simbench;
 mod solve;
 mod stability;
 mod summary;
@@ -39,6 +40,7 @@ fn main() -> ExitCode {
         Command::Replay(options) => replay::replay(&options),
         Command::Shots(options) => shots::shots(&options),
         Command::Methods(options) => methods::methods(&options),
+        Command::Simbench(options) => simbench::simbench(&options),
         Command::Tosses(options) => tosses::tosses(&options),
         Command::Compare(options) => compare::print(&options),
         // Alone in having more to say than whether it ran.
