@@ -31,6 +31,7 @@ pub mod problem;
 pub mod reduction;
 mod rest;
 pub mod retroactive;
+pub mod simbench;
 mod state;
 pub mod steppers;
 pub mod structures;

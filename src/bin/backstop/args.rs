@@ -4,8 +4,9 @@ use crate::view::Look;
 use backstop::glam::{DVec3, Vec3};
 use backstop::lab::WorldMethod;
 use backstop::lab::methods::{Friction, Method};
+use backstop::lab::simbench::Test;
 use backstop::lab::structures::Structure;
-use backstop::{Continuous, ContinuousMethod, FrictionModel, LoadLimits};
+use backstop::{Continuous, ContinuousMethod, FrictionCone, FrictionModel, LoadLimits};
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -38,6 +39,8 @@ pub(crate) enum Command {
     Cases(CaseOptions),
     /// Compare measured tosses of a cube with the same tosses simulated (docs/tosses.md).
     Tosses(TossOptions),
+    /// Run four tests of SimBenchmark beside the numbers that it published for other engines (docs/simbench.md).
+    Simbench(SimbenchOptions),
     /// Solve a linear complementarity or contact problem out of a file by one of many methods (docs/methods.md).
     Solve(SolveOptions),
     /// Run a pyramid, an arch, a card house and a chain under every method of contact resolution (docs/methods.md).
@@ -511,6 +514,37 @@ pub(crate) struct CaseOptions {
 }
 
 #[derive(Args, Debug)]
+pub(crate) struct SimbenchOptions {
+    /// Only this test: rolling, bouncing, 666 or kapla; may be given again.
+    #[arg(long, value_name = "NAME", value_parser = simbench_test)]
+    pub(crate) test: Vec<Test>,
+    /// Solve steps by this method of the lab instead (docs/methods.md); may be given again [default: the engine's own].
+    #[arg(long, value_name = "NAME", value_parser = world_method)]
+    pub(crate) method: Vec<WorldMethod>,
+    /// The most rows of an island that a method solves; larger ones are left to the engine's own.
+    #[arg(long, value_name = "N", default_value_t = 400, requires = "method")]
+    pub(crate) rows: usize,
+    /// Lengths of a step in seconds: numbers or fractions [default: the test's curve].
+    #[arg(long, value_name = "SECONDS,...", value_delimiter = ',', value_parser = seconds)]
+    pub(crate) dt: Vec<f32>,
+    /// Substeps of a step [default: the test's curve, or 4].
+    #[arg(long, value_name = "N")]
+    pub(crate) substeps: Option<u32>,
+    /// Iterations of a substep [default: the test's curve, or 1].
+    #[arg(long, value_name = "N")]
+    pub(crate) iterations: Option<u32>,
+    /// Bounds of friction: cone or box.
+    #[arg(long, value_name = "SHAPE", default_value = "cone", value_parser = friction_cone)]
+    pub(crate) friction: FrictionCone,
+    /// Simulated time [default: as SimBenchmark has it: 4, 20, 10 and 600 s].
+    #[arg(long, value_name = "S", value_parser = positive)]
+    pub(crate) seconds: Option<f32>,
+    /// Print one JSON document instead of tables (docs/json.md).
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Args, Debug)]
 pub(crate) struct CompareOptions {
     /// Only this scene: talk, posts, blades, deflector, head_on or ragdoll_wall.
     #[arg(long, value_name = "NAME")]
@@ -580,6 +614,19 @@ fn any_method(text: &str) -> Result<AnyMethod, String> {
         Ok(AnyMethod(None))
     } else {
         world_method(text).map(|method| AnyMethod(Some(method)))
+    }
+}
+
+fn simbench_test(text: &str) -> Result<Test, String> {
+    let names = || Test::ALL.map(Test::name).join(", ");
+    Test::named(text).ok_or_else(|| format!("must be one of {}", names()))
+}
+
+fn friction_cone(text: &str) -> Result<FrictionCone, String> {
+    match text {
+        "cone" => Ok(FrictionCone::Cone),
+        "box" => Ok(FrictionCone::Box),
+        _ => Err("must be cone or box".into()),
     }
 }
 

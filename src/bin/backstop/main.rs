@@ -17,6 +17,7 @@ mod profile;
 mod replay;
 mod run;
 mod shots;
+mod simbench;
 mod solve;
 mod stability;
 mod summary;
@@ -41,6 +42,7 @@ fn main() -> ExitCode {
         Command::Shots(options) => shots::shots(&options),
         Command::Methods(options) => methods::methods(&options),
         Command::Cases(options) => cases::cases(&options),
+        Command::Simbench(options) => simbench::simbench(&options),
         Command::Tosses(options) => tosses::tosses(&options),
         Command::Compare(options) => compare::print(&options),
         // Alone in having more to say than whether it ran.

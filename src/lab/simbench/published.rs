@@ -1,0 +1,164 @@
+//! Numbers that SimBenchmark published: the files `data/TEST/sample.csv` of <https://github.com/leggedrobotics/SimBenchmark> (September
+//! 2021), which its pages show as plots. Measured there on an Intel Core i7-7700HQ.
+
+use super::Test;
+
+/// What an engine reached.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Published {
+    /// Its name.
+    pub engine: &'static str,
+    /// Of those that it has.
+    pub solver: &'static str,
+    /// Whether it took errors back (ERP).
+    pub error_reduction: bool,
+    /// Length of a step [s].
+    pub dt: f64,
+    /// Of the solver, where SimBenchmark varies them.
+    pub iterations: Option<u32>,
+    /// The test's metric.
+    pub metric: f64,
+    /// Wall-clock time of the whole run [s].
+    pub time: f64,
+}
+
+pub(super) fn of(test: Test) -> &'static [Published] {
+    match test {
+        Test::Rolling => ROLLING,
+        Test::Bouncing => BOUNCING,
+        Test::Spheres => SPHERES,
+        Test::Tower => TOWER,
+    }
+}
+
+const fn row(
+    engine: &'static str,
+    solver: &'static str,
+    error_reduction: bool,
+    dt: f64,
+    iterations: Option<u32>,
+    metric: f64,
+    time: f64,
+) -> Published {
+    Published { engine, solver, error_reduction, dt, iterations, metric, time }
+}
+
+/// `data/rolling/sample.csv`, force xy; the last two from `data/rolling/default.csv`.
+#[rustfmt::skip]
+const ROLLING: &[Published] = &[
+    row("RaiSim", "bisection", false, 0.001, Some(10), 1.96524e-06, 0.169005),
+    row("RaiSim", "bisection", false, 0.001, Some(40), 4.08978e-07, 0.485514),
+    row("RaiSim", "bisection", false, 0.001, Some(100), 4.08991e-07, 1.05239),
+    row("RaiSim", "bisection", false, 0.001, Some(1000), 4.08935e-07, 1.09317),
+    row("Bullet", "sequential impulse", false, 0.001, Some(10), 1.68453e-06, 0.448674),
+    row("Bullet", "sequential impulse", false, 0.001, Some(40), 4.42287e-15, 0.910267),
+    row("Bullet", "sequential impulse", false, 0.001, Some(100), 2.83765e-17, 1.79777),
+    row("Bullet", "sequential impulse", false, 0.001, Some(1000), 3.85251e-27, 1.81757),
+    row("ODE", "PGS", false, 0.001, Some(10), 3.14495, 0.534643),
+    row("ODE", "PGS", false, 0.001, Some(40), 3.14497, 1.22149),
+    row("ODE", "PGS", false, 0.001, Some(100), 3.14497, 2.56709),
+    row("ODE", "PGS", false, 0.001, Some(1000), 3.14497, 22.5541),
+    row("MuJoCo", "Newton", false, 0.001, None, 0.00692691, 1.67194),
+    row("DART", "Dantzig", false, 0.001, None, 3.14497, 2.67552),
+];
+
+/// `data/bouncing/sample.csv`, without error reduction.
+#[rustfmt::skip]
+const BOUNCING: &[Published] = &[
+    row("RaiSim", "bisection", false, 0.0001, None, 1.86413e-06, 2.36529),
+    row("RaiSim", "bisection", false, 0.001, None, 0.0186204, 0.235136),
+    row("RaiSim", "bisection", false, 0.004, None, 4.76468, 0.0610991),
+    row("RaiSim", "bisection", false, 0.01, None, 185.953, 0.0252509),
+    row("RaiSim", "bisection", false, 0.04, None, 47390.6, 0.00647402),
+    row("RaiSim", "bisection", false, 0.1, None, 1834520.0, 0.00265884),
+    row("Bullet", "sequential impulse", false, 0.0001, None, 752.345, 8.22547),
+    row("Bullet", "sequential impulse", false, 0.001, None, 75245.4, 0.851648),
+    row("Bullet", "sequential impulse", false, 0.004, None, 1201780.0, 0.226891),
+    row("Bullet", "sequential impulse", false, 0.01, None, 7406640.0, 0.102335),
+    row("Bullet", "sequential impulse", false, 0.04, None, 119223000.0, 0.0310302),
+    row("Bullet", "sequential impulse", false, 0.1, None, 767704000.0, 0.0160391),
+    row("ODE", "PGS", false, 0.0001, None, 1.85054, 19.8034),
+    row("ODE", "PGS", false, 0.001, None, 185.027, 1.88695),
+    row("ODE", "PGS", false, 0.004, None, 2982.68, 0.473906),
+    row("ODE", "PGS", false, 0.01, None, 18808.3, 0.189298),
+    row("ODE", "PGS", false, 0.04, None, 313419.0, 0.0494759),
+    row("ODE", "PGS", false, 0.1, None, 2033260.0, 0.0211151),
+    row("DART", "Dantzig", false, 0.0001, None, 483.166, 31.917),
+    row("DART", "Dantzig", false, 0.001, None, 72274.4, 3.2084),
+    row("DART", "Dantzig", false, 0.004, None, 1189660.0, 0.795548),
+    row("DART", "Dantzig", false, 0.01, None, 7375880.0, 0.338765),
+    row("DART", "Dantzig", false, 0.04, None, 119086000.0, 0.085922),
+    row("DART", "Dantzig", false, 0.1, None, 767291000.0, 0.0378909),
+];
+
+/// `data/666/sample.csv`. DART varies from step to step.
+#[rustfmt::skip]
+const SPHERES: &[Published] = &[
+    row("RaiSim", "bisection", false, 0.0001, None, 1.63724e-06, 12.9292),
+    row("RaiSim", "bisection", false, 0.001, None, 0.00013534, 1.51045),
+    row("RaiSim", "bisection", false, 0.004, None, 0.00211391, 0.38779),
+    row("RaiSim", "bisection", false, 0.01, None, 0.0152745, 0.167983),
+    row("RaiSim", "bisection", false, 0.04, None, 0.249862, 0.0550811),
+    row("RaiSim", "bisection", false, 0.1, None, 0.961629, 0.0367491),
+    row("Bullet", "sequential impulse", false, 0.0001, None, 0.00353091, 79.6021),
+    row("Bullet", "sequential impulse", false, 0.001, None, 0.38247, 11.9778),
+    row("Bullet", "sequential impulse", false, 0.004, None, 5.78282, 4.14151),
+    row("Bullet", "sequential impulse", false, 0.01, None, 37.4217, 2.01153),
+    row("Bullet", "sequential impulse", false, 0.04, None, 727.893, 0.677048),
+    row("Bullet", "sequential impulse", false, 0.1, None, 278496.0, 0.91797),
+    row("ODE", "PGS", false, 0.0001, None, 1.58571e-06, 98.9894),
+    row("ODE", "PGS", false, 0.001, None, 0.000157122, 10.0378),
+    row("ODE", "PGS", false, 0.004, None, 0.00208149, 2.52893),
+    row("ODE", "PGS", false, 0.01, None, 0.0161901, 1.00332),
+    row("ODE", "PGS", false, 0.04, None, 0.236774, 0.286833),
+    row("ODE", "PGS", false, 0.1, None, 3.05789, 0.121567),
+    row("MuJoCo", "Newton", false, 0.0001, None, 0.0112876, 291.667),
+    row("MuJoCo", "Newton", false, 0.001, None, 0.0950124, 43.1372),
+    row("MuJoCo", "Newton", false, 0.004, None, 0.374245, 15.3103),
+    row("MuJoCo", "Newton", false, 0.01, None, 0.933766, 5.1182),
+    row("MuJoCo", "Newton", false, 0.04, None, 3.84858, 16.7819),
+    row("MuJoCo", "Newton", false, 0.1, None, 10.9935, 37.0414),
+    row("DART", "Dantzig", false, 0.0001, None, 1.97837e-07, 197.014),
+    row("DART", "Dantzig", false, 0.001, None, 0.000282356, 22.9162),
+    row("DART", "Dantzig", false, 0.004, None, 9292.72, 6.56869),
+    row("DART", "Dantzig", false, 0.01, None, 214.842, 3.06581),
+    row("DART", "Dantzig", false, 0.04, None, 1366.83, 1.24581),
+    row("DART", "Dantzig", false, 0.1, None, 6.83924, 2.75566),
+];
+
+/// `data/kapla/sample.csv`, steps of 0.01 s; 600 s is the end of the test. Of MuJoCo the tolerance with which it stood longest.
+#[rustfmt::skip]
+const TOWER: &[Published] = &[
+    row("RaiSim", "bisection", false, 0.01, Some(10), 0.25, 0.0345781),
+    row("RaiSim", "bisection", false, 0.01, Some(40), 0.89, 0.285568),
+    row("RaiSim", "bisection", false, 0.01, Some(100), 2.63, 1.88927),
+    row("RaiSim", "bisection", false, 0.01, Some(400), 52.65, 120.686),
+    row("RaiSim", "bisection", false, 0.01, Some(1000), 600.0, 2884.89),
+    row("RaiSim", "bisection", true, 0.01, Some(10), 0.26, 0.036145),
+    row("RaiSim", "bisection", true, 0.01, Some(40), 0.89, 0.280317),
+    row("RaiSim", "bisection", true, 0.01, Some(100), 2.58, 1.92177),
+    row("RaiSim", "bisection", true, 0.01, Some(400), 46.37, 108.465),
+    row("RaiSim", "bisection", true, 0.01, Some(1000), 548.39, 2843.2),
+    row("Bullet", "sequential impulse", false, 0.01, Some(10), 0.24, 0.234968),
+    row("Bullet", "sequential impulse", false, 0.01, Some(40), 0.58, 0.976372),
+    row("Bullet", "sequential impulse", false, 0.01, Some(100), 0.98, 2.77953),
+    row("Bullet", "sequential impulse", false, 0.01, Some(400), 1.44, 13.5886),
+    row("Bullet", "sequential impulse", false, 0.01, Some(1000), 1.47, 33.302),
+    row("Bullet", "sequential impulse", true, 0.01, Some(10), 0.52, 0.275129),
+    row("Bullet", "sequential impulse", true, 0.01, Some(40), 3.34, 3.33458),
+    row("Bullet", "sequential impulse", true, 0.01, Some(100), 8.46, 17.5881),
+    row("Bullet", "sequential impulse", true, 0.01, Some(400), 202.46, 1038.86),
+    row("Bullet", "sequential impulse", true, 0.01, Some(1000), 550.58, 6954.77),
+    row("ODE", "PGS", false, 0.01, Some(10), 0.4, 0.122368),
+    row("ODE", "PGS", false, 0.01, Some(40), 1.01, 0.852728),
+    row("ODE", "PGS", false, 0.01, Some(100), 1.22, 2.32766),
+    row("ODE", "PGS", false, 0.01, Some(400), 1.24, 8.63345),
+    row("ODE", "PGS", false, 0.01, Some(1000), 1.22, 21.2848),
+    row("ODE", "PGS", true, 0.01, Some(10), 11.04, 3.0415),
+    row("ODE", "PGS", true, 0.01, Some(40), 52.34, 39.056),
+    row("ODE", "PGS", true, 0.01, Some(100), 59.9, 108.136),
+    row("ODE", "PGS", true, 0.01, Some(400), 63.07, 428.714),
+    row("ODE", "PGS", true, 0.01, Some(1000), 64.53, 1052.36),
+    row("MuJoCo", "Newton", true, 0.01, None, 32.97, 60.6884),
+    row("DART", "Dantzig", false, 0.01, None, 0.19, 5.92624),
+];
