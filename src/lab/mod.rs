@@ -31,6 +31,7 @@ mod rest;
 mod state;
 pub mod system;
 pub mod tosses;
+pub mod trade;
 
 pub use growth::growth;
 pub(crate) use meter::Meter;

@@ -1,5 +1,5 @@
 //! `cargo backstop`: runs scenes, plans their memory, replays recordings, measures tunnelling, the stability of rest and
-//! what holds at the extremes, solves problems of contact resolution, writes the shipped scenes.
+//! what holds at the extremes, trades speed for accuracy, solves problems of contact resolution, writes the shipped scenes.
 
 mod accuracy;
 mod args;
@@ -14,6 +14,7 @@ mod plan;
 mod profile;
 mod replay;
 mod run;
+mod settings_file;
 mod shots;
 mod solve;
 mod stability;
@@ -21,6 +22,7 @@ mod summary;
 mod threads;
 mod tosses;
 mod trace;
+mod trade;
 mod view;
 
 use args::{Command, Options, ScenesCommand};
@@ -38,6 +40,7 @@ fn main() -> ExitCode {
         Command::Replay(options) => replay::replay(&options),
         Command::Shots(options) => shots::shots(&options),
         Command::Tosses(options) => tosses::tosses(&options),
+        Command::Trade(options) => trade::trade(&options),
         Command::Compare(options) => compare::print(&options),
         // Alone in having more to say than whether it ran.
         Command::Solve(options) => match solve::solve(&options) {
