@@ -136,9 +136,13 @@ fn trees_can_be_switched_off_and_on_again() {
     let settings = Settings { joint_trees: false, ..Settings::default() };
     let mut world = World::new(settings).unwrap();
     let joints = builtin::chain(false).add_to(&mut world).unwrap().joints;
-    (0..300).for_each(|_| drop(world.step(1.0 / 60.0).unwrap()));
+    for _ in 0..300 {
+        world.step(1.0 / 60.0).unwrap();
+    }
     world.set_settings(Settings::default()).unwrap();
-    (0..300).for_each(|_| drop(world.step(1.0 / 60.0).unwrap()));
+    for _ in 0..300 {
+        world.step(1.0 / 60.0).unwrap();
+    }
     let closed = joints.iter().map(|&j| gap(&world, j)).fold(0.0, f64::max);
     assert!(closed < 1e-5, "{closed}");
 }

@@ -41,7 +41,10 @@ impl Header {
     pub(super) fn expect(&self, other: &Header) -> anyhow::Result<()> {
         let (own, other) = (serde_json::to_value(self)?, serde_json::to_value(other)?);
         let (Value::Object(own), Value::Object(other)) = (own, other) else { return Ok(()) };
-        match own.iter().find(|(name, value)| other.get(*name) != Some(value)) {
+        let differs = |(name, value): &(&String, &Value)| other.get(*name) != Some(value);
+        // What explains the other differences first.
+        let first = ["scene", "version", "grid"].into_iter().filter_map(|name| own.get_key_value(name));
+        match first.chain(&own).find(differs) {
             Some((name, value)) => {
                 let found = other.get(name).unwrap_or(&Value::Null);
                 bail!("it is of another sweep: its {} is {found}, not {value}", name.replace('_', " "))
@@ -152,14 +155,17 @@ impl Results {
     }
 }
 
-/// Reads a file: its header, none if it is empty, and its other lines. A last line that was cut off while it was written is left
-/// out; `length` has the bytes before it.
+/// A file that was read.
 pub(super) struct Read {
+    /// None if the file is empty.
     pub(super) header: Option<Header>,
+    /// All others.
     pub(super) lines: Vec<Line>,
+    /// Bytes of whole lines.
     pub(super) length: u64,
 }
 
+/// Reads a file. A last line that was cut off while it was written is left out.
 pub(super) fn read(file: &Path) -> anyhow::Result<Read> {
     let about = || format!("can't read {}", file.display());
     let text = std::fs::read(file).with_context(about)?;
@@ -192,8 +198,8 @@ impl Sink {
     /// Opens a file that has so many bytes of whole lines; what is beyond is cut off.
     pub(super) fn open(path: &Path, length: u64) -> anyhow::Result<Sink> {
         let about = || format!("can't write results to {} (--results names another file)", path.display());
-        let options = OpenOptions::new().create(true).truncate(false).write(true).clone();
-        let mut file = options.open(path).with_context(about)?;
+        let mut options = OpenOptions::new();
+        let mut file = options.create(true).truncate(false).write(true).open(path).with_context(about)?;
         file.set_len(length).with_context(about)?;
         file.seek(SeekFrom::End(0)).with_context(about)?;
         Ok(Sink::File(file))

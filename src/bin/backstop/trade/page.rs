@@ -15,7 +15,7 @@ pub(super) fn write(folder: &Path, outcome: &Outcome) -> anyhow::Result<()> {
         let svg = svg.map_err(|e| anyhow!("can't draw {name}: {e}"))?;
         put(&folder.join(name), &svg)
     };
-    let mut page = html::head(&format!("backstop: the trade of {}", escape(&outcome.header.scene)));
+    let mut page = html::head(&format!("backstop: the trade of {}", outcome.header.scene));
     for line in text::about(outcome).lines() {
         let _ = writeln!(page, "<p>{}</p>", escape(line));
     }

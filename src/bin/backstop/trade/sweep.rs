@@ -6,7 +6,7 @@ use crate::output;
 use crate::settings_file::{self, SettingsFile};
 use anyhow::{Context, bail};
 use backstop::Settings;
-use backstop::lab::trade::{Cell, Errors, Measure, Reference, Span, Track, cost};
+use backstop::lab::trade::{Cell, Measure, Reference, Span, Track, cost};
 use backstop::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -274,7 +274,7 @@ fn reference(scene: &Scene, span: Span, hz: u32, options: &TradeOptions) -> anyh
     };
     bar.finish_and_clear();
     let reference = Reference::new(fine?, &half?);
-    if *reference.uncertainty() == Errors::LOST {
+    if !Measure::ALL.iter().all(|&measure| reference.uncertainty().of(measure).is_finite()) {
         bail!("the reference came to numbers that are none");
     }
     Ok(reference)
