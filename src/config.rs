@@ -134,6 +134,9 @@ pub struct Settings {
     pub warm_starting: bool,
     /// Whether contacts of pairs that hardly moved are kept without a new narrow phase. Default true.
     pub recycling: bool,
+    /// Whether joints that make trees are solved exactly, as a block. Otherwise all joints are solved row by row, which is cheaper and
+    /// lets chains stretch under load; it is there to compare with (`docs/joints.md`). Default true.
+    pub joint_trees: bool,
     /// In which order groups of rows are solved: what comes last is obeyed best. Default: joints before contacts, static
     /// geometry last.
     pub order: Order,
@@ -174,6 +177,7 @@ impl Default for Settings {
             push_speed: 3.0,
             warm_starting: true,
             recycling: true,
+            joint_trees: true,
             order: Order::default(),
             sleeping: false,
             sleep_speed: 0.05,

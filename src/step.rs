@@ -345,7 +345,8 @@ impl World {
         if self.joints.changed {
             self.revisions.moving += u64::from(self.joints.is_stale());
             self.joints.compact();
-            self.buffers.joints.arrange(&self.joints, &self.bodies, self.settings.order);
+            let (order, in_trees) = (self.settings.order, self.settings.joint_trees);
+            self.buffers.joints.arrange(&self.joints, &self.bodies, order, in_trees);
         }
         if self.joints.count > 0 || !self.buffers.joints.seats.is_empty() {
             let Buffers { joints, forces, .. } = &mut self.buffers;

@@ -193,7 +193,8 @@ impl World {
         if settings.gravity != self.settings.gravity || !settings.sleeping {
             self.wake_all();
         }
-        self.joints.changed |= settings.order != self.settings.order;
+        self.joints.changed |=
+            settings.order != self.settings.order || settings.joint_trees != self.settings.joint_trees;
         self.settings = settings;
         Ok(())
     }

@@ -64,6 +64,7 @@ impl Game {
             friction_model: [FrictionModel::Patch, FrictionModel::Point][rng.below(2)],
             substeps: 1 + rng.below(4) as u32,
             recycling: rng.below(5) != 0,
+            joint_trees: rng.below(5) != 0,
             ..Settings::default()
         };
         let world = World::new(settings).unwrap();

@@ -103,8 +103,9 @@ fn a_double_pendulum_keeps_its_energy() {
 }
 
 /// The largest distance of two frames within 5 s [m].
-fn chain_gap(level: bool, substeps: u32, iterations: u32) -> f64 {
-    let mut world = World::new(Settings { substeps, iterations, ..Settings::default() }).unwrap();
+fn chain_gap(level: bool, substeps: u32, iterations: u32, joint_trees: bool) -> f64 {
+    let settings = Settings { substeps, iterations, joint_trees, ..Settings::default() };
+    let mut world = World::new(settings).unwrap();
     let joints = builtin::chain(level).add_to(&mut world).unwrap().joints;
     let mut widest = 0.0_f64;
     for _ in 0..300 {
@@ -118,11 +119,32 @@ fn chain_gap(level: bool, substeps: u32, iterations: u32) -> f64 {
 #[test]
 fn a_chain_bears_a_ball_a_thousand_times_as_heavy_as_its_links() {
     for (substeps, iterations) in [(4, 1), (1, 8)] {
-        let hanging = chain_gap(false, substeps, iterations);
-        let swinging = chain_gap(true, substeps, iterations);
+        let hanging = chain_gap(false, substeps, iterations, true);
+        let swinging = chain_gap(true, substeps, iterations, true);
         println!("{substeps} x {iterations}: hanging {hanging:.5} swinging {swinging:.5}");
         assert!(hanging < 0.005 && swinging < 0.02, "{substeps} x {iterations}: {hanging} {swinging}");
     }
+}
+
+/// The table of docs/joints.md has 0.5 m for the chain that is solved row by row because of its loops; this one is because of the
+/// setting. Expected: a tenth of that at least, and a hundredth of a millimetre once trees are switched on again.
+#[test]
+fn trees_can_be_switched_off_and_on_again() {
+    let open = chain_gap(false, 4, 1, false);
+    assert!(open > 0.05, "{open}");
+
+    let settings = Settings { joint_trees: false, ..Settings::default() };
+    let mut world = World::new(settings).unwrap();
+    let joints = builtin::chain(false).add_to(&mut world).unwrap().joints;
+    for _ in 0..300 {
+        world.step(1.0 / 60.0).unwrap();
+    }
+    world.set_settings(Settings::default()).unwrap();
+    for _ in 0..300 {
+        world.step(1.0 / 60.0).unwrap();
+    }
+    let closed = joints.iter().map(|&j| gap(&world, j)).fold(0.0, f64::max);
+    assert!(closed < 1e-5, "{closed}");
 }
 
 #[test]

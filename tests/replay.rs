@@ -241,6 +241,7 @@ impl Churn {
             gravity: Vec3::NEG_Y * (9.0 + r.unit()),
             continuous: r.of(&[Continuous::Segment, Continuous::Segment, Continuous::Volume]),
             order,
+            joint_trees: r.below(4) > 0,
             ..self.world.settings().clone()
         }
     }

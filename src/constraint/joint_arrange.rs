@@ -271,8 +271,8 @@ impl JointRows {
         all.into_iter().fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
     }
 
-    /// Settles which rows share a batch, and in which order they are solved.
-    pub(crate) fn arrange(&mut self, joints: &Joints, bodies: &Bodies, order: Order) {
+    /// Settles which rows share a batch, and in which order they are solved. `in_trees`: whether what makes trees is solved as such.
+    pub(crate) fn arrange(&mut self, joints: &Joints, bodies: &Bodies, order: Order, in_trees: bool) {
         self.arrangement = 1 + ARRANGEMENTS.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         self.points.clear();
         self.welds.clear();
@@ -297,7 +297,11 @@ impl JointRows {
             (enabled(row.joint) && row.drives_hinge()).then(|| place(row.joint, group_of(row)))
         };
         let of_joint = |joint| place(joint, RowGroup::Joints);
-        let (trees, [taken, driven]) = find(joints, bodies, &of_joint, &motor, &enabled);
+        let (trees, [taken, driven]) = if in_trees {
+            find(joints, bodies, &of_joint, &motor, &enabled)
+        } else {
+            (Vec::new(), [vec![false; joints.locks.len()], vec![false; joints.rows.len()]])
+        };
         // Rows of one place and type are coloured together.
         let mut entries: Vec<(Place, JointType, u32, u32)> = Vec::new();
         let awake =

@@ -37,6 +37,7 @@ pub mod steppers;
 pub mod structures;
 pub mod system;
 pub mod tosses;
+pub mod trade;
 mod world_solver;
 
 pub use growth::growth;

@@ -58,7 +58,7 @@ pub(super) fn expect(scene: &Scene, settings: &Settings) -> Crowd {
     crowd.fresh = most(start.fresh, down.fresh);
     crowd.of_meshes = most(start.of_meshes, down.of_meshes);
     crowd.ahead = ahead(scene, settings);
-    crowd.branches = branches(scene);
+    crowd.branches = if settings.joint_trees { branches(scene) } else { 0 };
     crowd
 }
 

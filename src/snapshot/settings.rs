@@ -19,6 +19,7 @@ pub(super) fn save(s: &Settings, out: &mut Vec<u32>) {
         s.warm_starting,
         s.recycling,
         s.sleeping,
+        !s.joint_trees,
     ];
     // Mode and method share a word.
     out.extend([s.substeps, s.iterations, s.continuous as u32 | (s.method as u32) << 8]);
@@ -69,6 +70,7 @@ pub(super) fn read(from: &mut Reader<'_>, own: &Settings) -> Result<Settings, Er
         push_speed: n[8],
         warm_starting: flag(flags, 2),
         recycling: flag(flags, 3),
+        joint_trees: !flag(flags, 5),
         order: Order(groups),
         sleeping: flag(flags, 4),
         sleep_speed: n[9],

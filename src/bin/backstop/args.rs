@@ -1,5 +1,6 @@
 //! The command line.
 
+use crate::trade::TradeOptions;
 use crate::view::Look;
 use backstop::glam::{DVec3, Vec3};
 use backstop::lab::WorldMethod;
@@ -32,6 +33,8 @@ pub(crate) enum Command {
     Compare(CompareOptions),
     /// Whether what rests is stable: modes of the linearised step that grow (docs/stability.md).
     Stability(StabilityOptions),
+    /// Measure what speed costs in accuracy, over a grid of settings, and pick one (docs/trade.md).
+    Trade(Box<TradeOptions>),
     /// Run small scenes under extreme conditions and map what holds (docs/envelope.md).
     Extremes(ExtremesOptions),
     /// Run cases of mechanics whose answer is known, by several methods and settings, and print what each is off by
@@ -80,24 +83,29 @@ pub(crate) struct RunOptions {
     /// Steps to run [default: as many as make 10 s, or what the builtin scene asks for].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) steps: Option<u32>,
-    /// Length of a step in seconds: a number or a fraction.
-    #[arg(long, value_name = "SECONDS", default_value = "1/60", value_parser = seconds)]
-    pub(crate) dt: f32,
-    /// Threads that work on a step.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = threads)]
-    pub(crate) threads: usize,
+    /// Take the settings of this file, as `trade --out` writes it; options given beside it count more (docs/trade.md).
+    #[arg(long, value_name = "FILE")]
+    pub(crate) settings: Option<PathBuf>,
+    /// Length of a step in seconds: a number or a fraction [default: 1/60].
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub(crate) dt: Option<f32>,
+    /// Threads that work on a step [default: 1].
+    #[arg(long, value_name = "N", value_parser = threads)]
+    pub(crate) threads: Option<usize>,
     /// Substeps of the solver in a step [default: 4].
     #[arg(long, value_name = "N")]
     pub(crate) substeps: Option<u32>,
     /// Solver iterations in each substep [default: 1].
     #[arg(long, value_name = "N")]
     pub(crate) iterations: Option<u32>,
-    /// How fast bodies are kept from passing through others: discrete (not at all), segment or volume.
-    #[arg(long, value_name = "MODE", default_value = "segment", value_parser = continuous)]
-    pub(crate) continuous: Continuous,
-    /// By which method: one-pass, speculative, linear-cast or conservative-advancement (docs/continuous.md).
-    #[arg(long, value_name = "NAME", default_value = "one-pass", value_parser = method)]
-    pub(crate) method: ContinuousMethod,
+    /// How fast bodies are kept from passing through others: discrete (not at all), segment or volume
+    /// [default: segment].
+    #[arg(long, value_name = "MODE", value_parser = continuous)]
+    pub(crate) continuous: Option<Continuous>,
+    /// By which method: one-pass, speculative, linear-cast or conservative-advancement (docs/continuous.md)
+    /// [default: one-pass].
+    #[arg(long, value_name = "NAME", value_parser = method)]
+    pub(crate) method: Option<ContinuousMethod>,
     /// Let bodies at rest fall asleep.
     #[arg(long)]
     pub(crate) sleep: bool,
@@ -568,7 +576,7 @@ fn number(text: &str) -> Result<f32, String> {
     if value.is_finite() { Ok(value) } else { Err(format!("\"{text}\" is not finite")) }
 }
 
-fn positive(text: &str) -> Result<f32, String> {
+pub(crate) fn positive(text: &str) -> Result<f32, String> {
     let value = number(text)?;
     if value > 0.0 { Ok(value) } else { Err("must be above zero".into()) }
 }
@@ -655,7 +663,7 @@ fn relaxation(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x| (0.01..=1.99).contains(x)).ok_or_else(|| "must be in 0.01..=1.99".into())
 }
 
-fn seconds(text: &str) -> Result<f32, String> {
+pub(crate) fn seconds(text: &str) -> Result<f32, String> {
     let value = match text.split_once('/') {
         Some((over, under)) => number(over)? / number(under)?,
         None => number(text)?,
@@ -664,7 +672,7 @@ fn seconds(text: &str) -> Result<f32, String> {
     if (1e-6..=1.0).contains(&value) { Ok(value) } else { Err("must be in 0.000001..=1".into()) }
 }
 
-fn threads(text: &str) -> Result<usize, String> {
+pub(crate) fn threads(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(n @ 1..=1024) => Ok(n),
         _ => Err("must be a whole number in 1..=1024".into()),

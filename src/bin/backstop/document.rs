@@ -106,6 +106,7 @@ impl Part {
 impl Document {
     pub(crate) fn new(
         options: &RunOptions,
+        dt: f32,
         scene: &Scene,
         world: &World,
         handles: &[BodyHandle],
@@ -118,7 +119,7 @@ impl Document {
         Ok(Document {
             scene: scene.name.clone(),
             settings: RunSettings {
-                dt: options.dt,
+                dt,
                 world: world.settings().clone(),
                 drop: options.drop,
                 seed: options.seed,

@@ -1,5 +1,6 @@
-//! `cargo backstop`: runs scenes, plans their memory, replays recordings, measures tunnelling, the stability of rest,
-//! what holds at the extremes and what exact cases are off by, solves problems of contact resolution, writes the shipped scenes.
+//! `cargo backstop`: runs scenes, plans their memory, replays recordings, measures tunnelling, the stability of rest, what holds at
+//! the extremes and what exact cases are off by, trades speed for accuracy, solves problems of contact resolution, writes the shipped
+//! scenes.
 
 mod accuracy;
 mod args;
@@ -16,6 +17,7 @@ mod plan;
 mod profile;
 mod replay;
 mod run;
+mod settings_file;
 mod shots;
 mod simbench;
 mod solve;
@@ -24,6 +26,7 @@ mod summary;
 mod threads;
 mod tosses;
 mod trace;
+mod trade;
 mod view;
 
 use args::{Command, Options, ScenesCommand};
@@ -44,6 +47,7 @@ fn main() -> ExitCode {
         Command::Cases(options) => cases::cases(&options),
         Command::Simbench(options) => simbench::simbench(&options),
         Command::Tosses(options) => tosses::tosses(&options),
+        Command::Trade(options) => trade::trade(&options),
         Command::Compare(options) => compare::print(&options),
         // Alone in having more to say than whether it ran.
         Command::Solve(options) => match solve::solve(&options) {

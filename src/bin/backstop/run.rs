@@ -3,6 +3,7 @@
 use crate::accuracy::{self, Course};
 use crate::args::{self, RunOptions};
 use crate::document::Document;
+use crate::settings_file::SettingsFile;
 use crate::threads::with_threads;
 use crate::trace::{SolverSum, Trace};
 use crate::view::{self, Frames, Look, Opened, Viewer};
@@ -31,11 +32,15 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
     options.report.as_deref().map_or(Ok(()), output::make_folder)?;
     let page = options.report.as_ref().map(|folder| folder.join("index.html"));
     let outputs = [options.out.as_deref(), options.record.as_deref(), page.as_deref(), export_to.as_deref()];
-    output::refuse_inputs(&outputs, [Path::new(&options.scene)])?;
+    let inputs = std::iter::once(Path::new(&options.scene)).chain(options.settings.as_deref());
+    output::refuse_inputs(&outputs, inputs)?;
+    let file = options.settings.as_deref().map(SettingsFile::read).transpose()?;
     let mut scene = scene::open_limited(&options.scene, &args::limits(options.no_limits))?;
     output::refuse_inputs(&outputs, scene.parts.iter().map(PathBuf::as_path))?;
     // Rain comes from above, and gravity says where that is.
-    scene.gravity = options.gravity.unwrap_or(scene.gravity);
+    let of_file = file.as_ref().filter(|file| file.has_gravity).map(|file| file.world.gravity);
+    scene.gravity = options.gravity.or(of_file).unwrap_or(scene.gravity);
+    let chosen = Chosen::new(options, &scene, file);
     if options.drop > 0 {
         scene.rain(options.drop, options.seed);
     }
@@ -50,8 +55,8 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
         match Opened::new(&scene.name, options.pictures.size) {
             Ok(window) => {
                 let viewer = viewer(options, &scene, 1)?;
-                let start = || Ok(world(options, &scene)?.0);
-                return view::show(window, viewer, &scene.name, options.dt, &start);
+                let start = || Ok(world(&chosen.settings, &scene)?.0);
+                return view::show(window, viewer, &scene.name, chosen.dt, &start);
             }
             Err(reason) => {
                 let instead = PathBuf::from(format!("{}-frames", scene.name));
@@ -68,8 +73,8 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
         }
         None => None,
     };
-    let ran = with_threads(options.threads, || simulate(options, &scene, frames))?;
-    write(options, &scene, &ran)
+    let ran = with_threads(chosen.settings.threads, || simulate(options, &chosen, &scene, frames))?;
+    write(options, chosen.dt, &scene, &ran)
 }
 
 /// `scale`: pixels drawn for each that is shown, each way.
@@ -80,8 +85,8 @@ fn viewer(options: &RunOptions, scene: &Scene, scale: usize) -> anyhow::Result<V
     Ok(Viewer::new(camera, look, pictures.size, scale))
 }
 
-fn world(options: &RunOptions, scene: &Scene) -> anyhow::Result<(World, Vec<BodyHandle>)> {
-    let mut world = World::new(settings(options, scene)).context("these settings are refused")?;
+fn world(settings: &Settings, scene: &Scene) -> anyhow::Result<(World, Vec<BodyHandle>)> {
+    let mut world = World::new(settings.clone()).context("these settings are refused")?;
     let added = scene.add_to(&mut world).with_context(|| format!("scene {} is refused", scene.name))?;
     Ok((world, added.bodies))
 }
@@ -97,8 +102,14 @@ struct Ran {
     exported: Option<(PathBuf, String)>,
 }
 
-fn simulate(options: &RunOptions, scene: &Scene, mut frames: Option<Frames>) -> anyhow::Result<Ran> {
-    let mut world = World::new(settings(options, scene)).context("these settings are refused")?;
+fn simulate(
+    options: &RunOptions,
+    chosen: &Chosen,
+    scene: &Scene,
+    mut frames: Option<Frames>,
+) -> anyhow::Result<Ran> {
+    let dt = chosen.dt;
+    let mut world = World::new(chosen.settings.clone()).context("these settings are refused")?;
     let mut recording = None;
     if let Some(path) = &options.record {
         let about = || format!("can't record into {}", path.display());
@@ -112,8 +123,8 @@ fn simulate(options: &RunOptions, scene: &Scene, mut frames: Option<Frames>) -> 
         world.name_recorded(*handle, &body.name);
     }
 
-    let steps = options.steps.unwrap_or_else(|| default_steps(scene, options.dt));
-    let every = ((1.0 / FRAME_RATE) / options.dt).round().max(1.0) as u32;
+    let steps = options.steps.unwrap_or_else(|| default_steps(scene, dt));
+    let every = ((1.0 / FRAME_RATE) / dt).round().max(1.0) as u32;
     let mut film = options.out.as_ref().map(|_| Recorder::new(scene));
     let accuracy = options.accuracy.then(Course::default);
     let solver = options.solver.map(|method| SolverSum { method: method.name(), ..SolverSum::default() });
@@ -137,7 +148,7 @@ fn simulate(options: &RunOptions, scene: &Scene, mut frames: Option<Frames>) -> 
         if exports {
             world.measure_accuracy(true);
         }
-        let report = *world.step(options.dt)?;
+        let report = *world.step(dt)?;
         if let (Some(sum), Some(report)) = (&mut trace.solver, world.solver_report()) {
             sum.add(report);
         }
@@ -153,7 +164,7 @@ fn simulate(options: &RunOptions, scene: &Scene, mut frames: Option<Frames>) -> 
             trace.energy.push(world.energy());
         }
         if step % every == 0 || step == steps {
-            record(&mut film, &world, &handles, step as f32 * options.dt);
+            record(&mut film, &world, &handles, step as f32 * dt);
         }
         frames.iter_mut().try_for_each(|frames| frames.take(&world, step))?;
         bar.inc(1);
@@ -177,18 +188,27 @@ fn export(system: &System, path: &Path) -> anyhow::Result<(PathBuf, String)> {
     Ok((path.to_path_buf(), about))
 }
 
-fn settings(options: &RunOptions, scene: &Scene) -> Settings {
-    let default = Settings::default();
-    Settings {
-        gravity: scene.gravity,
-        substeps: options.substeps.unwrap_or(default.substeps),
-        iterations: options.iterations.unwrap_or(default.iterations),
-        threads: options.threads,
-        continuous: options.continuous,
-        method: options.method,
-        sleeping: options.sleep,
-        budget: options.budget.map_or(default.budget, Budget::total),
-        ..default
+/// Settings of the world and the length of a step: of the command line, else of the file, else as usual.
+struct Chosen {
+    dt: f32,
+    settings: Settings,
+}
+
+impl Chosen {
+    fn new(options: &RunOptions, scene: &Scene, file: Option<SettingsFile>) -> Chosen {
+        let (dt, base) = file.map_or((None, Settings::default()), |file| (file.dt, file.world));
+        let settings = Settings {
+            gravity: scene.gravity,
+            substeps: options.substeps.unwrap_or(base.substeps),
+            iterations: options.iterations.unwrap_or(base.iterations),
+            threads: options.threads.unwrap_or(base.threads),
+            continuous: options.continuous.unwrap_or(base.continuous),
+            method: options.method.unwrap_or(base.method),
+            sleeping: options.sleep || base.sleeping,
+            budget: options.budget.map_or(base.budget, Budget::total),
+            ..base
+        };
+        Chosen { dt: options.dt.or(dt).unwrap_or(SCENE_STEP), settings }
     }
 }
 
@@ -207,7 +227,7 @@ fn record(film: &mut Option<Recorder>, world: &World, handles: &[BodyHandle], ti
     }
 }
 
-fn write(options: &RunOptions, scene: &Scene, ran: &Ran) -> anyhow::Result<()> {
+fn write(options: &RunOptions, dt: f32, scene: &Scene, ran: &Ran) -> anyhow::Result<()> {
     let Ran { world, handles, trace, film, frames, exported } = ran;
     let mut written = Vec::new();
     if let (Some(path), Some(film)) = (&options.out, film) {
@@ -222,7 +242,7 @@ fn write(options: &RunOptions, scene: &Scene, ran: &Ran) -> anyhow::Result<()> {
         }
         written.push(path.clone());
     }
-    let document = Document::new(options, scene, world, handles, trace)?;
+    let document = Document::new(options, dt, scene, world, handles, trace)?;
     if let Some(folder) = &options.report {
         written.push(page::write(folder, &document, trace)?);
     }

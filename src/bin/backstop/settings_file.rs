@@ -1,0 +1,142 @@
+//! Files of settings: `trade --out` writes them, `run --settings` takes them.
+
+use crate::args;
+use anyhow::{Context, bail};
+use backstop::Settings;
+use backstop::scene::write_file;
+use serde_json::{Map, Value, json};
+use std::io::Write;
+use std::path::Path;
+
+/// What `trade` chooses, and so what its files always have.
+const CHOSEN: [&str; 8] = [
+    "substeps",
+    "iterations",
+    "friction_model",
+    "friction_cone",
+    "continuous",
+    "method",
+    "recycling",
+    "joint_trees",
+];
+/// What is the scene's or the machine's and in no file that `trade` writes.
+const LEFT_OUT: [&str; 3] = ["gravity", "threads", "budget"];
+/// Bytes of the largest file that is read.
+const LARGEST: u64 = 1 << 20;
+
+/// What a file says. What it leaves out is as usual.
+#[derive(Clone, Debug)]
+pub(crate) struct SettingsFile {
+    /// Length of a step [s].
+    pub(crate) dt: Option<f32>,
+    /// Whether gravity is among the settings.
+    pub(crate) has_gravity: bool,
+    pub(crate) world: Settings,
+}
+
+impl SettingsFile {
+    pub(crate) fn read(path: &Path) -> anyhow::Result<SettingsFile> {
+        let about = || format!("can't read settings from {}", path.display());
+        let length = std::fs::metadata(path).with_context(about)?.len();
+        if length > LARGEST {
+            return Err(anyhow::anyhow!("it has more than {LARGEST} bytes")).with_context(about);
+        }
+        let text = std::fs::read_to_string(path).with_context(about)?;
+        SettingsFile::parse(&text).with_context(about)
+    }
+
+    fn parse(text: &str) -> anyhow::Result<SettingsFile> {
+        let Value::Object(mut fields) = serde_json::from_str(text).context("it is no JSON")? else {
+            bail!("it is no JSON object");
+        };
+        let dt = fields.remove("dt").map(|dt| seconds(&dt)).transpose()?;
+        // For whoever reads the file.
+        fields.remove("about");
+        let known = object(&Settings::default())?;
+        if let Some(name) = fields.keys().find(|name| !known.contains_key(*name)) {
+            bail!("there is no setting \"{name}\"");
+        }
+        let has_gravity = fields.contains_key("gravity");
+        for (name, value) in &fields {
+            let alone = Value::Object(Map::from_iter([(name.clone(), value.clone())]));
+            serde_json::from_value::<Settings>(alone)
+                .with_context(|| format!("\"{name}\" can't be {value}"))?;
+        }
+        let world: Settings = serde_json::from_value(Value::Object(fields))?;
+        world.validate()?;
+        Ok(SettingsFile { dt, has_gravity, world })
+    }
+}
+
+fn seconds(dt: &Value) -> anyhow::Result<f32> {
+    let text = dt.as_str().map_or_else(|| dt.to_string(), str::to_owned);
+    args::seconds(&text).map_err(|why| anyhow::anyhow!("\"dt\" can't be {dt}: it {why}"))
+}
+
+fn object(settings: &Settings) -> anyhow::Result<Map<String, Value>> {
+    match serde_json::to_value(settings)? {
+        Value::Object(fields) => Ok(fields),
+        _ => bail!("settings are no object"),
+    }
+}
+
+/// All that a file has of settings: what `trade` chooses, and what else is not as usual.
+pub(crate) fn fields(hz: u32, settings: &Settings) -> anyhow::Result<Map<String, Value>> {
+    let usual = object(&Settings::default())?;
+    let mut fields = object(settings)?;
+    fields.retain(|name, value| {
+        CHOSEN.contains(&name.as_str())
+            || (!LEFT_OUT.contains(&name.as_str()) && usual.get(name) != Some(value))
+    });
+    // As a fraction, which is exact.
+    fields.insert("dt".into(), json!(format!("1/{hz}")));
+    Ok(fields)
+}
+
+/// Writes a file; `about` says in words where it is from.
+pub(crate) fn write(path: &Path, fields: &Map<String, Value>, about: &str) -> anyhow::Result<()> {
+    let mut fields = fields.clone();
+    fields.insert("about".into(), json!(about));
+    let mut text = serde_json::to_string_pretty(&fields)?;
+    text.push('\n');
+    write_file(path, |file| file.write_all(text.as_bytes()))
+        .with_context(|| format!("can't write {}", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use backstop::FrictionModel;
+
+    #[test]
+    fn what_is_written_is_read() {
+        let settings = Settings {
+            substeps: 2,
+            friction_model: FrictionModel::Point,
+            slop: 0.1,
+            threads: 7,
+            ..Settings::default()
+        };
+        let text = serde_json::to_string(&fields(120, &settings).unwrap()).unwrap();
+        let file = SettingsFile::parse(&text).unwrap();
+        assert_eq!((file.dt, file.has_gravity), (Some(1.0 / 120.0), false));
+        assert_eq!(file.world, Settings { threads: 1, ..settings });
+    }
+
+    #[test]
+    fn what_is_wrong_is_named() {
+        for (text, reason) in [
+            ("", "no JSON"),
+            ("[]", "no JSON object"),
+            (r#"{"substep": 4}"#, "no setting \"substep\""),
+            (r#"{"substeps": "many"}"#, "\"substeps\" can't be \"many\""),
+            (r#"{"substeps": 65}"#, "substeps must be in 1..=64"),
+            (r#"{"friction_model": "square"}"#, "\"friction_model\" can't be \"square\""),
+            (r#"{"dt": 2}"#, "\"dt\" can't be 2"),
+            (r#"{"dt": "1/0"}"#, "\"dt\" can't be \"1/0\""),
+        ] {
+            let error = format!("{:#}", SettingsFile::parse(text).unwrap_err());
+            assert!(error.contains(reason), "{text}: {error}");
+        }
+    }
+}

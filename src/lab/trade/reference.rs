@@ -1,0 +1,264 @@
+//! A finely resolved run of a scene, and how far others are from it.
+
+use super::{Cell, Errors, Measure};
+use crate::body::BodyKind;
+use crate::config::Settings;
+use crate::error::Error;
+use crate::handle::BodyHandle;
+use crate::scene::Scene;
+use crate::world::World;
+use glam::{DQuat, DVec3};
+use std::time::Instant;
+
+/// Widths of a body by which the two finest runs may part, in the mean over bodies, before trajectories are no longer compared:
+/// beyond that what is measured is how chaotic the scene is.
+const PARTED: f64 = 0.01;
+
+/// Errors below this say nothing, whatever the unit: velocities have the seven digits of `f32`.
+const ROUNDING: f64 = f32::EPSILON as f64;
+
+/// The time that is simulated, in frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Span {
+    /// Frames per second: times at which runs are compared.
+    pub frame_rate: u32,
+    /// How many.
+    pub frames: u32,
+}
+
+impl Span {
+    /// The whole time [s].
+    pub fn seconds(&self) -> f64 {
+        f64::from(self.frames) / f64::from(self.frame_rate)
+    }
+}
+
+/// A scene in a world, step by step.
+struct Run {
+    world: World,
+    dynamic: Vec<BodyHandle>,
+    dt: f32,
+    steps_per_frame: u32,
+}
+
+impl Run {
+    fn start(scene: &Scene, settings: &Settings, hz: u32, span: Span) -> Result<Run, Error> {
+        if hz == 0 || span.frame_rate == 0 || !hz.is_multiple_of(span.frame_rate) {
+            let expected = "a multiple of the frame rate";
+            return Err(Error::OutOfRange { what: "steps per second", expected, value: hz.into() });
+        }
+        let mut world = World::new(settings.clone())?;
+        let handles = scene.add_to(&mut world)?.bodies;
+        let mut dynamic = Vec::new();
+        for handle in handles {
+            if world.kind(handle)? == BodyKind::Dynamic {
+                dynamic.push(handle);
+            }
+        }
+        Ok(Run { world, dynamic, dt: 1.0 / hz as f32, steps_per_frame: hz / span.frame_rate })
+    }
+
+    /// Where bodies are: centres of mass and rotations.
+    fn poses(&self) -> Result<Vec<(DVec3, DQuat)>, Error> {
+        let world = &self.world;
+        let pose = |&body: &BodyHandle| {
+            Ok((world.centre_of_mass(body)?, world.rotation(body)?.as_dquat().normalize()))
+        };
+        self.dynamic.iter().map(pose).collect()
+    }
+
+    /// Of all bodies that can be pushed [J].
+    fn kinetic_energy(&self) -> f64 {
+        let bodies = &self.world.bodies;
+        let of = |i: usize| {
+            let (mass, velocity) = (f64::from(bodies.cold[i].mass), &bodies.velocity[i]);
+            let spin = bodies.pose[i].rotation.as_dquat().conjugate() * velocity.angular.as_dvec3();
+            let turning = spin.dot(bodies.mass[i].inertia.as_dvec3() * spin);
+            0.5 * (mass * velocity.linear.as_dvec3().length_squared() + turning)
+        };
+        bodies.all_dynamic().map(of).sum()
+    }
+
+    /// The width of each body [m]: the side of a cube with its mass and its mean moment of inertia, m a² / 6. It needs no shape, and
+    /// a ball counts as 0.77 of its diameter.
+    fn widths(&self) -> Result<Vec<f64>, Error> {
+        let bodies = &self.world.bodies;
+        let of = |&body: &BodyHandle| {
+            let i = self.world.index(body)?;
+            let mean = f64::from(bodies.mass[i].inertia.element_sum()) / 3.0;
+            let width = (6.0 * mean / f64::from(bodies.cold[i].mass)).sqrt();
+            // What has no extent, or can't turn, counts as a metre.
+            Ok(if width.is_finite() && width > 0.0 { width } else { 1.0 })
+        };
+        self.dynamic.iter().map(of).collect()
+    }
+}
+
+/// Where the bodies of a scene are, frame by frame.
+#[derive(Clone, Debug)]
+pub struct Track {
+    span: Span,
+    frames: Vec<Frame>,
+    widths: Vec<f64>,
+    /// What differences of energy are relative to [J].
+    scale: f64,
+    hash: u64,
+}
+
+#[derive(Clone, Debug)]
+struct Frame {
+    poses: Vec<(DVec3, DQuat)>,
+    energy: f64,
+}
+
+impl Track {
+    /// Runs a scene. Sleeping is off, or whatever is slow would count as exact.
+    ///
+    /// # Errors
+    /// If the world refuses the settings or the scene, or the rate of the cell is no multiple of the frame rate.
+    pub fn of(scene: &Scene, span: Span, cell: &Cell) -> Result<Track, Error> {
+        let mut run = Run::start(scene, &cell.settings(scene), cell.hz, span)?;
+        let widths = run.widths()?;
+        let mut kinetic = run.kinetic_energy();
+        let mut frames = Vec::with_capacity(span.frames as usize);
+        for _ in 0..span.frames {
+            for _ in 0..run.steps_per_frame {
+                run.world.step(run.dt)?;
+            }
+            kinetic = kinetic.max(run.kinetic_energy());
+            frames.push(Frame { poses: run.poses()?, energy: run.world.energy() });
+        }
+        // Where nothing moves, the energy that would lift every body by its width.
+        let gravity = f64::from(scene.gravity.length());
+        let bodies = &run.world.bodies;
+        let lift: f64 = run.dynamic.iter().zip(&widths).try_fold(0.0, |sum, (&body, width)| {
+            let mass = f64::from(bodies.cold[run.world.index(body)?].mass);
+            Ok::<_, Error>(sum + mass * gravity * width)
+        })?;
+        let scale = kinetic.max(lift).max(f64::MIN_POSITIVE);
+        Ok(Track { span, frames, widths, scale, hash: run.world.hash() })
+    }
+
+    /// Of all poses and velocities at the end: differs if any differs in a bit, so that it tells versions of scene and engine apart.
+    pub fn hash(&self) -> u64 {
+        self.hash
+    }
+
+    /// The mean distance of centres [widths] and the mean angle [rad] between bodies and those of a frame.
+    fn difference(&self, frame: usize, poses: &[(DVec3, DQuat)]) -> [f64; 2] {
+        let mut sum = [0.0; 2];
+        for (((centre, rotation), (own, turned)), width) in
+            poses.iter().zip(&self.frames[frame].poses).zip(&self.widths)
+        {
+            let between = turned.conjugate() * *rotation;
+            sum[0] += (*centre - *own).length() / width;
+            sum[1] += 2.0 * libm::atan2(between.xyz().length(), between.w.abs());
+        }
+        sum.map(|sum| sum / poses.len().max(1) as f64)
+    }
+
+    /// The difference of energy from that of a frame, relative to the greatest kinetic energy.
+    fn energy_difference(&self, frame: usize, energy: f64) -> f64 {
+        (energy - self.frames[frame].energy).abs() / self.scale
+    }
+}
+
+/// The finest run of a scene, how certain it is, and up to when trajectories can be compared with it.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    fine: Track,
+    horizon: usize,
+    uncertainty: Errors,
+}
+
+impl Reference {
+    /// Of a run and another that is half as fine, of the same scene and span.
+    pub fn new(fine: Track, half: &Track) -> Reference {
+        let frames = fine.frames.len().min(half.frames.len());
+        let apart: Vec<[f64; 2]> = (0..frames).map(|i| fine.difference(i, &half.frames[i].poses)).collect();
+        let horizon = apart.iter().take_while(|apart| apart[0] <= PARTED).count().max(1).min(frames);
+        let energy = (0..frames).map(|i| fine.energy_difference(i, half.frames[i].energy)).sum::<f64>();
+        let mut values = [ROUNDING; Measure::ALL.len()];
+        for (measure, apart) in [
+            (Measure::Trajectory, mean(&apart[..horizon], 0)),
+            (Measure::Rotation, mean(&apart[..horizon], 1)),
+            (Measure::Energy, energy / frames.max(1) as f64),
+        ] {
+            // Not `max`, which would hide what is no number.
+            if apart > ROUNDING || apart.is_nan() {
+                values[measure as usize] = apart;
+            }
+        }
+        Reference { fine, horizon, uncertainty: Errors::new(values) }
+    }
+
+    /// The time up to which the two finest runs agree to a hundredth of a body's width, in the mean over bodies [s].
+    pub fn horizon(&self) -> f64 {
+        self.horizon as f64 / f64::from(self.fine.span.frame_rate)
+    }
+
+    /// The errors that the half as fine run has, or rounding, if that is more: errors below these say nothing.
+    pub fn uncertainty(&self) -> &Errors {
+        &self.uncertainty
+    }
+
+    /// Of the finest run, see [`Track::hash`].
+    pub fn hash(&self) -> u64 {
+        self.fine.hash
+    }
+
+    /// Runs the scene with other settings and so many steps per second, and tells what is wrong with the run.
+    ///
+    /// # Errors
+    /// If the world refuses the settings or the scene, or the rate is no multiple of the frame rate.
+    pub fn measure(&self, scene: &Scene, settings: &Settings, hz: u32) -> Result<Errors, Error> {
+        let span = self.fine.span;
+        let mut run = Run::start(scene, settings, hz, span)?;
+        run.world.measure_accuracy(true);
+        let (mut apart, mut energy) = (Vec::with_capacity(self.horizon), 0.0);
+        let (mut penetration, mut residual, mut joint) = (0.0_f64, 0.0, 0.0_f64);
+        for frame in 0..span.frames as usize {
+            for _ in 0..run.steps_per_frame {
+                run.world.step(run.dt)?;
+                let Some(accuracy) = run.world.accuracy() else { continue };
+                penetration = penetration.max(accuracy.whole.penetration);
+                joint = joint.max(accuracy.whole.joint_length);
+                residual += accuracy.whole.residual.worst;
+            }
+            let poses = run.poses()?;
+            if !poses.iter().all(|(centre, rotation)| centre.is_finite() && rotation.is_finite()) {
+                return Ok(Errors::LOST);
+            }
+            if frame < self.horizon {
+                apart.push(self.fine.difference(frame, &poses));
+            }
+            energy += self.fine.energy_difference(frame, run.world.energy());
+        }
+        let steps = f64::from(span.frames.max(1)) * f64::from(run.steps_per_frame);
+        Ok(Errors::new([
+            mean(&apart, 0),
+            mean(&apart, 1),
+            penetration,
+            residual / steps,
+            joint,
+            energy / f64::from(span.frames.max(1)),
+        ]))
+    }
+}
+
+fn mean(values: &[[f64; 2]], of: usize) -> f64 {
+    values.iter().map(|value| value[of]).sum::<f64>() / values.len().max(1) as f64
+}
+
+/// Runs the scene unmeasured, and tells what a sixtieth of a second of it took [us].
+///
+/// # Errors
+/// As of [`Reference::measure`].
+pub fn cost(scene: &Scene, settings: &Settings, hz: u32, span: Span) -> Result<f64, Error> {
+    let mut run = Run::start(scene, settings, hz, span)?;
+    let start = Instant::now();
+    for _ in 0..u64::from(span.frames) * u64::from(run.steps_per_frame) {
+        run.world.step(run.dt)?;
+    }
+    Ok(start.elapsed().as_secs_f64() * 1e6 / (60.0 * span.seconds()))
+}
