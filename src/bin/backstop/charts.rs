@@ -368,7 +368,7 @@ mod tests {
     fn long_and_short_runs_are_drawn() {
         for steps in [1, 7, 5000] {
             let reports = vec![StepReport::default(); steps];
-            let trace = Trace { energy: vec![1.0; steps], reports, accuracy: None };
+            let trace = Trace { energy: vec![1.0; steps], reports, accuracy: None, solver: None };
             for text in [
                 svg(|a| times(a, &trace)).unwrap(),
                 svg(|a| contacts(a, &trace)).unwrap(),

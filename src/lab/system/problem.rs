@@ -25,8 +25,8 @@ pub enum Stabilisation {
 
 impl System {
     /// The problem of the whole step, with q for a method to solve: velocities with gravity and forces applied, of what is apart
-    /// the speed that would close the gap within the step, restitution times the approach speed of what closes faster than the
-    /// threshold, and what springs pull.
+    /// the speed that would close the gap within the step, of what closes faster than the threshold its speed after the bounce, and
+    /// what springs pull.
     ///
     /// # Errors
     /// If a number is not finite.
@@ -71,13 +71,33 @@ impl System {
 
     /// What is added to the velocity of a law's first row.
     fn offset(&self, law: &SystemLaw, stabilisation: Stabilisation) -> f64 {
-        if let Some(gap) = law.gap {
-            let start = self.speed(&self.rows[law.first], |body| body.start);
-            if law.restitution > 0.0 && -start > self.threshold && gap + start * self.dt <= 0.0 {
-                return law.restitution * start;
-            }
+        match (self.bounce(law), stabilisation) {
+            (Some([end, _]), Stabilisation::Rest) => -end,
+            (Some([_, mean]), Stabilisation::Push { .. }) => -mean,
+            (None, _) => self.target(law, stabilisation),
         }
-        self.target(law, stabilisation)
+    }
+
+    /// Of a point that bounces within the step: its velocity at the end of the step, and the mean of that over the step. It closes at
+    /// the pace of its start with gravity and forces, parts with `e` times the speed that it has then, and is pulled on for the rest.
+    pub(in crate::lab) fn bounce(&self, law: &SystemLaw) -> Option<[f64; 2]> {
+        let gap = law.gap?;
+        let row = &self.rows[law.first];
+        let start = self.speed(row, |body| body.start) + row.bias;
+        if law.restitution <= 0.0 || -start <= self.threshold || gap + start * self.dt > 0.0 {
+            return None;
+        }
+        let pull = (self.speed(row, |body| body.free) + row.bias - start) / self.dt;
+        let gap = gap.max(0.0);
+        // The first root of gap + start t + pull t² / 2; a pull away that turns it back before it closes has none.
+        let root = (start * start - 2.0 * pull * gap).max(0.0).sqrt();
+        let time = (2.0 * gap / (root - start)).min(self.dt);
+        let left = self.dt - time;
+        let part = -law.restitution * (start + pull * time);
+        // What would come down again within the step has come to rest.
+        let end = (part + pull * left).max(0.0);
+        let way = (part * left + 0.5 * pull * left * left).max(0.0) - gap;
+        Some([end, way / self.dt])
     }
 
     /// The same without restitution.

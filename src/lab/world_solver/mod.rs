@@ -5,7 +5,8 @@
 //! step, as one step without substeps: once for its velocities, and once more with overlap and joint errors taken back for the
 //! displacements only, so that taking them back gives no energy. Where that fails ([`WorldSolver::most_residual`]), or the island
 //! has more rows than [`WorldSolver::most_rows`], it keeps what the fast path found: that is the fallback, and
-//! [`SolverReport`] counts it. A bounce is Newton's law, at the start of the step in which bodies would meet.
+//! [`SolverReport`] counts it. A bounce is Newton's law, at the time in the step at which a point would close. Steppers let bodies bounce
+//! at the start of the step.
 //!
 //! A step allocates, and takes a multiple of its time. It is no part of a world's snapshots and recordings.
 //!
