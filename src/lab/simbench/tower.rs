@@ -19,7 +19,7 @@ const MASS: f32 = 10.0;
 const THIN: f32 = 0.05;
 const LONG: f32 = 0.2;
 const HIGH: f32 = 0.1;
-/// Each engine had its own default there; this is RaiSim's.
+/// Not given there: each engine had its default.
 const FRICTION: f32 = 0.8;
 
 pub(super) fn run(setting: &Setting, seconds: f32) -> Result<Outcome, Error> {
