@@ -20,6 +20,7 @@
 //! ```
 
 mod cell;
+mod clock;
 mod errors;
 mod front;
 mod grid;

@@ -1,5 +1,6 @@
 //! A finely resolved run of a scene, and how far others are from it.
 
+use super::clock::Clock;
 use super::{Cell, Errors, Measure};
 use crate::body::BodyKind;
 use crate::config::Settings;
@@ -8,7 +9,6 @@ use crate::handle::BodyHandle;
 use crate::scene::Scene;
 use crate::world::World;
 use glam::{DQuat, DVec3};
-use std::time::Instant;
 
 /// Widths of a body by which the two finest runs may part, in the mean over bodies, before trajectories are no longer compared:
 /// beyond that what is measured is how chaotic the scene is.
@@ -250,15 +250,16 @@ fn mean(values: &[[f64; 2]], of: usize) -> f64 {
     values.iter().map(|value| value[of]).sum::<f64>() / values.len().max(1) as f64
 }
 
-/// Runs the scene unmeasured, and tells what a sixtieth of a second of it took [us].
+/// Runs the scene unmeasured, and tells what a sixtieth of a second of it took [us]: processor time of the thread where the system
+/// tells it, else wall time.
 ///
 /// # Errors
 /// As of [`Reference::measure`].
 pub fn cost(scene: &Scene, settings: &Settings, hz: u32, span: Span) -> Result<f64, Error> {
     let mut run = Run::start(scene, settings, hz, span)?;
-    let start = Instant::now();
+    let clock = Clock::start();
     for _ in 0..u64::from(span.frames) * u64::from(run.steps_per_frame) {
         run.world.step(run.dt)?;
     }
-    Ok(start.elapsed().as_secs_f64() * 1e6 / (60.0 * span.seconds()))
+    Ok(clock.stop() / (60.0 * span.seconds()))
 }

@@ -57,9 +57,9 @@ pub(crate) struct TradeOptions {
     /// Threads that measure errors, a cell each [default: all]. Times are always taken one after another.
     #[arg(long, value_name = "N", value_parser = threads)]
     pub(crate) threads: Option<usize>,
-    /// Rounds in which each cell is timed; the median counts.
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
-    pub(crate) rounds: u32,
+    /// Rounds in which each cell is timed; the median counts [default: 3, with --quick 1].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(crate) rounds: Option<u32>,
     /// Keep results in this file, a line of JSON each, and leave out what is in it already [default: one in the working folder,
     /// which is removed at the end].
     #[arg(long, value_name = "FILE")]
@@ -106,6 +106,10 @@ pub(crate) struct Share {
 impl TradeOptions {
     pub(crate) fn seconds(&self) -> f64 {
         self.seconds.map_or(if self.quick { 2.0 } else { 4.0 }, f64::from)
+    }
+
+    pub(crate) fn rounds(&self) -> u32 {
+        self.rounds.unwrap_or(if self.quick { 1 } else { 3 })
     }
 
     /// The grid for a scene with or without joints.

@@ -21,7 +21,7 @@ const AGREE: f64 = 1.05;
 /// runs took this long together,
 const TIMING: Duration = Duration::from_millis(10);
 /// or there were so many.
-const MOST_RUNS: usize = 100;
+const MOST_RUNS: usize = 10;
 
 /// A setting to be measured.
 #[derive(Clone, Debug)]
@@ -217,7 +217,7 @@ impl<'a> Sweep<'a> {
         let lacks = |results: &Results, cell: usize, round: u32| {
             results.timed[cell].iter().all(|timed| timed.round != round)
         };
-        let rounds = (0..options.rounds).flat_map(|round| timed.iter().map(move |&cell| (cell, round)));
+        let rounds = (0..options.rounds()).flat_map(|round| timed.iter().map(move |&cell| (cell, round)));
         let missing: Vec<(usize, u32)> =
             rounds.filter(|&(cell, round)| lacks(results, cell, round)).collect();
         let bar = output::progress(!options.quiet, missing.len() as u64, "times taken");
@@ -251,7 +251,8 @@ impl<'a> Sweep<'a> {
                 break;
             }
         }
-        Ok((least[0] * 1e3).round() / 1e3)
+        // Never zero, which others are divided by.
+        Ok((least[0] * 1e3).round().max(1.0) / 1e3)
     }
 }
 
