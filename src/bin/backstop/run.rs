@@ -41,6 +41,9 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
     let of_file = file.as_ref().filter(|file| file.has_gravity).map(|file| file.world.gravity);
     scene.gravity = options.gravity.or(of_file).unwrap_or(scene.gravity);
     let chosen = Chosen::new(options, &scene, file);
+    if chosen.solver.is_some() && options.record.is_some() {
+        bail!("a run that a method of the lab solves can't be recorded: a recording has no word for it");
+    }
     if options.drop > 0 {
         scene.rain(options.drop, options.seed);
     }
@@ -55,7 +58,7 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
         match Opened::new(&scene.name, options.pictures.size) {
             Ok(window) => {
                 let viewer = viewer(options, &scene, 1)?;
-                let start = || Ok(world(&chosen.settings, &scene)?.0);
+                let start = || Ok(world(&chosen, &scene)?.0);
                 return view::show(window, viewer, &scene.name, chosen.dt, &start);
             }
             Err(reason) => {
@@ -85,8 +88,9 @@ fn viewer(options: &RunOptions, scene: &Scene, scale: usize) -> anyhow::Result<V
     Ok(Viewer::new(camera, look, pictures.size, scale))
 }
 
-fn world(settings: &Settings, scene: &Scene) -> anyhow::Result<(World, Vec<BodyHandle>)> {
-    let mut world = World::new(settings.clone()).context("these settings are refused")?;
+fn world(chosen: &Chosen, scene: &Scene) -> anyhow::Result<(World, Vec<BodyHandle>)> {
+    let mut world = World::new(chosen.settings.clone()).context("these settings are refused")?;
+    world.solve_with(chosen.solver.clone());
     let added = scene.add_to(&mut world).with_context(|| format!("scene {} is refused", scene.name))?;
     Ok((world, added.bodies))
 }
@@ -127,11 +131,11 @@ fn simulate(
     let every = ((1.0 / FRAME_RATE) / dt).round().max(1.0) as u32;
     let mut film = options.out.as_ref().map(|_| Recorder::new(scene));
     let accuracy = options.accuracy.then(Course::default);
-    let solver = options.solver.map(|method| SolverSum { method: method.name(), ..SolverSum::default() });
+    let sum = |solver: &WorldSolver| SolverSum { method: solver.method.name(), ..SolverSum::default() };
+    let solver = chosen.solver.as_ref().map(sum);
     let mut trace =
         Trace { reports: Vec::with_capacity(steps as usize), energy: Vec::new(), accuracy, solver };
-    let solver = |method| WorldSolver { most_rows: options.solver_rows, ..WorldSolver::new(method) };
-    world.solve_with(options.solver.map(solver));
+    world.solve_with(chosen.solver.clone());
     world.measure_accuracy(options.accuracy);
     let export_to = options.export()?;
     if let Some((at, _)) = &export_to
@@ -192,10 +196,15 @@ fn export(system: &System, path: &Path) -> anyhow::Result<(PathBuf, String)> {
 struct Chosen {
     dt: f32,
     settings: Settings,
+    solver: Option<WorldSolver>,
 }
 
 impl Chosen {
     fn new(options: &RunOptions, scene: &Scene, file: Option<SettingsFile>) -> Chosen {
+        let of_file = file.as_ref().and_then(|file| file.solver);
+        let solver = options.solver.or(of_file);
+        let solver =
+            solver.map(|method| WorldSolver { most_rows: options.solver_rows, ..WorldSolver::new(method) });
         let (dt, base) = file.map_or((None, Settings::default()), |file| (file.dt, file.world));
         let settings = Settings {
             gravity: scene.gravity,
@@ -208,7 +217,7 @@ impl Chosen {
             budget: options.budget.map_or(base.budget, Budget::total),
             ..base
         };
-        Chosen { dt: options.dt.or(dt).unwrap_or(SCENE_STEP), settings }
+        Chosen { dt: options.dt.or(dt).unwrap_or(SCENE_STEP), settings, solver }
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::args;
 use anyhow::{Context, bail};
 use backstop::Settings;
+use backstop::lab::WorldMethod;
 use backstop::scene::write_file;
 use serde_json::{Map, Value, json};
 use std::io::Write;
@@ -31,6 +32,8 @@ pub(crate) struct SettingsFile {
     pub(crate) dt: Option<f32>,
     /// Whether gravity is among the settings.
     pub(crate) has_gravity: bool,
+    /// The method of the lab that solves steps, if not the engine's own solver.
+    pub(crate) solver: Option<WorldMethod>,
     pub(crate) world: Settings,
 }
 
@@ -50,6 +53,7 @@ impl SettingsFile {
             bail!("it is no JSON object");
         };
         let dt = fields.remove("dt").map(|dt| seconds(&dt)).transpose()?;
+        let solver = fields.remove("solver").map(|name| method(&name)).transpose()?;
         // For whoever reads the file.
         fields.remove("about");
         let known = object(&Settings::default())?;
@@ -64,13 +68,18 @@ impl SettingsFile {
         }
         let world: Settings = serde_json::from_value(Value::Object(fields))?;
         world.validate()?;
-        Ok(SettingsFile { dt, has_gravity, world })
+        Ok(SettingsFile { dt, has_gravity, solver, world })
     }
 }
 
 fn seconds(dt: &Value) -> anyhow::Result<f32> {
     let text = dt.as_str().map_or_else(|| dt.to_string(), str::to_owned);
     args::seconds(&text).map_err(|why| anyhow::anyhow!("\"dt\" can't be {dt}: it {why}"))
+}
+
+fn method(name: &Value) -> anyhow::Result<WorldMethod> {
+    let known = name.as_str().and_then(WorldMethod::by_name);
+    known.with_context(|| format!("\"solver\" can't be {name}: it must be the name of a method of the lab"))
 }
 
 fn object(settings: &Settings) -> anyhow::Result<Map<String, Value>> {
@@ -81,13 +90,20 @@ fn object(settings: &Settings) -> anyhow::Result<Map<String, Value>> {
 }
 
 /// All that a file has of settings: what `trade` chooses, and what else is not as usual.
-pub(crate) fn fields(hz: u32, settings: &Settings) -> anyhow::Result<Map<String, Value>> {
+pub(crate) fn fields(
+    hz: u32,
+    settings: &Settings,
+    solver: Option<WorldMethod>,
+) -> anyhow::Result<Map<String, Value>> {
     let usual = object(&Settings::default())?;
     let mut fields = object(settings)?;
     fields.retain(|name, value| {
         CHOSEN.contains(&name.as_str())
             || (!LEFT_OUT.contains(&name.as_str()) && usual.get(name) != Some(value))
     });
+    if let Some(solver) = solver {
+        fields.insert("solver".into(), json!(solver.name()));
+    }
     // As a fraction, which is exact.
     fields.insert("dt".into(), json!(format!("1/{hz}")));
     Ok(fields)
@@ -117,9 +133,11 @@ mod tests {
             threads: 7,
             ..Settings::default()
         };
-        let text = serde_json::to_string(&fields(120, &settings).unwrap()).unwrap();
+        let text =
+            serde_json::to_string(&fields(120, &settings, WorldMethod::by_name("admm")).unwrap()).unwrap();
         let file = SettingsFile::parse(&text).unwrap();
         assert_eq!((file.dt, file.has_gravity), (Some(1.0 / 120.0), false));
+        assert_eq!(file.solver.map(|solver| solver.name()), Some("admm"));
         assert_eq!(file.world, Settings { threads: 1, ..settings });
     }
 
@@ -132,6 +150,7 @@ mod tests {
             (r#"{"substeps": "many"}"#, "\"substeps\" can't be \"many\""),
             (r#"{"substeps": 65}"#, "substeps must be in 1..=64"),
             (r#"{"friction_model": "square"}"#, "\"friction_model\" can't be \"square\""),
+            (r#"{"solver": "magic"}"#, "\"solver\" can't be \"magic\""),
             (r#"{"dt": 2}"#, "\"dt\" can't be 2"),
             (r#"{"dt": "1/0"}"#, "\"dt\" can't be \"1/0\""),
         ] {

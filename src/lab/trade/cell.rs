@@ -1,6 +1,7 @@
 //! A setting that is measured.
 
 use crate::config::{Continuous, ContinuousMethod, FrictionCone, FrictionModel, Settings};
+use crate::lab::WorldSolver;
 use crate::scene::Scene;
 
 /// How fast bodies are kept from passing through others: the mode and the method in one.
@@ -119,6 +120,9 @@ pub struct Cell {
     pub recycling: bool,
     /// Whether joints that make trees are solved exactly, or row by row.
     pub joint_trees: bool,
+    /// Name of the method of the lab that solves steps; none: the engine's own solver.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub solver: Option<String>,
 }
 
 impl Default for Cell {
@@ -132,6 +136,7 @@ impl Default for Cell {
             continuous: ContinuousMode::Segment,
             recycling: true,
             joint_trees: true,
+            solver: None,
         }
     }
 }
@@ -148,12 +153,18 @@ impl Cell {
             continuous: ContinuousMode::Segment,
             recycling: false,
             joint_trees: true,
+            solver: None,
         }
     }
 
     /// Length of a step [s].
     pub fn dt(&self) -> f32 {
         1.0 / self.hz as f32
+    }
+
+    /// What solves its world, if not the engine's own solver.
+    pub fn world_solver(&self) -> Option<WorldSolver> {
+        self.solver.as_deref().and_then(WorldSolver::by_name)
     }
 
     /// Settings of a world of a scene.
@@ -176,10 +187,11 @@ impl Cell {
 
     /// All of it in a line; what is as usual of recycling and joints goes without saying.
     pub fn name(&self) -> String {
-        let Cell { hz, substeps, iterations, friction, continuous, recycling, joint_trees } = self;
+        let Cell { hz, substeps, iterations, friction, continuous, recycling, joint_trees, solver } = self;
         let recycling = if *recycling { "" } else { ", no recycling" };
         let joints = if *joint_trees { "" } else { ", joints row by row" };
         let (friction, continuous) = (friction.name(), continuous.name());
-        format!("{hz} Hz, {substeps}x{iterations}, {friction}, {continuous}{recycling}{joints}")
+        let solver = solver.as_ref().map_or_else(|| format!("{substeps}x{iterations}"), Clone::clone);
+        format!("{hz} Hz, {solver}, {friction}, {continuous}{recycling}{joints}")
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{Cell, ContinuousMode, FrictionLaw};
 use crate::error::{Error, within};
+use crate::lab::WorldMethod;
 
 /// A grid of settings: all combinations of the values of its axes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -23,6 +24,10 @@ pub struct Grid {
     pub recycling: Vec<bool>,
     /// Whether trees of joints are solved exactly.
     pub joint_trees: Vec<bool>,
+    /// Methods of the lab, by their names, that solve steps beside the engine's own solver. They know no substeps and iterations:
+    /// each is combined with the rates and friction alone.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub solvers: Vec<String>,
 }
 
 /// Fewest frames per second at which trajectories are compared.
@@ -41,6 +46,7 @@ impl Grid {
             continuous: vec![Discrete, Segment, Volume, Speculative, LinearCast],
             recycling: vec![true, false],
             joint_trees: if joints { vec![true, false] } else { vec![true] },
+            solvers: ["gs-cone", "admm"].map(String::from).to_vec(),
         }
     }
 
@@ -53,6 +59,7 @@ impl Grid {
             most_passes: 8,
             continuous: vec![ContinuousMode::Discrete, ContinuousMode::Segment],
             recycling: vec![true],
+            solvers: Vec::new(),
             ..Grid::full(joints)
         }
     }
@@ -74,12 +81,24 @@ impl Grid {
                                     continuous,
                                     recycling,
                                     joint_trees,
+                                    solver: None,
                                 };
                                 if !cells.contains(&cell) {
                                     cells.push(cell);
                                 }
                             }
                         }
+                    }
+                }
+            }
+        }
+        for solver in &self.solvers {
+            for &hz in &self.hz {
+                for &friction in &self.friction {
+                    let usual = Cell { hz, substeps: 1, iterations: 1, friction, ..Cell::default() };
+                    let cell = Cell { solver: Some(solver.clone()), ..usual };
+                    if !cells.contains(&cell) {
+                        cells.push(cell);
                     }
                 }
             }
@@ -103,6 +122,12 @@ impl Grid {
                 .contains(&0);
         if empty || self.hz.is_empty() || self.passes().next().is_none() {
             return Err(Error::Incomplete { what: "a grid", expected: "a value for each axis" });
+        }
+        if self.solvers.iter().any(|name| WorldMethod::by_name(name).is_none()) {
+            return Err(Error::Incomplete {
+                what: "a solver of a grid",
+                expected: "the name of a method of the lab",
+            });
         }
         for (what, values, most, expected) in [
             ("steps per second", &self.hz, 10_000, "in 1..=10000"),
@@ -144,12 +169,21 @@ pub enum Axis {
     Recycling,
     /// How joints are solved.
     Joints,
+    /// What solves steps.
+    Solver,
 }
 
 impl Axis {
     /// All of them.
-    pub const ALL: [Axis; 6] =
-        [Axis::Rate, Axis::Passes, Axis::Friction, Axis::Continuous, Axis::Recycling, Axis::Joints];
+    pub const ALL: [Axis; 7] = [
+        Axis::Rate,
+        Axis::Passes,
+        Axis::Friction,
+        Axis::Continuous,
+        Axis::Recycling,
+        Axis::Joints,
+        Axis::Solver,
+    ];
 
     /// Its name.
     pub fn name(self) -> &'static str {
@@ -160,6 +194,7 @@ impl Axis {
             Axis::Continuous => "continuous",
             Axis::Recycling => "recycling",
             Axis::Joints => "joints",
+            Axis::Solver => "solver",
         }
     }
 
@@ -172,6 +207,7 @@ impl Axis {
             Axis::Continuous => cell.continuous.name().into(),
             Axis::Recycling => if cell.recycling { "on" } else { "off" }.into(),
             Axis::Joints => if cell.joint_trees { "exact" } else { "rows" }.into(),
+            Axis::Solver => cell.solver.clone().unwrap_or_else(|| "backstop".into()),
         }
     }
 }

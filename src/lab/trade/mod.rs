@@ -13,7 +13,7 @@
 //! let [fine, half] = [480, 240].map(|hz| Track::of(&scene, span, &Cell::reference(hz)));
 //! let reference = Reference::new(fine?, &half?);
 //! let cell = Cell::default();
-//! let errors = reference.measure(&scene, &cell.settings(&scene), cell.hz)?;
+//! let errors = reference.measure(&scene, &cell.settings(&scene), cell.world_solver(), cell.hz)?;
 //! assert!(errors.of(Measure::Trajectory) < 1e-3);
 //! # Ok(())
 //! # }

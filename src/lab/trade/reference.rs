@@ -6,6 +6,7 @@ use crate::body::BodyKind;
 use crate::config::Settings;
 use crate::error::Error;
 use crate::handle::BodyHandle;
+use crate::lab::WorldSolver;
 use crate::scene::Scene;
 use crate::world::World;
 use glam::{DQuat, DVec3};
@@ -42,12 +43,18 @@ struct Run {
 }
 
 impl Run {
-    fn start(scene: &Scene, settings: &Settings, hz: u32, span: Span) -> Result<Run, Error> {
+    fn start(
+        scene: &Scene,
+        how: (&Settings, Option<WorldSolver>),
+        hz: u32,
+        span: Span,
+    ) -> Result<Run, Error> {
         if hz == 0 || span.frame_rate == 0 || !hz.is_multiple_of(span.frame_rate) {
             let expected = "a multiple of the frame rate";
             return Err(Error::OutOfRange { what: "steps per second", expected, value: hz.into() });
         }
-        let mut world = World::new(settings.clone())?;
+        let mut world = World::new(how.0.clone())?;
+        world.solve_with(how.1);
         let handles = scene.add_to(&mut world)?.bodies;
         let mut dynamic = Vec::new();
         for handle in handles {
@@ -117,7 +124,7 @@ impl Track {
     /// # Errors
     /// If the world refuses the settings or the scene, or the rate of the cell is no multiple of the frame rate.
     pub fn of(scene: &Scene, span: Span, cell: &Cell) -> Result<Track, Error> {
-        let mut run = Run::start(scene, &cell.settings(scene), cell.hz, span)?;
+        let mut run = Run::start(scene, (&cell.settings(scene), cell.world_solver()), cell.hz, span)?;
         let widths = run.widths()?;
         let mut kinetic = run.kinetic_energy();
         let mut frames = Vec::with_capacity(span.frames as usize);
@@ -211,9 +218,15 @@ impl Reference {
     ///
     /// # Errors
     /// If the world refuses the settings or the scene, or the rate is no multiple of the frame rate.
-    pub fn measure(&self, scene: &Scene, settings: &Settings, hz: u32) -> Result<Errors, Error> {
+    pub fn measure(
+        &self,
+        scene: &Scene,
+        settings: &Settings,
+        solver: Option<WorldSolver>,
+        hz: u32,
+    ) -> Result<Errors, Error> {
         let span = self.fine.span;
-        let mut run = Run::start(scene, settings, hz, span)?;
+        let mut run = Run::start(scene, (settings, solver), hz, span)?;
         run.world.measure_accuracy(true);
         let (mut apart, mut energy) = (Vec::with_capacity(self.horizon), 0.0);
         let (mut penetration, mut residual, mut joint) = (0.0_f64, 0.0, 0.0_f64);
@@ -255,8 +268,14 @@ fn mean(values: &[[f64; 2]], of: usize) -> f64 {
 ///
 /// # Errors
 /// As of [`Reference::measure`].
-pub fn cost(scene: &Scene, settings: &Settings, hz: u32, span: Span) -> Result<f64, Error> {
-    let mut run = Run::start(scene, settings, hz, span)?;
+pub fn cost(
+    scene: &Scene,
+    settings: &Settings,
+    solver: Option<WorldSolver>,
+    hz: u32,
+    span: Span,
+) -> Result<f64, Error> {
+    let mut run = Run::start(scene, (settings, solver), hz, span)?;
     let clock = Clock::start();
     for _ in 0..u64::from(span.frames) * u64::from(run.steps_per_frame) {
         run.world.step(run.dt)?;

@@ -1,6 +1,7 @@
 //! The command line of `trade`.
 
 use crate::args::{positive, threads};
+use backstop::lab::WorldMethod;
 use backstop::lab::trade::{ContinuousMode, FrictionLaw, Grid, Measure};
 use clap::Args;
 use std::path::PathBuf;
@@ -47,6 +48,9 @@ pub(crate) struct TradeOptions {
     /// Joints that make trees: exact or rows.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = joints)]
     pub(crate) joints: Vec<Switch>,
+    /// Methods of the lab that solve steps, beside the engine's own solver (docs/methods.md), or none.
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = solver)]
+    pub(crate) solver: Vec<String>,
     /// Measure the default and the settings of this file alone. Of the grid only the rates count: with those of the sweep that it
     /// is from, it has the very same error.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["cell", "merge"])]
@@ -71,7 +75,7 @@ pub(crate) struct TradeOptions {
     pub(crate) cell: Option<Share>,
     /// Run nothing: put files of results together.
     #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = [
-        "scene", "seconds", "quick", "hz", "substeps", "iterations", "friction", "continuous", "recycling", "joints", "threads",
+        "scene", "seconds", "quick", "hz", "substeps", "iterations", "friction", "continuous", "recycling", "joints", "solver", "threads",
         "results",
     ])]
     pub(crate) merge: Vec<PathBuf>,
@@ -127,8 +131,20 @@ impl TradeOptions {
         let values = |switches: &[Switch]| switches.iter().map(|switch| switch.0).collect::<Vec<_>>();
         instead(&mut grid.recycling, &values(&self.recycling));
         instead(&mut grid.joint_trees, &values(&self.joints));
+        instead(&mut grid.solvers, &self.solver);
+        grid.solvers.retain(|name| name != NONE);
         grid
     }
+}
+
+/// No method of the lab.
+const NONE: &str = "none";
+
+fn solver(text: &str) -> Result<String, String> {
+    if text == NONE || WorldMethod::by_name(text).is_some() {
+        return Ok(text.into());
+    }
+    Err(format!("must be {NONE} or one of {}", WorldMethod::names().collect::<Vec<_>>().join(", ")))
 }
 
 fn instead<T: Clone>(axis: &mut Vec<T>, given: &[T]) {

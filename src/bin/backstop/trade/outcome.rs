@@ -166,7 +166,7 @@ fn row(
     Ok(Row {
         cell,
         name: candidate.name.clone(),
-        settings: settings_file::fields(candidate.hz, &candidate.settings)?,
+        settings: settings_file::fields(candidate.hz, &candidate.settings, candidate.solver)?,
         cost_us: ratio.zip(default_us).map(|(ratio, us)| ratio * us),
         cost_ratio: ratio,
         error,

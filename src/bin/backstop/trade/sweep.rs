@@ -7,6 +7,7 @@ use crate::settings_file::{self, SettingsFile};
 use anyhow::{Context, bail};
 use backstop::Settings;
 use backstop::lab::trade::{Cell, Measure, Reference, Span, Track, cost};
+use backstop::lab::{WorldMethod, WorldSolver};
 use backstop::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -29,13 +30,20 @@ pub(super) struct Candidate {
     pub(super) name: String,
     pub(super) hz: u32,
     pub(super) settings: Settings,
+    pub(super) solver: Option<WorldMethod>,
     /// None if it is out of a file.
     pub(super) cell: Option<Cell>,
 }
 
 impl Candidate {
     pub(super) fn of(cell: &Cell, scene: &Scene) -> Candidate {
-        Candidate { name: cell.name(), hz: cell.hz, settings: cell.settings(scene), cell: Some(cell.clone()) }
+        Candidate {
+            name: cell.name(),
+            hz: cell.hz,
+            settings: cell.settings(scene),
+            solver: cell.solver.as_deref().and_then(WorldMethod::by_name),
+            cell: Some(cell.clone()),
+        }
     }
 
     /// Of a file; gravity is the scene's, and a world has one thread.
@@ -47,7 +55,8 @@ impl Candidate {
             bail!("{}: its dt, {dt} s, does not make a whole number of steps per second", path.display());
         }
         let settings = Settings { gravity: scene.gravity, threads: 1, ..file.world };
-        Ok(Candidate { name: path.display().to_string(), hz: hz as u32, settings, cell: None })
+        let name = path.display().to_string();
+        Ok(Candidate { name, hz: hz as u32, settings, solver: file.solver, cell: None })
     }
 }
 
@@ -68,7 +77,7 @@ impl<'a> Sweep<'a> {
         let mut settings = None;
         if let Some(path) = &options.settings {
             let candidate = Candidate::of_file(path, scene)?;
-            settings = Some(settings_file::fields(candidate.hz, &candidate.settings)?);
+            settings = Some(settings_file::fields(candidate.hz, &candidate.settings, candidate.solver)?);
             of_scene.hz.push(candidate.hz);
             candidates.push(candidate);
         }
@@ -178,7 +187,12 @@ impl<'a> Sweep<'a> {
                 let candidate = &self.candidates[cell];
                 let errors = self
                     .reference
-                    .measure(self.scene, &candidate.settings, candidate.hz)
+                    .measure(
+                        self.scene,
+                        &candidate.settings,
+                        candidate.solver.map(WorldSolver::new),
+                        candidate.hz,
+                    )
                     .with_context(|| format!("can't run at {}", candidate.name))?;
                 let line = Line::Measured(Measured { cell, errors: (&errors).into() });
                 let (results, sink) = &mut *shared.lock().unwrap_or_else(PoisonError::into_inner);
@@ -237,11 +251,11 @@ impl<'a> Sweep<'a> {
 
     /// [us for 1/60 s]
     fn cost(&self, cell: usize) -> anyhow::Result<f64> {
-        let Candidate { name, hz, settings, .. } = &self.candidates[cell];
+        let Candidate { name, hz, settings, solver, .. } = &self.candidates[cell];
         let (start, mut least) = (Instant::now(), [f64::INFINITY; 2]);
         for _ in 0..MOST_RUNS {
-            let us =
-                cost(self.scene, settings, *hz, self.span).with_context(|| format!("can't run at {name}"))?;
+            let us = cost(self.scene, settings, solver.map(WorldSolver::new), *hz, self.span)
+                .with_context(|| format!("can't run at {name}"))?;
             if us < least[0] {
                 least = [us, least[0]];
             } else {
