@@ -57,8 +57,8 @@ fn a_run_prints_the_document_that_is_promised() {
     has_keys(
         &document,
         &[
-            "scene", "settings", "steps", "bodies", "joints", "time_us", "contacts", "memory", "model",
-            "accuracy", "hash",
+            "scene", "settings", "solver", "steps", "bodies", "joints", "time_us", "contacts", "memory",
+            "model", "accuracy", "hash",
         ],
     );
     let model = document["model"].as_array().expect("a list");

@@ -621,7 +621,8 @@ fn any_method(text: &str) -> Result<AnyMethod, String> {
     if text == AnyMethod::OWN {
         Ok(AnyMethod(None))
     } else {
-        world_method(text).map(|method| AnyMethod(Some(method)))
+        let method = world_method(text).map_err(|why| why.replacen("one of", "backstop or one of", 1))?;
+        Ok(AnyMethod(Some(method)))
     }
 }
 

@@ -21,7 +21,7 @@ const CONTACTS: u32 = 10;
 /// Sweeps over a level.
 const LEVEL: u32 = 10;
 
-/// See the [module](self).
+/// Impacts, contacts with rising restitution, and shock propagation from the ground up, which does not keep momentum.
 pub fn guendelman(step: &Step<'_>, effort: &Effort) -> Resolution {
     let system = step.system;
     let mut impulses = vec![0.0; system.rows.len()];

@@ -23,7 +23,8 @@ const HOPS: f64 = 4.0;
 /// Parts of a collision over which its slip is followed.
 const PARTS: u32 = 64;
 
-/// See the [module](self).
+/// Every contact a train of collisions with friction, by the time at which they happen. Islands with joints are refused
+/// ([`Status::NoSolution`]).
 pub fn impulse_based(step: &Step<'_>, effort: &Effort) -> Resolution {
     let (points, of) = step.system.with_points(step.island);
     let mut moving = Moving::new(&points, |body| body.start);

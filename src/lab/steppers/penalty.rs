@@ -13,7 +13,7 @@ use crate::lab::methods::{Effort, Solution, Status, gs_cone};
 use crate::lab::problem::{Law, Matrix, Problem, project_disc};
 use crate::lab::system::System;
 
-/// See the [module](self).
+/// Springs and dampers with the forces of the start of the step; [`limit`](super::limit) says how stiff they may be.
 pub fn penalty(step: &Step<'_>, effort: &Effort) -> Resolution {
     let system = step.system;
     let mut impulses = vec![0.0; system.rows.len()];
@@ -58,7 +58,7 @@ pub fn penalty(step: &Step<'_>, effort: &Effort) -> Resolution {
     resolution(step, &moving, &impulses, 1)
 }
 
-/// See the [module](self). The system is solved by `gs-cone`.
+/// The same springs with the forces of the end of the step. The system is solved by `gs-cone`.
 pub fn penalty_implicit(step: &Step<'_>, effort: &Effort) -> Resolution {
     let system = step.system;
     let [k, c] = spring(effort, system.dt);

@@ -22,7 +22,7 @@ const MOST: u32 = 256;
 /// A share of the fastest approach at the start: what is slower doesn't approach.
 const NOTHING: f64 = 1e-12;
 
-/// See the [module](self).
+/// Impacts one pair after the other, the fastest first and counted, at the velocities of the start; then sequential impulses.
 pub fn sequential(step: &Step<'_>, effort: &Effort) -> Resolution {
     let system = step.system;
     let mut impulses = vec![0.0; system.rows.len()];
