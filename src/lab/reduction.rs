@@ -4,7 +4,7 @@
 //! cluster is projected onto its plane, and of its convex hull the corner whose loss costs the least area goes, until as many are
 //! left as may be (Moravánszky and Terdiman, *Fast contact reduction for dynamics simulation*, 2004). By the equivalence principle
 //! of rigid bodies points inside the hull of others change nothing: whatever they can push with, the corners can. So what is reduced to
-//! its whole hull moves the same; what is reduced further may not ([`tests`](self) and `docs/methods.md` say by how much).
+//! its whole hull moves the same; what is reduced further may not (`docs/methods.md` says by how much).
 
 use crate::lab::methods::{Effort, Solution, admm};
 use crate::lab::problem::{Law, Matrix, Problem};
