@@ -73,6 +73,7 @@ fn what_stands_does_so_with_any_passes() {
 /// Of a hundredth of the size, in a world that knows, and at a hundred times the weight. Seen before: boxes tilted until their
 /// springs bore what differs between their points, and a crib, planks on edge and a pyramid fell.
 #[test]
+#[ignore = "takes a minute: `scripts/reliability rest`"]
 fn what_is_small_or_heavy_stands() {
     let wall = Standing::Wall { width: 20, height: 10 };
     let [crib, edge, layers] = [Standing::Crib(40), Standing::Edge(20), Standing::Layers(20)];
@@ -205,6 +206,7 @@ fn towers_stand_through_hitches() {
 /// Once the force that is warm-started in a long step was the mean of the last few steps, which lags behind a sway: it grew
 /// fourfold with each hitch, and cribs, layers and a wall of five rows fell within 20 s.
 #[test]
+#[ignore = "takes a minute: `scripts/reliability rest`"]
 fn what_several_contacts_bear_stands_through_hitches() {
     let walls = [5, 10].map(|height| Standing::Wall { width: 20, height });
     for structure in walls.into_iter().chain([Standing::Pyramid(20), Standing::Crib(40), Standing::Edge(20)])

@@ -47,7 +47,7 @@ fn run(world: &mut World, seconds: f32) -> SolverReport {
 /// They may be off by the slop, 0.5 mm, and not more.
 #[test]
 fn ten_boxes_each_ten_times_as_heavy_stand_exactly() {
-    for name in ["lemke", "dantzig", "keller", "block-pivoting"] {
+    for name in ["lemke", "block-pivoting"] {
         let (mut world, boxes) = stack(10, 10.0, 1e5);
         world.solve_with(WorldSolver::by_name(name));
         let report = run(&mut world, 5.0);
