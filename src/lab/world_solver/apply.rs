@@ -7,14 +7,15 @@ use crate::lab::steppers::{Memory, Resolution, Step};
 use crate::lab::system::{LaneRows, Owner, Stabilisation, System, SystemIsland, Velocity};
 use crate::lanes::Record;
 use crate::world::World;
+use std::collections::BTreeMap;
 
 /// Impulses of the step before.
 #[derive(Debug, Default)]
 pub(in crate::lab) struct Last {
     /// Of the rows of contacts, as they are prepared.
     contacts: Vec<f64>,
-    /// Of the rows of joints: which of its joint, and its impulse.
-    joints: Vec<(JointHandle, u32, f64)>,
+    /// Of the rows of joints.
+    joints: BTreeMap<JointRowKey, f64>,
     /// Length of the step that they are of [s].
     dt: f64,
     /// Of penalty methods.
@@ -28,41 +29,35 @@ impl Last {
         self.contacts = system.rows[..rows].iter().map(|row| row.impulse).collect();
     }
 
-    /// Impulses of all rows to start from. Joints are in the order of their rows in both steps.
+    /// Impulses of all rows to start from.
     fn guess(&self, system: &System) -> Vec<f64> {
         let mut start = self.contacts.clone();
         start.resize(system.rows.len(), 0.0);
         let warm = if self.dt > 0.0 { system.dt / self.dt } else { 0.0 };
-        let mut own = self.joints.iter().peekable();
-        for (joint, index, row) in joint_rows(system) {
-            // Rows of joints that are gone are passed over; new ones start from zero.
-            let same = self.joints.iter().find(|of| (of.0, of.1) == (joint, index));
-            if let Some(&&(.., impulse)) = own.peek().filter(|of| (of.0, of.1) == (joint, index)) {
-                start[row] = impulse * warm;
-                own.next();
-            } else if let Some((.., impulse)) = same {
-                start[row] = impulse * warm;
-            }
+        for (key, row) in joint_rows(system) {
+            // What is new starts from zero.
+            start[row] = self.joints.get(&key).copied().unwrap_or(0.0) * warm;
         }
         start
     }
 
     fn keep(&mut self, system: &System) {
-        self.joints.clear();
-        self.joints
-            .extend(joint_rows(system).map(|(joint, index, row)| (joint, index, system.rows[row].impulse)));
+        self.joints = joint_rows(system).map(|(key, row)| (key, system.rows[row].impulse)).collect();
         self.dt = system.dt;
     }
 }
 
-/// Each row of a joint: which of the joint's, and its place in the system.
-fn joint_rows(system: &System) -> impl Iterator<Item = (JointHandle, u32, usize)> + '_ {
-    let mut last = (None, 0);
+/// A joint by its slot and generation, and which of its rows: a joint has as many, in the same order, in every step.
+type JointRowKey = (u32, u32, u32);
+
+/// Each row of a joint, and its place in the system. Locks of all joints come before their other rows.
+fn joint_rows(system: &System) -> impl Iterator<Item = (JointRowKey, usize)> + '_ {
+    let mut counts: BTreeMap<(u32, u32), u32> = BTreeMap::new();
     system.laws[system.contacts()..].iter().filter_map(move |law| {
-        let Owner::Joint(joint) = law.owner else { return None };
-        let index = if last.0 == Some(joint) { last.1 + 1 } else { 0 };
-        last = (Some(joint), index);
-        Some((joint, index, law.first))
+        let Owner::Joint(JointHandle { slot, generation }) = law.owner else { return None };
+        let count = counts.entry((slot, generation)).or_default();
+        *count += 1;
+        Some(((slot, generation, *count), law.first))
     })
 }
 
