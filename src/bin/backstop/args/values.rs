@@ -1,0 +1,175 @@
+//! Values of options out of their text.
+
+use backstop::glam::{DVec3, Vec3};
+use backstop::lab::WorldMethod;
+use backstop::lab::methods::{Friction, Method};
+use backstop::lab::simbench::Test;
+use backstop::lab::structures::Structure;
+use backstop::{Continuous, ContinuousMethod, FrictionCone, FrictionModel};
+
+pub(crate) fn number(text: &str) -> Result<f32, String> {
+    let value: f32 = text.trim().parse().map_err(|_| format!("\"{text}\" is not a number"))?;
+    if value.is_finite() { Ok(value) } else { Err(format!("\"{text}\" is not finite")) }
+}
+
+pub(crate) fn positive(text: &str) -> Result<f32, String> {
+    let value = number(text)?;
+    if value > 0.0 { Ok(value) } else { Err("must be above zero".into()) }
+}
+
+pub(crate) fn hertz(text: &str) -> Result<f32, String> {
+    let value = number(text)?;
+    if (1.0..=1e6).contains(&value) { Ok(value) } else { Err("must be in 1..=1000000".into()) }
+}
+
+pub(crate) fn friction_model(text: &str) -> Result<FrictionModel, String> {
+    match text {
+        "patch" => Ok(FrictionModel::Patch),
+        "point" => Ok(FrictionModel::Point),
+        _ => Err("must be patch or point".into()),
+    }
+}
+
+pub(crate) fn solver(text: &str) -> Result<&'static Method, String> {
+    let names = || Method::ALL.iter().map(|method| method.name).collect::<Vec<_>>().join(", ");
+    Method::by_name(text).ok_or_else(|| format!("must be one of {}", names()))
+}
+
+pub(crate) fn structure(text: &str) -> Result<Structure, String> {
+    let names = || Structure::ALL.map(Structure::name).join(", ");
+    Structure::named(text).ok_or_else(|| format!("must be one of {}", names()))
+}
+
+/// A method of the lab, or the engine's own.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AnyMethod(pub(crate) Option<WorldMethod>);
+
+impl AnyMethod {
+    /// What the engine's own is called.
+    pub(crate) const OWN: &str = "backstop";
+
+    pub(crate) fn name(self) -> &'static str {
+        self.0.map_or(AnyMethod::OWN, |method| method.name())
+    }
+}
+
+pub(crate) fn any_method(text: &str) -> Result<AnyMethod, String> {
+    if text == AnyMethod::OWN {
+        Ok(AnyMethod(None))
+    } else {
+        let method = world_method(text).map_err(|why| why.replacen("one of", "backstop or one of", 1))?;
+        Ok(AnyMethod(Some(method)))
+    }
+}
+
+pub(crate) fn simbench_test(text: &str) -> Result<Test, String> {
+    let names = || Test::ALL.map(Test::name).join(", ");
+    Test::named(text).ok_or_else(|| format!("must be one of {}", names()))
+}
+
+pub(crate) fn friction_cone(text: &str) -> Result<FrictionCone, String> {
+    match text {
+        "cone" => Ok(FrictionCone::Cone),
+        "box" => Ok(FrictionCone::Box),
+        _ => Err("must be cone or box".into()),
+    }
+}
+
+pub(crate) fn world_method(text: &str) -> Result<WorldMethod, String> {
+    let names = || WorldMethod::names().collect::<Vec<_>>().join(", ");
+    WorldMethod::by_name(text).ok_or_else(|| format!("must be one of {}", names()))
+}
+
+pub(crate) fn friction(text: &str) -> Result<Friction, String> {
+    match text {
+        "cone" => Ok(Friction::Cone),
+        "pyramid" => Ok(Friction::Pyramid),
+        "box" => Ok(Friction::Box),
+        _ => Err("must be cone, pyramid or box".into()),
+    }
+}
+
+pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|x: &f64| *x >= 0.0 && x.is_finite())
+        .ok_or_else(|| "must be a number that is at least 0".into())
+}
+
+pub(crate) fn relaxation(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x| (0.01..=1.99).contains(x)).ok_or_else(|| "must be in 0.01..=1.99".into())
+}
+
+pub(crate) fn seconds(text: &str) -> Result<f32, String> {
+    let value = match text.split_once('/') {
+        Some((over, under)) => number(over)? / number(under)?,
+        None => number(text)?,
+    };
+    // A step of more than a second is no simulation, one below a microsecond never gets anywhere.
+    if (1e-6..=1.0).contains(&value) { Ok(value) } else { Err("must be in 0.000001..=1".into()) }
+}
+
+pub(crate) fn threads(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(n @ 1..=1024) => Ok(n),
+        _ => Err("must be a whole number in 1..=1024".into()),
+    }
+}
+
+pub(crate) fn gravity(text: &str) -> Result<Vec3, String> {
+    let parts: Vec<f32> = text.split(',').map(number).collect::<Result<_, _>>()?;
+    match parts[..] {
+        // The strength of the pull, whichever sign one gives it.
+        [down] => Ok(Vec3::new(0.0, -down.abs(), 0.0)),
+        [x, y, z] => Ok(Vec3::new(x, y, z)),
+        _ => Err("wants one number or three, with commas between them".into()),
+    }
+}
+
+pub(crate) fn bytes(text: &str) -> Result<usize, String> {
+    let text = text.trim();
+    let units = [("KiB", 10), ("MiB", 20), ("GiB", 30)];
+    let unit = units.into_iter().find_map(|(name, shift)| text.strip_suffix(name).map(|rest| (rest, shift)));
+    let (number, shift) = unit.unwrap_or((text, 0));
+    let number = number.trim();
+    let wrong = || format!("\"{text}\" is no number of bytes, like 4096, 512KiB or 1.5MiB");
+    if shift == 0 {
+        return number.parse().map_err(|_| wrong());
+    }
+    let value: f64 = number.parse().map_err(|_| wrong())?;
+    let value = value * f64::from(1u32 << shift);
+    if (0.0..=1e15).contains(&value) { Ok(value as usize) } else { Err(wrong()) }
+}
+
+pub(crate) fn place(text: &str) -> Result<DVec3, String> {
+    let parts: Vec<f32> = text.split(',').map(number).collect::<Result<_, _>>()?;
+    match parts[..] {
+        [x, y, z] => Ok(Vec3::new(x, y, z).as_dvec3()),
+        _ => Err("wants three numbers, with commas between them".into()),
+    }
+}
+
+pub(crate) fn size(text: &str) -> Result<(usize, usize), String> {
+    let side = |text: &str| text.parse().ok().filter(|n| (1..=8192).contains(n));
+    let sides = text.split_once('x').and_then(|(width, height)| Some((side(width)?, side(height)?)));
+    sides.ok_or_else(|| "must be like 960x540, with sides in 1..=8192".into())
+}
+
+pub(crate) fn continuous(text: &str) -> Result<Continuous, String> {
+    match text {
+        "discrete" => Ok(Continuous::Discrete),
+        "segment" => Ok(Continuous::Segment),
+        "volume" => Ok(Continuous::Volume),
+        _ => Err("must be discrete, segment or volume".into()),
+    }
+}
+
+pub(crate) fn method(text: &str) -> Result<ContinuousMethod, String> {
+    match text {
+        "one-pass" => Ok(ContinuousMethod::OnePass),
+        "speculative" => Ok(ContinuousMethod::Speculative),
+        "linear-cast" => Ok(ContinuousMethod::LinearCast),
+        "conservative-advancement" => Ok(ContinuousMethod::ConservativeAdvancement),
+        _ => Err("must be one-pass, speculative, linear-cast or conservative-advancement".into()),
+    }
+}
