@@ -10,6 +10,7 @@ mod compare;
 mod document;
 mod extremes;
 mod html;
+mod json_lines;
 mod methods;
 mod output;
 mod page;

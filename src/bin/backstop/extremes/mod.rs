@@ -5,7 +5,7 @@ mod page;
 mod results;
 
 use crate::args::ExtremesOptions;
-use crate::output;
+use crate::{json_lines, output};
 use anyhow::{Context, bail};
 use backstop::Settings;
 use backstop::lab::envelope::{Cell, Verdict};
@@ -52,7 +52,8 @@ fn run_all(cells: &[Cell], options: &ExtremesOptions) -> anyhow::Result<Vec<Run>
         cells.iter().filter(|cell| kept.iter().all(|run| run.cell != cell.name())).collect();
     let settings = Settings::default();
     let bar = output::progress(true, missing.len() as u64, "cells");
-    let (next, done) = (AtomicUsize::new(0), Mutex::new(kept));
+    let out = options.results.as_deref().map(json_lines::open).transpose()?;
+    let (next, done) = (AtomicUsize::new(0), Mutex::new((kept, out)));
     let work = || -> anyhow::Result<()> {
         while let Some(cell) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
             let figures = cell
@@ -62,10 +63,11 @@ fn run_all(cells: &[Cell], options: &ExtremesOptions) -> anyhow::Result<Vec<Run>
             let run =
                 Run { engine: OURS.into(), build, seconds: options.seconds, cell: cell.name(), figures };
             let mut done = done.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-            if let Some(file) = &options.results {
-                results::append(file, &run)?;
+            let (runs, out) = &mut *done;
+            if let Some(file) = out {
+                json_lines::put(file, &run)?;
             }
-            done.push(run);
+            runs.push(run);
             bar.inc(1);
         }
         Ok(())
@@ -78,7 +80,7 @@ fn run_all(cells: &[Cell], options: &ExtremesOptions) -> anyhow::Result<Vec<Run>
         })
     })?;
     bar.finish_and_clear();
-    Ok(done.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner))
+    Ok(done.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner).0)
 }
 
 /// The exit code and the last line say whether a cell is worse than it has to be.

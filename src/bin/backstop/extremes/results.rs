@@ -1,10 +1,9 @@
 //! Files of results: a line of JSON for each cell, of any engine.
 
+use crate::json_lines;
 use anyhow::Context;
 use backstop::lab::envelope::{Figure, Verdict};
 use serde::{Deserialize, Serialize};
-use std::fs::OpenOptions;
-use std::io::Write;
 use std::path::Path;
 
 /// The name of this engine.
@@ -64,11 +63,10 @@ impl Results {
     /// Reads a file. A line that was cut off while it was written, the last, is left out.
     pub(crate) fn read(file: &Path) -> anyhow::Result<Results> {
         let about = || format!("can't read {}", file.display());
-        let text = std::fs::read_to_string(file).with_context(about)?;
+        let text = std::fs::read(file).with_context(about)?;
         let mut results = Results::default();
-        for (number, line) in text.split_inclusive('\n').enumerate().filter(|(_, line)| line.ends_with('\n'))
-        {
-            let run: Run = serde_json::from_str(line)
+        for (number, line) in json_lines::whole(&text).split_inclusive(|&byte| byte == b'\n').enumerate() {
+            let run: Run = serde_json::from_slice(line)
                 .with_context(|| format!("line {} is no result", number + 1))
                 .with_context(about)?;
             results.engine.clone_from(&run.engine);
@@ -91,15 +89,6 @@ impl Results {
     pub(crate) fn verdict(&self, cell: &str) -> Option<Verdict> {
         self.worst(cell).map(|figure| figure.verdict)
     }
-}
-
-/// Adds a line to a file: in one write, so that a line is there or not.
-pub(crate) fn append(file: &Path, run: &Run) -> anyhow::Result<()> {
-    let about = || format!("can't write {}", file.display());
-    let mut line = serde_json::to_string(run).with_context(about)?;
-    line.push('\n');
-    let mut out = OpenOptions::new().create(true).append(true).open(file).with_context(about)?;
-    out.write_all(line.as_bytes()).with_context(about)
 }
 
 /// A checksum of this program.

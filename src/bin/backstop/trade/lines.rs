@@ -1,11 +1,11 @@
 //! Files of results: a header that says what was swept, then a line of JSON for each thing that was measured.
 
+use crate::json_lines;
 use anyhow::{Context, bail};
 use backstop::lab::trade::{Errors, Grid, Measure};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
-use std::fs::{File, OpenOptions};
-use std::io::{Seek, SeekFrom, Write};
+use std::fs::File;
 use std::path::Path;
 
 /// Of the format.
@@ -161,17 +161,14 @@ pub(super) struct Read {
     pub(super) header: Option<Header>,
     /// All others.
     pub(super) lines: Vec<Line>,
-    /// Bytes of whole lines.
-    pub(super) length: u64,
 }
 
 /// Reads a file. A last line that was cut off while it was written is left out.
 pub(super) fn read(file: &Path) -> anyhow::Result<Read> {
     let about = || format!("can't read {}", file.display());
     let text = std::fs::read(file).with_context(about)?;
-    let whole = text.iter().rposition(|&byte| byte == b'\n').map_or(0, |last| last + 1);
     let (mut header, mut lines) = (None, Vec::new());
-    for (number, line) in text[..whole].split_inclusive(|&byte| byte == b'\n').enumerate() {
+    for (number, line) in json_lines::whole(&text).split_inclusive(|&byte| byte == b'\n').enumerate() {
         let line: Line = serde_json::from_slice(line)
             .with_context(|| format!("line {} is no result of a trade", number + 1))
             .with_context(about)?;
@@ -184,7 +181,7 @@ pub(super) fn read(file: &Path) -> anyhow::Result<Read> {
             line => lines.push(line),
         }
     }
-    Ok(Read { header, lines, length: whole as u64 })
+    Ok(Read { header, lines })
 }
 
 /// Where results go as they come.
@@ -195,27 +192,11 @@ pub(super) enum Sink {
 }
 
 impl Sink {
-    /// Opens a file that has so many bytes of whole lines; what is beyond is cut off.
-    pub(super) fn open(path: &Path, length: u64) -> anyhow::Result<Sink> {
-        let about = || format!("can't write results to {} (--results names another file)", path.display());
-        let mut options = OpenOptions::new();
-        let mut file = options.create(true).truncate(false).write(true).open(path).with_context(about)?;
-        file.set_len(length).with_context(about)?;
-        file.seek(SeekFrom::End(0)).with_context(about)?;
-        Ok(Sink::File(file))
-    }
-
     /// Writes a line at once, so that it is there or not.
     pub(super) fn put(&mut self, line: &Line) -> anyhow::Result<()> {
-        let mut text = serde_json::to_string(line)?;
-        text.push('\n');
         match self {
-            Sink::File(file) => file.write_all(text.as_bytes()),
-            Sink::Stdout => {
-                let mut out = std::io::stdout().lock();
-                out.write_all(text.as_bytes()).and_then(|()| out.flush())
-            }
+            Sink::File(file) => json_lines::put(file, line),
+            Sink::Stdout => json_lines::put(&mut std::io::stdout().lock(), line),
         }
-        .context("can't write results")
     }
 }

@@ -2,6 +2,7 @@
 
 use super::lines::{FORMAT, Figures, Header, Line, Measured, Results, Sink, Timed, read};
 use super::options::TradeOptions;
+use crate::json_lines;
 use crate::output;
 use crate::settings_file::{self, SettingsFile};
 use anyhow::{Context, bail};
@@ -149,20 +150,20 @@ impl<'a> Sweep<'a> {
                 (path.clone(), Some(path))
             }
         };
-        let mut length = 0;
+        let mut has_header = false;
         if path.exists() {
             let about = || format!("can't go on with {}", path.display());
             let known = read(&path).with_context(about)?;
             if let Some(header) = &known.header {
                 self.header.expect(header).with_context(about)?;
-                length = known.length;
+                has_header = true;
             }
             for line in known.lines {
                 results.take(line).with_context(about)?;
             }
         }
-        let mut sink = Sink::open(&path, length)?;
-        if length == 0 {
+        let mut sink = Sink::File(json_lines::open(&path).context("--results names another file")?);
+        if !has_header {
             sink.put(&Line::Header(Box::new(self.header.clone())))?;
         } else if !options.quiet {
             let known = results.measured.iter().flatten().count();
