@@ -397,8 +397,10 @@ pub(super) fn sweep<
     let n = batch.normal;
     let (rest, reach) = (batch.rest, batch.reach);
 
+    let mut rubbed = None;
     if FRICTION && let Some(f) = friction {
-        rub::<L, P, B, R>(batch, f, v, pass, response);
+        let slid = rub::<L, P, B, R>(batch, f, v, pass, response);
+        rubbed = Some((f, slid));
     }
     let speed = relative::<L, B>(n, v);
     let (mut sum, mut ta, mut tb) = (L::zero(), Vec3::zero(), Vec3::zero());
@@ -470,7 +472,59 @@ pub(super) fn sweep<
         }
     }
     response.apply(batch, v, n * sum, ta, tb);
+    if FRICTION && pass.relax && let Some((f, slid)) = rubbed {
+        follow_load(batch, f, slid, v, pass, response);
+    }
     true
+}
+
+/// What slid while the rows relaxed was bounded by the load before them, of which a part had pushed overlap apart and is taken
+/// out again. Its friction follows the load that is left.
+#[inline(always)]
+fn follow_load<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
+    batch: &Batch<L, P, B>,
+    f: &mut FrictionRow<L, B>,
+    Slid { limit, slides, spins }: Slid<L>,
+    v: &mut Pair<L>,
+    pass: &Pass<'_>,
+    response: &mut R,
+) {
+    let left = friction_limit(batch, f, pass);
+    let changed = left.lt(limit) | limit.lt(left);
+    if !(changed & (slides[0] | slides[1] | spins)).any() {
+        return;
+    }
+    let share = L::select(limit.gt(L::zero()), left / limit, L::zero());
+    let new = [0, 1].map(|i| L::select(slides[i], f.impulse[i] * share, f.impulse[i]));
+    let twist = L::select(spins, f.twist * share, f.twist);
+    let t2 = batch.normal.cross(f.tangent);
+    let q = f.tangent * (new[0] - f.impulse[0]) + t2 * (new[1] - f.impulse[1]);
+    let w = batch.normal * (twist - f.twist);
+    (f.impulse, f.twist) = (new, twist);
+    let ta = f.arm_a.cross(q) + w;
+    let tb = if B > 0 { f.arm_b[0].cross(q) + w } else { ta };
+    response.apply(batch, v, q, ta, tb);
+}
+
+/// The greatest friction that the points bear [N s].
+#[inline(always)]
+fn friction_limit<L: GatherLanes, const P: usize, const B: usize>(
+    batch: &Batch<L, P, B>,
+    f: &FrictionRow<L, B>,
+    pass: &Pass<'_>,
+) -> L {
+    let real = L::splat(pass.real);
+    let load = |p: &PointRow<L, B>| L::select(p.separation.le(real), p.impulse, L::zero());
+    batch.points.iter().fold(L::zero(), |s, p| s + load(p)) * f.coefficient
+}
+
+/// Which friction is at its bound.
+struct Slid<L: Lanes> {
+    /// [N s]
+    limit: L,
+    /// By row along the surface.
+    slides: [L::Mask; 2],
+    spins: L::Mask,
 }
 
 /// The rows along the surface, and against twist.
@@ -481,12 +535,10 @@ fn rub<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
     v: &mut Pair<L>,
     pass: &Pass<'_>,
     response: &mut R,
-) {
+) -> Slid<L> {
     let n = batch.normal;
     let t2 = n.cross(f.tangent);
-    let real = L::splat(pass.real);
-    let load = |p: &PointRow<L, B>| L::select(p.separation.le(real), p.impulse, L::zero());
-    let limit = batch.points.iter().fold(L::zero(), |s, p| s + load(p)) * f.coefficient;
+    let limit = friction_limit(batch, f, pass);
     let FrictionResponse { mass: tangential, slide_mass, twist_mass, twist_by } = response.friction(f);
     let mut u = -(v.va + v.wa.cross(f.arm_a));
     let mut spin = -v.wa;
@@ -500,8 +552,10 @@ fn rub<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
         u2 += L::load(&surface[1]);
     }
     let old = f.impulse;
+    let mut slides = [L::zero().gt(L::zero()); 2];
     let mut new = [0, 1].map(|i| old[i] - (tangential[i] * u1 + tangential[i + 1] * u2));
     if pass.friction_box {
+        slides = new.map(|x| x.abs().gt(limit));
         new = new.map(|x| x.clamp(-limit, limit));
     } else {
         // What sticks needs the impulse that stops it. What slides has friction against its motion, and that
@@ -511,6 +565,7 @@ fn rub<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
             let slid = [old[0] - slide_mass * u1, old[1] - slide_mass * u2];
             let length = (slid[0] * slid[0] + slid[1] * slid[1]).sqrt();
             let scale = L::select(length.gt(limit), limit / length, L::one());
+            slides = [length.gt(limit); 2];
             new = std::array::from_fn(|i| L::select(sticks, new[i], slid[i] * scale));
         }
     }
@@ -519,13 +574,16 @@ fn rub<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
     // Of the twist that is left then: friction at the centre turns a long body about an end of it, and both rows against the
     // same twist would drive it the other way.
     let turns = spin.dot(n) + twist_by[0] * change[0] + twist_by[1] * change[1];
-    let twist = (f.twist - twist_mass * turns).clamp(-bound, bound);
+    let stops = f.twist - twist_mass * turns;
+    let twist = stops.clamp(-bound, bound);
+    let spins = stops.abs().gt(bound);
     let q = f.tangent * change[0] + t2 * change[1];
     let w = n * (twist - f.twist);
     (f.impulse, f.twist) = (new, twist);
     let ta = f.arm_a.cross(q) + w;
     let tb = if B > 0 { f.arm_b[0].cross(q) + w } else { ta };
     response.apply(batch, v, q, ta, tb);
+    Slid { limit, slides, spins }
 }
 
 /// Speed of `b` away from `a` along the normal, and what their spins add to it at a point.

@@ -222,7 +222,7 @@ pub(super) fn row<L: GatherLanes, M: Measure<L>>(
 /// first, and the weld has to turn it back.
 ///
 /// Only for what slides in a fixed direction. Cones and twists on balls are bettered at rest by a tenth, but of six throws of
-/// a hundred figures two had one torn apart (tests/ragdolls.rs, by 2 m and 12 m): trees know their mobility already.
+/// a hundred figures two had one torn apart (tests/joints/ragdolls.rs, by 2 m and 12 m): trees know their mobility already.
 fn borne<L: GatherLanes>(
     ends: &Ends<L>,
     lever: &Lever<L>,

@@ -1,0 +1,6 @@
+//! The command line.
+#![cfg(feature = "cli")]
+
+mod form;
+mod trade;
+mod view;

@@ -1,0 +1,142 @@
+//! Pictures that the command writes show the scene where it is.
+#![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
+use backstop::glam::DVec3;
+use backstop::scene::Scene;
+use backstop::{BodyDesc, Geometry, ShapeDesc};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn backstop(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_backstop"))
+        .args(arguments)
+        // No window opens, wherever the test runs.
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .current_dir(scratch("."))
+        .output()
+        .expect("the command starts")
+}
+
+/// A file or folder of this test run.
+fn scratch(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("view");
+    std::fs::create_dir_all(&folder).expect("a folder for tests");
+    folder.join(name)
+}
+
+struct Picture {
+    width: u32,
+    height: u32,
+    rgb: Vec<u8>,
+}
+
+impl Picture {
+    fn read(path: &Path) -> Picture {
+        let file = std::io::BufReader::new(std::fs::File::open(path).expect("a picture"));
+        let mut reader = png::Decoder::new(file).read_info().expect("PNG");
+        let mut rgb = vec![0; reader.output_buffer_size().expect("a size")];
+        let info = reader.next_frame(&mut rgb).expect("pixels");
+        assert_eq!((info.color_type, info.bit_depth), (png::ColorType::Rgb, png::BitDepth::Eight));
+        Picture { width: info.width, height: info.height, rgb }
+    }
+
+    fn at(&self, x: u32, y: u32) -> [i32; 3] {
+        let first = 3 * (y * self.width + x) as usize;
+        [0, 1, 2].map(|c| self.rgb[first + c].into())
+    }
+
+    /// Middle of the pixels that are wanted, and how many there are.
+    fn middle_of(&self, wanted: impl Fn([i32; 3]) -> bool) -> (f64, f64, f64) {
+        let (mut x, mut y, mut count) = (0.0, 0.0, 0.0);
+        for (row, column) in (0..self.height).flat_map(|row| (0..self.width).map(move |c| (row, c))) {
+            if wanted(self.at(column, row)) {
+                (x, y, count) = (x + f64::from(column) + 0.5, y + f64::from(row) + 0.5, count + 1.0);
+            }
+        }
+        (x / count, y / count, count)
+    }
+}
+
+fn pictures(folder: &Path) -> Vec<PathBuf> {
+    let mut files: Vec<PathBuf> =
+        std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("a file").path()).collect();
+    files.sort();
+    files
+}
+
+#[test]
+fn pictures_have_their_size_show_something_and_are_the_same_each_time() {
+    let run = |name: &str| {
+        let folder = scratch(name);
+        let to = folder.to_str().expect("a path of characters");
+        let frames = ["run", "mass_stack_1e3", "--steps", "6", "--every", "3", "--size", "320x180"];
+        let output = backstop(&[&frames[..], &["--frames", to]].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(String::from_utf8_lossy(&output.stdout).contains(to));
+        pictures(&folder)
+    };
+    let (once, again) = (run("once"), run("again"));
+    let names: Vec<_> = once.iter().filter_map(|p| p.file_name()?.to_str()).collect();
+    // Of the start, and after three and six steps.
+    assert_eq!(names, ["frame-00000.png", "frame-00001.png", "frame-00002.png"]);
+    for (a, b) in once.iter().zip(&again) {
+        assert_eq!(std::fs::read(a).expect("a picture"), std::fs::read(b).expect("a picture"));
+        let picture = Picture::read(a);
+        assert_eq!((picture.width, picture.height), (320, 180));
+        // Boxes, which are blue, in the middle; sky in the corner.
+        let (_, _, boxes) = picture.middle_of(|[r, _, b]| b > r + 30);
+        assert!(boxes > 300.0, "{boxes}");
+    }
+}
+
+#[test]
+fn a_ball_is_drawn_where_it_is() {
+    let mut scene = Scene::new("ball");
+    let ball = ShapeDesc::new(Geometry::Sphere { radius: 0.5 });
+    scene.add("ball", BodyDesc::dynamic().at(DVec3::new(1.0, 6.0, 0.0)).with_shape(ball));
+    let file = scratch("ball.gltf");
+    backstop::scene::write_scene(&scene, &file).expect("a file");
+    let folder = scratch("ball");
+    let [file, to] = [&file, &folder].map(|p| p.to_str().expect("a path of characters"));
+    let run = ["run", file, "--steps", "40", "--every", "40", "--json", "--frames", to, "--size", "320x240"];
+    let look = ["--show", "shapes", "--eye", "0,4,12", "--look-at", "0,4,0"];
+    let output = backstop(&[&run[..], &look].concat());
+    let document: Value = serde_json::from_slice(&output.stdout).expect("one JSON document");
+    let height = document["bodies"][0]["position"][1].as_f64().expect("a number");
+    assert!(height < 5.0);
+    // Level from 12 m: half of the picture's height is 12 m times the tangent of half the angle of view.
+    let scale = 120.0 / (12.0 * 0.38f64.tan());
+    for (path, y) in pictures(&folder).iter().zip([6.0, height]) {
+        let picture = Picture::read(path);
+        let (x, row, count) = picture.middle_of(|[r, _, b]| r > b + 30);
+        let expected = (160.0 + scale * 1.0, 120.0 - scale * (y - 4.0));
+        assert!((x - expected.0).abs() < 1.5 && (row - expected.1).abs() < 1.5, "{x} {row} {expected:?}");
+        let disc = std::f64::consts::PI * (0.5 * scale) * (0.5 * scale);
+        assert!((count / disc - 1.0).abs() < 0.1, "{count} {disc}");
+    }
+}
+
+#[test]
+fn without_a_display_a_view_becomes_pictures() {
+    let output = backstop(&["run", "chain", "--view", "--every", "50", "--size", "80x60"]);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    if cfg!(target_os = "linux") {
+        assert!(output.status.success() && errors.contains("chain-frames"), "{errors}");
+        assert!(pictures(&scratch("chain-frames")).len() > 1);
+    }
+}
+
+#[test]
+fn what_can_not_be_shown_is_refused() {
+    for (arguments, reason) in [
+        (&["--show", "everything"][..], "none of shapes"),
+        (&["--size", "12"], "960x540"),
+        (&["--view", "--frames", "x"], "--frames"),
+        (&["--frames", "x", "--eye", "1,2,3", "--look-at", "1,2,3"], "--look-at"),
+    ] {
+        let output = backstop(&[&["run", "chain", "--steps", "1"], arguments].concat());
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert!(!output.status.success() && errors.contains(reason), "{errors}");
+    }
+}

@@ -1,0 +1,16 @@
+//! What joints hold, drive and keep: by calls, by mechanics, and at speed.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod analytic;
+mod api;
+mod bridges;
+mod energy;
+mod fast;
+mod locks;
+mod loops;
+mod motors;
+mod physics;
+mod ragdolls;
+mod vehicle;

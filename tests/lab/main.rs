@@ -1,0 +1,16 @@
+//! The methods of the lab, its meter and its exact cases.
+#![cfg(feature = "lab")]
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod accuracy;
+mod cases;
+mod inactive_edges;
+mod lcp;
+mod penalty;
+mod problems;
+mod retroactive;
+mod simbench;
+mod tosses;
+mod world_solver;

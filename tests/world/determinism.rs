@@ -1,0 +1,170 @@
+//! The same input gives the same bits: at any number of threads, in debug and release, with SSE2 and with AVX2.
+//!
+//! The pinned hashes are of poses and velocities. A change of the engine that changes results changes them, and says
+//! so in its commit; a build that differs from another is a bug.
+
+#![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
+use crate::common;
+
+use backstop::glam::{DVec3, Quat, Vec3};
+use backstop::scene::{Scene, Terrain, builtin};
+use backstop::{
+    BodyDesc, FrictionModel, Geometry, Material, Settings, ShapeDesc, Skeleton, TriangleMesh, World,
+};
+use std::sync::Arc;
+
+fn pyramid() -> Scene {
+    builtin::large_pyramid(20)
+}
+
+/// Fast bodies that meet each other and the ground, and bounce.
+fn crossfire() -> Scene {
+    let mut scene = builtin::bullets(true);
+    scene.name = "crossfire".into();
+    for body in &mut scene.bodies {
+        body.desc.shapes.iter_mut().for_each(|s| s.material.restitution = 0.5);
+    }
+    scene
+}
+
+fn hash_after(scene: &Scene, steps: u32, threads: usize) -> u64 {
+    let (mut world, _) = common::world_of(scene, Settings { threads, ..Settings::default() });
+    common::steps(&mut world, steps, 1.0 / 60.0);
+    assert!(common::all_finite(&world));
+    world.hash()
+}
+
+/// Scene, steps, hash after them.
+fn cases() -> [(Scene, u32, u64); 5] {
+    [
+        (builtin::talk(), 120, PINNED[0]),
+        (common::small_pile(), 120, PINNED[1]),
+        (pyramid(), 90, PINNED[2]),
+        (builtin::bullets(false), 60, PINNED[3]),
+        (crossfire(), 60, PINNED[4]),
+    ]
+}
+
+/// talk, pile, pyramid, bullets, crossfire.
+const PINNED: [u64; 5] = [
+    0xE2A7_4209_E5FA_2174,
+    0x5666_6A18_4361_FFE7,
+    0xEB79_2BAF_02F9_A366,
+    0x7915_4428_A350_6F90,
+    0xA781_99FB_085C_C6F6,
+];
+
+#[test]
+fn every_build_gives_the_pinned_hashes() {
+    let mut wrong = Vec::new();
+    for (scene, steps, want) in cases() {
+        let hash = hash_after(&scene, steps, 1);
+        println!("{}: 0x{hash:016X}", scene.name);
+        if hash != want {
+            wrong.push(format!("{}: 0x{hash:016X} for 0x{want:016X}", scene.name));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[cfg(feature = "parallel")]
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    for (scene, steps, _) in cases() {
+        let alone = hash_after(&scene, steps, 1);
+        for threads in [2, 3, 8] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let hash = pool.install(|| hash_after(&scene, steps, threads));
+            assert_eq!(hash, alone, "{} with {threads} threads", scene.name);
+        }
+    }
+}
+
+/// With friction at every point a slab on sixteen boxes has more points than there are colours. Several of one contact are
+/// then among those that go one by one, and once two threads wrote their impulses back to it at the same time.
+#[cfg(feature = "parallel")]
+#[test]
+fn points_without_a_colour_give_the_same_bits() {
+    let mut bodies = vec![common::Floor::Plane.desc(Material::default())];
+    for slab in 0..16 {
+        let at = Vec3::X * (10.0 * slab as f32);
+        for i in 0..16 {
+            let under = Vec3::new(1.2 * (i % 4) as f32 - 1.8, 0.499, 1.2 * (i / 4) as f32 - 1.8);
+            bodies.push(common::dynamic(Geometry::cuboid(0.5, 0.5, 0.5), Material::default(), at + under));
+        }
+        let slab =
+            common::dynamic(Geometry::cuboid(2.5, 0.1, 2.5), Material::default(), at + Vec3::Y * 1.097);
+        bodies.push(slab.moving(Vec3::Z, Vec3::Y));
+    }
+    let run = |threads: usize| {
+        let friction_model = FrictionModel::Point;
+        let mut world = World::new(Settings { threads, friction_model, ..Settings::default() }).unwrap();
+        world.add_bodies(&bodies).unwrap();
+        common::steps(&mut world, 30, 1.0 / 60.0);
+        assert!(world.report().uncoloured > 0);
+        world.hash()
+    };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+    assert_eq!(pool.install(|| run(3)), run(1));
+}
+
+/// Ragdolls fall on a mesh and on each other, beside a chain with a heavy ball, and joints of every kind swing above it.
+fn joints_after(steps: u32, threads: usize) -> u64 {
+    let mut world = World::new(Settings { threads, ..Settings::default() }).unwrap();
+    let (vertices, triangles) = Terrain::bumpy(32, 0.5).mesh();
+    let ground = Geometry::Mesh(Arc::new(TriangleMesh::new(vertices, triangles).unwrap()));
+    world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(ground))).unwrap();
+    let figure = Skeleton { friction: 1.0, ..Skeleton::humanoid() };
+    for i in 0..20 {
+        let at = DVec3::new(f64::from(i % 4) * 1.2 - 2.0, 3.0 + f64::from(i), f64::from(i % 5) - 2.0);
+        // Of no sine that a platform may have in its own way.
+        let turn = Quat::from_xyzw(0.1 * i as f32, 0.7, 0.3, 1.0).normalize();
+        figure.add_to(&mut world, at, turn, Vec3::NEG_Y * 10.0).unwrap();
+    }
+    builtin::chain(true).add_to(&mut world).unwrap();
+    for i in 0..10 {
+        common::joints_of_every_kind(&mut world, Vec3::new(0.0, 6.0, i as f32 - 5.0));
+    }
+    common::joints_without_colour(&mut world, Vec3::new(0.0, 8.0, 0.0));
+    common::steps(&mut world, steps, 1.0 / 60.0);
+    assert!(common::all_finite(&world));
+    world.hash()
+}
+
+const JOINTS: u64 = 0x5544_01CD_CDDE_FBE9;
+
+#[test]
+fn every_build_and_any_number_of_threads_give_the_pinned_hash_of_joints() {
+    let hash = joints_after(120, 1);
+    println!("joints: 0x{hash:016X}");
+    #[cfg(feature = "parallel")]
+    for threads in [2, 3, 8] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        assert_eq!(pool.install(|| joints_after(120, threads)), hash, "{threads} threads");
+    }
+    assert_eq!(hash, JOINTS, "0x{hash:016X}");
+}
+
+/// What was added first or last, removed and added again must not show: the same calls give the same bits.
+#[test]
+fn the_same_calls_give_the_same_bits() {
+    let run = || {
+        let (mut world, bodies) = common::world_of(&common::small_pile(), Settings::default());
+        for (i, &body) in bodies.iter().enumerate().skip(5) {
+            if i % 7 == 0 {
+                world.remove_body(body).unwrap();
+            }
+            if i % 11 == 0 {
+                let ball = Geometry::Sphere { radius: 0.3 };
+                let at = DVec3::new(0.0, 20.0 + i as f64, 0.0);
+                let desc = BodyDesc::dynamic().at(at).with_shape(backstop::ShapeDesc::new(ball));
+                world.add_body(&desc.moving(Vec3::NEG_Y * 30.0, Vec3::ZERO)).unwrap();
+            }
+            if i % 5 == 0 {
+                world.step(1.0 / 60.0).unwrap();
+            }
+        }
+        world.hash()
+    };
+    assert_eq!(run(), run());
+}

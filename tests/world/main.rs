@@ -1,0 +1,29 @@
+//! What a world promises its caller: calls, errors, events, queries, sleep, memory, snapshots, determinism.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod bad_input;
+mod basics;
+mod bodies;
+mod budget;
+mod budget_add;
+mod budget_later;
+mod budget_rows;
+mod calls;
+mod changes;
+mod character;
+mod churn;
+mod determinism;
+mod events;
+mod faults;
+mod fuzzed;
+mod memory;
+mod model;
+mod plan;
+mod queries;
+mod replay;
+mod shedding;
+mod sleep;
+mod snapshot;
+mod snapshot_bytes;
