@@ -29,11 +29,13 @@ fn a_pyramid_of_friction_bears_the_oblique_force() {
     assert!((found.metric / unmoved(0.01) - 1.0).abs() < 1e-3, "{found:?}");
 }
 
-/// RaiSim published 1.97e-6 with 10 iterations, at steps a tenth as long.
+/// RaiSim published 1.97e-6 with 10 iterations and 4.09e-7 with 1000, at steps of a millisecond.
 #[test]
 fn a_box_and_its_balls_go_as_coulombs_law_says() {
-    let found = Test::Rolling.run(&at(0.01)).unwrap();
+    let found = Test::Rolling.run(&at(0.001)).unwrap();
     assert!(found.metric < 1.96524e-6, "{found:?}");
+    let found = Test::Rolling.run(&Setting { substeps: 1, iterations: 10, ..at(0.01) }).unwrap();
+    assert!(found.metric < 4.08935e-7, "{found:?}");
 }
 
 /// Energy is constant. The best of SimBenchmark is off by 5.7e-4 of it at steps of 0.01 s (RaiSim, 185.953 J²), and by 9e-3 at 0.04 s.

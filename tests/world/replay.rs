@@ -412,7 +412,7 @@ fn thousands_of_calls_at_random_play_again() {
     for seed in 1..=3 {
         let settings = Settings { sleeping: true, ..Settings::default() };
         let (mut churn, buffer) = Churn::new(settings, seed);
-        churn.run(600, 8);
+        churn.run(800, 8);
         let hash = churn.world.hash();
         let recorded = churn.world.stop_recording().unwrap();
         println!(
