@@ -472,7 +472,10 @@ pub(super) fn sweep<
         }
     }
     response.apply(batch, v, n * sum, ta, tb);
-    if FRICTION && pass.relax && let Some((f, slid)) = rubbed {
+    if FRICTION
+        && pass.relax
+        && let Some((f, slid)) = rubbed
+    {
         follow_load(batch, f, slid, v, pass, response);
     }
     true

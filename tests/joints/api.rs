@@ -2,12 +2,12 @@
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 
+use crate::common::{self, G};
 use backstop::glam::{DVec3, Mat3, Quat, Vec3};
 use backstop::{
     Axes, Axis, BodyDesc, BodyHandle, Budget, Category, Drive, Error, Frame, Geometry, JointDesc,
     JointHandle, Limit, MassProperties, Material, Motion, Settings, ShapeDesc, Spring, World,
 };
-use crate::common::{self, G};
 
 const DT: f32 = 1.0 / 60.0;
 

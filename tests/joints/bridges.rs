@@ -1,6 +1,5 @@
 //! What hangs on two things gains nothing by itself.
 
-
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{BodyDesc, Geometry, JointDesc, Settings, ShapeDesc, World};
 use std::f32::consts::FRAC_PI_2;

@@ -7,11 +7,11 @@
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 
+use crate::common::G;
 use backstop::glam::{DVec3, Mat3, Quat, Vec3};
 use backstop::{
     BodyDesc, BodyHandle, Frame, Geometry, JointDesc, JointHandle, MassProperties, Settings, ShapeDesc, World,
 };
-use crate::common::G;
 use std::f32::consts::FRAC_PI_2;
 
 /// Steps a second, substeps and iterations.

@@ -1,9 +1,8 @@
 //! Locked axes are exact: a body moves along and about its free axes as if the others were held by guides without play.
 
-
+use crate::common::{self, G, dynamic};
 use backstop::glam::{DVec3, Vec3};
 use backstop::{BodyDesc, BodyHandle, Geometry, Material, Settings, World};
-use crate::common::{self, G, dynamic};
 
 /// A cube between two jaws that are free along x only, and pressed together.
 struct Grip {

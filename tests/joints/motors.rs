@@ -3,12 +3,11 @@
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 
-
+use crate::common::G;
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
     Axis, BodyDesc, BodyHandle, Drive, Geometry, JointDesc, JointHandle, Motion, Settings, ShapeDesc, World,
 };
-use crate::common::G;
 use std::f32::consts::FRAC_PI_2;
 
 fn world(substeps: u32) -> World {

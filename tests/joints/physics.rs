@@ -2,12 +2,12 @@
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 
+use crate::common::{self, G};
 use backstop::glam::{DQuat, DVec3, Mat3, Quat, Vec3};
 use backstop::{
     Axes, Axis, BodyDesc, BodyHandle, Drive, Frame, JointDesc, JointHandle, Limit, MassProperties, Motion,
     Settings, Spring, World,
 };
-use crate::common::{self, G};
 use std::f32::consts::{FRAC_PI_2, TAU};
 
 /// Substeps and iterations: small steps, and sequential impulses.

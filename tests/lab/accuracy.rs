@@ -2,6 +2,7 @@
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 
+use crate::common::{self, Floor, G, shape};
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::lab::Accuracy;
 use backstop::lab::problem::Law;
@@ -10,7 +11,6 @@ use backstop::{
     Axes, Axis, BodyDesc, BodyHandle, Drive, Frame, FrictionModel, Geometry, JointDesc, Limit, Material,
     Motion, Settings, ShapeDesc, World,
 };
-use crate::common::{self, Floor, G, shape};
 
 const DT: f32 = 1.0 / 60.0;
 

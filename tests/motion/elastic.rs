@@ -6,9 +6,9 @@
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 
+use crate::common::{self, Floor, dynamic, shape, steps};
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{BodyDesc, BodyHandle, Geometry, Material, Settings, World};
-use crate::common::{self, Floor, dynamic, shape, steps};
 
 const RATES: [f32; 3] = [30.0, 60.0, 120.0];
 

@@ -1,12 +1,11 @@
 //! Whatever the masses, a step leaves numbers, and what is joined stays joined.
 
-
+use crate::common::{self, all_finite};
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::limits::MAX_FORCE;
 use backstop::{
     BodyDesc, BodyHandle, Geometry, JointDesc, JointHandle, Material, Settings, ShapeDesc, Skeleton, World,
 };
-use crate::common::{self, all_finite};
 
 fn world((substeps, iterations): (u32, u32), length_unit: f32) -> World {
     let settings = Settings { substeps, iterations, length_unit, sleeping: false, ..Settings::default() };

@@ -2,9 +2,9 @@
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 
+use crate::common::{self, Floor, G, dynamic};
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{BodyHandle, FrictionCone, FrictionModel, Geometry, Material, Settings, World};
-use crate::common::{self, Floor, G, dynamic};
 
 const DT: f32 = 1.0 / 60.0;
 

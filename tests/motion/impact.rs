@@ -3,9 +3,9 @@
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 
+use crate::common::{self, Floor, dynamic};
 use backstop::glam::{DVec3, Vec3};
 use backstop::{BodyHandle, Geometry, Material, Settings, World};
-use crate::common::{self, Floor, dynamic};
 
 const RADIUS: f32 = 0.1;
 

@@ -2,9 +2,9 @@
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 
+use crate::common::{self, Floor, dynamic, shape};
 use backstop::glam::{DVec3, Vec3};
 use backstop::{BodyDesc, BodyHandle, Geometry, Material, Settings, World};
-use crate::common::{self, Floor, dynamic, shape};
 
 const STEPS: [f32; 4] = [1.0 / 30.0, 1.0 / 60.0, 1.0 / 120.0, 1.0 / 240.0];
 /// Height of the fall, from surface to surface [m].

@@ -2,6 +2,7 @@
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 
+use crate::common::{self, Floor, dynamic, flat_mesh};
 use backstop::glam::{DVec3, Mat3, Quat, Vec2, Vec3};
 use backstop::limits;
 use backstop::{
@@ -9,7 +10,6 @@ use backstop::{
     Geometry, HeightField, JointDesc, Limit, MassProperties, Material, Motion, Settings, ShapeDesc,
     TriangleMesh, World,
 };
-use crate::common::{self, Floor, dynamic, flat_mesh};
 
 const BAD: [f32; 3] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
 

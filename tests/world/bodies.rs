@@ -2,12 +2,12 @@
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 
+use crate::common::{self, Floor, G, dynamic, shape};
 use backstop::glam::{DVec3, Mat3, Quat, Vec3};
 use backstop::{
     BodyDesc, BodyHandle, BodyKind, Continuous, Error, Filter, Geometry, MassProperties, Material, Settings,
     ShapeDesc, World,
 };
-use crate::common::{self, Floor, G, dynamic, shape};
 
 const DT: f32 = 1.0 / 60.0;
 

@@ -3,13 +3,13 @@
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 
+use crate::common::{self, Floor};
 use backstop::glam::{DVec3, EulerRot, Quat, Vec2, Vec3};
 use backstop::scene::Terrain;
 use backstop::{
     BodyDesc, BodyHandle, Error, Geometry, HeightField, Material, Mover, MoverReport, MoverSettings,
     QueryFilter, Settings, ShapeCast, ShapeDesc, ShapeHandle, TriangleMesh, World,
 };
-use crate::common::{self, Floor};
 use std::sync::Arc;
 
 const DT: f32 = 1.0 / 60.0;
