@@ -137,6 +137,10 @@ pub struct Settings {
     /// Whether joints that make trees are solved exactly, as a block. Otherwise all joints are solved row by row, which is cheaper and
     /// lets chains stretch under load; it is there to compare with (`docs/joints.md`). Default true.
     pub joint_trees: bool,
+    /// Whether the paths of continuous bodies are looked at once more after the solver, and cut where a centre would get through
+    /// something all the same (`docs/decisions/guard.md`). Without it bodies are stopped by contacts alone; it is there to measure
+    /// what these achieve. Default true.
+    pub guard: bool,
     /// In which order groups of rows are solved: what comes last is obeyed best. Default: joints before contacts, static
     /// geometry last.
     pub order: Order,
@@ -178,6 +182,7 @@ impl Default for Settings {
             warm_starting: true,
             recycling: true,
             joint_trees: true,
+            guard: true,
             order: Order::default(),
             sleeping: false,
             sleep_speed: 0.05,
@@ -193,8 +198,9 @@ impl Settings {
     /// What the stages do of continuous collision.
     pub(crate) fn stage_modes(&self) -> StageModes {
         let (own, off) = (self.continuous, Continuous::Discrete);
+        let guard = if self.guard { own } else { off };
         match self.method {
-            ContinuousMethod::OnePass => StageModes { broad: own, narrow: own, guard: own },
+            ContinuousMethod::OnePass => StageModes { broad: own, narrow: own, guard },
             ContinuousMethod::Speculative => {
                 let all = if own == off { off } else { Continuous::Volume };
                 StageModes { broad: all, narrow: all, guard: off }

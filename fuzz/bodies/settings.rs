@@ -45,7 +45,10 @@ fn change(settings: &mut Settings, input: &mut Input<'_>) {
         7 => settings.contact_damping = input.size(),
         8 => settings.push_speed = input.size(),
         9 => settings.warm_starting = input.bool(),
-        10 => (settings.recycling, settings.joint_trees) = (input.bool(), input.bool()),
+        10 => {
+            (settings.recycling, settings.joint_trees, settings.guard) =
+                (input.bool(), input.bool(), input.bool());
+        }
         11 => settings.sleeping = input.bool(),
         12 => settings.sleep_speed = input.size(),
         13 => settings.sleep_time = input.size() * 0.1,

@@ -7,7 +7,8 @@
 //! centre is on the right side, contacts push the rest of it out. One look into the box around its path, and a segment
 //! query where that is not empty, for each body that moved further than a share of the ball that fits into it, or
 //! further than it is known to be clear of everything static: a body that lies still or creeps is looked at seldom, but
-//! however slowly it is pressed, it does not get through. The report counts those that had to be held.
+//! however slowly it is pressed, it does not get through. The report counts those whose path was cut, and those whose end was
+//! lifted off a surface.
 //!
 //! Two dynamic bodies that fly at each other get the same care, and stop together on their ways. Potential points do
 //! that exactly for one pair; where many fast bodies meet at once, few iterations don't.
@@ -40,6 +41,22 @@ pub(crate) struct Guard<'a> {
     pub(crate) joints: &'a Joints,
     /// Of each body, by which joints know it.
     pub(crate) slots: &'a [u32],
+}
+
+/// What the guard did to a body's path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Held {
+    /// It ends where it would have entered something.
+    Cut,
+    /// It entered nothing, and ends further from a surface than it would have.
+    Lifted,
+}
+
+/// How many bodies the guard held, by what it did.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Counts {
+    pub(crate) cut: u32,
+    pub(crate) lifted: u32,
 }
 
 /// Share of the inner ball that a centre keeps from a surface when it is held.
@@ -118,7 +135,7 @@ impl Guard<'_> {
     }
 
     /// Cuts the motion where the centre would enter static geometry; takes the velocity that leads there away. Says
-    /// whether it had to.
+    /// what it had to do.
     pub(crate) fn hold(
         &self,
         stack: &mut Vec<u32>,
@@ -126,18 +143,18 @@ impl Guard<'_> {
         from: DVec3,
         moved: &mut Vec3,
         velocity: &mut Record,
-    ) -> bool {
+    ) -> Option<Held> {
         let keep = KEEP * self.inner(own);
         // A little further than the motion, so that the centre keeps its distance at the end too.
         let length = moved.length();
         let reach = *moved * (1.0 + keep / length);
         if self.is_free(stack, own, from, reach, GRAZE * keep) {
-            return false;
+            return None;
         }
         let Some((fraction, normal)) = self.first_static(stack, own, from, reach) else {
-            return self.keep_off(stack, own, from, moved, GRAZE * keep);
+            return self.keep_off(stack, own, from, moved, GRAZE * keep).then_some(Held::Lifted);
         };
-        let Some(stop) = stop(reach, length, keep, fraction, normal) else { return false };
+        let stop = stop(reach, length, keep, fraction, normal)?;
         *moved = reach * stop;
         // A path that grazes a surface ends closer to it, and could slip through by a rounding later on: away with it.
         let above = (fraction - stop) * -reach.dot(normal);
@@ -151,7 +168,7 @@ impl Guard<'_> {
         if speed < 0.0 {
             velocity.linear -= normal * speed;
         }
-        true
+        Some(Held::Cut)
     }
 
     /// A path that runs along a surface without entering it may end so close that the next one begins on the other side,

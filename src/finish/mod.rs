@@ -8,7 +8,7 @@ mod trees;
 
 use ends::Crossing;
 pub(crate) use free::Clear;
-use guard::Guard;
+use guard::{Counts, Guard, Held};
 pub use report::{StageTimes, StepReport};
 use trees::Trees;
 
@@ -26,6 +26,7 @@ use crate::solver::closing;
 use crate::step::REAL;
 use crate::threads::{Crew, Shared, per_block};
 use crate::world::World;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// Buffers of one step.
@@ -121,7 +122,7 @@ const WHIRLS: f32 = 0.5;
 const BLOCK: usize = per_block(64, 1);
 /// Moves the bodies to the end of the step. `fast`: how many outran their boxes; 0 if the list of pairs is not complete. Says
 /// how many bodies the guard held.
-pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> u32 {
+pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> Counts {
     // Read by the guard beside bodies that it moves.
     let slots = std::mem::take(&mut world.bodies.slot);
     let (held, mut stopped) = move_all(crew, world, &slots, fast, dt);
@@ -133,10 +134,10 @@ pub(crate) fn finish(crew: &Crew<'_>, world: &mut World, fast: u32, dt: f32) -> 
 }
 
 /// How many bodies the guard held, and which were stopped.
-fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f32) -> (u32, Vec<u32>) {
+fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f32) -> (Counts, Vec<u32>) {
     let (movers, dynamic) = (world.bodies.movers(), world.bodies.dynamic());
     let blocks = movers.div_ceil(BLOCK);
-    let held = std::sync::atomic::AtomicU32::new(0);
+    let (cuts, lifts) = (AtomicU32::new(0), AtomicU32::new(0));
     let stopped = Mutex::new(Vec::new());
     let continuous = world.is_continuous();
     let Buffers { stacks, clear, beside, cut } = &mut world.buffers.finish;
@@ -240,9 +241,10 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
                 let (mut kept, bounced) = (*velocity, impacts.bounced(i));
                 let stopped = if bounced { &mut kept } else { &mut *velocity };
                 if !guard.is_clear(stack, own, clear, from, moved)
-                    && guard.hold(stack, own, from, &mut moved, stopped)
+                    && let Some(held) = guard.hold(stack, own, from, &mut moved, stopped)
                 {
-                    held.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+                    let count = if held == Held::Cut { &cuts } else { &lifts };
+                    count.fetch_add(1, Ordering::Relaxed);
                     note(seat, moved.length() / d.linear.length());
                 }
             }
@@ -251,7 +253,7 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
                 && guard.wants(&traits[i], colliders[i].as_slice())
                 && let Some(crossing) = guard.crossing(stack, colliders[i].as_slice(), &before, pose)
             {
-                held.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+                cuts.fetch_add(1, Ordering::Relaxed);
                 stop_end(velocity, &crossing, mass[i].inverse, &inverse_inertia[i]);
                 note(seat, crossing.share);
             }
@@ -261,11 +263,12 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
             }
         }
     });
-    let (mut held, stopped) = (held.into_inner(), stopped.into_inner());
+    let mut held = Counts { cut: cuts.into_inner(), lifted: lifts.into_inner() };
+    let stopped = stopped.into_inner();
     let stopped = stopped.unwrap_or_else(PoisonError::into_inner);
     let Ok(cut) = cut.get_mut() else { return (held, stopped) };
     if guard.mode != Continuous::Discrete {
-        held += guard.hold_movers(&world.broad.pairs, bodies, impacts, seats, cut);
+        held.cut += guard.hold_movers(&world.broad.pairs, bodies, impacts, seats, cut);
     }
     if !cut.is_empty()
         && let Some(Ok(mut stack)) = stacks.first().map(|s| s.lock())
@@ -280,7 +283,7 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
         && guard.mode != Continuous::Discrete
         && let Some(Ok(mut stack)) = stacks.first().map(|s| s.lock())
     {
-        held += guard.hold_kinematic(&world.broad.pairs, bodies, &mut stack, dt);
+        held.cut += guard.hold_kinematic(&world.broad.pairs, bodies, &mut stack, dt);
     }
     (held, stopped)
 }

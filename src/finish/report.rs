@@ -1,5 +1,6 @@
 //! What a step did.
 
+use super::guard::Counts;
 use crate::broad_phase::BroadStats;
 use crate::constraint::Prepared;
 use crate::narrow_phase::NarrowStats;
@@ -57,8 +58,10 @@ pub struct StepReport {
     pub batches: u32,
     /// Contacts that found no colour.
     pub uncoloured: u32,
-    /// Bodies whose centre would have crossed static geometry, had the guard not held them.
-    pub held: u32,
+    /// Bodies whose path the guard cut: a centre, or the end of a limb, would have crossed something.
+    pub cut: u32,
+    /// Bodies that crossed nothing, and that the guard lifted off a surface because they ended too close to it.
+    pub lifted: u32,
     /// Trees of joints in which a body counts as heavier than it is, because something hangs on it that is more than 20,000
     /// times as heavy: with its own mass nothing would be left of the digits that the exact solution needs.
     pub weighted_trees: u32,
@@ -90,6 +93,11 @@ pub struct StepReport {
 }
 
 impl StepReport {
+    /// Bodies that the guard held, in either way.
+    pub fn held(&self) -> u32 {
+        self.cut + self.lifted
+    }
+
     pub(crate) fn new(
         world: &World,
         times: StageTimes,
@@ -97,7 +105,7 @@ impl StepReport {
         narrow: NarrowStats,
         prepared: Prepared,
         pushed: u32,
-        (held, impacts): (u32, Impacts),
+        (held, impacts): (Counts, Impacts),
     ) -> StepReport {
         StepReport {
             times,
@@ -112,7 +120,8 @@ impl StepReport {
             real: prepared.real,
             potential: prepared.potential,
             pushed,
-            held,
+            cut: held.cut,
+            lifted: held.lifted,
             weighted_trees: world.buffers.joints.weighted_trees(),
             damped_trees: world.buffers.joints.damped_trees(),
             stopped: world.faults.stopped.len() as u32,

@@ -20,6 +20,7 @@ pub(super) fn save(s: &Settings, out: &mut Vec<u32>) {
         s.recycling,
         s.sleeping,
         !s.joint_trees,
+        !s.guard,
     ];
     // Mode and method share a word.
     out.extend([s.substeps, s.iterations, s.continuous as u32 | (s.method as u32) << 8]);
@@ -71,6 +72,7 @@ pub(super) fn read(from: &mut Reader<'_>, own: &Settings) -> Result<Settings, Er
         warm_starting: flag(flags, 2),
         recycling: flag(flags, 3),
         joint_trees: !flag(flags, 5),
+        guard: !flag(flags, 6),
         order: Order(groups),
         sleeping: flag(flags, 4),
         sleep_speed: n[9],

@@ -72,7 +72,7 @@ impl Fall {
         let mut flying: Vec<_> =
             ragdolls.iter().map(|r| Some(world.linear_velocity(r.bodies[0]).unwrap())).collect();
         for step in 0..steps {
-            fall.held += world.step(1.0 / 60.0).unwrap().held;
+            fall.held += world.step(1.0 / 60.0).unwrap().held();
             fall.energy = fall.energy.max(world.energy() / start);
             let mut widest = 0.0_f64;
             for (i, ragdoll) in ragdolls.iter().enumerate() {

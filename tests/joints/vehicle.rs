@@ -3,11 +3,11 @@
 
 #[path = "../../examples/vehicle.rs"]
 #[allow(dead_code, reason = "its `main` is not for tests")]
-mod vehicle;
+mod car;
 
 use backstop::glam::{DVec3, Vec3};
 use backstop::{BodyDesc, Geometry, Settings, ShapeDesc, World};
-use vehicle::{Car, HUB, MASS, RADIUS, STIFFNESS, run};
+use car::{Car, HUB, MASS, RADIUS, STIFFNESS, run};
 
 fn plain() -> (World, Car) {
     let mut world = World::new(Settings::default()).unwrap();
@@ -72,7 +72,7 @@ fn it_goes_round_and_does_not_tip() {
 #[test]
 fn over_hills_it_stays_on_its_wheels() {
     let mut world = World::new(Settings::default()).unwrap();
-    let ground = f64::from(vehicle::hills(&mut world).unwrap());
+    let ground = f64::from(car::hills(&mut world).unwrap());
     let car = Car::add_to(&mut world, DVec3::new(0.0, ground + 1.7, -50.0)).unwrap();
     run(&mut world, &car, 2.0, 0.0, 400.0, 0.0).unwrap();
     let [_, way, down] = run(&mut world, &car, 8.0, 8.0, 1000.0, 0.0).unwrap();

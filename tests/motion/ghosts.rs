@@ -288,7 +288,7 @@ fn one() {
                     report.real,
                     report.potential,
                     report.pushed,
-                    report.held
+                    report.held()
                 );
                 break;
             }

@@ -13,8 +13,9 @@ fn no_shot_gets_through_a_target_with_continuous_collision() {
     let mut through = Vec::new();
     for number in 0..SHOTS {
         let shot = Shot::new(&targets, 2, number);
-        let outcomes = shot.run_all(&targets).unwrap();
-        tally.add(&shot, &outcomes);
+        let flights = shot.run_all(&targets).unwrap();
+        tally.add(&shot, &flights);
+        let outcomes = flights.guarded.map(|flight| flight.outcome);
         if outcomes[1..].iter().any(|o| *o != Outcome::Kept) {
             through.push((number, outcomes));
         }
@@ -37,7 +38,7 @@ fn how_often_the_guard_holds() {
     for number in 0..6000 {
         let shot = Shot::new(&targets, 5, number);
         let mut held = 0;
-        shot.run_seen(&targets, Continuous::Segment, |world, _| held += world.report().held).unwrap();
+        shot.run_seen(&targets, Continuous::Segment, true, |world, _| held += world.report().held()).unwrap();
         for count in [&mut by_target[shot.target], &mut by_shape[shot.shape]] {
             count.0 += 1;
             count.1 += u32::from(held > 0);

@@ -67,7 +67,7 @@ fn plates_and_cones_thrown_onto_rough_ground_do_not_stay_stuck_in_it() {
     for step in 0..STEPS {
         world.step(1.0 / 60.0).unwrap();
         if step >= STEPS - LAST {
-            held += world.report().held;
+            held += world.report().held();
         }
         for (i, &body) in bodies.iter().enumerate() {
             let at = world.centre_of_mass(body).unwrap().as_vec3();

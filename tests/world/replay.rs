@@ -242,6 +242,7 @@ impl Churn {
             continuous: r.of(&[Continuous::Segment, Continuous::Segment, Continuous::Volume]),
             order,
             joint_trees: r.below(4) > 0,
+            guard: r.below(4) > 0,
             ..self.world.settings().clone()
         }
     }

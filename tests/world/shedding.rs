@@ -153,7 +153,7 @@ fn without_place_for_continuous_collision_the_guard_still_holds() {
     let first = run(&scene, Budget::total(1 << 30), 1, |_, _| {}).first[Category::Continuous as usize];
     let mut held = 0;
     let tight = run(&scene, Budget::NONE.with(Category::Continuous, first), 1, |_, world| {
-        held += world.report().held;
+        held += world.report().held();
         for body in world.bodies() {
             let at = world.centre_of_mass(body).unwrap();
             // The floor ends 200 m from the middle; who flew off it may fall.

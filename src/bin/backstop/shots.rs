@@ -1,9 +1,12 @@
-//! `shots`: how many bodies get through thin targets, with and without continuous collision.
+//! `shots`: how many bodies get through thin targets, with and without continuous collision, and how deep the others get.
 
 use crate::args::ShotOptions;
 use crate::output;
 use anyhow::Context;
-use backstop::scene::shots::{Count, MODES, Outcome, SHAPES, Shot, TARGETS, Tally, Targets};
+use backstop::scene::shots::{
+    Count, Flights, MODES, MOVING_TARGETS, MovingCount, MovingShot, Outcome, Quantiles, SHAPES, Shot,
+    TARGETS, Tally, Targets,
+};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
@@ -18,6 +21,8 @@ const BLOCK: usize = 64;
 struct Result {
     tally: Tally,
     through: Vec<(u64, [Outcome; 3])>,
+    /// In the order of [`MOVING_TARGETS`].
+    moving: [MovingCount; MOVING_TARGETS.len()],
 }
 
 pub(crate) fn shots(options: &ShotOptions) -> anyhow::Result<()> {
@@ -33,21 +38,24 @@ pub(crate) fn shots(options: &ShotOptions) -> anyhow::Result<()> {
         None => run(options, &targets),
     }?;
     if options.json {
-        return output::print_json(&document(options, &result.tally));
+        return output::print_json(&document(options, &result));
     }
     output::print(&table(options, &result))
 }
 
 fn run(options: &ShotOptions, targets: &Targets) -> anyhow::Result<Result> {
-    let bar = output::progress(!options.quiet, options.count, "shots");
+    let moving = options.moving.unwrap_or(options.count / 10);
+    let bar = output::progress(!options.quiet, options.count + moving, "shots");
     let blocks: Vec<u64> = (0..options.count).step_by(BLOCK).collect();
     let block = |&first: &u64| {
         let mut result = Result::default();
         let last = options.count.min(first + BLOCK as u64);
         for number in first..last {
             let shot = Shot::new(targets, options.seed, number);
-            let outcomes = shot.run_all(targets).with_context(|| format!("shot {number} is refused"))?;
-            result.tally.add(&shot, &outcomes);
+            let flights: Flights =
+                shot.run_all(targets).with_context(|| format!("shot {number} is refused"))?;
+            result.tally.add(&shot, &flights);
+            let outcomes = flights.guarded.map(|flight| flight.outcome);
             if outcomes[1..].iter().any(|o| *o != Outcome::Kept) {
                 result.through.push((number, outcomes));
             }
@@ -56,50 +64,159 @@ fn run(options: &ShotOptions, targets: &Targets) -> anyhow::Result<Result> {
         anyhow::Ok(result)
     };
     let results: Vec<Result> = blocks.par_iter().map(block).collect::<anyhow::Result<_>>()?;
+    let blocks: Vec<u64> = (0..moving).step_by(BLOCK).collect();
+    let block = |&first: &u64| {
+        let mut counts = [MovingCount::default(); MOVING_TARGETS.len()];
+        let last = moving.min(first + BLOCK as u64);
+        for number in first..last {
+            let shot = MovingShot::new(options.seed, number);
+            let added = counts[shot.target].add(&shot);
+            added.with_context(|| format!("shot {number} at what moves is refused"))?;
+        }
+        bar.inc(last - first);
+        anyhow::Ok(counts)
+    };
+    let counts: Vec<_> = blocks.par_iter().map(block).collect::<anyhow::Result<_>>()?;
     bar.finish_and_clear();
-    Ok(results.into_iter().fold(Result::default(), |mut all, one| {
+    let mut all = fixed(results);
+    for counts in counts {
+        all.moving.iter_mut().zip(&counts).for_each(|(all, one)| all.merge(one));
+    }
+    Ok(all)
+}
+
+/// What threads counted, in one.
+fn fixed(results: Vec<Result>) -> Result {
+    results.into_iter().fold(Result::default(), |mut all, one| {
         all.tally = all.tally.merge(&one.tally);
         all.through.extend(one.through);
         all
-    }))
+    })
 }
 
 fn mode_names() -> [String; 3] {
     MODES.map(|m| format!("{m:?}").to_lowercase())
 }
 
-fn document(options: &ShotOptions, tally: &Tally) -> Value {
-    let through = |count: &Count| -> Value {
-        mode_names().into_iter().zip(count.through).map(|(m, n)| (m, json!(n))).collect::<Map<_, _>>().into()
-    };
+/// A value for each mode, by its name.
+fn by_mode(of: impl Fn(usize) -> Value) -> Value {
+    mode_names().into_iter().enumerate().map(|(mode, name)| (name, of(mode))).collect::<Map<_, _>>().into()
+}
+
+fn counts(of: &[u64; 3]) -> Value {
+    by_mode(|mode| json!(of[mode]))
+}
+
+fn one(count: &Count) -> Value {
+    json!({
+        "shots": count.shots,
+        "through": counts(&count.through),
+        "through_unguarded": counts(&count.through_unguarded),
+        "gained": counts(&count.gained),
+        "guard": { "cut": counts(&count.cut), "lifted": counts(&count.lifted) },
+        "depth": by_mode(|mode| {
+            let depths = &count.depths[mode];
+            let (m, share) = (depths.metres(), depths.shares());
+            json!({
+                "shots": depths.count(),
+                "median_mm": 1e3 * m.median, "p99_mm": 1e3 * m.p99, "worst_mm": 1e3 * m.worst,
+                "median_share": share.median, "p99_share": share.p99, "worst_share": share.worst,
+                "over": depths.over, "stuck": depths.stuck,
+            })
+        }),
+    })
+}
+
+fn document(options: &ShotOptions, Result { tally, moving, .. }: &Result) -> Value {
     let groups = |names: &[&str], counts: &[Count]| -> Value {
-        let one = |c: &Count| json!({ "shots": c.shots, "through": through(c) });
         names.iter().zip(counts).map(|(n, c)| ((*n).to_owned(), one(c))).collect::<Map<_, _>>().into()
     };
-    json!({
-        "shots": tally.all.shots,
-        "seed": options.seed,
-        "through": through(&tally.all),
-        "by_shape": groups(&SHAPES, &tally.by_shape),
-        "by_target": groups(&TARGETS, &tally.by_target),
-    })
+    let mut document = one(&tally.all);
+    document["seed"] = json!(options.seed);
+    document["by_shape"] = groups(&SHAPES, &tally.by_shape);
+    let targets = MOVING_TARGETS.iter().zip(moving).map(|(name, count)| {
+        let MovingCount { shots, through, through_unguarded } = count;
+        let told = json!({
+            "shots": shots, "through": counts(through), "through_unguarded": counts(through_unguarded),
+        });
+        ((*name).to_owned(), told)
+    });
+    document["moving"] = targets.collect::<Map<_, _>>().into();
+    document["by_target"] = groups(&TARGETS, &tally.by_target);
+    document
 }
 
 fn table(options: &ShotOptions, result: &Result) -> String {
     let tally = &result.tally;
+    let groups = || {
+        let shapes = SHAPES.iter().zip(&tally.by_shape);
+        let targets = TARGETS.iter().zip(&tally.by_target);
+        std::iter::once((&"all", &tally.all)).chain(shapes).chain(targets)
+    };
     let [discrete, segment, volume] = mode_names();
-    let mut text = format!("{:<20}{:>10}{discrete:>18}{segment:>18}{volume:>18}\n", "through", "shots");
-    let mut row = |name: &str, count: &Count| {
-        let _ = write!(text, "{:<20}{:>10}", name.replace('_', " "), count.shots);
-        for through in count.through {
-            let share = 100.0 * through as f64 / count.shots.max(1) as f64;
-            let _ = write!(text, "{:>18}", format!("{through} ({share:.2}%)"));
+    let mut text = String::new();
+    for (title, guard) in [("through", true), ("through, no guard", false)] {
+        let _ = writeln!(text, "{title:<20}{:>10}{discrete:>18}{segment:>18}{volume:>18}", "shots");
+        for (name, count) in groups() {
+            let _ = write!(text, "{:<20}{:>10}", name.replace('_', " "), count.shots);
+            for through in if guard { count.through } else { count.through_unguarded } {
+                let share = 100.0 * through as f64 / count.shots.max(1) as f64;
+                let _ = write!(text, "{:>18}", format!("{through} ({share:.2}%)"));
+            }
+            text.push('\n');
         }
         text.push('\n');
-    };
-    row("all", &tally.all);
-    SHAPES.iter().zip(&tally.by_shape).for_each(|(name, count)| row(name, count));
-    TARGETS.iter().zip(&tally.by_target).for_each(|(name, count)| row(name, count));
+    }
+    for (title, guard) in [("through what moves", true), ("the same, no guard", false)] {
+        let _ = writeln!(text, "{title:<20}{:>10}{discrete:>18}{segment:>18}{volume:>18}", "shots");
+        for (name, count) in MOVING_TARGETS.iter().zip(&result.moving) {
+            let _ = write!(text, "{:<20}{:>10}", name.replace('_', " "), count.shots);
+            for through in if guard { count.through } else { count.through_unguarded } {
+                let share = 100.0 * through as f64 / count.shots.max(1) as f64;
+                let _ = write!(text, "{:>18}", format!("{through} ({share:.2}%)"));
+            }
+            text.push('\n');
+        }
+        text.push('\n');
+    }
+    // Of the default mode, and of the one that looks at whole volumes.
+    for (mode, name) in [(1, &segment), (2, &volume)] {
+        let _ = writeln!(
+            text,
+            "{:<20}{:>10}{:>10}{:>10}{:>10}{:>12}{:>8}{:>8}{:>8}{:>8}{:>8}",
+            format!("depth, {name}"),
+            "met",
+            "median mm",
+            "99 % mm",
+            "worst mm",
+            "99 % share",
+            "over",
+            "stuck",
+            "cut",
+            "lifted",
+            "gained"
+        );
+        for (name, count) in groups() {
+            let depths = &count.depths[mode];
+            let Quantiles { median, p99, worst } = depths.metres();
+            let _ = writeln!(
+                text,
+                "{:<20}{:>10}{:>10.2}{:>10.2}{:>10.2}{:>12.2}{:>8}{:>8}{:>8}{:>8}{:>8}",
+                name.replace('_', " "),
+                depths.count(),
+                1e3 * median,
+                1e3 * p99,
+                1e3 * worst,
+                depths.shares().p99,
+                depths.over,
+                depths.stuck,
+                count.cut[mode],
+                count.lifted[mode],
+                count.gained[mode]
+            );
+        }
+        text.push('\n');
+    }
     for (number, outcomes) in result.through.iter().take(NAMED) {
         let _ = writeln!(
             text,
@@ -120,7 +237,7 @@ fn describe(targets: &Targets, seed: u64, number: u64) -> anyhow::Result<()> {
     let _ = writeln!(text, "substeps, iterations {:?}", shot.solver);
     for (mode, name) in MODES.into_iter().zip(mode_names()) {
         let mut steps = shot.steps.iter();
-        let outcome = shot.run_seen(targets, mode, |world, body| {
+        let flight = shot.run_seen(targets, mode, true, |world, body| {
             let (report, dt) = (world.report(), steps.next().copied().unwrap_or_default());
             let (Ok(p), Ok(v), Ok(w)) =
                 (world.centre_of_mass(body), world.linear_velocity(body), world.angular_velocity(body))
@@ -129,14 +246,15 @@ fn describe(targets: &Targets, seed: u64, number: u64) -> anyhow::Result<()> {
             };
             let _ = writeln!(
                 text,
-                "  dt {dt:.5}  centre {p:10.5}  velocity {v:9.3}  spin {:8.2}  real {} potential {} held {}",
+                "  dt {dt:.5}  centre {p:10.5}  velocity {v:9.3}  spin {:8.2}  real {} potential {} cut {} lifted {}",
                 w.length(),
                 report.real,
                 report.potential,
-                report.held
+                report.cut,
+                report.lifted
             );
         })?;
-        let _ = writeln!(text, "{name}: {outcome:?}");
+        let _ = writeln!(text, "{name}: {flight:#?}");
     }
     output::print(&text)
 }

@@ -27,7 +27,7 @@ pub(crate) fn rows(document: &Document, trace: &Trace) -> Vec<(&'static str, Str
     let step = &document.time_us.step;
     let contacts = &document.contacts;
     let most = |what: fn(&backstop::StepReport) -> u32| trace.reports.iter().map(what).max().unwrap_or(0);
-    let held = trace.total(|r| r.held);
+    let (cut, lifted) = (trace.total(|r| r.cut), trace.total(|r| r.lifted));
     let mut memory = format!("{} in all", bytes(document.memory.total));
     for category in document.memory.categories.iter().filter(|c| c.bytes.reserved > 0) {
         let _ = write!(memory, ", {} {}", category.name.replace('_', " "), bytes(category.bytes.reserved));
@@ -79,10 +79,15 @@ pub(crate) fn rows(document: &Document, trace: &Trace) -> Vec<(&'static str, Str
         ),
         (
             "guard",
-            match held {
-                0 => "never had to hold a body".to_owned(),
-                1 => "held a body back from passing through static geometry once".to_owned(),
-                n => format!("held bodies back from passing through static geometry {} times", count(n)),
+            match (cut, lifted) {
+                (0, 0) => "never had to hold a body".to_owned(),
+                (cut, lifted) => {
+                    format!(
+                        "cut {} paths that led through something, lifted {} off a surface",
+                        count(cut),
+                        count(lifted)
+                    )
+                }
             },
         ),
     ];

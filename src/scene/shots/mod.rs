@@ -1,13 +1,19 @@
 //! Seeded shots at static targets, to measure tunnelling.
 //!
 //! A [`Shot`] is a world of its own: one dynamic body, one target, a velocity, and how time is stepped. It is through
-//! if the body's centre of mass is on the wrong side of the target at the end of any step. Everything follows from
+//! if the body's centre of mass is on the wrong side of the target at the end of any step. How deep the deepest point of what
+//! stays is beyond the surface is measured after each step, and how the guard had to help. Everything follows from
 //! seed and number of the shot, so one that gets through can be run again alone, under any mode, in a test.
 
 mod body;
+mod depth;
+mod moving;
+mod tally;
 mod target;
 
 pub use body::SHAPES;
+pub use moving::{MOVING_TARGETS, MovingCount, MovingShot};
+pub use tally::{Count, Depths, Quantiles, Tally};
 pub use target::{TARGETS, Targets};
 
 use super::rng::Rng;
@@ -60,6 +66,54 @@ pub enum Outcome {
     Lost(usize),
 }
 
+/// What was seen of a shot.
+#[derive(Clone, Copy, Debug)]
+pub struct Flight {
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Whether it touched its target, or was stopped at it.
+    pub met: bool,
+    /// How deep its deepest point was beyond the surface after the step in which it met it [m].
+    pub depth_at_impact: f32,
+    /// The same after any step [m].
+    pub depth: f32,
+    /// Most steps in a row after which a point was deeper than [`STUCK`].
+    pub steps_deep: u32,
+    /// Largest extent of the body, twice its reach from its origin [m].
+    pub size: f32,
+    /// Radius of the ball that fits into the body: its smallest half width [m].
+    pub half_width: f32,
+    /// By how much its energy ended above what it began with, as a share of that; zero if it lost.
+    pub gained: f32,
+    /// Whether the guard cut its path at least once.
+    pub cut: bool,
+    /// Whether the guard lifted it off a surface at least once.
+    pub lifted: bool,
+}
+
+/// What is deeper than this after more than [`STUCK_STEPS`] steps in a row is stuck [m].
+pub const STUCK: f32 = 0.02;
+/// See [`STUCK`].
+pub const STUCK_STEPS: u32 = 3;
+/// A stop is over if its deepest point, after the step of the impact, is deeper than this [m] ...
+pub const DEEP: f32 = 0.005;
+/// ... and deeper than this share of the body's size.
+pub const DEEP_SHARE: f32 = 0.02;
+/// A gain of energy that counts, as a share. Rounding of a speed of 2 km/s is a hundredth of it.
+pub const GAIN: f32 = 1e-3;
+
+impl Flight {
+    /// Whether it is deeper after its impact than it may be: see [`DEEP`].
+    pub fn is_over(&self) -> bool {
+        self.depth_at_impact > DEEP.max(DEEP_SHARE * self.size)
+    }
+
+    /// Whether it stayed deep: see [`STUCK`].
+    pub fn is_stuck(&self) -> bool {
+        self.steps_deep > STUCK_STEPS
+    }
+}
+
 impl Shot {
     /// The shot of that number.
     pub fn new(targets: &Targets, seed: u64, number: u64) -> Shot {
@@ -102,12 +156,12 @@ impl Shot {
         Shot { shape, target, solver, steps: until(steps, 2.0 * flight + AFTER), body }
     }
 
-    /// Runs it.
+    /// Runs it, with the guard or without ([`Settings::guard`]).
     ///
     /// # Errors
     /// None that a shot of [`Shot::new`] should give.
-    pub fn run(&self, targets: &Targets, mode: Continuous) -> Result<Outcome, Error> {
-        self.run_seen(targets, mode, |_, _| {})
+    pub fn run(&self, targets: &Targets, mode: Continuous, guard: bool) -> Result<Flight, Error> {
+        self.run_seen(targets, mode, guard, |_, _| {})
     }
 
     /// Runs it and shows the world and its body after each step.
@@ -118,89 +172,85 @@ impl Shot {
         &self,
         targets: &Targets,
         mode: Continuous,
+        guard: bool,
         mut see: impl FnMut(&World, BodyHandle),
-    ) -> Result<Outcome, Error> {
+    ) -> Result<Flight, Error> {
         let (substeps, iterations) = self.solver;
-        let mut world =
-            World::new(Settings { substeps, iterations, continuous: mode, ..Settings::default() })?;
+        let settings = Settings { substeps, iterations, continuous: mode, guard, ..Settings::default() };
+        let mut world = World::new(settings)?;
         world.add_bodies(targets.bodies(self.target))?;
         let body = world.add_body(&self.body)?;
         let mut before = world.centre_of_mass(body)?;
+        let energy = world.energy();
+        let inner = self.body.shapes.iter().map(|s| s.geometry.inner_radius()).fold(0.0, f32::max);
+        let mut flight = Flight {
+            outcome: Outcome::Kept,
+            met: false,
+            depth_at_impact: 0.0,
+            depth: 0.0,
+            steps_deep: 0,
+            size: 2.0 * body::reach(&self.body.shapes),
+            half_width: inner,
+            gained: 0.0,
+            cut: false,
+            lifted: false,
+        };
+        let mut in_a_row = 0;
         for (done, &dt) in self.steps.iter().enumerate() {
             world.step(dt)?;
             see(&world, body);
             let now = world.centre_of_mass(body)?;
-            match targets.side(self.target, before, now) {
-                Side::Right => before = now,
-                Side::Wrong => return Ok(Outcome::Through(done + 1)),
-                Side::Beyond => return Ok(Outcome::Kept),
-                Side::Nowhere => return Ok(Outcome::Lost(done + 1)),
+            flight.outcome = match targets.side(self.target, before, now) {
+                Side::Right => Outcome::Kept,
+                Side::Wrong => Outcome::Through(done + 1),
+                // Nothing is known from here on.
+                Side::Beyond => return Ok(flight),
+                Side::Nowhere => Outcome::Lost(done + 1),
+            };
+            if flight.outcome != Outcome::Kept {
+                return Ok(flight);
             }
+            before = now;
+            let (at, rotation) = (world.position(body)?, world.rotation(body)?.as_dquat());
+            let depth = targets.depth_of(self.target, &self.body.shapes, at, rotation).max(0.0) as f32;
+            let report = world.report();
+            (flight.cut, flight.lifted) =
+                (flight.cut | (report.cut > 0), flight.lifted | (report.lifted > 0));
+            if !flight.met && (report.real > 0 || report.pushed > 0 || report.held() > 0 || depth > 0.0) {
+                (flight.met, flight.depth_at_impact) = (true, depth);
+            }
+            flight.depth = flight.depth.max(depth);
+            in_a_row = if depth > STUCK { in_a_row + 1 } else { 0 };
+            flight.steps_deep = flight.steps_deep.max(in_a_row);
+            flight.gained = flight.gained.max(((world.energy() - energy) / energy.abs().max(1e-9)) as f32);
         }
-        Ok(Outcome::Kept)
+        Ok(flight)
     }
 
-    /// Runs it under each of [`MODES`].
+    /// Runs it under each of [`MODES`], with the guard and without.
     ///
     /// # Errors
     /// As [`Shot::run`].
-    pub fn run_all(&self, targets: &Targets) -> Result<[Outcome; 3], Error> {
-        let [a, b, c] = MODES;
-        Ok([self.run(targets, a)?, self.run(targets, b)?, self.run(targets, c)?])
+    pub fn run_all(&self, targets: &Targets) -> Result<Flights, Error> {
+        let [a, b, c] = MODES.map(|mode| self.run(targets, mode, true));
+        let guarded = [a?, b?, c?];
+        // Without continuous collision there is no guard.
+        let unguarded = [
+            guarded[0].outcome,
+            self.run(targets, MODES[1], false)?.outcome,
+            self.run(targets, MODES[2], false)?.outcome,
+        ];
+        Ok(Flights { guarded, unguarded })
     }
 }
 
-/// Shots, and how many of them got through (or were lost) under each of [`MODES`].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Count {
-    /// How many were run.
-    pub shots: u64,
-    /// How many got through.
-    pub through: [u64; 3],
-}
-
-impl Count {
-    /// Counts one more shot.
-    pub fn add(&mut self, outcomes: &[Outcome; 3]) {
-        self.shots += 1;
-        for (through, outcome) in self.through.iter_mut().zip(outcomes) {
-            *through += u64::from(*outcome != Outcome::Kept);
-        }
-    }
-
-    /// Adds what was counted elsewhere.
-    pub fn merge(&mut self, other: &Count) {
-        self.shots += other.shots;
-        self.through.iter_mut().zip(&other.through).for_each(|(a, b)| *a += b);
-    }
-}
-
-/// Counts in all, by shape and by target.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Tally {
-    /// In all.
-    pub all: Count,
-    /// In the order of [`SHAPES`].
-    pub by_shape: [Count; SHAPES.len()],
-    /// In the order of [`TARGETS`].
-    pub by_target: [Count; TARGETS.len()],
-}
-
-impl Tally {
-    /// Counts one more shot.
-    pub fn add(&mut self, shot: &Shot, outcomes: &[Outcome; 3]) {
-        self.all.add(outcomes);
-        self.by_shape[shot.shape].add(outcomes);
-        self.by_target[shot.target].add(outcomes);
-    }
-
-    /// Adds what was counted elsewhere.
-    pub fn merge(mut self, other: &Tally) -> Tally {
-        self.all.merge(&other.all);
-        self.by_shape.iter_mut().zip(&other.by_shape).for_each(|(a, b)| a.merge(b));
-        self.by_target.iter_mut().zip(&other.by_target).for_each(|(a, b)| a.merge(b));
-        self
-    }
+/// A shot under each of [`MODES`].
+#[derive(Clone, Copy, Debug)]
+pub struct Flights {
+    /// As the engine is.
+    pub guarded: [Flight; 3],
+    /// How it ends without the guard.
+    pub unguarded: [Outcome; 3],
 }
 
 /// The steps that cover a time [s].

@@ -83,13 +83,13 @@ impl Targets {
         &self.bodies[target]
     }
 
-    fn is_corner(target: usize) -> bool {
+    pub(super) fn is_corner(target: usize) -> bool {
         target >= 4
     }
 
     /// Height of what can be hit above or below a point; for corners the distance of the walls' front from their
     /// middle.
-    fn front(&self, target: usize, x: f32, z: f32) -> f32 {
+    pub(super) fn front(&self, target: usize, x: f32, z: f32) -> f32 {
         match TARGETS[target] {
             "bumpy_mesh" => self.bumps.height(x, z),
             "box_20mm" => 0.01,

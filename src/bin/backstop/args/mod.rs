@@ -304,6 +304,9 @@ pub(crate) struct ShotOptions {
     /// How many; each is run under all three modes.
     #[arg(long, value_name = "N", default_value_t = 10_000)]
     pub(crate) count: u64,
+    /// How many more are shot at bodies that can move: plates, doors, stacks and crowds [default: a tenth of `--count`].
+    #[arg(long, value_name = "N")]
+    pub(crate) moving: Option<u64>,
     /// Which: the same seed gives the same shots.
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub(crate) seed: u64,

@@ -106,7 +106,8 @@ pub(crate) struct Totals {
     pub(crate) pushed: u64,
     pub(crate) confirmed: u64,
     pub(crate) ghosts: u64,
-    pub(crate) held: u64,
+    pub(crate) cut: u64,
+    pub(crate) lifted: u64,
 }
 
 impl Totals {
@@ -120,7 +121,8 @@ impl Totals {
             pushed: sum(|f| f.pushed),
             confirmed: sum(|f| f.confirmed),
             ghosts: sum(|f| f.ghosts),
-            held: sum(|f| f.held),
+            cut: sum(|f| f.cut),
+            lifted: sum(|f| f.lifted),
         }
     }
 }

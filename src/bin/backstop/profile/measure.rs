@@ -35,8 +35,9 @@ pub(crate) struct Frame {
     pub(crate) confirmed: u32,
     /// And those whose gap did not.
     pub(crate) ghosts: u32,
-    /// Bodies that the guard held.
-    pub(crate) held: u32,
+    /// Bodies whose path the guard cut, and those that it lifted off a surface.
+    pub(crate) cut: u32,
+    pub(crate) lifted: u32,
 }
 
 /// Mean time of a stage in a frame, both ways [us].
@@ -166,7 +167,8 @@ fn count(
         pushed: continuous.pushed,
         confirmed: pushed_before.saturating_sub(continuous.ghosts),
         ghosts: continuous.ghosts,
-        held: continuous.held,
+        cut: continuous.cut,
+        lifted: continuous.lifted,
         ..frame
     }
 }

@@ -140,12 +140,13 @@ pub(crate) fn rows(ledger: &Ledger) -> Vec<(String, String)> {
         rows.push((
             "potential".into(),
             format!(
-                "{} points made; {} manifolds pushed, {} confirmed, {} ghosts; the guard held {} times",
+                "{} points made; {} manifolds pushed, {} confirmed, {} ghosts; the guard cut {} paths and lifted {} ends",
                 count(t.made),
                 count(t.pushed),
                 count(t.confirmed),
                 count(t.ghosts),
-                count(t.held)
+                count(t.cut),
+                count(t.lifted)
             ),
         ));
     }

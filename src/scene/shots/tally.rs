@@ -1,0 +1,155 @@
+//! Counts over many shots.
+
+use super::{Flight, Flights, GAIN, MODES, Outcome, SHAPES, Shot, TARGETS};
+
+/// Shots, and what came of them under each of [`MODES`].
+#[derive(Clone, Debug, Default)]
+pub struct Count {
+    /// How many were run.
+    pub shots: u64,
+    /// How many got through, or were lost.
+    pub through: [u64; 3],
+    /// How many did without the guard.
+    pub through_unguarded: [u64; 3],
+    /// How deep those that stayed on their side were.
+    pub depths: [Depths; 3],
+    /// How many the guard cut, and how many it lifted, at least once each.
+    pub cut: [u64; 3],
+    /// See `cut`.
+    pub lifted: [u64; 3],
+    /// How many gained energy: more than [`GAIN`] of what they had.
+    pub gained: [u64; 3],
+}
+
+/// How deep shots were that met their target and stayed on its right side.
+#[derive(Clone, Debug, Default)]
+pub struct Depths {
+    /// Of each shot its deepest point after any step [m], and as a share of the body's smallest half width.
+    deepest: Vec<(f32, f32)>,
+    /// How many were too deep after the step of the impact ([`Flight::is_over`]).
+    pub over: u64,
+    /// How many stayed deep ([`Flight::is_stuck`]).
+    pub stuck: u64,
+}
+
+/// Median, 99th of a hundred, and worst.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Quantiles {
+    /// Half are no deeper.
+    pub median: f32,
+    /// 99 % are no deeper.
+    pub p99: f32,
+    /// None is deeper.
+    pub worst: f32,
+}
+
+impl Quantiles {
+    fn of(mut all: Vec<f32>) -> Quantiles {
+        all.sort_by(f32::total_cmp);
+        let at = |share: f64| {
+            let rank = (share * all.len() as f64).ceil() as usize;
+            all.get(rank.saturating_sub(1)).copied().unwrap_or(0.0)
+        };
+        Quantiles { median: at(0.5), p99: at(0.99), worst: at(1.0) }
+    }
+}
+
+impl Depths {
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.deepest.len()
+    }
+
+    /// Deepest points after any step [m].
+    pub fn metres(&self) -> Quantiles {
+        Quantiles::of(self.deepest.iter().map(|one| one.0).collect())
+    }
+
+    /// The same as shares of the body's smallest half width.
+    pub fn shares(&self) -> Quantiles {
+        Quantiles::of(self.deepest.iter().map(|one| one.1).collect())
+    }
+
+    fn add(&mut self, flight: &Flight) {
+        if flight.met && flight.outcome == Outcome::Kept {
+            self.deepest.push((flight.depth, flight.depth / flight.half_width.max(f32::MIN_POSITIVE)));
+            self.over += u64::from(flight.is_over());
+            self.stuck += u64::from(flight.is_stuck());
+        }
+    }
+
+    fn merge(&mut self, other: &Depths) {
+        self.deepest.extend_from_slice(&other.deepest);
+        (self.over, self.stuck) = (self.over + other.over, self.stuck + other.stuck);
+    }
+}
+
+impl Count {
+    /// Counts one more shot.
+    pub fn add(&mut self, flights: &Flights) {
+        self.shots += 1;
+        for mode in 0..MODES.len() {
+            let flight = &flights.guarded[mode];
+            self.through[mode] += u64::from(flight.outcome != Outcome::Kept);
+            self.through_unguarded[mode] += u64::from(flights.unguarded[mode] != Outcome::Kept);
+            self.cut[mode] += u64::from(flight.cut);
+            self.lifted[mode] += u64::from(flight.lifted);
+            self.gained[mode] += u64::from(flight.gained > GAIN);
+            self.depths[mode].add(flight);
+        }
+    }
+
+    /// Adds what was counted elsewhere.
+    pub fn merge(&mut self, other: &Count) {
+        let add = |own: &mut [u64; 3], of: &[u64; 3]| own.iter_mut().zip(of).for_each(|(a, b)| *a += b);
+        self.shots += other.shots;
+        add(&mut self.through, &other.through);
+        add(&mut self.through_unguarded, &other.through_unguarded);
+        add(&mut self.cut, &other.cut);
+        add(&mut self.lifted, &other.lifted);
+        add(&mut self.gained, &other.gained);
+        self.depths.iter_mut().zip(&other.depths).for_each(|(a, b)| a.merge(b));
+    }
+}
+
+/// Counts in all, by shape and by target.
+#[derive(Clone, Debug, Default)]
+pub struct Tally {
+    /// In all.
+    pub all: Count,
+    /// In the order of [`SHAPES`].
+    pub by_shape: [Count; SHAPES.len()],
+    /// In the order of [`TARGETS`].
+    pub by_target: [Count; TARGETS.len()],
+}
+
+impl Tally {
+    /// Counts one more shot.
+    pub fn add(&mut self, shot: &Shot, flights: &Flights) {
+        self.all.add(flights);
+        self.by_shape[shot.shape].add(flights);
+        self.by_target[shot.target].add(flights);
+    }
+
+    /// Adds what was counted elsewhere.
+    #[must_use]
+    pub fn merge(mut self, other: &Tally) -> Tally {
+        self.all.merge(&other.all);
+        self.by_shape.iter_mut().zip(&other.by_shape).for_each(|(a, b)| a.merge(b));
+        self.by_target.iter_mut().zip(&other.by_target).for_each(|(a, b)| a.merge(b));
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_are_ranks() {
+        let all = |n: u32| (1..=n).rev().map(|x| x as f32).collect();
+        assert_eq!(Quantiles::of(all(100)), Quantiles { median: 50.0, p99: 99.0, worst: 100.0 });
+        assert_eq!(Quantiles::of(all(1)), Quantiles { median: 1.0, p99: 1.0, worst: 1.0 });
+        assert_eq!(Quantiles::of(Vec::new()), Quantiles::default());
+    }
+}
