@@ -397,10 +397,10 @@ pub(super) fn sweep<
     let n = batch.normal;
     let (rest, reach) = (batch.rest, batch.reach);
 
-    let mut rubbed = None;
+    let mut slid = None;
     if FRICTION && let Some(f) = friction {
-        let slid = rub::<L, P, B, R>(batch, f, v, pass, response);
-        rubbed = Some((f, slid));
+        let which = rub::<L, P, B, R>(batch, f, v, pass, response);
+        slid = Some((f, which));
     }
     let speed = relative::<L, B>(n, v);
     let (mut sum, mut ta, mut tb) = (L::zero(), Vec3::zero(), Vec3::zero());
@@ -474,15 +474,15 @@ pub(super) fn sweep<
     response.apply(batch, v, n * sum, ta, tb);
     if FRICTION
         && pass.relax
-        && let Some((f, slid)) = rubbed
+        && let Some((f, which)) = slid
     {
-        follow_load(batch, f, slid, v, pass, response);
+        follow_load(batch, f, which, v, pass, response);
     }
     true
 }
 
 /// What slid while the rows relaxed was bounded by the load before them, of which a part had pushed overlap apart and is taken
-/// out again. Its friction follows the load that is left.
+/// out again. Its friction follows the load that is left; where that is more, only as far as something still slides.
 #[inline(always)]
 fn follow_load<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
     batch: &Batch<L, P, B>,
@@ -498,11 +498,62 @@ fn follow_load<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P,
         return;
     }
     let share = L::select(limit.gt(L::zero()), left / limit, L::zero());
-    let new = [0, 1].map(|i| L::select(slides[i], f.impulse[i] * share, f.impulse[i]));
-    let twist = L::select(spins, f.twist * share, f.twist);
-    let t2 = batch.normal.cross(f.tangent);
-    let q = f.tangent * (new[0] - f.impulse[0]) + t2 * (new[1] - f.impulse[1]);
-    let w = batch.normal * (twist - f.twist);
+    let FrictionResponse { slide_mass, twist_mass, .. } = response.friction(f);
+    let Slip { along: [u1, u2], spin } = slip(batch, f, v, pass);
+    // An impulse against what is left of a motion, and no more than stops it, gains no energy.
+    let most = |against: L, mass: L, size: L| {
+        L::one() + L::select(size.gt(L::zero()), (-against * mass).max(L::zero()) / size, L::zero())
+    };
+    let square = f.impulse[0] * f.impulse[0] + f.impulse[1] * f.impulse[1];
+    let slide = share.min(most(u1 * f.impulse[0] + u2 * f.impulse[1], slide_mass, square));
+    let turn = share.min(most(spin * f.twist, twist_mass, f.twist * f.twist));
+    let new = [0, 1].map(|i| L::select(slides[i], f.impulse[i] * slide, f.impulse[i]));
+    let twist = L::select(spins, f.twist * turn, f.twist);
+    push(batch, f, (new, twist), v, response);
+}
+
+/// Motion along a surface, at the centre of a manifold, and about its normal: of `b` as seen from `a`.
+struct Slip<L> {
+    /// Along the tangents [m/s].
+    along: [L; 2],
+    /// [rad/s]
+    spin: L,
+}
+
+#[inline(always)]
+fn slip<L: GatherLanes, const P: usize, const B: usize>(
+    batch: &Batch<L, P, B>,
+    f: &FrictionRow<L, B>,
+    v: &Pair<L>,
+    pass: &Pass<'_>,
+) -> Slip<L> {
+    let n = batch.normal;
+    let mut u = -(v.va + v.wa.cross(f.arm_a));
+    let mut spin = -v.wa;
+    if B > 0 {
+        u += v.vb + v.wb.cross(f.arm_b[0]);
+        spin += v.wb;
+    }
+    let (mut u1, mut u2) = (u.dot(f.tangent), u.dot(n.cross(f.tangent)));
+    if let Some(surface) = pass.surfaces.get(batch.surface as usize) {
+        u1 += L::load(&surface[0]);
+        u2 += L::load(&surface[1]);
+    }
+    Slip { along: [u1, u2], spin: spin.dot(n) }
+}
+
+/// Changes the impulses of friction to those along the tangents and against twist.
+#[inline(always)]
+fn push<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
+    batch: &Batch<L, P, B>,
+    f: &mut FrictionRow<L, B>,
+    (new, twist): ([L; 2], L),
+    v: &mut Pair<L>,
+    response: &mut R,
+) {
+    let n = batch.normal;
+    let q = f.tangent * (new[0] - f.impulse[0]) + n.cross(f.tangent) * (new[1] - f.impulse[1]);
+    let w = n * (twist - f.twist);
     (f.impulse, f.twist) = (new, twist);
     let ta = f.arm_a.cross(q) + w;
     let tb = if B > 0 { f.arm_b[0].cross(q) + w } else { ta };
@@ -539,21 +590,9 @@ fn rub<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
     pass: &Pass<'_>,
     response: &mut R,
 ) -> Slid<L> {
-    let n = batch.normal;
-    let t2 = n.cross(f.tangent);
     let limit = friction_limit(batch, f, pass);
     let FrictionResponse { mass: tangential, slide_mass, twist_mass, twist_by } = response.friction(f);
-    let mut u = -(v.va + v.wa.cross(f.arm_a));
-    let mut spin = -v.wa;
-    if B > 0 {
-        u += v.vb + v.wb.cross(f.arm_b[0]);
-        spin += v.wb;
-    }
-    let (mut u1, mut u2) = (u.dot(f.tangent), u.dot(t2));
-    if let Some(surface) = pass.surfaces.get(batch.surface as usize) {
-        u1 += L::load(&surface[0]);
-        u2 += L::load(&surface[1]);
-    }
+    let Slip { along: [u1, u2], spin } = slip(batch, f, v, pass);
     let old = f.impulse;
     let mut slides = [L::zero().gt(L::zero()); 2];
     let mut new = [0, 1].map(|i| old[i] - (tangential[i] * u1 + tangential[i + 1] * u2));
@@ -576,16 +615,11 @@ fn rub<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
     let change = [new[0] - old[0], new[1] - old[1]];
     // Of the twist that is left then: friction at the centre turns a long body about an end of it, and both rows against the
     // same twist would drive it the other way.
-    let turns = spin.dot(n) + twist_by[0] * change[0] + twist_by[1] * change[1];
+    let turns = spin + twist_by[0] * change[0] + twist_by[1] * change[1];
     let stops = f.twist - twist_mass * turns;
     let twist = stops.clamp(-bound, bound);
     let spins = stops.abs().gt(bound);
-    let q = f.tangent * change[0] + t2 * change[1];
-    let w = n * (twist - f.twist);
-    (f.impulse, f.twist) = (new, twist);
-    let ta = f.arm_a.cross(q) + w;
-    let tb = if B > 0 { f.arm_b[0].cross(q) + w } else { ta };
-    response.apply(batch, v, q, ta, tb);
+    push(batch, f, (new, twist), v, response);
     Slid { limit, slides, spins }
 }
 

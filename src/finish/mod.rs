@@ -264,8 +264,7 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
         }
     });
     let mut held = Counts { cut: cuts.into_inner(), lifted: lifts.into_inner() };
-    let stopped = stopped.into_inner();
-    let stopped = stopped.unwrap_or_else(PoisonError::into_inner);
+    let stopped = stopped.into_inner().unwrap_or_else(PoisonError::into_inner);
     let Ok(cut) = cut.get_mut() else { return (held, stopped) };
     if guard.mode != Continuous::Discrete {
         held.cut += guard.hold_movers(&world.broad.pairs, bodies, impacts, seats, cut);

@@ -4,8 +4,8 @@ use crate::args::ShotOptions;
 use crate::output;
 use anyhow::Context;
 use backstop::scene::shots::{
-    Count, Flights, MODES, MOVING_TARGETS, MovingCount, MovingShot, Outcome, Quantiles, SHAPES, Shot,
-    TARGETS, Tally, Targets,
+    Count, Flights, MODES, MOVING_TARGETS, MovingShot, Outcome, Quantiles, SHAPES, Shot, TARGETS, Tally,
+    Targets, Through,
 };
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
@@ -22,7 +22,7 @@ struct Result {
     tally: Tally,
     through: Vec<(u64, [Outcome; 3])>,
     /// In the order of [`MOVING_TARGETS`].
-    moving: [MovingCount; MOVING_TARGETS.len()],
+    moving: [Through; MOVING_TARGETS.len()],
 }
 
 pub(crate) fn shots(options: &ShotOptions) -> anyhow::Result<()> {
@@ -66,12 +66,13 @@ fn run(options: &ShotOptions, targets: &Targets) -> anyhow::Result<Result> {
     let results: Vec<Result> = blocks.par_iter().map(block).collect::<anyhow::Result<_>>()?;
     let blocks: Vec<u64> = (0..moving).step_by(BLOCK).collect();
     let block = |&first: &u64| {
-        let mut counts = [MovingCount::default(); MOVING_TARGETS.len()];
+        let mut counts = [Through::default(); MOVING_TARGETS.len()];
         let last = moving.min(first + BLOCK as u64);
         for number in first..last {
             let shot = MovingShot::new(options.seed, number);
-            let added = counts[shot.target].add(&shot);
-            added.with_context(|| format!("shot {number} at what moves is refused"))?;
+            let passed = shot.run_all().with_context(|| format!("shot {number} at what moves is refused"))?;
+            let [guarded, unguarded] = passed;
+            counts[shot.target].add(guarded, unguarded);
         }
         bar.inc(last - first);
         anyhow::Ok(counts)
@@ -107,11 +108,17 @@ fn counts(of: &[u64; 3]) -> Value {
     by_mode(|mode| json!(of[mode]))
 }
 
-fn one(count: &Count) -> Value {
+fn passed(through: &Through) -> Value {
     json!({
-        "shots": count.shots,
-        "through": counts(&count.through),
-        "through_unguarded": counts(&count.through_unguarded),
+        "shots": through.shots,
+        "through": counts(&through.guarded),
+        "through_unguarded": counts(&through.unguarded),
+    })
+}
+
+fn one(count: &Count) -> Value {
+    let mut told = passed(&count.through);
+    let more = json!({
         "gained": counts(&count.gained),
         "guard": { "cut": counts(&count.cut), "lifted": counts(&count.lifted) },
         "depth": by_mode(|mode| {
@@ -124,7 +131,11 @@ fn one(count: &Count) -> Value {
                 "over": depths.over, "stuck": depths.stuck,
             })
         }),
-    })
+    });
+    if let (Value::Object(told), Value::Object(more)) = (&mut told, more) {
+        told.extend(more);
+    }
+    told
 }
 
 fn document(options: &ShotOptions, Result { tally, moving, .. }: &Result) -> Value {
@@ -134,13 +145,8 @@ fn document(options: &ShotOptions, Result { tally, moving, .. }: &Result) -> Val
     let mut document = one(&tally.all);
     document["seed"] = json!(options.seed);
     document["by_shape"] = groups(&SHAPES, &tally.by_shape);
-    let targets = MOVING_TARGETS.iter().zip(moving).map(|(name, count)| {
-        let MovingCount { shots, through, through_unguarded } = count;
-        let told = json!({
-            "shots": shots, "through": counts(through), "through_unguarded": counts(through_unguarded),
-        });
-        ((*name).to_owned(), told)
-    });
+    let targets =
+        MOVING_TARGETS.iter().zip(moving).map(|(name, through)| ((*name).to_owned(), passed(through)));
     document["moving"] = targets.collect::<Map<_, _>>().into();
     document["by_target"] = groups(&TARGETS, &tally.by_target);
     document
@@ -148,75 +154,19 @@ fn document(options: &ShotOptions, Result { tally, moving, .. }: &Result) -> Val
 
 fn table(options: &ShotOptions, result: &Result) -> String {
     let tally = &result.tally;
-    let groups = || {
-        let shapes = SHAPES.iter().zip(&tally.by_shape);
-        let targets = TARGETS.iter().zip(&tally.by_target);
-        std::iter::once((&"all", &tally.all)).chain(shapes).chain(targets)
-    };
-    let [discrete, segment, volume] = mode_names();
+    let shapes = SHAPES.into_iter().zip(&tally.by_shape);
+    let targets = TARGETS.into_iter().zip(&tally.by_target);
+    let groups: Vec<(&str, &Count)> =
+        std::iter::once(("all", &tally.all)).chain(shapes).chain(targets).collect();
+    let still: Vec<_> = groups.iter().map(|&(name, count)| (name, &count.through)).collect();
+    let moving: Vec<_> = MOVING_TARGETS.into_iter().zip(&result.moving).collect();
     let mut text = String::new();
-    for (title, guard) in [("through", true), ("through, no guard", false)] {
-        let _ = writeln!(text, "{title:<20}{:>10}{discrete:>18}{segment:>18}{volume:>18}", "shots");
-        for (name, count) in groups() {
-            let _ = write!(text, "{:<20}{:>10}", name.replace('_', " "), count.shots);
-            for through in if guard { count.through } else { count.through_unguarded } {
-                let share = 100.0 * through as f64 / count.shots.max(1) as f64;
-                let _ = write!(text, "{:>18}", format!("{through} ({share:.2}%)"));
-            }
-            text.push('\n');
-        }
-        text.push('\n');
-    }
-    for (title, guard) in [("through what moves", true), ("the same, no guard", false)] {
-        let _ = writeln!(text, "{title:<20}{:>10}{discrete:>18}{segment:>18}{volume:>18}", "shots");
-        for (name, count) in MOVING_TARGETS.iter().zip(&result.moving) {
-            let _ = write!(text, "{:<20}{:>10}", name.replace('_', " "), count.shots);
-            for through in if guard { count.through } else { count.through_unguarded } {
-                let share = 100.0 * through as f64 / count.shots.max(1) as f64;
-                let _ = write!(text, "{:>18}", format!("{through} ({share:.2}%)"));
-            }
-            text.push('\n');
-        }
-        text.push('\n');
-    }
+    through_table(&mut text, "through", &still, |through| through.guarded);
+    through_table(&mut text, "through, no guard", &still, |through| through.unguarded);
+    through_table(&mut text, "through what moves", &moving, |through| through.guarded);
+    through_table(&mut text, "the same, no guard", &moving, |through| through.unguarded);
     // Of the default mode, and of the one that looks at whole volumes.
-    for (mode, name) in [(1, &segment), (2, &volume)] {
-        let _ = writeln!(
-            text,
-            "{:<20}{:>10}{:>10}{:>10}{:>10}{:>12}{:>8}{:>8}{:>8}{:>8}{:>8}",
-            format!("depth, {name}"),
-            "met",
-            "median mm",
-            "99 % mm",
-            "worst mm",
-            "99 % share",
-            "over",
-            "stuck",
-            "cut",
-            "lifted",
-            "gained"
-        );
-        for (name, count) in groups() {
-            let depths = &count.depths[mode];
-            let Quantiles { median, p99, worst } = depths.metres();
-            let _ = writeln!(
-                text,
-                "{:<20}{:>10}{:>10.2}{:>10.2}{:>10.2}{:>12.2}{:>8}{:>8}{:>8}{:>8}{:>8}",
-                name.replace('_', " "),
-                depths.count(),
-                1e3 * median,
-                1e3 * p99,
-                1e3 * worst,
-                depths.shares().p99,
-                depths.over,
-                depths.stuck,
-                count.cut[mode],
-                count.lifted[mode],
-                count.gained[mode]
-            );
-        }
-        text.push('\n');
-    }
+    [1, 2].into_iter().for_each(|mode| depth_table(&mut text, mode, &groups));
     for (number, outcomes) in result.through.iter().take(NAMED) {
         let _ = writeln!(
             text,
@@ -228,6 +178,42 @@ fn table(options: &ShotOptions, result: &Result) -> String {
         let _ = writeln!(text, "and {} more", result.through.len() - NAMED);
     }
     text
+}
+
+fn through_table(text: &mut String, title: &str, groups: &[(&str, &Through)], of: fn(&Through) -> [u64; 3]) {
+    let [discrete, segment, volume] = mode_names();
+    let _ = writeln!(text, "{title:<20}{:>10}{discrete:>18}{segment:>18}{volume:>18}", "shots");
+    for (name, count) in groups {
+        let _ = write!(text, "{:<20}{:>10}", name.replace('_', " "), count.shots);
+        for through in of(count) {
+            let share = 100.0 * through as f64 / count.shots.max(1) as f64;
+            let _ = write!(text, "{:>18}", format!("{through} ({share:.2}%)"));
+        }
+        text.push('\n');
+    }
+    text.push('\n');
+}
+
+fn depth_table(text: &mut String, mode: usize, groups: &[(&str, &Count)]) {
+    let title = format!("depth, {}", mode_names()[mode]);
+    let _ = write!(text, "{title:<20}{:>10}{:>10}{:>10}{:>10}", "met", "median mm", "99 % mm", "worst mm");
+    let _ = writeln!(
+        text,
+        "{:>12}{:>8}{:>8}{:>8}{:>8}{:>8}",
+        "99 % share", "over", "stuck", "cut", "lifted", "gained"
+    );
+    for (name, count) in groups {
+        let depths = &count.depths[mode];
+        let [median, p99, worst] = {
+            let Quantiles { median, p99, worst } = depths.metres();
+            [median, p99, worst].map(|depth| 1e3 * depth)
+        };
+        let name = name.replace('_', " ");
+        let _ = write!(text, "{name:<20}{:>10}{median:>10.2}{p99:>10.2}{worst:>10.2}", depths.count());
+        let _ = write!(text, "{:>12.2}{:>8}{:>8}", depths.shares().p99, depths.over, depths.stuck);
+        let _ = writeln!(text, "{:>8}{:>8}{:>8}", count.cut[mode], count.lifted[mode], count.gained[mode]);
+    }
+    text.push('\n');
 }
 
 /// One shot in full, step by step, to look into it.

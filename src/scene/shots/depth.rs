@@ -1,6 +1,6 @@
 //! How deep a body is beyond the surface of its target: by its deepest point, not by its centre.
 
-use super::target::Targets;
+use super::target::{TARGETS, Targets};
 use crate::narrow_phase::Support;
 use crate::shape::ShapeDesc;
 use glam::{DQuat, DVec3};
@@ -26,7 +26,7 @@ impl Targets {
             (height - point.y) * self.slope(target, x, z).y
         };
         let low = below(deepest(DVec3::NEG_Y));
-        if self.slope(target, 0.0, 0.0) == DVec3::Y && self.slope(target, 1.0, 2.0) == DVec3::Y {
+        if TARGETS[target] != "bumpy_mesh" {
             return low;
         }
         let reach = f64::from(super::body::reach(shapes));

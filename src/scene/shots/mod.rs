@@ -12,8 +12,8 @@ mod tally;
 mod target;
 
 pub use body::SHAPES;
-pub use moving::{MOVING_TARGETS, MovingCount, MovingShot};
-pub use tally::{Count, Depths, Quantiles, Tally};
+pub use moving::{MOVING_TARGETS, MovingShot};
+pub use tally::{Count, Depths, Quantiles, Tally, Through};
 pub use target::{TARGETS, Targets};
 
 use super::rng::Rng;
@@ -117,8 +117,7 @@ impl Flight {
 impl Shot {
     /// The shot of that number.
     pub fn new(targets: &Targets, seed: u64, number: u64) -> Shot {
-        // Far apart in the generator's sequence, whatever the seed.
-        let mut rng = Rng::new(Rng::new(seed ^ number.wrapping_mul(0xD134_2543_DE82_EF95)).next());
+        let mut rng = generator(seed, number);
         // Every shape meets every target: the number counts through the pairs.
         let shape = (number % SHAPES.len() as u64) as usize;
         let target = (number / SHAPES.len() as u64 % TARGETS.len() as u64) as usize;
@@ -128,15 +127,10 @@ impl Shot {
 
         let speed = log_range(&mut rng, 10.0, 2000.0);
         let spin = rng.direction() * rng.range(0.0, 200.0);
-        let varying = rng.next() & 1 == 0;
-        let fixed = STEPS[pick(&mut rng, STEPS.len())];
-        let steps: Vec<f32> = (0..MOST_STEPS)
-            .map(|_| if varying { STEPS[pick(&mut rng, STEPS.len())] } else { fixed })
-            .collect();
+        let (steps, mean) = step_lengths(&mut rng, MOST_STEPS);
 
         // Where it would go through, how steeply, and how far away it starts.
         let (aim, normal) = targets.aim(target, &mut rng);
-        let mean = if varying { MEAN_STEP } else { fixed };
         let slowest = 1.5 * reach / (speed * MOST_FLIGHT * mean);
         let steep = rng.range(0.01, 1.0).max(slowest.min(1.0));
         let around = rng.range(0.0, std::f32::consts::TAU);
@@ -251,6 +245,19 @@ pub struct Flights {
     pub guarded: [Flight; 3],
     /// How it ends without the guard.
     pub unguarded: [Outcome; 3],
+}
+
+/// Chance of a shot: far apart in the generator's sequence, whatever the seed.
+fn generator(seed: u64, number: u64) -> Rng {
+    Rng::new(Rng::new(seed ^ number.wrapping_mul(0xD134_2543_DE82_EF95)).next())
+}
+
+/// Lengths of steps, all the same in half of the cases, and their mean [s].
+fn step_lengths(rng: &mut Rng, most: usize) -> (Vec<f32>, f32) {
+    let varying = rng.next() & 1 == 0;
+    let fixed = STEPS[pick(rng, STEPS.len())];
+    let steps = (0..most).map(|_| if varying { STEPS[pick(rng, STEPS.len())] } else { fixed }).collect();
+    (steps, if varying { MEAN_STEP } else { fixed })
 }
 
 /// The steps that cover a time [s].

@@ -1,6 +1,6 @@
 //! Seeded shots at bodies that can move themselves, where no static geometry is: free plates, doors, stacks and crowds.
 
-use super::{STEPS, log_range, pick};
+use super::{MODES, generator, log_range, pick, step_lengths, until};
 use crate::body::{BodyDesc, BodyKind};
 use crate::config::{Continuous, Settings};
 use crate::error::Error;
@@ -20,6 +20,8 @@ const BRICK: Vec3 = Vec3::new(0.05, 0.1, 0.2);
 const CUBE: f32 = 0.1;
 /// Share of a box's half widths within which a centre has got through its surface for good.
 const INNER: f64 = 0.5;
+/// Other shots than at what stands still, with the same seed.
+const OWN: u64 = 0x5EED;
 /// What is watched after the impact [s].
 const AFTER: f32 = 0.2;
 /// Steps at most.
@@ -41,7 +43,7 @@ pub struct MovingShot {
 impl MovingShot {
     /// The shot of that number: a bullet of 5 mm to 5 cm at 50 to 1,000 m/s, on its way along -x within 45 degrees.
     pub fn new(seed: u64, number: u64) -> MovingShot {
-        let mut rng = Rng::new(Rng::new(seed ^ number.wrapping_mul(0xD134_2543_DE82_EF95) ^ 0x5EED).next());
+        let mut rng = generator(seed ^ OWN, number);
         let target = (number % MOVING_TARGETS.len() as u64) as usize;
         let small = |rng: &mut Rng| log_range(rng, 0.005, 0.05);
         let geometry = match pick(&mut rng, 4) {
@@ -53,11 +55,7 @@ impl MovingShot {
         let boxes = boxes(target, &mut rng);
         let speed = log_range(&mut rng, 50.0, 1000.0);
         let spin = rng.direction() * rng.range(0.0, 200.0);
-        let varying = rng.next() & 1 == 0;
-        let fixed = STEPS[pick(&mut rng, STEPS.len())];
-        let steps: Vec<f32> = (0..MOST_STEPS)
-            .map(|_| if varying { STEPS[pick(&mut rng, STEPS.len())] } else { fixed })
-            .collect();
+        let (steps, _) = step_lengths(&mut rng, MOST_STEPS);
         let reach = geometry.radius();
         let front = boxes.iter().map(|(desc, half)| desc.position.x as f32 + half.x).fold(0.0, f32::max);
         let aside = Vec3::new(0.0, rng.range(-0.7, 0.7), rng.range(-0.7, 0.7));
@@ -70,7 +68,7 @@ impl MovingShot {
             .rotated(rng.rotation())
             .moving(direction * speed, spin)
             .with_shape(shape);
-        MovingShot { target, steps: super::until(steps, away / speed + AFTER), bullet, boxes }
+        MovingShot { target, steps: until(steps, away / speed + AFTER), bullet, boxes }
     }
 
     /// Runs it, with the guard or without. Says whether the bullet's centre got into the middle of any box, which is halfway
@@ -120,6 +118,20 @@ impl MovingShot {
     }
 }
 
+impl MovingShot {
+    /// Runs it under each of [`MODES`], with the guard and without: whether it passes.
+    ///
+    /// # Errors
+    /// As [`MovingShot::passes`].
+    pub fn run_all(&self) -> Result<[[bool; 3]; 2], Error> {
+        let [discrete, segment, volume] = MODES.map(|mode| self.passes(mode, true));
+        let discrete = discrete?;
+        // Without continuous collision there is no guard.
+        let unguarded = [discrete, self.passes(MODES[1], false)?, self.passes(MODES[2], false)?];
+        Ok([[discrete, segment?, volume?], unguarded])
+    }
+}
+
 /// Whether a segment meets a box around the origin.
 fn crosses(a: DVec3, b: DVec3, half: DVec3) -> bool {
     let way = b - a;
@@ -161,43 +173,6 @@ fn boxes(target: usize, rng: &mut Rng) -> Vec<(BodyDesc, Vec3)> {
                 all.push(one(Vec3::splat(CUBE), at));
             }
             all
-        }
-    }
-}
-
-/// Shots at bodies that can move, and how many passed under each of [`MODES`](super::MODES).
-#[derive(Clone, Copy, Debug, Default)]
-pub struct MovingCount {
-    /// How many were run.
-    pub shots: u64,
-    /// How many passed.
-    pub through: [u64; 3],
-    /// How many did without the guard.
-    pub through_unguarded: [u64; 3],
-}
-
-impl MovingCount {
-    /// Runs one more shot.
-    ///
-    /// # Errors
-    /// As [`MovingShot::passes`].
-    pub fn add(&mut self, shot: &MovingShot) -> Result<(), Error> {
-        self.shots += 1;
-        for (i, mode) in super::MODES.into_iter().enumerate() {
-            let guarded = shot.passes(mode, true)?;
-            let unguarded = if mode == Continuous::Discrete { guarded } else { shot.passes(mode, false)? };
-            self.through[i] += u64::from(guarded);
-            self.through_unguarded[i] += u64::from(unguarded);
-        }
-        Ok(())
-    }
-
-    /// Adds what was counted elsewhere.
-    pub fn merge(&mut self, other: &MovingCount) {
-        self.shots += other.shots;
-        for i in 0..3 {
-            self.through[i] += other.through[i];
-            self.through_unguarded[i] += other.through_unguarded[i];
         }
     }
 }

@@ -2,15 +2,44 @@
 
 use super::{Flight, Flights, GAIN, MODES, Outcome, SHAPES, Shot, TARGETS};
 
-/// Shots, and what came of them under each of [`MODES`].
-#[derive(Clone, Debug, Default)]
-pub struct Count {
+/// Shots, and how many got through (or were lost) under each of [`MODES`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Through {
     /// How many were run.
     pub shots: u64,
-    /// How many got through, or were lost.
-    pub through: [u64; 3],
-    /// How many did without the guard.
-    pub through_unguarded: [u64; 3],
+    /// As the engine is.
+    pub guarded: [u64; 3],
+    /// Without the guard.
+    pub unguarded: [u64; 3],
+}
+
+impl Through {
+    /// Counts one more shot, by whether it got through.
+    pub fn add(&mut self, guarded: [bool; 3], unguarded: [bool; 3]) {
+        self.shots += 1;
+        for mode in 0..MODES.len() {
+            self.guarded[mode] += u64::from(guarded[mode]);
+            self.unguarded[mode] += u64::from(unguarded[mode]);
+        }
+    }
+
+    /// Adds what was counted elsewhere.
+    pub fn merge(&mut self, other: &Through) {
+        self.shots += other.shots;
+        sum(&mut self.guarded, &other.guarded);
+        sum(&mut self.unguarded, &other.unguarded);
+    }
+}
+
+fn sum(own: &mut [u64; 3], of: &[u64; 3]) {
+    own.iter_mut().zip(of).for_each(|(a, b)| *a += b);
+}
+
+/// Shots at static targets, and what came of them under each of [`MODES`].
+#[derive(Clone, Debug, Default)]
+pub struct Count {
+    /// How many got through.
+    pub through: Through,
     /// How deep those that stayed on their side were.
     pub depths: [Depths; 3],
     /// How many the guard cut, and how many it lifted, at least once each.
@@ -87,11 +116,9 @@ impl Depths {
 impl Count {
     /// Counts one more shot.
     pub fn add(&mut self, flights: &Flights) {
-        self.shots += 1;
-        for mode in 0..MODES.len() {
-            let flight = &flights.guarded[mode];
-            self.through[mode] += u64::from(flight.outcome != Outcome::Kept);
-            self.through_unguarded[mode] += u64::from(flights.unguarded[mode] != Outcome::Kept);
+        let passed = |outcome: Outcome| outcome != Outcome::Kept;
+        self.through.add(flights.guarded.map(|flight| passed(flight.outcome)), flights.unguarded.map(passed));
+        for (mode, flight) in flights.guarded.iter().enumerate() {
             self.cut[mode] += u64::from(flight.cut);
             self.lifted[mode] += u64::from(flight.lifted);
             self.gained[mode] += u64::from(flight.gained > GAIN);
@@ -101,13 +128,10 @@ impl Count {
 
     /// Adds what was counted elsewhere.
     pub fn merge(&mut self, other: &Count) {
-        let add = |own: &mut [u64; 3], of: &[u64; 3]| own.iter_mut().zip(of).for_each(|(a, b)| *a += b);
-        self.shots += other.shots;
-        add(&mut self.through, &other.through);
-        add(&mut self.through_unguarded, &other.through_unguarded);
-        add(&mut self.cut, &other.cut);
-        add(&mut self.lifted, &other.lifted);
-        add(&mut self.gained, &other.gained);
+        self.through.merge(&other.through);
+        sum(&mut self.cut, &other.cut);
+        sum(&mut self.lifted, &other.lifted);
+        sum(&mut self.gained, &other.gained);
         self.depths.iter_mut().zip(&other.depths).for_each(|(a, b)| a.merge(b));
     }
 }
