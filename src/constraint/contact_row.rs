@@ -481,34 +481,38 @@ pub(super) fn sweep<
     true
 }
 
-/// What slid while the rows relaxed was bounded by the load before them, of which a part had pushed overlap apart and is taken
-/// out again. Its friction follows the load that is left; where that is more, only as far as something still slides.
+/// While rows relax, friction was bounded by the load before them, of which a part had pushed overlap apart and is taken out
+/// again. It follows the load that is left: down to its bound, and what slides also up, as far as something still slides.
 #[inline(always)]
 fn follow_load<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
     batch: &Batch<L, P, B>,
     f: &mut FrictionRow<L, B>,
-    Slid { limit, slides, spins }: Slid<L>,
+    Slid { slides, spins }: Slid<L>,
     v: &mut Pair<L>,
     pass: &Pass<'_>,
     response: &mut R,
 ) {
-    let left = friction_limit(batch, f, pass);
-    let changed = left.lt(limit) | limit.lt(left);
-    if !(changed & (slides[0] | slides[1] | spins)).any() {
+    let bound = friction_limit(batch, f, pass);
+    let [p, q] = f.impulse;
+    let size = if pass.friction_box { p.abs().max(q.abs()) } else { (p * p + q * q).sqrt() };
+    let (twist_bound, twist_size) = (bound * f.radius, f.twist.abs());
+    let off = size.gt(bound) | twist_size.gt(twist_bound);
+    let less = slides & size.lt(bound) | spins & twist_size.lt(twist_bound);
+    if !(off | less).any() {
         return;
     }
-    let share = L::select(limit.gt(L::zero()), left / limit, L::zero());
     let FrictionResponse { slide_mass, twist_mass, .. } = response.friction(f);
     let Slip { along: [u1, u2], spin } = slip(batch, f, v, pass);
-    // An impulse against what is left of a motion, and no more than stops it, gains no energy.
-    let most = |against: L, mass: L, size: L| {
-        L::one() + L::select(size.gt(L::zero()), (-against * mass).max(L::zero()) / size, L::zero())
+    // By `speed` its impulse goes along with a motion. Against one, no more than stops it gains no energy.
+    let share = |size: L, bound: L, moves: L::Mask, mass: L, speed: L| {
+        let more = L::select(moves, (-speed * mass).max(L::zero()), L::zero());
+        (size + more).min(bound) / size
     };
-    let square = f.impulse[0] * f.impulse[0] + f.impulse[1] * f.impulse[1];
-    let slide = share.min(most(u1 * f.impulse[0] + u2 * f.impulse[1], slide_mass, square));
-    let turn = share.min(most(spin * f.twist, twist_mass, f.twist * f.twist));
-    let new = [0, 1].map(|i| L::select(slides[i], f.impulse[i] * slide, f.impulse[i]));
-    let twist = L::select(spins, f.twist * turn, f.twist);
+    let some = |size: L| size.gt(L::zero());
+    let slide = share(size, bound, slides, slide_mass, (u1 * p + u2 * q) / size);
+    let turn = share(twist_size, twist_bound, spins, twist_mass, spin * f.twist / twist_size);
+    let new = [p, q].map(|x| L::select(some(size), x * slide, x));
+    let twist = L::select(some(twist_size), f.twist * turn, f.twist);
     push(batch, f, (new, twist), v, response);
 }
 
@@ -574,10 +578,7 @@ fn friction_limit<L: GatherLanes, const P: usize, const B: usize>(
 
 /// Which friction is at its bound.
 struct Slid<L: Lanes> {
-    /// [N s]
-    limit: L,
-    /// By row along the surface.
-    slides: [L::Mask; 2],
+    slides: L::Mask,
     spins: L::Mask,
 }
 
@@ -594,10 +595,10 @@ fn rub<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
     let FrictionResponse { mass: tangential, slide_mass, twist_mass, twist_by } = response.friction(f);
     let Slip { along: [u1, u2], spin } = slip(batch, f, v, pass);
     let old = f.impulse;
-    let mut slides = [L::zero().gt(L::zero()); 2];
+    let mut slides = L::zero().gt(L::zero());
     let mut new = [0, 1].map(|i| old[i] - (tangential[i] * u1 + tangential[i + 1] * u2));
     if pass.friction_box {
-        slides = new.map(|x| x.abs().gt(limit));
+        slides = new[0].abs().gt(limit) | new[1].abs().gt(limit);
         new = new.map(|x| x.clamp(-limit, limit));
     } else {
         // What sticks needs the impulse that stops it. What slides has friction against its motion, and that
@@ -607,7 +608,7 @@ fn rub<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
             let slid = [old[0] - slide_mass * u1, old[1] - slide_mass * u2];
             let length = (slid[0] * slid[0] + slid[1] * slid[1]).sqrt();
             let scale = L::select(length.gt(limit), limit / length, L::one());
-            slides = [length.gt(limit); 2];
+            slides = length.gt(limit);
             new = std::array::from_fn(|i| L::select(sticks, new[i], slid[i] * scale));
         }
     }
@@ -620,7 +621,7 @@ fn rub<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
     let twist = stops.clamp(-bound, bound);
     let spins = stops.abs().gt(bound);
     push(batch, f, (new, twist), v, response);
-    Slid { limit, slides, spins }
+    Slid { slides, spins }
 }
 
 /// Speed of `b` away from `a` along the normal, and what their spins add to it at a point.

@@ -7,6 +7,7 @@ use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::lab::Accuracy;
 use backstop::lab::problem::Law;
 use backstop::lab::system::Stabilisation;
+use backstop::scene::builtin;
 use backstop::{
     Axes, Axis, BodyDesc, BodyHandle, Drive, Frame, FrictionModel, Geometry, JointDesc, Limit, Material,
     Motion, Settings, ShapeDesc, World,
@@ -282,6 +283,29 @@ fn impacts_explain_what_they_do() {
         assert!(found.whole.unexplained < 1e-3, "{:?}", found.whole);
     }
     assert!(bounced > 10, "{bounced}");
+}
+
+/// Coulomb: friction is no more than its coefficient times the load, in the step of a blow too: a pile falls, and fast bodies
+/// hit a terrain, with either model, at several rates and efforts. Expected: 0, to the rounding of single precision.
+#[test]
+fn friction_never_exceeds_its_cone() {
+    for (hz, substeps, iterations) in [(30.0, 1, 4), (60.0, 4, 1), (120.0, 2, 1)] {
+        for friction_model in [FrictionModel::Patch, FrictionModel::Point] {
+            for scene in [builtin::talk(), common::small_pile()] {
+                let settings = Settings { substeps, iterations, friction_model, ..Settings::default() };
+                let (mut world, _) = common::world_of(&scene, settings);
+                world.measure_accuracy(true);
+                for step in 0..(2.0 * hz) as u32 {
+                    world.step(1.0 / hz).unwrap();
+                    let cone = accuracy(&world).whole.cone;
+                    assert!(
+                        cone < 1e-5,
+                        "{hz} Hz, {substeps}x{iterations}, {friction_model:?}, step {step}: {cone}"
+                    );
+                }
+            }
+        }
+    }
 }
 
 /// The hash of all poses and velocities after steps that were measured is that of steps that were not.

@@ -44,8 +44,7 @@ pub struct Measures {
     pub approach: f64,
     /// The most that a point pushes while it parts, impulse times speed [J].
     pub parting: f64,
-    /// The most that friction exceeds its cone by, as a share of it. Good: below 1e-2; a load that shifts from step to step leaves
-    /// more, because friction is bounded by the load of the pass before.
+    /// The most that friction exceeds its cone by, as a share of it. The engine's own solver keeps it to rounding, 1e-6.
     pub cone: f64,
     /// How far friction of what slides is from pointing against the slip: 1 + cosine of the angle between both, 2 where it points
     /// along it. Good: below 1e-2.
