@@ -57,6 +57,8 @@ pub(crate) enum Held {
 pub(crate) struct Counts {
     pub(crate) cut: u32,
     pub(crate) lifted: u32,
+    /// Strays that were moved out of what they would have overlapped.
+    pub(crate) settled: u32,
 }
 
 /// Share of the inner ball that a centre keeps from a surface when it is held.
@@ -135,7 +137,7 @@ impl Guard<'_> {
     }
 
     /// Cuts the motion where the centre would enter static geometry; takes the velocity that leads there away. Says
-    /// what it had to do.
+    /// what it had to do, and the normal of what it cut the motion at.
     pub(crate) fn hold(
         &self,
         stack: &mut Vec<u32>,
@@ -143,7 +145,7 @@ impl Guard<'_> {
         from: DVec3,
         moved: &mut Vec3,
         velocity: &mut Record,
-    ) -> Option<Held> {
+    ) -> Option<(Held, Vec3)> {
         let keep = KEEP * self.inner(own);
         // A little further than the motion, so that the centre keeps its distance at the end too.
         let length = moved.length();
@@ -152,7 +154,7 @@ impl Guard<'_> {
             return None;
         }
         let Some((fraction, normal)) = self.first_static(stack, own, from, reach) else {
-            return self.keep_off(stack, own, from, moved, GRAZE * keep).then_some(Held::Lifted);
+            return self.keep_off(stack, own, from, moved, GRAZE * keep).then_some((Held::Lifted, Vec3::ZERO));
         };
         let stop = stop(reach, length, keep, fraction, normal)?;
         *moved = reach * stop;
@@ -168,7 +170,7 @@ impl Guard<'_> {
         if speed < 0.0 {
             velocity.linear -= normal * speed;
         }
-        Some(Held::Cut)
+        Some((Held::Cut, normal))
     }
 
     /// A path that runs along a surface without entering it may end so close that the next one begins on the other side,

@@ -4,12 +4,14 @@ mod ends;
 mod free;
 mod guard;
 mod report;
+mod settle;
 mod trees;
 
 use ends::Crossing;
 pub(crate) use free::Clear;
 use guard::{Counts, Guard, Held};
 pub use report::{StageTimes, StepReport};
+use settle::Settling;
 use trees::Trees;
 
 use crate::body::{Pose, carry_spin, exp_map, turn_freely};
@@ -20,13 +22,14 @@ use crate::faults::is_sound;
 use crate::forces::spins_freely;
 use crate::lanes::{self, Record, Sym3};
 use crate::limits::{MAX_LEFT_SPEED, MAX_POSITION};
-use crate::memory::{Buffer, Made, bytes_of};
+use crate::memory::{Buffer, Category, Made, bytes_of};
 use crate::shape::Hot;
 use crate::solver::closing;
 use crate::step::REAL;
 use crate::threads::{Crew, Shared, per_block};
 use crate::world::World;
-use std::sync::atomic::{AtomicU32, Ordering};
+use glam::Vec3;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// Buffers of one step.
@@ -37,6 +40,8 @@ pub(crate) struct Buffers {
     pub(crate) clear: Vec<Clear>,
     /// Of each dynamic body, if there are fast ones: something static is near its predicted path.
     beside: Vec<bool>,
+    /// Of strays.
+    settling: settle::Scratch,
     /// Bodies of trees that were cut short, and the share of their ways that they went.
     cut: Mutex<Vec<(Seat, f32)>>,
 }
@@ -64,7 +69,8 @@ impl Buffers {
             self.stacks.iter().filter_map(|s| s.lock().ok().map(|s| s.capacity() * 4)).sum::<usize>();
         let cut = self.cut.lock().map_or((0, 0), |cut| bytes_of(&cut));
         let own = self.stacks.capacity() * size_of::<Mutex<Vec<u32>>>();
-        [bytes_of(&self.clear), bytes_of(&self.beside), cut]
+        let settling = [self.settling.mesh.bytes(), bytes_of(&self.settling.found)];
+        [bytes_of(&self.clear), bytes_of(&self.beside), cut, settling[0], settling[1]]
             .into_iter()
             .fold((own, own + stacks), |s, b| (s.0 + b.0, s.1 + b.1))
     }
@@ -140,7 +146,8 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
     let (cuts, lifts) = (AtomicU32::new(0), AtomicU32::new(0));
     let stopped = Mutex::new(Vec::new());
     let continuous = world.is_continuous();
-    let Buffers { stacks, clear, beside, cut } = &mut world.buffers.finish;
+    let mut room = world.room(Category::Scratch);
+    let Buffers { stacks, clear, beside, settling, cut } = &mut world.buffers.finish;
     if continuous {
         stacks_of(stacks).widen(blocks);
     }
@@ -173,6 +180,10 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
     let clear = Shared::new(clear);
     let (seats, shared) = (&world.buffers.joints.seats, &*cut);
     let inverse_inertia = &world.buffers.forces.inverse_inertia;
+    let unit = world.settings.length_unit;
+    let off = Off { motion: &world.buffers.forces.motion, start, hot, least: STRAYS * unit, dt };
+    let looks = if continuous { world.settings.stage_modes().narrow } else { Continuous::Discrete };
+    let strays = AtomicBool::new(false);
     let note = |seat: Option<Seat>, share: f32| {
         if let (Some(seat), Ok(mut cut)) = (seat, shared.lock()) {
             // Lifted off something, it may have gone further than it wanted, or where it wanted nowhere.
@@ -230,6 +241,18 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
                 }
                 pose.rotation = turned;
             }
+            if touched
+                && i < dynamic
+                && looks.of(traits[i].continuous) != Continuous::Discrete
+                && !impacts.bounced(i)
+                && !guard.joints.has_any(slots[i])
+                && off.strays(i, d, colliders[i].as_slice())
+            {
+                // Stays where it was until it is settled.
+                d.pad0 = STRAY;
+                strays.store(true, Ordering::Relaxed);
+                continue;
+            }
             let mut moved = d.linear;
             // What met nothing went along the path that the broad phase and the narrow phase looked along.
             let alone = !touched && beside.get(i).is_some_and(|beside| !beside);
@@ -241,7 +264,7 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
                 let (mut kept, bounced) = (*velocity, impacts.bounced(i));
                 let stopped = if bounced { &mut kept } else { &mut *velocity };
                 if !guard.is_clear(stack, own, clear, from, moved)
-                    && let Some(held) = guard.hold(stack, own, from, &mut moved, stopped)
+                    && let Some((held, _)) = guard.hold(stack, own, from, &mut moved, stopped)
                 {
                     let count = if held == Held::Cut { &cuts } else { &lifts };
                     count.fetch_add(1, Ordering::Relaxed);
@@ -263,8 +286,32 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
             }
         }
     });
-    let mut held = Counts { cut: cuts.into_inner(), lifted: lifts.into_inner() };
-    let stopped = stopped.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let mut held = Counts { cut: cuts.into_inner(), lifted: lifts.into_inner(), settled: 0 };
+    let mut stopped = stopped.into_inner().unwrap_or_else(PoisonError::into_inner);
+    if strays.into_inner() {
+        let mut none = Vec::new();
+        let mut own = stacks.first().and_then(|stack| stack.lock().ok());
+        let stack = own.as_deref_mut().unwrap_or(&mut none);
+        let delta = &world.buffers.solver.delta;
+        for i in (0..dynamic).filter(|&i| delta[i].pad0 == STRAY) {
+            let stray = Settling {
+                own: bodies.colliders[i].as_slice(),
+                traits: &bodies.traits[i],
+                slop: world.settings.slop * unit,
+            };
+            let (pose, velocity) = (&mut bodies.pose[i], &mut bodies.velocity[i]);
+            let whence = *pose;
+            let work = (&mut *stack, &mut *settling, &mut room);
+            let guarded = guard.mode != Continuous::Discrete;
+            let settled = stray.settle(&guard, work, pose, delta[i].linear, velocity, guarded);
+            held.cut += u32::from(settled.cut);
+            held.settled += u32::from(settled.lifted);
+            if !is_in_range(pose) || !is_sound(velocity, MAX_LEFT_SPEED) {
+                stop_body(pose, velocity, whence, true);
+                stopped.push(i as u32);
+            }
+        }
+    }
     let Ok(cut) = cut.get_mut() else { return (held, stopped) };
     if guard.mode != Continuous::Discrete {
         held.cut += guard.hold_movers(&world.broad.pairs, bodies, impacts, seats, cut);
@@ -286,6 +333,37 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
     }
     (held, stopped)
 }
+
+/// What tells strays from others.
+struct Off<'a> {
+    motion: &'a [Record],
+    start: &'a [Record],
+    hot: &'a [Hot],
+    /// Who ends less far off strays not [m].
+    least: f32,
+    dt: f32,
+}
+
+impl Off<'_> {
+    /// Whether any point of a body ended far from where it was predicted to be, with the pull of the step and without.
+    fn strays(&self, i: usize, went: &Record, own: &[u32]) -> bool {
+        let reach = own.iter().fold(0.0_f32, |reach, &c| {
+            let hot = &self.hot[c as usize];
+            reach.max(hot.lever + hot.radius)
+        });
+        let is_far = |linear: Vec3, angular: Vec3| {
+            let swing = reach * (went.angular - angular).length().min(2.0);
+            (went.linear - linear).length() + swing > self.least
+        };
+        let (meant, start) = (&self.motion[i], &self.start[i]);
+        is_far(meant.linear, meant.angular) && is_far(start.linear * self.dt, start.angular * self.dt)
+    }
+}
+
+/// Marks a stray, where others have whether they were touched.
+const STRAY: f32 = -1.0;
+/// Who ends further from where it was predicted to be strays [length units].
+const STRAYS: f32 = 0.0025;
 
 /// Puts a body back to where it was, at rest. The velocity of a kinematic one is the caller's.
 #[cold]

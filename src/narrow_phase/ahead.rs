@@ -217,20 +217,34 @@ pub(crate) fn right_way_out(
     raw: &RawManifold,
 ) -> Option<RawManifold> {
     let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
-    let deepest = raw.points().iter().fold(0.0_f32, |s, p| s.min(p.separation));
     let moves = |c: &Collider| (c.body as usize) < input.dynamic;
     if moves(a) == moves(b) {
         return None;
     }
+    if moves(a) {
+        return out_by_the_centre(a, b, rel, raw, input.margin);
+    }
     // As seen from the one that moves.
     let back = rel.rotation.conjugate();
     let from_b = Relative { position: -(back * rel.position), rotation: back };
-    let (mover, other, pose, normal) =
-        if moves(a) { (a, b, *rel, raw.normal) } else { (b, a, from_b, -(back * raw.normal)) };
+    let raw = RawManifold { normal: -(back * raw.normal), ..*raw };
+    Some(out_by_the_centre(b, a, &from_b, &raw, input.margin)?.flipped(from_b.position, from_b.rotation))
+}
+
+/// The same of a shape that moves and one that stands still, in the frame of the first; of `raw` only the depth and the normal
+/// count.
+pub(crate) fn out_by_the_centre(
+    mover: &Collider,
+    still: &Collider,
+    rel: &Relative,
+    raw: &RawManifold,
+    margin: f32,
+) -> Option<RawManifold> {
+    let deepest = raw.points().iter().fold(0.0_f32, |s, p| s.min(p.separation));
     if deepest > -0.5 * mover.inner_radius {
         return None;
     }
-    let (own, still) = (Support::of(mover)?, Support::of(other)?);
+    let (own, other) = (Support::of(mover)?, Support::of(still)?);
     let centre = -(mover.rotation.conjugate() * mover.position);
     let point = Support::triangle([centre; 3]);
     let here = Relative { position: Vec3::ZERO, rotation: Quat::IDENTITY };
@@ -238,16 +252,15 @@ pub(crate) fn right_way_out(
     if distance(&own, &point, &here, Vec3::ZERO).distance > 0.0 {
         return None;
     }
-    let out = distance(&point, &still, &pose, Vec3::ZERO);
-    // `normal` leads into the other shape, as `out.normal` does.
-    if out.overlap || out.distance <= 0.0 || normal.dot(out.normal) >= 0.0 {
+    let out = distance(&point, &other, rel, Vec3::ZERO);
+    // The normal leads into the other shape, as that of `out` does.
+    if out.overlap || out.distance <= 0.0 || raw.normal.dot(out.normal) >= 0.0 {
         return None;
     }
     // Against the half-space behind the nearest point of the other.
-    let plane = Collider { kind: Kind::Plane, geometry: Geometry::Plane, ..other.clone() };
+    let plane = Collider { kind: Kind::Plane, geometry: Geometry::Plane, ..still.clone() };
     let half = Relative { position: out.point_b, rotation: Quat::from_rotation_arc(Vec3::Y, -out.normal) };
-    let found = collide_convex(mover, &plane, &half, input.margin);
-    Some(if moves(a) { found } else { found.flipped(from_b.position, from_b.rotation) })
+    Some(collide_convex(mover, &plane, &half, margin))
 }
 
 /// How the body of a collider moves within the step.

@@ -53,6 +53,7 @@ mod support;
 mod touched;
 
 pub(crate) use admit::Census;
+pub(crate) use ahead::out_by_the_centre;
 pub(crate) use bins::GHOST_GAP;
 pub(crate) use cast::{cast_convex, cast_plane, tolerance};
 pub(crate) use cast_mesh::{Asked, Cast, Triangles, ask_mesh};

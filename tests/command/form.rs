@@ -263,24 +263,56 @@ fn methods_are_compared_on_a_scene() {
 #[test]
 fn shots_are_counted_in_all_by_shape_and_by_target() {
     let run = |threads| {
-        let arguments = ["shots", "--count", "200", "--seed", "5", "--json", "--threads", threads];
+        let arguments =
+            ["shots", "--count", "200", "--moving", "20", "--seed", "5", "--json", "--threads", threads];
         document(&backstop(&arguments))
     };
     let document = run("1");
-    has_keys(&document, &["shots", "seed", "through", "by_shape", "by_target"]);
+    let counts = ["shots", "through", "through_unguarded", "gained", "guard", "depth"];
+    let modes = ["discrete", "segment", "volume"];
+    let form = |value: &Value| {
+        for name in ["through", "through_unguarded", "gained", "depth"] {
+            has_keys(&value[name], &modes);
+        }
+        has_keys(&value["guard"], &["cut", "lifted"]);
+        for mode in modes {
+            has_keys(
+                &value["depth"][mode],
+                &[
+                    "shots",
+                    "median_mm",
+                    "p99_mm",
+                    "worst_mm",
+                    "median_share",
+                    "p99_share",
+                    "worst_share",
+                    "over",
+                    "stuck",
+                ],
+            );
+        }
+    };
+    has_keys(&document, &[&counts[..], &["seed", "by_shape", "by_target", "moving"]].concat());
+    form(&document);
     assert_eq!(document["shots"], 200);
     assert_eq!(document["seed"], 5);
-    for counts in [&document["by_shape"], &document["by_target"]] {
+    for parts in [&document["by_shape"], &document["by_target"]] {
         let mut shots = 0;
         let mut discrete = 0;
-        for name in keys(counts) {
-            has_keys(&counts[name], &["shots", "through"]);
-            has_keys(&counts[name]["through"], &["discrete", "segment", "volume"]);
-            shots += counts[name]["shots"].as_u64().expect("a count");
-            discrete += counts[name]["through"]["discrete"].as_u64().expect("a count");
+        for name in keys(parts) {
+            has_keys(&parts[name], &counts);
+            form(&parts[name]);
+            shots += parts[name]["shots"].as_u64().expect("a count");
+            discrete += parts[name]["through"]["discrete"].as_u64().expect("a count");
         }
         assert_eq!(shots, 200);
         assert_eq!(document["through"]["discrete"], discrete);
+    }
+    let moving = &document["moving"];
+    has_keys(moving, &["free_plate", "hinged_plate", "stack", "crowd"]);
+    for target in keys(moving) {
+        has_keys(&moving[target], &["shots", "through", "through_unguarded"]);
+        has_keys(&moving[target]["through"], &modes);
     }
     assert_eq!(document, run("2"));
 }

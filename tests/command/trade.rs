@@ -102,8 +102,8 @@ fn the_document_is_that_of_its_description() {
 
 #[test]
 fn shares_of_a_grid_are_merged_into_what_one_run_says() {
-    let whole = document(&format!("trade tower_2 {SMALL} --json"));
-    let [one, two] = ["share-1.jsonl", "share-2.jsonl"].map(scratch);
+    let [all, one, two] = ["share-all.jsonl", "share-1.jsonl", "share-2.jsonl"].map(scratch);
+    let whole = document(&format!("trade tower_2 {SMALL} --results {all} --json"));
     // One to a file, one to standard output.
     let first = format!("trade tower_2 {SMALL} --cell 1/2 --results {one}");
     assert!(backstop(&first.split_whitespace().collect::<Vec<_>>()).status.success());

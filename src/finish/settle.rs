@@ -1,0 +1,201 @@
+//! Where bodies end that rows threw off their predicted way.
+//!
+//! Rows hold the planes of contact in a linear model: a point goes along its velocity, and arms stay as they were at the touch.
+//! A body that strikes with a tip at 500 m/s turns by many radians in what is left of the step. Its centre then goes a way
+//! along which nobody looked, and its rotation ends where no row knew of it. So of bodies that end far from where they
+//! were predicted to be (*strays*), the end of the step is settled against the static geometry that is really there:
+//!
+//! - The way of the centre is followed; where it enters a surface, the rest of it goes on along that surface, and so do the
+//!   velocities ([`Guard::go_on`]). A shot into a corner meets its three walls in one step.
+//! - At the end, with the rotation that rows led to, the body is moved out of what it overlaps: the manifolds that the next
+//!   step would begin with say how far ([`Settling::lift`]). Nothing is pushed, so no energy comes of it.
+//!
+//! Bodies that went as predicted need none of it: their ways were looked along before the rows were made.
+
+use super::guard::{Guard, Held};
+use crate::body::{Pose, Traits};
+use crate::broad_phase::{Whom, aabb_of};
+use crate::lanes::Record;
+use crate::memory::Room;
+use crate::narrow_phase::{
+    MeshScratch, RawManifold, Reach, Relative, collide_convex, collide_mesh, out_by_the_centre,
+};
+use crate::shape::{Collider, Kind};
+use glam::{DVec3, Vec3};
+
+/// Surfaces that a stray may be led along within a step.
+const SURFACES: usize = 4;
+/// How often a stray is moved out of what it overlaps: out of one surface, and of what that moves it into.
+const LIFTS: usize = 6;
+
+/// Buffers of one step.
+#[derive(Debug, Default)]
+pub(super) struct Scratch {
+    pub(super) mesh: MeshScratch,
+    pub(super) found: Vec<RawManifold>,
+}
+
+/// What became of a stray.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Settled {
+    /// Moved out of what it would have overlapped.
+    pub(super) lifted: bool,
+    /// Stopped where it met one surface too many.
+    pub(super) cut: bool,
+}
+
+/// One stray.
+pub(super) struct Settling<'a> {
+    pub(super) own: &'a [u32],
+    pub(super) traits: &'a Traits,
+    /// Overlap that is left to it [m].
+    pub(super) slop: f32,
+}
+
+impl Guard<'_> {
+    /// Follows the way of a centre along the static surfaces that it enters: the velocities into them are taken away. Says
+    /// where it ends, and whether the way led into one surface too many.
+    fn go_on(
+        &self,
+        stack: &mut Vec<u32>,
+        own: &[u32],
+        from: DVec3,
+        way: Vec3,
+        velocity: &mut Record,
+    ) -> (DVec3, Option<Vec3>) {
+        let (mut at, mut left) = (from, way);
+        let mut met = [Vec3::ZERO; SURFACES];
+        for count in 0..SURFACES {
+            let mut moved = left;
+            let Some((Held::Cut, normal)) = self.hold(stack, own, at, &mut moved, velocity) else {
+                return (at + moved.as_dvec3(), None);
+            };
+            at += moved.as_dvec3();
+            met[count] = normal;
+            left = along(&met[..=count], left - moved);
+            velocity.linear = along(&met[..=count], velocity.linear);
+            if left == Vec3::ZERO {
+                return (at, None);
+            }
+        }
+        (at, Some(left))
+    }
+}
+
+/// What of a vector leads into none of the surfaces with these normals, the last of which it enters.
+fn along(normals: &[Vec3], vector: Vec3) -> Vec3 {
+    let Some((&last, before)) = normals.split_last() else { return vector };
+    let slid = vector - last * vector.dot(last).min(0.0);
+    for (i, &other) in before.iter().enumerate() {
+        if slid.dot(other) < 0.0 {
+            // Only the crease is left, and if that leads into a third one, nothing.
+            let Some(crease) = last.cross(other).try_normalize() else { return Vec3::ZERO };
+            let slid = crease * vector.dot(crease);
+            let into_third = before.iter().enumerate().any(|(k, n)| k != i && slid.dot(*n) < -1e-6 * slid.length());
+            return if into_third { Vec3::ZERO } else { slid };
+        }
+    }
+    slid
+}
+
+impl Settling<'_> {
+    /// Settles a stray that is turned as at its end and stands where it was at the start of the step.
+    pub(super) fn settle(
+        &self,
+        guard: &Guard<'_>,
+        (stack, scratch, room): (&mut Vec<u32>, &mut Scratch, &mut Room),
+        pose: &mut Pose,
+        way: Vec3,
+        velocity: &mut Record,
+        guarded: bool,
+    ) -> Settled {
+        let (end, left) = guard.go_on(stack, self.own, pose.position, way, velocity);
+        pose.position = end;
+        let mut settled = Settled::default();
+        if let Some(left) = left {
+            if guarded {
+                settled.cut = true;
+            } else {
+                pose.position += left.as_dvec3();
+            }
+        }
+        for _ in 0..LIFTS {
+            let Some((depth, out)) = self.deepest(guard, (stack, scratch, room), pose) else { break };
+            if depth <= 2.0 * self.slop {
+                break;
+            }
+            let mut lift = self.traits.free(out * (depth - self.slop));
+            if lift == Vec3::ZERO {
+                break;
+            }
+            guard.hold(stack, self.own, pose.position, &mut lift, velocity);
+            pose.position += lift.as_dvec3();
+            settled.lifted = true;
+        }
+        settled
+    }
+
+    /// How deep the body is in static geometry where it is deepest [m], and the way out.
+    fn deepest(
+        &self,
+        guard: &Guard<'_>,
+        (stack, scratch, room): (&mut Vec<u32>, &mut Scratch, &mut Room),
+        pose: &Pose,
+    ) -> Option<(f32, Vec3)> {
+        let mut deepest: Option<(f32, Vec3)> = None;
+        for &c in self.own {
+            let shape = &guard.colliders[c as usize];
+            if shape.is_sensor() {
+                continue;
+            }
+            let here = Pose {
+                position: pose.position + (pose.rotation * shape.position).as_dvec3(),
+                rotation: pose.rotation * shape.rotation,
+            };
+            let bounds = aabb_of(shape, pose.position, pose.rotation);
+            guard.broad.in_box(stack, Whom::Statics, &bounds, |other| {
+                if !guard.may_meet(self.own, other) {
+                    return;
+                }
+                let (still, at) = (&guard.colliders[other as usize], &guard.poses[other as usize]);
+                overlaps(shape, &here, still, at, (scratch, room));
+                for raw in &scratch.found {
+                    let depth = raw.points().iter().fold(0.0_f32, |s, p| s.max(-p.separation));
+                    if depth > deepest.map_or(0.0, |(most, _)| most) {
+                        deepest = Some((depth, here.rotation * -raw.normal));
+                    }
+                }
+            });
+        }
+        deepest
+    }
+}
+
+/// The manifolds of two shapes that overlap, in the frame of the first, which is the one that moves.
+fn overlaps(
+    shape: &Collider,
+    here: &Pose,
+    still: &Collider,
+    at: &Pose,
+    (scratch, room): (&mut Scratch, &mut Room),
+) {
+    let back = here.rotation.conjugate();
+    let rel = Relative {
+        position: back * (at.position - here.position).as_vec3(),
+        rotation: back * at.rotation,
+    };
+    let Scratch { mesh, found } = scratch;
+    found.clear();
+    if matches!(still.kind, Kind::Mesh | Kind::HeightField) {
+        mesh.room = *room;
+        mesh.nearby.forget();
+        collide_mesh(shape, still, &rel, Reach::new(0.0), mesh, found);
+        *room = std::mem::replace(&mut mesh.room, Room::ENDLESS);
+    } else {
+        let raw = collide_convex(shape, still, &rel, 0.0);
+        if raw.count > 0 {
+            let out = out_by_the_centre(shape, still, &rel, &raw, 0.0);
+            room.push(found, out.unwrap_or(raw));
+        }
+    }
+}
