@@ -65,7 +65,7 @@ impl ContinuousMethod {
 pub(crate) struct StageModes {
     pub(crate) broad: Continuous,
     pub(crate) narrow: Continuous,
-    pub(crate) guard: Continuous,
+    pub(crate) finish: Continuous,
 }
 
 /// How friction of two directions is bounded.
@@ -198,16 +198,15 @@ impl Settings {
     /// What the stages do of continuous collision.
     pub(crate) fn stage_modes(&self) -> StageModes {
         let (own, off) = (self.continuous, Continuous::Discrete);
-        let guard = if self.guard { own } else { off };
         match self.method {
-            ContinuousMethod::OnePass => StageModes { broad: own, narrow: own, guard },
+            ContinuousMethod::OnePass => StageModes { broad: own, narrow: own, finish: own },
             ContinuousMethod::Speculative => {
                 let all = if own == off { off } else { Continuous::Volume };
-                StageModes { broad: all, narrow: all, guard: off }
+                StageModes { broad: all, narrow: all, finish: off }
             }
             // The contacts are discrete ones; what is fast is swept all the same, to know who may be struck.
             ContinuousMethod::LinearCast | ContinuousMethod::ConservativeAdvancement => {
-                StageModes { broad: own, narrow: off, guard: off }
+                StageModes { broad: own, narrow: off, finish: off }
             }
         }
     }

@@ -34,6 +34,8 @@ pub(crate) struct Guard<'a> {
     pub(crate) hot: &'a [Hot],
     pub(crate) poses: &'a [Pose],
     pub(crate) mode: Continuous,
+    /// Whether paths are cut and ends lifted, where nothing else helps.
+    pub(crate) cuts: bool,
     /// Whether any shape is a sensor.
     pub(crate) senses: bool,
     /// Pairs that hooks let pass through each other, sorted.

@@ -151,12 +151,14 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
     if continuous {
         stacks_of(stacks).widen(blocks);
     }
+    let mode = if continuous { world.settings.stage_modes().finish } else { Continuous::Discrete };
     let guard = Guard {
         broad: &world.broad,
         colliders: &world.colliders.all,
         hot: &world.colliders.hot,
         poses: &world.colliders.poses,
-        mode: if continuous { world.settings.stage_modes().guard } else { Continuous::Discrete },
+        mode,
+        cuts: world.settings.guard && mode != Continuous::Discrete,
         senses: world.needs.sensors > 0,
         vetoed: &world.events.vetoed,
         joints: &world.joints,
@@ -182,7 +184,6 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
     let inverse_inertia = &world.buffers.forces.inverse_inertia;
     let unit = world.settings.length_unit;
     let off = Off { motion: &world.buffers.forces.motion, start, hot, least: STRAYS * unit, dt };
-    let looks = if continuous { world.settings.stage_modes().narrow } else { Continuous::Discrete };
     let strays = AtomicBool::new(false);
     let note = |seat: Option<Seat>, share: f32| {
         if let (Some(seat), Ok(mut cut)) = (seat, shared.lock()) {
@@ -241,40 +242,45 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
                 }
                 pose.rotation = turned;
             }
-            if touched
-                && i < dynamic
-                && looks.of(traits[i].continuous) != Continuous::Discrete
-                && !impacts.bounced(i)
-                && !guard.joints.has_any(slots[i])
-                && off.strays(i, d, colliders[i].as_slice())
-            {
-                // Stays where it was until it is settled.
-                d.pad0 = STRAY;
-                strays.store(true, Ordering::Relaxed);
-                continue;
-            }
             let mut moved = d.linear;
             // What met nothing went along the path that the broad phase and the narrow phase looked along.
             let alone = !touched && beside.get(i).is_some_and(|beside| !beside);
-            if i < dynamic && !alone && guard.wants(&traits[i], colliders[i].as_slice()) {
-                let (own, from) = (colliders[i].as_slice(), pose.position);
+            let own = colliders.get(i).map_or(&[][..], |own| own.as_slice());
+            if i < dynamic && !alone && guard.wants(&traits[i], own) {
+                let from = pose.position;
+                // What bounced meets what it was thrown at with its speed, in the next step. What is joined goes nowhere alone.
+                let bounced = impacts.bounced(i);
+                let led = bounced || guard.joints.has_any(slots[i]);
                 // SAFETY: each body is in one block.
                 let clear = unsafe { clear.get(i) };
-                // What bounced meets what it was thrown at with its speed, in the next step.
-                let (mut kept, bounced) = (*velocity, impacts.bounced(i));
-                let stopped = if bounced { &mut kept } else { &mut *velocity };
-                if !guard.is_clear(stack, own, clear, from, moved)
-                    && let Some((held, _)) = guard.hold(stack, own, from, &mut moved, stopped)
-                {
-                    let count = if held == Held::Cut { &cuts } else { &lifts };
-                    count.fetch_add(1, Ordering::Relaxed);
-                    note(seat, moved.length() / d.linear.length());
+                let mut is_stray = !led && touched && off.strays(i, d, own);
+                if !is_stray && (guard.cuts || !led) && !guard.is_clear(stack, own, clear, from, moved) {
+                    let mut kept = *velocity;
+                    match guard.hold(stack, own, from, &mut moved, &mut kept) {
+                        Some((Held::Cut, _)) if !led => is_stray = true,
+                        Some((held, _)) if guard.cuts => {
+                            let count = if held == Held::Cut { &cuts } else { &lifts };
+                            count.fetch_add(1, Ordering::Relaxed);
+                            note(seat, moved.length() / d.linear.length());
+                            if !bounced {
+                                *velocity = kept;
+                            }
+                        }
+                        _ => moved = d.linear,
+                    }
+                }
+                if is_stray {
+                    // Stays where it was until it is settled.
+                    d.pad0 = STRAY;
+                    strays.store(true, Ordering::Relaxed);
+                    continue;
                 }
             }
             pose.position += moved.as_dvec3();
             if let Some(before) = before
-                && guard.wants(&traits[i], colliders[i].as_slice())
-                && let Some(crossing) = guard.crossing(stack, colliders[i].as_slice(), &before, pose)
+                && guard.cuts
+                && guard.wants(&traits[i], own)
+                && let Some(crossing) = guard.crossing(stack, own, &before, pose)
             {
                 cuts.fetch_add(1, Ordering::Relaxed);
                 stop_end(velocity, &crossing, mass[i].inverse, &inverse_inertia[i]);
@@ -302,8 +308,7 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
             let (pose, velocity) = (&mut bodies.pose[i], &mut bodies.velocity[i]);
             let whence = *pose;
             let work = (&mut *stack, &mut *settling, &mut room);
-            let guarded = guard.mode != Continuous::Discrete;
-            let settled = stray.settle(&guard, work, pose, delta[i].linear, velocity, guarded);
+            let settled = stray.settle(&guard, work, pose, delta[i].linear, velocity);
             held.cut += u32::from(settled.cut);
             held.settled += u32::from(settled.lifted);
             if !is_in_range(pose) || !is_sound(velocity, MAX_LEFT_SPEED) {
@@ -313,7 +318,7 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
         }
     }
     let Ok(cut) = cut.get_mut() else { return (held, stopped) };
-    if guard.mode != Continuous::Discrete {
+    if guard.cuts {
         held.cut += guard.hold_movers(&world.broad.pairs, bodies, impacts, seats, cut);
     }
     if !cut.is_empty()
@@ -326,7 +331,7 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
         cut.clear();
     }
     if movers > dynamic
-        && guard.mode != Continuous::Discrete
+        && guard.cuts
         && let Some(Ok(mut stack)) = stacks.first().map(|s| s.lock())
     {
         held.cut += guard.hold_kinematic(&world.broad.pairs, bodies, &mut stack, dt);

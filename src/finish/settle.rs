@@ -107,13 +107,12 @@ impl Settling<'_> {
         pose: &mut Pose,
         way: Vec3,
         velocity: &mut Record,
-        guarded: bool,
     ) -> Settled {
         let (end, left) = guard.go_on(stack, self.own, pose.position, way, velocity);
         pose.position = end;
         let mut settled = Settled::default();
         if let Some(left) = left {
-            if guarded {
+            if guard.cuts {
                 settled.cut = true;
             } else {
                 pose.position += left.as_dvec3();
