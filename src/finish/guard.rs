@@ -156,7 +156,9 @@ impl Guard<'_> {
             return None;
         }
         let Some((fraction, normal)) = self.first_static(stack, own, from, reach) else {
-            return self.keep_off(stack, own, from, moved, GRAZE * keep).then_some((Held::Lifted, Vec3::ZERO));
+            return self
+                .keep_off(stack, own, from, moved, GRAZE * keep)
+                .then_some((Held::Lifted, Vec3::ZERO));
         };
         let stop = stop(reach, length, keep, fraction, normal)?;
         *moved = reach * stop;

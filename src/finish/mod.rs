@@ -28,7 +28,7 @@ use crate::solver::closing;
 use crate::step::REAL;
 use crate::threads::{Crew, Shared, per_block};
 use crate::world::World;
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -38,8 +38,8 @@ pub(crate) struct Buffers {
     stacks: Vec<Mutex<Vec<u32>>>,
     /// Of each dynamic body: it need not be looked at in there.
     pub(crate) clear: Vec<Clear>,
-    /// Of each dynamic body, if there are fast ones: something static is near its predicted path.
-    beside: Vec<bool>,
+    /// Of each dynamic body, if there are fast ones: what is near its predicted path.
+    beside: Vec<Beside>,
     /// Of strays.
     settling: settle::Scratch,
     /// Bodies of trees that were cut short, and the share of their ways that they went.
@@ -96,10 +96,21 @@ fn stacks_of(all: &mut Vec<Mutex<Vec<u32>>>) -> Made<'_, Mutex<Vec<u32>>> {
     Made { all, make: || Mutex::new(Vec::with_capacity(STACK)), holds: STACK * size_of::<u32>() }
 }
 
-/// Marks the dynamic bodies that something static may touch on their predicted paths: by a pair with it that the narrow
-/// phase did not see them miss. None if nothing is fast: what is slow is known to be clear of most already.
+/// What is near a body's predicted path.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+enum Beside {
+    #[default]
+    Nothing,
+    /// Static geometry, which the narrow phase saw the body miss.
+    Missed,
+    /// Static geometry that it may touch.
+    Static,
+}
+
+/// Marks the dynamic bodies that are near something static on their predicted paths. None if nothing is fast: what is slow is
+/// known to be clear of most already.
 fn mark_beside(
-    beside: &mut Vec<bool>,
+    beside: &mut Vec<Beside>,
     fast: u32,
     (movers, dynamic): (usize, usize),
     (pairs, colliders): (&[Pair], &[Hot]),
@@ -109,14 +120,14 @@ fn mark_beside(
     if fast == 0 {
         return;
     }
-    beside.resize(dynamic, false);
+    beside.resize(dynamic, Beside::Nothing);
     for (k, pair) in pairs.iter().enumerate() {
         let [a, b] = [pair.a, pair.b].map(|c| colliders[c as usize].body as usize);
         let body = a.min(b);
         if (a >= movers || b >= movers)
             && let Some(mark) = beside.get_mut(body)
         {
-            *mark |= !missed(k, body);
+            *mark = (*mark).max(if missed(k, body) { Beside::Missed } else { Beside::Static });
         }
     }
 }
@@ -213,9 +224,14 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
             let (touched, carried) = (d.pad0 != 0.0, d.pad1 != 0.0);
             let seat = seats.of(i);
             let before = seat.map(|_| whence);
+            let own = colliders.get(i).map_or(&[][..], |own| own.as_slice());
+            // Its axis wanders, which no look ahead knew of.
+            let mut precesses = false;
             if uneven && i < dynamic && !touched && spins_freely(&mass[i], &traits[i], start[i].angular, dt) {
                 (pose.rotation, velocity.angular) =
                     turn_freely(pose.rotation, start[i].angular, mass[i].inertia, dt);
+                precesses = beside.get(i).is_some_and(|beside| *beside != Beside::Nothing)
+                    && off.turned(i, whence.rotation, pose.rotation, own);
             } else if let Some((rotation, time)) = impacts.turned(i) {
                 // It bounced, and its spin is that of the moment.
                 (pose.rotation, velocity.angular) =
@@ -244,8 +260,8 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
             }
             let mut moved = d.linear;
             // What met nothing went along the path that the broad phase and the narrow phase looked along.
-            let alone = !touched && beside.get(i).is_some_and(|beside| !beside);
-            let own = colliders.get(i).map_or(&[][..], |own| own.as_slice());
+            let alone =
+                !touched && !precesses && beside.get(i).is_some_and(|beside| *beside != Beside::Static);
             if i < dynamic && !alone && guard.wants(&traits[i], own) {
                 let from = pose.position;
                 // What bounced meets what it was thrown at with its speed, in the next step. What is joined goes nowhere alone.
@@ -253,7 +269,7 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
                 let led = bounced || guard.joints.has_any(slots[i]);
                 // SAFETY: each body is in one block.
                 let clear = unsafe { clear.get(i) };
-                let mut is_stray = !led && touched && off.strays(i, d, own);
+                let mut is_stray = !led && (precesses || touched && off.strays(i, d, own));
                 if !is_stray && (guard.cuts || !led) && !guard.is_clear(stack, own, clear, from, moved) {
                     let mut kept = *velocity;
                     match guard.hold(stack, own, from, &mut moved, &mut kept) {
@@ -352,16 +368,29 @@ struct Off<'a> {
 impl Off<'_> {
     /// Whether any point of a body ended far from where it was predicted to be, with the pull of the step and without.
     fn strays(&self, i: usize, went: &Record, own: &[u32]) -> bool {
-        let reach = own.iter().fold(0.0_f32, |reach, &c| {
-            let hot = &self.hot[c as usize];
-            reach.max(hot.lever + hot.radius)
-        });
+        let reach = self.reach(own);
         let is_far = |linear: Vec3, angular: Vec3| {
             let swing = reach * (went.angular - angular).length().min(2.0);
             (went.linear - linear).length() + swing > self.least
         };
         let (meant, start) = (&self.motion[i], &self.start[i]);
         is_far(meant.linear, meant.angular) && is_far(start.linear * self.dt, start.angular * self.dt)
+    }
+
+    /// Whether a body that turned as a free one is turned otherwise than predicted, by so much that a point of it is far off.
+    fn turned(&self, i: usize, before: Quat, after: Quat, own: &[u32]) -> bool {
+        let meant = exp_map(self.motion[i].angular) * before;
+        // The chord of the angle between them.
+        let chord = 2.0 * (1.0 - meant.dot(after).powi(2)).max(0.0).sqrt();
+        self.reach(own) * chord > self.least
+    }
+
+    /// How far any point of a body is from its centre, at most [m].
+    fn reach(&self, own: &[u32]) -> f32 {
+        own.iter().fold(0.0, |reach, &c| {
+            let hot = &self.hot[c as usize];
+            reach.max(hot.lever + hot.radius)
+        })
     }
 }
 

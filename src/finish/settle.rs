@@ -91,7 +91,8 @@ fn along(normals: &[Vec3], vector: Vec3) -> Vec3 {
             // Only the crease is left, and if that leads into a third one, nothing.
             let Some(crease) = last.cross(other).try_normalize() else { return Vec3::ZERO };
             let slid = crease * vector.dot(crease);
-            let into_third = before.iter().enumerate().any(|(k, n)| k != i && slid.dot(*n) < -1e-6 * slid.length());
+            let into_third =
+                before.iter().enumerate().any(|(k, n)| k != i && slid.dot(*n) < -1e-6 * slid.length());
             return if into_third { Vec3::ZERO } else { slid };
         }
     }
@@ -179,10 +180,8 @@ fn overlaps(
     (scratch, room): (&mut Scratch, &mut Room),
 ) {
     let back = here.rotation.conjugate();
-    let rel = Relative {
-        position: back * (at.position - here.position).as_vec3(),
-        rotation: back * at.rotation,
-    };
+    let rel =
+        Relative { position: back * (at.position - here.position).as_vec3(), rotation: back * at.rotation };
     let Scratch { mesh, found } = scratch;
     found.clear();
     if matches!(still.kind, Kind::Mesh | Kind::HeightField) {
