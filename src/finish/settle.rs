@@ -158,42 +158,41 @@ impl Settling<'_> {
                     return;
                 }
                 let (still, at) = (&guard.colliders[other as usize], &guard.poses[other as usize]);
-                overlaps(shape, &here, still, at, (scratch, room));
-                for raw in &scratch.found {
-                    let depth = raw.points().iter().fold(0.0_f32, |s, p| s.max(-p.separation));
-                    if depth > deepest.map_or(0.0, |(most, _)| most) {
-                        deepest = Some((depth, here.rotation * -raw.normal));
-                    }
+                let (depth, into) = self.overlap((shape, &here), (still, at), (scratch, room));
+                if depth > deepest.map_or(0.0, |(most, _)| most) {
+                    deepest = Some((depth, here.rotation * -into));
                 }
             });
         }
         deepest
     }
-}
 
-/// The manifolds of two shapes that overlap, in the frame of the first, which is the one that moves.
-fn overlaps(
-    shape: &Collider,
-    here: &Pose,
-    still: &Collider,
-    at: &Pose,
-    (scratch, room): (&mut Scratch, &mut Room),
-) {
-    let back = here.rotation.conjugate();
-    let rel =
-        Relative { position: back * (at.position - here.position).as_vec3(), rotation: back * at.rotation };
-    let Scratch { mesh, found } = scratch;
-    found.clear();
-    if matches!(still.kind, Kind::Mesh | Kind::HeightField) {
+    /// How deep a shape is in one that stands still [m], and the normal into that, in its own frame.
+    fn overlap(
+        &self,
+        (shape, here): (&Collider, &Pose),
+        (still, at): (&Collider, &Pose),
+        (scratch, room): (&mut Scratch, &mut Room),
+    ) -> (f32, Vec3) {
+        let back = here.rotation.conjugate();
+        let rel = Relative {
+            position: back * (at.position - here.position).as_vec3(),
+            rotation: back * at.rotation,
+        };
+        let depth = |raw: &RawManifold| raw.points().iter().fold(0.0_f32, |s, p| s.max(-p.separation));
+        if !matches!(still.kind, Kind::Mesh | Kind::HeightField) {
+            let raw = collide_convex(shape, still, &rel, 0.0);
+            let raw = out_by_the_centre(shape, still, &rel, &raw, 0.0).unwrap_or(raw);
+            return (depth(&raw), raw.normal);
+        }
+        let Scratch { mesh, found } = scratch;
+        found.clear();
         mesh.room = *room;
         mesh.nearby.forget();
         collide_mesh(shape, still, &rel, Reach::new(0.0), mesh, found);
         *room = std::mem::replace(&mut mesh.room, Room::ENDLESS);
-    } else {
-        let raw = collide_convex(shape, still, &rel, 0.0);
-        if raw.count > 0 {
-            let out = out_by_the_centre(shape, still, &rel, &raw, 0.0);
-            room.push(found, out.unwrap_or(raw));
-        }
+        let most = found.iter().map(|raw| (depth(raw), raw.normal));
+        let most = most.fold((0.0, Vec3::ZERO), |most, one| if one.0 > most.0 { one } else { most });
+        if most.0 > 2.0 * self.slop { most } else { mesh.pierced(shape).unwrap_or(most) }
     }
 }

@@ -12,6 +12,7 @@
 //! stuck halfway is pushed back to where its centre is ([`side_of`]).
 
 use super::clip::CLOUD;
+use super::gjk::distance;
 use super::mesh_merge::{MOST, Merge};
 use super::mesh_patch::{Patches, Touch};
 use super::mesh_reach::{Near, Reach, along, around, bounds, side_of};
@@ -160,6 +161,15 @@ impl MeshScratch {
             }
         }
         touched
+    }
+
+    /// A triangle that the last shape, which was `a`, pierces although no manifold says so, because the way out past its edge is
+    /// shorter and leads behind a neighbour: how far the shape is beyond its plane, and the normal into it.
+    pub(crate) fn pierced(&self, a: &Collider) -> Option<(f32, Vec3)> {
+        let (touch, apart) = self.patches.passed_over()?;
+        let here = Relative { position: Vec3::ZERO, rotation: glam::Quat::IDENTITY };
+        let gap = distance(&Support::of(a)?, &Support::triangle(touch.corners), &here, Vec3::ZERO);
+        gap.overlap.then_some((-apart, -touch.front))
     }
 
     /// Where triangles are gathered, if there is room.

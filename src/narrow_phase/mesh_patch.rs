@@ -237,6 +237,11 @@ impl Patches {
         self.spare.filter(|_| self.patches.is_empty()).map(|(touch, _)| touch)
     }
 
+    /// The triangle that is noted, and how far the shape reaches beyond its plane, negative [m].
+    pub(super) fn passed_over(&self) -> Option<(Touch, f32)> {
+        self.spare
+    }
+
     /// Drops the points from `first` on if one of them is deeper than `least`.
     pub(super) fn limit(&mut self, first: usize, least: f32) {
         if self.points[first..].iter().any(|p| p.separation < least) {
