@@ -99,18 +99,57 @@ fn half_turn(t: f64) -> (f64, f64) {
     }
 }
 
-/// A free body whose axis may wander by more than this at once is turned in several parts [rad]. At this a box at
-/// 100 rad/s keeps its energy within 0.1 %, without a drift; at half of it within 0.04 %.
+/// A free body whose axis may wander by more than this at once is turned in several parts [rad], of which there are no more
+/// than [`PARTS`]. At this [`tumble`] alone keeps the energy of a box at 100 rad/s within 0.1 %.
 const TURN: f32 = 0.1;
+const PARTS: f32 = 16.0;
 
-/// Free rotation over some seconds, however fast: [`tumble`] in as many parts as it takes.
+/// Free rotation over some seconds, however fast: [`tumble`] in as many parts as it takes. Energy and angular momentum are
+/// those of before, even where the parts are too few to tell where the axis has got to.
 pub(crate) fn turn_freely(rotation: Quat, spin: Vec3, inertia: Vec3, time: f32) -> (Quat, Vec3) {
-    let parts = (wobble(spin, inertia) * time / TURN).ceil().clamp(1.0, 16.0);
+    let wander = wobble(spin, inertia) * time;
+    let parts = (wander / TURN).ceil().clamp(1.0, PARTS);
     let (mut q, mut w) = (rotation, spin);
     for _ in 0..parts as u32 {
         (q, w) = tumble(q, w, inertia, time / parts);
     }
-    (q, w)
+    if wander > 0.0 { with_energy(q, w, inertia, (rotation.conjugate() * spin).as_dvec3()) } else { (q, w) }
+}
+
+/// Moves the momentum of a free body, as the body sees it, on its sphere to where the body has the energy that it had with the
+/// spin `before`, in its own axes; in the world the momentum stays what it is.
+///
+/// The squares of its three parts are shares of a whole, and the energy is the mean of 1/I over them. The shares are tilted
+/// by exp(x/I), which keeps them between zero and one and moves the mean one way; x is found by Newton's method.
+fn with_energy(rotation: Quat, spin: Vec3, inertia: Vec3, before: DVec3) -> (Quat, Vec3) {
+    const TRIES: usize = 24;
+    let (turn, inertia) = (rotation.as_dquat().normalize(), inertia.as_dvec3());
+    let inverse = inertia.recip() * inertia.min_element();
+    let (own, first) = (inertia * (turn.conjugate() * spin.as_dvec3()), inertia * before);
+    let (Some(unit), Some(now)) = (first.try_normalize(), own.try_normalize()) else {
+        return (rotation, spin);
+    };
+    let energy = (unit * unit).dot(inverse);
+    // None is quite zero, or it could not grow.
+    let mut shares = now * now + DVec3::splat(1e-12);
+    for _ in 0..TRIES {
+        shares /= shares.element_sum();
+        let mean = shares.dot(inverse);
+        let away = inverse - DVec3::splat(mean);
+        let variance = shares.dot(away * away);
+        if (energy - mean).abs() < 1e-12 * energy || variance <= 0.0 {
+            break;
+        }
+        let most = 4.0 / away.abs().max_element();
+        let tilt = ((energy - mean) / variance).clamp(-most, most);
+        shares *= DVec3::from_array((away * tilt).to_array().map(libm::exp));
+    }
+    let moved = DVec3::from_array(shares.to_array().map(f64::sqrt)) * now.signum();
+    if !moved.is_finite() {
+        return (rotation, spin);
+    }
+    let turn = (turn * DQuat::from_rotation_arc(moved.normalize(), now)).normalize();
+    (turn.as_quat(), (turn * (moved * first.length() / inertia)).as_vec3())
 }
 
 /// How fast the two like moments of a body turn it out of the motion of a symmetric top, at most [rad/s]: what
@@ -159,6 +198,26 @@ mod tests {
                 let now = q * (inertia * (q.conjugate() * w));
                 assert!((now - momentum).length() < 1e-3 * momentum.length());
                 assert!((w.dot(now) / energy - 1.0).abs() < 0.02, "{h} {}", w.dot(now) / energy);
+            }
+        }
+    }
+
+    /// Whatever the length of the step: a body that spins freely has the energy and the momentum that it had.
+    #[test]
+    fn free_turns_keep_energy_and_momentum_at_any_speed() {
+        for inertia in [Vec3::new(1.0, 1.7, 2.3), Vec3::new(1.0, 1e-2, 1.004), Vec3::new(2.0, 2.1, 2.2)] {
+            for speed in [3.0, 200.0, 20_000.0] {
+                let (mut q, mut w) = (Quat::IDENTITY, Vec3::new(0.3, 0.9, -0.4).normalize() * speed);
+                let momentum = inertia * w;
+                let energy = w.dot(momentum);
+                for step in 0..1000 {
+                    (q, w) = turn_freely(q, w, inertia, [1.0 / 60.0, 1.0 / 20.0][step % 2]);
+                    let now = q * (inertia * (q.conjugate() * w));
+                    let off = (w.dot(now) / energy - 1.0).abs();
+                    // Roundings of 1000 steps.
+                    assert!(off < 2e-5, "{inertia} {speed} {step}: energy is off by {off}");
+                    assert!((now - momentum).length() < 1e-4 * momentum.length(), "{inertia} {speed} {step}");
+                }
             }
         }
     }

@@ -319,6 +319,7 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
             let stray = Settling {
                 own: bodies.colliders[i].as_slice(),
                 traits: &bodies.traits[i],
+                pull: world.buffers.forces.acceleration.get(i).map_or(Vec3::ZERO, |pull| pull.linear),
                 slop: world.settings.slop * unit,
             };
             let (pose, velocity) = (&mut bodies.pose[i], &mut bodies.velocity[i]);

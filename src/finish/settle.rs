@@ -26,7 +26,7 @@ use glam::{DVec3, Vec3};
 /// Surfaces that a stray may be led along within a step.
 const SURFACES: usize = 4;
 /// How often a stray is moved out of what it overlaps: out of one surface, and of what that moves it into.
-const LIFTS: usize = 6;
+const LIFTS: usize = 12;
 
 /// Buffers of one step.
 #[derive(Debug, Default)]
@@ -48,6 +48,8 @@ pub(super) struct Settled {
 pub(super) struct Settling<'a> {
     pub(super) own: &'a [u32],
     pub(super) traits: &'a Traits,
+    /// Acceleration of the step [m/s²].
+    pub(super) pull: Vec3,
     /// Overlap that is left to it [m].
     pub(super) slop: f32,
 }
@@ -99,6 +101,15 @@ fn along(normals: &[Vec3], vector: Vec3) -> Vec3 {
     slid
 }
 
+/// Takes what a body was lifted against its pull by, twice the energy by its mass [m²/s²], out of its speed into what it was
+/// lifted off.
+fn pay(velocity: &mut Vec3, out: Vec3, price: f32) {
+    let into = -velocity.dot(out);
+    if into > 0.0 && price > 0.0 {
+        *velocity += out * (into - (into * into - price).max(0.0).sqrt());
+    }
+}
+
 impl Settling<'_> {
     /// Settles a stray that is turned as at its end and stands where it was at the start of the step.
     pub(super) fn settle(
@@ -130,6 +141,7 @@ impl Settling<'_> {
             }
             guard.hold(stack, self.own, pose.position, &mut lift, velocity);
             pose.position += lift.as_dvec3();
+            pay(&mut velocity.linear, out, -2.0 * self.pull.dot(lift));
             settled.lifted = true;
         }
         settled

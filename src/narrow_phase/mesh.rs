@@ -169,7 +169,7 @@ impl MeshScratch {
         let (touch, apart) = self.patches.passed_over()?;
         let here = Relative { position: Vec3::ZERO, rotation: glam::Quat::IDENTITY };
         let gap = distance(&Support::of(a)?, &Support::triangle(touch.corners), &here, Vec3::ZERO);
-        gap.overlap.then_some((-apart, -touch.front))
+        (gap.overlap || gap.distance < 0.0).then_some((-apart, -touch.front))
     }
 
     /// Where triangles are gathered, if there is room.
