@@ -11,7 +11,7 @@ use ends::Crossing;
 pub(crate) use free::Clear;
 use guard::{Counts, Guard, Held};
 pub use report::{StageTimes, StepReport};
-use settle::Settling;
+use settle::{Settling, Tools};
 use trees::Trees;
 
 use crate::body::{Pose, carry_spin, exp_map, turn_freely};
@@ -22,7 +22,7 @@ use crate::faults::is_sound;
 use crate::forces::spins_freely;
 use crate::lanes::{self, Record, Sym3};
 use crate::limits::{MAX_LEFT_SPEED, MAX_POSITION};
-use crate::memory::{Buffer, Category, Made, bytes_of};
+use crate::memory::{Buffer, Made, bytes_of};
 use crate::shape::Hot;
 use crate::solver::closing;
 use crate::step::REAL;
@@ -48,16 +48,19 @@ pub(crate) struct Buffers {
 
 impl Buffers {
     /// Calls `f` with each buffer and the place that it needs for so many bodies that can move, and that can be pushed; some
-    /// of them may be joined.
+    /// of them may be joined, and some may go astray.
     pub(crate) fn each(
         &mut self,
         (movers, dynamic): (usize, usize),
-        joined: bool,
+        (joined, strays): (bool, bool),
         f: &mut dyn FnMut(&mut dyn Buffer, usize),
     ) {
         if joined && let Ok(cut) = self.cut.get_mut() {
             // By the static world, and by another body.
             f(cut, 2 * dynamic);
+        }
+        if strays {
+            self.settling.each(f);
         }
         f(&mut self.clear, dynamic);
         f(&mut self.beside, dynamic);
@@ -69,8 +72,7 @@ impl Buffers {
             self.stacks.iter().filter_map(|s| s.lock().ok().map(|s| s.capacity() * 4)).sum::<usize>();
         let cut = self.cut.lock().map_or((0, 0), |cut| bytes_of(&cut));
         let own = self.stacks.capacity() * size_of::<Mutex<Vec<u32>>>();
-        let settling = [self.settling.mesh.bytes(), bytes_of(&self.settling.found)];
-        [bytes_of(&self.clear), bytes_of(&self.beside), cut, settling[0], settling[1]]
+        [bytes_of(&self.clear), bytes_of(&self.beside), self.settling.bytes(), cut]
             .into_iter()
             .fold((own, own + stacks), |s, b| (s.0 + b.0, s.1 + b.1))
     }
@@ -157,7 +159,6 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
     let (cuts, lifts) = (AtomicU32::new(0), AtomicU32::new(0));
     let stopped = Mutex::new(Vec::new());
     let continuous = world.is_continuous();
-    let mut room = world.room(Category::Scratch);
     let Buffers { stacks, clear, beside, settling, cut } = &mut world.buffers.finish;
     if continuous {
         stacks_of(stacks).widen(blocks);
@@ -266,7 +267,7 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
                 let from = pose.position;
                 // What bounced meets what it was thrown at with its speed, in the next step. What is joined goes nowhere alone.
                 let bounced = impacts.bounced(i);
-                let led = bounced || guard.joints.has_any(slots[i]);
+                let led = bounced || guard.is_elastic(own) || guard.joints.has_any(slots[i]);
                 // SAFETY: each body is in one block.
                 let clear = unsafe { clear.get(i) };
                 let mut is_stray = !led && (precesses || touched && off.strays(i, d, own));
@@ -314,6 +315,8 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
         let mut none = Vec::new();
         let mut own = stacks.first().and_then(|stack| stack.lock().ok());
         let stack = own.as_deref_mut().unwrap_or(&mut none);
+        let may_grow = world.settings.budget.is_none();
+        let mut tools = Tools { stack, scratch: settling, may_grow };
         let delta = &world.buffers.solver.delta;
         for i in (0..dynamic).filter(|&i| delta[i].pad0 == STRAY) {
             let stray = Settling {
@@ -321,11 +324,13 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
                 traits: &bodies.traits[i],
                 pull: world.buffers.forces.acceleration.get(i).map_or(Vec3::ZERO, |pull| pull.linear),
                 slop: world.settings.slop * unit,
+                least: (STRAYS * unit)
+                    .min(0.5 * guard.inner(bodies.colliders[i].as_slice()))
+                    .max(2.0 * world.settings.slop * unit),
             };
             let (pose, velocity) = (&mut bodies.pose[i], &mut bodies.velocity[i]);
             let whence = *pose;
-            let work = (&mut *stack, &mut *settling, &mut room);
-            let settled = stray.settle(&guard, work, pose, delta[i].linear, velocity);
+            let settled = stray.settle(&guard, &mut tools, pose, delta[i].linear, velocity);
             held.cut += u32::from(settled.cut);
             held.settled += u32::from(settled.lifted);
             if !is_in_range(pose) || !is_sound(velocity, MAX_LEFT_SPEED) {

@@ -16,7 +16,7 @@ use super::guard::{Guard, Held};
 use crate::body::{Pose, Traits};
 use crate::broad_phase::{Whom, aabb_of};
 use crate::lanes::Record;
-use crate::memory::Room;
+use crate::memory::{Buffer, Room, bytes_of};
 use crate::narrow_phase::{
     MeshScratch, RawManifold, Reach, Relative, collide_convex, collide_mesh, out_by_the_centre,
 };
@@ -28,11 +28,35 @@ const SURFACES: usize = 4;
 /// How often a stray is moved out of what it overlaps: out of one surface, and of what that moves it into.
 const LIFTS: usize = 12;
 
-/// Buffers of one step.
+/// What looks at meshes work with. It does not grow once it has its place.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
-    pub(super) mesh: MeshScratch,
-    pub(super) found: Vec<RawManifold>,
+    mesh: MeshScratch,
+    raw: Vec<RawManifold>,
+}
+
+/// Triangles that a look may touch, and the manifolds that they may yield.
+const TRIANGLES: usize = 32;
+const MANIFOLDS: usize = 8;
+
+impl Scratch {
+    /// Calls `f` with each buffer and the place that it needs.
+    pub(super) fn each(&mut self, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        self.mesh.each_ready(TRIANGLES, f);
+        f(&mut self.raw, MANIFOLDS);
+    }
+
+    pub(super) fn bytes(&self) -> (usize, usize) {
+        let (mesh, raw) = (self.mesh.bytes(), bytes_of(&self.raw));
+        (mesh.0 + raw.0, mesh.1 + raw.1)
+    }
+}
+
+/// What looks work with: a stack for walks, and buffers for meshes, which may be made now unless memory has a budget.
+pub(super) struct Tools<'a> {
+    pub(super) stack: &'a mut Vec<u32>,
+    pub(super) scratch: &'a mut Scratch,
+    pub(super) may_grow: bool,
 }
 
 /// What became of a stray.
@@ -52,6 +76,8 @@ pub(super) struct Settling<'a> {
     pub(super) pull: Vec3,
     /// Overlap that is left to it [m].
     pub(super) slop: f32,
+    /// Overlap by no more than this is left as it is [m].
+    pub(super) least: f32,
 }
 
 impl Guard<'_> {
@@ -60,7 +86,7 @@ impl Guard<'_> {
     fn go_on(
         &self,
         stack: &mut Vec<u32>,
-        own: &[u32],
+        stray: &Settling<'_>,
         from: DVec3,
         way: Vec3,
         velocity: &mut Record,
@@ -69,13 +95,14 @@ impl Guard<'_> {
         let mut met = [Vec3::ZERO; SURFACES];
         for count in 0..SURFACES {
             let mut moved = left;
-            let Some((Held::Cut, normal)) = self.hold(stack, own, at, &mut moved, velocity) else {
-                return (at + moved.as_dvec3(), None);
+            let Some((Held::Cut, normal)) = self.hold(stack, stray.own, at, &mut moved, velocity) else {
+                return (at + stray.traits.free(moved).as_dvec3(), None);
             };
+            moved = stray.traits.free(moved);
             at += moved.as_dvec3();
             met[count] = normal;
-            left = along(&met[..=count], left - moved);
-            velocity.linear = along(&met[..=count], velocity.linear);
+            left = stray.traits.free(along(&met[..=count], left - moved));
+            velocity.linear = stray.traits.free(along(&met[..=count], velocity.linear));
             if left == Vec3::ZERO {
                 return (at, None);
             }
@@ -115,12 +142,12 @@ impl Settling<'_> {
     pub(super) fn settle(
         &self,
         guard: &Guard<'_>,
-        (stack, scratch, room): (&mut Vec<u32>, &mut Scratch, &mut Room),
+        tools: &mut Tools<'_>,
         pose: &mut Pose,
         way: Vec3,
         velocity: &mut Record,
     ) -> Settled {
-        let (end, left) = guard.go_on(stack, self.own, pose.position, way, velocity);
+        let (end, left) = guard.go_on(tools.stack, self, pose.position, way, velocity);
         pose.position = end;
         let mut settled = Settled::default();
         if let Some(left) = left {
@@ -131,17 +158,19 @@ impl Settling<'_> {
             }
         }
         for _ in 0..LIFTS {
-            let Some((depth, out)) = self.deepest(guard, (stack, scratch, room), pose) else { break };
-            if depth <= 2.0 * self.slop {
+            let Some((depth, out)) = self.deepest(guard, tools, pose) else { break };
+            if depth <= self.least {
                 break;
             }
             let mut lift = self.traits.free(out * (depth - self.slop));
             if lift == Vec3::ZERO {
                 break;
             }
-            guard.hold(stack, self.own, pose.position, &mut lift, velocity);
+            guard.hold(tools.stack, self.own, pose.position, &mut lift, velocity);
+            let lift = self.traits.free(lift);
+            velocity.linear = self.traits.free(velocity.linear);
             pose.position += lift.as_dvec3();
-            pay(&mut velocity.linear, out, -2.0 * self.pull.dot(lift));
+            pay(&mut velocity.linear, self.traits.free(out), -2.0 * self.pull.dot(lift));
             settled.lifted = true;
         }
         settled
@@ -151,7 +180,7 @@ impl Settling<'_> {
     fn deepest(
         &self,
         guard: &Guard<'_>,
-        (stack, scratch, room): (&mut Vec<u32>, &mut Scratch, &mut Room),
+        Tools { stack, scratch, may_grow }: &mut Tools<'_>,
         pose: &Pose,
     ) -> Option<(f32, Vec3)> {
         let mut deepest: Option<(f32, Vec3)> = None;
@@ -170,7 +199,7 @@ impl Settling<'_> {
                     return;
                 }
                 let (still, at) = (&guard.colliders[other as usize], &guard.poses[other as usize]);
-                let (depth, into) = self.overlap((shape, &here), (still, at), (scratch, room));
+                let (depth, into) = self.overlap((shape, &here), (still, at), (scratch, *may_grow));
                 if depth > deepest.map_or(0.0, |(most, _)| most) {
                     deepest = Some((depth, here.rotation * -into));
                 }
@@ -184,7 +213,7 @@ impl Settling<'_> {
         &self,
         (shape, here): (&Collider, &Pose),
         (still, at): (&Collider, &Pose),
-        (scratch, room): (&mut Scratch, &mut Room),
+        (scratch, may_grow): (&mut Scratch, bool),
     ) -> (f32, Vec3) {
         let back = here.rotation.conjugate();
         let rel = Relative {
@@ -197,14 +226,16 @@ impl Settling<'_> {
             let raw = out_by_the_centre(shape, still, &rel, &raw, 0.0).unwrap_or(raw);
             return (depth(&raw), raw.normal);
         }
-        let Scratch { mesh, found } = scratch;
-        found.clear();
-        mesh.room = *room;
+        if may_grow {
+            scratch.each(&mut |buffer, len| buffer.widen(len));
+        }
+        let Scratch { mesh, raw } = scratch;
+        raw.clear();
+        mesh.room = Room::new(0);
         mesh.nearby.forget();
-        collide_mesh(shape, still, &rel, Reach::new(0.0), mesh, found);
-        *room = std::mem::replace(&mut mesh.room, Room::ENDLESS);
-        let most = found.iter().map(|raw| (depth(raw), raw.normal));
+        collide_mesh(shape, still, &rel, Reach::new(0.0), mesh, raw);
+        let most = raw.iter().map(|raw| (depth(raw), raw.normal));
         let most = most.fold((0.0, Vec3::ZERO), |most, one| if one.0 > most.0 { one } else { most });
-        if most.0 > 2.0 * self.slop { most } else { mesh.pierced(shape).unwrap_or(most) }
+        if most.0 > self.least { most } else { mesh.pierced(shape).unwrap_or(most) }
     }
 }

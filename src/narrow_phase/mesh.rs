@@ -177,6 +177,19 @@ impl MeshScratch {
         self.nearby.has_place(&mut self.room).then_some(&mut self.nearby)
     }
 
+    /// Calls `f` with each buffer and the place that looks with no room to grow need: for the triangles that are held, and for
+    /// what so many of them yield.
+    pub(crate) fn each_ready(&mut self, triangles: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        // The next eight triangles must find place for all that they might yield; most yield four.
+        let points = 4 * triangles + 8 * CLOUD;
+        f(self.nearby.buffer(), super::nearby::CHUNK);
+        f(&mut self.patches.touches, triangles);
+        f(&mut self.patches.patches, triangles);
+        f(&mut self.patches.points, points);
+        f(&mut self.merge.points, points);
+        f(&mut self.merge.place, triangles);
+    }
+
     /// Bytes of the triangles that a look holds.
     pub(crate) fn least(&mut self) -> usize {
         self.nearby.buffer().missing(super::nearby::CHUNK)

@@ -3,7 +3,7 @@
 use super::World;
 use crate::body::{BodyDesc, BodyKind};
 use crate::broad_phase::Population;
-use crate::config::Settings;
+use crate::config::{ContinuousMethod, Settings};
 use crate::error::Error;
 use crate::joint::More;
 use crate::lanes::Record;
@@ -330,6 +330,9 @@ impl World {
         self.broad.each(n.colliders, &mut |buffer, len| f(BroadPhase, buffer, len));
         f(Continuous, self.broad.paths(), n.colliders.moving);
         self.now.each(n.colliders, &mut |buffer, len| f(BroadPhase, buffer, len));
+        // Without a budget their buffers are made when there are any.
+        let settles = self.settings.method == ContinuousMethod::OnePass;
+        let strays = n.dynamic > 0 && settles && !self.settings.budget.is_none();
         let buffers = &mut self.buffers;
         f(Continuous, &mut buffers.forces.motion, n.movers);
         let mut scratch = |buffer: &mut dyn Buffer, len: usize| f(Scratch, buffer, len);
@@ -338,7 +341,7 @@ impl World {
         buffers.prepare.each(n.dynamic, n.raised, &mut scratch);
         buffers.statics.each(n.dynamic, &mut scratch);
         buffers.solver.each(n.movers, &mut scratch);
-        buffers.finish.each((n.movers, n.dynamic), n.joined, &mut scratch);
+        buffers.finish.each((n.movers, n.dynamic), (n.joined, strays), &mut scratch);
         if n.joined {
             buffers.joints.each(n.dynamic, &mut |buffer, len| f(Joints, buffer, len));
         }
