@@ -59,7 +59,7 @@ pub(crate) enum Held {
 pub(crate) struct Counts {
     pub(crate) cut: u32,
     pub(crate) lifted: u32,
-    /// Strays that were moved out of what they would have overlapped.
+    /// Strays that were led along something or moved out of it.
     pub(crate) settled: u32,
 }
 

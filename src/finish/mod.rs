@@ -332,7 +332,7 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
             let whence = *pose;
             let settled = stray.settle(&guard, &mut tools, pose, delta[i].linear, velocity);
             held.cut += u32::from(settled.cut);
-            held.settled += u32::from(settled.lifted);
+            held.settled += u32::from(settled.moved);
             if !is_in_range(pose) || !is_sound(velocity, MAX_LEFT_SPEED) {
                 stop_body(pose, velocity, whence, true);
                 stopped.push(i as u32);

@@ -62,6 +62,9 @@ pub struct StepReport {
     pub cut: u32,
     /// Bodies that crossed nothing, and that the guard lifted off a surface because they ended too close to it.
     pub lifted: u32,
+    /// Bodies that rows threw off their predicted way and that would have entered or overlapped something static: they went on
+    /// along it, and ended outside of it.
+    pub settled: u32,
     /// Trees of joints in which a body counts as heavier than it is, because something hangs on it that is more than 20,000
     /// times as heavy: with its own mass nothing would be left of the digits that the exact solution needs.
     pub weighted_trees: u32,
@@ -122,6 +125,7 @@ impl StepReport {
             pushed,
             cut: held.cut,
             lifted: held.lifted,
+            settled: held.settled,
             weighted_trees: world.buffers.joints.weighted_trees(),
             damped_trees: world.buffers.joints.damped_trees(),
             stopped: world.faults.stopped.len() as u32,

@@ -62,8 +62,8 @@ pub(super) struct Tools<'a> {
 /// What became of a stray.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Settled {
-    /// Moved out of what it would have overlapped.
-    pub(super) lifted: bool,
+    /// Led along what its centre would have entered, or moved out of what it would have overlapped.
+    pub(super) moved: bool,
     /// Stopped where it met one surface too many.
     pub(super) cut: bool,
 }
@@ -80,9 +80,17 @@ pub(super) struct Settling<'a> {
     pub(super) least: f32,
 }
 
+/// Where the way of a centre led.
+struct Went {
+    to: DVec3,
+    /// Along something.
+    led: bool,
+    /// What is left of the way, if it led into one surface too many.
+    left: Option<Vec3>,
+}
+
 impl Guard<'_> {
-    /// Follows the way of a centre along the static surfaces that it enters: the velocities into them are taken away. Says
-    /// where it ends, and whether the way led into one surface too many.
+    /// Follows the way of a centre along the static surfaces that it enters: the velocities into them are taken away.
     fn go_on(
         &self,
         stack: &mut Vec<u32>,
@@ -90,13 +98,13 @@ impl Guard<'_> {
         from: DVec3,
         way: Vec3,
         velocity: &mut Record,
-    ) -> (DVec3, Option<Vec3>) {
+    ) -> Went {
         let (mut at, mut left) = (from, way);
         let mut met = [Vec3::ZERO; SURFACES];
         for count in 0..SURFACES {
             let mut moved = left;
             let Some((Held::Cut, normal)) = self.hold(stack, stray.own, at, &mut moved, velocity) else {
-                return (at + stray.traits.free(moved).as_dvec3(), None);
+                return Went { to: at + stray.traits.free(moved).as_dvec3(), led: count > 0, left: None };
             };
             moved = stray.traits.free(moved);
             at += moved.as_dvec3();
@@ -104,10 +112,10 @@ impl Guard<'_> {
             left = stray.traits.free(along(&met[..=count], left - moved));
             velocity.linear = stray.traits.free(along(&met[..=count], velocity.linear));
             if left == Vec3::ZERO {
-                return (at, None);
+                return Went { to: at, led: true, left: None };
             }
         }
-        (at, Some(left))
+        Went { to: at, led: true, left: Some(left) }
     }
 }
 
@@ -147,10 +155,10 @@ impl Settling<'_> {
         way: Vec3,
         velocity: &mut Record,
     ) -> Settled {
-        let (end, left) = guard.go_on(tools.stack, self, pose.position, way, velocity);
-        pose.position = end;
-        let mut settled = Settled::default();
-        if let Some(left) = left {
+        let went = guard.go_on(tools.stack, self, pose.position, way, velocity);
+        pose.position = went.to;
+        let mut settled = Settled { moved: went.led, cut: false };
+        if let Some(left) = went.left {
             if guard.cuts {
                 settled.cut = true;
             } else {
@@ -171,7 +179,7 @@ impl Settling<'_> {
             velocity.linear = self.traits.free(velocity.linear);
             pose.position += lift.as_dvec3();
             pay(&mut velocity.linear, self.traits.free(out), -2.0 * self.pull.dot(lift));
-            settled.lifted = true;
+            settled.moved = true;
         }
         settled
     }

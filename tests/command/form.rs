@@ -268,10 +268,10 @@ fn shots_are_counted_in_all_by_shape_and_by_target() {
         document(&backstop(&arguments))
     };
     let document = run("1");
-    let counts = ["shots", "through", "through_unguarded", "gained", "guard", "depth"];
+    let counts = ["shots", "through", "through_unguarded", "gained", "guard", "settled", "depth"];
     let modes = ["discrete", "segment", "volume"];
     let form = |value: &Value| {
-        for name in ["through", "through_unguarded", "gained", "depth"] {
+        for name in ["through", "through_unguarded", "gained", "settled", "depth"] {
             has_keys(&value[name], &modes);
         }
         has_keys(&value["guard"], &["cut", "lifted"]);

@@ -121,6 +121,7 @@ fn one(count: &Count) -> Value {
     let more = json!({
         "gained": counts(&count.gained),
         "guard": { "cut": counts(&count.cut), "lifted": counts(&count.lifted) },
+        "settled": counts(&count.settled),
         "depth": by_mode(|mode| {
             let depths = &count.depths[mode];
             let (m, share) = (depths.metres(), depths.shares());
@@ -199,8 +200,8 @@ fn depth_table(text: &mut String, mode: usize, groups: &[(&str, &Count)]) {
     let _ = write!(text, "{title:<20}{:>10}{:>10}{:>10}{:>10}", "met", "median mm", "99 % mm", "worst mm");
     let _ = writeln!(
         text,
-        "{:>12}{:>8}{:>8}{:>8}{:>8}{:>8}",
-        "99 % share", "over", "stuck", "cut", "lifted", "gained"
+        "{:>12}{:>8}{:>8}{:>8}{:>8}{:>8}{:>8}",
+        "99 % share", "over", "stuck", "settled", "cut", "lifted", "gained"
     );
     for (name, count) in groups {
         let depths = &count.depths[mode];
@@ -211,7 +212,8 @@ fn depth_table(text: &mut String, mode: usize, groups: &[(&str, &Count)]) {
         let name = name.replace('_', " ");
         let _ = write!(text, "{name:<20}{:>10}{median:>10.2}{p99:>10.2}{worst:>10.2}", depths.count());
         let _ = write!(text, "{:>12.2}{:>8}{:>8}", depths.shares().p99, depths.over, depths.stuck);
-        let _ = writeln!(text, "{:>8}{:>8}{:>8}", count.cut[mode], count.lifted[mode], count.gained[mode]);
+        let [settled, cut, lifted] = [&count.settled, &count.cut, &count.lifted].map(|all| all[mode]);
+        let _ = writeln!(text, "{settled:>8}{cut:>8}{lifted:>8}{:>8}", count.gained[mode]);
     }
     text.push('\n');
 }
@@ -232,10 +234,11 @@ fn describe(targets: &Targets, seed: u64, number: u64) -> anyhow::Result<()> {
             };
             let _ = writeln!(
                 text,
-                "  dt {dt:.5}  centre {p:10.5}  velocity {v:9.3}  spin {:8.2}  real {} potential {} cut {} lifted {}",
+                "  dt {dt:.5}  centre {p:10.5}  velocity {v:9.3}  spin {:8.2}  real {} potential {} settled {} cut {} lifted {}",
                 w.length(),
                 report.real,
                 report.potential,
+                report.settled,
                 report.cut,
                 report.lifted
             );

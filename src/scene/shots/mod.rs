@@ -89,6 +89,8 @@ pub struct Flight {
     pub cut: bool,
     /// Whether the guard lifted it off a surface at least once.
     pub lifted: bool,
+    /// Whether it was settled at least once ([`StepReport::settled`](crate::StepReport)).
+    pub settled: bool,
 }
 
 /// What is deeper than this after more than [`STUCK_STEPS`] steps in a row is stuck [m].
@@ -188,6 +190,7 @@ impl Shot {
             gained: 0.0,
             cut: false,
             lifted: false,
+            settled: false,
         };
         let mut in_a_row = 0;
         for (done, &dt) in self.steps.iter().enumerate() {
@@ -210,6 +213,7 @@ impl Shot {
             let report = world.report();
             (flight.cut, flight.lifted) =
                 (flight.cut | (report.cut > 0), flight.lifted | (report.lifted > 0));
+            flight.settled |= report.settled > 0;
             if !flight.met && (report.real > 0 || report.pushed > 0 || report.held() > 0 || depth > 0.0) {
                 (flight.met, flight.depth_at_impact) = (true, depth);
             }

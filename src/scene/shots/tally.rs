@@ -46,6 +46,8 @@ pub struct Count {
     pub cut: [u64; 3],
     /// See `cut`.
     pub lifted: [u64; 3],
+    /// How many were settled at least once.
+    pub settled: [u64; 3],
     /// How many gained energy: more than [`GAIN`] of what they had.
     pub gained: [u64; 3],
 }
@@ -121,6 +123,7 @@ impl Count {
         for (mode, flight) in flights.guarded.iter().enumerate() {
             self.cut[mode] += u64::from(flight.cut);
             self.lifted[mode] += u64::from(flight.lifted);
+            self.settled[mode] += u64::from(flight.settled);
             self.gained[mode] += u64::from(flight.gained > GAIN);
             self.depths[mode].add(flight);
         }
@@ -131,6 +134,7 @@ impl Count {
         self.through.merge(&other.through);
         sum(&mut self.cut, &other.cut);
         sum(&mut self.lifted, &other.lifted);
+        sum(&mut self.settled, &other.settled);
         sum(&mut self.gained, &other.gained);
         self.depths.iter_mut().zip(&other.depths).for_each(|(a, b)| a.merge(b));
     }
