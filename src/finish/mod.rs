@@ -232,7 +232,8 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
                 (pose.rotation, velocity.angular) =
                     turn_freely(pose.rotation, start[i].angular, mass[i].inertia, dt);
                 precesses = beside.get(i).is_some_and(|beside| *beside != Beside::Nothing)
-                    && off.turned(i, whence.rotation, pose.rotation, own);
+                    && off.turned(i, whence.rotation, pose.rotation, own)
+                    && !guard.is_free(stack, own, whence.position, d.linear, off.reach(own));
             } else if let Some((rotation, time)) = impacts.turned(i) {
                 // It bounced, and its spin is that of the moment.
                 (pose.rotation, velocity.angular) =
