@@ -221,8 +221,9 @@ mod tests {
                 let (mut q, mut w) = (Quat::IDENTITY, Vec3::new(0.3, 0.9, -0.4).normalize() * speed);
                 let momentum = inertia * w;
                 let energy = w.dot(momentum);
-                // What it swings by while the parts resolve the motion; with too few, roundings of 1000 steps.
-                let most = if speed > 1000.0 { 2e-5 } else { 1e-2 };
+                // While the parts resolve the motion, what the splitting makes the energy swing by: 1.1 % for the first of these
+                // bodies at parts of 0.1 rad, less for others. With too few parts, roundings of 1000 steps.
+                let most = if speed > 1000.0 { 2e-5 } else { 1.5e-2 };
                 for step in 0..1000 {
                     (q, w) = turn_freely(q, w, inertia, dt);
                     let now = q * (inertia * (q.conjugate() * w));
