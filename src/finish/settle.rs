@@ -8,7 +8,7 @@
 //! - The way of the centre is followed; where it enters a surface, the rest of it goes on along that surface, and so do the
 //!   velocities ([`Guard::go_on`]). A shot into a corner meets its three walls in one step.
 //! - At the end, with the rotation that rows led to, the body is moved out of what it overlaps: the manifolds that the next
-//!   step would begin with say how far ([`Settling::lift`]). Nothing is pushed, so no energy comes of it.
+//!   step would begin with say how far ([`Settling::settle`]). Nothing is pushed, so no energy comes of it.
 //!
 //! Bodies that went as predicted need none of it: their ways were looked along before the rows were made.
 
