@@ -108,8 +108,8 @@ const TURN: f32 = 0.1;
 const PARTS: f32 = 16.0;
 
 /// Free rotation over some seconds, however fast, in as many parts as it takes: turns `rotation` and returns it with the new
-/// angular velocity. The momentum stays what it was, and the energy too, even where the parts are too few to tell where the
-/// axis has got to.
+/// angular velocity. The momentum stays what it was. Where the parts are too few to tell where the axis has got to, so does the
+/// energy.
 pub(crate) fn turn_freely(rotation: Quat, spin: Vec3, inertia: Vec3, time: f32) -> (Quat, Vec3) {
     let wanted = (wobble(spin, inertia) * time / TURN).ceil();
     let parts = wanted.clamp(1.0, PARTS);

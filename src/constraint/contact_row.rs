@@ -448,18 +448,15 @@ pub(super) fn sweep<
             }
         }
     }
-    let sweeps = if FRICTION || P == 1 { 1 } else { IMPACT_SWEEPS };
-    for _ in 0..sweeps {
-        for i in 0..P {
-            let mut new = impulse[i] - mass[i] * (u[i] + bias[i]);
-            new -= (impulse[i] - batch.points[i].lasting) * yielding[i];
-            // An inert lane has an infinite separation; of 0 * inf, which is no number, the larger one is zero.
-            let new = new.max(L::zero());
-            let change = new - impulse[i];
-            impulse[i] = new;
-            for k in 0..P {
-                u[k] += response.stiffness(batch, i, k) * change;
-            }
+    for i in 0..P {
+        let mut new = impulse[i] - mass[i] * (u[i] + bias[i]);
+        new -= (impulse[i] - batch.points[i].lasting) * yielding[i];
+        // An inert lane has an infinite separation; of 0 * inf, which is no number, the larger one is zero.
+        let new = new.max(L::zero());
+        let change = new - impulse[i];
+        impulse[i] = new;
+        for k in 0..P {
+            u[k] += response.stiffness(batch, i, k) * change;
         }
     }
     for i in 0..P {
@@ -483,10 +480,6 @@ pub(super) fn sweep<
     }
     true
 }
-
-/// Sweeps over the points of a manifold that may be struck in this step: a body that comes down on a tip turns over it, and all of
-/// its points must end on their side within one pass.
-const IMPACT_SWEEPS: usize = 16;
 
 /// While rows relax, friction was bounded by the load before them, of which a part had pushed overlap apart and is taken out
 /// again. It follows the load that is left: down to its bound, and what slides also up, as far as something still slides.
