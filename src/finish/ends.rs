@@ -5,7 +5,7 @@
 
 use super::guard::{GRAZE, Guard, KEEP, stop};
 use crate::body::Pose;
-use crate::shape::Geometry;
+use crate::shape::{Collider, Geometry};
 use glam::Vec3;
 
 /// An end that would cross static geometry.
@@ -34,9 +34,10 @@ impl Guard<'_> {
         let mut first: Option<Crossing> = None;
         for &c in own {
             let collider = &self.colliders[c as usize];
-            let Some(core) = core(&collider.geometry).filter(|_| !collider.is_sensor()) else { continue };
-            for end in [-core, core] {
-                let end = collider.position + collider.rotation * end;
+            if collider.is_sensor() {
+                continue;
+            }
+            for end in ends_of(collider) {
                 let from = before.position + (before.rotation * end).as_dvec3();
                 let arm = after.rotation * end;
                 let way = (after.position + arm.as_dvec3() - from).as_vec3();
@@ -63,6 +64,12 @@ impl Guard<'_> {
         }
         first
     }
+}
+
+/// The ends of a long shape's core, from its body's centre [m]; none of what is not long.
+pub(super) fn ends_of(shape: &Collider) -> impl Iterator<Item = Vec3> + use<'_> {
+    let core = core(&shape.geometry);
+    core.into_iter().flat_map(|core| [-core, core]).map(|end| shape.position + shape.rotation * end)
 }
 
 /// From the middle of a long shape to the end of its core; none of what is not long.

@@ -19,7 +19,6 @@
 use crate::body::{Bodies, Pose, Traits};
 use crate::broad_phase::{BroadPhase, Pair};
 use crate::config::Continuous;
-use crate::constraint::{Restitution, Seat, Seats};
 use crate::joint::Joints;
 use crate::lanes::Record;
 use crate::narrow_phase::{Relative, Support, distance, from_triangle};
@@ -211,7 +210,7 @@ impl Guard<'_> {
     }
 
     /// Whether the two of a pair are to be kept apart.
-    fn parts(&self, pair: &Pair) -> bool {
+    pub(super) fn parts(&self, pair: &Pair) -> bool {
         let sensor = |c: u32| self.colliders[c as usize].is_sensor();
         !(sensor(pair.a) || sensor(pair.b) || self.is_vetoed(pair.a, pair.b))
     }
@@ -304,9 +303,6 @@ impl Guard<'_> {
     }
 }
 
-/// Passes over fast pairs: a body that is cut short may stop in the way of another.
-const PASSES: usize = 4;
-
 impl Guard<'_> {
     /// Centre of mass of a collider's body at the start of the step.
     pub(super) fn centre_before(&self, collider: u32) -> DVec3 {
@@ -318,97 +314,6 @@ impl Guard<'_> {
     pub(super) fn turn_before(&self, collider: u32) -> Quat {
         let (c, pose) = (&self.colliders[collider as usize], &self.poses[collider as usize]);
         pose.rotation * c.rotation.conjugate()
-    }
-
-    /// Keeps fast dynamic bodies from passing through each other's centres: both stop on their ways, and lose what
-    /// speed they have towards each other. Says how often it had to, and of trees which share of their ways was left.
-    /// Bodies of one tree pass: better one through the other than a joint torn.
-    pub(crate) fn hold_movers(
-        &self,
-        pairs: &[Pair],
-        bodies: &mut Bodies,
-        impacts: &Restitution,
-        seats: &Seats,
-        cut: &mut Vec<(Seat, f32)>,
-    ) -> u32 {
-        let dynamic = bodies.dynamic();
-        let mut held = 0;
-        for _ in 0..PASSES {
-            let before = held;
-            for pair in pairs.iter().filter(|pair| pair.fast) {
-                let body = |c: u32| self.hot[c as usize].body as usize;
-                let (i, k) = (body(pair.a), body(pair.b));
-                let tree = |i: usize| seats.of(i).map(Seat::of_tree);
-                if i >= dynamic
-                    || k >= dynamic
-                    || tree(i).is_some() && tree(i) == tree(k)
-                    || !self.parts(pair)
-                {
-                    continue;
-                }
-                // Either centre through the other shape.
-                let found = match (self.passes(pair.a, pair.b, bodies), self.passes(pair.b, pair.a, bodies)) {
-                    (Some((s, n)), Some((t, _))) if s <= t => Some((s, n)),
-                    (_, Some((t, n))) => Some((t, -n)),
-                    (one, None) => one,
-                };
-                // From b to a.
-                let Some((stop, normal)) = found else { continue };
-                held += 1;
-                for (c, i) in [(pair.a, i), (pair.b, k)] {
-                    let from = self.centre_before(c);
-                    let pose = &mut bodies.pose[i];
-                    pose.position = from + (pose.position - from) * f64::from(stop);
-                    cut.extend(seats.of(i).map(|seat| (seat, stop)));
-                }
-                let (ma, mb) = (bodies.mass[i].inverse, bodies.mass[k].inverse);
-                let speed = (bodies.velocity[i].linear - bodies.velocity[k].linear).dot(normal);
-                // What was thrown there by an impact bounces again in the next step.
-                let bounced = impacts.bounced(i) || impacts.bounced(k);
-                if speed < 0.0 && ma + mb > 0.0 && !bounced {
-                    let impulse = normal * (speed / (ma + mb));
-                    bodies.velocity[i].linear -= impulse * ma;
-                    bodies.velocity[k].linear += impulse * mb;
-                }
-            }
-            if held == before {
-                break;
-            }
-        }
-        held
-    }
-
-    /// Whether the centre of the body of `one` gets into the shape `other`, as that moves: how far on its way it may
-    /// go, and the normal there, towards `one`.
-    fn passes(&self, one: u32, other: u32, bodies: &Bodies) -> Option<(f32, Vec3)> {
-        let shape = &self.colliders[other as usize];
-        let body = |c: u32| self.colliders[c as usize].body as usize;
-        let (old, pose) = (&self.poses[other as usize], &bodies.pose[body(other)]);
-        let new = Pose {
-            position: pose.position + (pose.rotation * shape.position).as_dvec3(),
-            rotation: pose.rotation * shape.rotation,
-        };
-        let own = bodies.colliders[body(one)].as_slice();
-        if !self.wants(&bodies.traits[body(one)], own) {
-            return None;
-        }
-        let start = old.rotation.conjugate() * (self.centre_before(one) - old.position).as_vec3();
-        let end = new.rotation.conjugate() * (bodies.pose[body(one)].position - new.position).as_vec3();
-        let moved = end - start;
-        let length = moved.length();
-        if length == 0.0 {
-            return None;
-        }
-        let keep = KEEP * self.inner(own);
-        let reach = moved * (1.0 + keep / length);
-        // Past the ball around the shape: most pairs by far.
-        let along = (-start.dot(reach) / reach.length_squared()).clamp(0.0, 1.0);
-        if (start + reach * along).length() > 1.001 * shape.radius {
-            return None;
-        }
-        let hit = segment_hits(shape, start, start + reach)?;
-        let stop = stop(reach, length, keep, hit.fraction, hit.normal)?;
-        Some(((stop * (length + keep) / length).min(1.0), new.rotation * hit.normal))
     }
 }
 

@@ -3,6 +3,7 @@
 mod ends;
 mod free;
 mod guard;
+mod passing;
 mod report;
 mod settle;
 mod trees;
@@ -10,6 +11,7 @@ mod trees;
 use ends::Crossing;
 pub(crate) use free::Clear;
 use guard::{Counts, Guard, Held};
+use passing::{Movers, TOUCHED};
 pub use report::{StageTimes, StepReport};
 use settle::{Settling, Tools};
 use trees::Trees;
@@ -227,12 +229,13 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
             let before = seat.map(|_| whence);
             let own = colliders.get(i).map_or(&[][..], |own| own.as_slice());
             // Its axis wanders, which no look ahead knew of.
-            let mut precesses = false;
+            let (mut wanders, mut precesses) = (false, false);
             if uneven && i < dynamic && !touched && spins_freely(&mass[i], &traits[i], start[i].angular, dt) {
                 (pose.rotation, velocity.angular) =
                     turn_freely(pose.rotation, start[i].angular, mass[i].inertia, dt);
-                precesses = beside.get(i).is_some_and(|beside| *beside != Beside::Nothing)
-                    && off.turned(i, whence.rotation, pose.rotation, own)
+                wanders = mode != Continuous::Discrete && off.turned(i, whence.rotation, pose.rotation, own);
+                precesses = wanders
+                    && beside.get(i).is_some_and(|beside| *beside != Beside::Nothing)
                     && !guard.is_free(stack, own, whence.position, d.linear, off.reach(own));
             } else if let Some((rotation, time)) = impacts.turned(i) {
                 // It bounced, and its spin is that of the moment.
@@ -294,6 +297,9 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
                     continue;
                 }
             }
+            if wanders && guard.cuts {
+                d.pad0 = TOUCHED;
+            }
             pose.position += moved.as_dvec3();
             if let Some(before) = before
                 && guard.cuts
@@ -342,7 +348,13 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
     }
     let Ok(cut) = cut.get_mut() else { return (held, stopped) };
     if guard.cuts {
-        held.cut += guard.hold_movers(&world.broad.pairs, bodies, impacts, seats, cut);
+        let pairs = (world.broad.pairs.as_slice(), |pair| narrow.is_clear(pair));
+        let mut none = Vec::new();
+        let mut own = stacks.first().and_then(|stack| stack.lock().ok());
+        let stack = own.as_deref_mut().unwrap_or(&mut none);
+        let delta = &mut world.buffers.solver.delta;
+        let mut movers = Movers { bodies, delta, inverse_inertia, impacts, seats, cut, stack };
+        held.cut += guard.hold_movers(pairs, &mut movers);
     }
     if !cut.is_empty()
         && let Some(Ok(mut stack)) = stacks.first().map(|s| s.lock())

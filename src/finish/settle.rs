@@ -12,6 +12,7 @@
 //!
 //! Bodies that went as predicted need none of it: their ways were looked along before the rows were made.
 
+use super::ends::ends_of;
 use super::guard::{Guard, Held};
 use crate::body::{Pose, Traits};
 use crate::broad_phase::{Whom, aabb_of};
@@ -90,6 +91,18 @@ struct Went {
 }
 
 impl Guard<'_> {
+    /// How far an end of a body, at `arm` from its centre, is behind the surface that lies between the two, and the normal of
+    /// that; none if the way from the one to the other comes out again.
+    fn beyond(&self, stack: &mut Vec<u32>, own: &[u32], centre: DVec3, arm: Vec3) -> Option<(f32, Vec3)> {
+        let (fraction, normal) = self.first_static(stack, own, centre, arm)?;
+        let behind = (1.0 - fraction) * -arm.dot(normal);
+        // From just behind the surface on.
+        let from = fraction + 1e-3 * (1.0 - fraction);
+        let rest = arm * (1.0 - from);
+        let goes_on = self.first_static(stack, own, centre + (arm * from).as_dvec3(), rest).is_none();
+        (behind > 0.0 && goes_on).then_some((behind, normal))
+    }
+
     /// Follows the way of a centre along the static surfaces that it enters: the velocities into them are taken away.
     fn go_on(
         &self,
@@ -192,10 +205,20 @@ impl Settling<'_> {
         pose: &Pose,
     ) -> Option<(f32, Vec3)> {
         let mut deepest: Option<(f32, Vec3)> = None;
+        let mut note = |depth: f32, out: Vec3| {
+            if depth > deepest.map_or(0.0, |(most, _)| most) {
+                deepest = Some((depth, out));
+            }
+        };
         for &c in self.own {
             let shape = &guard.colliders[c as usize];
             if shape.is_sensor() {
                 continue;
+            }
+            for end in ends_of(shape) {
+                if let Some((depth, out)) = guard.beyond(stack, self.own, pose.position, pose.rotation * end) {
+                    note(depth + shape.inner_radius, out);
+                }
             }
             let here = Pose {
                 position: pose.position + (pose.rotation * shape.position).as_dvec3(),
@@ -208,9 +231,7 @@ impl Settling<'_> {
                 }
                 let (still, at) = (&guard.colliders[other as usize], &guard.poses[other as usize]);
                 let (depth, into) = self.overlap((shape, &here), (still, at), (scratch, *may_grow));
-                if depth > deepest.map_or(0.0, |(most, _)| most) {
-                    deepest = Some((depth, here.rotation * -into));
-                }
+                note(depth, here.rotation * -into);
             });
         }
         deepest

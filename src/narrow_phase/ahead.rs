@@ -43,6 +43,30 @@ pub(crate) fn halfway(input: &Input<'_>, pair: &Pair, margin: f32) -> RawManifol
     carry_back(&raw, &motion, 0.5, f32::MIN)
 }
 
+/// Of two bodies that both move far: the manifold at a later pose on their ways than that which `raw` is of, and the fraction of
+/// the step at which it is, if they overlap there by more than the planes of `raw` show. What slides along a plate for metres
+/// meets it where that has turned to by then.
+pub(crate) fn look_along(
+    input: &Input<'_>,
+    pair: &Pair,
+    (raw, fraction): (&RawManifold, f32),
+) -> Option<(RawManifold, f32)> {
+    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
+    let motion = motion_of(input, pair);
+    let (mut found, mut most) = (None, input.real);
+    for later in [fraction + 0.5 * (1.0 - fraction), 1.0] {
+        // Rows take away what their planes see come.
+        let seen = closes(&motion, raw, fraction).fold(0.0_f32, |s, (gap, closed)| s.min(gap - later * closed));
+        let then = collide_convex(a, b, &motion.relative(later), input.margin);
+        let deepest = then.points().iter().fold(0.0_f32, |s, p| s.min(p.separation));
+        if seen - deepest > most {
+            most = seen - deepest;
+            found = Some((carry_back(&then, &motion, later, f32::MIN), later));
+        }
+    }
+    found
+}
+
 /// For the larger search volume: the manifold of two convex shapes that miss each other, where their centres pass. The
 /// path runs along such a plane, not through it, so it pushes only what another impact throws off its path.
 pub(crate) fn look_beside(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold, f32)> {

@@ -1,7 +1,8 @@
 //! Pairs binned by shape pair, and worked through in lanes.
 
 use super::ahead::{
-    NO_GAP, fly_mesh, halfway, hit_mesh, keep_reached, look_ahead, look_ahead_mesh, look_beside, motion_of,
+    NO_GAP, fly_mesh, halfway, hit_mesh, keep_reached, look_ahead, look_ahead_mesh, look_along,
+    look_beside, motion_of,
     right_way_out, strikes, touches_mesh, would_push,
 };
 use super::box_box::box_box;
@@ -247,7 +248,7 @@ fn finish_convex(
 ) {
     let pair = &pairs[index as usize];
     let nearest = raw.points().iter().fold(f32::INFINITY, |s, p| s.min(p.separation));
-    let (mut raw, mut fraction) = (raw, 0.0);
+    let (mut raw, mut fraction, mut missed) = (raw, 0.0, false);
     if approach.is_continuous() && nearest > 0.0 && raw.count > 0 && !input.speculative {
         let fast = nearest > input.real && approach.most() > input.fast;
         let volume = approach.mode == Continuous::Volume;
@@ -255,7 +256,7 @@ fn finish_convex(
         // A plane lies between the two. If the motion can't close the gap across it, they don't touch.
         let closing = -(input.poses[pair.a as usize].rotation * raw.normal).dot(approach.way);
         if fast && !volume && !strays && closing + approach.spin < nearest {
-            raw.count = 0;
+            (raw.count, missed) = (0, true);
         } else if fast || would_push(input, &motion_of(input, pair), &raw) {
             // Apart, and a plane at the start of the step would be a guess: look where they really touch.
             out.count_casts(1);
@@ -265,11 +266,18 @@ fn finish_convex(
             if found.is_some() || !strays {
                 (raw, fraction) = found.unwrap_or_default();
             }
+            missed = raw.count == 0;
         }
     } else if nearest < 0.0
         && let Some(out) = right_way_out(input, pair, rel, &raw)
     {
         raw = out;
+    }
+    if raw.count > 0
+        && input.slides_far(pair, approach)
+        && let Some(later) = look_along(input, pair, (&raw, fraction))
+    {
+        (raw, fraction) = later;
     }
     if fraction == 0.0 && (1..3).contains(&raw.count) && wanders(input, pair) {
         let middle = halfway(input, pair, input.margin);
@@ -281,6 +289,8 @@ fn finish_convex(
     if pair.contact == NONE {
         if raw.count > 0 {
             out.add(input, pair, index, raw, fraction);
+        } else if missed {
+            out.clear(index);
         }
         return;
     }

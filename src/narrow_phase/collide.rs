@@ -69,6 +69,18 @@ impl Input<'_> {
         self.is_static(pair) && (self.has_joints)(if (a as usize) < self.dynamic { a } else { b })
     }
 
+    /// Whether two bodies that both move go further past each other within the step than the planes of its start are good for.
+    pub(crate) fn slides_far(&self, pair: &Pair, approach: &Approach) -> bool {
+        let moves = |c: u32| (self.hot[c as usize].body as usize) < self.motion.len();
+        let inner = |c: u32| self.colliders[c as usize].inner_radius;
+        approach.is_continuous()
+            && !self.speculative
+            && approach.most() > self.fast
+            && moves(pair.a)
+            && moves(pair.b)
+            && approach.most() > 0.5 * inner(pair.a).max(inner(pair.b))
+    }
+
     /// Whether a pair only says who is in a sensor.
     fn is_sensor(&self, pair: &Pair) -> bool {
         [pair.a, pair.b].iter().any(|&c| self.hot[c as usize].is_sensor())

@@ -1,0 +1,180 @@
+//! Two bodies that both move, and that would pass through each other.
+//!
+//! Potential points keep one pair apart exactly; where many fast bodies meet at once, few iterations don't, and where a plate
+//! turns under what slides along it, planes of one moment don't. So the way of each fast body's centre is looked at in the
+//! frame of the other: if it enters that one's shape, the two are moved apart at their ends until the centre is back in front
+//! of the surface that it went through, by as much as the ball that fits into its body. The lighter one gives way; the speed
+//! with which they close is taken away as by an impulse there. Bodies with joints can't be moved alone: if both have some, both
+//! stop on their ways.
+
+use super::guard::{Guard, KEEP, stop};
+use crate::body::{Bodies, Pose};
+use crate::broad_phase::Pair;
+use crate::constraint::{Restitution, Seat, Seats};
+use crate::lanes::{self, Record, Sym3};
+use crate::query::segment_hits;
+use glam::Vec3;
+
+/// In `pad0` of a body's displacement: something changed its way.
+pub(super) const TOUCHED: f32 = 1.0;
+/// Passes over fast pairs: a body that is moved may get in the way of another.
+const PASSES: usize = 4;
+
+/// What is known of the bodies, and what is done to them.
+pub(super) struct Movers<'a> {
+    pub(super) bodies: &'a mut Bodies,
+    /// Displacements of the step.
+    pub(super) delta: &'a mut [Record],
+    pub(super) inverse_inertia: &'a [Sym3<f32>],
+    pub(super) impacts: &'a Restitution,
+    pub(super) seats: &'a Seats,
+    /// Of trees that were stopped, which share of their ways was left.
+    pub(super) cut: &'a mut Vec<(Seat, f32)>,
+    pub(super) stack: &'a mut Vec<u32>,
+}
+
+/// A centre that gets into a shape.
+#[derive(Clone, Copy, Debug)]
+struct Passing {
+    /// Share of the two ways after which it is still in front of the surface.
+    stop: f32,
+    /// Of the surface that it enters, at the end of the step, towards the centre.
+    normal: Vec3,
+    /// How far it has to be moved along the normal to be in front again, at the end of the step [m].
+    lift: f32,
+}
+
+impl Guard<'_> {
+    /// Keeps the centres of fast dynamic bodies out of each other's shapes. Says how often it had to. Bodies of one tree pass:
+    /// better one through the other than a joint torn. What the narrow phase saw pass each other, as `apart` knows by a pair's
+    /// place in the list, does so if both went their ways untouched.
+    pub(super) fn hold_movers(
+        &self,
+        (pairs, apart): (&[Pair], impl Fn(usize) -> bool),
+        movers: &mut Movers<'_>,
+    ) -> u32 {
+        let dynamic = movers.bodies.dynamic();
+        let mut held = 0;
+        for _ in 0..PASSES {
+            let before = held;
+            for (index, pair) in pairs.iter().enumerate().filter(|(_, pair)| pair.fast) {
+                let [i, k] = [pair.a, pair.b].map(|c| self.hot[c as usize].body as usize);
+                let Movers { bodies, delta, seats, .. } = &*movers;
+                let tree = |i: usize| seats.of(i).map(Seat::of_tree);
+                if i >= dynamic
+                    || k >= dynamic
+                    || delta[i].pad0 == 0.0 && delta[k].pad0 == 0.0 && apart(index)
+                    || tree(i).is_some() && tree(i) == tree(k)
+                    || !self.parts(pair)
+                {
+                    continue;
+                }
+                // Either centre through the other shape.
+                let found = match (self.passes(pair.a, pair.b, bodies), self.passes(pair.b, pair.a, bodies)) {
+                    (Some(a), Some(b)) if b.stop < a.stop => (pair.b, pair.a, b),
+                    (Some(a), _) => (pair.a, pair.b, a),
+                    (None, Some(b)) => (pair.b, pair.a, b),
+                    (None, None) => continue,
+                };
+                held += 1;
+                self.part(found, movers);
+            }
+            if held == before {
+                break;
+            }
+        }
+        held
+    }
+
+    /// Moves two bodies apart, the centre of the first of which gets into a shape of the second.
+    fn part(&self, (one, other, passing): (u32, u32, Passing), movers: &mut Movers<'_>) {
+        let Passing { stop, normal, lift } = passing;
+        let Movers { bodies, delta, inverse_inertia, impacts, seats, cut, stack } = movers;
+        let [i, k] = [one, other].map(|c| self.hot[c as usize].body as usize);
+        let gives = |i: usize| if self.joints.has_any(self.slots[i]) { 0.0 } else { bodies.mass[i].inverse };
+        let (gi, gk) = (gives(i), gives(k));
+        for (c, i, way) in [(one, i, normal * gi), (other, k, normal * -gk)] {
+            if gi + gk > 0.0 {
+                let mut way = bodies.traits[i].free(way * (lift / (gi + gk)));
+                if way == Vec3::ZERO {
+                    continue;
+                }
+                let own = bodies.colliders[i].as_slice();
+                self.hold(stack, own, bodies.pose[i].position, &mut way, &mut bodies.velocity[i]);
+                bodies.pose[i].position += way.as_dvec3();
+            } else {
+                let from = self.centre_before(c);
+                let pose = &mut bodies.pose[i];
+                pose.position = from + (pose.position - from) * f64::from(stop);
+                cut.extend(seats.of(i).map(|seat| (seat, stop)));
+            }
+            delta[i].pad0 = TOUCHED;
+        }
+        // What was thrown there by an impact bounces again in the next step.
+        if impacts.bounced(i) || impacts.bounced(k) {
+            return;
+        }
+        // From the centres to where the ball in the first touches the second.
+        let arm_i = normal * -self.inner(bodies.colliders[i].as_slice());
+        let arm_k = (bodies.pose[i].position - bodies.pose[k].position).as_vec3() + arm_i;
+        let speed = |i: usize, arm: Vec3| {
+            let v = &bodies.velocity[i];
+            normal.dot(v.linear + v.angular.cross(arm))
+        };
+        let closing = speed(k, arm_k) - speed(i, arm_i);
+        let turned = |i: usize, arm: Vec3| {
+            let lever = arm.cross(normal);
+            inverse_inertia[i].mul(lanes::Vec3::new(lever.x, lever.y, lever.z)).lane(0)
+        };
+        let (ti, tk) = (turned(i, arm_i), turned(k, arm_k));
+        let (mi, mk) = (bodies.mass[i].inverse, bodies.mass[k].inverse);
+        let mobility = mi + mk + arm_i.cross(normal).dot(ti) + arm_k.cross(normal).dot(tk);
+        if closing > 0.0 && mobility > 0.0 {
+            let impulse = closing / mobility;
+            for (i, inverse, turned, sign) in [(i, mi, ti, impulse), (k, mk, tk, -impulse)] {
+                let free = |v: Vec3| bodies.traits[i].free(v);
+                let v = &mut bodies.velocity[i];
+                v.linear += free(normal * inverse) * sign;
+                v.angular += turned * sign;
+            }
+        }
+    }
+
+    /// Whether the centre of the body of `one` gets into the shape `other`, as that moves.
+    fn passes(&self, one: u32, other: u32, bodies: &Bodies) -> Option<Passing> {
+        let shape = &self.colliders[other as usize];
+        let body = |c: u32| self.colliders[c as usize].body as usize;
+        let (old, pose) = (&self.poses[other as usize], &bodies.pose[body(other)]);
+        let new = Pose {
+            position: pose.position + (pose.rotation * shape.position).as_dvec3(),
+            rotation: pose.rotation * shape.rotation,
+        };
+        let own = bodies.colliders[body(one)].as_slice();
+        if !self.wants(&bodies.traits[body(one)], own) {
+            return None;
+        }
+        let start = old.rotation.conjugate() * (self.centre_before(one) - old.position).as_vec3();
+        let end = new.rotation.conjugate() * (bodies.pose[body(one)].position - new.position).as_vec3();
+        let moved = end - start;
+        let length = moved.length();
+        if length == 0.0 {
+            return None;
+        }
+        let inner = self.inner(own);
+        let keep = KEEP * inner;
+        let reach = moved * (1.0 + keep / length);
+        // Past the ball around the shape: most pairs by far.
+        let along = (-start.dot(reach) / reach.length_squared()).clamp(0.0, 1.0);
+        if (start + reach * along).length() > 1.001 * shape.radius {
+            return None;
+        }
+        let hit = segment_hits(shape, start, start + reach)?;
+        let stop = stop(reach, length, keep, hit.fraction, hit.normal)?;
+        let height = (end - (start + reach * hit.fraction)).dot(hit.normal);
+        Some(Passing {
+            stop: (stop * (length + keep) / length).min(1.0),
+            normal: new.rotation * hit.normal,
+            lift: (inner - height).max(0.0),
+        })
+    }
+}
