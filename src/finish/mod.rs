@@ -11,7 +11,7 @@ mod trees;
 use ends::Crossing;
 pub(crate) use free::Clear;
 use guard::{Counts, Guard, Held};
-use passing::{Movers, TOUCHED};
+use passing::Movers;
 pub use report::{StageTimes, StepReport};
 use settle::{Settling, Tools};
 use trees::Trees;
@@ -229,14 +229,16 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
             let before = seat.map(|_| whence);
             let own = colliders.get(i).map_or(&[][..], |own| own.as_slice());
             // Its axis wanders, which no look ahead knew of.
-            let (mut wanders, mut precesses) = (false, false);
+            let mut precesses = false;
             if uneven && i < dynamic && !touched && spins_freely(&mass[i], &traits[i], start[i].angular, dt) {
                 (pose.rotation, velocity.angular) =
                     turn_freely(pose.rotation, start[i].angular, mass[i].inertia, dt);
-                wanders = mode != Continuous::Discrete && off.turned(i, whence.rotation, pose.rotation, own);
-                precesses = wanders
-                    && beside.get(i).is_some_and(|beside| *beside != Beside::Nothing)
-                    && !guard.is_free(stack, own, whence.position, d.linear, off.reach(own));
+                if mode != Continuous::Discrete {
+                    d.pad1 = off.turned(i, whence.rotation, pose.rotation, own);
+                    precesses = d.pad1 > off.least
+                        && beside.get(i).is_some_and(|beside| *beside != Beside::Nothing)
+                        && !guard.is_free(stack, own, whence.position, d.linear, off.reach(own));
+                }
             } else if let Some((rotation, time)) = impacts.turned(i) {
                 // It bounced, and its spin is that of the moment.
                 (pose.rotation, velocity.angular) =
@@ -296,9 +298,6 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
                     strays.store(true, Ordering::Relaxed);
                     continue;
                 }
-            }
-            if wanders && guard.cuts {
-                d.pad0 = TOUCHED;
             }
             pose.position += moved.as_dvec3();
             if let Some(before) = before
@@ -396,12 +395,12 @@ impl Off<'_> {
         is_far(meant.linear, meant.angular) && is_far(start.linear * self.dt, start.angular * self.dt)
     }
 
-    /// Whether a body that turned as a free one is turned otherwise than predicted, by so much that a point of it is far off.
-    fn turned(&self, i: usize, before: Quat, after: Quat, own: &[u32]) -> bool {
+    /// How far at most a point of a body that turned as a free one is from where it was predicted to turn to [m].
+    fn turned(&self, i: usize, before: Quat, after: Quat, own: &[u32]) -> f32 {
         let meant = exp_map(self.motion[i].angular) * before;
         // The chord of the angle between them.
         let chord = 2.0 * (1.0 - meant.dot(after).powi(2)).max(0.0).sqrt();
-        self.reach(own) * chord > self.least
+        self.reach(own) * chord
     }
 
     /// How far any point of a body is from its centre, at most [m].

@@ -16,7 +16,7 @@ use crate::query::segment_hits;
 use glam::Vec3;
 
 /// In `pad0` of a body's displacement: something changed its way.
-pub(super) const TOUCHED: f32 = 1.0;
+const TOUCHED: f32 = 1.0;
 /// Passes over fast pairs: a body that is moved may get in the way of another.
 const PASSES: usize = 4;
 
@@ -63,7 +63,7 @@ impl Guard<'_> {
                 let tree = |i: usize| seats.of(i).map(Seat::of_tree);
                 if i >= dynamic
                     || k >= dynamic
-                    || delta[i].pad0 == 0.0 && delta[k].pad0 == 0.0 && apart(index)
+                    || apart(index) && self.went_as_seen((i, k), bodies, delta)
                     || tree(i).is_some() && tree(i) == tree(k)
                     || !self.parts(pair)
                 {
@@ -84,6 +84,15 @@ impl Guard<'_> {
             }
         }
         held
+    }
+
+    /// Whether nothing touched two bodies, and neither precessed so far that the other's centre could notice.
+    fn went_as_seen(&self, (i, k): (usize, usize), bodies: &Bodies, delta: &[Record]) -> bool {
+        let unseen = |one: usize, other: usize| {
+            let wandered = delta[other].pad1;
+            wandered == 0.0 || wandered < self.inner(bodies.colliders[one].as_slice())
+        };
+        delta[i].pad0 == 0.0 && delta[k].pad0 == 0.0 && unseen(i, k) && unseen(k, i)
     }
 
     /// Moves two bodies apart, the centre of the first of which gets into a shape of the second.

@@ -216,7 +216,8 @@ impl Settling<'_> {
                 continue;
             }
             for end in ends_of(shape) {
-                if let Some((depth, out)) = guard.beyond(stack, self.own, pose.position, pose.rotation * end) {
+                if let Some((depth, out)) = guard.beyond(stack, self.own, pose.position, pose.rotation * end)
+                {
                     note(depth + shape.inner_radius, out);
                 }
             }

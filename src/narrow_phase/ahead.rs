@@ -53,10 +53,16 @@ pub(crate) fn look_along(
 ) -> Option<(RawManifold, f32)> {
     let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
     let motion = motion_of(input, pair);
+    let turns =
+        |shape: &Collider, spin: Vec3| shape.kind != Kind::Sphere && (1.0 - fraction) * spin.length() > EVEN;
+    if turns(a, motion.a.spin) || turns(b, motion.b.spin) {
+        return None;
+    }
     let (mut found, mut most) = (None, input.real);
     for later in [fraction + 0.5 * (1.0 - fraction), 1.0] {
         // Rows take away what their planes see come.
-        let seen = closes(&motion, raw, fraction).fold(0.0_f32, |s, (gap, closed)| s.min(gap - later * closed));
+        let seen =
+            closes(&motion, raw, fraction).fold(0.0_f32, |s, (gap, closed)| s.min(gap - later * closed));
         let then = collide_convex(a, b, &motion.relative(later), input.margin);
         let deepest = then.points().iter().fold(0.0_f32, |s, p| s.min(p.separation));
         if seen - deepest > most {
@@ -66,6 +72,9 @@ pub(crate) fn look_along(
     }
     found
 }
+
+/// Planes are good for a turn up to this [rad].
+const EVEN: f32 = 0.7;
 
 /// For the larger search volume: the manifold of two convex shapes that miss each other, where their centres pass. The
 /// path runs along such a plane, not through it, so it pushes only what another impact throws off its path.

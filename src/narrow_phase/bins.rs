@@ -1,9 +1,8 @@
 //! Pairs binned by shape pair, and worked through in lanes.
 
 use super::ahead::{
-    NO_GAP, fly_mesh, halfway, hit_mesh, keep_reached, look_ahead, look_ahead_mesh, look_along,
-    look_beside, motion_of,
-    right_way_out, strikes, touches_mesh, would_push,
+    NO_GAP, fly_mesh, halfway, hit_mesh, keep_reached, look_ahead, look_ahead_mesh, look_along, look_beside,
+    motion_of, right_way_out, strikes, touches_mesh, would_push,
 };
 use super::box_box::box_box;
 use super::capsule_box::{capsule_box, tapered_capsule_box};
