@@ -226,8 +226,15 @@ fn methods_are_compared_on_a_scene() {
     has_keys(&scenes[0], &["scene", "steps", "methods"]);
     let methods = scenes[0]["methods"].as_array().expect("methods");
     let names: Vec<_> = methods.iter().map(|method| method["name"].as_str().expect("a name")).collect();
-    let expected =
-        ["discrete", "linear-cast", "speculative", "segment", "volume", "conservative-advancement"];
+    let expected = [
+        "discrete",
+        "linear-cast",
+        "speculative",
+        "talk-method",
+        "segment",
+        "volume",
+        "conservative-advancement",
+    ];
     assert_eq!(names, expected);
     let measures = [
         "tunnelled",
@@ -256,7 +263,7 @@ fn methods_are_compared_on_a_scene() {
         assert_eq!(method["tunnelled"].as_u64() > Some(0), names[i] == "discrete", "{method}");
     }
     // The reference is off itself by nothing.
-    assert_eq!((&methods[5]["energy_error"], &methods[5]["distance_lost"]), (&0.0.into(), &0.0.into()));
+    assert_eq!((&methods[6]["energy_error"], &methods[6]["distance_lost"]), (&0.0.into(), &0.0.into()));
     refused(&["compare", "--scene", "nowhere"], 1, "there is no scene");
 }
 

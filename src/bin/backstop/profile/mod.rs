@@ -69,6 +69,7 @@ fn measure_all(options: &ProfileOptions, scene: &Scene) -> anyhow::Result<Ledger
         substeps: options.substeps.unwrap_or(default.substeps),
         iterations: options.iterations.unwrap_or(default.iterations),
         continuous: options.continuous,
+        method: options.method,
         ..default
     };
     let bar = output::progress(!options.quiet, u64::from(steps) * options.threads.len() as u64, "frames");

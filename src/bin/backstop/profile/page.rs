@@ -68,7 +68,7 @@ fn page(ledger: &Ledger) -> String {
     );
     memory_table(&mut html, &ledger.memory.categories);
     if let Some(comparison) = &ledger.comparison {
-        html += "<h2>Methods side by side</h2>\n<p>Six scenes, six methods; docs/continuous.md says what the columns mean.</p>\n";
+        html += "<h2>Methods side by side</h2>\n<p>Six scenes, seven methods; docs/continuous.md says what the columns mean.</p>\n";
         for scene in &comparison.scenes {
             let _ = writeln!(html, "<h3>{}: {} steps</h3>", escape(scene.scene), scene.steps);
             table(&mut html, &compare::HEAD, 1, &compare::rows(scene));
