@@ -150,6 +150,22 @@ pub(crate) fn rows(ledger: &Ledger) -> Vec<(String, String)> {
             ),
         ));
     }
+    for each in &ledger.each {
+        rows.push((
+            "each body".into(),
+            format!(
+                "{} on {}: in flight {:+.2} µs, a strike {:+.2} µs ({:.1} times a resting contact of {:.2} µs), {} {:+.2} µs",
+                each.shape,
+                each.ground,
+                each.flight_us,
+                each.strike_us,
+                each.strike_ratio,
+                each.resting_us,
+                if matches!(each.shape, "sphere" | "capsule") { "rolling" } else { "sliding" },
+                each.rolling_us
+            ),
+        ));
+    }
     let m = &ledger.memory;
     rows.push((
         "memory".into(),
