@@ -4,6 +4,7 @@ use crate::constraint::Order;
 use crate::error::{Error, positive, within};
 use crate::limits;
 use crate::memory::Budget;
+use crate::narrow_phase::Start;
 use glam::Vec3;
 
 /// How a body is kept from passing through others; of two, the greater is the dearer.
@@ -51,6 +52,9 @@ pub enum ContinuousMethod {
     /// The same with times of impact by conservative advancement over the whole motion, rotation included (Mirtich 1996;
     /// Zhang et al. 2006), tighter, and up to 64 times: slow, and the reference for the others.
     ConservativeAdvancement,
+    /// The talk's method itself (Vincent Robert, GDC 2012): speculative contacts behind two gates. Planes of the start of the step stop only whoever crosses them over
+    /// the face that they are of, and the plane is that of the axis which is entered last. No cast, no guard.
+    Talk,
 }
 
 impl ContinuousMethod {
@@ -200,6 +204,8 @@ impl Settings {
         let (own, off) = (self.continuous, Continuous::Discrete);
         match self.method {
             ContinuousMethod::OnePass => StageModes { broad: own, narrow: own, finish: own },
+            // What an impact throws off its way is nobody's business.
+            ContinuousMethod::Talk => StageModes { broad: own, narrow: own, finish: off },
             ContinuousMethod::Speculative => {
                 let all = if own == off { off } else { Continuous::Volume };
                 StageModes { broad: all, narrow: all, finish: off }
@@ -208,6 +214,15 @@ impl Settings {
             ContinuousMethod::LinearCast | ContinuousMethod::ConservativeAdvancement => {
                 StageModes { broad: own, narrow: off, finish: off }
             }
+        }
+    }
+
+    /// What the narrow phase does with manifolds of the start of a step.
+    pub(crate) fn start(&self) -> Start {
+        match self.method {
+            ContinuousMethod::Speculative => Start::Speculative,
+            ContinuousMethod::Talk => Start::Gated,
+            _ => Start::Cast,
         }
     }
 

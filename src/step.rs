@@ -1,7 +1,7 @@
 //! One step on one screen.
 
 use crate::broad_phase::BroadStats;
-use crate::config::{ContinuousMethod, FrictionModel};
+use crate::config::FrictionModel;
 use crate::constraint::{
     FindInput, JointInput, JointRows, PrepareInput, PrepareScratch, Prepared, Restitution, Rows, StepLengths,
     evenness, find, missing_for, prepare,
@@ -299,7 +299,7 @@ impl World {
             fast: FAST * unit,
             recycle: if self.settings.recycling { RECYCLE * unit } else { -1.0 },
             mode: self.settings.stage_modes().narrow,
-            speculative: self.settings.method == ContinuousMethod::Speculative,
+            start: self.settings.start(),
             has_joints: &|body| joints.has_any(slots[body as usize]),
         };
         let how = (self.needs.friction > 0, self.settings.friction_model == FrictionModel::Point);

@@ -57,8 +57,8 @@ fn change(settings: &mut Settings, input: &mut Input<'_>) {
         16 => settings.budget = Budget::total(1 << (10 + input.below(16))),
         17 => settings.friction_model = input.pick(&[FrictionModel::Patch, FrictionModel::Point]),
         18 => {
-            use ContinuousMethod::{ConservativeAdvancement, LinearCast, OnePass, Speculative};
-            settings.method = input.pick(&[OnePass, Speculative, LinearCast, ConservativeAdvancement]);
+            use ContinuousMethod::{ConservativeAdvancement, LinearCast, OnePass, Speculative, Talk};
+            settings.method = input.pick(&[OnePass, Speculative, LinearCast, ConservativeAdvancement, Talk]);
             settings.friction_cone = input.pick(&[FrictionCone::Cone, FrictionCone::Box]);
         }
         _ => {

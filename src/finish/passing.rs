@@ -2,10 +2,10 @@
 //!
 //! Potential points keep one pair apart exactly; where many fast bodies meet at once, few iterations don't, and where a plate
 //! turns under what slides along it, planes of one moment don't. So the way of each fast body's centre is looked at in the
-//! frame of the other: if it enters that one's shape, the two are moved apart at their ends until the centre is back in front
-//! of the surface that it went through, by as much as the ball that fits into its body. The lighter one gives way; the speed
-//! with which they close is taken away as by an impulse there. Bodies with joints can't be moved alone: if both have some, both
-//! stop on their ways.
+//! frame of the other. If it enters that one's shape, more along its surface than into it, the two are moved apart at their ends
+//! until the centre is back in front of the surface that it went through, by as much as the ball that fits into its body; the
+//! lighter one gives way. If it goes right into it, or both have joints and can't be moved alone, both stop on their ways. The
+//! speed with which they close is taken away as by an impulse there.
 
 use super::guard::{Guard, KEEP, stop};
 use crate::body::{Bodies, Pose};
@@ -19,6 +19,9 @@ use glam::Vec3;
 const TOUCHED: f32 = 1.0;
 /// Passes over fast pairs: a body that is moved may get in the way of another.
 const PASSES: usize = 4;
+
+/// What goes into a surface by more than this share of its way is not led along it.
+const STEEP: f32 = 0.5;
 
 /// What is known of the bodies, and what is done to them.
 pub(super) struct Movers<'a> {
@@ -40,8 +43,9 @@ struct Passing {
     stop: f32,
     /// Of the surface that it enters, at the end of the step, towards the centre.
     normal: Vec3,
-    /// How far it has to be moved along the normal to be in front again, at the end of the step [m].
-    lift: f32,
+    /// How far it has to be moved along the normal to be in front again, at the end of the step [m]; none if it goes more
+    /// into the surface than along it.
+    lift: Option<f32>,
 }
 
 impl Guard<'_> {
@@ -101,9 +105,11 @@ impl Guard<'_> {
         let Movers { bodies, delta, inverse_inertia, impacts, seats, cut, stack } = movers;
         let [i, k] = [one, other].map(|c| self.hot[c as usize].body as usize);
         let gives = |i: usize| if self.joints.has_any(self.slots[i]) { 0.0 } else { bodies.mass[i].inverse };
-        let (gi, gk) = (gives(i), gives(k));
+        let (gi, gk) = if lift.is_some() { (gives(i), gives(k)) } else { (0.0, 0.0) };
         for (c, i, way) in [(one, i, normal * gi), (other, k, normal * -gk)] {
-            if gi + gk > 0.0 {
+            if let Some(lift) = lift
+                && gi + gk > 0.0
+            {
                 let mut way = bodies.traits[i].free(way * (lift / (gi + gk)));
                 if way == Vec3::ZERO {
                     continue;
@@ -183,7 +189,7 @@ impl Guard<'_> {
         Some(Passing {
             stop: (stop * (length + keep) / length).min(1.0),
             normal: new.rotation * hit.normal,
-            lift: (inner - height).max(0.0),
+            lift: (height > -STEEP * length).then_some((inner - height).max(0.0)),
         })
     }
 }

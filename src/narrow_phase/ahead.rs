@@ -6,9 +6,10 @@
 
 use super::cast::{Touch, cast_convex, cast_plane, tolerance};
 use super::cast_mesh::{Asked, Cast, ask_mesh};
-use super::collide::Input;
+use super::collide::{Input, Start};
 use super::convex::collide_convex;
 use super::found::MeshBlock;
+use super::gates::enter_mesh;
 use super::gjk::distance;
 use super::mesh::{MeshScratch, collide_mesh};
 use super::mesh_reach::{Reach, extent_of};
@@ -147,9 +148,11 @@ pub(crate) fn hit_mesh(
     if left <= 0.5 * a.inner_radius {
         return;
     }
-    let Some(Touch { fraction: further, .. }) =
-        look_ahead_mesh(input, (a, b), (&rel, &then), input.real, &mut out.mesh)
-    else {
+    let second = match input.start {
+        Start::Gated => enter_mesh(input, (a, b), (&rel, &then), input.real),
+        _ => look_ahead_mesh(input, (a, b), (&rel, &then), input.real, &mut out.mesh),
+    };
+    let Some(Touch { fraction: further, .. }) = second else {
         return;
     };
     out.raw.clear();
@@ -180,7 +183,7 @@ fn way_left(motion: &Motion, fraction: f32) -> Vec3 {
 
 /// The margin at a first touch [m]: what is left of the motion may bring down the rest of a body that touched with a tip.
 /// The plane is one that it did touch, so points far from it are no guess. Motion along it brings nothing down.
-fn further(input: &Input<'_>, pair: &Pair, touch: &Touch) -> f32 {
+pub(super) fn further(input: &Input<'_>, pair: &Pair, touch: &Touch) -> f32 {
     let radius = |c: u32| input.colliders[c as usize].radius;
     let size = 2.0 * radius(pair.a).min(radius(pair.b));
     let approach = input.approach(pair);
@@ -236,7 +239,7 @@ const NEARLY: f32 = 1e-5;
 
 /// How much of the gap along `normal` the whole motion takes away at a point that is `arm` from a's centre, with the
 /// centres moved apart by `moved` since the start [m].
-fn closing(motion: &Motion, normal: Vec3, arm: Vec3, moved: Vec3) -> f32 {
+pub(super) fn closing(motion: &Motion, normal: Vec3, arm: Vec3, moved: Vec3) -> f32 {
     let arm_b = arm + motion.start.as_vec3() + moved;
     normal.dot(motion.displacement + motion.a.spin.cross(arm) - motion.b.spin.cross(arm_b))
 }
@@ -312,7 +315,7 @@ fn path(input: &Input<'_>, collider: u32) -> BodyPath {
 
 /// A manifold found at a fraction of the step, in the frame of shape a as it is at the start: its arms are those of the
 /// touch, its separations what the predicted motion takes away until then, which is at least `least`.
-fn carry_back(raw: &RawManifold, motion: &Motion, fraction: f32, least: f32) -> RawManifold {
+pub(super) fn carry_back(raw: &RawManifold, motion: &Motion, fraction: f32, least: f32) -> RawManifold {
     let turned = exp_map(motion.a.spin * fraction);
     let at_touch = turned * motion.a.rotation;
     let lever = turned * motion.a.lever;

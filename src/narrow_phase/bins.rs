@@ -9,10 +9,11 @@ use super::capsule_box::{capsule_box, tapered_capsule_box};
 use super::capsule_capsule::{capsule_capsule, tapered_capsule_capsule};
 use super::cast::tolerance;
 use super::cast_mesh::Cast;
-use super::collide::{Approach, Input, Same, lanes_of, relative_pose, relative_poses};
+use super::collide::{Approach, Input, Same, Start, lanes_of, relative_pose, relative_poses};
 use super::contact::{Contact, NONE};
 use super::convex::collide_convex;
 use super::found::Out;
+use super::gates::{enter_mesh, gate, straight};
 use super::lanes_io::{ManifoldLanes, PairLanes};
 use super::mesh::collide_mesh;
 use super::mesh_reach::{Reach, extent_of};
@@ -248,7 +249,7 @@ fn finish_convex(
     let pair = &pairs[index as usize];
     let nearest = raw.points().iter().fold(f32::INFINITY, |s, p| s.min(p.separation));
     let (mut raw, mut fraction, mut missed) = (raw, 0.0, false);
-    if approach.is_continuous() && nearest > 0.0 && raw.count > 0 && !input.speculative {
+    if approach.is_continuous() && nearest > 0.0 && raw.count > 0 && input.start != Start::Speculative {
         let fast = nearest > input.real && approach.most() > input.fast;
         let volume = approach.mode == Continuous::Volume;
         let strays = nearest <= input.margin && input.strays(pair);
@@ -258,10 +259,14 @@ fn finish_convex(
             (raw.count, missed) = (0, true);
         } else if fast || would_push(input, &motion_of(input, pair), &raw) {
             // Apart, and a plane at the start of the step would be a guess: look where they really touch.
-            out.count_casts(1);
+            let hit = if input.start == Start::Gated {
+                gate(input, pair, &raw)
+            } else {
+                out.count_casts(1);
+                look_ahead(input, pair)
+            };
             // On a miss there is nothing in reach on this path; the larger volume keeps what it passes.
-            let found =
-                look_ahead(input, pair).or_else(|| if volume { look_beside(input, pair) } else { None });
+            let found = hit.or_else(|| if volume { look_beside(input, pair) } else { None });
             if found.is_some() || !strays {
                 (raw, fraction) = found.unwrap_or_default();
             }
@@ -319,8 +324,9 @@ fn finish_mesh(
     let most = approach.most();
     // Within half the ball that fits into it a body can't get past a triangle, and planes at the start will do.
     let continuous = approach.is_continuous();
-    let casts_at_all = continuous && !input.speculative;
-    let fast = casts_at_all && most > input.fast.max(0.5 * a.inner_radius);
+    let looks = continuous && input.start != Start::Speculative;
+    let gated = input.start == Start::Gated;
+    let fast = looks && most > input.fast.max(0.5 * a.inner_radius);
     // Where the body is, and what it may turn into: what it may reach further away is found by the cast.
     let reach = match (fast, continuous) {
         (true, _) => approach.spin.min(a.radius),
@@ -341,7 +347,7 @@ fn finish_mesh(
     let (shapes, motion) = ((a, b), LazyCell::new(|| motion_of(input, pair)));
     // Without a contact it is likely to be in flight.
     mesh.mesh.nearby.forget();
-    let flight = if fast && pair.contact == NONE {
+    let flight = if fast && !gated && pair.contact == NONE {
         fly_mesh(input, shapes, (rel, &motion), &mut mesh.mesh)
     } else {
         Cast::Near
@@ -381,24 +387,37 @@ fn finish_mesh(
         let apart = nearest > tolerance(a, b, input.unit).max(NO_GAP * input.real);
         let near = |m: &RawManifold| m.points().iter().any(|p| p.separation <= input.margin);
         let guess = |m: &RawManifold| would_push(input, &motion, m) && !(near(m) && input.strays(pair));
-        if casts_at_all && apart && mesh.raw.iter().any(guess) {
+        if looks && apart && mesh.raw.iter().any(guess) {
             casts += 1;
-            if !touches_mesh(input.unit, shapes, (rel, &motion), &mut mesh.mesh) {
+            let touches = if gated {
+                approach.spin > input.margin || enter_mesh(input, shapes, (rel, &motion), 0.0).is_some()
+            } else {
+                touches_mesh(input.unit, shapes, (rel, &motion), &mut mesh.mesh)
+            };
+            if !touches {
                 mesh.raw.retain(|m| !guess(m));
             }
         }
         (0..mesh.raw.len()).for_each(|i| mesh.add(mesh.raw[i], 0.0));
         if fast {
-            ahead = look_ahead_mesh(input, shapes, (rel, &motion), resting, &mut mesh.mesh);
+            ahead = if gated {
+                enter_mesh(input, shapes, (rel, &motion), resting)
+            } else {
+                look_ahead_mesh(input, shapes, (rel, &motion), resting, &mut mesh.mesh)
+            };
         }
     }
     casts += u32::from(fast);
     if let Some(touch) = ahead {
         casts += 1;
-        hit_mesh(input, pair, shapes, &motion, touch, mesh);
+        if gated {
+            hit_mesh(input, pair, shapes, &straight(&motion), touch, mesh);
+        } else {
+            hit_mesh(input, pair, shapes, &motion, touch, mesh);
+        }
     }
     let found = mesh.end(index, start);
-    out.count_casts(casts);
+    out.count_casts(if gated { 0 } else { casts });
     if let Cast::Free = flight {
         out.clear(index);
     }

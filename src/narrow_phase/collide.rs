@@ -42,10 +42,20 @@ pub(crate) struct Input<'a> {
     pub(crate) recycle: f32,
     /// The world's; a pair's is in [`Approach::mode`].
     pub(crate) mode: Continuous,
-    /// Planes at the start of the step stop whoever could reach them: nothing is cast, nothing that is missed is dropped.
-    pub(crate) speculative: bool,
+    pub(crate) start: Start,
     /// Whether a body has joints.
     pub(crate) has_joints: &'a (dyn Fn(u32) -> bool + Sync),
+}
+
+/// What becomes of the manifold that a pair which is apart, and may close its gap within the step, has at the start of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Start {
+    /// It is replaced by that of the first touch, which is searched for along the predicted motion.
+    Cast,
+    /// It stays: its planes stop whoever could reach them, and nothing that is missed is dropped.
+    Speculative,
+    /// It stays as far as the predicted motion crosses it over the faces that it is of ([`gates`](super::gates)).
+    Gated,
 }
 
 impl Input<'_> {
@@ -74,7 +84,7 @@ impl Input<'_> {
         let moves = |c: u32| (self.hot[c as usize].body as usize) < self.motion.len();
         let inner = |c: u32| self.colliders[c as usize].inner_radius;
         approach.is_continuous()
-            && !self.speculative
+            && self.start == Start::Cast
             && approach.most() > self.fast
             && moves(pair.a)
             && moves(pair.b)

@@ -21,6 +21,7 @@ mod cylinder;
 #[cfg_attr(not(test), allow(dead_code, reason = "benches use a part of what tests use"))]
 pub(crate) mod fixtures;
 mod found;
+mod gates;
 mod gjk;
 mod hull_triangle;
 mod lanes_io;
@@ -57,7 +58,7 @@ pub(crate) use ahead::out_by_the_centre;
 pub(crate) use bins::GHOST_GAP;
 pub(crate) use cast::{cast_convex, cast_plane, tolerance};
 pub(crate) use cast_mesh::{Asked, Cast, Triangles, ask_mesh};
-pub(crate) use collide::{Input, NarrowStats, Scratch, collide};
+pub(crate) use collide::{Input, NarrowStats, Scratch, Start, collide};
 pub(crate) use contact::{Contact, Contacts, HOLD, NONE, Point, UNKNOWN_LOAD};
 pub(crate) use convex::collide_convex;
 pub(crate) use gjk::{CoreGap, core_gap, distance};

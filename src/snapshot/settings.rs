@@ -92,7 +92,7 @@ pub(super) fn mode_of(code: u32) -> Result<Continuous, Error> {
 }
 
 fn method_of(code: u32) -> Result<ContinuousMethod, Error> {
-    use ContinuousMethod::{ConservativeAdvancement, LinearCast, OnePass, Speculative};
-    let all = [OnePass, Speculative, LinearCast, ConservativeAdvancement];
+    use ContinuousMethod::{ConservativeAdvancement, LinearCast, OnePass, Speculative, Talk};
+    let all = [OnePass, Speculative, LinearCast, ConservativeAdvancement, Talk];
     all.into_iter().find(|&method| method as u32 == code).ok_or_else(|| broken("a method"))
 }

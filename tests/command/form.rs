@@ -178,7 +178,7 @@ fn a_profile_has_both_costs_of_every_frame() {
         ["profile", "--steps", "26", "--repeats", "3", "--threads", "1,2", "--json", "--no-compare"];
     let more = ["--report", folder, "--csv", table];
     let document = document(&backstop(&[&arguments[..], &more].concat()));
-    has_keys(&document, &["scene", "settings", "steps", "dynamic_bodies", "runs", "memory", "hash"]);
+    has_keys(&document, &["scene", "settings", "steps", "dynamic_bodies", "runs", "each", "memory", "hash"]);
     assert_eq!((&document["scene"], &document["dynamic_bodies"]), (&"talk".into(), &11.into()));
     let runs = document["runs"].as_array().expect("runs");
     assert_eq!(runs.len(), 2);
@@ -199,6 +199,15 @@ fn a_profile_has_both_costs_of_every_frame() {
         let pushed: u64 = frames[..25].iter().filter_map(|f| f["pushed"].as_u64()).sum();
         let told = totals["confirmed"].as_u64().zip(totals["ghosts"].as_u64()).map(|(a, b)| a + b);
         assert_eq!(told, Some(pushed));
+    }
+    let each = document["each"].as_array().expect("pairs of a shape and a ground");
+    assert_eq!(each.len(), 8);
+    for pair in each {
+        let times = ["flight_us", "strike_us", "rolling_us", "resting_us", "strike_ratio"];
+        has_keys(pair, &[&["shape", "ground", "bodies", "strikes"], &times[..]].concat());
+        // All of them reach the ground in the step of strikes.
+        assert_eq!((&pair["bodies"], &pair["strikes"]), (&64.into(), &64.into()), "{pair}");
+        assert!(times.iter().all(|time| pair[time].is_number()), "{pair}");
     }
     // Nothing but times differs between numbers of threads: the counts are those of one run.
     assert_eq!(runs[0]["totals"], runs[1]["totals"]);
@@ -226,8 +235,15 @@ fn methods_are_compared_on_a_scene() {
     has_keys(&scenes[0], &["scene", "steps", "methods"]);
     let methods = scenes[0]["methods"].as_array().expect("methods");
     let names: Vec<_> = methods.iter().map(|method| method["name"].as_str().expect("a name")).collect();
-    let expected =
-        ["discrete", "linear-cast", "speculative", "segment", "volume", "conservative-advancement"];
+    let expected = [
+        "discrete",
+        "linear-cast",
+        "speculative",
+        "talk-method",
+        "segment",
+        "volume",
+        "conservative-advancement",
+    ];
     assert_eq!(names, expected);
     let measures = [
         "tunnelled",
@@ -256,7 +272,7 @@ fn methods_are_compared_on_a_scene() {
         assert_eq!(method["tunnelled"].as_u64() > Some(0), names[i] == "discrete", "{method}");
     }
     // The reference is off itself by nothing.
-    assert_eq!((&methods[5]["energy_error"], &methods[5]["distance_lost"]), (&0.0.into(), &0.0.into()));
+    assert_eq!((&methods[6]["energy_error"], &methods[6]["distance_lost"]), (&0.0.into(), &0.0.into()));
     refused(&["compare", "--scene", "nowhere"], 1, "there is no scene");
 }
 

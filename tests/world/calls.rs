@@ -54,13 +54,14 @@ impl Game {
             ContinuousMethod::OnePass,
             ContinuousMethod::LinearCast,
             ContinuousMethod::Speculative,
+            ContinuousMethod::Talk,
         ];
         let settings = Settings {
             gravity: if rng.below(3) == 0 { Vec3::ZERO } else { Vec3::Y * -9.81 },
             sleeping: rng.below(8) != 0,
             sleep_time: [0.0, 0.03, 0.5][rng.below(3)],
             sleep_speed: [0.05, 1.0, 100.0][rng.below(3)],
-            method: methods[rng.below(4)],
+            method: methods[rng.below(5)],
             friction_model: [FrictionModel::Patch, FrictionModel::Point][rng.below(2)],
             substeps: 1 + rng.below(4) as u32,
             recycling: rng.below(5) != 0,

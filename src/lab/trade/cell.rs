@@ -17,6 +17,8 @@ pub enum ContinuousMode {
     Volume,
     /// [`ContinuousMethod::Speculative`].
     Speculative,
+    /// [`ContinuousMethod::Talk`].
+    TalkMethod,
     /// [`ContinuousMethod::LinearCast`].
     LinearCast,
     /// [`ContinuousMethod::ConservativeAdvancement`].
@@ -25,11 +27,12 @@ pub enum ContinuousMode {
 
 impl ContinuousMode {
     /// All of them.
-    pub const ALL: [ContinuousMode; 6] = [
+    pub const ALL: [ContinuousMode; 7] = [
         ContinuousMode::Discrete,
         ContinuousMode::Segment,
         ContinuousMode::Volume,
         ContinuousMode::Speculative,
+        ContinuousMode::TalkMethod,
         ContinuousMode::LinearCast,
         ContinuousMode::ConservativeAdvancement,
     ];
@@ -41,6 +44,7 @@ impl ContinuousMode {
             ContinuousMode::Segment => "segment",
             ContinuousMode::Volume => "volume",
             ContinuousMode::Speculative => "speculative",
+            ContinuousMode::TalkMethod => "talk-method",
             ContinuousMode::LinearCast => "linear-cast",
             ContinuousMode::ConservativeAdvancement => "conservative-advancement",
         }
@@ -53,6 +57,7 @@ impl ContinuousMode {
             ContinuousMode::Segment => (Continuous::Segment, ContinuousMethod::OnePass),
             ContinuousMode::Volume => (Continuous::Volume, ContinuousMethod::OnePass),
             ContinuousMode::Speculative => (Continuous::Segment, ContinuousMethod::Speculative),
+            ContinuousMode::TalkMethod => (Continuous::Segment, ContinuousMethod::Talk),
             ContinuousMode::LinearCast => (Continuous::Segment, ContinuousMethod::LinearCast),
             ContinuousMode::ConservativeAdvancement => {
                 (Continuous::Segment, ContinuousMethod::ConservativeAdvancement)

@@ -34,7 +34,8 @@ pub struct Grid {
 const FEWEST_FRAMES: u32 = 10;
 
 impl Grid {
-    /// Of a scene with or without joints. Conservative advancement, which is slow, and boxes of friction are left out.
+    /// Of a scene with or without joints. Conservative advancement, which is slow, the talk's method and boxes of
+    /// friction are left out.
     pub fn full(joints: bool) -> Grid {
         use ContinuousMode::{Discrete, LinearCast, Segment, Speculative, Volume};
         Grid {

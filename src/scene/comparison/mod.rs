@@ -31,8 +31,8 @@ pub struct Method {
 }
 
 /// What is compared, in the order of every result; the last is the reference of the others.
-pub const METHODS: [Method; 6] = {
-    use ContinuousMethod::{ConservativeAdvancement, LinearCast, OnePass, Speculative};
+pub const METHODS: [Method; 7] = {
+    use ContinuousMethod::{ConservativeAdvancement, LinearCast, OnePass, Speculative, Talk};
     const fn method(name: &'static str, continuous: Continuous, method: ContinuousMethod) -> Method {
         Method { name, continuous, method }
     }
@@ -40,6 +40,7 @@ pub const METHODS: [Method; 6] = {
         method("discrete", Continuous::Discrete, OnePass),
         method("linear-cast", Continuous::Segment, LinearCast),
         method("speculative", Continuous::Segment, Speculative),
+        method("talk-method", Continuous::Segment, Talk),
         method("segment", Continuous::Segment, OnePass),
         method("volume", Continuous::Volume, OnePass),
         method("conservative-advancement", Continuous::Segment, ConservativeAdvancement),

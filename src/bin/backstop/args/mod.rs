@@ -105,7 +105,7 @@ pub(crate) struct RunOptions {
     /// [default: segment].
     #[arg(long, value_name = "MODE", value_parser = continuous)]
     pub(crate) continuous: Option<Continuous>,
-    /// By which method: one-pass, speculative, linear-cast or conservative-advancement (docs/continuous.md)
+    /// By which method: one-pass, speculative, talk, linear-cast or conservative-advancement (docs/continuous.md)
     /// [default: one-pass].
     #[arg(long, value_name = "NAME", value_parser = method)]
     pub(crate) method: Option<ContinuousMethod>,
@@ -257,6 +257,9 @@ pub(crate) struct ProfileOptions {
     /// What is compared with discrete: segment or volume.
     #[arg(long, value_name = "MODE", default_value = "segment", value_parser = continuous)]
     pub(crate) continuous: Continuous,
+    /// By which method: one-pass, speculative, talk, linear-cast or conservative-advancement (docs/continuous.md).
+    #[arg(long, value_name = "NAME", default_value = "one-pass", value_parser = method)]
+    pub(crate) method: ContinuousMethod,
     /// Leave out the comparison of methods on their six scenes (`compare`).
     #[arg(long)]
     pub(crate) no_compare: bool,

@@ -168,8 +168,9 @@ pub(crate) fn method(text: &str) -> Result<ContinuousMethod, String> {
     match text {
         "one-pass" => Ok(ContinuousMethod::OnePass),
         "speculative" => Ok(ContinuousMethod::Speculative),
+        "talk" => Ok(ContinuousMethod::Talk),
         "linear-cast" => Ok(ContinuousMethod::LinearCast),
         "conservative-advancement" => Ok(ContinuousMethod::ConservativeAdvancement),
-        _ => Err("must be one-pass, speculative, linear-cast or conservative-advancement".into()),
+        _ => Err("must be one-pass, speculative, talk, linear-cast or conservative-advancement".into()),
     }
 }

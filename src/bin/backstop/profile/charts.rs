@@ -169,6 +169,7 @@ mod tests {
                 steps: steps as usize,
                 dynamic_bodies: 0,
                 runs: vec![Run::new(1, measured)],
+                each: Vec::new(),
                 memory: Memory::new(&memory, 0),
                 hash: String::new(),
                 comparison: None,

@@ -1,5 +1,6 @@
 //! What the frames come to: `profile --json` and `--csv`. docs/json.md says what the fields mean.
 
+use super::each::Each;
 use super::measure::{Frame, Measured, StageCost};
 use crate::compare::Comparison;
 use crate::document::CategoryBytes;
@@ -19,6 +20,8 @@ pub(crate) struct Ledger {
     pub(crate) dynamic_bodies: usize,
     /// At each number of threads.
     pub(crate) runs: Vec<Run>,
+    /// What is added for one body, by shape and ground.
+    pub(crate) each: Vec<Each>,
     pub(crate) memory: Memory,
     pub(crate) hash: String,
     /// Methods of continuous collision side by side on their six scenes, unless they were left out.

@@ -1,6 +1,7 @@
 //! `profile`: what continuous collision costs, frame by frame and in bytes, as Vincent Robert's talk measured it (GDC 2012).
 
 mod charts;
+mod each;
 mod ledger;
 mod measure;
 mod page;
@@ -69,6 +70,7 @@ fn measure_all(options: &ProfileOptions, scene: &Scene) -> anyhow::Result<Ledger
         substeps: options.substeps.unwrap_or(default.substeps),
         iterations: options.iterations.unwrap_or(default.iterations),
         continuous: options.continuous,
+        method: options.method,
         ..default
     };
     let bar = output::progress(!options.quiet, u64::from(steps) * options.threads.len() as u64, "frames");
@@ -85,6 +87,7 @@ fn measure_all(options: &ProfileOptions, scene: &Scene) -> anyhow::Result<Ledger
         last = Some(measured);
     }
     bar.finish_and_clear();
+    let each = with_threads(1, || each::measure(&settings, options.dt, options.repeats as usize))?;
     let compared =
         CompareOptions { scene: None, steps: None, threads: 1, rounds: options.rounds, json: false };
     let last = last.context("no number of threads is given")?;
@@ -94,6 +97,7 @@ fn measure_all(options: &ProfileOptions, scene: &Scene) -> anyhow::Result<Ledger
         steps: steps as usize,
         dynamic_bodies: scene.dynamic_bodies(),
         runs,
+        each,
         memory: Memory::new(&last.memory, scene.dynamic_bodies()),
         hash: format!("{:016x}", last.hash),
         comparison: (!options.no_compare).then(|| compare::compare(&compared)).transpose()?,

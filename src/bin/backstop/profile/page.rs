@@ -68,7 +68,7 @@ fn page(ledger: &Ledger) -> String {
     );
     memory_table(&mut html, &ledger.memory.categories);
     if let Some(comparison) = &ledger.comparison {
-        html += "<h2>Methods side by side</h2>\n<p>Six scenes, six methods; docs/continuous.md says what the columns mean.</p>\n";
+        html += "<h2>Methods side by side</h2>\n<p>Six scenes, seven methods; docs/continuous.md says what the columns mean.</p>\n";
         for scene in &comparison.scenes {
             let _ = writeln!(html, "<h3>{}: {} steps</h3>", escape(scene.scene), scene.steps);
             table(&mut html, &compare::HEAD, 1, &compare::rows(scene));
@@ -147,6 +147,22 @@ pub(crate) fn rows(ledger: &Ledger) -> Vec<(String, String)> {
                 count(t.ghosts),
                 count(t.cut),
                 count(t.lifted)
+            ),
+        ));
+    }
+    for each in &ledger.each {
+        rows.push((
+            "each body".into(),
+            format!(
+                "{} on {}: in flight {:+.2} µs, a strike {:+.2} µs ({:.1} times a resting contact of {:.2} µs), {} {:+.2} µs",
+                each.shape,
+                each.ground,
+                each.flight_us,
+                each.strike_us,
+                each.strike_ratio,
+                each.resting_us,
+                if matches!(each.shape, "sphere" | "capsule") { "rolling" } else { "sliding" },
+                each.rolling_us
             ),
         ));
     }

@@ -39,7 +39,7 @@ pub(crate) struct TradeOptions {
     /// Friction models: patch, patch-box, point or point-box.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = friction)]
     pub(crate) friction: Vec<FrictionLaw>,
-    /// Continuous collision: discrete, segment, volume, speculative, linear-cast or conservative-advancement.
+    /// Continuous collision: discrete, segment, volume, speculative, talk-method, linear-cast or conservative-advancement.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = continuous)]
     pub(crate) continuous: Vec<ContinuousMode>,
     /// Recycling of contacts: on or off.
