@@ -3,8 +3,8 @@
 //! What is left out lets its bodies into each other. So a contact weighs what they would overlap by at the end of the step
 //! if it had no rows: what their predicted motions add, what the load that it bore in the last step would move them by, and a
 //! part of what they overlap by now. All are lengths, so a light body's load counts as much as a heavy one's, and a contact that
-//! is found late in the order of pairs weighs what it would have weighed early. What nothing approaches costs nothing; what is
-//! with something static weighs more than all else.
+//! is found late in the order of pairs weighs what it would have weighed early. What nothing approaches costs nothing; what
+//! lets a body into something static by more than a little weighs more than all else.
 
 use super::contact::Contact;
 use crate::body::Mass;
@@ -25,19 +25,22 @@ const FIRST: u32 = (127 - 16) << 4;
 /// left out does not change from step to step.
 const LASTS: f32 = 2.0;
 /// The share of an overlap that counts: in full, pairs that are deep in each other would take the place of those that bear, whose
-/// bodies would be the next to sink. With none of it they would stay as they are (measured: 0.1 is worse, and 1 much worse).
+/// bodies would be the next to sink. With a tenth of it they stay deep for too long.
 const DEEP: f32 = 0.25;
+/// What costs more than this goes after all that costs less [length units]; of either, what is with something static goes last. Were
+/// that always last, bodies side by side on a floor would keep the floor, and enter each other altogether.
+const MUCH: f32 = 0.02;
 
 impl Weight {
     /// How many there are.
-    pub(crate) const COUNT: usize = 4 * STEPS as usize;
+    pub(crate) const COUNT: usize = 6 * STEPS as usize;
     /// The least of those that keep apart what approaches, or bear a load.
     pub(crate) const NEEDED: Weight = Weight(2 * STEPS);
 
     /// Of an overlap, or a gap, at the end of the step [length units].
     fn new(is_static: bool, overlap: f32) -> Weight {
         let steps = (overlap.abs().to_bits() >> BITS).saturating_sub(FIRST).min(u32::from(STEPS) - 1) as u16;
-        let class = u16::from(is_static) + 2 * u16::from(overlap > 0.0);
+        let class = u16::from(is_static) + 2 * (u16::from(overlap > 0.0) + u16::from(overlap > MUCH));
         Weight(class * STEPS + if overlap > 0.0 { steps } else { STEPS - 1 - steps })
     }
 
@@ -84,9 +87,10 @@ impl Scale<'_> {
         };
         let (of_a, of_b) = (motion(a), motion(b));
         let closing = normal.dot(of_a.linear - of_b.linear) + spin(a, of_a.pad1) + spin(b, of_b.pad1);
-        let apart = if separation < 0.0 { DEEP * separation } else { separation };
+        let both = pushed(a) && pushed(b);
+        let apart = if both && separation < 0.0 { DEEP * separation } else { separation };
         let held = LASTS * load * self.gain * (inverse(a) + inverse(b));
-        Weight::new(!(pushed(a) && pushed(b)), (closing - apart + held) / self.unit)
+        Weight::new(!both, (closing - apart + held) / self.unit)
     }
 
     /// Of a contact that is there.
@@ -142,13 +146,18 @@ mod tests {
 
     #[test]
     fn weights_grow_with_what_leaving_out_costs() {
-        let overlaps = [-1.0, -0.01, -0.001, 0.001, 0.002, 0.01, 0.5];
+        let overlaps = [-1.0, -0.01, -0.001, 0.001, 0.002, 0.05, 0.5];
         let weights: Vec<Weight> =
             [false, true].iter().flat_map(|&s| overlaps.map(|o| Weight::new(s, o))).collect();
         let order = |range: std::ops::Range<usize>| weights[range].is_sorted_by(|a, b| a < b);
         assert!(order(0..7) && order(7..14));
-        // What is static and needed weighs more than all else, and what is needed more than what is not.
-        assert!(weights[10] > weights[6] && weights[3] > weights[9]);
+        // What is static and costs much weighs more than all else, and what is needed more than what is not.
+        assert!(
+            weights[12] > weights[6]
+                && weights[6] > weights[10]
+                && weights[10] > weights[3]
+                && weights[3] > weights[9]
+        );
         assert!(!weights[9].is_needed() && weights[3].is_needed());
     }
 
