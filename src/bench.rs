@@ -147,6 +147,14 @@ pub fn preparing() -> Kernel {
             tweaks: &[],
             per_point: false,
             friction: true,
+            scale: crate::narrow_phase::Scale {
+                hot: &world.colliders.hot,
+                motion: &forces.motion,
+                mass: &world.bodies.mass,
+                dynamic: world.bodies.dynamic(),
+                gain: 1.0,
+                unit: 1.0,
+            },
         };
         prepare(&Crew::alone(), &input, &mut rows, &mut scratch, &mut Rooms::ENDLESS.clone());
         black_box(&mut rows);

@@ -130,7 +130,11 @@ pub(crate) fn pairs(crew: &Crew<'_>, world: &mut World) -> (BroadStats, u32) {
     };
     let narrow = &world.buffers.narrow;
     let rules = Rules { may_collide: &may_collide, order: &order, missing: &|pairs| narrow.missing(pairs) };
-    let stats = world.broad.update_within(crew, &rules, removed, &mut rooms);
+    // Rows of the last step are of no use any more, and without pairs there is nothing to make rows of.
+    let rows = &mut world.buffers.rows;
+    let contacts = world.contacts.live();
+    let mut give = |bytes: usize| rows.give_up(bytes, contacts);
+    let stats = world.broad.update_within(crew, &rules, removed, (&mut rooms, &mut give));
     let mut ghosts = 0;
     let mut removed = std::mem::take(removed);
     if !removed.is_empty() {

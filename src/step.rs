@@ -4,14 +4,14 @@ use crate::broad_phase::BroadStats;
 use crate::config::FrictionModel;
 use crate::constraint::{
     FindInput, JointInput, JointRows, PrepareInput, PrepareScratch, Prepared, Restitution, Rows, StepLengths,
-    evenness, find, missing_for, prepare,
+    evenness, find, lend, prepare,
 };
 use crate::error::Error;
 use crate::events::{ContactHooks, NoHooks};
 use crate::finish::{StageTimes, StepReport};
 use crate::forces::Forces;
 use crate::memory::{Category, MemoryReport, bytes_of};
-use crate::narrow_phase::{Census, Input, Scratch, collide};
+use crate::narrow_phase::{Input, Scale, Scratch, collide};
 use crate::record::probe;
 use crate::statics::Statics;
 use crate::threads::{Crew, Shared, with_crew};
@@ -285,6 +285,7 @@ impl World {
         let unit = self.settings.length_unit;
         let mut rooms = self.rooms();
         let (joints, slots) = (&self.joints, &self.bodies.slot);
+        let gain = dt * self.settings.substeps as f32;
         let Buffers { forces, narrow, rows, prepare, statics, .. } = &mut self.buffers;
         let input = Input {
             colliders: &self.colliders.all,
@@ -300,15 +301,22 @@ impl World {
             recycle: if self.settings.recycling { RECYCLE * unit } else { -1.0 },
             mode: self.settings.stage_modes().narrow,
             start: self.settings.start(),
+            scale: Scale {
+                hot: &self.colliders.hot,
+                motion: &forces.motion,
+                mass: &self.bodies.mass,
+                dynamic: self.bodies.dynamic(),
+                gain,
+                unit,
+            },
             has_joints: &|body| joints.has_any(slots[body as usize]),
         };
         let how = (self.needs.friction > 0, self.settings.friction_model == FrictionModel::Point);
-        let of_rows = |census: &Census| {
-            let mut missing = missing_for(census, (rows, prepare), how);
-            missing.add(Category::Scratch, statics.missing(census.total()));
-            missing
-        };
-        collide(crew, &input, &mut self.broad.pairs, &mut self.contacts, narrow, (&mut rooms, &of_rows))
+        let mut space = lend(rows, prepare, how, statics.lists());
+        let (pairs, contacts) = (&mut self.broad.pairs, &mut self.contacts);
+        let stats = collide(crew, &input, pairs, contacts, narrow, (&mut rooms, &mut space));
+        rows.take_back(space.slab);
+        stats
     }
 
     pub(crate) fn prepare(&mut self, crew: &Crew<'_>, dt: f32) -> Prepared {
@@ -388,6 +396,14 @@ impl World {
             tweaks: &self.events.tweaks,
             per_point: self.settings.friction_model == FrictionModel::Point,
             friction: self.needs.friction > 0,
+            scale: Scale {
+                hot: &self.colliders.hot,
+                motion: &forces.motion,
+                mass: &self.bodies.mass,
+                dynamic: self.bodies.dynamic(),
+                gain: dt * self.settings.substeps as f32,
+                unit,
+            },
         };
         let prepared = prepare(crew, &input, &mut self.buffers.rows, &mut self.buffers.prepare, &mut rooms);
         if self.joints.count > 0 {

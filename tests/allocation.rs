@@ -6,9 +6,11 @@ mod common;
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::{Scene, builtin};
 use backstop::{
-    Axes, Axis, BodyDesc, BodyHandle, ContinuousMethod, Drive, Geometry, JointDesc, Limit, Material, Motion,
-    Mover, MoverReport, MoverSettings, QueryFilter, Ray, Settings, ShapeCast, Snapshot, Spring, World,
+    Axes, Axis, BodyDesc, BodyHandle, Budget, ContinuousMethod, Drive, Geometry, JointDesc, Limit, Material,
+    Motion, Mover, MoverReport, MoverSettings, QueryFilter, Ray, Settings, ShapeCast, Snapshot, Spring,
+    World,
 };
+use common::piles::{Of, Pile};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -142,6 +144,23 @@ fn steps_that_allocate(scene: &Scene, steps: u32) -> Vec<u32> {
         ALLOCATIONS.load(Ordering::Relaxed) > before
     };
     (0..steps).filter(allocates).collect()
+}
+
+/// A pile that has 70 % of what it wants beyond its bodies' own bytes: which contacts stay is settled anew in each step, and takes no
+/// memory.
+#[test]
+fn a_pile_that_sheds_contacts_allocates_nothing() {
+    let _alone = one_at_a_time();
+    let pile = Pile { of: Of::Boxes, bodies: 300, seed: 1, dt: 1.0 / 60.0 };
+    let mut free = pile.world(settings(1));
+    count(&mut free, 200, |_, _| {});
+    let wanted = free.memory().iter().map(|(_, bytes)| bytes.peak).sum::<usize>();
+    let wide = pile.world(Settings { budget: Budget::total(1 << 30), ..settings(1) });
+    let own = wide.memory().total();
+    let budget = Budget::total(own + (wanted - own) * 7 / 10);
+    let mut world = pile.world(Settings { budget, ..settings(1) });
+    assert_eq!(count(&mut world, 600, |_, _| {}), 0);
+    assert!(world.report().shed > 0);
 }
 
 /// What falls, flies and comes to rest has its most contacts once; after that nothing grows any more.

@@ -71,6 +71,19 @@ pub(crate) struct Rules<'a> {
     pub(crate) missing: &'a dyn Fn(usize) -> usize,
 }
 
+/// Has others give up so many bytes, if they can; says how many it were.
+pub(crate) type GiveUp<'a> = &'a mut dyn FnMut(usize) -> usize;
+
+/// Bytes that blocks may want for a pair that they found no place for: lists are as long in all of them.
+const LOST: usize = 256;
+
+/// Has others make room; says whether they made any.
+fn make_room(bytes: usize, rooms: &mut Rooms, give: GiveUp<'_>) -> bool {
+    let freed = give(bytes);
+    rooms.within(Category::Rows, |room| room.give(freed));
+    freed > 0
+}
+
 impl Block {
     pub(super) fn bytes(&self) -> (usize, usize) {
         let columns = [bytes_of(&self.found), bytes_of(&self.stack), bytes_of(&self.partners)];
@@ -147,7 +160,12 @@ impl BroadPhase {
     }
 
     /// Searches for the pairs of all that changed; returns how many are new, and how many there was no room for.
-    pub(super) fn find_pairs(&mut self, crew: &Crew, rules: &Rules, rooms: &mut Rooms) -> (u32, u32) {
+    pub(super) fn find_pairs(
+        &mut self,
+        crew: &Crew,
+        rules: &Rules,
+        (rooms, give): (&mut Rooms, GiveUp<'_>),
+    ) -> (u32, u32) {
         let wanted = self.changed.len().div_ceil(BLOCK);
         // A budget is shared out among all that want something of it.
         let wave = if rooms.is_endless() { WAVE } else { wanted };
@@ -157,12 +175,27 @@ impl BroadPhase {
         let end = if shed > 0 { count } else { wanted };
         for first in (0..end).step_by(count.max(1)) {
             let count = count.min(end - first);
-            let share = self.share(count, &rooms.room(Category::BroadPhase));
-            self.search(crew, first, count, rules);
-            shed += rooms.within(Category::BroadPhase, |room| self.settle(count, share, room));
-            shed += self.take_in(count, rules, rooms);
+            let mut lost = self.search_within(crew, first, count, rules, rooms);
+            if lost > 0 && make_room(LOST * lost as usize, rooms, give) {
+                lost = self.search_within(crew, first, count, rules, rooms);
+            }
+            shed += lost + self.take_in(count, rules, (rooms, give));
         }
         ((self.pairs.len() - before) as u32, shed)
+    }
+
+    /// Searches within shares of what room there is; says how often it was too little.
+    fn search_within(
+        &mut self,
+        crew: &Crew,
+        first: usize,
+        count: usize,
+        rules: &Rules,
+        rooms: &mut Rooms,
+    ) -> u32 {
+        let share = self.share(count, &rooms.room(Category::BroadPhase));
+        self.search(crew, first, count, rules);
+        rooms.within(Category::BroadPhase, |room| self.settle(count, share, room))
     }
 
     /// Searches for the pairs of some blocks of what changed.
@@ -191,13 +224,19 @@ impl BroadPhase {
     }
 
     /// Appends what the blocks found, as far as there is room for it: first the pairs with what doesn't move.
-    fn take_in(&mut self, count: usize, rules: &Rules, rooms: &mut Rooms) -> u32 {
+    fn take_in(&mut self, count: usize, rules: &Rules, (rooms, give): (&mut Rooms, GiveUp<'_>)) -> u32 {
         let found: usize = self.blocks[..count].iter().map(|block| lock(block).found.len()).sum();
         // Those that were taken out come back.
         let before = self.pairs.len() + self.away;
         let mut quota = [usize::MAX; 2];
         if !rooms.is_endless() {
-            let most = self.most_pairs(before + found, rules, rooms);
+            let mut most = self.most_pairs(before + found, rules, rooms);
+            if most < before + found {
+                let bytes = self.missing(before + found) + (rules.missing)(before + found);
+                if make_room(bytes.saturating_sub(rooms.whole()), rooms, give) {
+                    most = self.most_pairs(before + found, rules, rooms);
+                }
+            }
             let granted = most.saturating_sub(before);
             let of_static = self.blocks[..count].iter().map(|block| {
                 let block = lock(block);

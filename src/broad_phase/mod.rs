@@ -36,7 +36,7 @@ use crate::shape::Hot;
 use crate::threads::Crew;
 use bvh::{NONE, Tree};
 pub(crate) use current::{Current, Now, Present, Sorts};
-use find::{Block, Change};
+use find::{Block, Change, GiveUp};
 pub(crate) use find::{Rules, STACK};
 use glam::Vec3;
 pub(crate) use look_up::Whom;
@@ -307,7 +307,7 @@ impl BroadPhase {
         let rules = Rules { may_collide, order, missing: &|_| 0 };
         self.start_movers();
         self.place_movers(movers, margin);
-        self.update_within(crew, &rules, removed, &mut Rooms::ENDLESS.clone())
+        self.update_within(crew, &rules, removed, (&mut Rooms::ENDLESS.clone(), &mut |_| 0))
     }
 
     /// Finds the pairs of a step once its movers are placed (see [`BroadPhase::start_movers`]), as far as there is room for
@@ -318,7 +318,7 @@ impl BroadPhase {
         crew: &Crew,
         rules: &Rules,
         removed: &mut Vec<Pair>,
-        rooms: &mut Rooms,
+        (rooms, give): (&mut Rooms, GiveUp<'_>),
     ) -> BroadStats {
         let built = self.fit_trees();
         let (moved, fast) = (self.changed.len() as u32, self.paths.len() as u32);
@@ -330,7 +330,7 @@ impl BroadPhase {
         let before = removed.len();
         rooms.within(Category::BroadPhase, |room| self.keep_pairs(crew, rules.may_collide, removed, room));
         stats.removed = (removed.len() - before) as u32;
-        (stats.added, stats.shed) = self.find_pairs(crew, rules, rooms);
+        (stats.added, stats.shed) = self.find_pairs(crew, rules, (rooms, give));
         if stats.shed > 0 {
             // All that were looked for now are looked for again.
             return stats;

@@ -8,8 +8,9 @@ use super::order::{Group, Order, Stage};
 use super::prepare::PrepareInput;
 use super::rows::{Rows, Tally};
 use super::seats::{Seat, Seated};
+use crate::lanes::ones;
 use crate::memory::{Amounts, Buffer, Category, Room, Rooms, bytes_of};
-use crate::narrow_phase::{Contact, NONE};
+use crate::narrow_phase::{Contact, NONE, Threshold, Weight};
 
 /// What preparing counted.
 #[derive(Clone, Copy, Debug, Default)]
@@ -24,31 +25,41 @@ pub(crate) struct Prepared {
     pub(crate) shed: u32,
 }
 
-/// A contact, or one point of it, in a lane of a batch.
+/// A contact, or some of its points, in a lane of a batch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Part(pub(crate) u32);
 
 impl Part {
-    const SLOT: u32 = (1 << 29) - 1;
+    const SLOT: u32 = (1 << 27) - 1;
+    /// Its other points have parts of their own.
+    const APART: u32 = 1 << 27;
+    /// The first of four bits, one for each point; none of them if the part has all.
+    const POINTS: u32 = 28;
     /// An inert lane.
     pub(crate) const NONE: Part = Part(u32::MAX);
 
-    fn whole(slot: u32) -> Part {
-        Part(slot)
+    /// Of points by bits, or of all.
+    fn of(slot: u32, points: u32) -> Part {
+        Part(slot | points << Self::POINTS)
     }
     fn point(slot: u32, point: usize) -> Part {
-        Part(slot | (point as u32 + 1) << 29)
+        Part(slot | Self::APART | 1 << (Self::POINTS + point as u32))
     }
     pub(crate) fn slot(self) -> usize {
         (self.0 & Self::SLOT) as usize
     }
-    /// The point, unless the part is the whole contact.
+    /// The point, if the others are not in this part but in others.
     pub(crate) fn only(self) -> Option<usize> {
-        (self.0 >> 29).checked_sub(1).map(|p| p as usize)
+        (self.0 & Self::APART != 0).then(|| (self.0 >> Self::POINTS).trailing_zeros() as usize)
     }
-    /// First point and number of points.
-    pub(crate) fn range(self, contact: &Contact) -> (usize, usize) {
-        self.only().map_or((0, contact.count as usize), |p| (p, 1))
+    /// Whether it is a contact of which some points have no rows.
+    pub(crate) fn is_cut(self) -> bool {
+        self.0 & Self::APART == 0 && self.0 >> Self::POINTS != 0
+    }
+    /// Its points, a bit each.
+    pub(crate) fn points(self, contact: &Contact) -> u32 {
+        let own = self.0 >> Self::POINTS;
+        if own == 0 { (1 << contact.count) - 1 } else { own }
     }
 }
 
@@ -97,6 +108,12 @@ impl PrepareScratch {
         self.keys.raised_bytes()
     }
 
+    /// Bytes that a part takes in its lists, and what these have.
+    pub(crate) fn lists(&self) -> (usize, usize) {
+        let reserved = bytes_of(&self.entries).1 + bytes_of(&self.sorted).1 + bytes_of(&self.ranges).1;
+        (size_of::<(Part, u32)>() + size_of::<Part>() + size_of::<(u32, u32)>(), reserved)
+    }
+
     /// Bytes that its lists lack for so many parts.
     pub(crate) fn missing(&self, parts: usize) -> usize {
         self.entries.missing(parts) + self.sorted.missing(parts) + self.ranges.missing(parts)
@@ -124,14 +141,73 @@ impl PrepareScratch {
 /// Overlap of two bodies from which on it counts for [`Crowd`] [slops]: what rests or was just hit has less.
 const DEEP: f32 = 20.0;
 
-/// Groups in the order in which their parts are given up for lack of room: what may meet before what does, and what keeps
-/// bodies out of the static world last.
-const SHED: [Group; 4] = [Group::PotentialDynamic, Group::Dynamic, Group::PotentialStatic, Group::Static];
+/// What rows do without where there is no room for all, from what is missed least on. All of one comes before any of the next.
+#[derive(Clone, Copy, Debug)]
+struct Thrift {
+    /// How many parts there is place for in the lists of the step.
+    place: usize,
+    /// Batches that are mostly empty are single rows: slower, and otherwise the same.
+    thin: bool,
+    /// Of contacts that nothing approaches, those that keep their rows.
+    idle: Threshold,
+    /// Of others, those that keep points that they don't need, and those that keep any.
+    spare: Threshold,
+    any: Threshold,
+}
 
-/// How many parts of each group may get rows: the first ones.
-type Quota = [u32; Group::ALL.len()];
+impl Thrift {
+    const NONE: Thrift = Thrift {
+        place: usize::MAX,
+        thin: false,
+        idle: Threshold::ALL,
+        spare: Threshold::ALL,
+        any: Threshold::ALL,
+    };
 
-/// Sorts the contacts and makes place for their batches. Where there is no room for all, the least important do without.
+    /// After so many of [`Thrift::steps`], with so many contacts of each weight.
+    fn after(step: u32, counts: &[u32; Weight::COUNT], place: usize) -> Thrift {
+        let (idle, needed) = Self::classes(counts);
+        let mut left = step.saturating_sub(1);
+        let mut next = |from: Weight, all: u32| {
+            let gone = left.min(all);
+            left -= gone;
+            Threshold::without(counts, from, gone)
+        };
+        Thrift {
+            place,
+            thin: step > 0,
+            idle: next(Weight::default(), idle),
+            spare: next(Weight::NEEDED, needed),
+            any: next(Weight::NEEDED, needed),
+        }
+    }
+
+    /// How many steps there are until nothing is left.
+    fn steps(counts: &[u32; Weight::COUNT]) -> u32 {
+        let (idle, needed) = Self::classes(counts);
+        1 + idle + 2 * needed
+    }
+
+    fn classes(counts: &[u32; Weight::COUNT]) -> (u32, u32) {
+        let (idle, needed) = counts.split_at(Weight::NEEDED.index());
+        (idle.iter().sum(), needed.iter().sum())
+    }
+
+    /// The points of a contact that keep their rows, a bit each. Asked of each in the same order.
+    fn points(&mut self, contact: &Contact, weight: Weight) -> u32 {
+        let all = (1 << contact.count) - 1;
+        if !weight.is_needed() {
+            return if self.idle.keeps(weight) { all } else { 0 };
+        }
+        match [&mut self.any, &mut self.spare].map(|floor| floor.keeps(weight)) {
+            [false, _] => 0,
+            [_, false] => contact.needed(),
+            _ => all,
+        }
+    }
+}
+
+/// Sorts the contacts and makes place for their batches. Where there is no room for all, what is missed least does without.
 pub(crate) fn arrange(
     input: &PrepareInput<'_>,
     rows: &mut Rows,
@@ -139,34 +215,41 @@ pub(crate) fn arrange(
     rooms: &mut Rooms,
 ) -> Prepared {
     if rooms.is_endless() {
-        let (prepared, _) = sort(input, scratch, [u32::MAX; 4], Ahead::ANY);
-        let batches = schedule(input, rows, scratch);
+        let (prepared, ..) = sort(input, scratch, None, Ahead::ANY);
+        let batches = schedule(input, rows, scratch, false);
         rooms.within(Category::Rows, |room| rows.resize(&batches, room));
         return prepared;
     }
     // How many stages there may be.
     scratch.keys.reset(input.order, input.bodies.raises());
     let ahead = Ahead::new(input);
-    let parts = count(input, ahead);
-    let total: u32 = parts.iter().sum();
-    let place = scratch.make_place(total as usize, !input.seats.is_empty(), rows, rooms) as u32;
-    // The least number of parts to give up for which the rest fits, to within a 64th of them.
-    let (mut too_few, mut enough) = (total - place, total);
-    let mut shed = too_few;
+    let total = count(input, ahead);
+    let place = scratch.make_place(total as usize, !input.seats.is_empty(), rows, rooms);
+    let (mut prepared, lost, fits) = sort(input, scratch, Some(Thrift { place, ..Thrift::NONE }), ahead);
+    let batches = schedule(input, rows, scratch, false);
+    if fits && rooms.within(Category::Rows, |room| rows.make_place(&batches, room)) {
+        rooms.within(Category::Rows, |room| rows.resize(&batches, room));
+        prepared.shed = lost;
+        return prepared;
+    }
+    let mut counts = [0; Weight::COUNT];
+    each_contact(input, |_, contact| counts[input.scale.of(contact).index()] += 1);
+    // The least number of steps after which the rest fits, to within a 64th of the contacts.
+    let (mut too_few, mut enough) = (0, Thrift::steps(&counts));
+    let near = 1 + total / 64;
     loop {
-        let (mut prepared, lost) = sort(input, scratch, quota(parts, shed), ahead);
-        let batches = schedule(input, rows, scratch);
-        if rooms.within(Category::Rows, |room| rows.make_place(&batches, room)) {
-            enough = shed;
-            if shed == too_few || enough - too_few <= 1 + total / 64 {
-                rooms.within(Category::Rows, |room| rows.resize(&batches, room));
-                prepared.shed = lost;
-                return prepared;
-            }
-        } else {
-            too_few = shed;
+        let last = enough - too_few <= near;
+        let step = if last { enough } else { too_few.midpoint(enough) };
+        let thrift = Thrift::after(step, &counts, place);
+        let (mut prepared, lost, fits) = sort(input, scratch, Some(thrift), ahead);
+        let batches = schedule(input, rows, scratch, true);
+        let fits = fits && rooms.within(Category::Rows, |room| rows.make_place(&batches, room));
+        if last {
+            rooms.within(Category::Rows, |room| rows.resize(&batches, room));
+            prepared.shed = lost;
+            return prepared;
         }
-        shed = if enough - too_few <= 1 + total / 64 { enough } else { too_few.midpoint(enough) };
+        *if fits { &mut enough } else { &mut too_few } = step;
     }
 }
 
@@ -222,25 +305,14 @@ fn is_ahead(input: &PrepareInput<'_>, contact: &Contact) -> bool {
     contact.points().iter().all(|p| p.separation > input.near)
 }
 
-/// Parts of each group, but for contacts beyond the limit of continuous collision.
-fn count(input: &PrepareInput<'_>, mut ahead: Ahead) -> Quota {
-    let mut parts = [0; 4];
+/// How many parts there are, but for contacts beyond the limit of continuous collision.
+fn count(input: &PrepareInput<'_>, mut ahead: Ahead) -> u32 {
+    let mut parts = 0;
     each_contact(input, |_, contact| {
-        let group = group_of(input, contact);
-        if !is_ahead(input, contact) || ahead.admits(contact, group) {
-            parts[group as usize] += if input.per_point { u32::from(contact.count) } else { 1 };
+        if !is_ahead(input, contact) || ahead.admits(contact, group_of(input, contact)) {
+            parts += if input.per_point { u32::from(contact.count) } else { 1 };
         }
     });
-    parts
-}
-
-/// What is left of so many parts when some are given up.
-fn quota(mut parts: Quota, mut shed: u32) -> Quota {
-    for group in SHED {
-        let gone = shed.min(parts[group as usize]);
-        parts[group as usize] -= gone;
-        shed -= gone;
-    }
     parts
 }
 
@@ -297,14 +369,14 @@ impl PrepareScratch {
     }
 }
 
-/// Contacts by group, colour and number of points, and what they count. Parts beyond the quota are left out; says how many
-/// points those have.
+/// Contacts by group, colour and number of points, and what they count. Says how many points are left out, and whether there was
+/// place for all others.
 fn sort(
     input: &PrepareInput<'_>,
     scratch: &mut PrepareScratch,
-    mut quota: Quota,
+    mut thrift: Option<Thrift>,
     mut granted: Ahead,
-) -> (Prepared, u32) {
+) -> (Prepared, u32, bool) {
     let PrepareScratch { colouring, keys, crowd, entries, sorted, .. } = scratch;
     let dynamic = input.bodies.dynamic();
     crowd.clear();
@@ -312,7 +384,8 @@ fn sort(
     entries.clear();
     keys.reset(input.order, input.bodies.raises());
     let (movers, any_raised) = (input.bodies.movers(), keys.any_raised());
-    let (mut prepared, mut shed) = (Prepared::default(), 0);
+    let (mut prepared, mut shed, mut fits) = (Prepared::default(), 0, true);
+    let place = thrift.map_or(usize::MAX, |thrift| thrift.place);
     // Under a budget there is place for all.
     let mut room = Room::ENDLESS;
     // With what may move and what is static, by number of points.
@@ -341,22 +414,26 @@ fn sort(
         } else {
             None
         };
+        let all = (1 << contact.count) - 1;
+        let kept = match &mut thrift {
+            Some(thrift) if thrift.thin => thrift.points(contact, input.scale.of(contact)),
+            _ => all,
+        };
+        shed += (all & !kept).count_ones();
         let mut enter = |part: Part, count: usize| {
-            let left = &mut quota[group as usize];
-            if *left == 0 {
-                shed += count as u32;
+            if entries.len() == place {
+                fits = false;
                 return;
             }
-            *left -= 1;
             let colour = colouring[group as usize].assign(a, b);
             let seated = group.is_static() && colour != OVERFLOW && input.seats.of(a.min(b)).is_some();
             let key = keys.count((group, raised), colour, (!seated).then_some(count));
             room.push(entries, (part, key));
         };
         if input.per_point {
-            (0..contact.count as usize).for_each(|point| enter(Part::point(slot, point), 1));
-        } else {
-            enter(Part::whole(slot), contact.count as usize);
+            ones(kept).for_each(|point| enter(Part::point(slot, point), 1));
+        } else if kept > 0 {
+            enter(Part::of(slot, if kept == all { 0 } else { kept }), kept.count_ones() as usize);
         }
     });
     if !crowd.is_empty() {
@@ -388,7 +465,7 @@ fn sort(
     if now.0 + now.1 > most.0 + most.1 {
         *most = now;
     }
-    (prepared, shed)
+    (prepared, shed, fits)
 }
 
 /// Bytes of batches of contacts that may touch, with their friction: with what may move and what is static, by the number of
@@ -404,8 +481,9 @@ fn seat_of(input: &PrepareInput<'_>, part: Part) -> Option<Seat> {
     input.seats.of(body(contact.a).min(body(contact.b)))
 }
 
-/// Batches of each stage. Says how many there are of each kind.
-fn schedule(input: &PrepareInput<'_>, rows: &mut Rows, scratch: &mut PrepareScratch) -> Tally {
+/// Batches of each stage. Says how many there are of each kind. `thin`: what would fill less of a batch than single rows take goes
+/// into such.
+fn schedule(input: &PrepareInput<'_>, rows: &mut Rows, scratch: &mut PrepareScratch, thin: bool) -> Tally {
     let PrepareScratch { keys, sorted, ranges, .. } = scratch;
     let mut tally = Tally::default();
     let mut batch = |points: usize, group: Group| {
@@ -439,17 +517,28 @@ fn schedule(input: &PrepareInput<'_>, rows: &mut Rows, scratch: &mut PrepareScra
         for at in (start..unseated).step_by(width) {
             // Of its first part, which has most.
             let points = 4 - ends[..4].iter().filter(|&&end| at >= end).count();
+            let count = (width as u32).min(unseated - at);
+            if thin && !serial && (count as usize) < Rows::worth(points, layer.group, input.friction) {
+                for at in at..at + count {
+                    rows.schedule.push(batch(0, layer.group));
+                    ranges.push((at, 1));
+                }
+                continue;
+            }
             rows.schedule.push(batch(if serial { 0 } else { points }, layer.group));
-            ranges.push((at, (width as u32).min(unseated - at)));
+            ranges.push((at, count));
         }
         let mut at = unseated as usize;
         let seated = &sorted[at..end as usize];
         let place = |part: &Part| seat_of(input, *part).map(Seat::place);
         for batch_of in seated.chunk_by(|a, b| place(a) == place(b)) {
-            let most =
-                batch_of.iter().map(|part| part.range(&input.contacts[part.slot()]).1).max().unwrap_or(1);
+            let most = batch_of
+                .iter()
+                .map(|part| part.points(&input.contacts[part.slot()]).count_ones())
+                .max()
+                .unwrap_or(1);
             let Some((tree, node)) = place(&batch_of[0]) else { continue };
-            let points = if tree.is_single() { 0 } else { most };
+            let points = if tree.is_single() { 0 } else { most as usize };
             let contact = BatchRef { seated: true, ..batch(points, layer.group) };
             rows.schedule.push(contact);
             rows.seated.push(Seated { tree, node, potential, batch: contact });

@@ -1,30 +1,30 @@
 //! What the rows of contacts will take, before there are any: contacts leave it to them.
 
 use super::arrange::PrepareScratch;
+use super::batch::BatchRef;
 use super::rows::Rows;
-use crate::memory::{Amounts, Buffer, Category};
-use crate::narrow_phase::Census;
+use crate::narrow_phase::{RowCost, RowSpace};
 
-/// Bytes that rows lack for so many contacts, in batches that are full. `per_point`: each point has rows of its own.
-pub(crate) fn missing_for(
-    census: &Census,
-    (rows, scratch): (&Rows, &PrepareScratch),
+/// Bytes that rows take, in batches that are full, and the memory of those of the last step, to be given back before the next are
+/// made. `lists`: bytes that other lists take for each contact, and have. `per_point`: each point has rows of its own.
+pub(crate) fn lend(
+    rows: &mut Rows,
+    scratch: &PrepareScratch,
     (friction, per_point): (bool, bool),
-) -> Amounts {
-    let (mut bytes, mut parts) = (0, 0);
-    for (is_static, side) in census.0.iter().enumerate() {
-        let sizes = &Rows::SIZES[is_static];
-        for (potential, by_points) in side.iter().enumerate() {
+    lists: (usize, usize),
+) -> RowSpace {
+    let mut cost = RowCost { per_point, ..RowCost::default() };
+    for (sizes, lanes) in Rows::SIZES.iter().zip(&mut cost.lanes) {
+        for (potential, lanes) in lanes.iter_mut().enumerate() {
             let of_friction = if friction { sizes[5 + 2 * potential] } else { 0 };
-            for (i, contacts) in by_points.iter().enumerate() {
-                let (count, points) = if per_point { (contacts * (i + 1), 1) } else { (*contacts, i + 1) };
-                bytes += (count * (sizes[points - 1] + of_friction)).div_ceil(8);
-                parts += count;
+            for (lane, size) in lanes.iter_mut().zip(sizes) {
+                *lane = (size + of_friction).div_ceil(8);
             }
         }
     }
-    let mut missing = Amounts::default();
-    missing.add(Category::Rows, bytes.saturating_sub(rows.slab_bytes()) + rows.schedule.missing(parts));
-    missing.add(Category::Scratch, scratch.missing(parts));
-    missing
+    let (each, reserved) = scratch.lists();
+    cost.lists = each + size_of::<BatchRef>() + lists.0;
+    cost.reserved =
+        reserved + rows.schedule.capacity() * size_of::<BatchRef>() + lists.1 + rows.friction_bytes();
+    RowSpace { cost, slab: rows.lend() }
 }

@@ -39,7 +39,7 @@ mod step_lengths;
 
 pub(crate) use arrange::{Part, PrepareScratch, Prepared};
 pub(crate) use batch::{Batch, BatchRef};
-pub(crate) use expect::missing_for;
+pub(crate) use expect::lend;
 pub(crate) use friction::{FrictionRow, FrictionView};
 pub(crate) use impact_friction::rub;
 pub(crate) use joint_arrange::{JointInput, JointRows, JointStage, JointType};

@@ -10,9 +10,9 @@ use super::step_lengths::StepLengths;
 use crate::body::{Bodies, Pose};
 use crate::broad_phase::Pair;
 use crate::events::{Tweak, tweak_of};
-use crate::lanes::{GatherLanes, Lanes, Record, Sym3, Vec3, gather};
+use crate::lanes::{GatherLanes, Lanes, Record, Sym3, Vec3, gather, ones};
 use crate::memory::{Category, Rooms};
-use crate::narrow_phase::Contact;
+use crate::narrow_phase::{Contact, MAX_POINTS, Point, Scale};
 use crate::shape::{Collider, EVENTS, Hot};
 use crate::threads::{Crew, Shared, per_block};
 
@@ -50,6 +50,8 @@ pub(crate) struct PrepareInput<'a> {
     pub(crate) per_point: bool,
     /// Whether anything may have friction.
     pub(crate) friction: bool,
+    /// What contacts weigh, should there not be enough memory for all.
+    pub(crate) scale: Scale<'a>,
 }
 
 /// Share of a mobility below which nothing is left of it but rounding, of bodies whose axes are locked.
@@ -255,14 +257,29 @@ fn gather_columns<const P: usize>(
                 }
             }
         }
-        let (start, count) = part.range(contact);
-        let lasting = contact.lasting_force * input.lengths.now();
+        let points = part.points(contact);
+        let mut lasting = contact.lasting_force * input.lengths.now();
+        let carried = |p: &Point| input.lengths.carry(p.impulse, p.mean_force).max(0.0);
+        // Points that stand for others bear their loads.
+        let (mut load, mut missing) = (1.0, 0.0);
+        if part.is_cut() {
+            let kept = |of: &dyn Fn(&Point) -> f32| ones(points).map(|i| of(&contact.points[i])).sum::<f32>();
+            let all: f32 = contact.points().iter().map(carried).sum();
+            let (own, share) = (kept(&carried), kept(&|p| p.share));
+            if own > 0.0 {
+                load = all / own
+            } else {
+                missing = all / points.count_ones() as f32
+            }
+            lasting = if share > 0.0 { lasting / share } else { 0.0 };
+        }
         let thinnest = shape_a.thickness().min(shape_b.thickness());
         [out.rest[lane], out.reach[lane]] = contact.spring(input.slop.min(THIN * thinnest));
-        for (i, point) in contact.points[start..start + count].iter().enumerate().take(P) {
+        for (i, point) in ones(points).map(|i| &contact.points[i % MAX_POINTS]).enumerate().take(P) {
             put3(&mut out.position[i], lane, point.position);
             out.separation[i][lane] = point.separation;
-            out.impulse[i][lane] = input.lengths.carry(point.impulse, point.mean_force).max(0.0);
+            let borne = carried(point);
+            out.impulse[i][lane] = if part.is_cut() { borne * load + missing } else { borne };
             out.lasting[i][lane] = point.share * lasting;
             out.present[i][lane] = 1.0;
         }

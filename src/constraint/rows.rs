@@ -2,7 +2,7 @@
 
 use super::batch::{Batch, BatchRef};
 use super::friction::{FrictionRow, FrictionView, ImpactRow};
-use super::order::Stage;
+use super::order::{Group, Stage};
 use super::seats::Seated;
 use crate::lanes::f32x8;
 use crate::memory::{Buffer, Cut, Room, Slab, bytes_of};
@@ -52,6 +52,16 @@ pub(crate) type Surface = [[f32; 8]; 2];
 impl Rows {
     /// Bytes of each that [`Tally`] counts.
     pub(crate) const SIZES: Tally = [sizes::<1>(), sizes::<0>()];
+
+    /// How many contacts a batch must have to take less than as many single rows.
+    pub(super) fn worth(points: usize, group: Group, friction: bool) -> usize {
+        let sizes = &Self::SIZES[usize::from(group.is_static())];
+        let of_friction = |single: usize| {
+            if friction { sizes[FRICTION + 2 * usize::from(group.is_potential()) + single] } else { 0 }
+        };
+        let single = sizes[4] + of_friction(1) + size_of::<BatchRef>();
+        (sizes[points - 1] + of_friction(0)).div_ceil(single)
+    }
 
     /// Bytes of so many: of batches and of friction.
     fn bytes_of(tally: &Tally) -> [usize; 2] {
@@ -140,9 +150,33 @@ impl Rows {
         self.batches.missing(rows) + self.friction.missing(friction) + lists
     }
 
-    /// Reserved bytes of batches and friction: what one has too many the other may take.
-    pub(super) fn slab_bytes(&self) -> usize {
-        self.batches.bytes(0).1 + self.friction.bytes(0).1
+    /// Nothing is left of the last step but memory.
+    fn clear(&mut self) {
+        self.tally = Tally::default();
+        self.schedule.clear();
+        self.stages.clear();
+        self.seated.clear();
+        self.surfaces.clear();
+    }
+
+    /// The memory of batches, which are gone with it.
+    pub(super) fn lend(&mut self) -> Slab {
+        self.clear();
+        std::mem::take(&mut self.batches)
+    }
+
+    /// Gives back so many bytes of batches, which are gone, but for what one point of each of so many contacts will take. Says how
+    /// many bytes it were.
+    pub(crate) fn give_up(&mut self, bytes: usize, contacts: usize) -> usize {
+        self.clear();
+        let (before, least) = (self.batches.bytes(0).1, contacts * Self::SIZES[0][0] / 8);
+        self.batches.shrink(before.saturating_sub(bytes).max(least));
+        before - self.batches.bytes(0).1
+    }
+
+    /// Takes it back, larger or smaller.
+    pub(crate) fn take_back(&mut self, batches: Slab) {
+        self.batches = batches;
     }
 
     /// Reserved bytes of friction.

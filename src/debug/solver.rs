@@ -2,6 +2,7 @@
 
 use super::{Colour, DebugDraw, DrawOptions, Element, Ink};
 use crate::constraint::Part;
+use crate::lanes::ones;
 use crate::world::World;
 use glam::DVec3;
 
@@ -25,10 +26,9 @@ fn draw_part(world: &World, part: Part, ink: Ink, options: &DrawOptions, out: &m
     let Some(contact) = world.contacts.all.get(part.slot()).filter(|contact| contact.count > 0) else {
         return;
     };
-    let (first, count) = part.range(contact);
-    let points = &contact.points[first..first + count];
+    let points: Vec<_> = ones(part.points(contact)).map(|i| &contact.points[i]).collect();
     let a = world.collider_pose(contact.a);
-    let middle = points.iter().map(|p| p.position).sum::<glam::Vec3>() / count as f32;
+    let middle = points.iter().map(|p| p.position).sum::<glam::Vec3>() / points.len() as f32;
     let at: DVec3 = a.position + (a.rotation * middle).as_dvec3();
     let centre = |collider: u32| {
         let body = world.colliders.all[collider as usize].body as usize;

@@ -56,6 +56,19 @@ impl Slab {
         }
     }
 
+    /// Makes place for so many of a type that is in it alone, as far as there is room; says for how many there is.
+    pub(crate) fn make_place<T>(&mut self, len: usize, room: &mut Room) -> usize {
+        self.fit(len * size_of::<T>(), room);
+        len.min(size_of_val(self.memory.as_slice()) / size_of::<T>())
+    }
+
+    /// So many of a type that is in it alone; they stay if the slab is made larger or smaller.
+    pub(crate) fn alone<T: Pod>(&mut self, len: usize) -> &mut [T] {
+        const { assert!(align_of::<T>() <= align_of::<Piece>()) };
+        let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut self.memory);
+        bytemuck::cast_slice_mut(&mut bytes[..len * size_of::<T>()])
+    }
+
     /// Its bytes from the first one on that is aligned for all.
     fn start(&self) -> usize {
         self.memory.as_ptr().align_offset(ALIGN).min(self.memory.len()) * size_of::<Piece>()

@@ -5,16 +5,17 @@
 //! one thread and in the order of the pairs: contacts come and go.
 
 use super::Relative;
-use super::admit::Census;
+use super::admit::RowSpace;
 use super::bins::{Bin, Bins, run_bin};
 use super::contact::{Contact, Contacts, NONE};
 use super::found::{CLEAR, EMPTIED, Found};
 use super::manifold::MAX_POINTS;
+use super::weight::Scale;
 use crate::body::Pose;
 use crate::broad_phase::Pair;
 use crate::config::Continuous;
 use crate::lanes::{Lanes, Quat, Record, Vec3, f32x8};
-use crate::memory::{Amounts, Buffer, Category, Rooms, bytes_of};
+use crate::memory::{Buffer, Category, Rooms, Slab, bytes_of};
 use crate::shape::{Collider, Hot, Kind};
 use crate::threads::{Crew, Shared, per_block};
 
@@ -43,6 +44,8 @@ pub(crate) struct Input<'a> {
     /// The world's; a pair's is in [`Approach::mode`].
     pub(crate) mode: Continuous,
     pub(crate) start: Start,
+    /// What contacts weigh, should there not be enough memory for all.
+    pub(crate) scale: Scale<'a>,
     /// Whether a body has joints.
     pub(crate) has_joints: &'a (dyn Fn(u32) -> bool + Sync),
 }
@@ -168,9 +171,9 @@ impl Scratch {
         self.bins.each(pairs, f);
     }
 
-    /// Bytes that it takes to find so many contacts that are new in one step, and to look at so many pairs of meshes.
-    pub(crate) fn missing_to_find(&self, fresh: usize, of_meshes: usize) -> usize {
-        self.found.missing(fresh, of_meshes)
+    /// Bytes that it takes to look at so many pairs of meshes in one step.
+    pub(crate) fn missing_to_find(&self, of_meshes: usize) -> usize {
+        self.found.missing(of_meshes)
     }
 
     /// Whether the shapes of a continuous pair, by its place in the list, are surely apart all along the predicted way.
@@ -207,14 +210,15 @@ const SINK: f32 = 4.0;
 /// Pairs a block: a multiple of the lanes; fewer and the claim shows, more and two threads end apart.
 const BLOCK: usize = per_block(128, 8);
 
-/// Finds the contacts of all pairs. `rows` says what the rows of so many contacts will lack, which is left to them.
+/// Finds the contacts of all pairs, and leaves to their rows what these will lack. Nothing needs the rows of the last step any
+/// more: under a budget what is found lies in their place for a while.
 pub(crate) fn collide(
     crew: &Crew<'_>,
     input: &Input<'_>,
     pairs: &mut [Pair],
     contacts: &mut Contacts,
     scratch: &mut Scratch,
-    (rooms, rows): (&mut Rooms, &dyn Fn(&Census) -> Amounts),
+    (rooms, space): (&mut Rooms, &mut RowSpace),
 ) -> NarrowStats {
     // Pairs are only taken in if there is room for this.
     rooms.within(Category::Scratch, |room| room.fit(&mut scratch.bin_of, pairs.len()));
@@ -226,12 +230,12 @@ pub(crate) fn collide(
         ..NarrowStats::default()
     };
     found.touching = false;
-    rooms.within(Category::Scratch, |room| found.plan(bins, pairs, input, room));
+    found.plan(bins, pairs, input, (rooms, &mut space.slab));
     let (mut first, end) = (0, bins.blocks.len());
     loop {
         let last = rooms.within(Category::Scratch, |room| found.wave(&mut bins.blocks, first, room));
-        run_blocks(crew, input, (bins, first..last, bin_of), pairs, contacts, found);
-        stats.shed += found.commit((bins, first..last, bin_of), pairs, contacts, input, (rooms, rows));
+        run_blocks(crew, input, (bins, first..last, bin_of), pairs, contacts, (found, &mut space.slab));
+        stats.shed += found.commit((&mut *bins, first..last, bin_of), pairs, contacts, input, (rooms, space));
         first = last;
         if first == end {
             break;
@@ -252,20 +256,20 @@ fn run_blocks(
     (bins, wave, bin_of): (&mut Bins, std::ops::Range<usize>, &mut [u8]),
     pairs: &[Pair],
     contacts: &mut Contacts,
-    found: &mut Found,
+    (found, slab): (&mut Found, &mut Slab),
 ) {
     let all = Shared::new(&mut contacts.all);
     let state = Shared::new(bin_of);
     let Bins { order, blocks } = bins;
     let blocks = &mut blocks[wave];
-    let (count, blocks, places) = (blocks.len(), Shared::new(blocks), found.places());
+    let (count, blocks, places) = (blocks.len(), Shared::new(blocks), found.places(slab));
     let order = &*order;
     crew.run(count, &|block| {
         // SAFETY: this is the only one that runs the block.
         let block = unsafe { blocks.get(block) };
         let (bin, order) = (block.bin, &order[block.start as usize..block.end as usize]);
         // SAFETY: this is the only one that runs the block.
-        let mut out = unsafe { places.of(block, &state) };
+        let mut out = unsafe { places.of(block, &state, pairs) };
         run_bin(bin, order, input, pairs, &all, &mut out);
     });
 }

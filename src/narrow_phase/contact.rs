@@ -265,6 +265,19 @@ impl Contact {
         (self.lasting_force, self.rest, self.static_load) = (0.0, 0.0, UNKNOWN_LOAD);
     }
 
+    /// The points that it can't do without, a bit each: those that bear or touch, or the nearest.
+    pub(crate) fn needed(&self) -> u32 {
+        let bits = |needs: &dyn Fn(&Point) -> bool| {
+            self.points().iter().enumerate().map(|(i, p)| u32::from(needs(p)) << i).sum::<u32>()
+        };
+        let needed = bits(&|p| p.impulse > 0.0 || p.separation <= 0.0);
+        if needed != 0 {
+            return needed;
+        }
+        let nearest = self.points().iter().map(|p| p.separation).fold(f32::INFINITY, f32::min);
+        bits(&|p| p.separation == nearest).max(1)
+    }
+
     /// Sum of the normal impulses [N s].
     pub(crate) fn bears(&self) -> f32 {
         self.points().iter().map(|p| p.impulse).sum()
@@ -341,8 +354,13 @@ impl Contacts {
         self.lacking(more) * Self::EACH
     }
 
+    /// For how many there is place, and the bytes of one.
+    pub(super) fn place(&self) -> (usize, usize) {
+        (self.all.capacity().min(self.free.capacity()), Self::EACH)
+    }
+
     /// How many there are.
-    pub(super) fn live(&self) -> usize {
+    pub(crate) fn live(&self) -> usize {
         self.all.len() - self.free.len()
     }
 

@@ -5,23 +5,30 @@
 //! leaves too little place, what protects from static geometry is kept longest.
 
 use super::RawManifold;
-use super::admit::{Census, admit};
+use super::admit::{Census, Kind as Taken, Means, RowSpace};
 use super::bins::{BLOCK as PAIRS, Bins, Block};
 use super::collide::{Input, Same, relative_pose};
 use super::contact::{Contact, Contacts, NONE};
 use super::mesh::MeshScratch;
+use super::weight::{Threshold, Weight};
 use crate::broad_phase::Pair;
-use crate::memory::{Amounts, Buffer, Buffers, Category, Marks, Room, Rooms, bytes_of, even_out};
+use crate::memory::{Buffer, Buffers, Category, Marks, Room, Rooms, Slab, bytes_of, even_out};
+use crate::shape::Kind;
 use crate::threads::Shared;
+use bytemuck::{Pod, Zeroable};
 
 /// A contact of a pair that had none.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+#[repr(C)]
 pub(crate) struct Fresh {
     pair: u32,
     /// Of the step, where it was found.
     fraction: f32,
     raw: RawManifold,
 }
+
+/// Bytes of a contact of a pair that had none, until it has a slot.
+pub(crate) const FRESH_BYTES: usize = size_of::<Fresh>();
 
 /// What a block of mesh pairs works with.
 #[derive(Debug, Default)]
@@ -93,6 +100,7 @@ impl Buffers for MeshBlock {
 /// What a block writes, beside the contacts that its pairs have.
 pub(crate) struct Out<'a> {
     fresh: &'a mut [Fresh],
+    pairs: &'a [Pair],
     block: &'a mut Block,
     state: &'a Shared<'a, u8>,
     pub(crate) mesh: Option<&'a mut MeshBlock>,
@@ -116,6 +124,21 @@ impl Out<'_> {
         {
             *place = Fresh { pair: index, fraction, raw };
             block.used[class] += 1;
+        } else if block.used[class] > 0 {
+            // The lightest makes way.
+            let new = Fresh { pair: index, fraction, raw };
+            let weight = new.weight(pair, input);
+            let pair_of = |found: &Fresh| &self.pairs[found.pair as usize];
+            let own = self.fresh[..at].iter_mut();
+            let own = own.filter(|found| usize::from(input.is_static(pair_of(found))) == class);
+            let weight_of = |found: &Fresh| found.weight(pair_of(found), input);
+            let lightest = own.min_by_key(|found| weight_of(found));
+            if let Some(lightest) = lightest.filter(|found| weight_of(found) < weight) {
+                block.shed += lightest.raw.count;
+                *lightest = new;
+            } else {
+                block.shed += raw.count;
+            }
         } else {
             block.shed += raw.count;
         }
@@ -157,13 +180,18 @@ impl Places<'_> {
     ///
     /// # Safety
     /// Each block may ask once.
-    pub(crate) unsafe fn of<'a>(&'a self, block: &'a mut Block, state: &'a Shared<'a, u8>) -> Out<'a> {
+    pub(crate) unsafe fn of<'a>(
+        &'a self,
+        block: &'a mut Block,
+        state: &'a Shared<'a, u8>,
+        pairs: &'a [Pair],
+    ) -> Out<'a> {
         let (start, own) = (block.fresh as usize, block.mesh as usize);
         let is_mesh = block.bin.is_mesh() && own < self.meshes;
         // SAFETY: blocks' places don't overlap, and each mesh block has its own number.
         unsafe {
             let fresh = self.fresh.part(start..start + block.place as usize);
-            Out { fresh, state, mesh: is_mesh.then(|| self.mesh.get(own)), block }
+            Out { fresh, pairs, state, mesh: is_mesh.then(|| self.mesh.get(own)), block }
         }
     }
 }
@@ -176,7 +204,10 @@ pub(crate) const CLEAR: u8 = u8::MAX - 3;
 /// Buffers of one step.
 #[derive(Debug, Default)]
 pub(crate) struct Found {
+    /// Without a budget; with one they lie where the rows were, which takes no place of its own.
     fresh: Vec<Fresh>,
+    /// How many of them there is place for under a budget.
+    place: usize,
     meshes: Vec<MeshBlock>,
     /// What each of them was granted.
     share: Room,
@@ -189,10 +220,10 @@ pub(crate) struct Found {
 impl Found {
     /// See [`Scratch::missing_to_find`](super::Scratch::missing_to_find). What a block of meshes needs beside the triangles
     /// that it holds is taken to be as much again.
-    pub(crate) fn missing(&self, fresh: usize, of_meshes: usize) -> usize {
+    pub(crate) fn missing(&self, of_meshes: usize) -> usize {
         let blocks = of_meshes.div_ceil(PAIRS as usize);
         let each = MeshBlock::default().mesh.least() * 2;
-        self.fresh.missing(fresh) + self.meshes.missing(blocks + blocks / 4) + blocks * each
+        self.meshes.missing(blocks + blocks / 4) + blocks * each
     }
 
     /// Live and reserved bytes.
@@ -204,15 +235,25 @@ impl Found {
     }
 
     /// Gives each block its place. Mesh blocks come first: what they find is support.
-    pub(crate) fn plan(&mut self, bins: &mut Bins, pairs: &[Pair], input: &Input<'_>, room: &mut Room) {
+    pub(crate) fn plan(
+        &mut self,
+        bins: &mut Bins,
+        pairs: &[Pair],
+        input: &Input<'_>,
+        (rooms, slab): (&mut Rooms, &mut Slab),
+    ) {
+        let endless = rooms.is_endless();
         let wanted = bins.blocks.iter().filter(|b| b.bin.is_mesh()).count();
         if wanted > self.meshes.len() {
             // A few more, or every other step would add one.
-            room.within(2, |room| {
-                let granted = room.fit(&mut self.meshes, wanted + wanted / 4);
-                self.meshes.resize_with(granted, MeshBlock::default);
-                even_out(&mut self.meshes, &mut self.marks, room);
-            });
+            let half = |room: &mut Room| {
+                room.within(2, |room| {
+                    let granted = room.fit(&mut self.meshes, wanted + wanted / 4);
+                    self.meshes.resize_with(granted, MeshBlock::default);
+                    even_out(&mut self.meshes, &mut self.marks, room);
+                });
+            };
+            rooms.within(Category::Scratch, half);
         }
         let (mut own, mut total) = (0, [0u32; 2]);
         for block in &mut bins.blocks {
@@ -223,7 +264,7 @@ impl Found {
             }
             let order = &bins.order[block.start as usize..block.end as usize];
             let new = order.iter().map(|&i| &pairs[i as usize]).filter(|pair| pair.contact == NONE);
-            if room.is_endless() {
+            if endless {
                 block.place = new.count() as u32;
                 block.quota = [block.place; 2];
                 continue;
@@ -235,18 +276,17 @@ impl Found {
             total[0] += block.place;
         }
         // Half for the blocks of meshes, in equal shares.
-        self.share = room.share(2 * self.meshes.len());
+        self.share = rooms.room(Category::Scratch).share(2 * self.meshes.len());
         self.meshes.iter_mut().for_each(|block| block.mesh.room = self.share);
-        if room.is_endless() {
+        if endless {
+            self.place = 0;
             return;
         }
         let wanted = total[0] as usize;
-        let granted = room.within(4, |room| room.fit(&mut self.fresh, wanted));
-        if granted < wanted {
-            cut(&mut bins.blocks, granted as u32, [total[0] - total[1], total[1]]);
-        }
-        if self.fresh.len() < granted {
-            self.fresh.resize(granted, Fresh::default());
+        let part = |room: &mut Room| room.within(4, |room| slab.make_place::<Fresh>(wanted, room));
+        self.place = rooms.within(Category::Rows, part);
+        if self.place < wanted {
+            cut(&mut bins.blocks, self.place as u32, [total[0] - total[1], total[1]]);
         }
     }
 
@@ -270,22 +310,27 @@ impl Found {
     }
 
     /// What blocks write to while they run.
-    pub(crate) fn places(&mut self) -> Places<'_> {
+    pub(crate) fn places<'a>(&'a mut self, slab: &'a mut Slab) -> Places<'a> {
         let meshes = self.meshes.len();
-        Places { fresh: Shared::new(&mut self.fresh), meshes, mesh: Shared::new(&mut self.meshes) }
+        let fresh = if self.place > 0 { slab.alone(self.place) } else { &mut self.fresh };
+        Places { fresh: Shared::new(fresh), meshes, mesh: Shared::new(&mut self.meshes) }
     }
 
     /// Gives slots to what some blocks found, and with the last of them to what those of meshes found. Says how many points
     /// found none.
     pub(crate) fn commit(
         &mut self,
-        (bins, wave, state): (&Bins, std::ops::Range<usize>, &[u8]),
+        (bins, wave, state): (&mut Bins, std::ops::Range<usize>, &[u8]),
         pairs: &mut [Pair],
         contacts: &mut Contacts,
         input: &Input<'_>,
-        (rooms, rows): (&mut Rooms, &dyn Fn(&Census) -> Amounts),
+        (rooms, space): (&mut Rooms, &mut RowSpace),
     ) -> u32 {
-        let (blocks, last) = (&bins.blocks[wave.clone()], wave.end == bins.blocks.len());
+        let last = wave.end == bins.blocks.len();
+        if self.place > 0 {
+            self.place = close_up(&mut bins.blocks, space.slab.alone(self.place));
+        }
+        let blocks = &bins.blocks[wave];
         let mut shed = 0;
         for block in blocks.iter().filter(|block| block.emptied > 0) {
             let order = &bins.order[block.start as usize..block.end as usize];
@@ -295,72 +340,47 @@ impl Found {
             }
         }
         let meshes = if last { self.meshes.as_mut_slice() } else { &mut [] };
-        // By class: bodies that can move among themselves, and what protects from all else.
-        let mut wanted = [0; 2];
-        for block in blocks {
-            wanted[0] += block.used[0] as usize;
-            wanted[1] += block.used[1] as usize;
-        }
+        let mut of_meshes = 0;
         for block in &mut *meshes {
-            wanted[1] += block.more(pairs, contacts).map(|(more, _)| more.len()).sum::<usize>();
+            of_meshes += block.more(pairs, contacts).map(|(more, _)| more.len()).sum::<usize>();
             let used = self.share.left() - block.mesh.room.left();
             rooms.within(Category::Scratch, |room| room.take(used));
             shed += std::mem::take(&mut block.mesh.shed);
         }
         shed += blocks.iter().map(|block| block.shed).sum::<u32>();
-        let total = wanted[0] + wanted[1];
-        let (mut most, mut short, mut of_rows) = (usize::MAX, false, 0);
+        let mut way = Way::FREE;
         if rooms.is_endless() {
-            rooms.within(Category::Manifolds, |room| contacts.make_place(total, room));
+            let found = blocks.iter().map(|block| (block.used[0] + block.used[1]) as usize).sum::<usize>();
+            rooms.within(Category::Manifolds, |room| contacts.make_place(found + of_meshes, room));
         } else {
-            let mut new = Census::default();
-            for block in blocks {
-                let (start, used) = (block.fresh as usize, (block.used[0] + block.used[1]) as usize);
-                for found in &self.fresh[start..start + used] {
-                    new.add_new(input.is_static(&pairs[found.pair as usize]), &found.raw, input);
-                }
-            }
-            for (many, pair) in meshes.iter().flat_map(|block| block.more(pairs, contacts)) {
-                many.iter().for_each(|(raw, _)| new.add_new(input.is_static(pair), raw, input));
-            }
-            let here = Census::of(pairs, contacts, input);
-            let admitted = admit(contacts, (&here, &new), rows, rooms);
-            (short, of_rows) = (admitted.count < total, admitted.of_rows);
-            if short {
-                // Support takes the place of others, those the rest.
-                most = contacts.live() + admitted.count;
-                shed += evict(wanted[1].saturating_sub(admitted.count), pairs, contacts, input);
-            }
+            let found = (blocks, self.place, &*meshes);
+            way = make_way(found, of_meshes, pairs, contacts, input, (rooms, space));
+            shed += way.shed;
         }
         for block in meshes {
             shed += rooms.within(Category::Scratch, |room| {
                 let found = (&mut self.chain, &mut self.touching);
-                commit_meshes(block, pairs, (contacts, most), found, input, room)
+                commit_meshes(block, pairs, (contacts, way.most), found, input, room)
             });
         }
-        // In need, those of static geometry before the others.
-        for class in if short { &[1, 0][..] } else { &[2] } {
-            for block in blocks {
-                let start = block.fresh as usize;
-                let used = (block.used[0] + block.used[1]) as usize;
-                for found in &self.fresh[start..start + used] {
-                    let pair = &mut pairs[found.pair as usize];
-                    if *class < 2 && usize::from(input.is_static(pair)) != *class {
-                        continue;
-                    }
-                    let mut contact = Contact::new(pair.a, pair.b);
-                    let frame = input.poses[pair.a as usize].rotation;
-                    contact.take(&found.raw, relative_pose(pair, input.poses), frame);
-                    contact.fraction = found.fraction;
-                    self.touching |= contact.touches_anew(input.real);
-                    pair.contact = contacts.insert_within(contact, most);
-                    shed += if pair.contact == NONE { found.raw.count } else { 0 };
-                }
+        let fresh = if self.place > 0 { space.slab.alone(self.place) } else { &mut self.fresh };
+        for found in found_by(blocks, fresh) {
+            let pair = &mut pairs[found.pair as usize];
+            if !rooms.is_endless() && !way.floor.keeps(found.weight(pair, input)) {
+                shed += found.raw.count;
+                continue;
             }
+            let mut contact = Contact::new(pair.a, pair.b);
+            let frame = input.poses[pair.a as usize].rotation;
+            contact.take(&found.raw, relative_pose(pair, input.poses), frame);
+            contact.fraction = found.fraction;
+            self.touching |= contact.touches_anew(input.real);
+            pair.contact = contacts.insert_within(contact, way.most);
+            shed += if pair.contact == NONE { found.raw.count } else { 0 };
         }
         if last {
             rooms.within(Category::Scratch, |room| {
-                let spare = room.left().saturating_sub(of_rows);
+                let spare = room.left().saturating_sub(way.of_rows);
                 let mut part = if room.is_endless() { *room } else { Room::new(spare / PART) };
                 let before = part.left();
                 even_out(&mut self.meshes, &mut self.marks, &mut part);
@@ -369,6 +389,114 @@ impl Found {
         }
         shed
     }
+}
+
+/// Who may stay and come.
+struct Way {
+    /// How many contacts there may be.
+    most: usize,
+    floor: Threshold,
+    /// Bytes that are left to rows.
+    of_rows: usize,
+    /// Points of those that had to go.
+    shed: u32,
+}
+
+impl Way {
+    /// Everyone.
+    const FREE: Way = Way { most: usize::MAX, floor: Threshold::ALL, of_rows: 0, shed: 0 };
+}
+
+/// Weighs the contacts that are there and those that blocks found, the latter in so many places, and takes away those that
+/// are too light to stay; makes place for those that are not.
+fn make_way(
+    (blocks, place, meshes): (&[Block], usize, &[MeshBlock]),
+    of_meshes: usize,
+    pairs: &mut [Pair],
+    contacts: &mut Contacts,
+    input: &Input<'_>,
+    (rooms, space): (&mut Rooms, &mut RowSpace),
+) -> Way {
+    let cost = space.cost;
+    let mut census = Census::new();
+    for pair in pairs.iter().filter(|pair| !pair.is_idle(input.hot, input.dynamic)) {
+        let (is_static, weight) = (input.is_static(pair), weight_of(pair, contacts, input));
+        let mut slot = pair.contact;
+        while slot != NONE {
+            let contact = &contacts.all[slot as usize];
+            let taken = Taken::of(contact, is_static, input.real);
+            match weight {
+                Some(weight) => census.add(weight, taken, &cost),
+                None => census.add_fixed(taken, &cost),
+            }
+            slot = contact.next;
+        }
+    }
+    for (many, pair) in meshes.iter().flat_map(|block| block.more(pairs, contacts)) {
+        let taken = |raw: &RawManifold| Taken::of_new(raw, input.is_static(pair), input.real);
+        many.iter().for_each(|(raw, _)| census.add_fixed(taken(raw), &cost));
+    }
+    for found in found_by(blocks, space.slab.alone(place)) {
+        let pair = &pairs[found.pair as usize];
+        let taken = Taken::of_new(&found.raw, input.is_static(pair), input.real);
+        census.add(found.weight(pair, input), taken, &cost);
+    }
+    let admitted = Means::new(rooms, space, contacts.place()).admit(&census);
+    let mut floor = admitted.floor;
+    let shed = evict(&mut floor, pairs, contacts, input);
+    let mut ahead = floor;
+    let stays = |found: &&Fresh| ahead.keeps(found.weight(&pairs[found.pair as usize], input));
+    let more = found_by(blocks, space.slab.alone(place)).filter(stays).count() + of_meshes;
+    let reserved = space.slab.bytes(0).1 + cost.reserved;
+    let of_rows = admitted.rows.saturating_sub(reserved).min(rooms.own(Category::Rows));
+    let left = |rooms: &Rooms| rooms.own(Category::Manifolds).min(rooms.whole().saturating_sub(of_rows));
+    let lacking = contacts.missing_for(more).saturating_sub(left(rooms));
+    if lacking > 0 {
+        // Rows have more than they will need, because there were fewer contacts, or these had more points.
+        let needed = admitted.rows.saturating_sub(cost.reserved).max(place * FRESH_BYTES);
+        let to = space.slab.bytes(0).1.saturating_sub(lacking).max(needed);
+        rooms.within(Category::Rows, |room| room.give(space.slab.spare(to)));
+        space.slab.shrink(to);
+    }
+    let left = left(rooms);
+    let mut room = Room::new(left);
+    let place = contacts.make_place(more, &mut room);
+    rooms.within(Category::Manifolds, |all| all.take(left - room.left()));
+    Way { most: contacts.live() + more.min(place), floor, of_rows, shed }
+}
+
+impl Fresh {
+    fn weight(&self, pair: &Pair, input: &Input<'_>) -> Weight {
+        let nearest = self.raw.points().iter().map(|p| p.separation).fold(f32::INFINITY, f32::min);
+        let normal = input.poses[pair.a as usize].rotation * self.raw.normal;
+        input.scale.weigh([pair.a, pair.b], normal, nearest, 0.0)
+    }
+}
+
+/// Leaves no gaps between what blocks found; says how much it is.
+fn close_up(blocks: &mut [Block], fresh: &mut [Fresh]) -> usize {
+    let mut end = 0;
+    for block in blocks {
+        let (start, used) = (block.fresh as usize, (block.used[0] + block.used[1]) as usize);
+        fresh.copy_within(start..start + used, end);
+        block.fresh = end as u32;
+        end += used;
+    }
+    end
+}
+
+/// What blocks found, in their order.
+fn found_by<'a>(blocks: &'a [Block], fresh: &'a [Fresh]) -> impl Iterator<Item = &'a Fresh> + 'a {
+    blocks.iter().flat_map(|block| {
+        let (start, used) = (block.fresh as usize, (block.used[0] + block.used[1]) as usize);
+        &fresh[start..start + used]
+    })
+}
+
+/// The weight of the contact of a pair, if it has one; none of the contacts with meshes, which go when others are found.
+fn weight_of(pair: &Pair, contacts: &Contacts, input: &Input<'_>) -> Option<Weight> {
+    let of_mesh = matches!(input.hot[pair.b as usize].kind, Kind::Mesh | Kind::HeightField);
+    (pair.contact != NONE && !of_mesh).then(|| input.scale.of(&contacts.all[pair.contact as usize]))
 }
 
 /// New contacts that there is place for at a time: enough for all of most steps, and where a whole scene falls onto the
@@ -397,24 +525,15 @@ fn cut(blocks: &mut [Block], granted: u32, total: [u32; 2]) {
     }
 }
 
-/// Frees contacts of bodies that can move among themselves, from the last pair on: first those that don't touch. Says
-/// how many points went.
-fn evict(mut wanted: usize, pairs: &mut [Pair], contacts: &mut Contacts, input: &Input<'_>) -> u32 {
+/// Frees the contacts that do not stay. Says how many points went.
+fn evict(floor: &mut Threshold, pairs: &mut [Pair], contacts: &mut Contacts, input: &Input<'_>) -> u32 {
     let mut shed = 0;
-    for touching in [false, true] {
-        for pair in pairs.iter_mut().rev() {
-            if wanted == 0 {
-                return shed;
-            }
-            if pair.contact == NONE || input.is_static(pair) {
-                continue;
-            }
-            let contact = &contacts.all[pair.contact as usize];
-            if touching || contact.points().iter().all(|p| p.separation > input.real) {
-                shed += u32::from(contact.count);
-                contacts.remove_chain(std::mem::replace(&mut pair.contact, NONE));
-                wanted -= 1;
-            }
+    for pair in pairs.iter_mut().filter(|pair| !pair.is_idle(input.hot, input.dynamic)) {
+        if let Some(weight) = weight_of(pair, contacts, input)
+            && !floor.keeps(weight)
+        {
+            shed += u32::from(contacts.all[pair.contact as usize].count);
+            contacts.remove_chain(std::mem::replace(&mut pair.contact, NONE));
         }
     }
     shed

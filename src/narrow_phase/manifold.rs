@@ -1,12 +1,14 @@
 //! Contact manifolds: what the kernels hand on.
 
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 /// Most points of a manifold.
 pub(crate) const MAX_POINTS: usize = 4;
 
 /// A point of a manifold, in the frame of shape `a`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub(crate) struct RawPoint {
     /// Midway between the two surfaces [m].
     pub(crate) position: Vec3,
@@ -17,7 +19,8 @@ pub(crate) struct RawPoint {
 }
 
 /// What a kernel finds for a pair: all points nearer than the margin, at most four.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub(crate) struct RawManifold {
     /// Unit, from `a` to `b`, in the frame of shape `a`.
     pub(crate) normal: Vec3,

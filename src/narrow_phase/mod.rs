@@ -52,8 +52,9 @@ mod sphere_sphere;
 mod spin;
 mod support;
 mod touched;
+mod weight;
 
-pub(crate) use admit::Census;
+pub(crate) use admit::{RowCost, RowSpace};
 pub(crate) use ahead::out_by_the_centre;
 pub(crate) use bins::GHOST_GAP;
 pub(crate) use cast::{cast_convex, cast_plane, tolerance};
@@ -61,6 +62,7 @@ pub(crate) use cast_mesh::{Asked, Cast, Triangles, ask_mesh};
 pub(crate) use collide::{Input, NarrowStats, Scratch, Start, collide};
 pub(crate) use contact::{Contact, Contacts, HOLD, NONE, Point, UNKNOWN_LOAD};
 pub(crate) use convex::collide_convex;
+pub(crate) use found::FRESH_BYTES;
 pub(crate) use gjk::{CoreGap, core_gap, distance};
 pub(crate) use manifold::{MAX_POINTS, RawManifold, RawPoint};
 pub(crate) use mesh::{MeshScratch, collide_mesh};
@@ -68,6 +70,7 @@ pub(crate) use mesh_reach::Reach;
 pub(crate) use motion::{BodyPath, Motion};
 pub(crate) use simplex::{Simplex, from_triangle, off_triangle};
 pub(crate) use support::{Pose as SupportPose, Support};
+pub(crate) use weight::{Scale, Threshold, Weight};
 
 /// Pose of shape `b` in the frame of shape `a`.
 #[derive(Clone, Copy, Debug)]

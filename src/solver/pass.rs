@@ -347,8 +347,16 @@ fn store_in_contacts<L: GatherLanes, const P: usize, const B: usize>(
             forget_unsound(contact);
             return;
         }
-        for (point, &impulse) in contact.points.iter_mut().zip(impulses).take(contact.count as usize) {
-            take(point, impulse, lengths);
+        if part.is_cut() {
+            let (kept, mut impulses) = (part.points(contact), impulses.iter());
+            for (i, point) in contact.points[..contact.count as usize].iter_mut().enumerate() {
+                let impulse = if kept >> i & 1 != 0 { impulses.next() } else { None };
+                take(point, impulse.copied().unwrap_or(0.0), lengths);
+            }
+        } else {
+            for (point, &impulse) in contact.points.iter_mut().zip(impulses).take(contact.count as usize) {
+                take(point, impulse, lengths);
+            }
         }
         contact.pushed = pushed;
         (contact.friction, contact.twist) = (friction, twist);

@@ -109,6 +109,11 @@ impl Statics {
         f(&mut self.by_height, dynamic);
     }
 
+    /// Bytes that a contact takes, and what is reserved for contacts.
+    pub(crate) fn lists(&self) -> (usize, usize) {
+        (size_of::<Support>(), bytes_of(&self.supports).1)
+    }
+
     /// Bytes for so many contacts, beside those of [`Statics::each`].
     pub(crate) fn missing(&self, contacts: usize) -> usize {
         self.supports.missing(contacts) + self.points.missing(POINTS)

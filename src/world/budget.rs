@@ -18,8 +18,9 @@ pub(super) struct Counts {
     pub(super) dynamic: usize,
     pub(super) colliders: Population,
     pub(super) raised: bool,
-    /// Whether there are joints.
+    /// Whether there are joints, and meshes or height fields.
     pub(super) joined: bool,
+    pub(super) meshed: bool,
     /// Whether there are forces, bodies may sleep, and impacts are met at their times.
     pub(super) forced: bool,
     pub(super) rests: bool,
@@ -308,6 +309,7 @@ impl World {
                 endless: now.endless + more.colliders.endless,
             },
             joined: more.joined || self.joints.count > 0,
+            meshed: more.meshed || self.needs.meshes + self.needs.height_fields > 0,
             forced: more.forced || !self.bodies.force.is_empty(),
             rests: more.rests || self.settings.sleeping || self.bodies.rests,
             meets: more.meets || self.settings.method.meets_impacts(),
@@ -332,7 +334,7 @@ impl World {
         self.now.each(n.colliders, &mut |buffer, len| f(BroadPhase, buffer, len));
         // Without a budget their buffers are made when there are any.
         let settles = self.settings.method == ContinuousMethod::OnePass;
-        let strays = n.dynamic > 0 && settles && !self.settings.budget.is_none();
+        let strays = n.dynamic > 0 && n.meshed && settles && !self.settings.budget.is_none();
         let buffers = &mut self.buffers;
         f(Continuous, &mut buffers.forces.motion, n.movers);
         let mut scratch = |buffer: &mut dyn Buffer, len: usize| f(Scratch, buffer, len);
@@ -387,6 +389,7 @@ impl Counts {
 
     pub(super) fn add_collider(&mut self, of: BodyKind, kind: Kind) {
         self.colliders.slots += 1;
+        self.meshed |= matches!(kind, Kind::Mesh | Kind::HeightField);
         *match of {
             BodyKind::Static => &mut self.colliders.still,
             _ => &mut self.colliders.moving,

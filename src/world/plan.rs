@@ -7,6 +7,7 @@ use crate::config::Settings;
 use crate::constraint::JOINT_BYTES;
 use crate::joint::{JointDesc, More};
 use crate::memory::{Amounts, Category};
+use crate::narrow_phase::FRESH_BYTES;
 
 /// How many there will be at most of what comes and goes.
 #[derive(Clone, Copy, Debug, Default)]
@@ -54,14 +55,15 @@ impl World {
         let buffers = &mut empty.buffers;
         let narrow = &buffers.narrow;
         bytes.add(Category::Scratch, narrow.missing(crowd.pairs));
-        bytes.add(Category::Scratch, narrow.missing_to_find(crowd.fresh, crowd.of_meshes));
+        bytes.add(Category::Scratch, narrow.missing_to_find(crowd.of_meshes));
         bytes.add(Category::Scratch, buffers.prepare.missing(contacts));
         bytes.add(Category::Scratch, buffers.statics.missing(contacts));
         let manifolds = empty.contacts.missing(contacts);
         // Each number of points ends with batches that are not full.
         let batches = crowd.contacts.map(|side| side.map(|n| (n.div_ceil(8) + ENDS).min(n)));
         let stages = buffers.prepare.most_stages(settings.order);
-        let rows = buffers.rows.missing(batches, stages, friction);
+        // New contacts lie where rows will be.
+        let rows = buffers.rows.missing(batches, stages, friction).max(crowd.fresh * FRESH_BYTES);
         let ahead = |bytes: usize| (bytes as f32 * crowd.ahead) as usize;
         bytes.add(Category::Manifolds, manifolds - ahead(manifolds));
         bytes.add(Category::Rows, rows - ahead(rows));

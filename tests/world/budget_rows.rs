@@ -22,11 +22,11 @@ fn crowd(count: usize, gravity: f32) -> (World, Vec<BodyHandle>) {
 }
 
 /// 180,300 pairs want ten times the budget. Expected: boxes leave the point where they were made by more than their size, and none
-/// sinks into the floor by a tenth of it. Without rows none moved at all. How many do in 40 steps is measured, 428 without gravity
-/// and 60 with it, where they also have to slide out from under each other; asked for is a good part of that.
+/// sinks into the floor by a tenth of it. Without rows none moved at all. How many do in 40 steps is measured, 482 without gravity
+/// and 586 with it; asked for is a good part of that.
 #[test]
 fn a_crowd_parts_within_a_budget_and_stays_on_its_floor() {
-    for (gravity, least) in [(0.0, 150), (-9.81, 30)] {
+    for (gravity, least) in [(0.0, 300), (-9.81, 300)] {
         let (mut world, bodies) = crowd(600, gravity);
         let mut shed = 0;
         for step in 0..40 {

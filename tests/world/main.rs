@@ -13,6 +13,7 @@ mod bodies;
 mod budget;
 mod budget_add;
 mod budget_later;
+mod budget_piles;
 mod budget_rows;
 mod calls;
 mod changes;

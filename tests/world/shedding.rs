@@ -3,9 +3,9 @@
 
 use crate::common;
 
-use backstop::glam::Vec3;
 use backstop::scene::Scene;
-use backstop::{Budget, Category, QueryFilter, Settings, ShapeCast, Snapshot, World};
+use backstop::{Budget, Category, Settings, World};
+use common::piles::Overlaps;
 
 const DT: f32 = 1.0 / 60.0;
 const STEPS: u32 = 150;
@@ -49,38 +49,6 @@ fn run(scene: &Scene, budget: Budget, threads: usize, mut each: impl FnMut(u32, 
     Run { hash: world.hash(), shed, first, most }
 }
 
-/// Sum of all overlaps, and the deepest [m]. Asked of another world, that has no budget: queries take memory too.
-struct Overlaps {
-    world: World,
-    snapshot: Snapshot,
-    sum: f64,
-    deepest: f32,
-}
-
-impl Overlaps {
-    fn new() -> Overlaps {
-        let world = World::new(Settings::default()).unwrap();
-        Overlaps { world, snapshot: Snapshot::new(), sum: 0.0, deepest: 0.0 }
-    }
-
-    fn add(&mut self, of: &World) {
-        of.snapshot(&mut self.snapshot);
-        self.world.restore(&self.snapshot).unwrap();
-        let (world, mut hits) = (&self.world, Vec::new());
-        for body in world.bodies().filter(|&b| world.kind(b).unwrap() == backstop::BodyKind::Dynamic) {
-            let shape = world.shapes(body).unwrap().next().unwrap();
-            let geometry = world.geometry(shape).unwrap();
-            let mut cast = ShapeCast::new(geometry, world.position(body).unwrap(), Vec3::ZERO);
-            cast.rotation = world.rotation(body).unwrap();
-            world.cast_shape_all(&cast, &QueryFilter::new().without(body), &mut hits).unwrap();
-            for hit in &hits {
-                self.sum += f64::from(hit.depth);
-                self.deepest = self.deepest.max(hit.depth);
-            }
-        }
-    }
-}
-
 /// Nobody's centre is below the floor of the pile's box, or outside its walls.
 fn all_inside(world: &World) {
     for body in world.bodies().filter(|&b| world.kind(b).unwrap() == backstop::BodyKind::Dynamic) {
@@ -97,19 +65,18 @@ fn quality_falls_step_by_step_and_nothing_falls_through_the_ground() {
     let (mut shed, mut overlaps) = (Vec::new(), Vec::new());
     for share in [1.0, 0.8, 0.6, 0.4] {
         let budget = Budget::total(first + ((most - first) as f64 * share) as usize);
-        let mut quality = Overlaps::new();
+        let (mut quality, mut deepest) = (Overlaps::new(), 0.0f32);
         let tight = run(&scene, budget, 1, |step, world| {
             all_inside(world);
             if step % 10 == 9 {
-                quality.add(world);
+                deepest = deepest.max(quality.deepest(world));
             }
         });
         println!(
-            "{share}: {:?} of {most} bytes, {} shed, overlaps {:.3} m in all, {:.4} m at most",
+            "{share}: {:?} of {most} bytes, {} shed, overlaps {:.3} m in all, {deepest:.4} m at most",
             budget.limit(),
             tight.shed(),
-            quality.sum,
-            quality.deepest
+            quality.sum
         );
         shed.push(tight.shed());
         overlaps.push(quality.sum);

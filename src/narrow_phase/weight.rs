@@ -1,0 +1,178 @@
+//! What it would cost to leave a contact out: where memory is short, those go first that cost least.
+//!
+//! What is left out lets its bodies into each other. So a contact weighs what they would overlap by at the end of the step
+//! if it had no rows: what their predicted motions add, what the load that it bore in the last step would move them by, and a
+//! part of what they overlap by now. All are lengths, so a light body's load counts as much as a heavy one's, and a contact that
+//! is found late in the order of pairs weighs what it would have weighed early. What nothing approaches costs nothing; what
+//! lets a body into something static by more than a little weighs more than all else.
+
+use super::contact::Contact;
+use crate::body::Mass;
+use crate::lanes::Record;
+use crate::shape::{Hot, Kind};
+use glam::Vec3;
+
+/// The weight of a contact, in steps of a sixteenth of an octave.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Weight(u16);
+
+/// Weights of a class.
+const STEPS: u16 = 256;
+/// Bits of a float that a step of weight leaves off, and the first step: that of 2^-16 length units.
+const BITS: u32 = 19;
+const FIRST: u32 = (127 - 16) << 4;
+/// Load counts for more than it moves bodies by: what bears keeps bearing until another would cost clearly more, so that what is
+/// left out does not change from step to step.
+const LASTS: f32 = 2.0;
+/// The share of an overlap that counts: in full, pairs that are deep in each other would take the place of those that bear, whose
+/// bodies would be the next to sink. With a tenth of it they stay deep for too long.
+const DEEP: f32 = 0.25;
+/// What costs more than this goes after all that costs less [length units]; of either, what is with something static goes last. Were
+/// that always last, bodies side by side on a floor would keep the floor, and enter each other altogether.
+const MUCH: f32 = 0.02;
+
+impl Weight {
+    /// How many there are.
+    pub(crate) const COUNT: usize = 6 * STEPS as usize;
+    /// The least of those that keep apart what approaches, or bear a load.
+    pub(crate) const NEEDED: Weight = Weight(2 * STEPS);
+
+    /// Of an overlap, or a gap, at the end of the step [length units].
+    fn new(is_static: bool, overlap: f32) -> Weight {
+        let steps = (overlap.abs().to_bits() >> BITS).saturating_sub(FIRST).min(u32::from(STEPS) - 1) as u16;
+        let class = u16::from(is_static) + 2 * (u16::from(overlap > 0.0) + u16::from(overlap > MUCH));
+        Weight(class * STEPS + if overlap > 0.0 { steps } else { STEPS - 1 - steps })
+    }
+
+    #[cfg(test)]
+    pub(crate) fn nth(index: u16) -> Weight {
+        Weight(index)
+    }
+
+    pub(crate) fn is_needed(self) -> bool {
+        self >= Weight::NEEDED
+    }
+
+    pub(crate) fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// What weights are made of.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Scale<'a> {
+    pub(crate) hot: &'a [Hot],
+    /// Predicted displacement and rotation vector of each body that can move.
+    pub(crate) motion: &'a [Record],
+    /// Of all bodies, of which so many can be pushed.
+    pub(crate) mass: &'a [Mass],
+    pub(crate) dynamic: usize,
+    /// The length of a step times the number of its substeps: what an impulse of a substep moves a unit of mass by [s].
+    pub(crate) gain: f32,
+    /// The length unit [m].
+    pub(crate) unit: f32,
+}
+
+impl Scale<'_> {
+    /// Of two colliders with a normal in the world, the least of their separations [m] and the load of a substep [N s].
+    pub(crate) fn weigh(&self, [a, b]: [u32; 2], normal: Vec3, separation: f32, load: f32) -> Weight {
+        let body = |c: u32| self.hot[c as usize].body as usize;
+        let motion = |c: u32| self.motion.get(body(c)).copied().unwrap_or_default();
+        let pushed = |c: u32| body(c) < self.dynamic;
+        let inverse = |c: u32| if pushed(c) { self.mass[body(c)].inverse } else { 0.0 };
+        let spin = |c: u32, turn: f32| {
+            let c = &self.hot[c as usize];
+            let reach = if c.kind == Kind::Sphere { c.lever } else { c.lever + c.radius };
+            if turn > 0.0 { turn * reach } else { 0.0 }
+        };
+        let (of_a, of_b) = (motion(a), motion(b));
+        let closing = normal.dot(of_a.linear - of_b.linear) + spin(a, of_a.pad1) + spin(b, of_b.pad1);
+        let both = pushed(a) && pushed(b);
+        let apart = if both && separation < 0.0 { DEEP * separation } else { separation };
+        let held = LASTS * load * self.gain * (inverse(a) + inverse(b));
+        Weight::new(!both, (closing - apart + held) / self.unit)
+    }
+
+    /// Of a contact that is there.
+    pub(crate) fn of(&self, contact: &Contact) -> Weight {
+        let nearest = contact.points().iter().map(|p| p.separation).fold(f32::INFINITY, f32::min);
+        self.weigh([contact.a, contact.b], contact.frame * contact.normal, nearest, contact.bears())
+    }
+}
+
+/// The lightest that stay.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Threshold {
+    weight: Weight,
+    /// Of those that weigh just this, the first so many stay: the order of pairs lasts.
+    left: u32,
+}
+
+impl Threshold {
+    /// Everything stays.
+    pub(crate) const ALL: Threshold = Threshold { weight: Weight(0), left: u32::MAX };
+    /// Only what is needed stays.
+    pub(crate) const NEEDED: Threshold = Threshold { weight: Weight::NEEDED, left: u32::MAX };
+
+    pub(crate) fn new(index: usize, left: u32) -> Threshold {
+        Threshold { weight: Weight(index as u16), left }
+    }
+
+    /// So many of the lightest go, of those whose weights are in a range.
+    pub(crate) fn without(counts: &[u32; Weight::COUNT], from: Weight, mut gone: u32) -> Threshold {
+        for (index, &count) in counts.iter().enumerate().skip(from.index()) {
+            if gone < count {
+                return Threshold::new(index, count - gone);
+            }
+            gone -= count;
+        }
+        Threshold::new(Weight::COUNT, 0)
+    }
+
+    /// Whether the next one, which weighs this much, stays. Asked of each in the same order.
+    pub(crate) fn keeps(&mut self, weight: Weight) -> bool {
+        if weight == self.weight {
+            let stays = self.left > 0;
+            self.left = self.left.saturating_sub(1);
+            return stays;
+        }
+        weight > self.weight
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_grow_with_what_leaving_out_costs() {
+        let overlaps = [-1.0, -0.01, -0.001, 0.001, 0.002, 0.05, 0.5];
+        let weights: Vec<Weight> =
+            [false, true].iter().flat_map(|&s| overlaps.map(|o| Weight::new(s, o))).collect();
+        let order = |range: std::ops::Range<usize>| weights[range].is_sorted_by(|a, b| a < b);
+        assert!(order(0..7) && order(7..14));
+        // What is static and costs much weighs more than all else, and what is needed more than what is not.
+        assert!(
+            weights[12] > weights[6]
+                && weights[6] > weights[10]
+                && weights[10] > weights[3]
+                && weights[3] > weights[9]
+        );
+        assert!(!weights[9].is_needed() && weights[3].is_needed());
+    }
+
+    #[test]
+    fn as_many_go_as_are_asked_for() {
+        let mut counts = [0; Weight::COUNT];
+        let all = [5u16, 5, 7, 7, 7, 600, 900].map(Weight);
+        all.iter().for_each(|w| counts[w.index()] += 1);
+        for gone in 0..=7 {
+            let mut floor = Threshold::without(&counts, Weight(0), gone);
+            assert_eq!(all.iter().filter(|w| floor.keeps(**w)).count(), 7 - gone as usize);
+        }
+        // Only of those that are needed.
+        let mut floor = Threshold::without(&counts, Weight::NEEDED, 1);
+        assert_eq!(all.map(|w| floor.keeps(w)), [false, false, false, false, false, false, true]);
+        assert!(Threshold::ALL.clone().keeps(Weight(0)));
+    }
+}
