@@ -15,11 +15,12 @@ use crate::lanes::{self, Record, Sym3};
 use crate::query::segment_hits;
 use glam::Vec3;
 
-/// In `pad0` of a body's displacement: something changed its way.
-const TOUCHED: f32 = 1.0;
+/// In `pad0` of a body's displacement: it was moved out of another's way.
+const MOVED: f32 = 2.0;
 /// Passes over fast pairs: a body that is moved may get in the way of another.
-const PASSES: usize = 4;
-
+const PASSES: usize = 8;
+/// From this pass on bodies go back to where they were: nothing between helped.
+const RETURNING: usize = 5;
 /// What goes into a surface by more than this share of its way is not led along it.
 const STEEP: f32 = 0.5;
 
@@ -59,7 +60,7 @@ impl Guard<'_> {
     ) -> u32 {
         let dynamic = movers.bodies.dynamic();
         let mut held = 0;
-        for _ in 0..PASSES {
+        for pass in 1..=PASSES {
             let before = held;
             for (index, pair) in pairs.iter().enumerate().filter(|(_, pair)| pair.fast) {
                 let [i, k] = [pair.a, pair.b].map(|c| self.hot[c as usize].body as usize);
@@ -81,7 +82,15 @@ impl Guard<'_> {
                     (None, None) => continue,
                 };
                 held += 1;
-                self.part(found, movers);
+                let (one, other, mut passing) = found;
+                if [i, k].iter().any(|&i| movers.delta[i].pad0 == MOVED) {
+                    // Led along one it may be led into another, and back.
+                    passing.lift = None;
+                }
+                if pass >= RETURNING {
+                    passing.stop = 0.0;
+                }
+                self.part((one, other, passing), movers);
             }
             if held == before {
                 break;
@@ -118,12 +127,16 @@ impl Guard<'_> {
                 self.hold(stack, own, bodies.pose[i].position, &mut way, &mut bodies.velocity[i]);
                 bodies.pose[i].position += way.as_dvec3();
             } else {
-                let from = self.centre_before(c);
+                let (from, turned) = (self.centre_before(c), self.turn_before(c));
                 let pose = &mut bodies.pose[i];
                 pose.position = from + (pose.position - from) * f64::from(stop);
-                cut.extend(seats.of(i).map(|seat| (seat, stop)));
+                match seats.of(i) {
+                    Some(seat) => cut.push((seat, stop)),
+                    // Or a rod that spins stops with its end in the other.
+                    None => pose.rotation = turned.lerp(pose.rotation, stop),
+                }
             }
-            delta[i].pad0 = TOUCHED;
+            delta[i].pad0 = MOVED;
         }
         // What was thrown there by an impact bounces again in the next step.
         if impacts.bounced(i) || impacts.bounced(k) {

@@ -14,6 +14,7 @@ mod methods;
 mod modes;
 mod order;
 mod overlap;
+mod passing;
 mod rest;
 mod restitution;
 mod rotation;
