@@ -233,12 +233,9 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
             if uneven && i < dynamic && !touched && spins_freely(&mass[i], &traits[i], start[i].angular, dt) {
                 (pose.rotation, velocity.angular) =
                     turn_freely(pose.rotation, start[i].angular, mass[i].inertia, dt);
-                if mode != Continuous::Discrete {
-                    d.pad1 = off.turned(i, whence.rotation, pose.rotation, own);
-                    precesses = d.pad1 > off.least
-                        && beside.get(i).is_some_and(|beside| *beside != Beside::Nothing)
-                        && !guard.is_free(stack, own, whence.position, d.linear, off.reach(own));
-                }
+                precesses = beside.get(i).is_some_and(|beside| *beside != Beside::Nothing)
+                    && off.turned(i, whence.rotation, pose.rotation, own)
+                    && !guard.is_free(stack, own, whence.position, d.linear, off.reach(own));
             } else if let Some((rotation, time)) = impacts.turned(i) {
                 // It bounced, and its spin is that of the moment.
                 (pose.rotation, velocity.angular) =
@@ -347,13 +344,12 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
     }
     let Ok(cut) = cut.get_mut() else { return (held, stopped) };
     if guard.cuts {
-        let pairs = (world.broad.pairs.as_slice(), |pair| narrow.is_clear(pair));
         let mut none = Vec::new();
         let mut own = stacks.first().and_then(|stack| stack.lock().ok());
         let stack = own.as_deref_mut().unwrap_or(&mut none);
         let delta = &mut world.buffers.solver.delta;
         let mut movers = Movers { bodies, delta, inverse_inertia, impacts, seats, cut, stack };
-        held.cut += guard.hold_movers(pairs, &mut movers);
+        held.cut += guard.hold_movers(&world.broad.pairs, &mut movers);
     }
     if !cut.is_empty()
         && let Some(Ok(mut stack)) = stacks.first().map(|s| s.lock())
@@ -395,12 +391,12 @@ impl Off<'_> {
         is_far(meant.linear, meant.angular) && is_far(start.linear * self.dt, start.angular * self.dt)
     }
 
-    /// How far at most a point of a body that turned as a free one is from where it was predicted to turn to [m].
-    fn turned(&self, i: usize, before: Quat, after: Quat, own: &[u32]) -> f32 {
+    /// Whether a body that turned as a free one is turned otherwise than predicted, by so much that a point of it is far off.
+    fn turned(&self, i: usize, before: Quat, after: Quat, own: &[u32]) -> bool {
         let meant = exp_map(self.motion[i].angular) * before;
         // The chord of the angle between them.
         let chord = 2.0 * (1.0 - meant.dot(after).powi(2)).max(0.0).sqrt();
-        self.reach(own) * chord
+        self.reach(own) * chord > self.least
     }
 
     /// How far any point of a body is from its centre, at most [m].

@@ -51,24 +51,19 @@ struct Passing {
 
 impl Guard<'_> {
     /// Keeps the centres of fast dynamic bodies out of each other's shapes. Says how often it had to. Bodies of one tree pass:
-    /// better one through the other than a joint torn. What the narrow phase saw pass each other, as `apart` knows by a pair's
-    /// place in the list, does so if both went their ways untouched.
-    pub(super) fn hold_movers(
-        &self,
-        (pairs, apart): (&[Pair], impl Fn(usize) -> bool),
-        movers: &mut Movers<'_>,
-    ) -> u32 {
+    /// better one through the other than a joint torn.
+    pub(super) fn hold_movers(&self, pairs: &[Pair], movers: &mut Movers<'_>) -> u32 {
         let dynamic = movers.bodies.dynamic();
         let mut held = 0;
         for pass in 1..=PASSES {
             let before = held;
-            for (index, pair) in pairs.iter().enumerate().filter(|(_, pair)| pair.fast) {
+            for pair in pairs.iter().filter(|pair| pair.fast) {
                 let [i, k] = [pair.a, pair.b].map(|c| self.hot[c as usize].body as usize);
-                let Movers { bodies, delta, seats, .. } = &*movers;
+                let Movers { bodies, seats, .. } = &*movers;
                 let tree = |i: usize| seats.of(i).map(Seat::of_tree);
                 if i >= dynamic
                     || k >= dynamic
-                    || apart(index) && self.went_as_seen((i, k), bodies, delta)
+                    || self.pass_by(pair, (i, k), bodies)
                     || tree(i).is_some() && tree(i) == tree(k)
                     || !self.parts(pair)
                 {
@@ -99,13 +94,15 @@ impl Guard<'_> {
         held
     }
 
-    /// Whether nothing touched two bodies, and neither precessed so far that the other's centre could notice.
-    fn went_as_seen(&self, (i, k): (usize, usize), bodies: &Bodies, delta: &[Record]) -> bool {
-        let unseen = |one: usize, other: usize| {
-            let wandered = delta[other].pad1;
-            wandered == 0.0 || wandered < self.inner(bodies.colliders[one].as_slice())
-        };
-        delta[i].pad0 == 0.0 && delta[k].pad0 == 0.0 && unseen(i, k) && unseen(k, i)
+    /// Whether the centres of two bodies pass each other further off than either shape reaches: most by far.
+    fn pass_by(&self, pair: &Pair, (i, k): (usize, usize), bodies: &Bodies) -> bool {
+        let [a, b] = [pair.a, pair.b].map(|c| &self.hot[c as usize]);
+        let start = (self.poses[pair.a as usize].position - self.poses[pair.b as usize].position).as_vec3();
+        let way = (bodies.pose[i].position - bodies.pose[k].position).as_vec3() - start;
+        let along = (-start.dot(way) / way.length_squared().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
+        // From shape to shape at the start, from centre to centre at the end; a little further than the motion, as below.
+        let reach = a.radius.max(b.radius) + 2.0 * (a.lever + b.lever);
+        (start + way * along).length() > 1.01 * reach + KEEP * a.radius.max(b.radius)
     }
 
     /// Moves two bodies apart, the centre of the first of which gets into a shape of the second.
