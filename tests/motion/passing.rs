@@ -17,7 +17,7 @@ impl Random {
     fn direction(&mut self) -> Vec3 {
         let (y, turn) = (self.range(-1.0, 1.0), self.range(0.0, std::f32::consts::TAU));
         let flat = (1.0 - y * y).sqrt();
-        Vec3::new(flat * turn.cos(), y, flat * turn.sin())
+        Vec3::new(flat * libm::cosf(turn), y, flat * libm::sinf(turn))
     }
 }
 
@@ -42,11 +42,11 @@ impl Plate {
         let plate_mass = ball_mass * random.range(0.5, 2.0);
         let turned = Quat::from_scaled_axis(random.direction() * random.range(0.0, 3.0));
         let turn = random.range(0.0, std::f32::consts::TAU);
-        let along = Vec3::new(turn.cos(), 0.0, turn.sin());
+        let along = Vec3::new(libm::cosf(turn), 0.0, libm::sinf(turn));
         let across = Vec3::Y.cross(along);
         // Its part ahead of the ball comes up.
         let lean = random.range(-0.8, 0.8);
-        let spin = (-across * lean.cos() + along * lean.sin()) * random.range(1.0, 10.0);
+        let spin = (-across * libm::cosf(lean) + along * libm::sinf(lean)) * random.range(1.0, 10.0);
         let spin = if spin.cross(along).y < 0.0 { -spin } else { spin };
         let at = along * random.range(-1.5, 0.5)
             + across * random.range(-1.0, 1.0)
@@ -151,10 +151,10 @@ fn no_rod_is_stuck_with_an_end_behind_a_wall_of_a_v() {
                 world.add_body(&BodyDesc::fixed().with_shape(shape)).unwrap();
             }
             let (tilt, turn) = (random.range(0.0, 0.6), random.range(0.0, std::f32::consts::TAU));
-            let flat = tilt.sin();
-            let way = Vec3::new(flat * turn.cos(), -tilt.cos(), flat * turn.sin());
+            let flat = libm::sinf(tilt);
+            let way = Vec3::new(flat * libm::cosf(turn), -libm::cosf(tilt), flat * libm::sinf(turn));
             let target = Vec3::new(random.range(-0.5, 0.5), 0.0, random.range(-20.0, 20.0));
-            let speed = 10.0 * 10.0_f32.powf(random.range(0.0, 1.0));
+            let speed = 10.0 * libm::powf(10.0, random.range(0.0, 1.0));
             let turned = Quat::from_scaled_axis(random.direction() * random.range(0.0, 3.0));
             let spin = random.direction() * random.range(0.0, 50.0);
             let rod = BodyDesc::dynamic()
