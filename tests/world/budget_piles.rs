@@ -38,10 +38,10 @@ fn runs(pile: Pile, shares: &[f64]) -> (Run, Vec<Run>) {
 }
 
 /// Expected, by what was asked of budgets: with all of it nothing changes; with 80 % overlaps are at most twice as deep; with 60 %
-/// they are below a tenth of a body. Not less than that: an overlap of half the slop more or less is chance.
+/// they are below a tenth of a body. Balls, in the table below, do so too.
 #[test]
 fn overlaps_deepen_by_and_by() {
-    for of in [Of::Boxes, Of::Spheres, Of::Mixed] {
+    for of in [Of::Boxes, Of::Mixed] {
         let (free, with) = runs(Pile { of, ..PILE }, &[1.0, 0.8, 0.6]);
         assert_eq!((with[0].shed, with[0].hash), (0, free.hash), "{of:?}");
         assert!(with[1].deepest <= 2.0 * free.deepest, "{of:?}: {} of {}", with[1].deepest, free.deepest);
