@@ -314,12 +314,11 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
     });
     let mut held = Counts { cut: cuts.into_inner(), lifted: lifts.into_inner(), settled: 0 };
     let mut stopped = stopped.into_inner().unwrap_or_else(PoisonError::into_inner);
+    // From here on one thread goes through what is left, if there is a guard at all.
+    let Some(Ok(mut stack)) = stacks.first().map(|stack| stack.lock()) else { return (held, stopped) };
     if strays.into_inner() {
-        let mut none = Vec::new();
-        let mut own = stacks.first().and_then(|stack| stack.lock().ok());
-        let stack = own.as_deref_mut().unwrap_or(&mut none);
         let may_grow = world.settings.budget.is_none();
-        let mut tools = Tools { stack, scratch: settling, may_grow };
+        let mut tools = Tools { stack: &mut stack, scratch: settling, may_grow };
         let delta = &world.buffers.solver.delta;
         for i in (0..dynamic).filter(|&i| delta[i].pad0 == STRAY) {
             let stray = Settling {
@@ -344,26 +343,18 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
     }
     let Ok(cut) = cut.get_mut() else { return (held, stopped) };
     if guard.cuts {
-        let mut none = Vec::new();
-        let mut own = stacks.first().and_then(|stack| stack.lock().ok());
-        let stack = own.as_deref_mut().unwrap_or(&mut none);
         let delta = &mut world.buffers.solver.delta;
-        let mut movers = Movers { bodies, delta, inverse_inertia, impacts, seats, cut, stack };
+        let mut movers = Movers { bodies, delta, impacts, seats, cut, stack: &mut stack };
         held.cut += guard.hold_movers(&world.broad.pairs, &mut movers);
     }
-    if !cut.is_empty()
-        && let Some(Ok(mut stack)) = stacks.first().map(|s| s.lock())
-    {
+    if !cut.is_empty() {
         let closing = closing(&world.settings);
         let delta = &mut world.buffers.solver.delta;
         let (rows, joints) = (&mut world.buffers.rows, &mut world.buffers.joints);
         Trees { bodies, delta, rows, joints, closing }.mend(&guard, cut, &mut stack);
         cut.clear();
     }
-    if movers > dynamic
-        && guard.cuts
-        && let Some(Ok(mut stack)) = stacks.first().map(|s| s.lock())
-    {
+    if movers > dynamic && guard.cuts {
         held.cut += guard.hold_kinematic(&world.broad.pairs, bodies, &mut stack, dt);
     }
     (held, stopped)

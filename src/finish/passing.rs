@@ -8,11 +8,12 @@
 //! speed with which they close is taken away as by an impulse there.
 
 use super::guard::{Guard, KEEP, stop};
-use crate::body::{Bodies, Pose};
+use crate::body::{Bodies, Pose, carry_spin};
 use crate::broad_phase::Pair;
 use crate::constraint::{Restitution, Seat, Seats};
-use crate::lanes::{self, Record, Sym3};
+use crate::lanes::Record;
 use crate::query::segment_hits;
+use crate::time_of_impact::Struck;
 use glam::Vec3;
 
 /// In `pad0` of a body's displacement: it was moved out of another's way.
@@ -29,7 +30,6 @@ pub(super) struct Movers<'a> {
     pub(super) bodies: &'a mut Bodies,
     /// Displacements of the step.
     pub(super) delta: &'a mut [Record],
-    pub(super) inverse_inertia: &'a [Sym3<f32>],
     pub(super) impacts: &'a Restitution,
     pub(super) seats: &'a Seats,
     /// Of trees that were stopped, which share of their ways was left.
@@ -108,7 +108,7 @@ impl Guard<'_> {
     /// Moves two bodies apart, the centre of the first of which gets into a shape of the second.
     fn part(&self, (one, other, passing): (u32, u32, Passing), movers: &mut Movers<'_>) {
         let Passing { stop, normal, lift } = passing;
-        let Movers { bodies, delta, inverse_inertia, impacts, seats, cut, stack } = movers;
+        let Movers { bodies, delta, impacts, seats, cut, stack } = movers;
         let [i, k] = [one, other].map(|c| self.hot[c as usize].body as usize);
         let gives = |i: usize| if self.joints.has_any(self.slots[i]) { 0.0 } else { bodies.mass[i].inverse };
         let (gi, gk) = if lift.is_some() { (gives(i), gives(k)) } else { (0.0, 0.0) };
@@ -128,9 +128,18 @@ impl Guard<'_> {
                 let pose = &mut bodies.pose[i];
                 pose.position = from + (pose.position - from) * f64::from(stop);
                 match seats.of(i) {
-                    Some(seat) => cut.push((seat, stop)),
+                    // No more than one entry a body: there is no place for more.
+                    Some(seat) => match cut.iter_mut().find(|(other, _)| *other == seat) {
+                        Some((_, share)) => *share = share.min(stop),
+                        None => cut.push((seat, stop)),
+                    },
                     // Or a rod that spins stops with its end in the other.
-                    None => pose.rotation = turned.lerp(pose.rotation, stop),
+                    None => {
+                        let (end, inertia) = (pose.rotation, bodies.mass[i].inertia);
+                        pose.rotation = turned.lerp(end, stop);
+                        let spin = &mut bodies.velocity[i].angular;
+                        *spin = carry_spin(end, pose.rotation, *spin, inertia);
+                    }
                 }
             }
             delta[i].pad0 = MOVED;
@@ -142,26 +151,14 @@ impl Guard<'_> {
         // From the centres to where the ball in the first touches the second.
         let arm_i = normal * -self.inner(bodies.colliders[i].as_slice());
         let arm_k = (bodies.pose[i].position - bodies.pose[k].position).as_vec3() + arm_i;
-        let speed = |i: usize, arm: Vec3| {
-            let v = &bodies.velocity[i];
-            normal.dot(v.linear + v.angular.cross(arm))
-        };
-        let closing = speed(k, arm_k) - speed(i, arm_i);
-        let turned = |i: usize, arm: Vec3| {
-            let lever = arm.cross(normal);
-            inverse_inertia[i].mul(lanes::Vec3::new(lever.x, lever.y, lever.z)).lane(0)
-        };
-        let (ti, tk) = (turned(i, arm_i), turned(k, arm_k));
-        let (mi, mk) = (bodies.mass[i].inverse, bodies.mass[k].inverse);
-        let mobility = mi + mk + arm_i.cross(normal).dot(ti) + arm_k.cross(normal).dot(tk);
-        if closing > 0.0 && mobility > 0.0 {
-            let impulse = closing / mobility;
-            for (i, inverse, turned, sign) in [(i, mi, ti, impulse), (k, mk, tk, -impulse)] {
-                let free = |v: Vec3| bodies.traits[i].free(v);
-                let v = &mut bodies.velocity[i];
-                v.linear += free(normal * inverse) * sign;
-                v.angular += turned * sign;
-            }
+        let (mut a, mut b) = (Struck::now(bodies, i), Struck::now(bodies, k));
+        let closing = normal.dot(b.at(arm_k) - a.at(arm_i));
+        let ease = a.ease(arm_i, normal) + b.ease(arm_k, normal);
+        if closing > 0.0 && ease > 0.0 {
+            let impulse = normal * (closing / ease);
+            a.push(arm_i, impulse);
+            b.push(arm_k, -impulse);
+            (bodies.velocity[i], bodies.velocity[k]) = (a.velocity, b.velocity);
         }
     }
 

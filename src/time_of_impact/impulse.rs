@@ -1,5 +1,7 @@
 //! An impact of two bodies, solved by itself at the moment it happens.
 
+use crate::body::Bodies;
+use crate::forces::world_inertia;
 use crate::lanes::{self, Record, Sym3};
 use glam::Vec3;
 
@@ -10,15 +12,25 @@ const SWEEPS: usize = 16;
 
 /// One of the two, where it stands at the moment.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Struck {
-    pub(super) velocity: Record,
+pub(crate) struct Struck {
+    pub(crate) velocity: Record,
     /// Along each axis: zero if nothing moves it, or not along that.
     pub(super) inverse_mass: Vec3,
     pub(super) inverse_inertia: Sym3<f32>,
 }
 
 impl Struck {
-    fn at(&self, arm: Vec3) -> Vec3 {
+    /// A dynamic body as it stands and moves now.
+    pub(crate) fn now(bodies: &Bodies, i: usize) -> Struck {
+        Struck {
+            velocity: bodies.velocity[i],
+            inverse_mass: bodies.traits[i].free(Vec3::splat(bodies.mass[i].inverse)),
+            inverse_inertia: world_inertia(bodies, i),
+        }
+    }
+
+    /// Velocity of a point at `arm` from the centre [m/s].
+    pub(crate) fn at(&self, arm: Vec3) -> Vec3 {
         self.velocity.linear + self.velocity.angular.cross(arm)
     }
 
@@ -27,12 +39,12 @@ impl Struck {
     }
 
     /// By how much a unit impulse along a direction changes the velocity there [1/kg].
-    fn ease(&self, arm: Vec3, along: Vec3) -> f32 {
+    pub(crate) fn ease(&self, arm: Vec3, along: Vec3) -> f32 {
         let torque = arm.cross(along);
         (self.inverse_mass * along).dot(along) + torque.dot(self.turned(torque))
     }
 
-    fn push(&mut self, arm: Vec3, impulse: Vec3) {
+    pub(crate) fn push(&mut self, arm: Vec3, impulse: Vec3) {
         self.velocity.linear += impulse * self.inverse_mass;
         self.velocity.angular += self.turned(arm.cross(impulse));
     }

@@ -29,6 +29,7 @@ use crate::threads::{Crew, Shared, per_block};
 use crate::world::World;
 use first_touch::{Search, Touch, first_touch};
 use glam::Vec3;
+pub(crate) use impulse::Struck;
 use queue::{Hit, Queue};
 use track::Track;
 pub(crate) use track::Way;

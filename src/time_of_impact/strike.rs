@@ -5,7 +5,7 @@ use super::queue::Hit;
 use super::track::Way;
 use super::{Buffers, Run};
 use crate::body::{Pose, carry_spin, exp_map};
-use crate::forces::{spins_freely, world_inertia};
+use crate::forces::spins_freely;
 use crate::lanes::{Record, Sym3};
 use crate::narrow_phase::{RawManifold, Reach, Relative, Support, collide_convex, collide_mesh};
 use crate::shape::{Collider, Kind};
@@ -88,9 +88,7 @@ impl Run<'_> {
         }
         let mut velocity = self.buffers.tracks[track].velocity_at(&bodies.velocity[body], time, self.dt);
         velocity.angular = self.carried(body, end, &bodies.pose[body], velocity.angular);
-        let inverse_mass = bodies.traits[body].free(Vec3::splat(bodies.mass[body].inverse));
-        let inverse_inertia = world_inertia(bodies, body);
-        Struck { velocity, inverse_mass, inverse_inertia }
+        Struck { velocity, ..Struck::now(bodies, body) }
     }
 
     /// The spin of a body that turns freely from one pose to another.
