@@ -1,9 +1,11 @@
 //! Bodies: what the caller describes, and the columns that the stages work on.
 
 mod desc;
+mod free;
 mod motion;
 mod store;
 
 pub use desc::{BodyDesc, BodyKind};
-pub(crate) use motion::{carry_spin, exp_map, turn_freely};
+pub(crate) use free::{FREE, FreeTurn};
+pub(crate) use motion::{carry_spin, exp_map};
 pub(crate) use store::{Bodies, Cold, Colliders, IDLE, Mass, NewBody, Pose, Traits};

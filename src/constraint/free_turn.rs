@@ -168,7 +168,7 @@ impl<L: Lanes> Moments<L> {
     /// Free rotation over a time: the rotation in the world, and the change of the angular velocity.
     ///
     /// A symmetric top, which has a closed solution, and what is left of the difference of its two like moments, in turn
-    /// (Touma and Wisdom, 1994; as for single bodies in `body/motion.rs`). Every part is a rotation, so the angular momentum
+    /// (Touma and Wisdom, 1994; as for single bodies in `body/free.rs`). Every part is a rotation, so the angular momentum
     /// stays, at any length of step. All is summed up as changes: what spins about a principal axis does not change, and
     /// rounding must not make it faster, substep by substep.
     #[inline(always)]
@@ -229,7 +229,7 @@ fn spin<L: Lanes, const AXIS: usize>(turn: &mut Quat<L>, start: Vec3<L>, more: &
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::body::{exp_map, turn_freely};
+    use crate::body::{FreeTurn, exp_map};
     use glam::{Quat as Turn, Vec3 as Vector, vec3};
 
     fn lanes(q: Turn) -> Quat<f32> {
@@ -263,7 +263,7 @@ mod tests {
                 let (turn, more) = moments.flow(lanes(by).compose(moments.axes), Vec3::splat(w), 1.0 / 240.0);
                 let turn = Turn::from_xyzw(turn.v.x, turn.v.y, turn.v.z, turn.w);
                 (by, w) = ((turn * by).normalize(), w + more.lane(0));
-                (q, v) = turn_freely(q, v, inertia, 1.0 / 240.0);
+                (q, v) = FreeTurn { rotation: q, spin: v, inertia, time: 1.0 / 240.0 }.one();
             }
             let momentum = |q: Turn, w: Vector| q * (inertia * (q.conjugate() * w));
             let (was, is) = (momentum(start, spin), momentum(by * start, w));

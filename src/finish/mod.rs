@@ -7,6 +7,7 @@ mod passing;
 mod report;
 mod settle;
 mod trees;
+mod turned;
 
 use ends::Crossing;
 pub(crate) use free::Clear;
@@ -15,8 +16,9 @@ use passing::Movers;
 pub use report::{StageTimes, StepReport};
 use settle::{Settling, Tools};
 use trees::Trees;
+use turned::Turned;
 
-use crate::body::{Pose, carry_spin, exp_map, turn_freely};
+use crate::body::{FreeTurn, Pose, carry_spin, exp_map};
 use crate::broad_phase::{Pair, STACK};
 use crate::config::Continuous;
 use crate::constraint::Seat;
@@ -209,12 +211,21 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
         stop_body(pose, velocity, whence, i < dynamic);
         stopped.lock().unwrap_or_else(PoisonError::into_inner).push(i as u32);
     };
+    let turns_freely =
+        |i: usize| uneven && i < dynamic && spins_freely(&mass[i], &traits[i], start[i].angular, dt);
     crew.run(blocks, &|block| {
         // Without the guard there are none, and nothing is pushed.
         let mut none = Vec::new();
         let mut own = stacks.get(block).and_then(|stack| stack.lock().ok());
         let stack = own.as_deref_mut().unwrap_or(&mut none);
-        for i in block * BLOCK..((block + 1) * BLOCK).min(movers) {
+        let (first, end) = (block * BLOCK, ((block + 1) * BLOCK).min(movers));
+        let turned = Turned::of((first..end).filter(|&i| turns_freely(i)).filter_map(|i| {
+            // SAFETY: each body is in one block.
+            let (pose, d) = unsafe { (pose.get(i), delta.get(i)) };
+            let (rotation, spin, inertia) = (pose.rotation, start[i].angular, mass[i].inertia);
+            (d.pad0 == 0.0).then_some((i - first, FreeTurn { rotation, spin, inertia, time: dt }))
+        }));
+        for i in first..end {
             // SAFETY: each body is in one block.
             let (pose, velocity, d) = unsafe { (pose.get(i), velocity.get(i), delta.get(i)) };
             let whence = *pose;
@@ -230,16 +241,16 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
             let own = colliders.get(i).map_or(&[][..], |own| own.as_slice());
             // Its axis wanders, which no look ahead knew of.
             let mut precesses = false;
-            if uneven && i < dynamic && !touched && spins_freely(&mass[i], &traits[i], start[i].angular, dt) {
-                (pose.rotation, velocity.angular) =
-                    turn_freely(pose.rotation, start[i].angular, mass[i].inertia, dt);
+            if !touched && turns_freely(i) {
+                (pose.rotation, velocity.angular) = turned.of_place(i - first);
                 precesses = beside.get(i).is_some_and(|beside| *beside != Beside::Nothing)
                     && off.turned(i, whence.rotation, pose.rotation, own)
                     && !guard.is_free(stack, own, whence.position, d.linear, off.reach(own));
             } else if let Some((rotation, time)) = impacts.turned(i) {
                 // It bounced, and its spin is that of the moment.
-                (pose.rotation, velocity.angular) =
-                    turn_freely(rotation, velocity.angular, mass[i].inertia, dt - time);
+                let inertia = mass[i].inertia;
+                let turn = FreeTurn { rotation, spin: velocity.angular, inertia, time: dt - time };
+                (pose.rotation, velocity.angular) = turn.one();
             } else {
                 let mut turned = (exp_map(d.angular) * pose.rotation).normalize();
                 if uneven
@@ -253,8 +264,10 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
                     {
                         // About an axis that stands still a rod that spins about its own would hardly tilt, and sink into
                         // what lifts its end. Its spin keeps its energy, as seen from the body.
-                        turned = turn_freely(pose.rotation, d.angular / dt, inertia, dt).0;
-                        let (own, spin) = turn_freely(pose.rotation, velocity.angular, inertia, dt);
+                        let turn =
+                            FreeTurn { rotation: pose.rotation, spin: d.angular / dt, inertia, time: dt };
+                        turned = turn.one().0;
+                        let (own, spin) = FreeTurn { spin: velocity.angular, ..turn }.one();
                         velocity.angular = turned * (own.conjugate() * spin);
                     } else {
                         velocity.angular = carry_spin(pose.rotation, turned, velocity.angular, inertia);

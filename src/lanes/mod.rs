@@ -12,7 +12,7 @@ mod math;
 pub(crate) use bits::ones;
 pub(crate) use gather::{GatherLanes, Record, gather, scatter};
 pub(crate) use math::{Quat, Sym3, Vec3};
-pub(crate) use wide::{f32x4, f32x8};
+pub(crate) use wide::{f32x4, f32x8, f64x4};
 
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, Neg, Not, Sub, SubAssign};

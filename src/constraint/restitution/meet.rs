@@ -15,7 +15,7 @@
 
 use super::super::prepare::GONE;
 use super::{Link, NONE, Restitution, Spot, Struck, queue};
-use crate::body::{Colliders, Mass, Pose, Traits, turn_freely};
+use crate::body::{Colliders, FreeTurn, Mass, Pose, Traits};
 use crate::forces::{is_uneven, turned_inertia};
 use crate::lanes::{self, Record, Sym3};
 use crate::shape::Collider;
@@ -320,7 +320,9 @@ impl Moving {
             // Its inertia and its spin are those of the moment.
             let (from, since) = struck.and_then(|s| s.turned).unwrap_or((bodies.pose[i].rotation, 0.0));
             let since = if struck.is_some_and(|s| s.stands) { bodies.done + time } else { since };
-            let (to, spin) = turn_freely(from, velocity.angular, mass.inertia, bodies.done + time - since);
+            let time = bodies.done + time - since;
+            let turn = FreeTurn { rotation: from, spin: velocity.angular, inertia: mass.inertia, time };
+            let (to, spin) = turn.one();
             (velocity.angular, inverse_inertia, rotation) = (spin, turned_inertia(to, mass), Some(to));
         }
         let inverse = mass.inverse;

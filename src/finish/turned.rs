@@ -1,0 +1,41 @@
+//! What the bodies of a block that nothing touches turn to.
+
+use super::BLOCK;
+use crate::body::{FREE, FreeTurn};
+use glam::{Quat, Vec3};
+
+/// Rotations and angular velocities at the end of the step, by a body's place in its block; of the others nothing.
+pub(super) struct Turned([(Quat, Vec3); BLOCK]);
+
+impl Turned {
+    /// Turns those given, each with its place: those that take as long as each other together.
+    pub(super) fn of(turns: impl Iterator<Item = (usize, FreeTurn)>) -> Turned {
+        let mut turned = Turned([(Quat::IDENTITY, Vec3::ZERO); BLOCK]);
+        let mut all = [(0, 0, FreeTurn::default()); BLOCK];
+        let mut count = 0;
+        for (place, turn) in turns {
+            if let Some(end) = turn.as_top() {
+                turned.0[place] = end;
+            } else {
+                all[count] = (turn.parts(), place, turn);
+                count += 1;
+            }
+        }
+        let all = &mut all[..count];
+        all.sort_unstable_by_key(|&(parts, place, _)| (parts, place));
+        for four in all.chunks(FREE) {
+            let mut turns = [FreeTurn::default(); FREE];
+            four.iter().zip(&mut turns).for_each(|(&(.., turn), lane)| *lane = turn);
+            let ends = FreeTurn::all(&turns[..four.len()]);
+            for (&(_, place, _), end) in four.iter().zip(ends) {
+                turned.0[place] = end;
+            }
+        }
+        turned
+    }
+
+    /// Of the body at a place.
+    pub(super) fn of_place(&self, place: usize) -> (Quat, Vec3) {
+        self.0[place]
+    }
+}
