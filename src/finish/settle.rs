@@ -215,36 +215,42 @@ impl Settling<'_> {
             if shape.is_sensor() {
                 continue;
             }
-            for end in ends_of(shape) {
-                if let Some((depth, out)) = guard.beyond(stack, self.own, pose.position, pose.rotation * end)
-                {
-                    note(depth + shape.inner_radius, out);
-                }
-            }
             let here = Pose {
                 position: pose.position + (pose.rotation * shape.position).as_dvec3(),
                 rotation: pose.rotation * shape.rotation,
             };
             let bounds = aabb_of(shape, pose.position, pose.rotation);
+            // A shape about its body's centre holds the ways to its ends.
+            let mut may_cross = shape.position != Vec3::ZERO;
             guard.broad.in_box(stack, Whom::Statics, &bounds, |other| {
                 if !guard.may_meet(self.own, other) {
                     return;
                 }
                 let (still, at) = (&guard.colliders[other as usize], &guard.poses[other as usize]);
-                let (depth, into) = self.overlap((shape, &here), (still, at), (scratch, *may_grow));
-                note(depth, here.rotation * -into);
+                let overlap = self.overlap((shape, &here), (still, at), (scratch, *may_grow));
+                if let Some((depth, into)) = overlap {
+                    may_cross = true;
+                    note(depth, here.rotation * -into);
+                }
             });
+            for end in ends_of(shape).filter(|_| may_cross) {
+                if let Some((depth, out)) = guard.beyond(stack, self.own, pose.position, pose.rotation * end)
+                {
+                    note(depth + shape.inner_radius, out);
+                }
+            }
         }
         deepest
     }
 
-    /// How deep a shape is in one that stands still [m], and the normal into that, in its own frame.
+    /// How deep a shape is in one that stands still [m], and the normal into that, in its own frame; none if it is surely in
+    /// nothing, or in a mesh no deeper than is left to it.
     fn overlap(
         &self,
         (shape, here): (&Collider, &Pose),
         (still, at): (&Collider, &Pose),
         (scratch, may_grow): (&mut Scratch, bool),
-    ) -> (f32, Vec3) {
+    ) -> Option<(f32, Vec3)> {
         let back = here.rotation.conjugate();
         let rel = Relative {
             position: back * (at.position - here.position).as_vec3(),
@@ -254,7 +260,7 @@ impl Settling<'_> {
         if !matches!(still.kind, Kind::Mesh | Kind::HeightField) {
             let raw = collide_convex(shape, still, &rel, 0.0);
             let raw = out_by_the_centre(shape, still, &rel, &raw, 0.0).unwrap_or(raw);
-            return (depth(&raw), raw.normal);
+            return (raw.count > 0).then_some((depth(&raw), raw.normal));
         }
         if may_grow {
             scratch.each(&mut |buffer, len| buffer.widen(len));
@@ -263,9 +269,11 @@ impl Settling<'_> {
         raw.clear();
         mesh.room = Room::new(0);
         mesh.nearby.forget();
-        collide_mesh(shape, still, &rel, Reach::new(0.0), mesh, raw);
+        if !collide_mesh(shape, still, &rel, Reach::new(0.0).within(-self.least), mesh, raw) {
+            return None;
+        }
         let most = raw.iter().map(|raw| (depth(raw), raw.normal));
         let most = most.fold((0.0, Vec3::ZERO), |most, one| if one.0 > most.0 { one } else { most });
-        if most.0 > self.least { most } else { mesh.pierced(shape).unwrap_or(most) }
+        Some(if most.0 > self.least { most } else { mesh.pierced(shape).unwrap_or(most) })
     }
 }

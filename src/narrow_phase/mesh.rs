@@ -203,7 +203,8 @@ impl MeshScratch {
 }
 
 /// All points of a convex shape and a mesh or height field that are nearer than the margin, as up to
-/// [`MOST`](super::mesh_merge::MOST) manifolds in the shape's frame, added to `out`; the deepest first.
+/// [`MOST`](super::mesh_merge::MOST) manifolds in the shape's frame, added to `out`; the deepest first. Says whether anything was
+/// near enough to be looked at.
 pub(crate) fn collide_mesh(
     a: &Collider,
     b: &Collider,
@@ -211,14 +212,14 @@ pub(crate) fn collide_mesh(
     reach: Reach,
     scratch: &mut MeshScratch,
     out: &mut Vec<RawManifold>,
-) {
-    let Some(ground) = Ground::of(b) else { return };
-    let Some((middle, half)) = bounds(a) else { return };
+) -> bool {
+    let Some(ground) = Ground::of(b) else { return false };
+    let Some((middle, half)) = bounds(a) else { return false };
     let (pose, side) = (Pose::new(rel.position, rel.rotation), side_of(a));
     let MeshScratch { nearby, patches, merge, room, shed } = scratch;
     if !nearby.has_place(room) {
         *shed += 1;
-        return;
+        return false;
     }
     patches.clear();
     let (each, core) = (points_each(a), Core::of(a));
@@ -226,7 +227,7 @@ pub(crate) fn collide_mesh(
     let mut near = Near::default();
     let mut extent = along(&pose, around(&pose, (middle, half + Vec3::splat(margin))), way);
     if within < margin {
-        let close = around(&pose, (middle, half + Vec3::splat(within)));
+        let close = around(&pose, (middle, half + Vec3::splat(within.max(0.0))));
         nearby.gather(&ground, close, &mut |found| {
             for (eight, lanes) in found.each() {
                 let triangles = Triangles::new(eight, lanes, &pose, side);
@@ -234,7 +235,7 @@ pub(crate) fn collide_mesh(
             }
         });
         if near.count == 0 {
-            return;
+            return false;
         }
         extent = near.extent(&pose, close, margin).unwrap_or(extent);
     }
@@ -281,10 +282,11 @@ pub(crate) fn collide_mesh(
         let place = out.len() + MOST;
         if !merge.has_place(patches, room) || room.fit(out, place) < place {
             *shed += 1;
-            return;
+            return true;
         }
     }
     merge.manifolds(patches, &pose, a.radius, out);
+    true
 }
 
 /// The most points that a triangle yields.

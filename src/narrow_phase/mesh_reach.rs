@@ -18,8 +18,8 @@ use glam::Vec3;
 pub(crate) struct Reach {
     /// How near [m].
     pub(crate) margin: f32,
-    /// Manifolds without a point nearer than this are of no use to the caller [m]. Of triangles further away only those are
-    /// looked at that are level with a nearer one.
+    /// Manifolds without a point nearer than this are of no use to the caller [m]; below zero: without one as deep. Of triangles
+    /// further away only those are looked at that are level with a nearer one.
     pub(crate) within: f32,
     /// Where the shape goes, in its own frame [m]: a triangle may be further away by what that takes off its distance.
     pub(crate) way: Vec3,
@@ -48,7 +48,7 @@ const LEAN: f32 = 0.064;
 
 impl Near {
     /// Adds those of eight triangles that may be nearer than `within` [m]: no plane of theirs, nor of the box around the
-    /// shape, shows that they are not.
+    /// shape, shows that they are not. Below zero: whose planes the shape is beyond by as much, and which it may touch.
     #[inline(always)]
     pub(super) fn add(
         &mut self,
@@ -61,7 +61,8 @@ impl Near {
         let (_, axis, _) = triangles.separate(middle, half);
         let down = -triangles.front;
         let face = triangles.height - reach(a, down);
-        let mut bits = (axis.le(limit) & face.le(limit)).bits() & triangles.valid;
+        let beside = Lanes::max(limit, f32x8::zero());
+        let mut bits = (axis.le(beside) & face.le(limit)).bits() & triangles.valid;
         while bits != 0 {
             let front = triangles.front.lane(bits.trailing_zeros() as usize);
             bits &= bits - 1;

@@ -64,6 +64,8 @@ fn plates_and_cones_thrown_onto_rough_ground_do_not_stay_stuck_in_it() {
         })
         .collect();
     let mut held = 0;
+    // Over the rim and down: that it drifts back below is no matter of collision.
+    let mut fell = vec![false; bodies.len()];
     for step in 0..STEPS {
         world.step(1.0 / 60.0).unwrap();
         if step >= STEPS - LAST {
@@ -73,8 +75,9 @@ fn plates_and_cones_thrown_onto_rough_ground_do_not_stay_stuck_in_it() {
             let at = world.centre_of_mass(body).unwrap().as_vec3();
             let over = at.y - terrain.height(at.x, at.z);
             // What f32 resolves of a height of a few metres.
+            fell[i] |= !terrain.contains(at.x, at.z) && over < 0.0;
             assert!(
-                !terrain.contains(at.x, at.z) || over > -1e-5,
+                fell[i] || !terrain.contains(at.x, at.z) || over > -1e-5,
                 "{step}: body {i} is {over} over the ground"
             );
         }
