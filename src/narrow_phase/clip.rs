@@ -78,6 +78,10 @@ impl Loop {
     pub(crate) fn corners(&self) -> (&[Vec3], &[u16]) {
         (&self.corners[..self.count], &self.index[..self.count])
     }
+    /// Whether a point is over the face of this border, seen along the face's normal.
+    pub(crate) fn is_over(&self, normal: Vec3, point: Vec3) -> bool {
+        (0..self.count).all(|i| (self.at(i + 1) - self.at(i)).cross(normal).dot(point - self.at(i)) <= 0.0)
+    }
     fn at(&self, i: usize) -> Vec3 {
         self.corners[if i < self.count { i } else { 0 }]
     }

@@ -93,7 +93,8 @@ pub(super) fn manifold_of(cloud: &Cloud, normal: Vec3) -> RawManifold {
 
 /// A face of one of two polytopes as the reference: its points, in the frame of `a`.
 ///
-/// `on_b`: whose face. Adds the deepest vertex if the incident face that was chosen doesn't have it.
+/// `on_b`: whose face. Adds the nearest vertex if the incident face that was chosen doesn't have it: of an overlap
+/// always, else where it is over the reference face, and so is the nearest point of all.
 fn face_contact(
     a: &Polytope,
     b: &Polytope,
@@ -117,8 +118,9 @@ fn face_contact(
     let corners = incident.face(other);
     let bit = if on_b { 1 << 14 } else { 0 };
     let before = cloud.points().len();
+    let border = Loop::new(reference.vertices, reference.face(face.face), to_a);
     clip_face(
-        &Loop::new(reference.vertices, reference.face(face.face), to_a),
+        &border,
         (normal, offset),
         &Loop::new(incident.vertices, corners, incident_to_a),
         plane(incident, other, incident_to_a),
@@ -126,12 +128,16 @@ fn face_contact(
         tolerance,
         cloud,
     );
-    if face.separation < 0.0 && cloud.least() > face.separation + tolerance {
+    if cloud.least() > face.separation + tolerance {
         let (vertex, _) = incident.support(down);
         let at = incident_to_a.point(incident.vertices[vertex]);
         let position = at - normal * (0.5 * face.separation);
         let known = corners.iter().any(|&c| usize::from(c) == vertex);
-        if !known || cloud.points().is_empty() {
+        if if face.separation < 0.0 {
+            !known || cloud.points().is_empty()
+        } else {
+            border.is_over(normal, at)
+        } {
             cloud.push(RawPoint { position, separation: face.separation, key: key(0, vertex, 1) });
         }
     }
@@ -507,8 +513,9 @@ pub(crate) mod testing {
 mod tests {
     use super::testing::*;
     use super::*;
-    use crate::shape::Geometry;
+    use crate::shape::{ConvexHull, Geometry};
     use glam::Quat;
+    use std::sync::Arc;
 
     const KINDS: [Kind; 5] = [Kind::Sphere, Kind::Capsule, Kind::Box, Kind::Cylinder, Kind::Hull];
     const MARGIN: f32 = 0.05;
@@ -617,6 +624,28 @@ mod tests {
 
     fn at(y: f32) -> Relative {
         Relative { position: Vec3::Y * y, rotation: Quat::IDENTITY }
+    }
+
+    /// Splinters: the face that looks at the wall most need not have the vertex that is nearest to it. The distance is
+    /// the height of the lowest vertex, at any margin.
+    #[test]
+    fn the_nearest_vertex_of_a_splinter_is_found_at_any_distance() {
+        let mut random = Random(14);
+        let wall = collider(Geometry::cuboid(50.0, 50.0, 0.01));
+        for round in 0..2000 {
+            let size = Vec3::new(0.1, 0.02 + 0.08 * random.unit(), 0.01);
+            let points: Vec<Vec3> = (0..8 + random.below(20)).map(|_| random.sphere() * size).collect();
+            let splinter = collider(Geometry::Hull(Arc::new(ConvexHull::new(&points).unwrap())));
+            let rotation =
+                if round % 2 == 0 { random.rotation() } else { Quat::from_rotation_x(0.2 * random.unit()) };
+            let height = 0.5 * random.unit();
+            let lowest = extent(&splinter, (rotation.conjugate() * Vec3::NEG_Z).as_dvec3());
+            let position = Vec3::new(-45.0, 20.0, 0.01 + lowest as f32 + height);
+            let manifold = collide_convex(&wall, &splinter, &Relative { position, rotation }, 4.0);
+            let least = manifold.points().iter().map(|p| p.separation).fold(f32::MAX, f32::min);
+            assert!((least - height).abs() < 1e-4, "{round}: {least} at {height}\n{manifold:?}");
+            assert!((manifold.normal - Vec3::Z).length() < 1e-5, "{round}: {manifold:?}");
+        }
     }
 
     /// The equal box on top covers the one below: contact in all four corners, however they are turned.
