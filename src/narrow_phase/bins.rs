@@ -322,11 +322,15 @@ fn finish_mesh(
     out: &mut Out<'_>,
 ) {
     let most = approach.most();
-    // Within half the ball that fits into it a body can't get past a triangle, and planes at the start will do.
+    // Within half the ball that fits into it a body can't get past a triangle, and planes at the start will do. What
+    // rolls moves and turns alike, and its planes are near: its way and its turn may each be as far as that ball.
     let continuous = approach.is_continuous();
     let looks = continuous && input.start != Start::Speculative;
     let gated = input.start == Start::Gated;
-    let fast = looks && most > input.fast.max(0.5 * a.inner_radius);
+    let rolls = pair.contact != NONE
+        && approach.mode == Continuous::Segment
+        && approach.length.max(approach.spin) < a.inner_radius;
+    let fast = looks && !rolls && most > input.fast.max(0.5 * a.inner_radius);
     // Where the body is, and what it may turn into: what it may reach further away is found by the cast.
     let reach = match (fast, continuous) {
         (true, _) => approach.spin.min(a.radius),
