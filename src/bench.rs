@@ -6,8 +6,9 @@
 pub use crate::broad_phase::bench::kernels as broad_phase;
 pub use crate::narrow_phase::bench::{cast, convex, distance, lanes, mesh};
 
-use crate::constraint::contact_row::{Motion, Pass, Softness, solve};
-use crate::constraint::{Batch, BatchRef, FrictionRow, Group, PrepareInput, PrepareScratch, Rows, prepare};
+use crate::constraint::contact::row::{Motion, Pass, Softness, solve};
+use crate::constraint::prepare;
+use crate::constraint::{Batch, BatchRef, FrictionRow, Group, PrepareInput, PrepareScratch, Rows};
 use crate::lanes::{Record, Vec3, f32x8, gather, scatter};
 use crate::memory::Rooms;
 use crate::scene::builtin;

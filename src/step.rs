@@ -2,9 +2,10 @@
 
 use crate::broad_phase::BroadStats;
 use crate::config::FrictionModel;
+use crate::constraint::prepare;
 use crate::constraint::{
     FindInput, JointInput, JointRows, PrepareInput, PrepareScratch, Prepared, Restitution, Rows, StepLengths,
-    evenness, find, lend, prepare,
+    evenness, find, lend,
 };
 use crate::error::Error;
 use crate::events::{ContactHooks, NoHooks};

@@ -6,7 +6,7 @@
 use super::guard::Guard;
 use super::{FAR, is_sound};
 use crate::body::{Bodies, Pose, exp_map};
-use crate::constraint::contact_row::Motion;
+use crate::constraint::contact::row::Motion;
 use crate::constraint::{Closing, JointRows, Rows, Seat};
 use crate::lanes::Record;
 use crate::threads::Shared;

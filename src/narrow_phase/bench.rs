@@ -1,22 +1,22 @@
 //! Pairs of shapes near each other, to be timed: see [`crate::bench`]. An element is a pair.
 
-use super::box_box::box_box;
-use super::capsule_box::capsule_box;
-use super::capsule_capsule::capsule_capsule;
 use super::cast::{cast_convex, tolerance};
 use super::convex::collide_convex;
 use super::fixtures::{Random, collider};
-use super::lanes_io::{ManifoldLanes, PairLanes};
 use super::mesh::{MeshScratch, collide_mesh};
-use super::mesh_reach::Reach;
-use super::motion::{BodyPath, Motion};
-use super::sphere_box::sphere_box;
-use super::sphere_capsule::sphere_capsule;
-use super::sphere_sphere::sphere_sphere;
-use super::support::Support;
 use super::{RawManifold, Relative};
 use crate::bench::Kernel;
 use crate::lanes::f32x8;
+use crate::narrow_phase::cast::motion::{BodyPath, Motion};
+use crate::narrow_phase::convex::support::Support;
+use crate::narrow_phase::mesh::reach::Reach;
+use crate::narrow_phase::pairs::box_box::box_box;
+use crate::narrow_phase::pairs::capsule_box::capsule_box;
+use crate::narrow_phase::pairs::capsule_capsule::capsule_capsule;
+use crate::narrow_phase::pairs::lanes_io::{ManifoldLanes, PairLanes};
+use crate::narrow_phase::pairs::sphere_box::sphere_box;
+use crate::narrow_phase::pairs::sphere_capsule::sphere_capsule;
+use crate::narrow_phase::pairs::sphere_sphere::sphere_sphere;
 use crate::scene::Terrain;
 use crate::shape::{Collider, ConvexHull, Geometry, Kind, TriangleMesh};
 use glam::{Quat, Vec3};
@@ -188,7 +188,7 @@ pub fn distance() -> Vec<Kernel> {
             Kernel::new(name, poses.len(), move || {
                 let (Some(a), Some(b)) = (Support::of(&a), Support::of(&b)) else { return };
                 for rel in &poses {
-                    black_box(super::gjk::distance(&a, &b, rel, Vec3::ZERO));
+                    black_box(crate::narrow_phase::convex::gjk::distance(&a, &b, rel, Vec3::ZERO));
                 }
             })
         })

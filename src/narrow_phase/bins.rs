@@ -1,30 +1,30 @@
 //! Pairs binned by shape pair, and worked through in lanes.
 
-use super::ahead::{
-    NO_GAP, fly_mesh, halfway, hit_mesh, keep_reached, look_ahead, look_ahead_mesh, look_along, look_beside,
-    motion_of, right_way_out, strikes, touches_mesh, would_push,
-};
-use super::box_box::box_box;
-use super::capsule_box::{capsule_box, tapered_capsule_box};
-use super::capsule_capsule::{capsule_capsule, tapered_capsule_capsule};
 use super::cast::tolerance;
-use super::cast_mesh::Cast;
 use super::collide::{Approach, Input, Same, Start, lanes_of, relative_pose, relative_poses};
-use super::contact::{Contact, NONE};
 use super::convex::collide_convex;
-use super::found::Out;
-use super::gates::{enter_mesh, gate, straight};
-use super::lanes_io::{ManifoldLanes, PairLanes};
 use super::mesh::collide_mesh;
-use super::mesh_reach::{Reach, extent_of};
-use super::sphere_box::sphere_box;
-use super::sphere_capsule::sphere_capsule;
-use super::sphere_sphere::sphere_sphere;
 use super::{RawManifold, Relative};
 use crate::broad_phase::Pair;
 use crate::config::Continuous;
 use crate::lanes::f32x8;
 use crate::memory::{Buffer, Room, bytes_of};
+use crate::narrow_phase::cast::ahead::{
+    NO_GAP, fly_mesh, halfway, hit_mesh, keep_reached, look_ahead, look_ahead_mesh, look_along, look_beside,
+    motion_of, right_way_out, strikes, touches_mesh, would_push,
+};
+use crate::narrow_phase::cast::gates::{enter_mesh, gate, straight};
+use crate::narrow_phase::cast::mesh::Cast;
+use crate::narrow_phase::contacts::contact::{Contact, NONE};
+use crate::narrow_phase::contacts::found::Out;
+use crate::narrow_phase::mesh::reach::{Reach, extent_of};
+use crate::narrow_phase::pairs::box_box::box_box;
+use crate::narrow_phase::pairs::capsule_box::{capsule_box, tapered_capsule_box};
+use crate::narrow_phase::pairs::capsule_capsule::{capsule_capsule, tapered_capsule_capsule};
+use crate::narrow_phase::pairs::lanes_io::{ManifoldLanes, PairLanes};
+use crate::narrow_phase::pairs::sphere_box::sphere_box;
+use crate::narrow_phase::pairs::sphere_capsule::sphere_capsule;
+use crate::narrow_phase::pairs::sphere_sphere::sphere_sphere;
 use crate::shape::{Collider, Hot, Kind};
 use crate::threads::{Shared, per_block};
 use std::cell::LazyCell;

@@ -5,17 +5,17 @@
 //! one thread and in the order of the pairs: contacts come and go.
 
 use super::Relative;
-use super::admit::RowSpace;
 use super::bins::{Bin, Bins, run_bin};
-use super::contact::{Contact, Contacts, NONE};
-use super::found::{CLEAR, EMPTIED, Found};
-use super::manifold::MAX_POINTS;
-use super::weight::Scale;
 use crate::body::Pose;
 use crate::broad_phase::Pair;
 use crate::config::Continuous;
 use crate::lanes::{Lanes, Quat, Record, Vec3, f32x8};
 use crate::memory::{Buffer, Category, Rooms, Slab, bytes_of};
+use crate::narrow_phase::contacts::admit::RowSpace;
+use crate::narrow_phase::contacts::contact::{Contact, Contacts, NONE};
+use crate::narrow_phase::contacts::found::{CLEAR, EMPTIED, Found};
+use crate::narrow_phase::contacts::manifold::MAX_POINTS;
+use crate::narrow_phase::contacts::weight::Scale;
 use crate::shape::{Collider, Hot, Kind};
 use crate::threads::{Crew, Shared, per_block};
 
@@ -57,7 +57,7 @@ pub(crate) enum Start {
     Cast,
     /// It stays: its planes stop whoever could reach them, and nothing that is missed is dropped.
     Speculative,
-    /// It stays as far as the predicted motion crosses it over the faces that it is of ([`gates`](super::gates)).
+    /// It stays as far as the predicted motion crosses it over the faces that it is of ([`gates`](crate::narrow_phase::cast::gates)).
     Gated,
 }
 

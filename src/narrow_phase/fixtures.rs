@@ -1,6 +1,6 @@
 //! Random shapes and poses for the tests of this folder and of the queries.
 
-use super::motion::BodyPath;
+use crate::narrow_phase::cast::motion::BodyPath;
 use crate::shape::{Collider, ConvexHull, Filter, Geometry, Kind, Material};
 use glam::{DQuat, DVec3, Quat, Vec3};
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! The corners of triangles in lanes.
 
-use super::mesh_bvh::meets;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
+use crate::shape::mesh::bvh::meets;
 use glam::Vec3;
 
 /// Eight triangles, by corner, axis and lane.

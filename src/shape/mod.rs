@@ -6,21 +6,14 @@
 mod collider;
 mod corners;
 mod extent;
-mod field_rays;
 mod height_field;
 mod hull;
-mod hull_build;
-mod hull_merge;
 mod mass;
 pub(crate) mod mesh;
-mod mesh_bvh;
-mod mesh_edges;
-mod segment_triangle;
 mod slabs;
 #[cfg(feature = "replay")]
 mod stored;
 mod stream;
-mod triangle_rays;
 
 pub(crate) use collider::{Collider, EVENTS, HOOKS, Hot, Kind, SENSOR};
 pub(crate) use corners::Corners;
@@ -29,12 +22,12 @@ pub use hull::ConvexHull;
 pub(crate) use hull::HullEdge;
 pub use mass::MassProperties;
 pub use mesh::TriangleMesh;
-pub(crate) use mesh_edges::{Edges, FLAT_COSINE, Fold};
+pub(crate) use mesh::edges::{Edges, FLAT_COSINE, Fold};
+pub(crate) use mesh::rays::TriangleRays;
 pub(crate) use slabs::{Near, Slabs};
 #[cfg(feature = "replay")]
 pub(crate) use stored::{StoredField, StoredHull, StoredMesh};
 pub(crate) use stream::{FourTree, RAYS, Stream, Walk};
-pub(crate) use triangle_rays::TriangleRays;
 
 use crate::error::{Error, finite, within};
 use crate::limits::{self, length, length_or_zero};

@@ -6,8 +6,8 @@
 use super::height_field::HeightField;
 use super::hull::{ConvexHull, HullEdge};
 use super::mesh::{MOST, TriangleMesh, VERTEX_BITS, VERTEX_MASK};
-use super::mesh_bvh::{DEPTH, IS_LEAF, MAX_TRIANGLES, MeshBvh, NO_CHILD, Node};
 use crate::error::{Error, finite, finite3, within};
+use crate::shape::mesh::bvh::{DEPTH, IS_LEAF, MAX_TRIANGLES, MeshBvh, NO_CHILD, Node};
 use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 

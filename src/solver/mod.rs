@@ -8,8 +8,8 @@ mod pass;
 
 use crate::body::Bodies;
 use crate::config::{FrictionCone, Settings};
-use crate::constraint::contact_row::{Motion, Softness};
-use crate::constraint::crowd::Crowd;
+use crate::constraint::contact::crowd::Crowd;
+use crate::constraint::contact::row::{Motion, Softness};
 use crate::constraint::{
     Closing, FOLLOWED, JointRows, JointViews, NetInput, Recovery, Restitution, Rows, Struck, Views,
     usual_substep,

@@ -1,6 +1,6 @@
 //! One pass over all batches, in the order of their importance.
 
-use crate::constraint::contact_row::{
+use crate::constraint::contact::row::{
     Motion, Pass, Softness, disable_lanes, solve, store as store_batch, warm_start,
 };
 use crate::constraint::{

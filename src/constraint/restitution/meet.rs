@@ -13,9 +13,9 @@
 //! Rows ask what is crossed by the end of the substep, so they get the mean velocity, which leads there from where the
 //! body really begins; once bodies have moved, the velocity is what the last impact left ([`Restitution::go_on`]).
 
-use super::super::prepare::GONE;
 use super::{Link, NONE, Restitution, Spot, Struck, queue};
 use crate::body::{Colliders, FreeTurn, Mass, Pose, Traits};
+use crate::constraint::contact::prepare::GONE;
 use crate::forces::{is_uneven, turned_inertia};
 use crate::lanes::{self, Record, Sym3};
 use crate::shape::Collider;

@@ -1,0 +1,125 @@
+//! Joints of trees that came apart within a substep, closed again.
+//!
+//! Velocities know of a substep's end only what is linear: a leg that turns by half a radian in it leaves its joint by
+//! centimetres, and after an impact by more. So after bodies moved, trees whose joints are open are put together by Newton's
+//! method, with the same exact solution as for velocities but of displacements: two or three rounds. Contacts with what is
+//! static go along as far as they must not be crossed; where both can't be had, the joint stays open.
+
+use super::contacts::{Ask, Toured};
+use super::slots::Seated;
+use super::spatial::Twist;
+use super::tree::TreeBatch;
+use crate::constraint::contact::batch::Batch;
+use crate::constraint::contact::row::{Motion, Pair, Response, relative, row};
+use crate::lanes::{GatherLanes, Mask, Vec3};
+
+/// The most rounds of a substep.
+const ROUNDS: u32 = 8;
+/// A way [m] beyond which closing a joint is no answer.
+const FURTHEST: f32 = 1e6;
+
+/// What closing trees needs to know.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Closing {
+    /// Errors up to this are left to the velocities [length units] or [rad].
+    pub(crate) tolerance: f32,
+    /// Overlap that contacts leave alone [m].
+    pub(crate) slop: f32,
+}
+
+impl<L: GatherLanes> TreeBatch<L> {
+    /// Closes what is open.
+    ///
+    /// # Safety
+    /// No other thread works on the bodies of the trees, and none writes their displacements.
+    pub(crate) unsafe fn close(
+        &mut self,
+        motion: &Motion<'_, '_>,
+        closing: &Closing,
+        contacts: &[Seated],
+        mut touch: impl FnMut(&Seated, Ask<'_>, &mut Toured<'_, L>),
+    ) {
+        if self.loops {
+            return;
+        }
+        let own = &contacts[self.contacts.0 as usize..self.contacts.1 as usize];
+        for _ in 0..ROUNDS {
+            // SAFETY: by the contract.
+            unsafe { self.follow(motion) };
+            if !self.is_open(closing.tolerance) {
+                return;
+            }
+            for node in &mut self.nodes {
+                (node.velocity, node.pushed) = (Twist::zero(), Twist::zero());
+            }
+            self.factor();
+            self.gather_up(|node, _| node.open());
+            if !own.is_empty() {
+                self.tour(own, |seated, body| touch(seated, Ask::Push(closing), body));
+                self.gather_up(|node, _| node.open());
+            }
+            self.extra.shifts = true;
+            self.answer_all();
+            self.extra.shifts = false;
+            let most =
+                self.nodes.iter().fold(L::one(), |most, node| most.max(node.change.angular.length_squared()));
+            // By no more than a radian: beyond, what is linear says nothing.
+            let share = L::one() / most.sqrt();
+            self.nodes.iter_mut().for_each(|node| node.change = node.change.scaled(share));
+            for seated in own {
+                let node = &mut self.nodes[seated.node as usize];
+                let mut body = Toured::new(node.change, &node.whole);
+                touch(seated, Ask::Stop(closing), &mut body);
+                node.change = body.velocity();
+            }
+            // A tree in which that is no number for some body, because its joints contradict each other, stays open.
+            let sound = self.nodes.iter().fold(u32::MAX, |sound, node| {
+                let way = node.change.linear.length_squared() + node.change.angular.length_squared();
+                sound & (way.lt(L::splat(FURTHEST * FURTHEST)).bits() | !node.write)
+            });
+            let sound_lanes = L::Mask::from_bits(sound);
+            for node in &mut self.nodes {
+                let (zero, Twist { linear, angular }) = (Vec3::zero(), node.change);
+                node.shift(Twist {
+                    linear: Vec3::select(sound_lanes, linear, zero),
+                    angular: Vec3::select(sound_lanes, angular, zero),
+                });
+            }
+            // SAFETY: by the contract.
+            unsafe { self.shift(motion, sound) };
+        }
+        self.place(L::zero());
+    }
+
+    /// Whether any joint is.
+    pub(crate) fn is_open(&self, tolerance: f32) -> bool {
+        let most = self.tolerances(tolerance);
+        self.nodes.iter().filter(|node| node.jointed).any(|node| {
+            let open =
+                node.apart_now.length_squared().gt(most[0]) | node.error_now.length_squared().gt(most[1]);
+            open.bits() & node.write != 0
+        })
+    }
+
+    /// The squares of what may be left of lengths and of angles, of a share that may be left of the length unit and of a radian.
+    pub(crate) fn tolerances(&self, share: f32) -> [L; 2] {
+        [share * self.unit, share].map(|most| L::splat(most * most))
+    }
+}
+
+/// Keeps a displacement of body `a` of each lane from crossing contacts any further than overlap that is left alone.
+#[inline(always)]
+pub(crate) fn keep_out<L: GatherLanes, const P: usize>(
+    batch: &Batch<L, P, 0>,
+    moved: &mut Pair<L>,
+    closing: &Closing,
+    response: &mut impl Response<L, P, 0>,
+) {
+    for (i, point) in batch.points.iter().enumerate() {
+        let room = (point.now + L::splat(closing.slop)).max(L::zero());
+        let over = relative::<L, 0>(batch.normal, moved) + row(moved, point) + room;
+        let mass = response.mass(batch, i);
+        let p = L::select(mass.gt(L::zero()), (-(over * mass)).max(L::zero()), L::zero());
+        response.apply(batch, moved, batch.normal * p, point.arm_a * p, Vec3::zero());
+    }
+}

@@ -1,0 +1,336 @@
+//! Contacts of a tree of joints with what is static, solved along with the tree.
+//!
+//! A foot that lands at 30 m/s is stopped at once by what the foot alone can bear; what hangs on it comes along a joint and a
+//! pass later, and opens the joints by decimetres meanwhile. So while a tree is solved, its contacts push what they would push
+//! in truth: a body with all that hangs on it. From the leaves to the root it is known how each body answers an impulse
+//! (`Node::whole`), and a walk along the tree hands on what the contacts of one body change to the next, so that each of them
+//! sees velocities that all joints allow: Gauss-Seidel in the coordinates of the joints, at the cost of one more solution.
+
+use super::close::{Closing, keep_out};
+use super::slots::Seated;
+use super::spatial::{Sym6, Twist};
+use super::tree::{Node, TreeBatch};
+use crate::constraint::contact::batch::Batch;
+use crate::constraint::contact::friction::FrictionRow;
+use crate::constraint::contact::impact_friction::potential_load;
+use crate::constraint::contact::row::{
+    Free, FrictionResponse, Motion, Pair, Pass, Response, follow, relative, row, sweep,
+};
+use crate::constraint::contact::rows::Views;
+use crate::constraint::joint::ends::NONE;
+use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, f32x8};
+
+/// Walks a pass: the second finds what contacts of one body left to those of another.
+const TOURS: u32 = 2;
+
+/// What is asked of the contacts of a body on a walk along its tree.
+#[derive(Clone, Copy)]
+pub(crate) enum Ask<'a> {
+    /// One Gauss-Seidel step.
+    Solve(&'a Pass<'a>),
+    /// Of a displacement: to push back what would cross them.
+    Push(&'a Closing),
+    /// The same, each body for itself.
+    Stop(&'a Closing),
+}
+
+impl Views<'_> {
+    /// Contacts of one body of each of up to eight trees.
+    ///
+    /// # Safety
+    /// No other thread works on the trees, and none writes displacements.
+    pub(crate) unsafe fn tour(
+        &self,
+        seated: &Seated,
+        ask: Ask<'_>,
+        body: &mut Toured<'_, f32x8>,
+        motion: &Motion<'_, '_>,
+    ) {
+        let (i, lanes) = (seated.batch.index as usize, &self.one.lanes);
+        // SAFETY: by the contract; a batch has the contacts of one batch of trees.
+        unsafe {
+            let rubs = if seated.potential { None } else { lanes.friction.touching(seated.batch) };
+            match seated.batch.points {
+                1 => touch(lanes.p1.get(i), rubs, ask, body, motion),
+                2 => touch(lanes.p2.get(i), rubs, ask, body, motion),
+                3 => touch(lanes.p3.get(i), rubs, ask, body, motion),
+                _ => touch(lanes.p4.get(i), rubs, ask, body, motion),
+            }
+        }
+    }
+
+    /// Contacts of one body of one tree.
+    ///
+    /// # Safety
+    /// As for [`Views::tour`].
+    pub(crate) unsafe fn tour_single(
+        &self,
+        seated: &Seated,
+        ask: Ask<'_>,
+        body: &mut Toured<'_, f32>,
+        motion: &Motion<'_, '_>,
+    ) {
+        let (i, single) = (seated.batch.index as usize, &self.one.single);
+        // SAFETY: by the contract; a batch has the contacts of one tree.
+        unsafe {
+            let rubs = if seated.potential { None } else { single.friction.touching(seated.batch) };
+            touch(single.all.get(i), rubs, ask, body, motion)
+        }
+    }
+}
+
+/// A body of a tree while its contacts are solved.
+pub(crate) struct Toured<'a, L> {
+    velocity: Twist<L>,
+    whole: &'a Sym6<L>,
+    /// What its contacts gave it.
+    push: Twist<L>,
+}
+
+impl<'a, L: Lanes> Toured<'a, L> {
+    pub(crate) fn new(velocity: Twist<L>, whole: &'a Sym6<L>) -> Self {
+        Toured { velocity, whole, push: Twist::zero() }
+    }
+    pub(crate) fn velocity(&self) -> Twist<L> {
+        self.velocity
+    }
+}
+
+impl<L: GatherLanes> TreeBatch<L> {
+    /// How each body answers an impulse on it, with the whole tree.
+    pub(crate) fn answer(&mut self) {
+        for i in 0..self.real {
+            let (parent, node) = self.with_parent(i);
+            let column = |unit: Twist<L>| {
+                let mut push = unit;
+                if node.jointed {
+                    let [arm, other] = node.arm_now;
+                    let mut asked = node.free.mul(&unit).seen_at(arm);
+                    if let Some(parent) = &parent {
+                        asked.subtract(parent.whole.mul(&node.stiff.mul(&asked).moved(other)).seen_at(other));
+                    }
+                    push.subtract(node.stiff.mul(&asked).moved(arm));
+                }
+                node.free.mul(&push)
+            };
+            node.whole = Sym6::by_columns(column);
+        }
+    }
+
+    /// Lets `solve` have the contacts of each body in turn, with the velocity that it has then.
+    pub(crate) fn tour(&mut self, contacts: &[Seated], mut solve: impl FnMut(&Seated, &mut Toured<'_, L>)) {
+        for _ in 0..TOURS {
+            self.nodes.iter_mut().for_each(|node| node.pending = Twist::zero());
+            let (mut at, mut left) = (NONE, contacts);
+            for i in 0..self.real {
+                while at != self.nodes[i].parent {
+                    at = self.climb(at);
+                }
+                let (parent, node) = self.with_parent(i);
+                node.change = node.answered(parent.map_or(Twist::zero(), |parent| parent.change));
+                let here = left.partition_point(|seated| seated.node as usize == i);
+                for seated in &left[..here] {
+                    let mut velocity = node.velocity;
+                    velocity.add(node.change);
+                    let mut body = Toured::new(velocity, &node.whole);
+                    solve(seated, &mut body);
+                    let push = body.push;
+                    node.change.add(node.whole.mul(&push));
+                    node.pending.add(push);
+                    node.pushed.add(push);
+                }
+                left = &left[here..];
+                at = i as u32;
+            }
+            while at != NONE {
+                at = self.climb(at);
+            }
+        }
+    }
+
+    /// Hands what came on a body on the walk to its parent, which it names.
+    fn climb(&mut self, from: u32) -> u32 {
+        let (parent, node) = self.with_parent(from as usize);
+        node.carried.add(node.pending);
+        if node.jointed {
+            let [arm, other] = node.arm_now;
+            let asked = node.free.mul(&node.pending).seen_at(arm);
+            node.asked.add(asked);
+            if let Some(parent) = parent {
+                let push = node.stiff.mul(&asked).moved(other);
+                parent.pending.add(push);
+                parent.change.add(parent.whole.mul(&push));
+            }
+        }
+        node.parent
+    }
+}
+
+impl<L: Lanes> Node<L> {
+    /// The change of velocity that answers what is carried and asked for.
+    #[inline(always)]
+    pub(crate) fn answered(&self, above: Twist<L>) -> Twist<L> {
+        let mut push = self.carried;
+        if self.jointed {
+            let [arm, other] = self.arm_now;
+            let mut asked = self.asked;
+            asked.subtract(above.seen_at(other));
+            push.subtract(self.stiff.mul(&asked).moved(arm));
+        }
+        self.free.mul(&push)
+    }
+}
+
+/// How a body of a tree answers.
+struct Whole<'a, L, const P: usize> {
+    whole: &'a Sym6<L>,
+    push: Twist<L>,
+    mass: [L; P],
+    stiffness: [[L; P]; P],
+    friction: FrictionResponse<L>,
+}
+
+/// How much of a body's own mobility has to be left in the tree: less is rounding, of what its joints hold where it is.
+const LEAST: f32 = 1e-4;
+
+impl<'a, L: Lanes, const P: usize> Whole<'a, L, P> {
+    #[inline(always)]
+    fn new(whole: &'a Sym6<L>, batch: &Batch<L, P, 0>, rubs: Option<&FrictionRow<L, 0>>) -> Self {
+        let n = batch.normal;
+        let (zero, one) = (L::zero(), L::one());
+        let mut stiffness = [[zero; P]; P];
+        let mut mass = [zero; P];
+        for i in 0..P {
+            let point = &batch.points[i];
+            let answer = whole.mul(&Twist { linear: n, angular: point.arm_a });
+            stiffness[i] =
+                std::array::from_fn(|k| n.dot(answer.linear) + batch.points[k].arm_a.dot(answer.angular));
+            let gives = stiffness[i][i].gt(point.stiffness * L::splat(LEAST)) & point.mass.gt(zero);
+            mass[i] = L::select(gives, one / L::select(gives, stiffness[i][i], one), zero);
+        }
+        let mut friction =
+            FrictionResponse { mass: [zero; 3], slide_mass: zero, twist_mass: zero, twist_by: [zero; 2] };
+        if let Some(f) = rubs {
+            let along =
+                [f.tangent, n.cross(f.tangent)].map(|t| Twist { linear: t, angular: f.arm_a.cross(t) });
+            let answers = [whole.mul(&along[0]), whole.mul(&along[1])];
+            let (k11, k12, k22) =
+                (along[0].dot(&answers[0]), along[0].dot(&answers[1]), along[1].dot(&answers[1]));
+            let det = k11 * k22 - k12 * k12;
+            let some = det.gt(zero) & f.slide_mass.gt(zero);
+            let over = L::select(some, one / L::select(some, det, one), zero);
+            let mass = [k22 * over, -(k12 * over), k11 * over];
+            let (half, apart) = ((mass[0] + mass[2]) * L::splat(0.5), (mass[0] - mass[2]) * L::splat(0.5));
+            let slide_mass = (half - (apart * apart + mass[1] * mass[1]).sqrt()).max(zero);
+            let kt = n.dot(whole.angular.mul(n));
+            let turns = kt.gt(zero) & f.twist_mass.gt(zero);
+            let twist_mass = L::select(turns, one / L::select(turns, kt, one), zero);
+            let twist_by = answers.map(|answer| n.dot(answer.angular));
+            friction = FrictionResponse { mass, slide_mass, twist_mass, twist_by };
+        }
+        Whole { whole, push: Twist::zero(), mass, stiffness, friction }
+    }
+}
+
+impl<L: GatherLanes, const P: usize> Response<L, P, 0> for Whole<'_, L, P> {
+    #[inline(always)]
+    fn mass(&self, _: &Batch<L, P, 0>, i: usize) -> L {
+        self.mass[i]
+    }
+    #[inline(always)]
+    fn stiffness(&self, _: &Batch<L, P, 0>, i: usize, k: usize) -> L {
+        self.stiffness[i][k]
+    }
+    #[inline(always)]
+    fn friction(&self, _: &FrictionRow<L, 0>) -> FrictionResponse<L> {
+        self.friction
+    }
+    #[inline(always)]
+    fn apply(&mut self, _: &Batch<L, P, 0>, v: &mut Pair<L>, p: Vec3<L>, ta: Vec3<L>, _: Vec3<L>) {
+        let push = Twist { linear: -p, angular: -ta };
+        self.push.add(push);
+        let change = self.whole.mul(&push);
+        v.va += change.linear;
+        v.wa += change.angular;
+    }
+}
+
+/// The contacts of a body of each tree.
+///
+/// # Safety
+/// The batch is no other thread's, and no thread writes displacements.
+#[inline(always)]
+unsafe fn touch<L: GatherLanes, const P: usize>(
+    batch: &mut Batch<L, P, 0>,
+    rubs: Option<&mut FrictionRow<L, 0>>,
+    ask: Ask<'_>,
+    body: &mut Toured<'_, L>,
+    motion: &Motion<'_, '_>,
+) {
+    if !matches!(ask, Ask::Solve(Pass { relax: false, .. })) {
+        // SAFETY: by the contract.
+        unsafe { follow(batch, motion) };
+    }
+    let (zero, v) = (Vec3::zero(), body.velocity);
+    let mut v = Pair { va: v.linear, wa: v.angular, vb: zero, wb: zero };
+    body.push = match (ask, rubs) {
+        (Ask::Solve(pass), None) => {
+            let mut whole = Whole::new(body.whole, batch, None);
+            sweep::<L, P, 0, false, _>(batch, None, &mut v, pass, &mut whole);
+            whole.push
+        }
+        (Ask::Solve(pass), Some(rubs)) => {
+            let mut whole = Whole::new(body.whole, batch, Some(rubs));
+            sweep::<L, P, 0, true, _>(batch, Some(rubs), &mut v, pass, &mut whole);
+            whole.push
+        }
+        (Ask::Push(closing), _) => {
+            let mut whole = Whole::new(body.whole, batch, None);
+            keep_out(batch, &mut v, closing, &mut whole);
+            whole.push
+        }
+        (Ask::Stop(closing), _) => {
+            keep_out(batch, &mut v, closing, &mut Free);
+            Twist::zero()
+        }
+    };
+    body.velocity = Twist { linear: v.va, angular: v.wa };
+}
+
+/// Contacts that went along with trees, after rows that know of no tree: what came since must not push a body into what is
+/// static. No impulse is kept, or what can't be met at all would grow from pass to pass; so it is as if the body had been
+/// slower before any row acted.
+///
+/// Says whether potential points push.
+///
+/// # Safety
+/// As for [`solve`](crate::constraint::contact::row::solve).
+#[inline(always)]
+pub(crate) unsafe fn guard<L: GatherLanes, const P: usize, const B: usize>(
+    batch: &Batch<L, P, B>,
+    motion: &Motion<'_, '_>,
+    pass: &Pass<'_>,
+) -> bool {
+    let zero = Vec3::zero();
+    // SAFETY: by the contract.
+    let mut v = unsafe { Pair::load(batch, motion.velocity) };
+    let (mut sum, mut moment) = (L::zero(), zero);
+    for point in &batch.points {
+        let u = relative::<L, B>(batch.normal, &v) + row(&v, point);
+        let gap = (point.now * L::splat(pass.inverse_h)).max(L::zero());
+        let push = L::select(point.mass.gt(L::zero()), (-((u + gap) * point.mass)).max(L::zero()), L::zero());
+        v.apply(batch, batch.normal * push, point.arm_a * push, zero);
+        sum += push;
+        moment += point.arm_a * push;
+    }
+    if sum.gt(L::zero()).any() {
+        // SAFETY: by the contract.
+        unsafe {
+            let mut base = Pair::load(batch, motion.base);
+            base.apply(batch, batch.normal * sum, moment, zero);
+            v.save(batch, motion.velocity);
+            base.save(batch, motion.base);
+        }
+    }
+    pass.relax && potential_load(batch, pass.real).0.gt(L::zero()).any()
+}

@@ -1,0 +1,410 @@
+//! What a tree of joints leaves open: joints that close its loops, and motors of its hinges.
+//!
+//! Of a loop one joint is cut: a four-bar linkage, a ring, a bridge between two banks become trees, and what is cut
+//! is a few rows more (the cut-joint method of multibody dynamics). A motor is one more too, with bounds. How the rows answer
+//! each other with all of the tree follows from one exact solution a row; then they are solved together, densely, and the tree
+//! once more with what they push (the method of the capacitance matrix; Baraff, *Linear-Time Dynamics using Lagrange
+//! Multipliers*, 1996, treats loops in this way). Row by row, a motor knows the two bodies of its hinge and nothing of what hangs
+//! on them: the crank of a linkage had one and a half times its speed in the first step.
+//!
+//! A cut joint is a node behind those of the bodies. Its own body stands a second time in it, and what moves that moves it.
+
+use super::spatial::Twist;
+use super::tree::{TreeBatch, Turns};
+use crate::constraint::joint::ends::NONE;
+use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
+
+/// The most rows beside a tree: all of them know of each other.
+pub(crate) const MOST_ROWS: usize = 16;
+
+/// The most that a row takes, with what it answers all others.
+pub(crate) const ROW_BYTES: usize = {
+    type L = crate::lanes::f32x8;
+    size_of::<Motor<L>>() + size_of::<Way<L>>() + (2 + MOST_ROWS) * size_of::<L>()
+};
+
+/// A motor or a spring about the axis of a hinge, as the body of its node sees it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Motor<L> {
+    /// The row of each lane.
+    pub(crate) owner: [u32; 8],
+    pub(crate) node: u32,
+    /// Angle less the one asked for, at the start of the step [rad].
+    pub(crate) off: L,
+    /// As in [`RowBatch`](crate::constraint::joint::row::RowBatch).
+    pub(crate) pull: L,
+    pub(crate) speed: L,
+    pub(crate) give: L,
+    pub(crate) most: L,
+    /// Of the last substep, on the body [N m s].
+    pub(crate) impulse: L,
+    /// What the last solution takes of it.
+    pub(crate) less: L,
+}
+
+impl<L: Lanes> Motor<L> {
+    pub(crate) fn new(node: u32) -> Self {
+        let zero = L::zero();
+        let owner = [NONE; 8];
+        Motor {
+            owner,
+            node,
+            off: zero,
+            pull: zero,
+            speed: zero,
+            give: zero,
+            most: zero,
+            impulse: zero,
+            less: zero,
+        }
+    }
+}
+
+/// A direction in which a body moves as seen from another, of which more is asked than the tree gives.
+#[derive(Clone, Copy, Debug)]
+struct Way<L> {
+    /// Nodes; the other may be none.
+    bodies: [u32; 2],
+    arm: [Vec3<L>; 2],
+    along: Twist<L>,
+}
+
+/// Which motors act.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Drives {
+    None,
+    /// Those that do not yield: springs act once a substep.
+    Rigid,
+    All,
+}
+
+/// The rows of a batch of trees.
+#[derive(Clone, Debug)]
+pub(crate) struct Extra<L> {
+    pub(crate) motors: Vec<Motor<L>>,
+    /// Which motors act in this pass.
+    pub(crate) drives: Drives,
+    /// They don't, in parts of a substep.
+    pub(crate) idle: bool,
+    /// Displacements are looked for, which are good as far as directions stay what they are.
+    pub(crate) shifts: bool,
+    /// Those of cut joints, then those of motors.
+    ways: Vec<Way<L>>,
+    /// What the speed along each changes per impulse along another, row by row.
+    answers: Vec<L>,
+    /// What it would change of two bodies that nothing holds, and the share of that which is not known.
+    alone: Vec<[L; 2]>,
+}
+
+impl<L> Default for Extra<L> {
+    fn default() -> Self {
+        Extra {
+            motors: Vec::new(),
+            drives: Drives::None,
+            idle: false,
+            shifts: false,
+            ways: Vec::new(),
+            answers: Vec::new(),
+            alone: Vec::new(),
+        }
+    }
+}
+
+impl<L> Extra<L> {
+    /// With room for so many rows.
+    pub(crate) fn new(motors: Vec<Motor<L>>, rows: usize) -> Self {
+        Extra {
+            motors,
+            drives: Drives::None,
+            idle: false,
+            shifts: false,
+            ways: Vec::with_capacity(rows),
+            answers: Vec::with_capacity(rows * rows),
+            alone: Vec::with_capacity(rows),
+        }
+    }
+
+    pub(crate) fn reserved(&self) -> usize {
+        size_of::<Motor<L>>() * self.motors.capacity()
+            + size_of::<Way<L>>() * self.ways.capacity()
+            + size_of::<L>() * (self.answers.capacity() + 2 * self.alone.capacity())
+    }
+}
+
+/// Share of what two bodies by themselves would give below which a row is held by others already. In a plane linkage most rows
+/// of the last joint are, and what is left of their mobility is rounding.
+const LEAST: f32 = 1e-4;
+/// The same of a motor, whose bounds are bounds enough.
+const ROUNDING: f32 = 1e-7;
+/// The same of displacements, as directions turn with them.
+const SHIFTED: f32 = 1e-2;
+/// How often bounds of motors are looked at.
+const ROUNDS: usize = 8;
+
+/// How many rows a cut joint is.
+pub(crate) fn rows_of(turns: Turns) -> usize {
+    3 + match turns {
+        Turns::Freely => 0,
+        Turns::AboutAxis => 2,
+        Turns::Not => 3,
+    }
+}
+
+impl<L: GatherLanes> TreeBatch<L> {
+    /// The rows as the trees are now, and how they answer.
+    pub(crate) fn factor_extra(&mut self) {
+        let (real, mut extra) = (self.real, std::mem::take(&mut self.extra));
+        extra.ways.clear();
+        let axes = [Vec3::splat(glam::Vec3::X), Vec3::splat(glam::Vec3::Y), Vec3::splat(glam::Vec3::Z)];
+        let zero = Vec3::zero();
+        for node in &self.nodes[real..] {
+            let mut way = |linear, angular| {
+                let along = Twist { linear, angular };
+                extra.ways.push(Way { bodies: [node.own, node.parent], arm: node.arm_now, along });
+            };
+            axes.into_iter().for_each(|axis| way(axis, zero));
+            match node.turns {
+                Turns::Freely => {}
+                Turns::AboutAxis => {
+                    let (t, s) = node.axis_now[0].tangents();
+                    way(zero, t);
+                    way(zero, s);
+                }
+                Turns::Not => axes.into_iter().for_each(|axis| way(zero, axis)),
+            }
+        }
+        for motor in &extra.motors {
+            let node = &self.nodes[motor.node as usize];
+            let own = self.body_of(motor.node as usize) as u32;
+            let along = Twist { linear: zero, angular: node.axis_now[0] };
+            extra.ways.push(Way { bodies: [own, node.parent], arm: node.arm_now, along });
+        }
+        extra.answers.clear();
+        extra.alone.clear();
+        let cut = extra.ways.len() - extra.motors.len();
+        for (i, way) in extra.ways.iter().enumerate() {
+            self.push_along(std::iter::once((way, L::one())));
+            let answers = extra.ways.iter().map(|other| -self.change_along(other));
+            extra.answers.extend(answers);
+            let unknown = if i < cut { self.unknown_of(way) } else { L::splat(ROUNDING) };
+            extra.alone.push([self.alone_along(way), unknown]);
+        }
+        self.nodes.iter_mut().for_each(|node| node.pushed = Twist::zero());
+        self.extra = extra;
+    }
+
+    /// What impulses along some ways, taken from their first bodies, change in the trees.
+    fn push_along<'a>(&mut self, pushes: impl Iterator<Item = (&'a Way<L>, L)>)
+    where
+        L: 'a,
+    {
+        self.nodes.iter_mut().for_each(|node| node.pushed = Twist::zero());
+        for (way, push) in pushes {
+            let push = way.along.scaled(push);
+            let [own, other] = way.bodies;
+            self.nodes[own as usize].pushed.subtract(push.moved(way.arm[0]));
+            if let Some(other) = self.nodes.get_mut(other as usize) {
+                other.pushed.add(push.moved(way.arm[1]));
+            }
+        }
+        self.gather_up_bodies(|_, _| Twist::zero());
+        self.answer_bodies();
+    }
+
+    /// How the last solution changes the speed along a way.
+    fn change_along(&self, way: &Way<L>) -> L {
+        let [own, other] = way.bodies;
+        let mut change = self.nodes[own as usize].change.seen_at(way.arm[0]);
+        if let Some(other) = self.nodes.get(other as usize) {
+            change.subtract(other.change.seen_at(way.arm[1]));
+        }
+        change.dot(&way.along)
+    }
+
+    /// The share of [`alone_along`](TreeBatch::alone_along) that is not known of a way: rounding, and what directions turn within a
+    /// substep. A ring of rods that folds flat has a way along which nothing gives, for a moment.
+    fn unknown_of(&self, way: &Way<L>) -> L {
+        let turned = way.bodies.into_iter().filter_map(|body| self.nodes.get(body as usize));
+        let most = turned.fold(L::zero(), |most, node| most.max(node.velocity.angular.length_squared()));
+        (most * L::splat(self.h * self.h)).max(L::splat(LEAST))
+    }
+
+    /// Speed along a way per impulse along it, of two bodies that nothing holds.
+    fn alone_along(&self, way: &Way<L>) -> L {
+        let of = |side: usize| {
+            self.nodes.get(way.bodies[side] as usize).map_or(L::zero(), |node| {
+                let push = way.along.moved(way.arm[side]);
+                push.linear.length_squared() * node.inverse_mass
+                    + push.angular.dot(node.braced_inverse.mul(push.angular))
+            })
+        };
+        of(0) + of(1)
+    }
+
+    /// Adds to a solution of the trees what the rows beside them push.
+    pub(crate) fn answer_extra(&mut self) {
+        let (real, mut extra) = (self.real, std::mem::take(&mut self.extra));
+        let mut rest = [L::zero(); MOST_ROWS];
+        let cut = extra.ways.len() - extra.motors.len();
+        let mut row = 0;
+        for node in &self.nodes[real..] {
+            for _ in 0..rows_of(node.turns) {
+                let way = &extra.ways[row];
+                rest[row] = node.asked.dot(&way.along) + self.change_along(way);
+                row += 1;
+            }
+        }
+        if extra.drives != Drives::None {
+            for (motor, row) in extra.motors.iter().zip(cut..) {
+                let (node, way) = (&self.nodes[motor.node as usize], &extra.ways[row]);
+                let above = self.nodes.get(node.parent as usize);
+                let axis = way.along.angular;
+                let turns = above.map_or(node.anchored, |above| above.velocity).angular;
+                let speed = axis.dot(node.velocity.angular - turns) + self.change_along(way);
+                let turned = above.map_or(node.anchor_moved, |above| above.moved).angular;
+                let off = motor.off + (node.axis[0] + axis).dot(node.moved.angular - turned) * L::splat(0.5);
+                rest[row] = speed - (motor.speed - off * motor.pull) + motor.give * motor.impulse;
+            }
+        }
+        let push = extra.solve(&rest, cut);
+        for node in &mut self.nodes[..real] {
+            (node.before, node.pushed_before) = ((node.change, node.force), node.pushed);
+        }
+        self.push_along(extra.ways.iter().zip(push));
+        for node in &mut self.nodes[..real] {
+            let (change, force) = node.before;
+            node.change.add(change);
+            node.force.add(force);
+            node.pushed = node.pushed_before;
+        }
+        let (bodies, cuts) = self.nodes.split_at_mut(real);
+        let mut row = 0;
+        for node in cuts {
+            node.change = bodies[node.own as usize].change;
+            node.force = Twist::zero();
+            for _ in 0..rows_of(node.turns) {
+                node.force.add(extra.ways[row].along.scaled(push[row]));
+                row += 1;
+            }
+        }
+        for (motor, push) in extra.motors.iter_mut().zip(&push[cut..]) {
+            motor.less = *push;
+        }
+        self.extra = extra;
+    }
+
+    /// The node of the body of a node.
+    pub(crate) fn body_of(&self, node: usize) -> usize {
+        if node < self.real { node } else { self.nodes[node].own as usize }
+    }
+}
+
+impl<L: Lanes> Extra<L> {
+    /// The impulses that leave nothing of `rest`, of which the rows from `cut` on are bounded: those that would go beyond stay at
+    /// their bounds, and the others are solved again.
+    #[expect(clippy::needless_range_loop, reason = "indices as in the formulas")]
+    fn solve(&self, rest: &[L; MOST_ROWS], cut: usize) -> [L; MOST_ROWS] {
+        let count = self.ways.len();
+        let zero = L::zero();
+        let mut fixed = [zero.gt(zero); MOST_ROWS];
+        for (motor, fixed) in self.motors.iter().zip(&mut fixed[cut..]) {
+            *fixed = match self.drives {
+                Drives::None => zero.eq(zero),
+                Drives::Rigid => motor.give.gt(zero),
+                Drives::All => zero.gt(zero),
+            };
+        }
+        let idle = fixed;
+        let mut least = [zero; MOST_ROWS];
+        for (least, &[alone, unknown]) in least.iter_mut().zip(&self.alone) {
+            *least = alone * if self.shifts { unknown.max(L::splat(SHIFTED)) } else { unknown };
+        }
+        let mut push = [zero; MOST_ROWS];
+        let mut matrix = [[zero; MOST_ROWS]; MOST_ROWS];
+        for _ in 0..ROUNDS {
+            let mut right = [zero; MOST_ROWS];
+            for i in 0..count {
+                let mut sum = rest[i];
+                for k in 0..count {
+                    let answer = self.answers[i * count + k];
+                    sum -= L::select(fixed[k], answer * push[k], zero);
+                    matrix[i][k] = L::select(fixed[i] | fixed[k], zero, answer);
+                }
+                let own = if i >= cut { self.motors[i - cut].give } else { zero };
+                // What is fixed is left as it is after.
+                matrix[i][i] = L::select(fixed[i], self.alone[i][0], matrix[i][i] + own);
+                right[i] = L::select(fixed[i], zero, sum);
+            }
+            factorise(&mut matrix, &least[..count]);
+            substitute(&matrix, &mut right, count);
+            for ((push, right), fixed) in push.iter_mut().zip(right).zip(fixed) {
+                *push = L::select(fixed, *push, right);
+            }
+            let mut changed = zero.gt(zero);
+            for (motor, i) in self.motors.iter().zip(cut..) {
+                let new = motor.impulse - push[i];
+                let bounded = new.max(-motor.most).min(motor.most);
+                let over = !(new.eq(bounded) | fixed[i]);
+                // What is at a bound stays there as long as it would go beyond.
+                let mut more = rest[i] - motor.give * push[i];
+                for k in 0..count {
+                    more -= self.answers[i * count + k] * push[k];
+                }
+                let back = fixed[i] & !idle[i] & (more * new).gt(zero);
+                push[i] = L::select(over, motor.impulse - bounded, push[i]);
+                fixed[i] = (fixed[i] | over) & !back;
+                changed = changed | over | back;
+            }
+            if !changed.any() {
+                break;
+            }
+        }
+        for (motor, i) in self.motors.iter().zip(cut..) {
+            let bounded = (motor.impulse - push[i]).max(-motor.most).min(motor.most);
+            push[i] = L::select(idle[i], zero, motor.impulse - bounded);
+        }
+        push
+    }
+}
+
+/// L D Lᵀ of a symmetric matrix, in place: the lower triangle, and on the diagonal the inverse of D, damped: of what falls below
+/// `least` the inverse goes to zero instead of growing.
+#[expect(clippy::needless_range_loop, reason = "indices as in the formulas")]
+fn factorise<L: Lanes>(m: &mut [[L; MOST_ROWS]; MOST_ROWS], least: &[L]) {
+    for (i, &least) in least.iter().enumerate() {
+        for k in 0..i {
+            let mut sum = m[i][k];
+            for j in 0..k {
+                // Rows above hold L times D until they are done.
+                sum -= m[i][j] * m[k][j];
+            }
+            m[i][k] = sum;
+        }
+        let mut own = m[i][i];
+        for k in 0..i {
+            let scaled = m[i][k] * m[k][k];
+            own -= scaled * m[i][k];
+            m[i][k] = scaled;
+        }
+        // Not by squares: those of very heavy bodies would be zero.
+        let some = own.gt(L::zero());
+        let own = L::select(some, own, L::one());
+        m[i][i] = L::select(some, L::one() / (own + least * (least / own)), L::zero());
+    }
+}
+
+fn substitute<L: Lanes>(m: &[[L; MOST_ROWS]; MOST_ROWS], x: &mut [L; MOST_ROWS], count: usize) {
+    for i in 0..count {
+        for k in 0..i {
+            x[i] -= m[i][k] * x[k];
+        }
+    }
+    for i in 0..count {
+        x[i] = x[i] * m[i][i];
+    }
+    for i in (0..count).rev() {
+        for k in i + 1..count {
+            x[i] -= m[k][i] * x[k];
+        }
+    }
+}

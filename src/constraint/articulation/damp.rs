@@ -1,0 +1,334 @@
+//! Trees that whip: a substep of theirs by backward Euler, and a bound on their energy.
+//!
+//! Where light bodies between a load and what it hangs on come straight, the load stops within a substep, and they would turn as
+//! fast as its energy makes them: hundreds of radians per second and more. There are no velocities at the start of that substep
+//! that leave the tree closed at its end, whichever way its joints are linearised; solved all the same, bodies went anywhere. So
+//! such a substep is taken back. The bodies go to where all joints are closed and which is nearest, by their inertia, to where
+//! they would be without joints: backward Euler (Baraff and Witkin, *Large Steps in Cloth Simulation*, 1998), with the
+//! directions of forces as they are at its end. Such a place there always is. What leads to it are the new velocities; the
+//! energy of the blow is lost.
+//!
+//! It is found by Newton's method with the exact solution of the tree, and what pulls as geometric stiffness
+//! ([`TreeBatch::brace`]), which keeps light bodies from turning past it. Where it is not found the tree goes on as one piece
+//! that does not turn: closed as it was.
+
+use super::close::Closing;
+use super::free_rotation::{exp, log};
+use super::spatial::Twist;
+use super::tree::{Node, TreeBatch};
+use crate::constraint::contact::row::Motion;
+use crate::constraint::joint::ends::NONE;
+use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, scatter};
+
+/// Joints do no work: velocities that have so many times the energy that they would have without are wrong. Not to be
+/// narrower: RATTLE's energy sways by as much where bodies turn by a fifth of a radian in a substep, and a bound on one side
+/// would drain it (a box that spins at 50 rad/s lost 25 % in a minute; see [`TreeBatch::tolerated`]).
+const GAINED: f32 = 1.02;
+/// A joint that velocities leave open by more than this share of its arms was not followed: bodies turned by half a radian or
+/// more in the substep.
+const STRAINED: f32 = 0.02;
+/// The most rounds of Newton's method, and the furthest that a body turns in one [rad].
+const ROUNDS: u32 = 24;
+const FURTHEST: f32 = 0.5;
+/// What share of [`Closing::tolerance`] is closed: the velocities need not know of it.
+const CLOSED: f32 = 0.02;
+
+/// What of a body the substep is done again with.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Start<L> {
+    /// Displacement at the start of the substep.
+    pub(crate) moved: Twist<L>,
+    /// Velocity without joints of the tree; of what keeps its energy, that at the start.
+    pub(crate) free: Twist<L>,
+    /// What motors turn it by.
+    driven: Vec3<L>,
+}
+
+impl<L: Lanes> Default for Start<L> {
+    fn default() -> Self {
+        Start { moved: Twist::zero(), free: Twist::zero(), driven: Vec3::zero() }
+    }
+}
+
+impl<L: GatherLanes> TreeBatch<L> {
+    /// Of the lanes that are watched, those in which velocities opened joints wide or gained energy. Remembers where their bodies
+    /// were at the start of the substep.
+    ///
+    /// # Safety
+    /// No other thread works on the bodies of the trees.
+    pub(crate) unsafe fn strained(&mut self, motion: &Motion<'_, '_>) -> L::Mask {
+        // SAFETY: by the contract.
+        unsafe { self.load(motion) };
+        self.sum_impulses();
+        let watched = L::Mask::from_bits(self.watched);
+        for node in &mut self.nodes {
+            let (own, start) = (node.velocity, &mut node.start);
+            let given = Twist { linear: node.pushed.linear * node.inverse_mass, angular: node.gained };
+            start.moved.linear = Vec3::select(watched, node.moved.linear, start.moved.linear);
+            start.moved.angular = Vec3::select(watched, node.moved.angular, start.moved.angular);
+            start.free.linear = Vec3::select(watched, own.linear - given.linear, start.free.linear);
+            start.free.angular = Vec3::select(watched, own.angular - given.angular, start.free.angular);
+            start.driven = Vec3::zero();
+        }
+        let mut strained = L::zero().gt(L::zero());
+        if self.extra.motors.is_empty() {
+            let [now, free] = [self.energy(|node| node.velocity), self.energy(|node| node.start.free)];
+            strained = !now.lt(free * self.tolerated()) & self.hangs_still();
+        } else {
+            self.add_motors(|node| &mut node.start.driven);
+            for node in &mut self.nodes {
+                node.start.driven = node.braced_inverse.mul(node.start.driven);
+            }
+        }
+        // SAFETY: by the contract.
+        unsafe { self.fetch(motion, self.exact) };
+        self.place(L::zero());
+        for node in self.nodes.iter().filter(|node| node.jointed) {
+            let [a, b] = node.arm_now;
+            let reach = a.length_squared() + b.length_squared();
+            let most = reach * L::splat(STRAINED * STRAINED);
+            strained = strained | !(node.apart_now.length_squared().lt(most));
+        }
+        strained & watched
+    }
+
+    /// Does the substep of some lanes again.
+    ///
+    /// # Safety
+    /// No other thread works on the bodies of the trees.
+    #[cold]
+    #[inline(never)]
+    pub(crate) unsafe fn damp(&mut self, motion: &Motion<'_, '_>, closing: &Closing, lanes: L::Mask) {
+        self.damped |= lanes.bits();
+        let (h, inverse_h) = (L::splat(self.h), L::splat(1.0 / self.h));
+        let zero = Vec3::zero();
+        for node in &mut self.nodes {
+            node.moved.linear = Vec3::select(lanes, node.start.moved.linear, node.moved.linear);
+            node.moved.angular = Vec3::select(lanes, node.start.moved.angular, node.moved.angular);
+        }
+        self.place(L::zero());
+        let mut left = lanes;
+        for _ in 0..ROUNDS {
+            self.brace_by(lanes);
+            for node in &mut self.nodes {
+                let spin = node.start.free.angular + node.start.driven;
+                let goal = exp(spin * h).compose(exp(node.start.moved.angular));
+                let turn = log(goal.compose(node.turn.conjugate()));
+                node.velocity = Twist {
+                    linear: node.start.moved.linear + node.start.free.linear * h - node.moved.linear,
+                    angular: node.braced_inverse.mul(node.inertia.mul(turn)),
+                };
+                node.pushed = Twist::zero();
+            }
+            self.repeat_bodies();
+            self.factor();
+            // What it hangs on is there already.
+            self.gather_up(|node, parent| {
+                let [arm, other] = node.arm_now;
+                let mut asked = node.velocity.seen_at(arm);
+                if let Some(parent) = parent {
+                    asked.subtract(parent.velocity.seen_at(other));
+                }
+                asked.add(node.open());
+                asked
+            });
+            self.extra.shifts = true;
+            self.answer_all();
+            self.extra.shifts = false;
+            let mut most = L::one();
+            for node in &mut self.nodes {
+                node.change.add(node.velocity);
+                most = most.max(node.change.angular.length_squared() * L::splat(1.0 / (FURTHEST * FURTHEST)));
+            }
+            let share = L::one() / most.sqrt();
+            for node in &mut self.nodes {
+                let Twist { linear, angular } = node.change.scaled(share);
+                node.shift(Twist {
+                    linear: Vec3::select(left, linear, zero),
+                    angular: Vec3::select(left, angular, zero),
+                });
+                let force = node.force.scaled(-inverse_h);
+                node.impulse = Vec3::select(left, force.linear, node.impulse);
+                node.twist = Vec3::select(left, force.angular, node.twist);
+            }
+            self.place(L::zero());
+            left = left & (self.open_by(CLOSED * closing.tolerance) | most.gt(L::one()));
+            if !left.any() {
+                break;
+            }
+        }
+        let held = self.open_by(closing.tolerance) & lanes;
+        if held.any() {
+            self.hold(held);
+        }
+        for node in &mut self.nodes {
+            let turn = log(exp(node.moved.angular).compose(exp(node.start.moved.angular).conjugate()));
+            let linear = (node.moved.linear - node.start.moved.linear) * inverse_h;
+            node.velocity = Twist { linear, angular: turn * inverse_h };
+        }
+        let most = self.energy(|node| {
+            let Twist { linear, angular } = node.start.free;
+            Twist { linear, angular: angular + node.start.driven }
+        });
+        self.bound_energy(most, lanes);
+        self.sum_impulses();
+        self.add_motors(|node| &mut node.pushed.angular);
+        self.brace();
+        for node in &mut self.nodes {
+            let gained = node.braced_inverse.mul(node.pushed.angular);
+            node.gained = Vec3::select(lanes, gained, node.gained);
+            // What changes in the velocities before rows, so that beside what other rows gave they warm-start what joints
+            // give now.
+            node.change = node.velocity;
+            node.change.subtract(node.start.free);
+            node.change.subtract(Twist { linear: node.pushed.linear * node.inverse_mass, angular: gained });
+        }
+        // SAFETY: by the contract.
+        unsafe {
+            self.shift(motion, lanes.bits());
+            self.put_back(motion, lanes, held);
+        }
+    }
+
+    /// Writes velocities of some lanes, and what they were before rows; where trees are held nothing is warm-started.
+    ///
+    /// # Safety
+    /// No other thread works on the bodies of the trees.
+    unsafe fn put_back(&self, motion: &Motion<'_, '_>, lanes: L::Mask, held: L::Mask) {
+        for node in self.of_bodies() {
+            let new = scatter(node.velocity.linear, node.velocity.angular);
+            let more = scatter(node.change.linear, node.change.angular);
+            for lane in (0..L::N).filter(|lane| (node.write & lanes.bits()) >> lane & 1 != 0) {
+                let body = node.body[lane] as usize;
+                // SAFETY: by the contract; no body is twice in a batch.
+                let (v, base) = unsafe { (motion.velocity.get(body), motion.base.get(body)) };
+                (v.linear, v.angular) = (new[lane].linear, new[lane].angular);
+                base.linear += more[lane].linear;
+                base.angular += more[lane].angular;
+                if held.bits() >> lane & 1 != 0 || !(base.linear.is_finite() && base.angular.is_finite()) {
+                    (base.linear, base.angular) = (v.linear, v.angular);
+                }
+            }
+        }
+    }
+
+    /// Lets trees go on as one piece that does not turn: what is closed stays so.
+    fn hold(&mut self, lanes: L::Mask) {
+        let (h, zero) = (L::splat(self.h), Vec3::zero());
+        let (mut mass, mut way) = (L::zero(), zero);
+        for node in &self.nodes[..self.real] {
+            let own = L::one() / node.inverse_mass;
+            mass += own;
+            way += node.start.free.linear * own;
+        }
+        let root = &self.nodes[0];
+        let way = if root.jointed { root.anchored.at(root.arm_now[1]) } else { way * (L::one() / mass) } * h;
+        let is_way = way.length_squared().lt(L::splat(f32::MAX));
+        let way = Vec3::select(is_way, way, zero);
+        for node in &mut self.nodes {
+            let moved = node.start.moved;
+            node.moved.linear = Vec3::select(lanes, moved.linear + way, node.moved.linear);
+            node.moved.angular = Vec3::select(lanes, moved.angular, node.moved.angular);
+            node.impulse = Vec3::select(lanes, zero, node.impulse);
+            node.twist = Vec3::select(lanes, zero, node.twist);
+        }
+        self.place(L::zero());
+    }
+
+    /// Kinetic energy [J].
+    pub(crate) fn energy(&self, of: impl Fn(&Node<L>) -> Twist<L>) -> L {
+        self.of_bodies().iter().fold(L::zero(), |sum, node| {
+            let Twist { linear, angular } = of(node);
+            let own = linear.length_squared() / node.inverse_mass + angular.dot(node.inertia.mul(angular));
+            sum + L::splat(0.5) * own
+        })
+    }
+
+    /// As a factor on the energy, what may seem to be gained in a substep in which directions turn.
+    fn tolerated(&self) -> L {
+        let fastest = |most: L, node: &Node<L>| most.max(node.velocity.angular.length_squared());
+        let fastest = self.of_bodies().iter().fold(L::zero(), fastest);
+        L::splat(GAINED) + fastest * L::splat(self.h * self.h)
+    }
+
+    /// Trees that hang on nothing that moves: their joints do no work.
+    fn hangs_still(&self) -> L::Mask {
+        let mut still = L::zero().eq(L::zero());
+        for node in self.nodes.iter().filter(|node| node.jointed && node.parent == NONE) {
+            let Twist { linear, angular } = node.anchored;
+            still = still & !(linear.length_squared() + angular.length_squared()).gt(L::zero());
+        }
+        still
+    }
+
+    /// Where nothing but what pulls gives energy, there is no more of it at the end of a substep than there was. RATTLE closes
+    /// joints whatever that takes: two links that fold between heavy bodies gained up to a sixth.
+    #[inline(never)]
+    pub(crate) fn keep_energy(&mut self) {
+        let [now, before] = [self.energy(|node| node.velocity), self.energy(|node| node.start.free)];
+        let work = self.of_bodies().iter().fold(L::zero(), |work, node| {
+            work + node.drift.pull.dot(node.moved.linear - node.start.moved.linear) / node.inverse_mass
+        });
+        let gained = now.gt((before + work.max(L::zero())) * self.tolerated() + work.min(L::zero()))
+            & L::Mask::from_bits(self.calm)
+            & self.hangs_still();
+        if gained.any() {
+            self.damped |= gained.bits();
+            self.bound_energy((before + work).max(L::zero()), gained);
+        }
+    }
+
+    /// In some lanes velocities keep no more than so much kinetic energy; beyond that all are scaled down, but for the motion of
+    /// the whole.
+    pub(crate) fn bound_energy(&mut self, most: L, lanes: L::Mask) {
+        let now = self.energy(|node| node.velocity);
+        let over = now.gt(most) & lanes & self.hangs_still();
+        if !over.any() {
+            return;
+        }
+        let (mut mass, mut way) = (L::zero(), Vec3::zero());
+        for node in self.of_bodies() {
+            let own = L::one() / node.inverse_mass;
+            mass += own;
+            way += node.velocity.linear * own;
+        }
+        let hangs = self.nodes.iter().any(|node| node.jointed && node.parent == NONE);
+        let mean = if hangs { Vec3::zero() } else { way * (L::one() / mass) };
+        let whole = L::splat(0.5) * mass * mean.length_squared();
+        let some = over & (now - whole).gt(L::zero());
+        let share = (most - whole).max(L::zero()) / L::select(some, now - whole, L::one());
+        let share = L::select(some, share.sqrt(), L::one());
+        for node in &mut self.nodes {
+            let Twist { linear, angular } = node.velocity;
+            node.velocity.linear = Vec3::select(over, mean + (linear - mean) * share, linear);
+            node.velocity.angular = Vec3::select(over, angular * share, angular);
+        }
+    }
+
+    /// Sums up what joints push each body by.
+    fn sum_impulses(&mut self) {
+        self.nodes.iter_mut().for_each(|node| node.pushed = Twist::zero());
+        for i in 0..self.nodes.len() {
+            let (parent, node) = self.with_parent(i);
+            let force = Twist { linear: node.impulse, angular: node.twist };
+            let [own, other] = node.arm_now.map(|arm| force.moved(arm));
+            if let Some(parent) = parent {
+                parent.pushed.subtract(other);
+            }
+            let body = self.body_of(i);
+            self.nodes[body].pushed.add(own);
+        }
+    }
+
+    /// Lanes in which a joint is open by more.
+    pub(crate) fn open_by(&self, tolerance: f32) -> L::Mask {
+        let most = self.tolerances(tolerance);
+        let mut open = L::zero().gt(L::zero());
+        for node in self.nodes.iter().filter(|node| node.jointed) {
+            let closed =
+                node.apart_now.length_squared().lt(most[0]) & node.error_now.length_squared().lt(most[1]);
+            open = open | !closed;
+        }
+        open
+    }
+}

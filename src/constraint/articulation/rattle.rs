@@ -1,0 +1,510 @@
+//! Trees that keep their energy: RATTLE with free rotation (Andersen, 1983).
+//!
+//! A substep of such a tree: before any row, the impulses with which all joints are closed at the end of the substep, by
+//! Newton's method with the exact solution; after rows and contacts one more, if any of them did something; then bodies
+//! move, each turning freely with its angular momentum; and velocities are made to fit the joints where they are. Nothing is
+//! warm-started: what acted at arms that turn since adds energy.
+//!
+//! It is for trees that touch nothing and in which no light link bears a heavy load: that is a string with a note too high
+//! for the substep ([`choose`](TreeBatch::choose)). Other trees are solved as they are found at the start of the substep,
+//! warm-started and braced.
+
+use super::close::Closing;
+use super::contacts::{Ask, Toured};
+use super::free_rotation::{Moments, exp, log, log_near, moved_by};
+use super::slots::Seated;
+use super::spatial::Twist;
+use super::tree::{Node, TreeBatch, Turns};
+use crate::constraint::contact::row::Motion;
+use crate::constraint::joint::ends::JointPass;
+use crate::joint::Lock;
+use crate::lanes::{GatherLanes, Lanes, Mask, Quat, Sym3, Vec3, gather};
+
+/// How a body goes on by itself.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Drift<L> {
+    pub(crate) moments: Moments<L>,
+    /// Principal axes after the last substep.
+    axes_now: Quat<L>,
+    /// What pulls the body [m/s²].
+    pub(crate) pull: Vec3<L>,
+    /// What turning freely adds to the angular velocity in the substep.
+    more: Vec3<L>,
+    /// The velocity before the pass.
+    pub(crate) before: Twist<L>,
+}
+
+impl<L: Lanes> Default for Drift<L> {
+    fn default() -> Self {
+        let moments = Moments::default();
+        let zero = Vec3::zero();
+        Drift { axes_now: moments.axes, moments, pull: zero, more: zero, before: Twist::zero() }
+    }
+}
+
+impl<L: Lanes> Drift<L> {
+    /// Inertia and its inverse after a rotation since the start of the step.
+    #[inline(always)]
+    pub(crate) fn turned(&mut self, by: Quat<L>) -> [Sym3<L>; 2] {
+        self.axes_now = by.compose(self.moments.axes);
+        self.moments.in_world(self.axes_now)
+    }
+}
+
+/// The most rounds of Newton's method in which a substep looks for the impulses of joints, and what is near enough [length units], [rad].
+const ROUNDS: u32 = 6;
+const MISS: f32 = 5e-8;
+/// What is missed by more than this is not found: it is looked for in parts of the substep.
+const LOST: f32 = 1e-5;
+/// What turns further than this in a substep is followed in parts [rad], and in how many at most: beyond, Newton's method does
+/// not converge.
+const TURN: f32 = 0.25;
+const MOST_PARTS: f32 = 16.0;
+/// The square of the frequency times the substep, of what a joint's pull turns back, up to which trees are followed: at four
+/// RATTLE is unstable, and a body may have two such joints. At 0.5 of 480 random trees one lost 5 % of its energy, on
+/// the other path; at two a chain that bears 100 times a link's mass came apart (60 Hz, 4 substeps).
+const TAUT: f32 = 1.0;
+/// The most that may hang on a joint, for the mass of a body there. With 100 times two links whipped, lying folded, faster than any
+/// substep follows, at 60 Hz with 4 and with 8 substeps; with 50 none did in 30 s.
+const HEAVY: f32 = 50.0;
+/// Beyond so many times what is found for a substep is looked at: with ten and twenty times two links gained up to a sixth of
+/// their energy in one where they folded. Two of equal mass gain nothing that they do not lose again.
+const LADEN: f32 = 5.0;
+/// What hangs on a joint may pull as so many times its weight: a pendulum does as three times, which falls from level.
+const SWING: f32 = 3.0;
+/// What share of [`Closing::tolerance`] is no more than rounding.
+const MISSED: f32 = 0.004;
+
+impl<L: GatherLanes> TreeBatch<L> {
+    /// Settles which trees keep their energy in this step: those that touch nothing, and in which no body bears a load that is
+    /// too heavy for it, or that turns it back too fast for the substep. What pulls is what did in the last substep, or more:
+    /// what hangs there.
+    pub(crate) fn choose(&mut self) {
+        let h = L::splat(self.h);
+        for node in &mut self.nodes {
+            node.pulled = L::zero();
+        }
+        let mut others = !self.is_alone();
+        let (mut laden, mut heavy) = (L::zero().gt(L::zero()), L::zero().gt(L::zero()));
+        for i in (0..self.real).rev() {
+            let (parent, node) = self.with_parent(i);
+            if !node.jointed {
+                continue;
+            }
+            let load = node.pulled + L::one() / node.inverse_mass;
+            let weight = load * node.drift.pull.length();
+            let most = node.impulse.length().max(weight * (L::splat(SWING) * h));
+            let [own, above] = node.arm_now.map(|arm| arm.length_squared());
+            let mut check = |arm: L, body: &Node<L>, gives: L| {
+                let Vec3 { x, y, z } = body.drift.moments.inertia;
+                // To turn about its joint a body has to move, or what it hangs on.
+                let bears = L::splat(0.5) * (x + y + z) + arm / (body.inverse_mass + gives);
+                // Substeps in parts are shorter.
+                let parts = body.velocity.angular.length() * h * L::splat(1.0 / TURN);
+                let parts = parts.max(L::one()).min(L::splat(MOST_PARTS));
+                let times = load * body.inverse_mass;
+                laden = laden | times.gt(L::splat(LADEN));
+                heavy = heavy | times.gt(L::splat(HEAVY));
+                others = others | (most * arm.sqrt() * h).gt(bears * (L::splat(TAUT) * parts * parts));
+            };
+            let mobility = |arm: L, body: &Node<L>| {
+                let Vec3 { x, y, z } = body.drift.moments.inverse;
+                body.inverse_mass + arm * x.max(y).max(z)
+            };
+            match &parent {
+                // What is welded turns as one, whatever pulls within.
+                _ if node.turns == Turns::Not => {}
+                Some(parent) => {
+                    check(own, node, mobility(above, parent));
+                    check(above, parent, mobility(own, node));
+                }
+                None => check(own, node, L::zero()),
+            }
+            if let Some(parent) = parent {
+                parent.pulled += load;
+            }
+        }
+        let write = self.nodes.first().map_or(0, |root| root.write);
+        self.exact = write & !(others | heavy).bits();
+        let watched = heavy | (laden & self.is_alone());
+        (self.laden, self.watched, self.damped) = (laden.bits(), watched.bits() & write & !self.exact, 0);
+        self.share = L::select(self.exact(), L::zero(), self.share);
+        (self.known, self.lost, self.calm, self.lag) = (0, 0, 0, L::zero());
+    }
+
+    /// Velocities that take what pulls before bodies move with them are those of half a substep before. A tree that comes from one
+    /// way of solving to the other takes that along: a lever that passed near to something gained 0.15 % each time.
+    pub(crate) fn look_back(&mut self, locks: &[Lock]) {
+        self.late = L::zero();
+        let Some(root) = self.nodes.first() else { return };
+        for lane in (0..L::N).filter(|lane| root.write >> lane & 1 != 0) {
+            let was = locks[root.owner[lane] as usize].lag;
+            let late = match self.exact >> lane & 1 {
+                0 if was == 0.0 => -0.5 * self.h,
+                1 => was.max(0.0),
+                _ => 0.0,
+            };
+            self.late.set_lane(lane, late);
+        }
+    }
+
+    /// Calls `f` with the lock of each body and by how much velocities are those of before [s].
+    pub(crate) fn each_lag(&self, f: &mut impl FnMut(u32, f32)) {
+        for node in self.of_bodies() {
+            for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
+                f(node.owner[lane], if self.exact >> lane & 1 != 0 { 0.0 } else { 0.5 * self.h });
+            }
+        }
+    }
+
+    /// See [`look_back`](TreeBatch::look_back).
+    ///
+    /// # Safety
+    /// The bodies of the trees are in no other batch of the stage.
+    unsafe fn catch_up(&mut self, motion: &Motion<'_, '_>) {
+        for node in self.of_bodies() {
+            let more = node.drift.pull * self.late;
+            for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
+                let body = node.body[lane] as usize;
+                // SAFETY: by the contract; no body is twice in a batch.
+                let (v, base) = unsafe { (motion.velocity.get(body), motion.base.get(body)) };
+                v.linear += more.lane(lane);
+                base.linear += more.lane(lane);
+            }
+        }
+        self.late = L::zero();
+    }
+
+    /// What joints do in a substep to what pulls, and to the impulses that rows start with: those with which they are closed at
+    /// its end.
+    ///
+    /// # Safety
+    /// The bodies of the trees are in no other batch of the stage.
+    pub(crate) unsafe fn predict(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
+        if self.late.abs().gt(L::zero()).any() {
+            // SAFETY: by the contract.
+            unsafe { self.catch_up(motion) };
+        }
+        if self.exact == 0 {
+            return;
+        }
+        // SAFETY: by the contract.
+        let free = unsafe {
+            self.load(motion);
+            self.is_free(motion)
+        };
+        let (exact, zero) = (self.exact(), Vec3::zero());
+        let alone = exact & free;
+        // What a motor holds would rise by g h²/2 in each substep if half of that came after it.
+        let half = if self.extra.motors.is_empty() { 0.5 } else { 0.0 };
+        self.lag = L::select(alone, L::splat(half * self.h), L::zero());
+        self.calm = if self.extra.motors.is_empty() { alone.bits() & self.laden } else { 0 };
+        for node in &mut self.nodes {
+            let Twist { linear, angular } = node.drift.before;
+            node.start.free = Twist { linear: linear - node.drift.pull * L::splat(self.h), angular };
+            node.start.moved = node.moved;
+        }
+        // SAFETY: by the contract.
+        unsafe { self.guess(motion, alone) };
+        self.predict_turns(exact);
+        for node in &mut self.nodes {
+            node.impulse = Vec3::select(exact, zero, node.impulse);
+            node.twist = Vec3::select(exact, zero, node.twist);
+            node.velocity = node.drift.before;
+        }
+        for motor in &mut self.extra.motors {
+            motor.impulse = L::select(exact, L::zero(), motor.impulse);
+        }
+        let (known, lost) = self.close_ahead(pass, exact, alone);
+        (self.known, self.lost, self.astray) = (known, lost.bits(), 0);
+        // SAFETY: by the contract.
+        unsafe { self.save(motion, self.exact) };
+    }
+
+    /// How fast bodies turn at the start of the substep, to begin with. Where nothing else acts, as half of what joints bore in
+    /// the last one makes them: the other half acts at its end, and what is looked for is next to found then. Otherwise as
+    /// they did before rows: what can't have what it wants would turn any way within the substep.
+    ///
+    /// # Safety
+    /// The bodies of the trees are in no other batch of the stage.
+    unsafe fn guess(&mut self, motion: &Motion<'_, '_>, alone: L::Mask) {
+        self.nodes.iter_mut().for_each(|node| node.carried.angular = Vec3::zero());
+        for i in 0..self.nodes.len() {
+            let (parent, node) = self.with_parent(i);
+            let [own, other] = node.arm_now.map(|arm| arm.cross(node.impulse) + node.twist);
+            if let Some(parent) = parent {
+                parent.carried.angular -= other;
+            }
+            let body = self.body_of(i);
+            self.nodes[body].carried.angular += own;
+        }
+        self.add_motors(|node| &mut node.carried.angular);
+        for node in &mut self.nodes {
+            // SAFETY: by the contract.
+            let (linear, angular) = gather(|i| unsafe { motion.base.read(i) }, &node.body);
+            let half = node.braced_inverse.mul(node.carried.angular * L::splat(0.5));
+            let Twist { linear: own, angular: spin } = node.velocity;
+            node.velocity.linear = Vec3::select(alone, own, linear);
+            node.velocity.angular = Vec3::select(alone, spin + half, angular);
+        }
+        self.repeat_bodies();
+    }
+
+    /// The impulses with which the joints of some lanes are closed at the end of the substep; where nothing else acts, to the last
+    /// digit. Says in which lanes what was predicted last is what is, and in which nothing was found.
+    fn close_ahead(&mut self, pass: &JointPass, lanes: L::Mask, alone: L::Mask) -> (u32, L::Mask) {
+        self.sweep(pass, lanes, &[], |_, _| {});
+        let mut open = alone;
+        for _ in 0..ROUNDS {
+            self.predict_turns(open);
+            open = open & self.misses(MISS);
+            if !open.any() {
+                return (alone.bits(), open);
+            }
+            self.sweep(pass, open, &[], |_, _| {});
+        }
+        let known = alone & !open;
+        self.predict_turns(open);
+        (known.bits(), open & self.misses(LOST))
+    }
+
+    /// Whether nothing but joints and what pulls acts on the trees: then they fall as what is free does, along parabolas.
+    ///
+    /// # Safety
+    /// The bodies of the trees are in no other batch of the stage.
+    pub(crate) unsafe fn is_free(&self, motion: &Motion<'_, '_>) -> L::Mask {
+        // SAFETY: by the contract.
+        let read = |i| unsafe { motion.base.read(i) };
+        let mut same = L::zero().eq(L::zero());
+        for node in &self.nodes {
+            let (v, w): (Vec3<L>, Vec3<L>) = gather(read, &node.body);
+            let own = &node.velocity;
+            same = same & v.x.eq(own.linear.x) & v.y.eq(own.linear.y) & v.z.eq(own.linear.z);
+            same = same & w.x.eq(own.angular.x) & w.y.eq(own.angular.y) & w.z.eq(own.angular.z);
+        }
+        same
+    }
+
+    /// Where the velocities take bodies in the substep, turning freely.
+    fn predict_turns(&mut self, lanes: L::Mask) {
+        let (h, over, lag) = (L::splat(self.h), L::splat(1.0 / self.h), self.lag);
+        for i in 0..self.nodes.len() {
+            let (parent, node) = self.with_parent(i);
+            let own = node.velocity;
+            (node.turn, node.drift.more) = node.drift.moments.flow(node.drift.axes_now, own.angular, h);
+            if !node.jointed {
+                continue;
+            }
+            let (above, turn, pull) = match parent {
+                Some(parent) => (parent.velocity, parent.turn, parent.drift.pull),
+                None => (node.anchored, exp(node.anchored.angular * h), Vec3::zero()),
+            };
+            let [arm, other] = node.arm_now;
+            let (at, there) = (moved_by(node.turn, arm), moved_by(turn, other));
+            let linear = (at - there) * over
+                - (own.angular.cross(arm) - above.angular.cross(other))
+                - (node.drift.pull - pull) * lag;
+            node.bend.linear = Vec3::select(lanes, linear, node.bend.linear);
+            let faster = own.angular - above.angular;
+            let angular = match node.turns {
+                Turns::Freely => continue,
+                Turns::AboutAxis => {
+                    let [a, b] = node.axis_now;
+                    let (at, there) = (moved_by(node.turn, a), moved_by(turn, b));
+                    // (b + there) x (a + at) - b x a
+                    (b.cross(at) + there.cross(a + at)) * over - faster
+                }
+                Turns::Not => {
+                    let error = log(node.turn.compose(exp(node.error_now)).compose(turn.conjugate()));
+                    (error - node.error_now) * over - faster
+                }
+            };
+            node.bend.angular = Vec3::select(lanes, angular, node.bend.angular);
+        }
+    }
+
+    /// Where a joint would be open by more than so much at the end of the substep [m] or [rad].
+    fn misses(&self, by: f32) -> L::Mask {
+        let (h, most) = (L::splat(self.h), self.tolerances(by));
+        let mut misses = L::zero().gt(L::zero());
+        for node in self.nodes.iter().filter(|node| node.jointed) {
+            let above = self.nodes.get(node.parent as usize).map_or(node.anchored, |parent| parent.velocity);
+            let [arm, other] = node.arm_now;
+            let apart = node.velocity.at(arm) - above.at(other) + node.bend.linear;
+            misses = misses | (apart * h).length_squared().gt(most[0]);
+            if node.turns != Turns::Freely {
+                let mut error = node.velocity.angular - above.angular + node.bend.angular;
+                if node.turns == Turns::AboutAxis {
+                    error -= node.axis_now[0] * node.axis_now[0].dot(error);
+                }
+                misses = misses | (error * h).length_squared().gt(most[1]);
+            }
+        }
+        misses
+    }
+
+    /// Moves the bodies on by a substep, and closes what is open then. Of trees that are warm-started they were moved
+    /// already.
+    ///
+    /// # Safety
+    /// No other thread works on the bodies of the trees.
+    pub(crate) unsafe fn go(
+        &mut self,
+        motion: &Motion<'_, '_>,
+        closing: &Closing,
+        contacts: &[Seated],
+        touch: impl FnMut(&Seated, Ask<'_>, &mut Toured<'_, L>),
+    ) {
+        if self.watched == 0 {
+            // SAFETY: by the contract.
+            return unsafe { self.go_on(motion, closing, contacts, touch) };
+        }
+        // SAFETY: by the contract.
+        unsafe {
+            let strained = self.strained(motion);
+            self.go_on(motion, closing, contacts, touch);
+            let open = self.open_by(closing.tolerance) & L::Mask::from_bits(self.watched);
+            if (strained | open).any() {
+                self.damp(motion, closing, strained | open);
+            }
+        }
+    }
+
+    /// The same, whatever bodies bear.
+    ///
+    /// # Safety
+    /// No other thread works on the bodies of the trees.
+    unsafe fn go_on(
+        &mut self,
+        motion: &Motion<'_, '_>,
+        closing: &Closing,
+        contacts: &[Seated],
+        touch: impl FnMut(&Seated, Ask<'_>, &mut Toured<'_, L>),
+    ) {
+        if self.exact == 0 {
+            // SAFETY: by the contract.
+            return unsafe { self.close(motion, closing, contacts, touch) };
+        }
+        // SAFETY: by the contract.
+        unsafe { self.advance(motion) };
+        if !self.loops && self.is_open(closing.tolerance) {
+            // SAFETY: by the contract.
+            unsafe {
+                self.shift(motion, self.exact);
+                self.close(motion, closing, contacts, touch);
+            }
+        }
+        self.factor();
+        if self.is_open(MISSED * closing.tolerance) {
+            // Velocities need not know of what is left.
+            self.settle();
+        }
+        // SAFETY: by the contract.
+        unsafe { self.shift(motion, self.exact) };
+    }
+
+    /// Moves the bodies on by a substep: each turns freely, with its angular momentum. What all other bodies do in a substep,
+    /// which is to turn by their angular velocities at its start, loses the momentum of what spins fast.
+    ///
+    /// # Safety
+    /// No other thread works on the bodies of the trees.
+    unsafe fn advance(&mut self, motion: &Motion<'_, '_>) {
+        // SAFETY: by the contract.
+        unsafe {
+            self.load(motion);
+            self.fetch(motion, self.exact);
+        }
+        let parts = self.parts();
+        if parts > 1.0 {
+            self.whirl(parts);
+        } else {
+            self.drift(self.lag);
+        }
+        // SAFETY: by the contract.
+        unsafe { self.save(motion, self.exact) };
+        self.place(L::zero());
+    }
+
+    /// In how many parts the next substep is followed.
+    fn parts(&self) -> f32 {
+        let fastest = |most: L, node: &Node<L>| most.max(node.velocity.angular.length_squared());
+        let fastest = self.nodes.iter().fold(L::zero(), fastest);
+        let fastest = L::select(self.exact(), fastest, L::zero());
+        if self.lost != 0 {
+            return MOST_PARTS;
+        }
+        let fastest = (0..L::N).map(|lane| fastest.lane(lane)).fold(0.0, f32::max).sqrt();
+        (fastest * self.h * (1.0 / TURN)).ceil().clamp(1.0, MOST_PARTS)
+    }
+
+    /// One free drift over `self.h`.
+    fn drift(&mut self, lag: L) {
+        let (h, exact, zero) = (L::splat(self.h), self.exact(), Vec3::zero());
+        let known = self.known == self.exact;
+        for node in &mut self.nodes {
+            let Twist { linear, angular } = node.velocity;
+            if !known {
+                (node.turn, node.drift.more) = node.drift.moments.flow(node.drift.axes_now, angular, h);
+            }
+            let (turn, more) = (node.turn, node.drift.more);
+            node.moved.linear += Vec3::select(exact, (linear - node.drift.pull * lag) * h, zero);
+            let near = node.moved.angular + angular * h;
+            let turned = log_near(turn.compose(exp(node.moved.angular)), near);
+            node.moved.angular = Vec3::select(exact, turned, node.moved.angular);
+            node.velocity.angular += Vec3::select(exact, more, zero);
+        }
+    }
+
+    /// The same in parts, where something spins so fast that the impulses of joints would not be found: each part is solved as
+    /// a substep is, of what is joined alone.
+    #[cold]
+    #[inline(never)]
+    fn whirl(&mut self, parts: f32) {
+        let (whole, lag, exact) = (self.h, self.lag, self.exact());
+        // Half of what pulls comes after.
+        self.nodes.iter_mut().for_each(|node| node.velocity.linear -= node.drift.pull * lag);
+        let still = JointPass::relaxing(1.0 / whole);
+        let solving = JointPass { relax: false, ..still };
+        (self.h, self.lag) = (whole / parts, L::zero());
+        self.extra.idle = true;
+        self.sweep(&still, exact, &[], |_, _| {});
+        for part in 1..=parts as u32 {
+            self.predict_turns(exact);
+            let (known, lost) = self.close_ahead(&solving, exact, exact);
+            self.known = known;
+            if lost.any() {
+                self.astray |= lost.bits();
+                // There may be none, where light links lie folded between bodies that part. Velocities that fit the joints
+                // where they are add no energy.
+                self.sweep(&still, lost, &[], |_, _| {});
+            }
+            self.drift(L::zero());
+            self.place(L::splat(whole - self.h * part as f32));
+            self.factor();
+            self.settle();
+            self.sweep(&still, exact, &[], |_, _| {});
+        }
+        (self.h, self.lag) = (whole, lag);
+        self.extra.idle = false;
+        self.nodes.iter_mut().for_each(|node| node.velocity.linear += node.drift.pull * lag);
+    }
+
+    /// What is open after a drift is closed.
+    fn settle(&mut self) {
+        let exact = self.exact();
+        self.nodes.iter_mut().for_each(|node| node.pushed = Twist::zero());
+        self.gather_up(|node, _| node.open());
+        self.extra.shifts = true;
+        self.answer_all();
+        self.extra.shifts = false;
+        for node in &mut self.nodes {
+            let Twist { linear, angular } = node.change;
+            let zero = Vec3::zero();
+            node.shift(Twist {
+                linear: Vec3::select(exact, linear, zero),
+                angular: Vec3::select(exact, angular, zero),
+            });
+        }
+        self.place(L::zero());
+    }
+}

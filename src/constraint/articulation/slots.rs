@@ -1,0 +1,94 @@
+//! Which contacts go along with a tree of joints: those that its bodies have with what is static.
+
+use crate::constraint::contact::batch::BatchRef;
+use crate::constraint::joint::ends::NONE;
+use crate::memory::{Buffer, bytes_of};
+
+/// A batch of trees.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct TreeRef(u32);
+
+impl TreeRef {
+    const SINGLE: u32 = 1 << 31;
+
+    pub(crate) fn new(index: usize, single: bool) -> TreeRef {
+        TreeRef(index as u32 | if single { TreeRef::SINGLE } else { 0 })
+    }
+    pub(crate) fn index(self) -> usize {
+        (self.0 & !TreeRef::SINGLE) as usize
+    }
+    /// Whether it is one tree, and its contacts stand in batches of one lane.
+    pub(crate) fn is_single(self) -> bool {
+        self.0 & TreeRef::SINGLE != 0
+    }
+}
+
+/// Where in the trees a body is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Seat {
+    tree: TreeRef,
+    node: u32,
+    lane: u32,
+}
+
+impl Seat {
+    const NOWHERE: Seat = Seat { tree: TreeRef(NONE), node: NONE, lane: NONE };
+
+    pub(crate) fn new(tree: TreeRef, node: usize, lane: usize) -> Seat {
+        Seat { tree, node: node as u32, lane: lane as u32 }
+    }
+    /// What the bodies of a tree have in common.
+    pub(crate) fn of_tree(self) -> (TreeRef, u32) {
+        (self.tree, self.lane)
+    }
+    /// What the contacts of a batch have in common.
+    pub(crate) fn place(self) -> (TreeRef, u32) {
+        (self.tree, self.node)
+    }
+    pub(crate) fn lane(self) -> usize {
+        self.lane as usize
+    }
+}
+
+/// The seats of all dynamic bodies; none if nothing is solved along with trees.
+#[derive(Debug, Default)]
+pub(crate) struct Seats {
+    all: Vec<Seat>,
+}
+
+impl Seats {
+    pub(crate) fn clear(&mut self) {
+        self.all.clear();
+    }
+    /// Nobody has a seat yet.
+    pub(crate) fn reset(&mut self, dynamic: usize) {
+        self.all.clear();
+        self.all.resize(dynamic, Seat::NOWHERE);
+    }
+    pub(crate) fn put(&mut self, body: usize, seat: Seat) {
+        self.all[body] = seat;
+    }
+    pub(crate) fn is_empty(&self) -> bool {
+        self.all.is_empty()
+    }
+    #[inline]
+    pub(crate) fn of(&self, body: usize) -> Option<Seat> {
+        self.all.get(body).copied().filter(|seat| *seat != Seat::NOWHERE)
+    }
+    pub(crate) fn buffer(&mut self) -> &mut dyn Buffer {
+        &mut self.all
+    }
+    pub(crate) fn bytes(&self) -> (usize, usize) {
+        bytes_of(&self.all)
+    }
+}
+
+/// A batch of contacts of one node of a batch of trees.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seated {
+    pub(crate) tree: TreeRef,
+    pub(crate) node: u32,
+    /// Whether they have no friction.
+    pub(crate) potential: bool,
+    pub(crate) batch: BatchRef,
+}

@@ -1,0 +1,210 @@
+//! Velocities and impulses of bodies as one: a linear and an angular part, and the inertias between them.
+
+use crate::constraint::joint::ends::inverse;
+use crate::lanes::{Lanes, Sym3, Vec3};
+
+/// Columns.
+pub(crate) type Mat3<L> = [Vec3<L>; 3];
+
+/// A linear and an angular part.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Twist<L> {
+    pub(crate) linear: Vec3<L>,
+    pub(crate) angular: Vec3<L>,
+}
+
+impl<L: Lanes> Twist<L> {
+    pub(crate) fn zero() -> Self {
+        Twist { linear: Vec3::zero(), angular: Vec3::zero() }
+    }
+    #[inline(always)]
+    pub(crate) fn add(&mut self, o: Twist<L>) {
+        self.linear += o.linear;
+        self.angular += o.angular;
+    }
+    #[inline(always)]
+    pub(crate) fn subtract(&mut self, o: Twist<L>) {
+        self.linear -= o.linear;
+        self.angular -= o.angular;
+    }
+    #[inline(always)]
+    pub(crate) fn scaled(self, by: L) -> Self {
+        Twist { linear: self.linear * by, angular: self.angular * by }
+    }
+    #[inline(always)]
+    pub(crate) fn dot(&self, o: &Twist<L>) -> L {
+        self.linear.dot(o.linear) + self.angular.dot(o.angular)
+    }
+    /// Of a force and a torque at an arm, those at the centre.
+    #[inline(always)]
+    pub(crate) fn moved(self, arm: Vec3<L>) -> Self {
+        Twist { linear: self.linear, angular: self.angular + arm.cross(self.linear) }
+    }
+    /// Of a velocity of a body, that of a point of it at an arm.
+    #[inline(always)]
+    pub(crate) fn seen_at(&self, arm: Vec3<L>) -> Self {
+        Twist { linear: self.at(arm), angular: self.angular }
+    }
+    /// Velocity of the point at an arm.
+    #[inline(always)]
+    pub(crate) fn at(&self, arm: Vec3<L>) -> Vec3<L> {
+        self.linear + self.angular.cross(arm)
+    }
+}
+
+/// A symmetric 6x6 matrix: linear, mixed (linear rows, angular columns) and angular blocks.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sym6<L> {
+    pub(crate) linear: Sym3<L>,
+    pub(crate) mixed: Mat3<L>,
+    pub(crate) angular: Sym3<L>,
+}
+
+#[inline(always)]
+fn mul<L: Lanes>(m: &Mat3<L>, v: Vec3<L>) -> Vec3<L> {
+    m[0] * v.x + m[1] * v.y + m[2] * v.z
+}
+
+#[inline(always)]
+fn mul_transposed<L: Lanes>(m: &Mat3<L>, v: Vec3<L>) -> Vec3<L> {
+    Vec3::new(m[0].dot(v), m[1].dot(v), m[2].dot(v))
+}
+
+#[inline(always)]
+fn columns<L: Lanes>(m: &Sym3<L>) -> Mat3<L> {
+    [Vec3::new(m.xx, m.xy, m.xz), Vec3::new(m.xy, m.yy, m.yz), Vec3::new(m.xz, m.yz, m.zz)]
+}
+
+/// The symmetric part of what is symmetric but for rounding.
+#[inline(always)]
+fn symmetric<L: Lanes>(m: &Mat3<L>) -> Sym3<L> {
+    Sym3 { xx: m[0].x, yy: m[1].y, zz: m[2].z, xy: m[1].x, xz: m[2].x, yz: m[2].y }
+}
+
+#[inline(always)]
+fn minus<L: Lanes>(a: &Sym3<L>, b: &Sym3<L>) -> Sym3<L> {
+    Sym3 {
+        xx: a.xx - b.xx,
+        yy: a.yy - b.yy,
+        zz: a.zz - b.zz,
+        xy: a.xy - b.xy,
+        xz: a.xz - b.xz,
+        yz: a.yz - b.yz,
+    }
+}
+
+#[inline(always)]
+pub(crate) fn scaled<L: Lanes>(m: &Sym3<L>, by: L) -> Sym3<L> {
+    Sym3 { xx: m.xx * by, yy: m.yy * by, zz: m.zz * by, xy: m.xy * by, xz: m.xz * by, yz: m.yz * by }
+}
+
+#[inline(always)]
+pub(crate) fn plus<L: Lanes>(a: &Sym3<L>, b: &Sym3<L>) -> Sym3<L> {
+    Sym3 {
+        xx: a.xx + b.xx,
+        yy: a.yy + b.yy,
+        zz: a.zz + b.zz,
+        xy: a.xy + b.xy,
+        xz: a.xz + b.xz,
+        yz: a.yz + b.yz,
+    }
+}
+
+impl<L: Lanes> Sym6<L> {
+    /// A mobility, the velocity per impulse, of a body: the same of a point of it at an arm.
+    #[inline(always)]
+    pub(crate) fn mobility_at(&self, arm: Vec3<L>) -> Self {
+        let (x, y, z) = axes::<L>();
+        let over = [x, y, z].map(|e| arm.cross(e));
+        // Columns of what an impulse at the point, without a torque, and of what a torque does there.
+        let linear: Mat3<L> = std::array::from_fn(|k| {
+            let own = columns(&self.linear)[k] + mul(&self.mixed, over[k]);
+            own + (self.turned_by(k) + self.angular.mul(over[k])).cross(arm)
+        });
+        let turned = columns(&self.angular);
+        let mixed = std::array::from_fn(|k| self.mixed[k] + turned[k].cross(arm));
+        Sym6 { linear: symmetric(&linear), mixed, angular: self.angular }
+    }
+
+    /// The angular part of what a unit of the linear part gives.
+    #[inline(always)]
+    fn turned_by(&self, k: usize) -> Vec3<L> {
+        self.transposed_mixed()[k]
+    }
+
+    /// What is left of a body with this mobility when a point of it at an arm is joined to something with the impedance
+    /// `joined`, which is the impulse there per velocity that the joint doesn't allow, of both together.
+    ///
+    /// By what the joint takes from the mobility: in inertias, what a light body with something heavy on it has left is a
+    /// difference of large numbers.
+    #[inline(always)]
+    pub(crate) fn joined_at(&self, arm: Vec3<L>, joined: &Sym6<L>) -> Self {
+        Self::by_columns(|unit| {
+            let mut left = self.mul(&unit);
+            left.subtract(self.mul(&joined.mul(&left.seen_at(arm)).moved(arm)));
+            left
+        })
+    }
+
+    /// Out of what it makes of each unit vector.
+    #[inline(always)]
+    pub(crate) fn by_columns(mut column: impl FnMut(Twist<L>) -> Twist<L>) -> Self {
+        let (x, y, z) = axes::<L>();
+        let zero = Vec3::zero();
+        let linear = [x, y, z].map(|e| column(Twist { linear: e, angular: zero }).linear);
+        let turned = [x, y, z].map(|e| column(Twist { linear: zero, angular: e }));
+        Sym6 {
+            linear: symmetric(&linear),
+            mixed: turned.map(|t| t.linear),
+            angular: symmetric(&turned.map(|t| t.angular)),
+        }
+    }
+
+    pub(crate) fn zero() -> Self {
+        Sym6 { linear: Sym3::default(), mixed: [Vec3::zero(); 3], angular: Sym3::default() }
+    }
+
+    #[inline(always)]
+    pub(crate) fn add(&mut self, o: &Sym6<L>) {
+        (self.linear, self.angular) = (plus(&self.linear, &o.linear), plus(&self.angular, &o.angular));
+        self.mixed.iter_mut().zip(o.mixed).for_each(|(own, column)| *own += column);
+    }
+
+    #[inline(always)]
+    pub(crate) fn mul(&self, t: &Twist<L>) -> Twist<L> {
+        Twist {
+            linear: self.linear.mul(t.linear) + mul(&self.mixed, t.angular),
+            angular: mul_transposed(&self.mixed, t.linear) + self.angular.mul(t.angular),
+        }
+    }
+
+    /// The inverse, if `r` is that of the angular block alone, by the Schur complement of that block; of directions that `r`
+    /// leaves out, nothing.
+    #[inline(always)]
+    pub(crate) fn inverse_with(&self, r: Sym3<L>) -> Self {
+        // mixed · r, column by column.
+        let qr = columns(&r).map(|column| mul(&self.mixed, column));
+        let taken = self.transposed_mixed().map(|row| mul(&qr, row));
+        let linear = inverse(&minus(&self.linear, &symmetric(&taken)));
+        let mixed = qr.map(|column| -linear.mul(column));
+        // r + (mixed r)ᵀ linear (mixed r)
+        let more: Mat3<L> = std::array::from_fn(|k| -mul_transposed(&qr, mixed[k]));
+        Sym6 { linear, mixed, angular: plus(&r, &symmetric(&more)) }
+    }
+
+    #[inline(always)]
+    fn transposed_mixed(&self) -> Mat3<L> {
+        let m = &self.mixed;
+        [
+            Vec3::new(m[0].x, m[1].x, m[2].x),
+            Vec3::new(m[0].y, m[1].y, m[2].y),
+            Vec3::new(m[0].z, m[1].z, m[2].z),
+        ]
+    }
+}
+
+#[inline(always)]
+fn axes<L: Lanes>() -> (Vec3<L>, Vec3<L>, Vec3<L>) {
+    let (zero, one) = (L::zero(), L::one());
+    (Vec3::new(one, zero, zero), Vec3::new(zero, one, zero), Vec3::new(zero, zero, one))
+}

@@ -1,0 +1,30 @@
+//! What the rows of contacts will take, before there are any: contacts leave it to them.
+
+use super::batch::BatchRef;
+use super::rows::Rows;
+use crate::constraint::schedule::arrange::PrepareScratch;
+use crate::narrow_phase::{RowCost, RowSpace};
+
+/// Bytes that rows take, in batches that are full, and the memory of those of the last step, to be given back before the next are
+/// made. `lists`: bytes that other lists take for each contact, and have. `per_point`: each point has rows of its own.
+pub(crate) fn lend(
+    rows: &mut Rows,
+    scratch: &PrepareScratch,
+    (friction, per_point): (bool, bool),
+    lists: (usize, usize),
+) -> RowSpace {
+    let mut cost = RowCost { per_point, ..RowCost::default() };
+    for (sizes, lanes) in Rows::SIZES.iter().zip(&mut cost.lanes) {
+        for (potential, lanes) in lanes.iter_mut().enumerate() {
+            let of_friction = if friction { sizes[5 + 2 * potential] } else { 0 };
+            for (lane, size) in lanes.iter_mut().zip(sizes) {
+                *lane = (size + of_friction).div_ceil(8);
+            }
+        }
+    }
+    let (each, reserved) = scratch.lists();
+    cost.lists = each + size_of::<BatchRef>() + lists.0;
+    cost.reserved =
+        reserved + rows.schedule.capacity() * size_of::<BatchRef>() + lists.1 + rows.friction_bytes();
+    RowSpace { cost, slab: rows.lend() }
+}

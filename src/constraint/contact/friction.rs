@@ -1,0 +1,137 @@
+//! Friction of batches, in buffers of their own: a scene in which nothing rubs has none of it, and no pass over its rows
+//! comes past any.
+
+use super::batch::BatchRef;
+use crate::constraint::schedule::order::Group;
+use crate::lanes::{Lanes, Vec3};
+use crate::threads::Shared;
+use bytemuck::{Pod, Zeroable};
+
+/// Friction of a manifold that touches, at its centre: two rows along the tangents and one against twist.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub(crate) struct FrictionRow<L, const B: usize> {
+    pub(crate) tangent: Vec3<L>,
+    pub(crate) arm_a: Vec3<L>,
+    pub(crate) arm_b: [Vec3<L>; B],
+    /// Inverse of the 2x2 matrix of the tangential rows [kg]: (11, 12, 22).
+    pub(crate) mass: [L; 3],
+    /// The smaller eigenvalue of that inverse [kg]: a step against the slip that never overshoots.
+    pub(crate) slide_mass: L,
+    pub(crate) twist_mass: L,
+    /// By how much unit impulses along the tangents change the twist [1/(kg m)].
+    pub(crate) twist_by: [L; 2],
+    /// Mean distance of the points from the centre: the lever of twist [m].
+    pub(crate) radius: L,
+    pub(crate) coefficient: L,
+    /// [N s]
+    pub(crate) impulse: [L; 2],
+    /// [N m s]
+    pub(crate) twist: L,
+}
+
+/// What the friction of an impact takes: all that is kept of a manifold that may touch, which rubs on nothing before it does.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub(crate) struct ImpactRow<L, const B: usize> {
+    /// Of the arm of body `a` the part along the normal, which all points share [m].
+    pub(crate) along: L,
+    /// From the arm of body `a` to that of body `b` [m].
+    pub(crate) to_b: [Vec3<L>; B],
+    pub(crate) coefficient: L,
+}
+
+// SAFETY: zero is a value of every field.
+unsafe impl<L: Zeroable, const B: usize> Zeroable for FrictionRow<L, B> {}
+// SAFETY: it is nothing but lanes, of which any bits are numbers, in the order of C.
+unsafe impl<L: Lanes + Pod, const B: usize> Pod for FrictionRow<L, B> {}
+// SAFETY: zero is a value of every field.
+unsafe impl<L: Zeroable, const B: usize> Zeroable for ImpactRow<L, B> {}
+// SAFETY: as for `FrictionRow`.
+unsafe impl<L: Lanes + Pod, const B: usize> Pod for ImpactRow<L, B> {}
+
+impl<L: Lanes, const B: usize> FrictionRow<L, B> {
+    /// What of it the friction of an impact takes.
+    #[inline(always)]
+    pub(crate) fn of_impact(&self, normal: Vec3<L>) -> ImpactRow<L, B> {
+        ImpactRow {
+            along: normal.dot(self.arm_a),
+            to_b: self.arm_b.map(|arm_b| arm_b - self.arm_a),
+            coefficient: self.coefficient,
+        }
+    }
+}
+
+/// The friction of a batch, to be filled.
+pub(crate) enum Rub<'a, L, const B: usize> {
+    Nothing,
+    Touching(&'a mut FrictionRow<L, B>),
+    Impact(&'a mut ImpactRow<L, B>),
+}
+
+/// Friction of batches of one sort, for several threads; nothing where no shape has any.
+pub(crate) struct FrictionView<'a, L, const B: usize> {
+    needed: bool,
+    /// Of batches of contacts that touch, and of those that may.
+    rows: Shared<'a, FrictionRow<L, B>>,
+    impacts: Shared<'a, ImpactRow<L, B>>,
+}
+
+impl<'a, L: Lanes, const B: usize> FrictionView<'a, L, B> {
+    pub(crate) fn new(
+        needed: bool,
+        rows: &'a mut [FrictionRow<L, B>],
+        impacts: &'a mut [ImpactRow<L, B>],
+    ) -> Self {
+        FrictionView { needed, rows: Shared::new(rows), impacts: Shared::new(impacts) }
+    }
+
+    /// The rows of a batch of contacts that touch; nothing if there is no friction.
+    ///
+    /// # Safety
+    /// No other thread works on the batch.
+    #[inline(always)]
+    #[allow(clippy::mut_from_ref, reason = "the contract is the caller's, see `Shared::get`")]
+    pub(crate) unsafe fn touching(&self, batch: BatchRef) -> Option<&mut FrictionRow<L, B>> {
+        // SAFETY: by the contract; each batch has rows of its own.
+        if self.needed { Some(unsafe { self.rows.get(batch.friction as usize) }) } else { None }
+    }
+
+    /// What is kept of a batch of potential contacts, if any shape rubs.
+    ///
+    /// # Safety
+    /// No other thread works on the batch.
+    #[cfg(feature = "lab")]
+    pub(crate) unsafe fn impact(&self, batch: BatchRef) -> Option<ImpactRow<L, B>> {
+        // SAFETY: by the contract; each batch has rows of its own.
+        if self.needed { Some(unsafe { *self.impacts.get(batch.friction as usize) }) } else { None }
+    }
+
+    /// What the friction of impacts takes of a batch whose contacts bear load before they touch.
+    ///
+    /// # Safety
+    /// No other thread works on the batch.
+    #[inline(always)]
+    pub(crate) unsafe fn of_impact(&self, batch: BatchRef, group: Group, normal: Vec3<L>) -> ImpactRow<L, B> {
+        let i = batch.friction as usize;
+        // SAFETY: by the contract; each batch has rows of its own.
+        unsafe {
+            if group.is_potential() { *self.impacts.get(i) } else { self.rows.get(i).of_impact(normal) }
+        }
+    }
+
+    /// # Safety
+    /// As for [`FrictionView::touching`].
+    #[inline(always)]
+    pub(crate) unsafe fn to_fill(&self, batch: BatchRef, group: Group) -> Rub<'_, L, B> {
+        let i = batch.friction as usize;
+        // SAFETY: by the contract; each batch has rows of its own.
+        unsafe {
+            match (self.needed, group.is_potential()) {
+                (false, _) => Rub::Nothing,
+                (true, false) => Rub::Touching(self.rows.get(i)),
+                (true, true) => Rub::Impact(self.impacts.get(i)),
+            }
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! The friction of an impact: of what potential points push before it touches.
+
+use super::batch::{Batch, BatchRef};
+use super::friction::FrictionView;
+use super::row::{Motion, Pair, Pass};
+use crate::constraint::schedule::order::Group;
+use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
+
+/// Friction of impacts, after a substep in which potential points pushed: against the slip that is left there, and bounded
+/// by what they bore. They have no friction while rows are solved, so that nothing rubs on what it might have missed; but
+/// what they did push was touched, and its friction is due. A ball that lands at an angle would skid on as on ice.
+///
+/// The velocities before any row acted take the same change: what they lack is what warm starting repeats. Says whether
+/// the change is one that shifts loads.
+///
+/// # Safety
+/// The bodies of the batch that it may write are in no other batch of the stage.
+#[inline(never)]
+pub(crate) unsafe fn rub<L: GatherLanes, const P: usize, const B: usize>(
+    batch: &Batch<L, P, B>,
+    (friction, of, group): (&FrictionView<'_, L, B>, BatchRef, Group),
+    motion: &Motion<'_, '_>,
+    pass: &Pass<'_>,
+) -> bool {
+    let (load, arm) = potential_load(batch, pass.real);
+    let pushed = load.gt(L::zero());
+    if !pushed.any() {
+        return false;
+    }
+    // SAFETY: by the contract.
+    let mut v = unsafe { Pair::load(batch, motion.velocity) };
+    let n = batch.normal;
+    // SAFETY: by the contract.
+    let f = unsafe { friction.of_impact(of, group, n) };
+    // Where the load was: n x (r x n) is r without its part along n, which all points share.
+    let aside = n.cross(arm) * L::select(pushed, L::one() / load, L::zero());
+    let arm_a = aside + n * f.along;
+    let arm_b = if B > 0 { arm_a + f.to_b[0] } else { arm_a };
+    let mut u = -(v.va + v.wa.cross(arm_a));
+    if B > 0 {
+        u += v.vb + v.wb.cross(arm_b);
+    }
+    let u = u - n * n.dot(u);
+    let speed = u.length();
+    let slides = speed.gt(L::zero());
+    let way = u * L::select(slides, L::one() / speed, L::zero());
+    let (ta, tb) = (arm_a.cross(way), arm_b.cross(way));
+    let [on_a, on_b] = batch.moving(way);
+    let mut k = on_a.length_squared() * batch.inverse_mass_a + ta.dot(batch.inverse_inertia_a.mul(ta));
+    if B > 0 {
+        k += on_b.length_squared() * batch.b[0].inverse_mass + tb.dot(batch.b[0].inverse_inertia.mul(tb));
+    }
+    // No more than stops the slip: so it takes energy and never adds any.
+    let most = L::select(slides & k.gt(L::zero()), speed / k, L::zero());
+    let p = -(load * f.coefficient).min(most);
+    v.apply(batch, way * p, ta * p, tb * p);
+    // SAFETY: by the contract.
+    let mut b = unsafe { Pair::load(batch, motion.base) };
+    b.apply(batch, way * p, ta * p, tb * p);
+    // SAFETY: by the contract.
+    unsafe {
+        v.save(batch, motion.velocity);
+        b.save(batch, motion.base);
+    }
+    (p.abs() * k).gt(L::splat(pass.shift)).any()
+}
+
+/// What potential points bear, and the sum of their arms x loads. `real`: a separation up to this is one that touches [m].
+#[inline(always)]
+pub(crate) fn potential_load<L: Lanes, const P: usize, const B: usize>(
+    batch: &Batch<L, P, B>,
+    real: f32,
+) -> (L, Vec3<L>) {
+    batch.points.iter().fold((L::zero(), Vec3::zero()), |(sum, arm), point| {
+        let load = L::select(point.separation.le(L::splat(real)), L::zero(), point.impulse);
+        (sum + load, arm + point.arm_a * load)
+    })
+}

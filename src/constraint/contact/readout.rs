@@ -1,0 +1,219 @@
+//! What rows are and what they bear, read out of their batches lane by lane, for the lab.
+
+use super::batch::{Batch, BatchRef};
+use super::friction::FrictionView;
+use super::rows::{Views, with_batch};
+use crate::constraint::joint::arrange::{impulses_of, motors_of};
+use crate::constraint::joint::ends::{NONE, Owned};
+use crate::constraint::joint::run::JointViews;
+use crate::constraint::schedule::arrange::Part;
+use crate::lanes::Lanes;
+use crate::threads::Shared;
+use glam::Vec3;
+
+/// A normal row.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct PointLane {
+    /// Arm x normal, of either body [m].
+    pub(crate) arms: [Vec3; 2],
+    /// At the start of the step [m].
+    pub(crate) separation: f32,
+    /// Of the substep [N s].
+    pub(crate) impulse: f32,
+}
+
+/// Friction of a manifold that touches.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FrictionLane {
+    pub(crate) tangent: Vec3,
+    /// From the centres of mass to the middle of the points [m].
+    pub(crate) arms: [Vec3; 2],
+    pub(crate) coefficient: f32,
+    /// Mean distance of the points from their middle [m].
+    pub(crate) radius: f32,
+    /// By which the surfaces move past each other, along both tangents [m/s].
+    pub(crate) surface: [f32; 2],
+    /// Along both tangents [N s], and about the normal [N m s].
+    pub(crate) impulse: [f32; 3],
+}
+
+/// Friction of the impact of a manifold that doesn't touch yet.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ImpactLane {
+    pub(crate) coefficient: f32,
+    /// Of the arm of the first body the part along the normal [m].
+    pub(crate) along: f32,
+    /// From the arm of the first body to that of the second [m].
+    pub(crate) to_b: Vec3,
+}
+
+/// The rows of a contact, or of one point of it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ContactLane {
+    pub(crate) part: Part,
+    pub(crate) potential: bool,
+    /// From the first body to the second, which is none where it is static. The contact's own order may be the other one.
+    pub(crate) normal: Vec3,
+    pub(crate) bodies: (u32, Option<u32>),
+    points: [PointLane; 4],
+    count: usize,
+    pub(crate) friction: Option<FrictionLane>,
+    /// Of a potential contact that will rub once it touches.
+    pub(crate) impact: Option<ImpactLane>,
+}
+
+impl ContactLane {
+    pub(crate) fn points(&self) -> &[PointLane] {
+        &self.points[..self.count]
+    }
+}
+
+/// Impulses for the rows of a contact: of its points, then of friction along both tangents and about the normal.
+pub(crate) type LaneImpulses = ([f32; 4], [f32; 3]);
+
+impl Views<'_> {
+    /// Calls `f` with each lane that has a contact, in the order in which they are solved.
+    ///
+    /// # Safety
+    /// No other thread works on the batches.
+    pub(crate) unsafe fn each_lane(&self, f: &mut dyn FnMut(&ContactLane)) {
+        // SAFETY: by the contract.
+        unsafe {
+            self.replace_impulses(&mut |lane| {
+                f(lane);
+                None
+            });
+        }
+    }
+
+    /// The same, and replaces the impulses of those that `f` says others for.
+    ///
+    /// # Safety
+    /// As for [`Views::each_lane`].
+    pub(crate) unsafe fn replace_impulses(&self, f: &mut dyn FnMut(&ContactLane) -> Option<LaneImpulses>) {
+        for stage in self.stages {
+            let potential = stage.group.is_potential();
+            for &of in &self.schedule[stage.start as usize..stage.end as usize] {
+                // SAFETY: by the contract.
+                unsafe {
+                    with_batch!(self, stage.group, of, |batch, friction| {
+                        self.lanes_of(batch, friction, of, potential, f)
+                    });
+                }
+            }
+        }
+    }
+
+    /// # Safety
+    /// As for [`Views::each_lane`].
+    unsafe fn lanes_of<L: Lanes, const P: usize, const B: usize>(
+        &self,
+        batch: &mut Batch<L, P, B>,
+        friction: &FrictionView<'_, L, B>,
+        of: BatchRef,
+        potential: bool,
+        f: &mut dyn FnMut(&ContactLane) -> Option<LaneImpulses>,
+    ) {
+        // SAFETY: by the contract.
+        let mut rows = if potential { None } else { unsafe { friction.touching(of) } };
+        // SAFETY: by the contract.
+        let impact = if potential { unsafe { friction.impact(of) } } else { None };
+        for lane in (0..L::N).filter(|&lane| batch.contact[lane] != Part::NONE) {
+            let mut out = ContactLane {
+                part: batch.contact[lane],
+                potential,
+                normal: batch.normal.lane(lane),
+                // Of a static body the first stands in its place.
+                bodies: (
+                    batch.a[lane],
+                    batch.b.first().map(|b| b.index[lane]).filter(|b| *b != batch.a[lane]),
+                ),
+                points: [PointLane::default(); 4],
+                count: 0,
+                friction: None,
+                impact: impact.map(|row| ImpactLane {
+                    coefficient: row.coefficient.lane(lane),
+                    along: row.along.lane(lane),
+                    to_b: row.to_b.first().map_or(Vec3::ZERO, |to| to.lane(lane)),
+                }),
+            };
+            // What lacks a point is infinitely far away.
+            for point in batch.points.iter().filter(|point| point.separation.lane(lane).is_finite()) {
+                out.points[out.count] = PointLane {
+                    arms: [
+                        point.arm_a.lane(lane),
+                        point.arm_b.first().map_or(Vec3::ZERO, |arm| arm.lane(lane)),
+                    ],
+                    separation: point.separation.lane(lane),
+                    impulse: point.impulse.lane(lane),
+                };
+                out.count += 1;
+            }
+            out.friction = rows.as_ref().map(|f| FrictionLane {
+                tangent: f.tangent.lane(lane),
+                arms: [f.arm_a.lane(lane), f.arm_b.first().map_or(Vec3::ZERO, |arm| arm.lane(lane))],
+                coefficient: f.coefficient.lane(lane),
+                radius: f.radius.lane(lane),
+                surface: self.surfaces.get(batch.surface as usize).map_or([0.0; 2], |s| s.map(|s| s[lane])),
+                impulse: [f.impulse[0].lane(lane), f.impulse[1].lane(lane), f.twist.lane(lane)],
+            });
+            let Some((normal, rubbing)) = f(&out) else { continue };
+            let there = batch.points.iter_mut().filter(|point| point.separation.lane(lane).is_finite());
+            for (point, impulse) in there.zip(normal) {
+                point.impulse.set_lane(lane, impulse);
+            }
+            if let Some(friction) = &mut rows {
+                friction.impulse[0].set_lane(lane, rubbing[0]);
+                friction.impulse[1].set_lane(lane, rubbing[1]);
+                friction.twist.set_lane(lane, rubbing[2]);
+            }
+        }
+    }
+}
+
+impl JointViews<'_> {
+    /// Calls `lock` with each lock and its impulse, and `row` with each other row, its impulses at both ends, and the directions
+    /// of force and torque that they act along.
+    ///
+    /// # Safety
+    /// No other thread works on the batches.
+    pub(crate) unsafe fn each_impulse(
+        &self,
+        mut lock: &mut dyn FnMut(u32, Vec3),
+        mut row: &mut dyn FnMut(u32, ([f32; 2], Vec3, Vec3)),
+    ) {
+        // SAFETY: by the contract.
+        unsafe {
+            each(&self.points, &self.point, &mut lock);
+            each(&self.lines, &self.line, &mut lock);
+            each(&self.welds, &self.weld, &mut lock);
+            each(&self.hinges, &self.hinge, &mut lock);
+            self.trees.all().iter().for_each(|batch| impulses_of(batch, &mut lock));
+            self.tree.all().iter().for_each(|batch| impulses_of(batch, &mut lock));
+            each(&self.slides, &self.slide, &mut row);
+            each(&self.distances, &self.distance, &mut row);
+            each(&self.twists, &self.twist, &mut row);
+            each(&self.tilts, &self.tilt, &mut row);
+            each(&self.turns, &self.turn, &mut row);
+            self.trees.all().iter().for_each(|batch| motors_of(batch, &mut row));
+            self.tree.all().iter().for_each(|batch| motors_of(batch, &mut row));
+        }
+    }
+}
+
+/// # Safety
+/// As for [`JointViews::each_impulse`].
+unsafe fn each<T, B8: Owned<Load = T>, B1: Owned<Load = T>>(
+    lanes: &Shared<'_, B8>,
+    single: &Shared<'_, B1>,
+    f: &mut impl FnMut(u32, T),
+) {
+    // SAFETY: by the contract.
+    let (lanes, single) = unsafe { (lanes.all(), single.all()) };
+    for batch in lanes {
+        for (lane, &own) in batch.owners().iter().enumerate().filter(|(_, own)| **own != NONE) {
+            f(own, batch.load(lane));
+        }
+    }
+    single.iter().for_each(|batch| f(batch.owners()[0], batch.load(0)));
+}

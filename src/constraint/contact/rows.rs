@@ -1,0 +1,281 @@
+//! All batches of a step, in one buffer, and their friction in another.
+
+use super::batch::{Batch, BatchRef};
+use super::friction::{FrictionRow, FrictionView, ImpactRow};
+use crate::constraint::articulation::slots::Seated;
+use crate::constraint::schedule::order::{Group, Stage};
+use crate::lanes::f32x8;
+use crate::memory::{Buffer, Cut, Room, Slab, bytes_of};
+use crate::threads::Shared;
+
+/// Of batches whose bodies `b` may move, and of those where all are static: how many there are of one to four points and of
+/// one lane; of friction rows of eight lanes and of one; of what the friction of impacts takes, of eight lanes and of one.
+pub(crate) type Tally = [[usize; KINDS]; 2];
+
+const KINDS: usize = 9;
+/// The first of those that are friction.
+const FRICTION: usize = 5;
+
+const fn sizes<const B: usize>() -> [usize; KINDS] {
+    [
+        size_of::<Batch<f32x8, 1, B>>(),
+        size_of::<Batch<f32x8, 2, B>>(),
+        size_of::<Batch<f32x8, 3, B>>(),
+        size_of::<Batch<f32x8, 4, B>>(),
+        size_of::<Batch<f32, 4, B>>(),
+        size_of::<FrictionRow<f32x8, B>>(),
+        size_of::<FrictionRow<f32, B>>(),
+        size_of::<ImpactRow<f32x8, B>>(),
+        size_of::<ImpactRow<f32, B>>(),
+    ]
+}
+
+/// All batches of a step.
+#[derive(Debug, Default)]
+pub(crate) struct Rows {
+    tally: Tally,
+    batches: Slab,
+    /// Whether there is any.
+    rubs: bool,
+    friction: Slab,
+    pub(crate) schedule: Vec<BatchRef>,
+    pub(crate) stages: Vec<Stage>,
+    /// Batches that go along with trees, sorted by these and their nodes.
+    pub(crate) seated: Vec<Seated>,
+    /// For each batch of the schedule; empty unless some move.
+    pub(crate) surfaces: Vec<Surface>,
+}
+
+/// By which the surfaces of each lane move past each other, along the two tangents of friction [m/s].
+pub(crate) type Surface = [[f32; 8]; 2];
+
+impl Rows {
+    /// Bytes of each that [`Tally`] counts.
+    pub(crate) const SIZES: Tally = [sizes::<1>(), sizes::<0>()];
+
+    /// How many contacts a batch must have to take less than as many single rows.
+    pub(crate) fn worth(points: usize, group: Group, friction: bool) -> usize {
+        let sizes = &Self::SIZES[usize::from(group.is_static())];
+        let of_friction = |single: usize| {
+            if friction { sizes[FRICTION + 2 * usize::from(group.is_potential()) + single] } else { 0 }
+        };
+        let single = sizes[4] + of_friction(1) + size_of::<BatchRef>();
+        (sizes[points - 1] + of_friction(0)).div_ceil(single)
+    }
+
+    /// Bytes of so many: of batches and of friction.
+    fn bytes_of(tally: &Tally) -> [usize; 2] {
+        let of = |range: std::ops::Range<usize>| {
+            let side =
+                |side: usize| range.clone().map(|i| tally[side][i] * Self::SIZES[side][i]).sum::<usize>();
+            side(0) + side(1)
+        };
+        [of(0..FRICTION), of(FRICTION..KINDS)]
+    }
+
+    /// Makes exactly the place that is lacking for so many; if need be, out of what the other has beyond it. Says whether
+    /// there is room for all.
+    pub(crate) fn make_place(&mut self, wanted: &Tally, room: &mut Room) -> bool {
+        let [batches, friction] = Self::bytes_of(wanted);
+        let lacking = self.batches.missing(batches) + self.friction.missing(friction);
+        let spare = self.batches.spare(batches) + self.friction.spare(friction);
+        if lacking > room.left().saturating_add(spare) {
+            return false;
+        }
+        if lacking > room.left() {
+            // Nothing is kept in them from step to step.
+            room.give(spare);
+            self.batches.shrink(batches);
+            self.friction.shrink(friction);
+        }
+        room.take(lacking);
+        self.batches.widen(batches);
+        self.friction.widen(friction);
+        true
+    }
+
+    /// Makes so many, for which there is place or room without end.
+    pub(crate) fn resize(&mut self, wanted: &Tally, room: &mut Room) {
+        self.tally = *wanted;
+        let [batches, friction] = Self::bytes_of(wanted);
+        self.batches.fit(batches, room);
+        self.friction.fit(friction, room);
+    }
+
+    /// Whether contacts rub from now on; if not, the place of friction is given back.
+    pub(crate) fn set_rubs(&mut self, rubs: bool) {
+        if self.rubs != rubs {
+            (self.rubs, self.friction) = (rubs, Slab::default());
+            self.tally.iter_mut().for_each(|side| side[FRICTION..].fill(0));
+        }
+    }
+
+    /// Whether there may be friction.
+    pub(crate) fn rubs(&self) -> bool {
+        self.rubs
+    }
+
+    /// How many contacts found no colour.
+    pub(crate) fn uncoloured(&self) -> usize {
+        self.tally.iter().map(|side| side[FRICTION - 1]).sum()
+    }
+
+    /// All of them, for several threads; and the order in which they are worked through.
+    pub(crate) fn views(&mut self) -> Views<'_> {
+        let (rubs, batches, friction) = (self.rubs, &mut self.batches.cut(), &mut self.friction.cut());
+        let [two, one] = &self.tally;
+        // What has eight lanes comes first, because of its alignment.
+        let two_lanes = Lanes8::cut(rubs, two, batches, friction);
+        let one_lanes = Lanes8::cut(rubs, one, batches, friction);
+        Views {
+            two: Side { lanes: two_lanes, single: Single::cut(rubs, two, batches, friction) },
+            one: Side { lanes: one_lanes, single: Single::cut(rubs, one, batches, friction) },
+            schedule: &self.schedule,
+            stages: &self.stages,
+            seated: &self.seated,
+            surfaces: &self.surfaces,
+        }
+    }
+
+    /// Bytes that so many batches of one to four points take in stages, where there are none yet: of bodies that move, and of
+    /// those with what is static.
+    pub(crate) fn missing(&self, batches: [[usize; 4]; 2], stages: usize, friction: bool) -> usize {
+        let mut tally = Tally::default();
+        for (side, batches) in tally.iter_mut().zip(batches) {
+            side[..4].copy_from_slice(&batches);
+            side[FRICTION] = if friction { batches.iter().sum() } else { 0 };
+        }
+        let [rows, friction] = Self::bytes_of(&tally);
+        let lists = self.schedule.missing(batches.iter().flatten().sum()) + self.stages.missing(stages);
+        self.batches.missing(rows) + self.friction.missing(friction) + lists
+    }
+
+    /// Nothing is left of the last step but memory.
+    fn clear(&mut self) {
+        self.tally = Tally::default();
+        self.schedule.clear();
+        self.stages.clear();
+        self.seated.clear();
+        self.surfaces.clear();
+    }
+
+    /// The memory of batches, which are gone with it.
+    pub(crate) fn lend(&mut self) -> Slab {
+        self.clear();
+        std::mem::take(&mut self.batches)
+    }
+
+    /// Gives back so many bytes of batches, which are gone, but for what one point of each of so many contacts will take. Says how
+    /// many bytes it were.
+    pub(crate) fn give_up(&mut self, bytes: usize, contacts: usize) -> usize {
+        self.clear();
+        let (before, least) = (self.batches.bytes(0).1, contacts * Self::SIZES[0][0] / 8);
+        self.batches.shrink(before.saturating_sub(bytes).max(least));
+        before - self.batches.bytes(0).1
+    }
+
+    /// Takes it back, larger or smaller.
+    pub(crate) fn take_back(&mut self, batches: Slab) {
+        self.batches = batches;
+    }
+
+    /// Reserved bytes of friction.
+    pub(crate) fn friction_bytes(&self) -> usize {
+        self.friction.bytes(0).1
+    }
+
+    /// Live and reserved bytes.
+    pub(crate) fn bytes(&self) -> (usize, usize) {
+        let [batches, friction] = Self::bytes_of(&self.tally);
+        [
+            self.batches.bytes(batches),
+            self.friction.bytes(friction),
+            bytes_of(&self.schedule),
+            bytes_of(&self.stages),
+            bytes_of(&self.seated),
+            bytes_of(&self.surfaces),
+        ]
+        .into_iter()
+        .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
+    }
+}
+
+/// All batches of a step, for several threads.
+pub(crate) struct Views<'a> {
+    /// Of groups in which both bodies may move, and of those with what is static.
+    pub(crate) two: Side<'a, 1>,
+    pub(crate) one: Side<'a, 0>,
+    pub(crate) schedule: &'a [BatchRef],
+    pub(crate) stages: &'a [Stage],
+    pub(crate) seated: &'a [Seated],
+    pub(crate) surfaces: &'a [Surface],
+}
+
+/// See [`Batch`] for what `B` is.
+pub(crate) struct Side<'a, const B: usize> {
+    pub(crate) lanes: Lanes8<'a, B>,
+    pub(crate) single: Single<'a, B>,
+}
+
+/// Batches of eight lanes, by their points.
+pub(crate) struct Lanes8<'a, const B: usize> {
+    pub(crate) p1: Shared<'a, Batch<f32x8, 1, B>>,
+    pub(crate) p2: Shared<'a, Batch<f32x8, 2, B>>,
+    pub(crate) p3: Shared<'a, Batch<f32x8, 3, B>>,
+    pub(crate) p4: Shared<'a, Batch<f32x8, 4, B>>,
+    pub(crate) friction: FrictionView<'a, f32x8, B>,
+}
+
+/// Batches of one lane: contacts that found no colour, or of a tree that has no like.
+pub(crate) struct Single<'a, const B: usize> {
+    pub(crate) all: Shared<'a, Batch<f32, 4, B>>,
+    pub(crate) friction: FrictionView<'a, f32, B>,
+}
+
+impl<'a, const B: usize> Lanes8<'a, B> {
+    fn cut(rubs: bool, count: &[usize; KINDS], batches: &mut Cut<'a>, friction: &mut Cut<'a>) -> Self {
+        Lanes8 {
+            p1: Shared::new(batches.next(count[0])),
+            p2: Shared::new(batches.next(count[1])),
+            p3: Shared::new(batches.next(count[2])),
+            p4: Shared::new(batches.next(count[3])),
+            friction: FrictionView::new(rubs, friction.next(count[5]), friction.next(count[7])),
+        }
+    }
+}
+
+impl<'a, const B: usize> Single<'a, B> {
+    fn cut(rubs: bool, count: &[usize; KINDS], batches: &mut Cut<'a>, friction: &mut Cut<'a>) -> Self {
+        Single {
+            all: Shared::new(batches.next(count[4])),
+            friction: FrictionView::new(rubs, friction.next(count[6]), friction.next(count[8])),
+        }
+    }
+}
+
+/// Calls `$body` with the batch that is meant, of [`Views`] and a group, and the friction of its sort: one copy of it for each
+/// sort of batch. `$body` may ask for the batch once, under the contract of [`Shared::get`].
+macro_rules! with_batch {
+    ($views:expr, $group:expr, $of:expr, |$batch:ident, $friction:ident| $body:expr) => {
+        if $group.is_static() {
+            $crate::constraint::with_batch!(@ $views.one, $of, $batch, $friction, $body)
+        } else {
+            $crate::constraint::with_batch!(@ $views.two, $of, $batch, $friction, $body)
+        }
+    };
+    (@ $side:expr, $of:expr, $batch:ident, $friction:ident, $body:expr) => {{
+        let (i, lanes) = ($of.index as usize, &$side.lanes);
+        let $friction = &lanes.friction;
+        match $of.points {
+            1 => { let $batch = lanes.p1.get(i); $body }
+            2 => { let $batch = lanes.p2.get(i); $body }
+            3 => { let $batch = lanes.p3.get(i); $body }
+            4 => { let $batch = lanes.p4.get(i); $body }
+            _ => {
+                let ($batch, $friction) = ($side.single.all.get(i), &$side.single.friction);
+                $body
+            }
+        }
+    }};
+}
+pub(crate) use with_batch;

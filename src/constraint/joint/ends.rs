@@ -1,0 +1,398 @@
+//! What all rows of joints have: two bodies a lane, and how these turn within a step.
+
+use crate::constraint::contact::batch::unlocked;
+use crate::constraint::contact::row::{Motion, Pair, Softness};
+use crate::lanes::{GatherLanes, Lanes, Mask, Record, Sym3, Vec3, scatter};
+use crate::threads::Shared;
+use std::f32::consts::PI;
+
+/// The fastest that an error of a joint is taken back.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Recovery {
+    /// Of lengths [m/s].
+    pub(crate) linear: f32,
+    /// Of angles [rad/s]: the same at any length unit.
+    pub(crate) angular: f32,
+}
+
+/// What a pass over the rows of joints uses.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct JointPass {
+    /// 1 / substep [1/s].
+    pub(crate) inverse_h: f32,
+    pub(crate) softness: Softness,
+    pub(crate) recovery: Recovery,
+    /// Bodies were moved since the rows were last looked at.
+    pub(crate) moved: bool,
+    /// Nothing was solved since: what acted turns along.
+    pub(crate) fresh: bool,
+    /// What errors added to the velocities is taken out again.
+    pub(crate) relax: bool,
+}
+
+impl JointPass {
+    /// For velocities where bodies are.
+    pub(crate) fn relaxing(inverse_h: f32) -> JointPass {
+        let softness = Softness::RIGID;
+        JointPass {
+            inverse_h,
+            softness,
+            recovery: Recovery::default(),
+            moved: false,
+            fresh: false,
+            relax: true,
+        }
+    }
+
+    /// Speed per error [1/s], and how much of the impulse is applied and given up.
+    #[inline(always)]
+    pub(crate) fn numbers<L: Lanes>(&self) -> (L, L, L) {
+        let Softness { bias_rate, mass_scale, impulse_scale, .. } = self.softness;
+        let (rate, scale, give) =
+            if self.relax { (0.0, 1.0, 0.0) } else { (bias_rate, mass_scale, impulse_scale) };
+        (L::splat(rate), L::splat(scale), L::splat(give))
+    }
+}
+
+/// A batch whose impulses go back to where they came from.
+pub(crate) trait Owned {
+    /// What a lane has to tell.
+    type Load;
+    fn owners(&self) -> &[u32; 8];
+    fn load(&self, lane: usize) -> Self::Load;
+}
+
+/// Instead of an index: an inert lane.
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// The bodies of up to eight rows, no dynamic one of them twice.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub(crate) struct Ends<L> {
+    /// [1/kg]
+    pub(crate) inverse_mass: [L; 2],
+    pub(crate) inverse_inertia: [Sym3<L>; 2],
+    /// Indices of the records; an inert lane repeats lane 0.
+    pub(crate) body: [[u32; 8]; 2],
+    /// Bit per lane: the body may be written.
+    pub(crate) write: [u32; 2],
+    /// Axes along which the bodies are locked: see [`unlocked`].
+    pub(crate) locks: [u32; 2],
+    /// Where the impulses go back to.
+    pub(crate) owner: [u32; 8],
+}
+
+impl<L: Lanes> Default for Ends<L> {
+    #[inline(always)]
+    fn default() -> Self {
+        Ends {
+            // Of something, so that an inert lane has numbers too.
+            inverse_mass: [L::one(), L::zero()],
+            inverse_inertia: [Sym3::default(); 2],
+            body: [[0; 8]; 2],
+            write: [0; 2],
+            locks: [0; 2],
+            owner: [NONE; 8],
+        }
+    }
+}
+
+impl<L: GatherLanes> Ends<L> {
+    /// # Safety
+    /// As for [`Pair::load`].
+    #[inline(always)]
+    pub(crate) unsafe fn load(&self, records: &Shared<'_, Record>) -> Pair<L> {
+        // SAFETY: by the contract.
+        unsafe { Pair::load_bodies(&self.body[0], Some(&self.body[1]), records) }
+    }
+
+    /// # Safety
+    /// As for [`Pair::load`].
+    #[inline(always)]
+    pub(crate) unsafe fn save(&self, v: &Pair<L>, motion: &Motion<'_, '_>) {
+        // SAFETY: by the contract.
+        unsafe {
+            let [a, b] = [0, 1].map(|i| (&self.body[i], self.write[i]));
+            v.save_bodies(a, Some(b), motion.velocity)
+        }
+    }
+
+    /// Writes displacements. What is said beside them stays as it is.
+    ///
+    /// # Safety
+    /// As for [`Pair::load`], of displacements.
+    #[inline(always)]
+    pub(crate) unsafe fn save_moved(&self, d: &Pair<L>, motion: &Motion<'_, '_>) {
+        for (side, out) in [scatter(d.va, d.wa), scatter(d.vb, d.wb)].into_iter().enumerate() {
+            for lane in (0..L::N).filter(|lane| self.write[side] >> lane & 1 != 0) {
+                // SAFETY: by the contract.
+                let to = unsafe { motion.delta.get(self.body[side][lane] as usize) };
+                (to.linear, to.angular) = (out[lane].linear, out[lane].angular);
+            }
+        }
+    }
+
+    /// Applies an impulse on the second body, its opposite on the first, and angular impulses: the one is taken from the
+    /// first, the other given to the second.
+    #[inline(always)]
+    pub(crate) fn apply(&self, v: &mut Pair<L>, p: Vec3<L>, ta: Vec3<L>, tb: Vec3<L>) {
+        let [on_a, on_b] = self.moving(p);
+        v.va -= on_a * self.inverse_mass[0];
+        v.wa -= self.inverse_inertia[0].mul(ta);
+        v.vb += on_b * self.inverse_mass[1];
+        v.wb += self.inverse_inertia[1].mul(tb);
+    }
+
+    /// What of an impulse on both bodies moves each of them.
+    #[inline(always)]
+    pub(crate) fn moving(&self, p: Vec3<L>) -> [Vec3<L>; 2] {
+        if self.locks == [0; 2] { [p; 2] } else { self.locks.map(|locks| unlocked(locks, p)) }
+    }
+
+    /// Angular velocity of the second body, as seen from the first, per angular impulse [1/(kg m²)].
+    #[inline(always)]
+    pub(crate) fn turning(&self) -> Sym3<L> {
+        let [a, b] = &self.inverse_inertia;
+        // Of bodies that don't turn some directions may be missing.
+        let tiny = (a.xx + a.yy + a.zz + b.xx + b.yy + b.zz) * L::splat(TINY);
+        Sym3 {
+            xx: a.xx + b.xx + tiny,
+            yy: a.yy + b.yy + tiny,
+            zz: a.zz + b.zz + tiny,
+            xy: a.xy + b.xy,
+            xz: a.xz + b.xz,
+            yz: a.yz + b.yz,
+        }
+    }
+
+    /// How much an impulse along a lever changes the speed along it [1/kg] or [1/(kg m²)].
+    #[inline(always)]
+    pub(crate) fn mobility(&self, lever: &Lever<L>) -> L {
+        let [ta, tb] = lever.moments();
+        let [on_a, on_b] = self.moving(lever.force);
+        on_a.length_squared() * self.inverse_mass[0]
+            + on_b.length_squared() * self.inverse_mass[1]
+            + ta.dot(self.inverse_inertia[0].mul(ta))
+            + tb.dot(self.inverse_inertia[1].mul(tb))
+    }
+
+    /// The same without a linear part.
+    #[inline(always)]
+    pub(crate) fn turn(&self, v: &mut Pair<L>, t: Vec3<L>) {
+        v.wa -= self.inverse_inertia[0].mul(t);
+        v.wb += self.inverse_inertia[1].mul(t);
+    }
+}
+
+/// A direction in which two bodies move and are pushed: a force on the second body at a point, the opposite one on the first
+/// at the same point, and a torque.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lever<L> {
+    pub(crate) force: Vec3<L>,
+    pub(crate) torque: Vec3<L>,
+    /// From each centre of mass to the point, which is the second body's [m].
+    pub(crate) arm: [Vec3<L>; 2],
+}
+
+impl<L: Lanes> Lever<L> {
+    pub(crate) fn zero() -> Self {
+        Lever { force: Vec3::zero(), torque: Vec3::zero(), arm: [Vec3::zero(); 2] }
+    }
+    /// Torques about the centres of mass, the first body's with its sign turned round.
+    #[inline(always)]
+    pub(crate) fn moments(&self) -> [Vec3<L>; 2] {
+        self.arm.map(|arm| self.torque + arm.cross(self.force))
+    }
+}
+
+impl<L: GatherLanes> Lever<L> {
+    /// How fast the bodies move along it.
+    #[inline(always)]
+    pub(crate) fn speed(&self, v: &Pair<L>) -> L {
+        self.force.dot(seen(v, &self.arm, L::zero())) + self.torque.dot(v.wb - v.wa)
+    }
+}
+
+/// How a body turns in a time: what of the velocity of a point on it is left in the mean, and how much of its acceleration adds
+/// to that [s].
+///
+/// Joints hold where bodies go, at the end of the substep: what is solved where they are would be `(w h)² r / 2` wide of it
+/// after each. Together with relaxing, which holds velocities where bodies are then, this is RATTLE (Andersen, 1983): no energy
+/// is lost on a curved path. What turns by a radian in a substep, which is what rows ask for that can't be met, is taken as it is
+/// at the start.
+#[inline(always)]
+pub(crate) fn mean_of<L: Lanes>(w: Vec3<L>, h: L) -> (L, L) {
+    let x = (w.length_squared() * (h * h)).min(L::splat(4.0));
+    let some = (L::one() - x * x).max(L::zero());
+    let sine = L::one() - x * some * L::splat(1.0 / 6.0);
+    let cosine = some * (L::splat(0.5) - x * L::splat(1.0 / 24.0));
+    (sine, cosine * h)
+}
+
+/// What the velocity of a point at an arm has in the mean over a time beside what it has now, of a body that goes on turning.
+#[inline(always)]
+pub(crate) fn bend<L: Lanes>(w: Vec3<L>, arm: Vec3<L>, h: L) -> Vec3<L> {
+    let (sine, cosine) = mean_of(w, h);
+    let round = w.cross(arm);
+    round * (sine - L::one()) + w.cross(round * cosine)
+}
+
+/// The velocity of a point at an arm in the mean over a time.
+#[inline(always)]
+pub(crate) fn mean<L: Lanes>(v: Vec3<L>, w: Vec3<L>, arm: Vec3<L>, h: L) -> Vec3<L> {
+    let (sine, cosine) = mean_of(w, h);
+    let round = w.cross(arm);
+    v + round * sine + w.cross(round * cosine)
+}
+
+/// The velocity of the second body's point as seen from the first, which turns, in the mean over a time in which both go on
+/// as they do. The arms are both to that point.
+#[inline(always)]
+pub(crate) fn seen<L: GatherLanes>(v: &Pair<L>, [at, rb]: &[Vec3<L>; 2], h: L) -> Vec3<L> {
+    let (sine, cosine) = mean_of(v.wa, h);
+    let speed = mean(v.vb, v.wb, *rb, h) - v.va;
+    // From where the point will be: back by what the first body turns.
+    let (before, way) = (v.wa.cross(*at), v.wa.cross(speed * h));
+    speed - (before + way) * sine + v.wa.cross((before + way) * cosine)
+}
+
+/// What an axis does beside turning with its body's angular velocity, in the mean over a time: about itself a body spins, and two that share an axis at different spins would
+/// leave it in different directions.
+#[inline(always)]
+pub(crate) fn swerve<L: Lanes>(w: Vec3<L>, axis: Vec3<L>, h: L) -> Vec3<L> {
+    axis.cross(w) * (axis.dot(w) * mean_of(w, h).1)
+}
+
+/// A vector turned by a rotation vector.
+#[inline(always)]
+pub(crate) fn turned<L: Lanes>(by: Vec3<L>, v: Vec3<L>) -> Vec3<L> {
+    // Twice by half the angle: of that, the sine and the cosine as series, good for half a turn of it.
+    let mut half = by * L::splat(0.5);
+    if half.length_squared().gt(L::splat(10.0)).any() {
+        half = without_whole_turns(half);
+    }
+    let x = half.length_squared();
+    let sine =
+        half * series(x, [1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0, -1.0 / 39_916_800.0]);
+    let less = [0.5, -1.0 / 24.0, 1.0 / 720.0, -1.0 / 40_320.0, 1.0 / 3_628_800.0, -1.0 / 479_001_600.0];
+    let cosine = L::one() - x * series(x, less);
+    let once = sine.cross(v);
+    let once = once + once;
+    v + once * cosine + sine.cross(once)
+}
+
+/// Half of a rotation vector, less whole turns.
+#[cold]
+fn without_whole_turns<L: Lanes>(half: Vec3<L>) -> Vec3<L> {
+    let length = half.length();
+    let length = L::select(length.gt(L::zero()), length, L::one());
+    // In `f32` nothing is left of a fraction after that is added.
+    let whole = L::splat(1.5 * (1 << 23) as f32);
+    let turns = (length * L::splat(1.0 / PI) + whole) - whole;
+    half * (L::one() - turns * L::splat(PI) / length)
+}
+
+#[inline(always)]
+fn series<L: Lanes>(x: L, [c0, c1, c2, c3, c4, c5]: [f32; 6]) -> L {
+    let rest = L::splat(c2) + x * (L::splat(c3) + x * (L::splat(c4) + x * L::splat(c5)));
+    L::splat(c0) + x * (L::splat(c1) + x * rest)
+}
+
+impl JointPass {
+    /// The time over which the motion of bodies is looked at: none when relaxing, for velocities where bodies are.
+    #[inline(always)]
+    pub(crate) fn ahead<L: Lanes>(&self) -> L {
+        L::splat(if self.relax { 0.0 } else { 1.0 / self.inverse_h })
+    }
+
+    /// The velocity that takes back an error of lengths.
+    #[inline(always)]
+    pub(crate) fn linear_bias<L: Lanes>(&self, apart: Vec3<L>, rate: L) -> Vec3<L> {
+        bias(apart, rate, self.recovery.linear)
+    }
+
+    /// The angular velocity that takes back an error of angles.
+    #[inline(always)]
+    pub(crate) fn angular_bias<L: Lanes>(&self, error: Vec3<L>, rate: L) -> Vec3<L> {
+        bias(error, rate, self.recovery.angular)
+    }
+}
+
+#[inline(always)]
+fn bias<L: Lanes>(error: Vec3<L>, rate: L, most: f32) -> Vec3<L> {
+    let (speed, most) = (error.length() * rate, L::splat(most));
+    error * (rate * L::select(speed.gt(most), most / speed, L::one()))
+}
+
+/// One over the power of two at or below the greatest on a diagonal without negatives. What is multiplied by it has a determinant
+/// that is a number, whatever the scale of its masses, and not a bit is rounded otherwise; 1 if all are next to nothing.
+#[inline(always)]
+fn to_unit<L: Lanes>(most: L) -> L {
+    let power = most.power_of_two();
+    let some = power.gt(L::zero());
+    L::select(some, L::one() / L::select(some, power, L::one()), L::one())
+}
+
+/// The inverse of a symmetric matrix without negative eigenvalues; zero if it has none, or nearly none.
+#[inline(always)]
+pub(crate) fn inverse<L: Lanes>(m: &Sym3<L>) -> Sym3<L> {
+    let unit = to_unit(m.xx.max(m.yy).max(m.zz));
+    let m = m.scaled(unit);
+    let xx = m.yy * m.zz - m.yz * m.yz;
+    let xy = m.xz * m.yz - m.xy * m.zz;
+    let xz = m.xy * m.yz - m.xz * m.yy;
+    let det = m.xx * xx + m.xy * xy + m.xz * xz;
+    let some = det.gt(L::zero());
+    let scale = L::select(some, L::one() / L::select(some, det, L::one()), L::zero());
+    Sym3 {
+        xx: xx * scale,
+        yy: (m.xx * m.zz - m.xz * m.xz) * scale,
+        zz: (m.xx * m.yy - m.xy * m.xy) * scale,
+        xy: xy * scale,
+        xz: xz * scale,
+        yz: (m.xy * m.xz - m.xx * m.yz) * scale,
+    }
+    .scaled(unit)
+}
+
+/// The inverse of a symmetric matrix across an axis, zero along it.
+#[inline(always)]
+pub(crate) fn across<L: Lanes>(m: &Sym3<L>, axis: Vec3<L>) -> Sym3<L> {
+    let (t, s) = axis.tangents();
+    let (mt, ms) = (m.mul(t), m.mul(s));
+    let (a, b, d) = (t.dot(mt), t.dot(ms), s.dot(ms));
+    let unit = to_unit(a.max(d));
+    let (a, b, d) = (a * unit, b * unit, d * unit);
+    let det = a * d - b * b;
+    let some = det.gt(L::zero());
+    let over = L::select(some, unit / L::select(some, det, L::one()), L::zero());
+    // inverse · (t, s), and the outer products of it with t and s.
+    let (p, q) = ((t * d - s * b) * over, (s * a - t * b) * over);
+    Sym3 {
+        xx: p.x * t.x + q.x * s.x,
+        yy: p.y * t.y + q.y * s.y,
+        zz: p.z * t.z + q.z * s.z,
+        xy: p.x * t.y + q.x * s.y,
+        xz: p.x * t.z + q.x * s.z,
+        yz: p.y * t.z + q.y * s.z,
+    }
+}
+
+/// Of the trace of a matrix: keeps one with missing directions from having no inverse, and changes no other.
+pub(crate) const TINY: f32 = 1e-6;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn vectors_turn_as_by_quaternions() {
+        let (axis, v) = (glam::vec3(0.6, -0.48, 0.64), glam::vec3(1.0, -2.0, 0.5));
+        for angle in [0.0, 1e-4, 0.5, 2.0, 3.1, 6.0, 6.4, 20.0, -100.0] {
+            let expected = glam::Quat::from_axis_angle(axis, angle) * v;
+            let turned = turned::<f32>(Vec3::splat(axis * angle), Vec3::splat(v)).lane(0);
+            // Of the series, at half a turn of half the angle: 3e-4 in the sine.
+            assert!((turned - expected).length() < 3e-3, "{angle}: {turned} {expected}");
+        }
+    }
+}

@@ -1,0 +1,394 @@
+//! What is in the batches of joints in a step: where bodies are, how heavy, and the impulses of the step before.
+
+use super::arrange::JointInput;
+use super::ends::{Ends, Lever, NONE, across, inverse};
+use super::line::LineBatch;
+use super::lock::{PointBatch, TurnBatch, mobility};
+use super::measure::Measure;
+use super::row::RowBatch;
+use crate::constraint::articulation::cut::Motor;
+use crate::constraint::articulation::tree::{ALONE, Node, TOUCHING, TreeBatch};
+use crate::constraint::contact::batch::lock_bits;
+use crate::joint::{Axes, Axis, Joint, LockKind, Motion, Placed, RowKind};
+use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
+use std::f32::consts::TAU;
+
+pub(crate) fn put<L: Lanes>(v: &mut Vec3<L>, lane: usize, value: glam::Vec3) {
+    v.x.set_lane(lane, value.x);
+    v.y.set_lane(lane, value.y);
+    v.z.set_lane(lane, value.z);
+}
+
+/// Enters a joint's bodies into a lane and says where its frames are.
+fn place<L: Lanes>(
+    ends: &mut Ends<L>,
+    lane: usize,
+    owner: u32,
+    joint: &Joint,
+    input: &JointInput<'_>,
+) -> Placed {
+    let bodies = input.bodies;
+    let (dynamic, movers) = (bodies.dynamic(), bodies.movers());
+    let dense = joint.bodies.map(|slot| bodies.slots.dense(slot) as usize);
+    for (side, &i) in dense.iter().enumerate() {
+        // What stands still has the record after all that move, which is zero.
+        ends.body[side][lane] = i.min(movers) as u32;
+        let pushed = i < dynamic;
+        ends.write[side] |= u32::from(pushed) << lane;
+        ends.inverse_mass[side].set_lane(lane, if pushed { bodies.mass[i].inverse } else { 0.0 });
+        if pushed && bodies.locked > 0 {
+            ends.locks[side] |= lock_bits(bodies.traits[i].locks, lane);
+        }
+        let inertia = if pushed { input.inverse_inertia[i] } else { Sym3::default() };
+        put_sym(&mut ends.inverse_inertia[side], lane, &inertia);
+    }
+    ends.owner[lane] = owner;
+    Placed::new(dense.map(|i| &bodies.pose[i]), &joint.frames)
+}
+
+/// Inert lanes repeat the bodies of the first.
+fn close<L: Lanes>(ends: &mut Ends<L>) {
+    for side in 0..2 {
+        for lane in 1..8 {
+            if ends.owner[lane] == NONE {
+                ends.body[side][lane] = ends.body[side][0];
+            }
+        }
+    }
+}
+
+pub(crate) fn point<L: GatherLanes>(batch: &mut PointBatch<L>, owners: &[u32], input: &JointInput<'_>) {
+    *batch = PointBatch::default();
+    for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
+        let lock = &input.joints.locks[owner as usize];
+        let at = place(&mut batch.ends, lane, owner, &input.joints.all[lock.joint as usize], input);
+        put(&mut batch.impulse, lane, lock.impulse * input.warm);
+        put(&mut batch.held, lane, lock.impulse.normalize_or_zero() * (lock.held * input.warm));
+        put(&mut batch.arm[0], lane, at.arm[0]);
+        put(&mut batch.arm[1], lane, at.arm[1]);
+        put(&mut batch.apart, lane, at.apart);
+    }
+    close(&mut batch.ends);
+    (batch.arm_now, batch.apart_now) = (batch.arm, batch.apart);
+    batch.moment = [0, 1].map(|side| batch.arm[side].cross(batch.impulse));
+    batch.mass = inverse(&mobility(&batch.ends, &batch.arm));
+}
+
+pub(crate) fn get_sym<L: Lanes>(m: &Sym3<L>, lane: usize) -> Sym3<f32> {
+    let Sym3 { xx, yy, zz, xy, xz, yz } = *m;
+    let [xx, yy, zz, xy, xz, yz] = [xx, yy, zz, xy, xz, yz].map(|x| x.lane(lane));
+    Sym3 { xx, yy, zz, xy, xz, yz }
+}
+
+pub(crate) fn line<L: GatherLanes>(batch: &mut LineBatch<L>, owners: &[u32], input: &JointInput<'_>) {
+    *batch = LineBatch::default();
+    for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
+        let lock = &input.joints.locks[owner as usize];
+        let LockKind::Line(axis) = lock.kind else { continue };
+        let at = place(&mut batch.ends, lane, owner, &input.joints.all[lock.joint as usize], input);
+        put(&mut batch.impulse, lane, lock.impulse * input.warm);
+        put(&mut batch.held, lane, lock.impulse.normalize_or_zero() * (lock.held * input.warm));
+        put(&mut batch.axis, lane, at.axis(0, axis));
+        put(&mut batch.arm[0], lane, at.arm[0]);
+        put(&mut batch.arm[1], lane, at.arm[1]);
+        put(&mut batch.apart, lane, at.apart);
+    }
+    close(&mut batch.ends);
+    batch.begin();
+}
+
+fn put_sym<L: Lanes>(m: &mut Sym3<L>, lane: usize, v: &Sym3<f32>) {
+    m.xx.set_lane(lane, v.xx);
+    m.yy.set_lane(lane, v.yy);
+    m.zz.set_lane(lane, v.zz);
+    m.xy.set_lane(lane, v.xy);
+    m.xz.set_lane(lane, v.xz);
+    m.yz.set_lane(lane, v.yz);
+}
+
+pub(crate) fn turn<L: GatherLanes, const HINGE: bool>(
+    batch: &mut TurnBatch<L, HINGE>,
+    owners: &[u32],
+    input: &JointInput<'_>,
+) {
+    *batch = TurnBatch::default();
+    for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
+        let lock = &input.joints.locks[owner as usize];
+        let at = place(&mut batch.ends, lane, owner, &input.joints.all[lock.joint as usize], input);
+        let mut impulse = lock.impulse;
+        let error = if let LockKind::Hinge(axis) = lock.kind {
+            let axes = [0, 1].map(|side| at.axis(side, axis));
+            put(&mut batch.axis[0], lane, axes[0]);
+            put(&mut batch.axis[1], lane, axes[1]);
+            // It bears nothing about its axis, which has turned since.
+            impulse -= axes[0] * axes[0].dot(impulse);
+            axes[0].cross(axes[1])
+        } else {
+            at.turn()
+        };
+        put(&mut batch.impulse, lane, impulse * input.warm);
+        put(&mut batch.held, lane, impulse.normalize_or_zero() * (lock.held * input.warm));
+        put(&mut batch.error, lane, error);
+    }
+    close(&mut batch.ends);
+    (batch.axis_now, batch.error_now) = (batch.axis[0], batch.error);
+    let turning = batch.ends.turning();
+    batch.mass = if HINGE { across(&turning, batch.axis_now) } else { inverse(&turning) };
+}
+
+pub(crate) fn row<L: GatherLanes, M: Measure<L>>(
+    batch: &mut RowBatch<L, M>,
+    owners: &[u32],
+    input: &JointInput<'_>,
+) {
+    *batch = RowBatch::default();
+    let h = input.h;
+    let mut placed = [None; 8];
+    for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
+        let row = &input.joints.rows[owner as usize];
+        let at = place(&mut batch.ends, lane, owner, &input.joints.all[row.joint as usize], input);
+        let mut value = batch.measure.place(lane, &at, row.axes);
+        put(&mut batch.arm[0], lane, at.arm[0] + at.apart);
+        put(&mut batch.arm[1], lane, at.arm[1]);
+        placed[lane] = Some(at);
+        if row.motion == Motion::Angular && matches!(row.axes, Axes::One(_)) {
+            // A turn more or less is the same: the one that is nearest to what is asked for.
+            let middle = match row.kind {
+                RowKind::Limit { min, max } | RowKind::Yielding { min, max, .. } => 0.5 * (min + max),
+                RowKind::Drive { position, .. } => position,
+            };
+            if middle.is_finite() {
+                value -= TAU * ((value - middle) / TAU).round();
+            }
+        }
+        batch.value.set_lane(lane, value);
+    }
+    close(&mut batch.ends);
+    batch.begin();
+    for (lane, at) in placed.iter().enumerate() {
+        let Some(at) = at else { continue };
+        let row = &input.joints.rows[owners[lane] as usize];
+        if !row.is_guided() || at.turned_by(row.beside[1]) > AWRY {
+            continue;
+        }
+        let [force, torque] = borne(&batch.ends, &batch.lever, lane, at, &row.beside);
+        put(&mut batch.borne[0], lane, force);
+        put(&mut batch.borne[1], lane, torque);
+    }
+    batch.begin();
+    let mobility = batch.ends.mobility(&batch.lever);
+    for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
+        let row = &input.joints.rows[owner as usize];
+        let mobility = mobility.lane(lane);
+        if mobility <= 0.0 {
+            continue;
+        }
+        let (mut most, mut target) = (f32::INFINITY, 0.0);
+        let (min, max, spring) = match row.kind {
+            RowKind::Limit { min, max } => (min, max, None),
+            RowKind::Yielding { min, max, spring } => (min, max, Some(spring)),
+            RowKind::Drive { position, velocity, spring, max_force } => {
+                (most, target) = (max_force * h, velocity);
+                (position, position, Some(spring))
+            }
+        };
+        let drive = matches!(row.kind, RowKind::Drive { .. });
+        if let Some(spring) = spring {
+            let (mut k, mut c, per_mass) = spring.coefficients();
+            if per_mass {
+                (k, c) = (k / mobility, c / mobility);
+            }
+            let Some([pull, give, speed]) = implicit((k, c), target, h) else { continue };
+            batch.pull.set_lane(lane, pull);
+            batch.give.set_lane(lane, give);
+            batch.speed.set_lane(lane, speed);
+        }
+        batch.most.set_lane(lane, most);
+        batch.min.set_lane(lane, min);
+        batch.max.set_lane(lane, max);
+        batch.drives |= u32::from(drive) << lane;
+        batch.springs |= u32::from(spring.is_some() && !drive) << lane;
+        batch.both |= u32::from(!drive && spring.is_none() && min == max) << lane;
+        batch.held.set_lane(lane, row.held * input.warm);
+        for (impulse, old) in batch.impulse.iter_mut().zip(row.impulse) {
+            impulse.set_lane(lane, old * input.warm);
+        }
+    }
+    batch.resume();
+}
+
+/// Force and torque that a joint's locks add to an impulse of one of its rows, so that it moves nothing that they hold: the row
+/// with the locks of its joint eliminated. Solved for itself, an end stop that is far from the centre of mass turns the body
+/// first, and the weld has to turn it back.
+///
+/// Only for what slides in a fixed direction. Cones and twists on balls are bettered at rest by a tenth, but of six throws of
+/// a hundred figures two had one torn apart (tests/joints/ragdolls.rs, by 2 m and 12 m): trees know their mobility already.
+fn borne<L: GatherLanes>(
+    ends: &Ends<L>,
+    lever: &Lever<L>,
+    lane: usize,
+    at: &Placed,
+    beside: &[Option<LockKind>; 2],
+) -> [glam::Vec3; 2] {
+    let inertia = [0, 1].map(|side| {
+        let Sym3 { xx, yy, zz, xy, xz, yz } = ends.inverse_inertia[side];
+        let [xx, yy, zz, xy, xz, yz] = [xx, yy, zz, xy, xz, yz].map(|x| x.lane(lane));
+        glam::Mat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz])
+    });
+    let moving = ends.moving(Vec3::splat(glam::Vec3::ONE)).map(|on| on.lane(lane));
+    let mass = moving[0] * ends.inverse_mass[0].lane(lane) + moving[1] * ends.inverse_mass[1].lane(lane);
+    let arm = lever.arm.map(|arm| arm.lane(lane));
+    // What the force and torque of one change along another.
+    let moments = |[f, t]: [glam::Vec3; 2]| arm.map(|arm| t + arm.cross(f));
+    let change = |a: [glam::Vec3; 2], b: [glam::Vec3; 2]| {
+        let (m, n) = (moments(a), moments(b));
+        (mass * a[0]).dot(b[0]) + m[0].dot(inertia[0] * n[0]) + m[1].dot(inertia[1] * n[1])
+    };
+    let own = [lever.force.lane(lane), lever.torque.lane(lane)];
+    let zero = glam::Vec3::ZERO;
+    // The directions of the locks, each less what it has of those before it, and what is left of the row.
+    let (mut locks, mut count) = ([([zero; 2], 0.0); 6], 0);
+    let less = |mut v: [glam::Vec3; 2], locks: &[([glam::Vec3; 2], f32)]| {
+        for (lock, mobility) in locks {
+            let share = change(v, *lock) / mobility;
+            v = [v[0] - lock[0] * share, v[1] - lock[1] * share];
+        }
+        v
+    };
+    for kind in beside.iter().flatten() {
+        for axis in Axis::ALL {
+            let n = at.axis(0, axis);
+            let direction = match kind {
+                LockKind::Line(free) | LockKind::Hinge(free) if *free == axis => continue,
+                LockKind::Line(_) | LockKind::Point => [n, zero],
+                LockKind::Hinge(_) | LockKind::Weld => [zero, n],
+            };
+            let rest = less(direction, &locks[..count]);
+            let mobility = change(rest, rest);
+            // What can't move, or is locked already, adds nothing.
+            if mobility > GONE * change(direction, direction) {
+                locks[count] = (rest, mobility);
+                count += 1;
+            }
+        }
+    }
+    let rest = less(own, &locks[..count]);
+    // What is locked and driven at the same time is left to fight.
+    if change(rest, rest) > GONE * change(own, own) {
+        [rest[0] - own[0], rest[1] - own[1]]
+    } else {
+        [zero; 2]
+    }
+}
+
+/// Rotation is locked no longer where it is off by more than this [rad].
+const AWRY: f32 = 0.05;
+/// Share of a mobility below which nothing is left but rounding.
+const GONE: f32 = 1e-4;
+
+/// `touching`: dynamic bodies that have contacts.
+pub(crate) fn tree<L: GatherLanes>(
+    batch: &mut TreeBatch<L>,
+    input: &JointInput<'_>,
+    inverse_inertia: &[Sym3<f32>],
+    touching: &[bool],
+) {
+    let mut share = [ALONE; 8];
+    let bodies = input.bodies;
+    let (dynamic, movers) = (bodies.dynamic(), bodies.movers());
+    for node in &mut batch.nodes {
+        let side = usize::from(node.side);
+        // Of something, so that an inert lane has numbers too.
+        let mut own_inverse = Sym3 { xx: L::one(), yy: L::one(), zz: L::one(), ..Sym3::default() };
+        for (lane, share) in share.iter_mut().enumerate().take(L::N) {
+            let owner = node.owner[lane];
+            if owner == NONE {
+                (node.body[lane], node.anchor[lane]) = (node.body[0], node.anchor[0]);
+                continue;
+            }
+            let lock = &input.joints.locks[owner as usize];
+            let joint = &input.joints.all[lock.joint as usize];
+            let dense = joint.bodies.map(|slot| bodies.slots.dense(slot) as usize);
+            let (own, other) = (dense[side], dense[1 - side]);
+            node.body[lane] = own as u32;
+            // Only a root's is looked at.
+            node.anchor[lane] = if other < dynamic { own } else { other.min(movers) } as u32;
+            node.write |= 1 << lane;
+            if touching[own] {
+                *share = TOUCHING;
+            }
+            let inverse = bodies.mass[own].inverse;
+            node.inverse_mass.set_lane(lane, inverse);
+            put_sym(&mut own_inverse, lane, &inverse_inertia[own]);
+            let (mass, drift) = (&bodies.mass[own], &mut node.drift);
+            drift.moments.put(lane, bodies.pose[own].rotation, mass.inertia, mass.inverse_inertia);
+            let pull = input.acceleration.get(own).map_or(glam::Vec3::ZERO, |pull| pull.linear);
+            put(&mut drift.pull, lane, pull);
+            put(&mut node.velocity.angular, lane, bodies.velocity[own].angular);
+            if node.jointed {
+                let at = Placed::new(dense.map(|i| &bodies.pose[i]), &joint.frames);
+                let sign = if side == 1 { 1.0 } else { -1.0 };
+                put(&mut node.arm[0], lane, at.arm[side]);
+                put(&mut node.arm[1], lane, at.arm[1 - side]);
+                put(&mut node.apart, lane, at.apart * sign);
+                put(&mut node.impulse, lane, lock.impulse * (sign * input.warm));
+                node.steady.set_lane(lane, lock.steady * input.warm);
+                if node.turn_owner[lane] != NONE {
+                    let lock = &input.joints.locks[node.turn_owner[lane] as usize];
+                    put(&mut node.twist, lane, lock.impulse * (sign * input.warm));
+                    if let LockKind::Hinge(axis) = lock.kind {
+                        let axes = [at.axis(side, axis), at.axis(1 - side, axis)];
+                        put(&mut node.axis[0], lane, axes[0]);
+                        put(&mut node.axis[1], lane, axes[1]);
+                        put(&mut node.error, lane, axes[1].cross(axes[0]));
+                    } else {
+                        put(&mut node.error, lane, at.turn() * sign);
+                    }
+                }
+            }
+        }
+        node.inertia = inverse(&own_inverse);
+    }
+    let nodes = &batch.nodes;
+    batch.extra.motors.iter_mut().for_each(|motor| fill_motor(motor, &nodes[motor.node as usize], input));
+    batch.share = L::load(&share);
+    batch.begin(input.h, input.unit);
+    batch.look_back(&input.joints.locks);
+}
+
+/// Of a spring and a damper over a substep: speed asked for per displacement, what they yield per impulse, and the speed asked
+/// for beside that; none if there is neither.
+fn implicit((k, c): (f32, f32), target: f32, h: f32) -> Option<[f32; 3]> {
+    let d = h * k + c;
+    if d == f32::INFINITY {
+        return Some([0.0, 0.0, target]);
+    }
+    (d > 0.0).then(|| [k / d, 1.0 / (h * d), c / d * target])
+}
+
+/// A motor of a hinge, as the body of its node sees it.
+fn fill_motor<L: Lanes>(motor: &mut Motor<L>, node: &Node<L>, input: &JointInput<'_>) {
+    let sign = if node.side == 1 { 1.0 } else { -1.0 };
+    for lane in (0..L::N).filter(|&lane| motor.owner[lane] != NONE) {
+        let row = &input.joints.rows[motor.owner[lane] as usize];
+        let RowKind::Drive { position, velocity, spring, max_force } = row.kind else { continue };
+        let joint = &input.joints.all[row.joint as usize];
+        let dense = joint.bodies.map(|slot| input.bodies.slots.dense(slot) as usize);
+        let at = Placed::new(dense.map(|i| &input.bodies.pose[i]), &joint.frames);
+        let Axes::One(axis) = row.axes else { continue };
+        let off = at.twist(axis) - position;
+        // A turn more or less is the same.
+        let off = if off.is_finite() { off - TAU * (off / TAU).round() } else { 0.0 };
+        let (k, c, _) = spring.coefficients();
+        // Without either it does nothing.
+        let some = implicit((k, c), velocity, input.h);
+        let [pull, give, speed] = some.unwrap_or_default();
+        let max_force = if some.is_some() { max_force } else { 0.0 };
+        motor.off.set_lane(lane, off * sign);
+        motor.pull.set_lane(lane, pull);
+        motor.give.set_lane(lane, give);
+        motor.speed.set_lane(lane, speed * sign);
+        motor.most.set_lane(lane, max_force * input.h);
+        motor.impulse.set_lane(lane, row.impulse[0] * (input.warm * sign));
+    }
+}

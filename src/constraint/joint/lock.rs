@@ -1,0 +1,293 @@
+//! Locks of joints: two points that stay together, two bodies that turn as one, an axis that two bodies share. No bounds, so
+//! all directions are solved at once.
+//!
+//! Within a step bodies turn, and a lock that knew them only as they were at its start would let a swinging chain drift
+//! apart: arms are turned along, and so is the effective mass.
+
+use super::ends::{Ends, JointPass, Owned, TINY, across, inverse, swerve, turned};
+use crate::constraint::contact::row::{Motion, Pair};
+use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
+
+/// Points that stay together.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub(crate) struct PointBatch<L> {
+    pub(crate) ends: Ends<L>,
+    /// From each centre of mass to the point where it is held, at the start of the step [m].
+    pub(crate) arm: [Vec3<L>; 2],
+    /// From the first point to the second, at the start of the step [m].
+    pub(crate) apart: Vec3<L>,
+    /// Arms and separation after the last substep.
+    pub(crate) arm_now: [Vec3<L>; 2],
+    /// Moments of the impulse, at the arms at which its parts acted [N m s].
+    pub(crate) moment: [Vec3<L>; 2],
+    pub(crate) apart_now: Vec3<L>,
+    /// Impulse per velocity error [kg].
+    pub(crate) mass: Sym3<L>,
+    /// Of the last substep [N s].
+    pub(crate) impulse: Vec3<L>,
+    /// The part of it that does not yield.
+    pub(crate) held: Vec3<L>,
+}
+
+impl<L: Lanes> Default for PointBatch<L> {
+    #[inline(always)]
+    fn default() -> Self {
+        let zero = Vec3::zero();
+        PointBatch {
+            ends: Ends::default(),
+            arm: [zero; 2],
+            apart: zero,
+            arm_now: [zero; 2],
+            moment: [zero; 2],
+            apart_now: zero,
+            mass: Sym3::default(),
+            impulse: zero,
+            held: zero,
+        }
+    }
+}
+
+impl<L: Lanes> Owned for PointBatch<L> {
+    type Load = glam::Vec3;
+    fn owners(&self) -> &[u32; 8] {
+        &self.ends.owner
+    }
+    fn load(&self, lane: usize) -> glam::Vec3 {
+        self.impulse.lane(lane)
+    }
+}
+
+/// Velocity of the second point per impulse on it: the matrix whose inverse is the effective mass [1/kg].
+#[inline(always)]
+pub(crate) fn mobility<L: GatherLanes>(ends: &Ends<L>, arm: &[Vec3<L>; 2]) -> Sym3<L> {
+    let one = L::one();
+    let [on_a, on_b] = ends.moving(Vec3::new(one, one, one));
+    let mass = on_a * ends.inverse_mass[0] + on_b * ends.inverse_mass[1];
+    let mut sum = Sym3 { xx: mass.x, yy: mass.y, zz: mass.z, ..Sym3::default() };
+    for (r, inertia) in arm.iter().zip(&ends.inverse_inertia) {
+        let (x, y, z) = (
+            Vec3::new(L::zero(), r.z, -r.y),
+            Vec3::new(-r.z, L::zero(), r.x),
+            Vec3::new(r.y, -r.x, L::zero()),
+        );
+        let (ix, iy, iz) = (inertia.mul(x), inertia.mul(y), inertia.mul(z));
+        sum.xx += x.dot(ix);
+        sum.yy += y.dot(iy);
+        sum.zz += z.dot(iz);
+        sum.xy += x.dot(iy);
+        sum.xz += x.dot(iz);
+        sum.yz += y.dot(iz);
+    }
+    // Of bodies that can't be moved some directions may be missing.
+    let tiny = (sum.xx + sum.yy + sum.zz) * L::splat(TINY);
+    sum.xx += tiny;
+    sum.yy += tiny;
+    sum.zz += tiny;
+    sum
+}
+
+impl<L: GatherLanes> PointBatch<L> {
+    /// Applies the impulses of the last step.
+    ///
+    /// # Safety
+    /// The bodies of the batch that it may write are in no other batch of the stage.
+    #[inline(never)]
+    pub(crate) unsafe fn warm_start(&self, motion: &Motion<'_, '_>) {
+        // SAFETY: by the contract.
+        unsafe {
+            let mut v = self.ends.load(motion.velocity);
+            let [ra, rb] = self.arm_now;
+            self.ends.apply(&mut v, self.impulse, ra.cross(self.impulse), rb.cross(self.impulse));
+            self.ends.save(&v, motion);
+        }
+    }
+
+    /// One Gauss-Seidel step.
+    ///
+    /// # Safety
+    /// The bodies of the batch that it may write are in no other batch of the stage.
+    #[inline(never)] // See `JointRows::step`.
+    pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
+        if pass.moved {
+            // SAFETY: displacements are not written while rows are solved.
+            let d = unsafe { self.ends.load(motion.delta) };
+            self.follow(&d);
+        }
+        // SAFETY: by the contract.
+        let mut v = unsafe { self.ends.load(motion.velocity) };
+        let [ra, rb] = self.arm_now;
+        if pass.fresh {
+            // Warm starting was an addition to the velocities, as if bodies had not turned. What acted at arms that turn
+            // has to turn too, or a pendulum gains energy.
+            let moment = [ra.cross(self.impulse), rb.cross(self.impulse)];
+            v.wa -= self.ends.inverse_inertia[0].mul(moment[0] - self.moment[0]);
+            v.wb += self.ends.inverse_inertia[1].mul(moment[1] - self.moment[1]);
+            self.moment = moment;
+        }
+        let slip = v.vb + v.wb.cross(rb) - v.va - v.wa.cross(ra);
+        let p = -self.mass.mul(slip);
+        let (ta, tb) = (ra.cross(p), rb.cross(p));
+        self.impulse += p;
+        self.moment[0] += ta;
+        self.moment[1] += tb;
+        self.ends.apply(&mut v, p, ta, tb);
+        // SAFETY: by the contract.
+        unsafe { self.ends.save(&v, motion) };
+    }
+
+    /// Moves the bodies so that the points are together.
+    ///
+    /// # Safety
+    /// No other thread works on the bodies of the batch, and none writes their displacements.
+    #[inline(never)]
+    pub(crate) unsafe fn close(&mut self, motion: &Motion<'_, '_>, most: f32) {
+        // SAFETY: by the contract.
+        let mut d = unsafe { self.ends.load(motion.delta) };
+        self.follow(&d);
+        let [ra, rb] = self.arm_now;
+        let p = -self.mass.mul(at_most(self.apart_now, most));
+        self.ends.apply(&mut d, p, ra.cross(p), rb.cross(p));
+        // SAFETY: by the contract.
+        unsafe { self.ends.save_moved(&d, motion) };
+    }
+
+    /// Arms, separation and mass after displacements.
+    #[inline(always)]
+    fn follow(&mut self, d: &Pair<L>) {
+        let [ra, rb] = self.arm;
+        self.arm_now = [turned(d.wa, ra), turned(d.wb, rb)];
+        let [now_a, now_b] = self.arm_now;
+        self.apart_now = self.apart + (d.vb - d.va) + (now_b - rb) - (now_a - ra);
+        self.mass = inverse(&mobility(&self.ends, &self.arm_now));
+    }
+}
+
+/// An error, or as much of it as is closed at once.
+#[inline(always)]
+pub(crate) fn at_most<L: Lanes>(error: Vec3<L>, most: f32) -> Vec3<L> {
+    let (length, most) = (error.length(), L::splat(most));
+    error * L::select(length.gt(most), most / length, L::one())
+}
+
+/// Bodies that turn as one, or (`HINGE`) about one axis only.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub(crate) struct TurnBatch<L, const HINGE: bool> {
+    pub(crate) ends: Ends<L>,
+    /// The axis on each body at the start of the step, if there is one.
+    pub(crate) axis: [Vec3<L>; 2],
+    /// The first body's after the last substep.
+    pub(crate) axis_now: Vec3<L>,
+    /// Rotation vector from the first to the second at the start of the step, and after the last substep [rad].
+    pub(crate) error: Vec3<L>,
+    pub(crate) error_now: Vec3<L>,
+    /// Angular impulse per error of angular velocity [kg m²].
+    pub(crate) mass: Sym3<L>,
+    /// Of the last substep [N m s].
+    pub(crate) impulse: Vec3<L>,
+    /// The part of it that does not yield.
+    pub(crate) held: Vec3<L>,
+}
+
+impl<L: Lanes, const HINGE: bool> Default for TurnBatch<L, HINGE> {
+    #[inline(always)]
+    fn default() -> Self {
+        let zero = Vec3::zero();
+        TurnBatch {
+            ends: Ends::default(),
+            axis: [zero; 2],
+            axis_now: zero,
+            error: zero,
+            error_now: zero,
+            mass: Sym3::default(),
+            impulse: zero,
+            held: zero,
+        }
+    }
+}
+
+impl<L: Lanes, const HINGE: bool> Owned for TurnBatch<L, HINGE> {
+    type Load = glam::Vec3;
+    fn owners(&self) -> &[u32; 8] {
+        &self.ends.owner
+    }
+    fn load(&self, lane: usize) -> glam::Vec3 {
+        self.impulse.lane(lane)
+    }
+}
+
+impl<L: GatherLanes, const HINGE: bool> TurnBatch<L, HINGE> {
+    /// Applies the impulses of the last step.
+    ///
+    /// # Safety
+    /// The bodies of the batch that it may write are in no other batch of the stage.
+    #[inline(never)]
+    pub(crate) unsafe fn warm_start(&self, motion: &Motion<'_, '_>) {
+        // SAFETY: by the contract.
+        unsafe {
+            let mut v = self.ends.load(motion.velocity);
+            self.ends.turn(&mut v, self.impulse);
+            self.ends.save(&v, motion);
+        }
+    }
+
+    /// One Gauss-Seidel step.
+    ///
+    /// # Safety
+    /// The bodies of the batch that it may write are in no other batch of the stage.
+    #[inline(never)] // See `JointRows::step`.
+    pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
+        if pass.moved {
+            // SAFETY: displacements are not written while rows are solved.
+            let d = unsafe { self.ends.load(motion.delta) };
+            self.follow(&d);
+        }
+        // SAFETY: by the contract.
+        let mut v = unsafe { self.ends.load(motion.velocity) };
+        if HINGE && pass.fresh {
+            // It bears nothing about its axis, which has turned.
+            let about = self.axis_now * self.axis_now.dot(self.impulse);
+            self.impulse -= about;
+            self.ends.turn(&mut v, -about);
+            self.held -= self.axis_now * self.axis_now.dot(self.held);
+        }
+        let mut slip = v.wb - v.wa;
+        if HINGE {
+            slip += swerve(v.wb, self.axis_now, pass.ahead()) - swerve(v.wa, self.axis_now, pass.ahead());
+        }
+        let t = -self.mass.mul(slip);
+        self.impulse += t;
+        self.ends.turn(&mut v, t);
+        // SAFETY: by the contract.
+        unsafe { self.ends.save(&v, motion) };
+    }
+
+    /// Turns the bodies as they are locked.
+    ///
+    /// # Safety
+    /// No other thread works on the bodies of the batch, and none writes their displacements.
+    #[inline(never)]
+    pub(crate) unsafe fn close(&mut self, motion: &Motion<'_, '_>, most: f32) {
+        // SAFETY: by the contract.
+        let mut d = unsafe { self.ends.load(motion.delta) };
+        self.follow(&d);
+        let t = -self.mass.mul(at_most(self.error_now, most));
+        self.ends.turn(&mut d, t);
+        // SAFETY: by the contract.
+        unsafe { self.ends.save_moved(&d, motion) };
+    }
+
+    /// Axis, error and mass after displacements.
+    #[inline(always)]
+    fn follow(&mut self, d: &Pair<L>) {
+        if HINGE {
+            self.axis_now = turned(d.wa, self.axis[0]);
+            self.error_now = self.axis_now.cross(turned(d.wb, self.axis[1]));
+            self.mass = across(&self.ends.turning(), self.axis_now);
+        } else {
+            // What both turn together changes nothing.
+            self.error_now = self.error + (d.wb - d.wa);
+        }
+    }
+}

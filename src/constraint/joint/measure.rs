@@ -1,0 +1,468 @@
+//! What rows of joints measure: a way along an axis, a distance, angles. Where the bodies are says the displacement, and in
+//! which direction an impulse acts on it; all of that turns within a step.
+
+use super::ends::{Lever, mean, seen, turned};
+use super::fill::put;
+use crate::constraint::contact::row::Pair;
+use crate::joint::{Axes, Axis, Placed};
+use crate::lanes::{GatherLanes, Lanes, Record, Vec3};
+
+/// What a row measures. The lever's arms are set before it is asked.
+pub(crate) trait Measure<L: Lanes>: Copy + Default {
+    /// An angle [rad] or a length [m].
+    const IS_ANGLE: bool;
+    /// Takes a lane as it is at the start of a step, and says the displacement if that does not follow from what it took.
+    fn place(&mut self, lane: usize, at: &Placed, axes: Axes) -> f32;
+    /// After displacements: sets force and torque of the lever, says the displacement. `start`: what `place` said.
+    fn follow(&mut self, d: &Pair<L>, lever: &mut Lever<L>, start: L) -> L;
+    /// How much faster the displacement changes in the mean over a time than it does now: directions turn.
+    fn bend(&self, v: &Pair<L>, lever: &Lever<L>, h: L) -> L;
+    /// How fast the direction of a lane turns [rad/s].
+    fn turns(&self, lane: usize, lever: &Lever<L>, v: [Record; 2]) -> f32 {
+        let along = lever.force.lane(lane) + lever.torque.lane(lane);
+        v[0].angular.cross(along).length().max(v[1].angular.cross(along).length())
+    }
+}
+
+/// A way along an axis of the first body [m].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Slide<L> {
+    axis: Vec3<L>,
+    /// The first body's arm at the start of the step.
+    arm: Vec3<L>,
+    axis_now: Vec3<L>,
+}
+
+impl<L: Lanes> Default for Slide<L> {
+    fn default() -> Self {
+        Slide { axis: Vec3::zero(), arm: Vec3::zero(), axis_now: Vec3::zero() }
+    }
+}
+
+impl<L: GatherLanes> Measure<L> for Slide<L> {
+    const IS_ANGLE: bool = false;
+
+    fn place(&mut self, lane: usize, at: &Placed, axes: Axes) -> f32 {
+        let axis = at.axis(0, axis_of(axes));
+        put(&mut self.axis, lane, axis);
+        put(&mut self.arm, lane, at.arm[0] + at.apart);
+        axis.dot(at.apart)
+    }
+    #[inline(always)]
+    fn follow(&mut self, d: &Pair<L>, lever: &mut Lever<L>, start: L) -> L {
+        self.axis_now = turned(d.wa, self.axis);
+        (lever.force, lever.torque) = (self.axis_now, Vec3::zero());
+        start + (self.axis_now.dot(lever.arm[0]) - self.axis.dot(self.arm))
+    }
+    #[inline(always)]
+    fn bend(&self, v: &Pair<L>, lever: &Lever<L>, h: L) -> L {
+        self.axis_now.dot(seen(v, &lever.arm, h) - seen(v, &lever.arm, L::zero()))
+    }
+    fn turns(&self, lane: usize, _: &Lever<L>, v: [Record; 2]) -> f32 {
+        v[0].angular.cross(self.axis_now.lane(lane)).length()
+    }
+}
+
+/// A distance from a point, or from an axis of the first body [m].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Distance<L> {
+    /// Zero if it is from a point.
+    axis: Vec3<L>,
+    /// From the first body's centre to its point.
+    arm: Vec3<L>,
+    aside: Vec3<L>,
+    axis_now: Vec3<L>,
+    apart_now: Vec3<L>,
+    along: Vec3<L>,
+}
+
+impl<L: Lanes> Default for Distance<L> {
+    fn default() -> Self {
+        let zero = Vec3::zero();
+        Distance { axis: zero, arm: zero, aside: zero, axis_now: zero, apart_now: zero, along: zero }
+    }
+}
+
+impl<L: GatherLanes> Measure<L> for Distance<L> {
+    const IS_ANGLE: bool = false;
+
+    fn place(&mut self, lane: usize, at: &Placed, axes: Axes) -> f32 {
+        if let Axes::Around(axis) = axes {
+            put(&mut self.axis, lane, at.axis(0, axis));
+        }
+        put(&mut self.arm, lane, at.arm[0]);
+        put(&mut self.aside, lane, at.aside(axes));
+        0.0
+    }
+    #[inline(always)]
+    fn follow(&mut self, d: &Pair<L>, lever: &mut Lever<L>, _: L) -> L {
+        self.axis_now = turned(d.wa, self.axis);
+        self.apart_now = self.across(lever.arm[0] - turned(d.wa, self.arm));
+        let (length, along) = direction(self.apart_now, self.aside);
+        self.along = along;
+        (lever.force, lever.torque) = (along, Vec3::zero());
+        length
+    }
+    #[inline(always)]
+    fn bend(&self, v: &Pair<L>, lever: &Lever<L>, h: L) -> L {
+        let speed = self.across(seen(v, &lever.arm, h));
+        let now = self.across(seen(v, &lever.arm, L::zero()));
+        lengthens(self.apart_now, self.along, speed, h) + self.along.dot(speed - now)
+    }
+    /// With what is apart, the faster the nearer.
+    fn turns(&self, lane: usize, lever: &Lever<L>, v: [Record; 2]) -> f32 {
+        let arm = lever.arm.map(|arm| arm.lane(lane));
+        let speed = v[1].linear + v[1].angular.cross(arm[1]) - v[0].linear - v[0].angular.cross(arm[0]);
+        let apart = self.apart_now.lane(lane).length();
+        // A point that is next to the other has any direction; it matters as far as arms turn.
+        speed.length() / apart.max(f32::MIN_POSITIVE)
+    }
+}
+
+impl<L: Lanes> Distance<L> {
+    #[inline(always)]
+    fn across(&self, v: Vec3<L>) -> Vec3<L> {
+        v - self.axis_now * self.axis_now.dot(v)
+    }
+}
+
+/// The twist about an axis [rad].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Twist<L> {
+    axis: [Vec3<L>; 2],
+}
+
+impl<L: Lanes> Default for Twist<L> {
+    fn default() -> Self {
+        Twist { axis: [Vec3::zero(); 2] }
+    }
+}
+
+impl<L: GatherLanes> Measure<L> for Twist<L> {
+    const IS_ANGLE: bool = true;
+
+    fn place(&mut self, lane: usize, at: &Placed, axes: Axes) -> f32 {
+        let axis = axis_of(axes);
+        put(&mut self.axis[0], lane, at.axis(0, axis));
+        put(&mut self.axis[1], lane, at.axis(1, axis));
+        at.twist(axis)
+    }
+    #[inline(always)]
+    fn follow(&mut self, d: &Pair<L>, lever: &mut Lever<L>, start: L) -> L {
+        // What turns about the middle of the two axes changes the twist, and nothing else does.
+        let about = |[a, b]: [Vec3<L>; 2]| {
+            let middle = L::one() + a.dot(b);
+            let some = middle.gt(L::splat(1e-3));
+            Vec3::select(some, (a + b) * (L::one() / L::select(some, middle, L::one())), a)
+        };
+        let now = about([turned(d.wa, self.axis[0]), turned(d.wb, self.axis[1])]);
+        (lever.force, lever.torque) = (Vec3::zero(), now);
+        start + (about(self.axis) + now).dot(d.wb - d.wa) * L::splat(0.5)
+    }
+    #[inline(always)]
+    fn bend(&self, _: &Pair<L>, _: &Lever<L>, _: L) -> L {
+        L::zero()
+    }
+}
+
+/// The angle between an axis of each body [rad].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tilt<L> {
+    axis: [Vec3<L>; 2],
+    aside: Vec3<L>,
+    axis_now: [Vec3<L>; 2],
+    about: Vec3<L>,
+    now: L,
+}
+
+impl<L: Lanes> Default for Tilt<L> {
+    fn default() -> Self {
+        let zero = Vec3::zero();
+        Tilt { axis: [zero; 2], aside: zero, axis_now: [zero; 2], about: zero, now: L::zero() }
+    }
+}
+
+impl<L: GatherLanes> Measure<L> for Tilt<L> {
+    const IS_ANGLE: bool = true;
+
+    fn place(&mut self, lane: usize, at: &Placed, axes: Axes) -> f32 {
+        let axis = axis_of(axes);
+        put(&mut self.axis[0], lane, at.axis(0, axis));
+        put(&mut self.axis[1], lane, at.axis(1, axis));
+        put(&mut self.aside, lane, at.aside(axes));
+        0.0
+    }
+    #[inline(always)]
+    fn follow(&mut self, d: &Pair<L>, lever: &mut Lever<L>, _: L) -> L {
+        let [a, b] = [turned(d.wa, self.axis[0]), turned(d.wb, self.axis[1])];
+        let (sine, about) = direction(a.cross(b), self.aside);
+        (self.axis_now, self.about, self.now) = ([a, b], about, angle(sine, a.dot(b)));
+        (lever.force, lever.torque) = (Vec3::zero(), about);
+        self.now
+    }
+    #[inline(always)]
+    fn bend(&self, v: &Pair<L>, _: &Lever<L>, h: L) -> L {
+        let after = |w: Vec3<L>, axis| axis + mean(Vec3::zero(), w, axis, h) * h;
+        let [a, b] = [after(v.wa, self.axis_now[0]), after(v.wb, self.axis_now[1])];
+        let moved = angle(a.cross(b).length(), a.dot(b)) - self.now;
+        // Near the middle of the cone the direction turns too far.
+        let way = (v.wb - v.wa).length() * h;
+        let some = h.gt(L::zero()) & (way + way).lt(self.now);
+        L::select(some, moved / L::select(some, h, L::one()) - self.about.dot(v.wb - v.wa), L::zero())
+    }
+}
+
+/// The angle of all rotation [rad].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Turn<L> {
+    /// Rotation vector from the first body to the second.
+    error: Vec3<L>,
+    /// How much of a small turn across it is seen in it.
+    share: L,
+    aside: Vec3<L>,
+    error_now: Vec3<L>,
+    about: Vec3<L>,
+}
+
+impl<L: Lanes> Default for Turn<L> {
+    fn default() -> Self {
+        let zero = Vec3::zero();
+        Turn { error: zero, share: L::one(), aside: zero, error_now: zero, about: zero }
+    }
+}
+
+impl<L: GatherLanes> Measure<L> for Turn<L> {
+    const IS_ANGLE: bool = true;
+
+    fn place(&mut self, lane: usize, at: &Placed, axes: Axes) -> f32 {
+        let error = at.turn();
+        let half = 0.5 * error.length();
+        put(&mut self.error, lane, error);
+        put(&mut self.aside, lane, at.aside(axes));
+        self.share.set_lane(lane, if half < 1e-3 { 1.0 } else { half / libm::tanf(half) });
+        0.0
+    }
+    #[inline(always)]
+    fn follow(&mut self, d: &Pair<L>, lever: &mut Lever<L>, _: L) -> L {
+        let about = direction(self.error, self.aside).1;
+        let error = self.error + self.seen(about, d.wb - d.wa);
+        let (length, about) = direction(turned((d.wa + d.wb) * L::splat(0.5), error), self.aside);
+        (self.error_now, self.about) = (about * length, about);
+        (lever.force, lever.torque) = (Vec3::zero(), about);
+        length
+    }
+    #[inline(always)]
+    fn bend(&self, v: &Pair<L>, _: &Lever<L>, h: L) -> L {
+        let speed = self.seen(self.about, v.wb - v.wa);
+        lengthens(self.error_now, self.about, speed, h)
+    }
+}
+
+impl<L: Lanes> Turn<L> {
+    /// How a rotation vector changes, but for what both bodies turn together.
+    #[inline(always)]
+    fn seen(&self, about: Vec3<L>, w: Vec3<L>) -> Vec3<L> {
+        let own = about * about.dot(w);
+        own + (w - own) * self.share
+    }
+}
+
+fn axis_of(axes: Axes) -> Axis {
+    match axes {
+        Axes::One(axis) | Axes::Around(axis) => axis,
+        Axes::All => Axis::X,
+    }
+}
+
+/// Length and direction; what has none has that of `aside`.
+#[inline(always)]
+fn direction<L: Lanes>(v: Vec3<L>, aside: Vec3<L>) -> (L, Vec3<L>) {
+    let length = v.length();
+    let some = length.gt(L::splat(1e-7));
+    (length, Vec3::select(some, v * (L::one() / L::select(some, length, L::one())), aside))
+}
+
+/// How much faster a vector gets longer in the mean over a time, in which it changes at a speed, than it does at its start.
+/// Of what would turn too far nothing is known: no row in the direction as it is now could take that back.
+#[inline(always)]
+fn lengthens<L: Lanes>(v: Vec3<L>, along: Vec3<L>, speed: Vec3<L>, h: L) -> L {
+    // (|v + h s| - |v|) / h, without the difference.
+    let way = speed * h;
+    let (end, length) = (v + way, v.length());
+    let some = (way.length_squared() * L::splat(4.0)).lt(length * length);
+    let sum = length + end.length();
+    L::select(some, (v + end).dot(speed) / L::select(some, sum, L::one()) - along.dot(speed), L::zero())
+}
+
+/// Of a sine, not below zero, and a cosine of the same length of vector: in 0..=pi, to 1e-6.
+#[inline(always)]
+fn angle<L: Lanes>(sine: L, cosine: L) -> L {
+    let (s, c) = (sine, cosine.abs());
+    let steep = s.gt(c);
+    let (low, high) = (L::select(steep, c, s), L::select(steep, s, c));
+    let t = low / L::select(high.gt(L::zero()), high, L::one());
+    let x = t * t;
+    // Abramowitz and Stegun 4.4.49.
+    let c = [
+        0.002_866_225_7,
+        -0.016_165_737,
+        0.042_909_614,
+        -0.075_289_64,
+        0.106_562_64,
+        -0.142_089,
+        0.199_935_51,
+        -0.333_331_45,
+    ];
+    let series = c.into_iter().fold(L::zero(), |sum, c| sum * x + L::splat(c));
+    let t = t + t * x * series;
+    let t = L::select(steep, L::splat(std::f32::consts::FRAC_PI_2) - t, t);
+    L::select(cosine.lt(L::zero()), L::splat(std::f32::consts::PI) - t, t)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::{Pose, exp_map};
+    use crate::joint::Frame;
+    use glam::{DVec3, Quat, Vec3};
+
+    #[test]
+    fn an_angle_is_that_of_its_sine_and_cosine() {
+        for i in 0..=10_000 {
+            let x = i as f32 * 1e-4 * std::f32::consts::PI;
+            let found = angle(2.0 * libm::sinf(x).max(0.0), 2.0 * libm::cosf(x));
+            assert!((found - x).abs() < 1e-6, "{x}: {found}");
+        }
+    }
+
+    struct Random(u32);
+
+    impl Random {
+        /// In -1..1.
+        fn next(&mut self) -> f32 {
+            self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (self.0 >> 8) as f32 / (1 << 23) as f32 - 1.0
+        }
+        fn vec3(&mut self) -> Vec3 {
+            Vec3::new(self.next(), self.next(), self.next())
+        }
+        fn quat(&mut self) -> Quat {
+            exp_map(self.vec3() * 1.8)
+        }
+    }
+
+    type Lanes3 = crate::lanes::Vec3<f32>;
+
+    fn lanes(v: Vec3) -> Lanes3 {
+        Lanes3::new(v.x, v.y, v.z)
+    }
+
+    /// A row at its bodies, after they moved on for a time: speed along the lever, bend over a time, displacement.
+    fn measured<M: Measure<f32>>(at: &Placed, axes: Axes, v: &Pair<f32>, time: f32, h: f32) -> [f32; 3] {
+        let mut measure = M::default();
+        let start = measure.place(0, at, axes);
+        let d = Pair { va: v.va * time, wa: v.wa * time, vb: v.vb * time, wb: v.wb * time };
+        let (ra, rb) = (lanes(at.arm[0] + at.apart), lanes(at.arm[1]));
+        let now = turned(d.wb, rb);
+        let mut lever = Lever { arm: [ra + (d.vb - d.va) + (now - rb), now], ..Lever::zero() };
+        let value = measure.follow(&d, &mut lever, start);
+        [lever.speed(v), measure.bend(v, &lever, h), value]
+    }
+
+    /// Where the bodies go says how fast displacements change, by differences; and what is followed within a step is what is
+    /// there at the end of it.
+    fn check<M: Measure<f32>>(axes: Axes, angular: bool, turns: bool) -> usize {
+        let mut random = Random(1);
+        let mut checked = 0;
+        for case in 0..300 {
+            let frames = [0; 2].map(|_| Frame { position: random.vec3(), rotation: random.quat() });
+            // Far out, where a single-precision position would be a millimetre off.
+            let poses = [0; 2].map(|_| Pose {
+                position: random.vec3().as_dvec3() + DVec3::splat(1e4),
+                rotation: random.quat(),
+            });
+            let (v, w) = ([0; 2].map(|_| random.vec3()), [0; 2].map(|_| random.vec3()));
+            let after = |time: f32| {
+                let moved = [0, 1].map(|i| Pose {
+                    position: poses[i].position + (v[i] * time).as_dvec3(),
+                    rotation: exp_map(w[i] * time) * poses[i].rotation,
+                });
+                Placed::new([&moved[0], &moved[1]], &frames)
+            };
+            let pair = Pair { va: lanes(v[0]), wa: lanes(w[0]), vb: lanes(v[1]), wb: lanes(w[1]) };
+            let now = after(0.0);
+            let value = |time: f32| measured::<M>(&after(time), axes, &pair, 0.0, 0.0)[2];
+            let start = value(0.0);
+            // Where an angle turns round, and where small angles are of no direction, it has no slope; close to half a turn of
+            // tilt the twist runs away.
+            let axis = axis_of(axes);
+            let tilted = turns && now.axis(0, axis).dot(now.axis(1, axis)) < -0.3;
+            if (angular && (start.abs() > 2.7 || start.abs() < 0.1)) || tilted {
+                continue;
+            }
+            let step = 2e-3;
+            let [speed, ..] = measured::<M>(&now, axes, &pair, 0.0, 0.0);
+            let found = (value(step) - value(-step)) / (2.0 * step);
+            assert!((found - speed).abs() < 0.02 * (1.0 + speed.abs()), "{case} {axes:?}: {found} {speed}");
+            let time = 0.02;
+            let [_, _, moved] = measured::<M>(&now, axes, &pair, time, 0.0);
+            let there = value(time);
+            assert!((moved - there).abs() < 5e-4, "{case} {axes:?}: {moved} {there}");
+            let [speed, bend, _] = measured::<M>(&now, axes, &pair, 0.0, time);
+            let mean = (there - start) / time;
+            // Of the second order nothing is left.
+            let (wrong, least) = ((speed + bend - mean).abs(), 0.02 * (1.0 + mean.abs()));
+            assert!(turns || wrong < least, "{case} {axes:?}: {speed} + {bend} for {mean}");
+            checked += 1;
+        }
+        checked
+    }
+
+    #[test]
+    fn displacements_change_as_their_rows_say() {
+        let mut checked = 0;
+        for axis in Axis::ALL {
+            checked += check::<Slide<f32>>(Axes::One(axis), false, false);
+            checked += check::<Distance<f32>>(Axes::Around(axis), false, false);
+            checked += check::<Twist<f32>>(Axes::One(axis), true, true);
+            checked += check::<Tilt<f32>>(Axes::Around(axis), true, false);
+        }
+        checked += check::<Distance<f32>>(Axes::All, false, false);
+        checked += check::<Turn<f32>>(Axes::All, true, false);
+        assert!(checked > 3000, "{checked}");
+    }
+
+    /// What coincides is pushed apart in a direction all the same, and at half a turn of tilt there are numbers.
+    #[test]
+    fn there_is_always_a_direction() {
+        fn lever<M: Measure<f32>>(second: Quat, axes: Axes) -> Lever<f32> {
+            let at = |rotation| Pose { position: DVec3::ZERO, rotation };
+            let first = exp_map(Vec3::new(0.3, -1.0, 0.8));
+            let at = Placed::new([&at(first), &at(first * second)], &[Frame::default(); 2]);
+            let zero = lanes(Vec3::ZERO);
+            let (mut measure, mut lever) = (M::default(), Lever::zero());
+            let start = measure.place(0, &at, axes);
+            let value = measure.follow(&Pair { va: zero, wa: zero, vb: zero, wb: zero }, &mut lever, start);
+            assert!(
+                value.is_finite() && lever.speed(&Pair { va: zero, wa: zero, vb: zero, wb: zero }) == 0.0
+            );
+            lever
+        }
+        for axis in Axis::ALL {
+            for second in [Quat::IDENTITY, exp_map(Vec3::Y * std::f32::consts::PI)] {
+                let levers = [
+                    lever::<Slide<f32>>(second, Axes::One(axis)),
+                    lever::<Distance<f32>>(second, Axes::Around(axis)),
+                    lever::<Distance<f32>>(second, Axes::All),
+                    lever::<Twist<f32>>(second, Axes::One(axis)),
+                    lever::<Tilt<f32>>(second, Axes::Around(axis)),
+                    lever::<Turn<f32>>(second, Axes::All),
+                ];
+                for Lever { force, torque, .. } in levers {
+                    let length = (force + torque).length();
+                    assert!((0.99..2e3).contains(&length), "{axis:?}: {length}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,12 @@
+//! Rows of joints: what they lock, limit, spring and drive, packed in batches of one row type.
+
+pub(crate) mod arrange;
+pub(crate) mod ends;
+pub(crate) mod fill;
+pub(crate) mod line;
+pub(crate) mod lock;
+pub(crate) mod measure;
+pub(crate) mod nets;
+pub(crate) mod rates;
+pub(crate) mod row;
+pub(crate) mod run;

@@ -1,0 +1,434 @@
+//! What hangs together by joints, and a bound on its energy where something turns too fast for the substep.
+//!
+//! Joints do no work. Their rows know that for the directions which they have at the start of a substep, and for how these bend
+//! within it as far as a series goes: by a tenth of a radian or so. Beyond that, what they push has little to do with what would
+//! hold the joint; in some positions it adds energy, and the next substep adds more to it. Two balls on a slider came from
+//! 300 m/s to 43 km/s within two seconds. No substep that a game can pay for follows that. So where directions turn by more than
+//! [`FOLLOWED`], joints may take energy but give none: after a substep all that hangs together has no more than before, but for
+//! what motors gave. What exceeds that is taken from all of its velocities alike, except for the motion of the whole.
+//!
+//! Energy is kinetic, that of what pulls, and that of springs. Of the last a stiff spring can give back less than it holds: what
+//! its displacement is worth as a speed over a substep.
+
+use super::arrange::JointStage;
+use super::ends::Recovery;
+use super::rates::{Link, Watched, visit};
+use super::run::JointViews;
+use crate::body::{Mass, Pose, exp_map};
+use crate::constraint::contact::row::Motion;
+use crate::constraint::contact::rows::{Views, with_batch};
+use crate::lanes::Record;
+use crate::memory::{Buffer, bytes_of};
+use glam::{DVec3, Vec3};
+
+/// How far directions of rows may turn in a substep for their bend to be known [rad].
+pub(crate) const FOLLOWED: f32 = 0.1;
+/// The velocities along the chord of a circle have more energy than those at its ends: by as much, where rows know of it.
+const CHORD: f64 = 2.0;
+/// So many times the energy that there may be is no error of directions: nothing is left of what rows asked for.
+const WILD: f64 = 100.0;
+/// What is faster than this [m/s] or [rad/s] is as good as no number.
+const RUNAWAY: f32 = 1e6;
+/// Share of its energy that a net has to lose to be counted: less is rounding.
+const COUNTED: f64 = 1e-4;
+
+/// All that hangs together is a ring, and is named by one body of it, its root.
+#[derive(Clone, Copy, Debug, Default)]
+struct Member {
+    root: u32,
+    next: u32,
+    /// Of a root: the most energy that there may be, and that of motion and springs at the start of the substep [J].
+    most: f32,
+    moving: f32,
+    /// What springs hold [J].
+    held: f32,
+    flags: u32,
+    /// Velocity before joints acted in the substep.
+    start: Record,
+}
+
+/// Of a root: it hangs on or touches what can't be moved; that moves; bodies turn fast enough to be looked at; rows turn too fast;
+/// it lost energy in this step; it was bound in the substep before; it went wild.
+const HELD: u32 = 1;
+const CARRIED: u32 = 2;
+const SWIFT: u32 = 8;
+const FAST: u32 = 16;
+const DAMPED: u32 = 32;
+const BOUND: u32 = 64;
+const WILDLY: u32 = 128;
+
+/// Nets of bodies that hang together.
+#[derive(Debug, Default)]
+pub(crate) struct Nets {
+    all: Vec<Member>,
+    linked: bool,
+    any_bound: bool,
+}
+
+/// What a look at nets reads.
+pub(crate) struct NetInput<'a, 'b> {
+    pub(crate) views: &'a JointViews<'b>,
+    pub(crate) stages: &'a [JointStage],
+    pub(crate) motion: &'a Motion<'a, 'b>,
+    pub(crate) pose: &'a [Pose],
+    pub(crate) mass: &'a [Mass],
+    /// What pulls; empty if nothing does.
+    pub(crate) pull: &'a [Record],
+    /// Substep [s].
+    pub(crate) h: f32,
+    pub(crate) recovery: Recovery,
+}
+
+/// What a net has at a moment.
+#[derive(Clone, Copy, Debug, Default)]
+struct Ledger {
+    mass: f64,
+    momentum: DVec3,
+    kinetic: f64,
+    /// Of what pulls, from where bodies were at the start of the step.
+    potential: f64,
+}
+
+impl NetInput<'_, '_> {
+    fn velocity(&self, body: usize) -> Record {
+        // SAFETY: between stages this thread is alone.
+        unsafe { self.motion.velocity.read(body) }
+    }
+
+    /// Velocity of a body, that before joints acted, and its displacement.
+    ///
+    /// # Safety
+    /// Between stages only, and as long as no other of the body is held.
+    #[allow(clippy::mut_from_ref, reason = "the contract is the caller's, see `Shared::get`")]
+    unsafe fn all(&self, body: usize) -> (&mut Record, &mut Record, &mut Record) {
+        // SAFETY: by the contract.
+        unsafe { (self.motion.velocity.get(body), self.motion.base.get(body), self.motion.delta.get(body)) }
+    }
+
+    /// What a body may have while an error is taken back [J].
+    fn closing_energy(&self, body: usize) -> f64 {
+        let (mass, Recovery { linear, angular }) = (&self.mass[body], self.recovery);
+        let m = if mass.inverse > 0.0 { 1.0 / f64::from(mass.inverse) } else { 0.0 };
+        let inertia = f64::from(mass.inertia.max_element().min(f32::MAX));
+        0.5 * (m * f64::from(linear).powi(2) + inertia * f64::from(angular).powi(2))
+    }
+
+    fn pull_of(&self, body: usize) -> Record {
+        self.pull.get(body).copied().unwrap_or_default()
+    }
+
+    /// Adds a body at a velocity.
+    fn add(&self, ledger: &mut Ledger, body: usize, v: &Record) {
+        // SAFETY: between stages this thread is alone.
+        let d = unsafe { self.motion.delta.read(body) };
+        let (mass, pose, pull) = (&self.mass[body], &self.pose[body], self.pull_of(body));
+        let m = if mass.inverse > 0.0 { 1.0 / f64::from(mass.inverse) } else { 0.0 };
+        // What is in trees that keep their energy has turned already; the inertia of others turns at the end of the step.
+        let turn = if d.pad1 != 0.0 { exp_map(d.angular) * pose.rotation } else { pose.rotation };
+        let spin_energy = |a: Vec3, b: Vec3| {
+            let [a, b] = [a, b].map(|x| turn.conjugate() * x);
+            let inertia = Vec3::select(mass.inverse_inertia.cmpgt(Vec3::ZERO), mass.inertia, Vec3::ZERO);
+            a.as_dvec3().dot(inertia.as_dvec3() * b.as_dvec3())
+        };
+        let linear = v.linear.as_dvec3();
+        ledger.mass += m;
+        ledger.momentum += linear * m;
+        ledger.kinetic += 0.5 * (m * linear.length_squared() + spin_energy(v.angular, v.angular));
+        ledger.potential -= m * f64::from(pull.linear.dot(d.linear)) + spin_energy(pull.angular, d.angular);
+    }
+}
+
+impl Nets {
+    /// Calls `f` with the buffer and the place that it needs for so many bodies that can be pushed.
+    pub(crate) fn each(&mut self, dynamic: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        f(&mut self.all, dynamic);
+    }
+    pub(crate) fn bytes(&self) -> (usize, usize) {
+        bytes_of(&self.all)
+    }
+
+    /// How many lost energy in the step.
+    pub(crate) fn damped(&self) -> u32 {
+        if !self.linked {
+            return 0;
+        }
+        self.all.iter().filter(|member| member.flags & DAMPED != 0).count() as u32
+    }
+
+    /// At the start of a step.
+    pub(crate) fn start(&mut self) {
+        *self = Nets { all: std::mem::take(&mut self.all), ..Nets::default() };
+    }
+
+    fn root(&self, body: u32) -> usize {
+        let mut at = body;
+        while self.all[at as usize].root != at {
+            at = self.all[at as usize].root;
+        }
+        at as usize
+    }
+
+    /// Joins what is joined or touches: contacts do no work either, but carry energy from one body to another.
+    fn link(&mut self, input: &NetInput<'_, '_>, contacts: &Views<'_>, dynamic: usize) {
+        self.all.clear();
+        self.all.extend((0..dynamic as u32).map(|i| Member { root: i, next: i, ..Member::default() }));
+        visit(input.views, input.stages, &mut |batch: &mut dyn Watched| {
+            batch.links(&mut |link| self.tie(input, link));
+        });
+        for stage in contacts.stages {
+            for &of in &contacts.schedule[stage.start as usize..stage.end as usize] {
+                // SAFETY: there is no other thread.
+                unsafe {
+                    with_batch!(contacts, stage.group, of, |batch, _friction| {
+                        let b = batch.b.first().map(|b| b.index);
+                        for lane in 0..8 {
+                            let moves = [batch.write_a, batch.write_b].map(|write| write >> lane & 1 != 0);
+                            let moves = [moves[0], moves[1] && b.is_some()];
+                            // Rows against what stands still don't know it.
+                            let bodies = [batch.a[lane], b.map_or(u32::MAX, |b| b[lane])];
+                            self.tie(input, Link { bodies, moves });
+                        }
+                    });
+                }
+            }
+        }
+        for i in 0..dynamic {
+            self.all[i].root = self.root(i as u32) as u32;
+        }
+        self.linked = true;
+    }
+
+    fn tie(&mut self, input: &NetInput<'_, '_>, Link { bodies, moves }: Link) {
+        let known = |side: usize| moves[side] && (bodies[side] as usize) < self.all.len();
+        match [known(0), known(1)] {
+            [true, true] => {
+                let [a, b] = bodies.map(|body| self.root(body));
+                if a != b {
+                    // The lower one, whatever the order.
+                    let (low, high) = (a.min(b), a.max(b));
+                    self.all[high].root = low as u32;
+                    let next = self.all[low].next;
+                    self.all[low].next = self.all[high].next;
+                    self.all[high].next = next;
+                    self.all[low].flags |= self.all[high].flags;
+                }
+            }
+            [false, false] => {}
+            [first, _] => {
+                let (body, other) = (bodies[usize::from(!first)], bodies[usize::from(first)]);
+                let moves = other != u32::MAX && {
+                    let v = input.velocity(other as usize);
+                    v.linear != Vec3::ZERO || v.angular != Vec3::ZERO
+                };
+                let root = self.root(body);
+                self.all[root].flags |= HELD | if moves { CARRIED } else { 0 };
+            }
+        }
+    }
+
+    fn flag(&mut self, body: u32, flags: u32) {
+        if let Some(member) = self.all.get(body as usize) {
+            let root = member.root as usize;
+            self.all[root].flags |= flags;
+        }
+    }
+
+    /// Looks which nets turn fast, and what energy they have before the rows of a substep.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn begin(
+        &mut self,
+        input: &NetInput<'_, '_>,
+        contacts: &Views<'_>,
+        dynamic: usize,
+        swift: &dyn Fn(&Record) -> bool,
+    ) {
+        if !self.linked {
+            self.link(input, contacts, dynamic);
+        }
+        self.all.iter_mut().for_each(|member| member.flags &= !(SWIFT | FAST));
+        let h = input.h;
+        self.find_fast(input, swift);
+        self.sum_springs(input, false);
+        for body in 0..dynamic {
+            // SAFETY: between stages this thread is alone.
+            self.all[body].start = unsafe { input.motion.base.read(body) };
+        }
+        for root in 0..dynamic {
+            if self.all[root].root as usize != root {
+                continue;
+            }
+            let now = self.ledger(input, root, |body| {
+                let (mut v, pull) = (self.all[body].start, input.pull_of(body));
+                (v.linear, v.angular) = (v.linear - pull.linear * h, v.angular - pull.angular * h);
+                v
+            });
+            let given = self.ledger(input, root, |body| self.all[body].start).kinetic;
+            let member = &mut self.all[root];
+            // What a spring was stretched by beyond that in the substep before can't be taken back.
+            let start = (now.kinetic + now.potential) as f32 + member.held;
+            member.most = if member.flags & BOUND != 0 { member.most.min(start) } else { start };
+            member.moving = given.max(now.kinetic) as f32 + member.held;
+        }
+    }
+
+    /// What springs hold and, when it is done, what motors gave in the substep.
+    fn sum_springs(&mut self, input: &NetInput<'_, '_>, done: bool) {
+        self.all.iter_mut().for_each(|member| member.held = 0.0);
+        visit(input.views, input.stages, &mut |batch: &mut dyn Watched| {
+            batch.stored(input.h, &mut |body, [held, given]| {
+                let Some(Member { root, .. }) = self.all.get(body as usize).copied() else { return };
+                let root = &mut self.all[root as usize];
+                root.held += held;
+                root.most += if done { given } else { 0.0 };
+            });
+        });
+    }
+
+    fn find_fast(&mut self, input: &NetInput<'_, '_>, swift: &dyn Fn(&Record) -> bool) {
+        for body in 0..self.all.len() {
+            // SAFETY: between stages this thread is alone.
+            if swift(&unsafe { input.motion.velocity.read(body) }) {
+                self.flag(body as u32, SWIFT);
+            }
+        }
+        visit(input.views, input.stages, &mut |batch: &mut dyn Watched| {
+            batch.turning(input.motion, input.h, &mut |body| self.flag(body, FAST));
+        });
+    }
+
+    fn around(&self, root: usize, mut f: impl FnMut(usize)) {
+        let mut at = root;
+        loop {
+            f(at);
+            at = self.all[at].next as usize;
+            if at == root {
+                return;
+            }
+        }
+    }
+
+    /// After a substep in which none was looked at.
+    pub(crate) fn rest(&mut self) {
+        if std::mem::take(&mut self.any_bound) {
+            self.all.iter_mut().for_each(|member| member.flags &= !BOUND);
+        }
+    }
+
+    /// Before bodies move: no net goes farther than its energy may take it.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn hold_back(&mut self, input: &NetInput<'_, '_>, swift: &dyn Fn(&Record) -> bool) {
+        self.find_fast(input, swift);
+        for root in 0..self.all.len() {
+            let Member { root: own, flags, moving, .. } = self.all[root];
+            if own as usize == root && flags & SWIFT != 0 {
+                // What takes errors back is no speed that lasts.
+                let mut closing = 0.0;
+                self.around(root, |body| closing += input.closing_energy(body));
+                let most = CHORD * f64::from(moving) + closing;
+                self.bound(input, root, (most, most));
+            }
+        }
+        self.forget_wild(input);
+    }
+
+    /// After the substep.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn end(&mut self, input: &NetInput<'_, '_>) {
+        visit(input.views, input.stages, &mut |batch: &mut dyn Watched| {
+            batch.lost(input.motion, input.h, &mut |body| self.flag(body, FAST));
+            batch.unsolved(input.motion, &mut |body| self.flag(body, FAST));
+        });
+        self.sum_springs(input, true);
+        self.rest();
+        for root in 0..self.all.len() {
+            let Member { root: own, flags, most, held, .. } = self.all[root];
+            if own as usize == root && flags & SWIFT != 0 {
+                let potential = self.ledger(input, root, |body| input.velocity(body)).potential;
+                let most = f64::from(most - held) - potential;
+                self.bound(input, root, (most, most));
+            }
+        }
+        self.forget_wild(input);
+    }
+
+    fn ledger(&self, input: &NetInput<'_, '_>, root: usize, velocity: impl Fn(usize) -> Record) -> Ledger {
+        let mut ledger = Ledger::default();
+        self.around(root, |body| input.add(&mut ledger, body, &velocity(body)));
+        ledger
+    }
+
+    /// If a net that turns too fast has more kinetic energy than the first, it is left with the second. What has far more, or none
+    /// that is a number, goes on as one piece that does not turn.
+    fn bound(&mut self, input: &NetInput<'_, '_>, root: usize, (most, left): (f64, f64)) {
+        let flags = self.all[root].flags;
+        let followed = flags & FAST == 0 || flags & CARRIED != 0;
+        let now = self.ledger(input, root, |body| input.velocity(body));
+        let mut fastest = 0.0_f32;
+        self.around(root, |body| {
+            let v = input.velocity(body);
+            fastest = fastest.max(v.linear.abs().max(v.angular.abs()).max_element());
+        });
+        let far = most.max(0.0) * WILD + now.mass;
+        // The motion of the whole is that before joints acted: they don't change it.
+        let whole = self.ledger(input, root, |body| self.all[body].start);
+        let free = flags & HELD == 0 && now.mass > 0.0;
+        let mean_of = |of: &Ledger| if free { of.momentum / of.mass } else { DVec3::ZERO };
+        let mean = mean_of(&whole);
+        if !now.kinetic.is_finite() || fastest > RUNAWAY || (!followed && now.kinetic > far) {
+            self.all[root].flags |= DAMPED | WILDLY;
+            self.around(root, |body| {
+                // SAFETY: between stages this thread is alone.
+                let (v, base, d) = unsafe { input.all(body) };
+                // It does not go where it was expected, though no row will show it.
+                d.pad0 = 1.0;
+                v.linear = mean.as_vec3();
+                v.angular = Vec3::ZERO;
+                *base = *v;
+            });
+            return;
+        }
+        if followed {
+            return;
+        }
+        self.all[root].flags |= BOUND;
+        self.any_bound = true;
+        if now.kinetic <= most {
+            return;
+        }
+        if now.kinetic - most > COUNTED * now.kinetic {
+            self.all[root].flags |= DAMPED;
+        }
+        let own = mean_of(&now);
+        let energy_of = |mean: DVec3| 0.5 * now.mass * mean.length_squared();
+        let share = (left - energy_of(mean)).max(0.0) / (now.kinetic - energy_of(own)).max(f64::MIN_POSITIVE);
+        let (own, mean, share) = (own.as_vec3(), mean.as_vec3(), share.min(1.0).sqrt() as f32);
+        self.around(root, |body| {
+            // SAFETY: between stages this thread is alone.
+            let (v, base, d) = unsafe { input.all(body) };
+            d.pad0 = 1.0;
+            let old = *v;
+            v.linear = mean + (v.linear - own) * share;
+            v.angular *= share;
+            // What rows gave is warm-started as before.
+            base.linear += v.linear - old.linear;
+            base.angular += v.angular - old.angular;
+        });
+    }
+
+    /// What joints of nets pushed that went wild is forgotten: as a warm start it would drive them ever faster.
+    fn forget_wild(&mut self, input: &NetInput<'_, '_>) {
+        if !self.all.iter().any(|member| member.flags & WILDLY != 0) {
+            return;
+        }
+        let all = &self.all;
+        let wild = |body: u32| {
+            let root = all.get(body as usize).and_then(|member| all.get(member.root as usize));
+            root.is_some_and(|root| root.flags & WILDLY != 0)
+        };
+        visit(input.views, input.stages, &mut |batch: &mut dyn Watched| batch.forget(&wild));
+        self.all.iter_mut().for_each(|member| member.flags &= !WILDLY);
+    }
+}

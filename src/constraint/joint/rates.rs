@@ -1,0 +1,377 @@
+//! What a look at nets asks of each batch of joints: whom it joins, how fast its directions turn, what its springs hold.
+
+use super::arrange::{JointStage, JointType};
+use super::ends::{Ends, NONE};
+use super::line::LineBatch;
+use super::lock::{PointBatch, TurnBatch};
+use super::measure::Measure;
+use super::nets::FOLLOWED;
+use super::row::RowBatch;
+use super::run::JointViews;
+use crate::constraint::articulation::tree::{TreeBatch, Turns};
+use crate::constraint::contact::row::Motion;
+use crate::lanes::{GatherLanes, Lanes, Mask, Record};
+use glam::Vec3;
+
+/// Two bodies that are joined, by their indices, and which of them can be pushed.
+pub(crate) struct Link {
+    pub(crate) bodies: [u32; 2],
+    pub(crate) moves: [bool; 2],
+}
+
+/// A batch of joints.
+pub(crate) trait Watched {
+    fn links(&self, f: &mut dyn FnMut(Link));
+    /// Calls `f` with a body of each joint of which a direction turns too far in a substep.
+    fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32));
+    /// Calls `f` with a body of each tree whose rotation was not followed in the substep.
+    fn lost(&self, _motion: &Motion<'_, '_>, _h: f32, _f: &mut dyn FnMut(u32)) {}
+    /// Calls `f` with a body of each lock that still opens after velocities were relaxed: passes over its rows did not agree.
+    fn unsolved(&self, _motion: &Motion<'_, '_>, _f: &mut dyn FnMut(u32)) {}
+    /// Takes away what joints of some bodies pushed.
+    fn forget(&mut self, of: &dyn Fn(u32) -> bool);
+    /// Calls `f` with a body of each spring or motor, what it can give back and what it gives in a substep [J].
+    fn stored(&self, _h: f32, _f: &mut dyn FnMut(u32, [f32; 2])) {}
+}
+
+/// Calls `f` with each batch.
+pub(crate) fn visit(views: &JointViews<'_>, stages: &[JointStage], f: &mut dyn FnMut(&mut dyn Watched)) {
+    for stage in stages {
+        for i in stage.start as usize..stage.end as usize {
+            // SAFETY: between stages this thread is alone.
+            unsafe { views.with(stage, i, f) };
+        }
+    }
+}
+
+impl<L: Lanes> Ends<L> {
+    fn each(&self, f: &mut dyn FnMut(usize, Link)) {
+        for lane in (0..L::N).filter(|&lane| self.owner[lane] != NONE) {
+            let side = |i: usize| self.body[i][lane];
+            let moves = self.write.map(|write| write >> lane & 1 != 0);
+            f(lane, Link { bodies: [side(0), side(1)], moves });
+        }
+    }
+
+    /// A body of a lane that can be pushed.
+    fn one(&self, lane: usize) -> u32 {
+        self.body[usize::from(self.write[0] >> lane & 1 == 0)][lane]
+    }
+
+    /// Lanes of some bodies.
+    fn lanes_of(&self, of: &dyn Fn(u32) -> bool) -> L::Mask {
+        let lanes = (0..L::N).filter(|&lane| self.owner[lane] != NONE && of(self.one(lane)));
+        L::Mask::from_bits(lanes.map(|lane| 1 << lane).sum())
+    }
+
+    /// Calls `f` with a body of each lane in which more of a speed is left than there may be.
+    fn unsolved(
+        &self,
+        motion: &Motion<'_, '_>,
+        left: &dyn Fn(usize, [Record; 2]) -> (Vec3, f32),
+        f: &mut dyn FnMut(u32),
+    ) {
+        self.each(&mut |lane, link| {
+            // SAFETY: between stages this thread is alone.
+            let v = link.bodies.map(|body| unsafe { motion.velocity.read(body as usize) });
+            let (left, of) = left(lane, v);
+            if exceeds(left.length(), LEFT * of) {
+                f(self.one(lane));
+            }
+        });
+    }
+
+    /// Calls `f` with a body of each lane in which `turn`, of the velocities there, is too far [rad/s].
+    fn too_fast(
+        &self,
+        motion: &Motion<'_, '_>,
+        h: f32,
+        turn: &dyn Fn(usize, [Record; 2]) -> f32,
+        f: &mut dyn FnMut(u32),
+    ) {
+        self.each(&mut |lane, link| {
+            // SAFETY: between stages this thread is alone.
+            let v = link.bodies.map(|body| unsafe { motion.velocity.read(body as usize) });
+            // What is no number turns too far.
+            if exceeds(turn(lane, v) * h, FOLLOWED) {
+                f(self.one(lane));
+            }
+        });
+    }
+}
+
+fn clear<L: Lanes, const N: usize>(lanes: L::Mask, all: [&mut crate::lanes::Vec3<L>; N]) {
+    all.into_iter().for_each(|v| *v = crate::lanes::Vec3::select(lanes, crate::lanes::Vec3::zero(), *v));
+}
+
+/// Share of the speeds at a lock that may be left between its bodies.
+const LEFT: f32 = 0.01;
+
+/// How fast two points go apart, and how fast they go.
+fn slip(v: [Record; 2], arms: [Vec3; 2]) -> (Vec3, f32) {
+    let round = [0, 1].map(|i| v[i].angular.cross(arms[i]));
+    let apart = v[1].linear - v[0].linear;
+    (apart + round[1] - round[0], apart.length() + round[0].length() + round[1].length())
+}
+
+/// The same of axes that turn.
+fn turn_apart(v: [Record; 2]) -> (Vec3, f32) {
+    (v[1].angular - v[0].angular, v[0].angular.length() + v[1].angular.length())
+}
+
+/// How fast arms turn, the longer one for the measure [rad/s].
+fn turn_of_arms(v: [Record; 2], arms: [Vec3; 2]) -> f32 {
+    let longest = arms[0].length().max(arms[1].length());
+    let speed = v[0].angular.cross(arms[0]).length().max(v[1].angular.cross(arms[1]).length());
+    if longest > 0.0 { speed / longest } else { 0.0 }
+}
+
+impl<L: GatherLanes> Watched for PointBatch<L> {
+    fn links(&self, f: &mut dyn FnMut(Link)) {
+        self.ends.each(&mut |_, link| f(link));
+    }
+    fn unsolved(&self, motion: &Motion<'_, '_>, f: &mut dyn FnMut(u32)) {
+        self.ends.unsolved(motion, &|lane, v| slip(v, self.arm_now.map(|arm| arm.lane(lane))), f);
+    }
+    fn forget(&mut self, of: &dyn Fn(u32) -> bool) {
+        let lanes = self.ends.lanes_of(of);
+        clear(lanes, [&mut self.impulse, &mut self.held]);
+        clear(lanes, self.moment.each_mut());
+    }
+    fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
+        let turn = |lane: usize, v| turn_of_arms(v, self.arm_now.map(|arm| arm.lane(lane)));
+        self.ends.too_fast(motion, h, &turn, f);
+    }
+}
+
+impl<L: GatherLanes> Watched for LineBatch<L> {
+    fn links(&self, f: &mut dyn FnMut(Link)) {
+        self.ends.each(&mut |_, link| f(link));
+    }
+    fn unsolved(&self, motion: &Motion<'_, '_>, f: &mut dyn FnMut(u32)) {
+        let left = |lane: usize, v| {
+            let (slip, of) = slip(v, self.arm_now.map(|arm| arm.lane(lane)));
+            let axis = self.axis_now.lane(lane).normalize_or_zero();
+            (slip - axis * axis.dot(slip), of)
+        };
+        self.ends.unsolved(motion, &left, f);
+    }
+    fn forget(&mut self, of: &dyn Fn(u32) -> bool) {
+        let lanes = self.ends.lanes_of(of);
+        clear(lanes, [&mut self.impulse, &mut self.held]);
+        clear(lanes, self.moment.each_mut());
+    }
+    fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
+        let turn = |lane: usize, v: [Record; 2]| {
+            let arms = turn_of_arms(v, self.arm_now.map(|arm| arm.lane(lane)));
+            arms.max(v[0].angular.cross(self.axis_now.lane(lane)).length())
+        };
+        self.ends.too_fast(motion, h, &turn, f);
+    }
+}
+
+impl<L: GatherLanes, const HINGE: bool> Watched for TurnBatch<L, HINGE> {
+    fn links(&self, f: &mut dyn FnMut(Link)) {
+        self.ends.each(&mut |_, link| f(link));
+    }
+    fn unsolved(&self, motion: &Motion<'_, '_>, f: &mut dyn FnMut(u32)) {
+        let left = |lane: usize, v| {
+            let (turn, of) = turn_apart(v);
+            let axis = self.axis_now.lane(lane).normalize_or_zero();
+            (if HINGE { turn - axis * axis.dot(turn) } else { turn }, of)
+        };
+        self.ends.unsolved(motion, &left, f);
+    }
+    fn forget(&mut self, of: &dyn Fn(u32) -> bool) {
+        let lanes = self.ends.lanes_of(of);
+        clear(lanes, [&mut self.impulse, &mut self.held]);
+    }
+    fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
+        let turn = |lane: usize, v: [Record; 2]| {
+            let axis = self.axis_now.lane(lane);
+            // What is welded turns as one: by as much as it does not.
+            if HINGE {
+                v[0].angular.cross(axis).length().max(v[1].angular.cross(axis).length())
+            } else {
+                (v[0].angular - v[1].angular).length()
+            }
+        };
+        self.ends.too_fast(motion, h, &turn, f);
+    }
+}
+
+impl<L: GatherLanes, M: Measure<L>> Watched for RowBatch<L, M> {
+    fn links(&self, f: &mut dyn FnMut(Link)) {
+        self.ends.each(&mut |_, link| f(link));
+    }
+    fn unsolved(&self, motion: &Motion<'_, '_>, f: &mut dyn FnMut(u32)) {
+        let left = |lane: usize, v: [Record; 2]| {
+            let (force, torque) = (self.lever.force.lane(lane), self.lever.torque.lane(lane));
+            let (along, turn) = (slip(v, self.lever.arm.map(|arm| arm.lane(lane))), turn_apart(v));
+            // Only what has no width has to stay.
+            let locked = if self.both >> lane & 1 != 0 { 1.0 } else { 0.0 };
+            let speed = force.dot(along.0) + torque.dot(turn.0);
+            (Vec3::X * (locked * speed), along.1 * force.length() + turn.1 * torque.length())
+        };
+        self.ends.unsolved(motion, &left, f);
+    }
+    fn forget(&mut self, of: &dyn Fn(u32) -> bool) {
+        let lanes = self.ends.lanes_of(of);
+        self.impulse = self.impulse.map(|impulse| L::select(lanes, L::zero(), impulse));
+        self.held = L::select(lanes, L::zero(), self.held);
+        self.resume();
+    }
+    fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
+        self.ends.too_fast(motion, h, &|lane, v| self.measure.turns(lane, &self.lever, v), f);
+    }
+    fn stored(&self, h: f32, f: &mut dyn FnMut(u32, [f32; 2])) {
+        for lane in (0..L::N).filter(|lane| (self.drives | self.springs) >> lane & 1 != 0) {
+            let [now, min, max] = [self.now, self.min, self.max].map(|x| x.lane(lane));
+            let drive = self.drives >> lane & 1 != 0;
+            let over = if drive { (now - min).abs() } else { (now - max).max(min - now).max(0.0) };
+            let numbers = [self.pull, self.give, self.speed, self.most].map(|x| x.lane(lane));
+            let most = if drive { numbers[3] } else { f32::INFINITY };
+            let [pull, give, speed, _] = numbers;
+            let spring = [pull, give, speed, most, self.mobility.lane(lane)];
+            f(self.ends.one(lane), held_by(spring, over, self.impulse[0].lane(lane), h));
+        }
+    }
+}
+
+/// What a spring can give back, and what it gives by the speed that it is asked for [J]: of its numbers as a row has them, its
+/// displacement and its impulse.
+pub(crate) fn held_by(
+    [pull, give, speed, most, mobility]: [f32; 5],
+    over: f32,
+    impulse: f32,
+    h: f32,
+) -> [f32; 2] {
+    if give <= 0.0 {
+        // A motor that does not yield.
+        return [0.0, (impulse * speed).max(0.0)];
+    }
+    let d = 1.0 / (h * give);
+    let k = pull * d;
+    let c = d - h * k;
+    let k = k / (1.0 + h * h * k * mobility);
+    let force = most / h;
+    let held = if k * over <= force { 0.5 * k * over * over } else { force * (over - 0.5 * force / k) };
+    let asked = if c > 1e-6 * d { speed * d / c } else { 0.0 };
+    [held, (impulse * asked).max(0.0)]
+}
+
+impl<L: GatherLanes> Watched for TreeBatch<L> {
+    fn links(&self, f: &mut dyn FnMut(Link)) {
+        for (i, node) in self.nodes.iter().enumerate().filter(|(_, node)| node.jointed) {
+            let own = &self.nodes[self.body_of(i)];
+            let above = self.nodes.get(node.parent as usize);
+            for lane in (0..L::N).filter(|lane| own.write >> lane & 1 != 0) {
+                let other = above.map_or(node.anchor[lane], |above| above.body[lane]);
+                f(Link { bodies: [own.body[lane], other], moves: [true, above.is_some()] });
+            }
+        }
+    }
+    fn forget(&mut self, of: &dyn Fn(u32) -> bool) {
+        let Some(root) = self.nodes.first() else { return };
+        let lanes = (0..L::N).filter(|&lane| root.write >> lane & 1 != 0 && of(root.body[lane]));
+        let lanes = L::Mask::from_bits(lanes.map(|lane| 1 << lane).sum());
+        for node in &mut self.nodes {
+            clear(lanes, [&mut node.impulse, &mut node.twist, &mut node.gained]);
+        }
+        for motor in &mut self.extra.motors {
+            motor.impulse = L::select(lanes, L::zero(), motor.impulse);
+        }
+    }
+    fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
+        let in_parts = if self.is_cut() { FOLLOWED } else { FOLLOWED_IN_PARTS };
+        // What is watched has a way of its own to lose energy (see `joint_damp`).
+        self.each_turn(motion, !self.watched, &mut |body, lane, turn| {
+            let most = if self.exact >> lane & 1 != 0 { in_parts } else { FOLLOWED };
+            if exceeds(turn * h, most) {
+                f(body);
+            }
+        });
+    }
+    fn lost(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
+        if self.astray != 0 {
+            self.each_turn(motion, self.astray, &mut |body, _, turn| {
+                if exceeds(turn * h, FOLLOWED) {
+                    f(body);
+                }
+            });
+        }
+    }
+    fn stored(&self, h: f32, f: &mut dyn FnMut(u32, [f32; 2])) {
+        for motor in &self.extra.motors {
+            let (own, node) =
+                (&self.nodes[self.body_of(motor.node as usize)], &self.nodes[motor.node as usize]);
+            let above = self.nodes.get(node.parent as usize);
+            let axis = node.axis_now[0];
+            let turned = above.map_or(node.anchor_moved, |above| above.moved).angular;
+            let off = motor.off + (node.axis[0] + axis).dot(node.moved.angular - turned) * L::splat(0.5);
+            let gives =
+                |of: &crate::constraint::articulation::tree::Node<L>| axis.dot(of.braced_inverse.mul(axis));
+            let mobility = gives(own) + above.map_or(L::zero(), gives);
+            for lane in (0..L::N).filter(|lane| own.write >> lane & 1 != 0) {
+                let [pull, give, speed, most] =
+                    [motor.pull, motor.give, motor.speed, motor.most].map(|x| x.lane(lane));
+                let spring = [pull, give, speed, most, mobility.lane(lane)];
+                f(own.body[lane], held_by(spring, off.lane(lane).abs(), motor.impulse.lane(lane), h));
+            }
+        }
+    }
+}
+
+impl<L: GatherLanes> TreeBatch<L> {
+    /// Calls `f` with a body of each joint in some lanes, its lane, and how fast its arms or its axis turn [rad/s].
+    fn each_turn(&self, motion: &Motion<'_, '_>, lanes: u32, f: &mut dyn FnMut(u32, usize, f32)) {
+        for (i, node) in self.nodes.iter().enumerate().filter(|(_, node)| node.jointed) {
+            let own = &self.nodes[self.body_of(i)];
+            let above = self.nodes.get(node.parent as usize);
+            for lane in (0..L::N).filter(|lane| (own.write & lanes) >> lane & 1 != 0) {
+                let body = own.body[lane];
+                let other = above.map_or(node.anchor[lane], |above| above.body[lane]);
+                // SAFETY: between stages this thread is alone.
+                let v = [body, other].map(|body| unsafe { motion.velocity.read(body as usize) });
+                let mut turn = turn_of_arms(v, node.arm_now.map(|arm| arm.lane(lane)));
+                if node.turns == Turns::AboutAxis {
+                    turn = turn.max(v[0].angular.cross(node.axis_now[0].lane(lane)).length());
+                }
+                f(body, lane, turn);
+            }
+        }
+    }
+}
+
+/// How far bodies of trees that keep their energy may turn: these are followed in parts.
+const FOLLOWED_IN_PARTS: f32 = 4.0;
+
+impl JointViews<'_> {
+    /// # Safety
+    /// No other thread works on the batch.
+    unsafe fn with(&self, stage: &JointStage, i: usize, f: &mut dyn FnMut(&mut dyn Watched)) {
+        macro_rules! go {
+            ($lanes:ident, $single:ident) => {
+                // SAFETY: by the contract.
+                unsafe { if stage.single { f(self.$single.get(i)) } else { f(self.$lanes.get(i)) } }
+            };
+        }
+        match stage.kind {
+            JointType::Point => go!(points, point),
+            JointType::Weld => go!(welds, weld),
+            JointType::Hinge => go!(hinges, hinge),
+            JointType::Line => go!(lines, line),
+            JointType::Slide => go!(slides, slide),
+            JointType::Distance => go!(distances, distance),
+            JointType::Twist => go!(twists, twist),
+            JointType::Tilt => go!(tilts, tilt),
+            JointType::Turn => go!(turns, turn),
+            JointType::Tree => go!(trees, tree),
+        }
+    }
+}
+
+/// Whether something is more than a bound; what is no number is.
+fn exceeds(value: f32, most: f32) -> bool {
+    value > most || value.is_nan()
+}

@@ -1,0 +1,219 @@
+//! Rows of joints with one direction: limits that have a width, springs beyond them, drives, motors, friction.
+//!
+//! A spring with stiffness k and damping c is solved implicitly, so that it is stable whatever they are: with d = h k + c, its
+//! impulse obeys p = h (c target - k displacement - d speed) for the speed after it acted.
+
+use super::ends::{Ends, JointPass, Lever, Owned, turned};
+use super::measure::Measure;
+use crate::constraint::contact::row::{Motion, Pair};
+use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
+
+/// Up to eight rows.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub(crate) struct RowBatch<L, M> {
+    pub(crate) ends: Ends<L>,
+    pub(crate) measure: M,
+    /// From each centre of mass to the second body's point, at the start of the step [m].
+    pub(crate) arm: [Vec3<L>; 2],
+    /// What of an impulse the joint's own locks bear, so that it does not move what they hold: force and torque, at the start
+    /// of the step.
+    pub(crate) borne: [Vec3<L>; 2],
+    /// How velocities change the displacement, after the last substep.
+    pub(crate) lever: Lever<L>,
+    /// Speed per impulse [1/kg] or [1/(kg m²)].
+    pub(crate) mobility: L,
+    /// At the start of the step, and after the last substep [m] or [rad].
+    pub(crate) value: L,
+    pub(crate) now: L,
+    /// Of a drive both are its position.
+    pub(crate) min: L,
+    pub(crate) max: L,
+    /// Speed asked for per displacement from the end of the range [1/s], the speed asked for beside that, and how much more
+    /// of it the row yields per impulse; all zero of what is rigid.
+    pub(crate) pull: L,
+    pub(crate) speed: L,
+    pub(crate) give: L,
+    /// The most impulse of a substep [N s] or [N m s].
+    pub(crate) most: L,
+    /// Of the last substep, at the lower and the upper end; a drive's is the first.
+    pub(crate) impulse: [L; 2],
+    /// The impulse as it acted, part by part, while directions turned: its force, and the moments [N s], [N m s].
+    acted: Vec3<L>,
+    moment: [Vec3<L>; 2],
+    /// The part of the impulse at the lower end, less that at the upper one, that does not yield.
+    pub(crate) held: L,
+    /// Lanes of drives, of springs, and of ranges without width.
+    pub(crate) drives: u32,
+    pub(crate) springs: u32,
+    pub(crate) both: u32,
+}
+
+impl<L: Lanes, M: Default> Default for RowBatch<L, M> {
+    #[inline(always)]
+    fn default() -> Self {
+        let zero = L::zero();
+        RowBatch {
+            ends: Ends::default(),
+            measure: M::default(),
+            arm: [Vec3::zero(); 2],
+            borne: [Vec3::zero(); 2],
+            lever: Lever::zero(),
+            mobility: L::one(),
+            value: zero,
+            now: zero,
+            min: L::splat(f32::NEG_INFINITY),
+            max: L::splat(f32::INFINITY),
+            pull: zero,
+            speed: zero,
+            give: zero,
+            most: zero,
+            impulse: [zero; 2],
+            acted: Vec3::zero(),
+            moment: [Vec3::zero(); 2],
+            held: zero,
+            drives: 0,
+            springs: 0,
+            both: 0,
+        }
+    }
+}
+
+impl<L: Lanes, M> Owned for RowBatch<L, M> {
+    /// Impulses at both ends, and the directions of force and torque on the second body at its point.
+    type Load = ([f32; 2], glam::Vec3, glam::Vec3);
+    fn owners(&self) -> &[u32; 8] {
+        &self.ends.owner
+    }
+    fn load(&self, lane: usize) -> Self::Load {
+        (self.impulse.map(|p| p.lane(lane)), self.lever.force.lane(lane), self.lever.torque.lane(lane))
+    }
+}
+
+impl<L: GatherLanes, M: Measure<L>> RowBatch<L, M> {
+    /// Takes directions as they are at the start of a step.
+    pub(crate) fn begin(&mut self) {
+        let zero = Vec3::zero();
+        self.follow(&Pair { va: zero, wa: zero, vb: zero, wb: zero });
+    }
+
+    /// Takes the impulses of the last step.
+    pub(crate) fn resume(&mut self) {
+        (self.acted, self.moment) = self.parts(self.impulse[0] - self.impulse[1]);
+    }
+
+    /// Applies the impulses of the last step.
+    ///
+    /// # Safety
+    /// The bodies of the batch that it may write are in no other batch of the stage.
+    #[inline(never)]
+    pub(crate) unsafe fn warm_start(&self, motion: &Motion<'_, '_>) {
+        // SAFETY: by the contract.
+        unsafe {
+            let mut v = self.ends.load(motion.velocity);
+            self.ends.apply(&mut v, self.acted, self.moment[0], self.moment[1]);
+            self.ends.save(&v, motion);
+        }
+    }
+
+    /// Force and moments of an impulse.
+    #[inline(always)]
+    fn parts(&self, p: L) -> (Vec3<L>, [Vec3<L>; 2]) {
+        (self.lever.force * p, self.lever.moments().map(|moment| moment * p))
+    }
+
+    /// Directions, mobility and displacement after displacements of the bodies.
+    #[inline(always)]
+    fn follow(&mut self, d: &Pair<L>) {
+        let [at, rb] = self.arm;
+        let now = turned(d.wb, rb);
+        self.lever.arm = [at + (d.vb - d.va) + (now - rb), now];
+        self.now = self.measure.follow(d, &mut self.lever, self.value);
+        let [force, torque] = self.borne.map(|borne| turned(d.wa, borne));
+        self.lever.force += force;
+        self.lever.torque += torque;
+        let mobility = self.ends.mobility(&self.lever);
+        self.mobility = L::select(mobility.gt(L::zero()), mobility, L::one());
+    }
+
+    /// One Gauss-Seidel step: the lower end, then the upper one.
+    ///
+    /// # Safety
+    /// The bodies of the batch that it may write are in no other batch of the stage.
+    #[inline(never)] // See `JointRows::step`.
+    pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
+        if pass.moved {
+            // SAFETY: displacements are not written while rows are solved.
+            let d = unsafe { self.ends.load(motion.delta) };
+            self.follow(&d);
+        }
+        // SAFETY: by the contract.
+        let mut v = unsafe { self.ends.load(motion.velocity) };
+        let (zero, none) = (L::zero(), L::splat(f32::NEG_INFINITY));
+        let (drives, springs, both) = (
+            L::Mask::from_bits(self.drives),
+            L::Mask::from_bits(self.springs),
+            L::Mask::from_bits(self.both),
+        );
+        if !pass.relax {
+            // As for locks: what acted turns too.
+            let (force, [ta, tb]) = self.parts(self.impulse[0] - self.impulse[1]);
+            let turn = [ta - self.moment[0], tb - self.moment[1]];
+            self.ends.apply(&mut v, force - self.acted, turn[0], turn[1]);
+            (self.acted, self.moment) = (force, [ta, tb]);
+        }
+        let mut speed = self.lever.speed(&v);
+        if !pass.relax {
+            speed += self.measure.bend(&v, &self.lever, pass.ahead());
+        }
+        // Springs act once a substep.
+        let waits = if pass.relax { drives | springs } else { zero.gt(zero) };
+        let inverse_h = L::splat(pass.inverse_h);
+        let (rate, scale, yields) = pass.numbers::<L>();
+        let push = L::splat(if M::IS_ANGLE { pass.recovery.angular } else { pass.recovery.linear });
+        // Signs are those of the lower end; the upper one is its mirror image.
+        let mut pushed = zero;
+        let one = |gap: L, speed: L, asked: L, (old, held): (L, L), (low, high): (L, L)| {
+            let open = gap.gt(zero) & !both;
+            // Apart from a rigid end only what would pass it within the substep is taken away.
+            let rigid = L::select(open, -(gap * inverse_h), -(gap * rate).max(-push).min(push));
+            let soft = asked - gap * self.pull;
+            let target = L::select(drives | springs, soft, rigid);
+            let change = (target - speed - self.give * old) / (self.mobility + self.give);
+            let change = L::select(drives | springs | open, change, change * scale - (old - held) * yields);
+            let mut new = (old + change).max(low).min(high);
+            // A spring at the end of a range lets go of what is inside.
+            new = L::select(springs & open, zero, new);
+            L::select(waits, old, new)
+        };
+        let lowest = L::select(drives, -self.most, L::select(both, none, zero));
+        let highest = L::select(drives, self.most, L::splat(f32::INFINITY));
+        // A range has one loaded end; what has no width may bear either way.
+        let lower = L::select(both, self.held, self.held.max(zero));
+        let finite = |gap: L| L::select(gap.lt(L::splat(f32::MAX)), gap, L::splat(f32::MAX));
+        let new =
+            one(finite(self.now - self.min), speed, self.speed, (self.impulse[0], lower), (lowest, highest));
+        let change = new - self.impulse[0];
+        self.impulse[0] = new;
+        pushed += change;
+        let speed = -(speed + self.mobility * change);
+        let idle = drives | both;
+        let new = one(
+            finite(self.max - self.now),
+            speed,
+            zero,
+            (self.impulse[1], (-self.held).max(zero)),
+            (zero, L::splat(f32::INFINITY)),
+        );
+        let new = L::select(idle, zero, new);
+        pushed -= new - self.impulse[1];
+        self.impulse[1] = new;
+        let (force, [ta, tb]) = self.parts(pushed);
+        self.acted += force;
+        self.moment[0] += ta;
+        self.moment[1] += tb;
+        self.ends.apply(&mut v, force, ta, tb);
+        // SAFETY: by the contract.
+        unsafe { self.ends.save(&v, motion) };
+    }
+}

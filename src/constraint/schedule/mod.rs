@@ -1,0 +1,6 @@
+//! Which row is solved when: order of importance, colours without a shared dynamic body, sort keys.
+
+pub(crate) mod arrange;
+pub(crate) mod colour;
+pub(crate) mod keys;
+pub(crate) mod order;

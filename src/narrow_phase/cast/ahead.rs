@@ -1,0 +1,334 @@
+//! Fast pairs that are apart: where do they really touch within the step?
+//!
+//! The same kernels run at the pose of first touch, and the separations they find are carried back along the relative
+//! motion to the start of the step. A pair that does not touch gets no point at all, so nothing is pushed by what it
+//! never reaches; and of a mesh only the first obstacle on the path counts.
+
+use super::gates::enter_mesh;
+use super::mesh::{Asked, Cast, ask_mesh};
+use super::motion::{BodyPath, Motion};
+use super::{Touch, cast_convex, cast_plane, tolerance};
+use crate::body::exp_map;
+use crate::broad_phase::Pair;
+use crate::narrow_phase::collide::{Input, Start};
+use crate::narrow_phase::contacts::found::MeshBlock;
+use crate::narrow_phase::convex::collide_convex;
+use crate::narrow_phase::convex::gjk::distance;
+use crate::narrow_phase::convex::support::Support;
+use crate::narrow_phase::mesh::reach::{Reach, extent_of};
+use crate::narrow_phase::mesh::{MeshScratch, collide_mesh};
+use crate::narrow_phase::{RawManifold, Relative};
+use crate::shape::{Collider, Geometry, Kind};
+use glam::{Quat, Vec3};
+
+/// The manifold of two convex shapes, or of one and a plane, at their first touch within the step, and the fraction
+/// of the step at which that is.
+pub(crate) fn look_ahead(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold, f32)> {
+    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
+    let motion = motion_of(input, pair);
+    let tolerance = tolerance(a, b, input.unit);
+    let touch = if b.kind == Kind::Plane {
+        cast_plane(a, b, &motion, tolerance)
+    } else {
+        cast_convex(a, b, &motion, tolerance)
+    }?;
+    let raw = collide_convex(a, b, &motion.relative(touch.fraction), further(input, pair, &touch));
+    Some((carry_back(&raw, &motion, touch.fraction, 0.0), touch.fraction))
+}
+
+/// The manifold of two convex shapes, or of one and a plane, as it will be in the middle of the step.
+pub(crate) fn halfway(input: &Input<'_>, pair: &Pair, margin: f32) -> RawManifold {
+    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
+    let motion = motion_of(input, pair);
+    let raw = collide_convex(a, b, &motion.relative(0.5), margin);
+    carry_back(&raw, &motion, 0.5, f32::MIN)
+}
+
+/// Of two bodies that both move far: the manifold at a later pose on their ways than that which `raw` is of, and the fraction of
+/// the step at which it is, if they overlap there by more than the planes of `raw` show. What slides along a plate for metres
+/// meets it where that has turned to by then.
+pub(crate) fn look_along(
+    input: &Input<'_>,
+    pair: &Pair,
+    (raw, fraction): (&RawManifold, f32),
+) -> Option<(RawManifold, f32)> {
+    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
+    let motion = motion_of(input, pair);
+    let turns =
+        |shape: &Collider, spin: Vec3| shape.kind != Kind::Sphere && (1.0 - fraction) * spin.length() > EVEN;
+    if turns(a, motion.a.spin) || turns(b, motion.b.spin) {
+        return None;
+    }
+    let (mut found, mut most) = (None, input.real);
+    for later in [fraction + 0.5 * (1.0 - fraction), 1.0] {
+        // Rows take away what their planes see come.
+        let seen =
+            closes(&motion, raw, fraction).fold(0.0_f32, |s, (gap, closed)| s.min(gap - later * closed));
+        let then = collide_convex(a, b, &motion.relative(later), input.margin);
+        let deepest = then.points().iter().fold(0.0_f32, |s, p| s.min(p.separation));
+        if seen - deepest > most {
+            most = seen - deepest;
+            found = Some((carry_back(&then, &motion, later, f32::MIN), later));
+        }
+    }
+    found
+}
+
+/// Planes are good for a turn up to this [rad].
+const EVEN: f32 = 0.7;
+
+/// For the larger search volume: the manifold of two convex shapes that miss each other, where their centres pass. The
+/// path runs along such a plane, not through it, so it pushes only what another impact throws off its path.
+pub(crate) fn look_beside(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold, f32)> {
+    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
+    let motion = motion_of(input, pair);
+    let (from, way) = (motion.start.as_vec3() + motion.a.lever - motion.b.lever, motion.displacement);
+    let fraction = if b.kind == Kind::Plane { 0.0 } else { -from.dot(way) / way.length_squared() };
+    // A way of no length has no fraction: NaN clamps to itself, and compares as false.
+    let fraction = if fraction > 0.0 { fraction.min(1.0) } else { 0.0 };
+    let raw =
+        collide_convex(a, b, &motion.relative(fraction), input.margin + (1.0 - fraction) * way.length());
+    let raw = carry_back(&raw, &motion, fraction, 0.0);
+    (raw.count > 0 && !pushes(input, &motion, &raw, fraction)).then_some((raw, fraction))
+}
+
+/// Where a shape in flight first touches a mesh or height field; [`Cast::Near`] if it begins close to it.
+pub(crate) fn fly_mesh(
+    input: &Input<'_>,
+    (a, b): Shapes<'_>,
+    (rel, motion): Way<'_>,
+    scratch: &mut MeshScratch,
+) -> Cast {
+    let asked = Asked { alone: input.margin, ..Asked::first(tolerance(a, b, input.unit), input.real) };
+    ask_mesh(a, b, rel, motion, asked, scratch.nearby())
+}
+
+/// Where a shape first touches a mesh or height field, other than what it rests on: that within `resting` [m] at the
+/// start is left to the kernel there, of which `scratch` still knows what it found.
+pub(crate) fn look_ahead_mesh(
+    input: &Input<'_>,
+    (a, b): Shapes<'_>,
+    (rel, motion): Way<'_>,
+    resting: f32,
+    scratch: &mut MeshScratch,
+) -> Option<Touch> {
+    let way = motion.a.rotation.conjugate() * motion.displacement;
+    let known = scratch.touched(a, resting, (way, input.margin));
+    let asked =
+        Asked { known, lip: NO_GAP * input.real, ..Asked::first(tolerance(a, b, input.unit), resting) };
+    match ask_mesh(a, b, rel, motion, asked, scratch.nearby()) {
+        Cast::First(touch) => Some(touch),
+        _ => None,
+    }
+}
+
+/// Adds the manifolds of a convex shape at its first touch with a mesh or height field, and at the second, to which
+/// it would slide along what it touched first: a body that hits the ground close to a wall meets both in one step.
+pub(crate) fn hit_mesh(
+    input: &Input<'_>,
+    pair: &Pair,
+    (a, b): Shapes<'_>,
+    motion: &Motion,
+    touch: Touch,
+    out: &mut MeshBlock,
+) {
+    let Touch { fraction, normal } = touch;
+    out.raw.clear();
+    let margin = further(input, pair, &touch);
+    let rel = motion.relative(fraction);
+    // Below it is what the rest of its way leads to.
+    out.mesh.nearby.expect(extent_of(a, &rel, input.margin, way_left(motion, fraction)));
+    collide_mesh(a, b, &rel, Reach::new(margin).within(input.margin), &mut out.mesh, &mut out.raw);
+    // Planes that it is not close to when it touches are guesses.
+    out.raw.retain(|m| m.points().iter().any(|p| p.separation <= input.margin));
+    (0..out.raw.len()).for_each(|i| out.add(carry_back(&out.raw[i], motion, fraction, 0.0), fraction));
+
+    let then = motion.after(fraction, normal);
+    let left = then.displacement.length() + (1.0 - fraction) * input.approach(pair).spin;
+    if left <= 0.5 * a.inner_radius {
+        return;
+    }
+    let second = match input.start {
+        Start::Gated => enter_mesh(input, (a, b), (&rel, &then), input.real),
+        _ => look_ahead_mesh(input, (a, b), (&rel, &then), input.real, &mut out.mesh),
+    };
+    let Some(Touch { fraction: further, .. }) = second else {
+        return;
+    };
+    out.raw.clear();
+    collide_mesh(a, b, &then.relative(further), Reach::new(input.margin), &mut out.mesh, &mut out.raw);
+    for i in 0..out.raw.len() {
+        let first = carry_back(&out.raw[i], &then, further, 0.0);
+        // What touches on the way there touches at the first place too.
+        out.add(carry_back(&first, motion, fraction, 0.0), fraction);
+    }
+}
+
+/// A convex shape, and a mesh or height field.
+pub(crate) type Shapes<'a> = (&'a Collider, &'a Collider);
+/// Where the second is in the frame of the first at the start of the motion, and the motion.
+pub(crate) type Way<'a> = (&'a Relative, &'a Motion);
+
+/// How the shapes of a pair move within the step.
+pub(crate) fn motion_of(input: &Input<'_>, pair: &Pair) -> Motion {
+    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
+    Motion::new(a, &path(input, pair.a), b, &path(input, pair.b))
+}
+
+/// What is left of the way at a fraction of the step, as shape a sees it then [m].
+fn way_left(motion: &Motion, fraction: f32) -> Vec3 {
+    let turned = exp_map(motion.a.spin * fraction) * motion.a.rotation;
+    turned.conjugate() * motion.displacement * (1.0 - fraction)
+}
+
+/// The margin at a first touch [m]: what is left of the motion may bring down the rest of a body that touched with a tip.
+/// The plane is one that it did touch, so points far from it are no guess. Motion along it brings nothing down.
+pub(crate) fn further(input: &Input<'_>, pair: &Pair, touch: &Touch) -> f32 {
+    let radius = |c: u32| input.colliders[c as usize].radius;
+    let size = 2.0 * radius(pair.a).min(radius(pair.b));
+    let approach = input.approach(pair);
+    let closing = (-approach.way.dot(touch.normal)).max(0.0) + approach.spin;
+    input.margin + ((1.0 - touch.fraction) * closing).min(size)
+}
+
+/// Whether a convex shape touches a mesh or height field at all within the step.
+pub(crate) fn touches_mesh(
+    unit: f32,
+    (a, b): Shapes<'_>,
+    (rel, motion): Way<'_>,
+    scratch: &mut MeshScratch,
+) -> bool {
+    let asked = Asked { any: true, ..Asked::first(tolerance(a, b, unit), 0.0) };
+    matches!(ask_mesh(a, b, rel, motion, asked, scratch.nearby()), Cast::First(_))
+}
+
+/// Whether the predicted motion takes any point of a manifold, found at the start of the step, through its plane.
+pub(crate) fn would_push(input: &Input<'_>, motion: &Motion, raw: &RawManifold) -> bool {
+    pushes(input, motion, raw, 0.0)
+}
+
+fn pushes(input: &Input<'_>, motion: &Motion, raw: &RawManifold, fraction: f32) -> bool {
+    let nearly = NEARLY * input.unit;
+    // A little early: the solver's path is not quite the predicted one.
+    closes(motion, raw, fraction).any(|(separation, closed)| separation < 1.05 * closed + nearly)
+}
+
+/// Of each point, its separation and how much of that the motion takes away [m].
+fn closes(motion: &Motion, raw: &RawManifold, fraction: f32) -> impl Iterator<Item = (f32, f32)> {
+    let (normal, moved) = (motion.a.rotation * raw.normal, motion.displacement * fraction);
+    raw.points().iter().map(move |point| {
+        let arm = motion.a.lever + motion.a.rotation * point.position;
+        (point.separation, closing(motion, normal, arm, moved))
+    })
+}
+
+/// Drops the manifolds that a slow shape is near to neither now nor after its predicted motion.
+pub(crate) fn keep_reached(motion: &Motion, margin: f32, found: &mut Vec<RawManifold>) {
+    found.retain(|m| closes(motion, m, 0.0).any(|(gap, closed)| gap - closed.max(0.0) <= margin));
+}
+
+/// Whether the predicted motion leads into anything by more than a margin.
+pub(crate) fn strikes(motion: &Motion, margin: f32, found: &[RawManifold]) -> bool {
+    found.iter().any(|m| closes(motion, m, 0.0).any(|(gap, closed)| closed - gap > margin))
+}
+
+/// A gap up to this share of that of a real contact is none, and what stands out by no more is not felt.
+pub(crate) const NO_GAP: f32 = 0.25;
+/// Rounding of a predicted path [length units].
+const NEARLY: f32 = 1e-5;
+
+/// How much of the gap along `normal` the whole motion takes away at a point that is `arm` from a's centre, with the
+/// centres moved apart by `moved` since the start [m].
+pub(crate) fn closing(motion: &Motion, normal: Vec3, arm: Vec3, moved: Vec3) -> f32 {
+    let arm_b = arm + motion.start.as_vec3() + moved;
+    normal.dot(motion.displacement + motion.a.spin.cross(arm) - motion.b.spin.cross(arm_b))
+}
+
+/// If overlap is so deep that the way out leads through a still shape, because the longer part of the moving one is on
+/// the wrong side: the manifold that leads out on the side where the centre is.
+pub(crate) fn right_way_out(
+    input: &Input<'_>,
+    pair: &Pair,
+    rel: &Relative,
+    raw: &RawManifold,
+) -> Option<RawManifold> {
+    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
+    let moves = |c: &Collider| (c.body as usize) < input.dynamic;
+    if moves(a) == moves(b) {
+        return None;
+    }
+    if moves(a) {
+        return out_by_the_centre(a, b, rel, raw, input.margin);
+    }
+    // As seen from the one that moves.
+    let back = rel.rotation.conjugate();
+    let from_b = Relative { position: -(back * rel.position), rotation: back };
+    let raw = RawManifold { normal: -(back * raw.normal), ..*raw };
+    Some(out_by_the_centre(b, a, &from_b, &raw, input.margin)?.flipped(from_b.position, from_b.rotation))
+}
+
+/// The same of a shape that moves and one that stands still, in the frame of the first; of `raw` only the depth and the normal
+/// count.
+pub(crate) fn out_by_the_centre(
+    mover: &Collider,
+    still: &Collider,
+    rel: &Relative,
+    raw: &RawManifold,
+    margin: f32,
+) -> Option<RawManifold> {
+    let deepest = raw.points().iter().fold(0.0_f32, |s, p| s.min(p.separation));
+    if deepest > -0.5 * mover.inner_radius {
+        return None;
+    }
+    let (own, other) = (Support::of(mover)?, Support::of(still)?);
+    let centre = -(mover.rotation.conjugate() * mover.position);
+    let point = Support::triangle([centre; 3]);
+    let here = Relative { position: Vec3::ZERO, rotation: Quat::IDENTITY };
+    // A body's centre may be outside of a part of it: nothing is known then.
+    if distance(&own, &point, &here, Vec3::ZERO).distance > 0.0 {
+        return None;
+    }
+    let out = distance(&point, &other, rel, Vec3::ZERO);
+    // The normal leads into the other shape, as that of `out` does.
+    if out.overlap || out.distance <= 0.0 || raw.normal.dot(out.normal) >= 0.0 {
+        return None;
+    }
+    // Against the half-space behind the nearest point of the other.
+    let plane = Collider { kind: Kind::Plane, geometry: Geometry::Plane, ..still.clone() };
+    let half = Relative { position: out.point_b, rotation: Quat::from_rotation_arc(Vec3::Y, -out.normal) };
+    Some(collide_convex(mover, &plane, &half, margin))
+}
+
+/// How the body of a collider moves within the step.
+fn path(input: &Input<'_>, collider: u32) -> BodyPath {
+    let c = &input.colliders[collider as usize];
+    let pose = &input.poses[collider as usize];
+    let rotation = pose.rotation * c.rotation.conjugate();
+    let motion = input.motion_of(collider);
+    BodyPath {
+        centre: pose.position - (rotation * c.position).as_dvec3(),
+        rotation,
+        displacement: motion.linear,
+        spin: motion.angular,
+    }
+}
+
+/// A manifold found at a fraction of the step, in the frame of shape a as it is at the start: its arms are those of the
+/// touch, its separations what the predicted motion takes away until then, which is at least `least`.
+pub(crate) fn carry_back(raw: &RawManifold, motion: &Motion, fraction: f32, least: f32) -> RawManifold {
+    let turned = exp_map(motion.a.spin * fraction);
+    let at_touch = turned * motion.a.rotation;
+    let lever = turned * motion.a.lever;
+    let back: Quat = motion.a.rotation.conjugate();
+    let normal = at_touch * raw.normal;
+    let moved = motion.displacement * fraction;
+    let mut carried = *raw;
+    carried.normal = back * normal;
+    for point in &mut carried.points[..raw.count as usize] {
+        let arm_a = lever + at_touch * point.position;
+        // With 0 as the least, a point that moves away until the touch does not count as overlap at the start.
+        point.separation += (fraction * closing(motion, normal, arm_a, moved)).max(least);
+        point.position = back * (arm_a - motion.a.lever);
+    }
+    carried
+}

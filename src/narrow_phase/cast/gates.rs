@@ -1,0 +1,421 @@
+//! What a pair that is apart and fast may be stopped by, without a search for its first touch: the gates of Vincent
+//! Robert's talk (GDC 2012), for [`ContinuousMethod::Talk`](crate::ContinuousMethod::Talk).
+//!
+//! The manifold of the start of the step stops whoever crosses its plane, also beside the face that the plane is of. Two
+//! gates keep it from that. Both know the relative motion of the start, straight and with the rotations of the start:
+//!
+//! 1. *Which axis.* Along each candidate axis the shapes, seen as intervals, meet at one fraction of the step and part at
+//!    another. The last to be entered is the axis of impact. If one is left before another is entered, the two miss each
+//!    other, and there is no manifold (separating axes for moving shapes: Ericson, *Real-Time Collision Detection*, 5.5.8).
+//! 2. *Where it is crossed.* A point has to lie over the face it was found on at the moment its path crosses the plane. If
+//!    the shapes go along the plane by more than the margin until then, the footprint is taken where they cross it, by the
+//!    same kernel, and its separations are those of the start: what the motion takes away until then is added.
+//!
+//! All of it is in closed form. Of what turns, only the points' own velocities are known, as far as they are straight.
+
+use super::ahead::{Shapes, Way, carry_back, closing, further, motion_of};
+use super::mesh::Asked;
+use super::motion::{Motion, Turn};
+use super::path::ShapePath;
+use super::sweep::reach;
+use super::{Touch, tolerance};
+use crate::broad_phase::Pair;
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8, ones};
+use crate::narrow_phase::collide::Input;
+use crate::narrow_phase::convex::collide_convex;
+use crate::narrow_phase::convex::gjk::distance;
+use crate::narrow_phase::convex::polytope::Pose;
+use crate::narrow_phase::convex::support::{Pose as Placed, Support};
+use crate::narrow_phase::mesh::Triangles;
+use crate::narrow_phase::mesh::nearby::{Eight, Ground};
+use crate::narrow_phase::mesh::reach::side_of;
+use crate::narrow_phase::{RawManifold, Relative};
+use crate::shape::{Collider, Geometry, Kind};
+use glam::{DMat3, DVec3, Vec3};
+
+/// Cosine of 1.8 degrees: axes nearer than this are one.
+const SAME_AXIS: f32 = 0.9995;
+/// Speed along a unit axis, as a share of the way, that counts as none.
+const STILL: f32 = 1e-6;
+/// Squared sine under which a cross product has no direction.
+const PARALLEL: f64 = 1e-7;
+
+/// The same motion with nothing turning.
+pub(crate) fn straight(motion: &Motion) -> Motion {
+    let still = |turn: &Turn| Turn { spin: Vec3::ZERO, ..*turn };
+    Motion { a: still(&motion.a), b: still(&motion.b), ..*motion }
+}
+
+/// What is left of the manifold `raw` of two convex shapes, or of one and a plane, that are apart at the start, with the
+/// fraction of the step at which its footprint was taken; `None` if they miss each other.
+pub(crate) fn gate(input: &Input<'_>, pair: &Pair, raw: &RawManifold) -> Option<(RawManifold, f32)> {
+    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
+    let approach = input.approach(pair);
+    let turning = motion_of(input, pair);
+    let motion = straight(&turning);
+    let way = motion.a.rotation.conjugate() * motion.displacement;
+    if b.kind == Kind::Plane {
+        return Some((*raw, 0.0));
+    }
+    let slack = input.margin + approach.spin;
+    let Entry { fraction, axis, surely } = enter((a, b), &motion.relative(0.0), (way, slack), raw.normal)?;
+    let (until, aside) = (fraction.min(1.0), way - axis * axis.dot(way));
+    let same = axis.dot(raw.normal) > SAME_AXIS && aside.length() * until <= input.margin;
+    // What only turning brings together has no other moment.
+    if same || fraction > 1.0 {
+        let mut kept = *raw;
+        if !surely && approach.spin > input.margin {
+            keep_over(&mut kept, (a, b), &turning, input.margin);
+        }
+        return (kept.count > 0).then_some((kept, 0.0));
+    }
+    let touch = Touch { fraction, normal: motion.a.rotation * axis };
+    let found = collide_convex(a, b, &motion.relative(fraction), further(input, pair, &touch));
+    (found.count > 0).then(|| (carry_back(&found, &motion, fraction, 0.0), fraction))
+}
+
+/// Drops the points of a manifold whose own paths, straight on with the turning of the start, cross its plane neither over
+/// the one shape nor over the other.
+fn keep_over(raw: &mut RawManifold, (a, b): Shapes<'_>, motion: &Motion, margin: f32) {
+    let (Some(shape_a), Some(shape_b)) = (Support::of(a), Support::of(b)) else { return };
+    let to_a = motion.a.rotation.conjugate();
+    let rel = motion.relative(0.0);
+    let here = Relative { position: Vec3::ZERO, rotation: glam::Quat::IDENTITY };
+    let normal = motion.a.rotation * raw.normal;
+    let mut count = 0;
+    for i in 0..raw.count as usize {
+        let point = raw.points[i];
+        let arm = motion.a.lever + motion.a.rotation * point.position;
+        let closed = closing(motion, normal, arm, Vec3::ZERO);
+        let lands = closed <= point.separation || {
+            let arm_b = arm + motion.start.as_vec3();
+            let moved = motion.displacement + motion.a.spin.cross(arm) - motion.b.spin.cross(arm_b);
+            let aside = to_a * (moved - normal * closed) * (point.separation / closed);
+            let half = raw.normal * (0.5 * point.separation);
+            let onto = Support::triangle([point.position + half + aside; 3]);
+            let back = Support::triangle([point.position - half - aside; 3]);
+            let on_b = Relative {
+                position: -(rel.rotation.conjugate() * rel.position),
+                rotation: rel.rotation.conjugate(),
+            };
+            distance(&shape_b, &onto, &on_b, Vec3::ZERO).distance <= margin
+                || distance(&shape_a, &back, &here, Vec3::ZERO).distance <= margin
+        };
+        if lands {
+            raw.points[count] = point;
+            count += 1;
+        }
+    }
+    raw.count = count as u32;
+}
+
+/// How far two convex shapes have been swept against each other: when the last of the axes that were tried was entered, and
+/// when the first of them was left.
+struct Swept<'a> {
+    own: Support<'a>,
+    other: Support<'a>,
+    /// Of the other in the frame of its own, at the start.
+    placed: Placed,
+    /// Of its own in its frame [m].
+    way: DVec3,
+    /// What passes as near as this is not missed [m].
+    slack: f64,
+    entered: f64,
+    /// The last to be entered: unit, towards the other.
+    axis: DVec3,
+    left: f64,
+    /// With the slack, when the last was entered and the first left.
+    near: f64,
+    passed: f64,
+}
+
+/// How two shapes enter each other.
+struct Entry {
+    /// At least 0, and beyond 1 by no more than what the slack closes.
+    fraction: f32,
+    /// The last axis to be entered: unit, from a to b, in the frame of a.
+    axis: Vec3,
+    /// Without the slack they do too, along all axes that were tried.
+    surely: bool,
+}
+
+/// At which fraction of the step two convex shapes have entered each other along all axes. `None` if they miss each other.
+///
+/// `way`: of a against b, in its own frame [m]. `now`: the normal of the start. `slack`: see [`Swept`].
+fn enter((a, b): Shapes<'_>, rel: &Relative, (way, slack): (Vec3, f32), now: Vec3) -> Option<Entry> {
+    let rotation = DMat3::from_quat(rel.rotation.as_dquat().normalize());
+    let mut swept = Swept {
+        own: Support::of(a)?,
+        other: Support::of(b)?,
+        placed: Placed { rotation, position: rel.position.as_dvec3() },
+        way: way.as_dvec3(),
+        slack: f64::from(slack),
+        entered: f64::MIN,
+        axis: now.as_dvec3(),
+        left: f64::MAX,
+        near: f64::MIN,
+        passed: f64::MAX,
+    };
+    let (position, way) = (swept.placed.position, swept.way);
+    // Balls pass each other along the line on which their centres come nearest.
+    let across = position * way.length_squared() - way * position.dot(way);
+    let mut meets = swept.meets_along(now.as_dvec3()) && swept.meets_along(across);
+    meets = meets && faces(a).all(|face| swept.meets_along(face));
+    meets = meets && faces(b).all(|face| swept.meets_along(rotation * face));
+    for edge in edges(a) {
+        let crosses = edges(b).iter().map(|other| edge.cross(rotation * *other));
+        meets = meets
+            && crosses.filter(|cross| cross.length_squared() > PARALLEL).all(|axis| swept.meets_along(axis));
+    }
+    // What is round about an edge has all normals across it.
+    let round = |shape: &Collider| matches!(shape.kind, Kind::Capsule | Kind::Cylinder);
+    meets = meets && (!round(a) || swept.meets_along(DVec3::Y.cross(way)));
+    meets = meets && (!round(b) || swept.meets_along((rotation * DVec3::Y).cross(way)));
+    // Boxes have no other axes. Of all others the direction between the nearest points where these are entered is one.
+    if meets && (a.kind, b.kind) != (Kind::Box, Kind::Box) {
+        let there = Relative { position: (position - way * swept.entered.clamp(0.0, 1.0)).as_vec3(), ..*rel };
+        let nearest = distance(&swept.own, &swept.other, &there, swept.axis.as_vec3());
+        meets = nearest.overlap || nearest.distance <= 0.0 || swept.meets_along(nearest.normal.as_dvec3());
+    }
+    meets.then(|| Entry {
+        fraction: swept.entered.max(0.0) as f32,
+        axis: swept.axis.as_vec3(),
+        surely: swept.entered <= swept.left.min(1.0),
+    })
+}
+
+impl Swept<'_> {
+    /// Takes in an axis of any length; one of none says nothing. Whether the two may still meet.
+    fn meets_along(&mut self, axis: DVec3) -> bool {
+        let length = axis.length();
+        if length > 0.0 {
+            self.along(axis / length);
+        }
+        self.near <= self.passed.min(1.0) && self.passed >= 0.0
+    }
+
+    fn along(&mut self, axis: DVec3) {
+        let seen = self.placed.rotation.transpose() * axis;
+        let high = |shape: &Support, axis: DVec3| shape.support(axis).dot(axis) + shape.radius;
+        let middle = self.placed.position.dot(axis);
+        // Of the other above its own, and of its own above the other.
+        let above = middle - high(&self.other, -seen) - high(&self.own, axis);
+        let below = -middle - high(&self.other, seen) - high(&self.own, -axis);
+        let way = self.way.dot(axis);
+        let speed = way.abs();
+        if speed <= f64::from(STILL) * self.way.length() {
+            if above.max(below) > self.slack {
+                self.near = f64::MAX;
+            } else if above.max(below) > 0.0 {
+                self.left = f64::MIN;
+            }
+            return;
+        }
+        let (gap, other, normal) = if way > 0.0 { (above, below, axis) } else { (below, above, -axis) };
+        if gap / speed > self.entered {
+            (self.entered, self.axis) = (gap / speed, normal);
+        }
+        self.near = self.near.max((gap - self.slack) / speed);
+        self.left = self.left.min(-other / speed);
+        self.passed = self.passed.min((self.slack - other) / speed);
+    }
+}
+
+const AXES: [DVec3; 3] = [DVec3::X, DVec3::Y, DVec3::Z];
+
+/// Normals of the faces of a shape, of two that are opposite one.
+fn faces(shape: &Collider) -> impl Iterator<Item = DVec3> + '_ {
+    let own = match shape.kind {
+        Kind::Box => &AXES[..],
+        Kind::Cylinder => &AXES[1..2],
+        _ => &[],
+    };
+    let planes = match &shape.geometry {
+        Geometry::Hull(hull) => &hull.planes[..],
+        _ => &[],
+    };
+    own.iter().copied().chain(planes.iter().map(|(normal, _)| normal.as_dvec3()))
+}
+
+/// Directions of the edges of a shape; a hull's many are left to the normals of nearest points.
+fn edges(shape: &Collider) -> &'static [DVec3] {
+    match shape.kind {
+        Kind::Box => &AXES,
+        Kind::Capsule | Kind::Cylinder => &AXES[1..2],
+        _ => &[],
+    }
+}
+
+/// The triangle of a mesh or height field that a convex shape enters first, other than what it is near to at the start: what
+/// is within `resting` [m], or whose plane is and stays so, is left to the manifolds of the start.
+pub(crate) fn enter_mesh(
+    input: &Input<'_>,
+    (a, b): Shapes<'_>,
+    (rel, motion): Way<'_>,
+    resting: f32,
+) -> Option<Touch> {
+    let (ground, shape) = (Ground::of(b)?, Support::of(a)?);
+    let motion = straight(motion);
+    let way = motion.a.rotation.conjugate() * motion.displacement;
+    if way == Vec3::ZERO {
+        return None;
+    }
+    let asked = Asked::first(tolerance(a, b, input.unit), resting);
+    let path = ShapePath::new(a, rel, &motion, &asked).in_box();
+    let mut first = Search {
+        shape: a,
+        support: shape,
+        pose: Pose::new(rel.position, rel.rotation),
+        side: side_of(a),
+        way,
+        resting,
+        fraction: 1.0,
+        normal: None,
+    };
+    let mut seen = Eight::default();
+    let mut visit = |index: u32, corners: [Vec3; 3], _entry: f32| {
+        seen.push(index, corners);
+        if seen.is_full() {
+            first.look(&seen);
+            seen.clear();
+        }
+        first.fraction
+    };
+    match ground {
+        Ground::Mesh(mesh) => mesh.visit_segment(path.from, path.to, path.inflate, &mut visit),
+        Ground::Field(field) => field.visit_segment(path.from, path.to, path.inflate, &mut visit),
+    }
+    first.look(&seen);
+    let normal = motion.a.rotation * first.normal?.normalize();
+    Some(Touch { fraction: first.fraction, normal })
+}
+
+/// The triangle that is entered first.
+struct Search<'a> {
+    shape: &'a Collider,
+    support: Support<'a>,
+    /// Of the mesh in the shape's frame.
+    pose: Pose,
+    side: Vec3,
+    way: Vec3,
+    resting: f32,
+    fraction: f32,
+    normal: Option<Vec3>,
+}
+
+/// Of eight triangles, what [`Swept`] is of a shape, and the widest gap at the start [m].
+struct SweptEight {
+    entered: f32x8,
+    axis: LaneVec3<f32x8>,
+    left: f32x8,
+    apart: f32x8,
+}
+
+impl Search<'_> {
+    /// Looks at some triangles, eight at most.
+    fn look(&mut self, eight: &Eight) {
+        if eight.lanes() == 0 {
+            return;
+        }
+        let triangles = Triangles::new(eight, eight.lanes(), &self.pose, self.side);
+        let zero = f32x8::zero();
+        let mut swept = SweptEight {
+            entered: f32x8::splat(f32::MIN),
+            axis: triangles.front,
+            left: f32x8::splat(f32::MAX),
+            apart: f32x8::splat(f32::MIN),
+        };
+        let down = -triangles.front;
+        self.along(&triangles, down, &mut swept);
+        // What it slides along, or rests on.
+        let gap = triangles.height - reach(self.shape, down);
+        let end = gap - LaneVec3::splat(self.way).dot(down);
+        let resting = f32x8::splat(self.resting);
+        let level = gap.abs().le(resting) & end.ge(-resting);
+        let left = |swept: &SweptEight| {
+            let SweptEight { entered, left, .. } = swept;
+            let meets = entered.le(*left) & left.ge(zero) & entered.lt(f32x8::splat(self.fraction));
+            (meets & !level).bits() & triangles.valid
+        };
+        // Of most the plane alone tells.
+        if left(&swept) == 0 {
+            return;
+        }
+        let [p, q, r] = triangles.corners;
+        let own = [Vec3::X, Vec3::Y, Vec3::Z].map(LaneVec3::<f32x8>::splat);
+        for axis in own {
+            self.along(&triangles, axis, &mut swept);
+        }
+        let crossed = match self.shape.kind {
+            Kind::Box => &own[..],
+            Kind::Capsule | Kind::Cylinder => &own[1..2],
+            _ => &[],
+        };
+        let way = LaneVec3::splat(self.way);
+        for edge in [q - p, r - q, p - r] {
+            for axis in crossed.iter().chain([&way]) {
+                self.along(&triangles, unit(edge.cross(*axis)), &mut swept);
+            }
+        }
+        let hit = left(&swept) & swept.apart.gt(resting).bits();
+        let SweptEight { entered, axis, .. } = swept;
+        for lane in ones(hit) {
+            let corners = triangles.corners.map(|corner| corner.lane(lane));
+            self.take(corners, entered.lane(lane).max(0.0), axis.lane(lane));
+        }
+    }
+
+    /// Takes in one axis for eight triangles, of unit length, or of none, which says nothing.
+    #[inline(always)]
+    fn along(&self, triangles: &Triangles, axis: LaneVec3<f32x8>, swept: &mut SweptEight) {
+        let [p, q, r] = triangles.corners.map(|corner| corner.dot(axis));
+        let above = Lanes::min(p, Lanes::min(q, r)) - reach(self.shape, axis);
+        let below = -Lanes::max(p, Lanes::max(q, r)) - reach(self.shape, -axis);
+        let way = LaneVec3::splat(self.way).dot(axis);
+        let (zero, most) = (f32x8::zero(), f32x8::splat(f32::MAX));
+        let still = way.abs().le(f32x8::splat(STILL * self.way.length()));
+        let speed = Lanes::select(still, f32x8::one(), way.abs());
+        let on = way.gt(zero);
+        let gap = Lanes::select(on, above, below);
+        let other = Lanes::select(on, below, above);
+        let apart = Lanes::max(above, below);
+        let never = still & apart.gt(zero);
+        let entered = Lanes::select(never, most, Lanes::select(still, -most, gap / speed));
+        let later = entered.gt(swept.entered);
+        swept.axis = LaneVec3::select(later, LaneVec3::select(on, axis, -axis), swept.axis);
+        swept.entered = Lanes::select(later, entered, swept.entered);
+        swept.left = Lanes::min(swept.left, Lanes::select(still, most, -other / speed));
+        swept.apart = Lanes::max(swept.apart, apart);
+    }
+
+    /// Takes in a triangle that is entered along all axes that were tried; a shape that is no box may have others.
+    fn take(&mut self, corners: [Vec3; 3], entered: f32, axis: Vec3) {
+        let (mut entered, mut axis) = (entered, axis);
+        if self.shape.kind != Kind::Box {
+            let there = Support::triangle(corners.map(|corner| corner - self.way * entered));
+            let here = Relative { position: Vec3::ZERO, rotation: glam::Quat::IDENTITY };
+            let nearest = distance(&self.support, &there, &here, axis);
+            if !nearest.overlap && nearest.distance > 0.0 {
+                let speed = nearest.normal.dot(self.way);
+                // The distance along a straight way is convex: from here on it only grows.
+                if speed <= 0.0 && nearest.distance > self.resting {
+                    return;
+                }
+                if speed > 0.0 {
+                    (entered, axis) = (entered + nearest.distance / speed, nearest.normal);
+                }
+            }
+        }
+        if entered < self.fraction {
+            (self.fraction, self.normal) = (entered, Some(axis));
+        }
+    }
+}
+
+/// Of unit length, or of none.
+#[inline(always)]
+fn unit(v: LaneVec3<f32x8>) -> LaneVec3<f32x8> {
+    let squared = v.length_squared();
+    let some = squared.gt(f32x8::splat(1e-20));
+    v * Lanes::select(some, f32x8::one() / Lanes::select(some, squared, f32x8::one()).sqrt(), f32x8::zero())
+}

@@ -1,0 +1,579 @@
+//! When a moving convex shape first touches a mesh or a height field.
+
+use super::motion::Motion;
+use super::path::{BoxPath, ShapePath};
+use super::sweep::MeshSweep;
+use super::{Other, Placed, Sweep, Touch};
+use crate::lanes::ones;
+use crate::narrow_phase::Relative;
+use crate::narrow_phase::convex::simplex::Simplex;
+use crate::narrow_phase::convex::support::Support;
+use crate::narrow_phase::mesh::nearby::{Eight, Ground, Nearby};
+use crate::narrow_phase::mesh::touched::Touched;
+use crate::shape::{Collider, HeightField, TriangleMesh};
+use glam::{DVec3, Vec3};
+
+/// Gets a triangle, its corners and a fraction before which its box is not entered; answers the largest that still
+/// matters.
+pub(crate) type Visit<'a> = dyn FnMut(u32, [Vec3; 3], f32) -> f32 + 'a;
+
+/// What a cast and a segment need of a mesh or a height field, in its own frame.
+pub(crate) trait Triangles {
+    /// Corners, in either order: triangles are met from both sides.
+    fn triangle(&self, index: u32) -> [Vec3; 3];
+    /// Calls `f` with every triangle whose box, grown by `inflate`, the segment meets before the fraction that `f`
+    /// last answered; about nearest first, in an order that depends on the mesh and the segment alone. `f` gets the
+    /// fraction of entry into the box, and answers the largest that still matters.
+    fn visit_segment(&self, from: Vec3, to: Vec3, inflate: Vec3, f: &mut Visit<'_>);
+    /// The first triangle that the segment meets, with the fraction; nothing slips through where triangles share an
+    /// edge or a corner.
+    fn segment_hit(&self, from: Vec3, to: Vec3) -> Option<(f32, u32)>;
+}
+
+/// What a cast against triangles does beside finding the first touch.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Asked {
+    /// A touch may be so much early [m].
+    pub(crate) tolerance: f32,
+    /// What is nearer than this at the start is the business of the kernel at the start, which the caller runs with at
+    /// least that margin [m]. So a triangle is passed over if the shape is that close to it at the start, or if it is
+    /// that close to the triangle's *plane* and stays so: the floor ahead of a sliding box is the floor that it is on,
+    /// and its inner edges stop nothing, but a wall does. Two slops and twice what gravity adds in a step is enough.
+    pub(crate) resting: f32,
+    /// Give up if a triangle may be nearer than this at the start [m]; negative: never.
+    pub(crate) alone: f32,
+    /// Any touch will do, not only the first.
+    pub(crate) any: bool,
+    /// What is known to be nearer than `resting` at the start.
+    pub(crate) known: Touched,
+    /// What stands out by less in front of a plane that is known is not felt [m].
+    pub(crate) lip: f32,
+}
+
+impl Asked {
+    /// For the first touch, wherever the shape begins.
+    pub(crate) fn first(tolerance: f32, resting: f32) -> Asked {
+        Asked { tolerance, resting, alone: -1.0, any: false, known: Touched::default(), lip: 0.0 }
+    }
+}
+
+/// What a cast found.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Cast {
+    /// A triangle may be near at the start: the kernel there has to look first.
+    Near,
+    /// No triangle is touched.
+    Free,
+    First(Touch),
+}
+
+/// First touch of a convex shape with a triangle of a mesh or height field, other than what it rests on; see [`Asked`].
+/// `rel`: of the mesh in the shape's frame at the start. `nearby`: where triangles are gathered, if there is place.
+pub(crate) fn ask_mesh(
+    a: &Collider,
+    mesh: &Collider,
+    rel: &Relative,
+    motion: &Motion,
+    asked: Asked,
+    mut nearby: Option<&mut Nearby>,
+) -> Cast {
+    let Some(ground) = Ground::of(mesh) else { return Cast::Free };
+    let Some(shape) = Support::of(a) else { return Cast::Free };
+    let turns = motion.b.spin != Vec3::ZERO;
+    if turns && asked.alone >= 0.0 {
+        return Cast::Near;
+    }
+    let path = (!turns).then(|| ShapePath::new(a, rel, motion, &asked));
+    if let (Some(path), Some(nearby)) = (&path, &mut nearby)
+        && let Some(extent) = path.in_box().as_box()
+    {
+        let mut passes = true;
+        nearby.gather(&ground, extent, &mut |found| {
+            passes = passes && found.each().all(|(eight, lanes)| path.passes(eight, lanes));
+        });
+        if passes {
+            return Cast::Free;
+        }
+    }
+    let mut search = Search::new(shape, motion, asked);
+    let path = search.prepare(a, rel, path);
+    match (nearby, path.as_box()) {
+        (Some(nearby), Some(extent)) => nearby.gather(&ground, extent, &mut |found| {
+            found.each().for_each(|(eight, lanes)| search.look(eight, lanes));
+        }),
+        _ => match ground {
+            Ground::Mesh(mesh) => search.go_along(mesh, &path),
+            Ground::Field(field) => search.go_along(field, &path),
+        },
+    }
+    search.finish()
+}
+
+macro_rules! triangles {
+    ($mesh:ty) => {
+        impl Triangles for $mesh {
+            fn triangle(&self, index: u32) -> [Vec3; 3] {
+                <$mesh>::triangle(self, index)
+            }
+            fn visit_segment(&self, from: Vec3, to: Vec3, inflate: Vec3, f: &mut Visit<'_>) {
+                <$mesh>::visit_segment(self, from, to, inflate, f);
+            }
+            fn segment_hit(&self, from: Vec3, to: Vec3) -> Option<(f32, u32)> {
+                <$mesh>::segment_hit(self, from, to)
+            }
+        }
+    };
+}
+
+triangles!(TriangleMesh);
+triangles!(HeightField);
+
+/// A cast that is under way.
+///
+/// Eight triangles at a time are looked at in lanes: most have planes that are not reached. The others wait until there
+/// are eight of these, and a closer look in lanes leaves those that may be touched, and says when at the earliest. At the
+/// end the first is searched exactly. Whatever that finds ends the motion for all others, and of them few can be touched
+/// within what is left of it, as the same look tells.
+struct Search<'a> {
+    shape: Support<'a>,
+    motion: &'a Motion,
+    asked: Asked,
+    /// Once anything is searched exactly.
+    exact: Option<Exact<'a>>,
+    /// If the mesh doesn't turn.
+    filter: Option<MeshSweep<'a>>,
+    /// Triangles whose planes are reached.
+    waiting: Eight,
+    /// Those that may be touched, though not before these fractions of the step.
+    sifted: Eight,
+    earliest: [f32; 8],
+    first: Option<Touch>,
+    /// Fraction of the step from which on a touch is of no interest.
+    limit: f64,
+    near: bool,
+}
+
+/// What an exact search needs.
+struct Exact<'a> {
+    sweep: Sweep<'a>,
+    start: Placed,
+    /// In the middle and at the end of the step, once that matters.
+    later: Option<(Placed, Placed)>,
+}
+
+/// What rounding may make of an earliest fraction.
+const EARLY: f64 = 1e-5;
+
+impl<'a> Search<'a> {
+    fn new(shape: Support<'a>, motion: &'a Motion, asked: Asked) -> Search<'a> {
+        Search {
+            shape,
+            motion,
+            asked,
+            exact: None,
+            filter: None,
+            waiting: Eight::default(),
+            sifted: Eight::default(),
+            earliest: [0.0; 8],
+            first: None,
+            limit: 1.0,
+            near: false,
+        }
+    }
+
+    /// Makes ready for looks at triangles along the path, which is that of a mesh that doesn't turn; the path that they
+    /// are along.
+    fn prepare(&mut self, a: &'a Collider, rel: &Relative, path: Option<ShapePath>) -> BoxPath {
+        let (motion, tolerance) = (self.motion, self.asked.tolerance);
+        if let Some(path) = path {
+            self.filter = Some(MeshSweep::new(a, rel, motion, tolerance));
+            return path.in_box();
+        }
+        let path = self.exact().sweep.path_in_b(motion);
+        // `f32` rounds the path; the tolerance alone may be less than that in a large mesh.
+        let slack = f64::from(tolerance) + 1e-6 * (path.from.length() + path.to.length());
+        let inflate = (path.inflate + DVec3::splat(slack)).as_vec3();
+        BoxPath { from: path.from.as_vec3(), to: path.to.as_vec3(), inflate }
+    }
+
+    fn exact(&mut self) -> &mut Exact<'a> {
+        let Search { shape, motion, asked, .. } = self;
+        self.exact.get_or_insert_with(|| {
+            let nothing = Support::triangle([Vec3::ZERO; 3]);
+            let sweep = Sweep::new(*shape, Other::Convex(nothing), motion, asked.tolerance);
+            Exact { start: sweep.placed(0.0), sweep, later: None }
+        })
+    }
+
+    /// Looks at triangles along a path, nearer ones first.
+    fn go_along<T: Triangles + ?Sized>(&mut self, mesh: &T, path: &BoxPath) {
+        let mut seen = Eight::default();
+        let mut visit = |index: u32, corners: [Vec3; 3], _entry: f32| -> f32 {
+            seen.push(index, corners);
+            if seen.is_full() {
+                self.look(&seen, seen.lanes());
+                seen.clear();
+            }
+            self.limit as f32
+        };
+        mesh.visit_segment(path.from, path.to, path.inflate, &mut visit);
+        self.look(&seen, seen.lanes());
+    }
+
+    fn finish(&mut self) -> Cast {
+        if self.limit >= 0.0 && self.waiting.lanes() != 0 {
+            self.sift();
+        }
+        if self.limit >= 0.0 {
+            self.settle();
+        }
+        match self.first {
+            _ if self.near => Cast::Near,
+            Some(touch) => Cast::First(touch),
+            None => Cast::Free,
+        }
+    }
+
+    /// Of some of eight triangles, keeps those whose planes are reached.
+    fn look(&mut self, eight: &Eight, lanes: u32) {
+        if self.limit < 0.0 {
+            return;
+        }
+        let mut left = lanes;
+        if let Some(filter) = &self.filter {
+            let reached = filter.by_planes(eight, lanes, &self.asked);
+            if reached.near {
+                (self.near, self.limit) = (true, -1.0);
+                return;
+            }
+            left = reached.lanes;
+        }
+        for lane in ones(left) {
+            if !self.asked.known.has(eight.index[lane]) {
+                if self.waiting.is_full() {
+                    self.sift();
+                }
+                self.waiting.push(eight.index[lane], eight.corners.triangle(lane));
+            }
+        }
+    }
+
+    /// Of what waits, keeps what may be touched.
+    fn sift(&mut self) {
+        let lanes = self.waiting.lanes();
+        let (left, earliest) = match &self.filter {
+            Some(filter) => filter.sift(&self.waiting, lanes, &self.asked),
+            None => (lanes, [0.0; 8]),
+        };
+        for lane in ones(left) {
+            if f64::from(earliest[lane]) < self.limit {
+                if self.sifted.is_full() {
+                    self.settle();
+                }
+                self.earliest[self.sifted.count()] = earliest[lane];
+                self.sifted.push(self.waiting.index[lane], self.waiting.corners.triangle(lane));
+            }
+        }
+        self.waiting.clear();
+    }
+
+    /// Searches what was sifted, the earliest first.
+    fn settle(&mut self) {
+        let mut left = self.sifted.lanes();
+        while let Some(next) = ones(left).min_by(|&a, &b| self.earliest[a].total_cmp(&self.earliest[b]))
+            && f64::from(self.earliest[next]) < self.limit
+        {
+            left &= !(1 << next);
+            let Some(touch) = self.touch(self.sifted.corners.triangle(next), f64::from(self.earliest[next]))
+            else {
+                continue;
+            };
+            self.first = Some(touch);
+            if self.asked.any {
+                self.limit = -1.0;
+                break;
+            }
+            self.limit = f64::from(touch.fraction);
+            if let Some(filter) = &mut self.filter {
+                filter.end_at(touch.fraction);
+                if left != 0 {
+                    (left, self.earliest) = filter.sift(&self.sifted, left, &self.asked);
+                }
+            }
+        }
+        self.sifted.clear();
+    }
+
+    /// When a triangle is touched, if that is before the limit. Not before `earliest`; zero: it may be rested on.
+    fn touch(&mut self, corners: [Vec3; 3], earliest: f64) -> Option<Touch> {
+        let (motion, limit) = (self.motion, self.limit);
+        let (tolerance, resting) = (f64::from(self.asked.tolerance), f64::from(self.asked.resting));
+        let Exact { sweep, start, later } = self.exact();
+        let triangle = Support::triangle(corners);
+        let [p, q, r] = corners.map(Vec3::as_dvec3);
+        let up = start.rotation_b * (q - p).cross(r - p).normalize_or_zero();
+        let corner = start.rotation_b * p + start.offset;
+        // From the shape's origin to the plane.
+        let down = if up.dot(corner) > 0.0 { up } else { -up };
+        sweep.set_triangle(triangle, motion, down);
+        let mut from = (0.0, *start);
+        if !sweep.b_spins() {
+            let height = sweep.gap_along(start, down);
+            if earliest > EARLY {
+                let t = earliest - EARLY;
+                from = (t, sweep.placed(t));
+            } else if height.abs() <= resting {
+                let (middle, end) = later.get_or_insert_with(|| (sweep.placed(0.5), sweep.placed(1.0)));
+                if [middle, end].iter().all(|placed| sweep.gap_along(placed, down) >= -resting) {
+                    return None;
+                }
+            }
+            let height = if from.0 > 0.0 { sweep.gap_along(&from.1, down) } else { height };
+            if height > if from.0 > 0.0 { tolerance } else { resting.max(tolerance) } {
+                // Its plane is touched before it is, and mostly at a point of it.
+                let (t, placed) = sweep.reach_plane(from, height, down, limit)?;
+                let point = sweep.furthest(&placed, down) - placed.offset;
+                let corners = [p, q, r].map(|v| placed.rotation_b * v);
+                let inside = |i: usize| {
+                    let (from, to) = (corners[i], corners[(i + 1) % 3]);
+                    (to - from).cross(point - from).dot(up) >= 0.0
+                };
+                if inside(0) && inside(1) && inside(2) {
+                    return Some(Touch { fraction: t as f32, normal: down.as_vec3() });
+                }
+                from = (t, placed);
+            }
+        }
+        let (t, placed) = from;
+        let mut simplex = Simplex::empty();
+        let gap = sweep.gap(&placed, &mut simplex);
+        if t == 0.0 && gap.0 <= resting {
+            return None;
+        }
+        sweep.touch_after(t, placed, gap, simplex, limit)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::memory::Room;
+    use crate::narrow_phase::cast::motion::BodyPath;
+    use crate::narrow_phase::cast::tolerance;
+    use crate::narrow_phase::distance;
+    use crate::narrow_phase::fixtures::{CONVEX, Random, collider};
+    use crate::shape::Geometry;
+    use glam::Quat;
+
+    /// Every triangle, in order, if its box is on the way.
+    struct Soup(Vec<[Vec3; 3]>);
+
+    impl Soup {
+        /// The distance of the nearest triangle that is not rested on, by GJK [m].
+        fn gap(&self, a: &Collider, motion: &Motion, fraction: f32) -> f32 {
+            let shape = Support::of(a).unwrap();
+            let at = |fraction: f32, t: [Vec3; 3]| {
+                distance(&shape, &Support::triangle(t), &motion.relative(fraction), Vec3::ZERO).distance
+            };
+            let far = self.0.iter().filter(|t| at(0.0, **t) > 0.01);
+            far.map(|t| at(fraction, *t)).fold(f32::INFINITY, f32::min)
+        }
+    }
+
+    impl Triangles for Soup {
+        fn triangle(&self, index: u32) -> [Vec3; 3] {
+            self.0[index as usize]
+        }
+        fn visit_segment(&self, from: Vec3, to: Vec3, inflate: Vec3, f: &mut Visit<'_>) {
+            let mut largest = 1.0;
+            for (i, [a, b, c]) in self.0.iter().enumerate() {
+                let (low, high) = (a.min(*b).min(*c) - inflate, a.max(*b).max(*c) + inflate);
+                let (mut enter, mut leave) = (0.0_f32, 1.0_f32);
+                for k in 0..3 {
+                    let (x, d) = (from[k], to[k] - from[k]);
+                    if d == 0.0 {
+                        if x < low[k] || x > high[k] {
+                            leave = -1.0;
+                        }
+                        continue;
+                    }
+                    let (s, t) = ((low[k] - x) / d, (high[k] - x) / d);
+                    (enter, leave) = (enter.max(s.min(t)), leave.min(s.max(t)));
+                }
+                if enter <= leave && enter <= largest {
+                    largest = f(i as u32, [*a, *b, *c], enter);
+                }
+            }
+        }
+        fn segment_hit(&self, _: Vec3, _: Vec3) -> Option<(f32, u32)> {
+            None
+        }
+    }
+
+    fn cast(a: &Collider, soup: &Soup, motion: &Motion, tolerance: f32, resting: f32) -> Option<Touch> {
+        let asked = Asked::first(tolerance, resting);
+        let rel = motion.relative(0.0);
+        let path = (motion.b.spin == Vec3::ZERO).then(|| ShapePath::new(a, &rel, motion, &asked));
+        let mut search = Search::new(Support::of(a)?, motion, asked);
+        let path = search.prepare(a, &rel, path);
+        search.go_along(soup, &path);
+        match search.finish() {
+            Cast::First(touch) => Some(touch),
+            _ => None,
+        }
+    }
+
+    fn quad(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> [[Vec3; 3]; 2] {
+        [[a, b, c], [a, c, d]]
+    }
+
+    /// A floor of 20 x 20 cells of a metre at y = 0, with a wall across it at x = 5.
+    fn floor_and_wall() -> Soup {
+        let at = |x: i32, z: i32| Vec3::new(x as f32, 0.0, z as f32);
+        let mut triangles = Vec::new();
+        for x in -10..10 {
+            for z in -10..10 {
+                triangles.extend(quad(at(x, z), at(x, z + 1), at(x + 1, z + 1), at(x + 1, z)));
+            }
+        }
+        let up = Vec3::Y * 3.0;
+        triangles.extend(quad(at(5, -10), at(5, 10), at(5, 10) + up, at(5, -10) + up));
+        Soup(triangles)
+    }
+
+    fn path(centre: Vec3, displacement: Vec3) -> BodyPath {
+        BodyPath { centre: centre.as_dvec3(), rotation: Quat::IDENTITY, displacement, spin: Vec3::ZERO }
+    }
+
+    fn mesh() -> Collider {
+        collider(Geometry::Plane)
+    }
+
+    #[test]
+    fn a_box_slides_along_a_floor_up_to_a_wall() {
+        let cube = collider(Geometry::cuboid(0.5, 0.5, 0.5));
+        let soup = floor_and_wall();
+        // Sunk in by a slop, just touching, just above; with what gravity adds; turning on its spot as well.
+        for height in [-0.0005, 0.0, 0.0005, 0.002] {
+            for spin in [0.0, 0.3] {
+                let mut pa = path(Vec3::new(-6.3, 0.5 + height, 0.2), Vec3::new(15.0, -0.0027, 0.3));
+                pa.spin = Vec3::Y * spin;
+                let motion = Motion::new(&cube, &pa, &mesh(), &path(Vec3::ZERO, Vec3::ZERO));
+                let touch = cast(&cube, &soup, &motion, 1e-4, 0.006).unwrap();
+                assert!((touch.normal - Vec3::X).length() < 0.05, "{height} {touch:?}");
+                if spin == 0.0 {
+                    assert!((touch.fraction - 10.8 / 15.0).abs() < 2e-5, "{height} {touch:?}");
+                }
+                pa.displacement = Vec3::new(9.0, -0.0027, 0.3);
+                let motion = Motion::new(&cube, &pa, &mesh(), &path(Vec3::ZERO, Vec3::ZERO));
+                assert!(cast(&cube, &soup, &motion, 1e-4, 0.006).is_none(), "{height}");
+            }
+        }
+    }
+
+    /// The tree finds what all triangles by hand do, in a mesh and in a height field.
+    #[test]
+    fn meshes_and_height_fields_answer_like_their_triangles() {
+        let mut random = Random(22);
+        let height = |x: u32, z: u32| ((x * 7 + z * 13) % 5) as f32 * 0.2;
+        let n = 16;
+        let heights: Vec<f32> = (0..n * n).map(|i| height(i % n, i / n)).collect();
+        let field = HeightField::new(n as usize, n as usize, glam::Vec2::ONE, heights).unwrap();
+        let all: Vec<[Vec3; 3]> = (0..2 * (n - 1) * (n - 1)).map(|i| field.triangle(i)).collect();
+        let vertices: Vec<Vec3> = all.iter().flatten().copied().collect();
+        let indices = (0..all.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let field = collider(Geometry::HeightField(field.into()));
+        let mesh = collider(Geometry::Mesh(TriangleMesh::new(vertices, indices).unwrap().into()));
+        let (soup, mut hits) = (Soup(all), 0);
+        for i in 0..if cfg!(miri) { 3 } else { 200 } {
+            let a = random.shape(CONVEX[i % 5], 0.5);
+            let centre = Vec3::new(random.range(0.0, 15.0), random.range(1.5, 4.0), random.range(0.0, 15.0));
+            // Long ways go along the tree, short ones have a box.
+            let mut pa = path(centre, (random.cube() - Vec3::Y * 0.5) * [8.0, 1.0][i / 2 % 2]);
+            pa.spin = random.cube() * [0.0, 2.0][i % 2];
+            let b = path(Vec3::ZERO, Vec3::ZERO);
+            let motion = Motion::new(&a, &pa, &mesh, &b);
+            let expected = cast(&a, &soup, &motion, 1e-4, 0.01).map(|t| t.fraction);
+            for other in [&mesh, &field] {
+                let mut nearby = Nearby::default();
+                assert!(nearby.has_place(&mut Room::default()));
+                nearby.expect(Some((centre - Vec3::ONE, centre + Vec3::new(0.5, 0.0, 0.1))));
+                // From the tree, gathered, and held from before.
+                for gathered in 0..3 {
+                    let nearby = (gathered > 0).then_some(&mut nearby);
+                    let asked = Asked::first(1e-4, 0.01);
+                    let found = ask_mesh(&a, other, &motion.relative(0.0), &motion, asked, nearby);
+                    let found = if let Cast::First(touch) = found { Some(touch.fraction) } else { None };
+                    assert_eq!(found.is_some(), expected.is_some());
+                    // Where a search begins depends on what was found before, and so, within the tolerance, does
+                    // where it ends.
+                    if let Some(found) = found {
+                        let least = soup.gap(&a, &motion, found);
+                        assert!(least > 0.0 && least <= 1.01e-4, "{i} {found} {expected:?} {least}");
+                    }
+                }
+            }
+            hits += u32::from(expected.is_some());
+        }
+        assert!(cfg!(miri) || (50..150).contains(&hits), "{hits}");
+    }
+
+    #[test]
+    fn a_box_that_falls_stops_at_the_floor() {
+        let cube = collider(Geometry::cuboid(0.5, 0.5, 0.5));
+        let pa = path(Vec3::new(-3.0, 3.0, 0.2), Vec3::new(2.0, -10.0, 0.0));
+        let motion = Motion::new(&cube, &pa, &mesh(), &path(Vec3::ZERO, Vec3::ZERO));
+        let touch = cast(&cube, &floor_and_wall(), &motion, 1e-4, 0.006).unwrap();
+        assert!(
+            (touch.fraction - 0.25).abs() < 2e-5 && (touch.normal + Vec3::Y).length() < 1e-3,
+            "{touch:?}"
+        );
+    }
+
+    #[test]
+    fn the_first_touch_of_a_soup_is_the_first_of_its_triangles() {
+        let mut random = Random(21);
+        let (mut hits, mut misses) = (0, 0);
+        for i in 0..if cfg!(miri) { 3 } else { 400 } {
+            let mut a = random.shape(CONVEX[i % 5], 1.0);
+            if i % 2 == 0 {
+                a.position = random.cube();
+            }
+            let soup = Soup((0..20).map(|_| random.triangle(6.0)).collect());
+            let (mut pa, pb) = (
+                random.body(9.0, [0.0, 1.0, 6.0][i % 3]),
+                random.body(1.0, if i % 4 == 0 { 0.5 } else { 0.0 }),
+            );
+            pa.displacement = pa.centre.as_vec3() * -2.0 + pb.displacement * 3.0;
+            let b = mesh();
+            let motion = Motion::new(&a, &pa, &b, &pb);
+            let eps = tolerance(&a, &b, 1.0);
+            let found = cast(&a, &soup, &motion, eps, 0.0);
+            // A triangle with no thickness as a hull can't be; so each by itself, without the walk and its shortcuts.
+            let sweeps = soup.0.iter().filter_map(|t| {
+                let b = Other::Convex(Support::triangle(*t));
+                let sweep = Sweep::new(Support::of(&a).unwrap(), b, &motion, eps);
+                let touch = sweep.first_touch(1.0);
+                touch.is_none_or(|t| t.fraction > 0.0).then_some((sweep, touch))
+            });
+            let (mut expected, mut gap) = (false, f64::MAX);
+            for (sweep, touch) in sweeps {
+                expected |= touch.is_some();
+                if let Some(found) = found {
+                    let placed = sweep.placed(f64::from(found.fraction));
+                    gap = gap.min(sweep.gap(&placed, &mut Simplex::empty()).0);
+                }
+            }
+            // A search that begins elsewhere ends elsewhere, but no nearer than a touch, and no further than the tolerance.
+            // The fraction is an f32.
+            let rounding = 1e-7 * f64::from(motion.displacement.length() + 9.0);
+            let touches = gap > -rounding && gap <= f64::from(eps) + rounding;
+            let same = found.is_some() == expected && (!expected || touches);
+            assert!(same, "{found:?} {expected} {gap} {a:?} {motion:?}");
+            hits += u32::from(found.is_some());
+            misses += u32::from(found.is_none());
+        }
+        println!("{hits} hits, {misses} misses");
+        assert!(cfg!(miri) || (hits > 50 && misses > 50));
+    }
+}

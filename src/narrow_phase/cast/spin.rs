@@ -1,0 +1,63 @@
+//! How a moving shape turns, as the looks in lanes take it.
+
+use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
+use crate::narrow_phase::convex::support::vertices;
+use crate::shape::{Collider, Geometry, Kind};
+use glam::Vec3;
+
+/// A shape's turn around its body's centre, in its own frame.
+pub(crate) struct Spin {
+    /// Rotation vector over the step [rad]; zero if it moves no point by as much as the tolerance shows.
+    pub(crate) vector: Vec3,
+    /// The most that points are away from its axis [m], without the radius of what is round: turning that changes nothing.
+    pub(crate) reach: f32,
+}
+
+impl Spin {
+    pub(crate) fn of(shape: &Collider, vector: Vec3, lever: Vec3, tolerance: f32) -> Spin {
+        let angle = vector.length();
+        if angle == 0.0 {
+            return Spin { vector, reach: 0.0 };
+        }
+        let axis = vector / angle;
+        let off = axis.cross(lever).length();
+        let [x, y, z, _] = shape.size;
+        let ends = |bottom: f32, top: f32| {
+            let end = |y: f32| axis.cross(lever + Vec3::Y * y).length();
+            (end(x) + top).max(end(-x) + bottom)
+        };
+        let reach = match &shape.geometry {
+            Geometry::Sphere { .. } => off,
+            Geometry::Capsule { .. } => ends(y - y.min(z), z - y.min(z)),
+            Geometry::Cylinder { .. } => ends(y, z),
+            Geometry::Box { .. } => {
+                // Of opposite corners one is as far from an axis through the middle as the other.
+                let corner = |x: f32, y: f32| axis.cross(Vec3::new(x, y, z)).length_squared();
+                corner(x, y).max(corner(-x, y)).max(corner(x, -y)).max(corner(-x, -y)).sqrt() + off
+            }
+            Geometry::Hull(hull) => {
+                let (axis, lever) = (LaneVec3::<f32x8>::splat(axis), LaneVec3::splat(lever));
+                let most = hull.vertex_chunks.iter().fold(f32x8::zero(), |most, chunk| {
+                    Lanes::max(most, axis.cross(vertices(chunk) + lever).length_squared())
+                });
+                most.to_array().into_iter().fold(0.0, f32::max).sqrt()
+            }
+            _ => shape.radius + off,
+        };
+        // More than what rounding takes.
+        let reach = reach * (1.0 + 1e-5);
+        // No chord is longer than the arc, or than twice the radius. A wheel that turns on its own axle goes nowhere by that.
+        let mut most = reach * angle.min(2.0);
+        if matches!(shape.kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder) {
+            let tilt = vector.cross(Vec3::Y).length();
+            most = most.min(off * angle.min(2.0) + tilt * shape.radius);
+        }
+        if most <= UNSEEN * tolerance {
+            return Spin { vector: Vec3::ZERO, reach: 0.0 };
+        }
+        Spin { vector, reach }
+    }
+}
+
+/// What turning moves by no more than this share of the tolerance does not turn.
+const UNSEEN: f32 = 0.1;

@@ -1,0 +1,215 @@
+//! Which contacts there is room for, together with their rows.
+//!
+//! A contact without rows pushes nothing. If contacts took whatever room there is, rows, which come after them, would find none; so
+//! under a budget contacts are only admitted with what their rows will take. Where that is too much for all, old and new ones stand
+//! side by side, and the lightest go ([`Weight`]): a contact that is found late may be the one that bears a pile.
+
+use super::contact::Contact;
+use super::manifold::RawManifold;
+use super::weight::{Threshold, Weight};
+use crate::memory::{Category, Rooms, Slab};
+
+/// Bytes that the rows of a contact take, and what is reserved for them.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct RowCost {
+    /// A lane of a full batch with its friction: with what may move and what is static, such as touch or may, and by the number
+    /// of points.
+    pub(crate) lanes: [[[usize; 4]; 2]; 2],
+    /// In lists that have an entry for each contact, or each point.
+    pub(crate) lists: usize,
+    /// In such lists and in buffers of rows, but for the one that is lent.
+    pub(crate) reserved: usize,
+    /// Each point has rows of its own.
+    pub(crate) per_point: bool,
+}
+
+/// Rows of the last step, whose memory contacts may use until those of this step are made.
+pub(crate) struct RowSpace {
+    pub(crate) cost: RowCost,
+    pub(crate) slab: Slab,
+}
+
+/// A contact, as to what its rows take.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Kind {
+    pub(crate) is_static: bool,
+    /// It does not touch yet.
+    pub(crate) potential: bool,
+    pub(crate) points: usize,
+    /// Those that it can't do without.
+    pub(crate) needed: usize,
+}
+
+impl Kind {
+    pub(crate) fn of(contact: &Contact, is_static: bool, real: f32) -> Kind {
+        let needed = contact.needed().count_ones() as usize;
+        let potential = contact.points().iter().all(|p| p.separation > real);
+        Kind { is_static, potential, points: contact.count as usize, needed }
+    }
+
+    pub(crate) fn of_new(raw: &RawManifold, is_static: bool, real: f32) -> Kind {
+        let within = |most: f32| raw.points().iter().filter(|p| p.separation <= most).count();
+        Kind {
+            is_static,
+            potential: within(real) == 0,
+            points: raw.count as usize,
+            needed: within(0.0).max(1),
+        }
+    }
+}
+
+impl RowCost {
+    fn of(&self, kind: Kind, points: usize) -> usize {
+        let lanes = &self.lanes[usize::from(kind.is_static)][usize::from(kind.potential)];
+        if self.per_point { points * (lanes[0] + self.lists) } else { lanes[points.max(1) - 1] + self.lists }
+    }
+}
+
+/// Contacts by weight, and the bytes of their rows: with all points, and with those that they need.
+pub(crate) struct Census {
+    counts: [u32; Weight::COUNT],
+    rows: [[u32; Weight::COUNT]; 2],
+    /// Of contacts that stay whatever they weigh.
+    fixed: (u32, [usize; 2]),
+}
+
+impl Census {
+    pub(crate) fn new() -> Census {
+        Census { counts: [0; Weight::COUNT], rows: [[0; Weight::COUNT]; 2], fixed: (0, [0; 2]) }
+    }
+
+    pub(crate) fn add(&mut self, weight: Weight, kind: Kind, cost: &RowCost) {
+        self.counts[weight.index()] += 1;
+        for (rows, points) in self.rows.iter_mut().zip([kind.points, kind.needed]) {
+            rows[weight.index()] += cost.of(kind, points) as u32;
+        }
+    }
+
+    /// Adds one that stays.
+    pub(crate) fn add_fixed(&mut self, kind: Kind, cost: &RowCost) {
+        self.fixed.0 += 1;
+        for (rows, points) in self.fixed.1.iter_mut().zip([kind.points, kind.needed]) {
+            *rows += cost.of(kind, points);
+        }
+    }
+
+    /// How many there are, and the bytes of their rows, from a weight on.
+    fn above(&self, from: Weight, rows: usize) -> (usize, usize) {
+        let sum = |of: &[u32]| of[from.index()..].iter().map(|&n| n as usize).sum::<usize>();
+        (self.fixed.0 as usize + sum(&self.counts), self.fixed.1[rows] + sum(&self.rows[rows]))
+    }
+}
+
+/// What is admitted.
+pub(crate) struct Admitted {
+    pub(crate) floor: Threshold,
+    /// Bytes of the rows of all that stay, at the least where there is not enough for all their points.
+    pub(crate) rows: usize,
+}
+
+/// Lanes of batches that are not full stay empty: one in so many, and no more than so many in all, because the last batch of each
+/// colour is the one that is not full. With too little for them contacts take the place of rows that they need, with too much they
+/// are shed for nothing.
+const EMPTY: usize = 5;
+const MOST_EMPTY: usize = 64;
+
+/// What empty lanes take beside so many bytes of rows.
+fn loose(contacts: usize, rows: usize) -> usize {
+    (rows / EMPTY).min(rows / contacts.max(1) * MOST_EMPTY)
+}
+
+/// What there is in all for contacts and their rows.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Means {
+    /// Contacts that there may be, by the limit of these.
+    pub(crate) slots: usize,
+    /// Bytes of a contact.
+    pub(crate) each: usize,
+    /// Bytes of both together.
+    pub(crate) whole: usize,
+    /// Bytes that rows may take, by the limit of these.
+    pub(crate) rows: usize,
+}
+
+impl Means {
+    pub(crate) fn new(rooms: &Rooms, space: &RowSpace, (capacity, each): (usize, usize)) -> Means {
+        let reserved = space.slab.bytes(0).1 + space.cost.reserved;
+        let add = usize::saturating_add;
+        Means {
+            slots: add(capacity, rooms.own(Category::Manifolds) / each),
+            each,
+            whole: add(rooms.whole(), capacity * each + reserved),
+            rows: add(rooms.own(Category::Rows), reserved),
+        }
+    }
+
+    /// Whether so many contacts fit in with so many bytes of rows. What their own limit denies rows they can't take from contacts.
+    fn hold(&self, (contacts, rows): (usize, usize)) -> bool {
+        contacts <= self.slots
+            && contacts * self.each + (rows + loose(contacts, rows)).min(self.rows) <= self.whole
+    }
+
+    /// Says which contacts of a census stay. What nothing approaches goes first; if what is left lacks room for the rows of all points,
+    /// room for those that are needed will do.
+    pub(crate) fn admit(&self, census: &Census) -> Admitted {
+        let all = census.above(Weight::default(), 0);
+        if self.hold(all) {
+            return Admitted { floor: Threshold::ALL, rows: all.1 };
+        }
+        let rows = usize::from(!self.hold(census.above(Weight::NEEDED, 0)));
+        let fixed = (census.fixed.0 as usize, census.fixed.1[rows]);
+        if !self.hold(fixed) {
+            let each = fixed.1 / fixed.0;
+            let fits = |n: &usize| self.hold((*n, n * each));
+            let stay = (0..fixed.0).rev().find(fits).unwrap_or(0);
+            return Admitted { floor: Threshold::new(Weight::COUNT, 0), rows: stay * each };
+        }
+        let lowest = if rows == 0 { Weight::default() } else { Weight::NEEDED };
+        let (mut contacts, mut bytes) = fixed;
+        for index in (lowest.index()..Weight::COUNT).rev() {
+            let (count, of_rows) = (census.counts[index] as usize, census.rows[rows][index] as usize);
+            if self.hold((contacts + count, bytes + of_rows)) {
+                (contacts, bytes) = (contacts + count, bytes + of_rows);
+                continue;
+            }
+            let each = of_rows / count.max(1);
+            let fits = |n: &usize| self.hold((contacts + n, bytes + n * each));
+            let stay = (0..count).rev().find(fits).unwrap_or(0);
+            return Admitted { floor: Threshold::new(index, stay as u32), rows: bytes + stay * each };
+        }
+        Admitted { floor: if rows == 0 { Threshold::ALL } else { Threshold::NEEDED }, rows: bytes }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const COST: RowCost =
+        RowCost { lanes: [[[100, 150, 180, 200]; 2]; 2], lists: 0, reserved: 0, per_point: false };
+    const FOUR: Kind = Kind { is_static: false, potential: false, points: 4, needed: 1 };
+
+    fn staying(whole: usize, census: &Census, weights: &[Weight]) -> Vec<bool> {
+        let means = Means { slots: usize::MAX, each: 200, whole, rows: usize::MAX };
+        let mut floor = means.admit(census).floor;
+        weights.iter().map(|w| floor.keeps(*w)).collect()
+    }
+
+    /// Two that nothing approaches, and two that are needed, of four points each: 440 bytes, or 320 with the point that is needed.
+    #[test]
+    fn first_go_those_that_nothing_approaches_then_points_then_the_lightest() {
+        let weights = [10, 20, 600, 700].map(Weight::nth);
+        let mut census = Census::new();
+        weights.iter().for_each(|w| census.add(*w, FOUR, &COST));
+        for (whole, expected) in [
+            (1760, [true; 4]),
+            (1759, [false, true, true, true]),
+            (880, [false, false, true, true]),
+            (640, [false, false, true, true]),
+            (639, [false, false, false, true]),
+            (319, [false; 4]),
+        ] {
+            assert_eq!(staying(whole, &census, &weights), expected, "{whole}");
+        }
+    }
+}

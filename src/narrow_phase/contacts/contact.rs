@@ -1,0 +1,455 @@
+//! Contacts: manifolds that last while their pair does, with the impulses of the last step.
+
+use super::manifold::{MAX_POINTS, RawManifold};
+use crate::limits::MAX_LOAD;
+use crate::memory::{Buffer, Room, bytes_of};
+use crate::narrow_phase::Relative;
+use crate::narrow_phase::collide::Same;
+use glam::{Quat, Vec3, Vec4};
+
+/// A kept contact turns with its bodies once they have turned together by more than this [rad]: what rides on a
+/// turntable has its normals right within that.
+const FROZEN: f32 = 0.002;
+
+/// [`Contact::static_load`] of a contact whose load was not estimated yet.
+pub(crate) const UNKNOWN_LOAD: f32 = -1.0;
+
+/// Share by which a load may differ from the lasting force that bears it.
+const BAND: f32 = 0.2;
+
+/// The time in which forces follow loads that last [s]: longer than a stack sways to and fro.
+pub(crate) const HOLD: f32 = 2.0;
+
+/// How far springs act over a gap, in slops: an edge of a box that leans in a tall stack still bears something 1 mm above what is
+/// below it, and a spring that ended there would drop it.
+const GAP: f32 = 10.0;
+
+/// No contact.
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// A point of a contact.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Point {
+    /// Midway between the surfaces when the contact was found, in the frame of shape `a` [m].
+    pub(crate) position: Vec3,
+    /// At the start of the step, negative in overlap [m].
+    pub(crate) separation: f32,
+    /// When the contact was found [m].
+    pub(crate) found: f32,
+    /// Normal impulse of the last substep [N s].
+    pub(crate) impulse: f32,
+    /// Mean force of the last steps [N], kept once steps vary in length; zero before, see [`StepLengths`].
+    pub(crate) mean_force: f32,
+    /// Of [`Contact::lasting_force`]: by statics, or the same at each point.
+    pub(crate) share: f32,
+    pub(crate) key: u32,
+}
+
+impl Point {
+    /// Takes over what an old point bore.
+    fn inherit(&mut self, old: &Point) {
+        (self.impulse, self.mean_force, self.share) = (old.impulse, old.mean_force, old.share);
+    }
+}
+
+/// A manifold of a pair of colliders.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Contact {
+    pub(crate) a: u32,
+    pub(crate) b: u32,
+    /// Next contact of the same pair (meshes have several), or [`NONE`].
+    pub(crate) next: u32,
+    pub(crate) count: u8,
+    /// The solver had to push a potential point of it in this step.
+    pub(crate) pushed: bool,
+    /// Of the step: the contact was found at the pose of first touch, this far into the step, and its separations
+    /// carried back to the start of it. Zero: found at the start. Such a contact is never recycled.
+    pub(crate) fraction: f32,
+    /// Unit, from `a` to `b`, in the frame of shape `a`.
+    pub(crate) normal: Vec3,
+    pub(crate) points: [Point; MAX_POINTS],
+    /// Friction impulse of the last substep, in the frame of shape `a` [N s].
+    pub(crate) friction: Vec3,
+    /// Impulse against twist about the normal [N m s].
+    pub(crate) twist: f32,
+    /// Mean of friction [N] and twist [N m], as [`Point::mean_force`].
+    pub(crate) mean_friction: Vec4,
+    /// Normal force that all points together bear, each its share, whatever their separations are (see `Softness`) [N].
+    pub(crate) lasting_force: f32,
+    /// Separation at which that force bears the load alone, if it is known: zero in the long run, whatever it was when the load
+    /// became known [m].
+    pub(crate) rest: f32,
+    /// Normal force by statics (see `statics`), or [`UNKNOWN_LOAD`] [N].
+    pub(crate) static_load: f32,
+    /// Pose of `b` in `a` when the contact was found.
+    pub(crate) found_at: Relative,
+    /// Rotation of shape `a` when the contact was found: rows act along this normal and at these arms while the contact
+    /// is kept (docs/decisions/frozen-contacts.md).
+    pub(crate) frame: Quat,
+}
+
+impl Contact {
+    pub(crate) fn new(a: u32, b: u32) -> Self {
+        Contact {
+            a,
+            b,
+            next: NONE,
+            count: 0,
+            pushed: false,
+            fraction: 0.0,
+            normal: Vec3::Y,
+            points: [Point::default(); MAX_POINTS],
+            friction: Vec3::ZERO,
+            twist: 0.0,
+            mean_friction: Vec4::ZERO,
+            lasting_force: 0.0,
+            rest: 0.0,
+            static_load: UNKNOWN_LOAD,
+            found_at: Relative { position: Vec3::ZERO, rotation: Quat::IDENTITY },
+            frame: Quat::IDENTITY,
+        }
+    }
+
+    pub(crate) fn points(&self) -> &[Point] {
+        &self.points[..self.count as usize]
+    }
+
+    /// Takes a new manifold and keeps the impulses of points that are the same: by key, else by place.
+    pub(crate) fn renew(&mut self, raw: &RawManifold, (found_at, frame): (Relative, Quat), same: Same) {
+        let old = *self;
+        self.take(raw, found_at, frame);
+        if old.count == 0 || old.normal.dot(raw.normal) < 0.7 {
+            (self.friction, self.twist) = (Vec3::ZERO, 0.0);
+            (self.lasting_force, self.static_load) = (0.0, UNKNOWN_LOAD);
+            return;
+        }
+        self.inherit(&old, same);
+    }
+
+    /// Whether it touches and statics did not estimate its load yet. `real`: a separation up to this counts [m].
+    pub(crate) fn touches_anew(&self, real: f32) -> bool {
+        self.is_unknown() && self.points().iter().any(|p| p.separation <= real)
+    }
+
+    /// The share of each point if all bear the same.
+    pub(crate) fn even_share(&self) -> f32 {
+        1.0 / f32::from(self.count.max(1))
+    }
+
+    /// Sets the points without impulses.
+    pub(crate) fn take(&mut self, raw: &RawManifold, found_at: Relative, frame: Quat) {
+        self.count = raw.count as u8;
+        self.normal = raw.normal;
+        (self.found_at, self.frame) = (found_at, frame);
+        self.fraction = 0.0;
+        self.pushed = false;
+        let share = self.even_share();
+        for (point, new) in self.points.iter_mut().zip(raw.points()) {
+            *point = Point {
+                position: new.position,
+                separation: new.separation,
+                found: new.separation,
+                impulse: 0.0,
+                mean_force: 0.0,
+                share,
+                key: new.key,
+            };
+        }
+    }
+
+    /// Gives each point without an impulse that of the same point of `old`: by key, else by place.
+    ///
+    /// What of the load was on points that are gone goes to those that are new, each the same share: a shape that
+    /// slides over triangles rests on other points from step to step, and would sink each time into what bore it.
+    pub(crate) fn inherit(&mut self, old: &Contact, Same { near, slides }: Same) {
+        let moved = self.found_at.position - old.found_at.position;
+        let past = moved - self.normal * self.normal.dot(moved);
+        if past.length_squared() > slides * slides {
+            // What slides or rolls has no lasting loads.
+            (self.lasting_force, self.static_load) = (0.0, UNKNOWN_LOAD);
+        } else {
+            (self.lasting_force, self.rest, self.static_load) =
+                (old.lasting_force, old.rest, old.static_load);
+        }
+        let (mut used, mut fresh) = (0u32, 0u32);
+        let count = self.count as usize;
+        for (k, point) in self.points[..count].iter_mut().enumerate() {
+            let same = old.points().iter().position(|o| o.key == point.key);
+            let same = same.filter(|i| used >> i & 1 == 0);
+            if let Some(i) = same {
+                used |= 1 << i;
+                point.inherit(&old.points[i]);
+            } else {
+                fresh |= 1 << k;
+            }
+        }
+        for (k, point) in self.points[..count].iter_mut().enumerate() {
+            if fresh >> k & 1 == 0 {
+                continue;
+            }
+            let close = (0..old.count as usize)
+                .filter(|i| used >> i & 1 == 0)
+                .map(|i| (i, old.points[i].position.distance_squared(point.position)))
+                .filter(|&(_, d)| d < near * near)
+                .min_by(|x, y| x.1.total_cmp(&y.1));
+            if let Some((i, _)) = close {
+                used |= 1 << i;
+                point.inherit(&old.points[i]);
+                fresh &= !(1 << k);
+            }
+        }
+        let mut rest = Point::default();
+        for (_, point) in old.points().iter().enumerate().filter(|(i, _)| used >> i & 1 == 0) {
+            rest.impulse += point.impulse;
+            rest.mean_force += point.mean_force;
+            rest.share += point.share;
+        }
+        let share = 1.0 / fresh.count_ones().max(1) as f32;
+        for (_, point) in self.points[..count].iter_mut().enumerate().filter(|(k, _)| fresh >> k & 1 != 0) {
+            point.impulse = rest.impulse * share;
+            point.mean_force = rest.mean_force * share;
+            point.share = rest.share * share;
+        }
+        self.share_all();
+    }
+
+    /// Lets the lasting force follow the load that the points bore in the last substep, of `h` seconds, of a step of `dt`
+    /// seconds. Says whether that load is one that statics should look at.
+    ///
+    /// It follows only a load that is off by more than [`BAND`], and else what statics expects. If it followed every sway, the
+    /// restoring force would lag behind the sway by `0.9 / (omega * HOLD)` and pump it, wherever several manifolds bear a body.
+    pub(crate) fn bear(&mut self, dt: f32, h: f32) -> bool {
+        let load = self.bears() / h;
+        let near = |force: f32| (force - load).abs() <= BAND * load;
+        if self.lasting_force > load * (1.0 + BAND) {
+            // At once, or it would push.
+            self.lasting_force = load;
+        }
+        let target = if near(self.static_load) {
+            self.static_load
+        } else {
+            self.lasting_force.max(load * (1.0 - BAND))
+        };
+        let share = (dt / HOLD).min(1.0);
+        self.lasting_force += (target - self.lasting_force) * share;
+        self.rest -= self.rest * share;
+        load > 0.0 && self.is_unknown()
+    }
+
+    /// Separation at which springs bear nothing but the lasting force, and how far beyond it they act at most [m].
+    ///
+    /// Where the load is known they act at any depth, and over a gap too: a lean that is smaller than it would not be taken back.
+    /// Else only what is deeper than the slop is pushed apart, and rows are rigid above it: what slides, rolls or lands meets no
+    /// spring, which it could press through something thin.
+    pub(crate) fn spring(&self, slop: f32) -> [f32; 2] {
+        if self.is_unknown() { [-slop, 0.0] } else { [self.rest, GAP * slop] }
+    }
+
+    /// Whether all that is carried to the next step is a number and in range.
+    pub(crate) fn has_sound_loads(&self) -> bool {
+        let loads = [self.twist, self.lasting_force, self.rest, self.static_load];
+        let of_points = self.points.iter().flat_map(|point| [point.impulse, point.mean_force]);
+        let vectors = self.friction.to_array().into_iter().chain(self.mean_friction.to_array());
+        // A sum of what is none is none. No branch for each: this is asked of every contact in every step.
+        let sum: f32 = loads.into_iter().chain(of_points).chain(vectors).map(f32::abs).sum();
+        sum <= MAX_LOAD
+    }
+
+    /// Begins the next step as if nothing had been borne.
+    pub(crate) fn forget_loads(&mut self) {
+        let share = self.even_share();
+        let forget = |point: &mut Point| (point.impulse, point.mean_force, point.share) = (0.0, 0.0, share);
+        self.points.iter_mut().for_each(forget);
+        self.mean_friction = glam::Vec4::ZERO;
+        (self.friction, self.twist) = (Vec3::ZERO, 0.0);
+        (self.lasting_force, self.rest, self.static_load) = (0.0, 0.0, UNKNOWN_LOAD);
+    }
+
+    /// The points that it can't do without, a bit each: those that bear or touch, or the nearest.
+    pub(crate) fn needed(&self) -> u32 {
+        let bits = |needs: &dyn Fn(&Point) -> bool| {
+            self.points().iter().enumerate().map(|(i, p)| u32::from(needs(p)) << i).sum::<u32>()
+        };
+        let needed = bits(&|p| p.impulse > 0.0 || p.separation <= 0.0);
+        if needed != 0 {
+            return needed;
+        }
+        let nearest = self.points().iter().map(|p| p.separation).fold(f32::INFINITY, f32::min);
+        bits(&|p| p.separation == nearest).max(1)
+    }
+
+    /// Sum of the normal impulses [N s].
+    pub(crate) fn bears(&self) -> f32 {
+        self.points().iter().map(|p| p.impulse).sum()
+    }
+
+    /// Whether statics did not estimate its load yet.
+    pub(crate) fn is_unknown(&self) -> bool {
+        self.static_load == UNKNOWN_LOAD
+    }
+
+    /// Takes an estimate of the load of a contact that bears so much [N].
+    pub(crate) fn expect(&mut self, load: f32, borne: f32) {
+        // Where the bodies are now is where they rest: a lift would throw them.
+        let sum: f32 = self.points().iter().map(|p| p.separation).sum();
+        self.rest = (sum / f32::from(self.count)).min(0.0);
+        (self.lasting_force, self.static_load) = (load.max(borne), load);
+    }
+
+    /// Lets the points share all of the lasting force: evenly, if statics did not say how.
+    fn share_all(&mut self) {
+        let even = self.even_share();
+        let sum: f32 = self.points().iter().map(|p| p.share).sum();
+        let known = sum > 0.0 && !self.is_unknown();
+        for point in &mut self.points[..self.count as usize] {
+            point.share = if known { point.share / sum } else { even };
+        }
+    }
+
+    /// Moves the points with the bodies, for a pair that hardly moved since its contact was found.
+    pub(crate) fn follow(&mut self, now: &Relative, frame: Quat) {
+        let separation = self.separations(now);
+        let turned = frame * self.frame.conjugate();
+        if turned.xyz().length_squared() > 0.25 * FROZEN * FROZEN {
+            self.frame = frame;
+        }
+        for (point, separation) in self.points[..self.count as usize].iter_mut().zip(separation) {
+            point.separation = separation;
+        }
+        self.pushed = false;
+    }
+
+    /// The least separation once the bodies have moved [m].
+    pub(crate) fn nearest(&self, now: &Relative) -> f32 {
+        self.separations(now)[..self.count as usize].iter().fold(f32::INFINITY, |s, &x| s.min(x))
+    }
+
+    pub(crate) fn separations(&self, now: &Relative) -> [f32; MAX_POINTS] {
+        let turn = now.rotation * self.found_at.rotation.conjugate();
+        self.points.map(|point| {
+            let on_b = now.position + turn * (point.position - self.found_at.position);
+            point.found + self.normal.dot(on_b - point.position)
+        })
+    }
+}
+
+/// All contacts, with holes that are used again.
+#[derive(Debug, Default)]
+pub(crate) struct Contacts {
+    pub(crate) all: Vec<Contact>,
+    free: Vec<u32>,
+}
+
+impl Contacts {
+    /// Bytes of a slot, which may become free one day.
+    const EACH: usize = size_of::<Contact>() + size_of::<u32>();
+
+    /// How many slots are lacking for so many more.
+    fn lacking(&self, more: usize) -> usize {
+        more.saturating_sub(self.free.len() + self.all.capacity() - self.all.len())
+    }
+
+    /// The same in bytes.
+    pub(crate) fn missing_for(&self, more: usize) -> usize {
+        self.lacking(more) * Self::EACH
+    }
+
+    /// For how many there is place, and the bytes of one.
+    pub(crate) fn place(&self) -> (usize, usize) {
+        (self.all.capacity().min(self.free.capacity()), Self::EACH)
+    }
+
+    /// How many there are.
+    pub(crate) fn live(&self) -> usize {
+        self.all.len() - self.free.len()
+    }
+
+    /// Makes place for so many more, as far as there is room; says for how many there is.
+    pub(crate) fn make_place(&mut self, more: usize, room: &mut Room) -> usize {
+        let missing = self.lacking(more);
+        if missing > 0 && !room.is_endless() {
+            let granted = missing.min(room.left() / Self::EACH);
+            let capacity = self.all.capacity() + granted;
+            room.within(1, |room| room.fit(&mut self.all, capacity));
+            let slots = self.all.capacity();
+            room.fit(&mut self.free, slots);
+        } else if missing > 0 {
+            let wanted = self.all.len() + more - self.free.len();
+            room.fit(&mut self.all, wanted);
+        }
+        if room.is_endless() && self.free.capacity() < self.all.capacity() {
+            self.free.reserve_exact(self.all.capacity() - self.free.len());
+        }
+        self.free.len() + self.all.capacity().min(self.free.capacity()) - self.all.len()
+    }
+
+    /// Calls `f` with each buffer and the place that it needs for so many.
+    pub(crate) fn each(&mut self, contacts: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        f(&mut self.all, contacts);
+        // Each may become free one day.
+        f(&mut self.free, contacts);
+    }
+
+    /// Bytes that are lacking for so many.
+    pub(crate) fn missing(&self, contacts: usize) -> usize {
+        self.all.missing(contacts) + self.free.missing(contacts)
+    }
+
+    /// Puts a contact where [`Contacts::make_place`] made place for it, or returns [`NONE`].
+    pub(crate) fn insert(&mut self, contact: Contact) -> u32 {
+        if let Some(slot) = self.free.pop() {
+            self.all[slot as usize] = contact;
+            return slot;
+        }
+        if self.all.len() == self.all.capacity().min(self.free.capacity()) {
+            return NONE;
+        }
+        self.all.push(contact);
+        self.all.len() as u32 - 1
+    }
+
+    /// The same while there are fewer than so many.
+    pub(crate) fn insert_within(&mut self, contact: Contact, most: usize) -> u32 {
+        if self.live() < most { self.insert(contact) } else { NONE }
+    }
+
+    /// Frees a contact and all that follow it.
+    pub(crate) fn remove_chain(&mut self, mut slot: u32) {
+        while slot != NONE {
+            let contact = &mut self.all[slot as usize];
+            contact.count = 0;
+            let next = std::mem::replace(&mut contact.next, NONE);
+            self.free.push(slot);
+            slot = next;
+        }
+    }
+
+    /// Takes all contacts out and makes place for so many.
+    pub(crate) fn reset(&mut self, place: usize) {
+        self.all.clear();
+        self.free.clear();
+        self.each(place, &mut |buffer, len| buffer.widen(len));
+    }
+
+    /// How many contacts a chain has.
+    pub(crate) fn count(&self, slot: u32) -> usize {
+        let next = |&slot: &u32| Some(self.all[slot as usize].next).filter(|&slot| slot != NONE);
+        std::iter::successors(Some(slot).filter(|&slot| slot != NONE), next).count()
+    }
+
+    /// How many contacts of a chain pushed in the last step.
+    pub(crate) fn count_pushed(&self, mut slot: u32) -> u32 {
+        let mut pushed = 0;
+        while slot != NONE {
+            pushed += u32::from(self.all[slot as usize].pushed);
+            slot = self.all[slot as usize].next;
+        }
+        pushed
+    }
+
+    /// Live and reserved bytes.
+    pub(crate) fn bytes(&self) -> (usize, usize) {
+        let (all, free) = (bytes_of(&self.all), bytes_of(&self.free));
+        (all.0 - self.free.len() * size_of::<Contact>() + free.0, all.1 + free.1)
+    }
+}

@@ -1,0 +1,592 @@
+//! What blocks of pairs find that needs a slot, and how it gets one.
+//!
+//! Blocks run at the same time, so each has its own place in what all share: a stretch of the new contacts, and, if its
+//! pairs are of a mesh, buffers of its own. One thread then commits them in the order of the blocks. Where the budget
+//! leaves too little place, what protects from static geometry is kept longest.
+
+use super::admit::{Census, Kind as Taken, Means, RowSpace};
+use super::contact::{Contact, Contacts, NONE};
+use super::weight::{Threshold, Weight};
+use crate::broad_phase::Pair;
+use crate::memory::{Buffer, Buffers, Category, Marks, Room, Rooms, Slab, bytes_of, even_out};
+use crate::narrow_phase::RawManifold;
+use crate::narrow_phase::bins::{BLOCK as PAIRS, Bins, Block};
+use crate::narrow_phase::collide::{Input, Same, relative_pose};
+use crate::narrow_phase::mesh::MeshScratch;
+use crate::shape::Kind;
+use crate::threads::Shared;
+use bytemuck::{Pod, Zeroable};
+
+/// A contact of a pair that had none.
+#[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Fresh {
+    pair: u32,
+    /// Of the step, where it was found.
+    fraction: f32,
+    raw: RawManifold,
+}
+
+/// Bytes of a contact of a pair that had none, until it has a slot.
+pub(crate) const FRESH_BYTES: usize = size_of::<Fresh>();
+
+/// What a block of mesh pairs works with.
+#[derive(Debug, Default)]
+pub(crate) struct MeshBlock {
+    /// Pairs that were looked at, with the range of their manifolds in `many`.
+    looked: Vec<(u32, u32, u32)>,
+    many: Vec<(RawManifold, f32)>,
+    /// Of the look that is under way.
+    pub(crate) raw: Vec<RawManifold>,
+    pub(crate) mesh: MeshScratch,
+}
+
+impl MeshBlock {
+    /// How many manifolds there are by now.
+    pub(crate) fn count(&self) -> u32 {
+        self.many.len() as u32
+    }
+
+    /// Adds a manifold that was found at a fraction of the step.
+    pub(crate) fn add(&mut self, raw: RawManifold, fraction: f32) {
+        if !self.mesh.room.push(&mut self.many, (raw, fraction)) {
+            self.mesh.shed += raw.count;
+        }
+    }
+
+    /// Ends the look at a pair, whose manifolds are those from `start` on; says whether it has any.
+    pub(crate) fn end(&mut self, pair: u32, start: u32) -> bool {
+        let end = self.count();
+        if end == start {
+            return false;
+        }
+        let listed = self.mesh.room.push(&mut self.looked, (pair, start, end));
+        if !listed {
+            let lost = self.many.drain(start as usize..);
+            self.mesh.shed += lost.map(|(raw, _)| raw.count).sum::<u32>();
+        }
+        listed
+    }
+
+    /// Manifolds that a pair has now and had no contact for, pair by pair.
+    fn more<'a>(
+        &'a self,
+        pairs: &'a [Pair],
+        contacts: &'a Contacts,
+    ) -> impl Iterator<Item = (&'a [(RawManifold, f32)], &'a Pair)> + 'a {
+        self.looked.iter().map(|&(index, start, end)| {
+            let pair = &pairs[index as usize];
+            let old = contacts.count(pair.contact);
+            (&self.many[(start as usize + old).min(end as usize)..end as usize], pair)
+        })
+    }
+
+    fn bytes(&self) -> (usize, usize) {
+        [bytes_of(&self.looked), bytes_of(&self.many), bytes_of(&self.raw), self.mesh.bytes()]
+            .into_iter()
+            .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
+    }
+}
+
+impl Buffers for MeshBlock {
+    fn each(&mut self, f: &mut dyn FnMut(&mut dyn Buffer)) {
+        f(&mut self.looked);
+        f(&mut self.many);
+        f(&mut self.raw);
+        self.mesh.each(f);
+    }
+}
+
+/// What a block writes, beside the contacts that its pairs have.
+pub(crate) struct Out<'a> {
+    fresh: &'a mut [Fresh],
+    pairs: &'a [Pair],
+    block: &'a mut Block,
+    state: &'a Shared<'a, u8>,
+    pub(crate) mesh: Option<&'a mut MeshBlock>,
+}
+
+impl Out<'_> {
+    /// Gives a pair its first contact.
+    pub(crate) fn add(
+        &mut self,
+        input: &Input<'_>,
+        pair: &Pair,
+        index: u32,
+        raw: RawManifold,
+        fraction: f32,
+    ) {
+        let block = &mut *self.block;
+        let class = usize::from(input.is_static(pair));
+        let at = (block.used[0] + block.used[1]) as usize;
+        if block.used[class] < block.quota[class]
+            && let Some(place) = self.fresh.get_mut(at)
+        {
+            *place = Fresh { pair: index, fraction, raw };
+            block.used[class] += 1;
+        } else if block.used[class] > 0 {
+            // The lightest makes way.
+            let new = Fresh { pair: index, fraction, raw };
+            let weight = new.weight(pair, input);
+            let pair_of = |found: &Fresh| &self.pairs[found.pair as usize];
+            let own = self.fresh[..at].iter_mut();
+            let own = own.filter(|found| usize::from(input.is_static(pair_of(found))) == class);
+            let weight_of = |found: &Fresh| found.weight(pair_of(found), input);
+            let lightest = own.min_by_key(|found| weight_of(found));
+            if let Some(lightest) = lightest.filter(|found| weight_of(found) < weight) {
+                block.shed += lightest.raw.count;
+                *lightest = new;
+            } else {
+                block.shed += raw.count;
+            }
+        } else {
+            block.shed += raw.count;
+        }
+    }
+
+    /// Takes a pair's contacts away.
+    pub(crate) fn empty(&mut self, index: u32) {
+        // SAFETY: the pair is this block's.
+        unsafe { *self.state.get(index as usize) = EMPTIED };
+        self.block.emptied += 1;
+    }
+
+    /// Says that a pair, which has no contact, is not touched on the whole of the predicted way, nor near at its start.
+    pub(crate) fn clear(&mut self, index: u32) {
+        // SAFETY: the pair is this block's.
+        unsafe { *self.state.get(index as usize) = CLEAR };
+    }
+
+    pub(crate) fn count_casts(&mut self, casts: u32) {
+        self.block.casts += casts;
+    }
+    pub(crate) fn count_ghost(&mut self) {
+        self.block.ghosts += 1;
+    }
+    pub(crate) fn count_shed(&mut self, points: u32) {
+        self.block.shed += points;
+    }
+}
+
+/// What blocks write to while they run.
+pub(crate) struct Places<'a> {
+    fresh: Shared<'a, Fresh>,
+    meshes: usize,
+    mesh: Shared<'a, MeshBlock>,
+}
+
+impl Places<'_> {
+    /// What is a block's own.
+    ///
+    /// # Safety
+    /// Each block may ask once.
+    pub(crate) unsafe fn of<'a>(
+        &'a self,
+        block: &'a mut Block,
+        state: &'a Shared<'a, u8>,
+        pairs: &'a [Pair],
+    ) -> Out<'a> {
+        let (start, own) = (block.fresh as usize, block.mesh as usize);
+        let is_mesh = block.bin.is_mesh() && own < self.meshes;
+        // SAFETY: blocks' places don't overlap, and each mesh block has its own number.
+        unsafe {
+            let fresh = self.fresh.part(start..start + block.place as usize);
+            Out { fresh, pairs, state, mesh: is_mesh.then(|| self.mesh.get(own)), block }
+        }
+    }
+}
+
+/// State of a pair: its contacts go. No bin has this number or a higher one.
+pub(crate) const EMPTIED: u8 = u8::MAX - 2;
+/// State of a pair once it was looked at: see [`Out::clear`]. No bin has this number.
+pub(crate) const CLEAR: u8 = u8::MAX - 3;
+
+/// Buffers of one step.
+#[derive(Debug, Default)]
+pub(crate) struct Found {
+    /// Without a budget; with one they lie where the rows were, which takes no place of its own.
+    fresh: Vec<Fresh>,
+    /// How many of them there is place for under a budget.
+    place: usize,
+    meshes: Vec<MeshBlock>,
+    /// What each of them was granted.
+    share: Room,
+    marks: Marks,
+    chain: Vec<Contact>,
+    /// Whether a contact that was not there before touches.
+    pub(crate) touching: bool,
+}
+
+impl Found {
+    /// See [`Scratch::missing_to_find`](crate::narrow_phase::Scratch::missing_to_find). What a block of meshes needs beside the triangles
+    /// that it holds is taken to be as much again.
+    pub(crate) fn missing(&self, of_meshes: usize) -> usize {
+        let blocks = of_meshes.div_ceil(PAIRS as usize);
+        let each = MeshBlock::default().mesh.least() * 2;
+        self.meshes.missing(blocks + blocks / 4) + blocks * each
+    }
+
+    /// Live and reserved bytes.
+    pub(crate) fn bytes(&self) -> (usize, usize) {
+        let own = [bytes_of(&self.fresh), bytes_of(&self.meshes), bytes_of(&self.chain)];
+        own.into_iter()
+            .chain(self.meshes.iter().map(MeshBlock::bytes))
+            .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
+    }
+
+    /// Gives each block its place. Mesh blocks come first: what they find is support.
+    pub(crate) fn plan(
+        &mut self,
+        bins: &mut Bins,
+        pairs: &[Pair],
+        input: &Input<'_>,
+        (rooms, slab): (&mut Rooms, &mut Slab),
+    ) {
+        let endless = rooms.is_endless();
+        let wanted = bins.blocks.iter().filter(|b| b.bin.is_mesh()).count();
+        if wanted > self.meshes.len() {
+            // A few more, or every other step would add one.
+            let half = |room: &mut Room| {
+                room.within(2, |room| {
+                    let granted = room.fit(&mut self.meshes, wanted + wanted / 4);
+                    self.meshes.resize_with(granted, MeshBlock::default);
+                    even_out(&mut self.meshes, &mut self.marks, room);
+                });
+            };
+            rooms.within(Category::Scratch, half);
+        }
+        let (mut own, mut total) = (0, [0u32; 2]);
+        for block in &mut bins.blocks {
+            if block.bin.is_mesh() {
+                block.mesh = own;
+                own += 1;
+                continue;
+            }
+            let order = &bins.order[block.start as usize..block.end as usize];
+            let new = order.iter().map(|&i| &pairs[i as usize]).filter(|pair| pair.contact == NONE);
+            if endless {
+                block.place = new.count() as u32;
+                block.quota = [block.place; 2];
+                continue;
+            }
+            new.for_each(|pair| block.quota[usize::from(input.is_static(pair))] += 1);
+            block.place = block.quota[0] + block.quota[1];
+            total[1] += block.quota[1];
+            block.fresh = total[0];
+            total[0] += block.place;
+        }
+        // Half for the blocks of meshes, in equal shares.
+        self.share = rooms.room(Category::Scratch).share(2 * self.meshes.len());
+        self.meshes.iter_mut().for_each(|block| block.mesh.room = self.share);
+        if endless {
+            self.place = 0;
+            return;
+        }
+        let wanted = total[0] as usize;
+        let part = |room: &mut Room| room.within(4, |room| slab.make_place::<Fresh>(wanted, room));
+        self.place = rooms.within(Category::Rows, part);
+        if self.place < wanted {
+            cut(&mut bins.blocks, self.place as u32, [total[0] - total[1], total[1]]);
+        }
+    }
+
+    /// Says where the blocks end that run before what they found is committed: those that there is place for. Under a
+    /// budget all have theirs, because it is shared out by what all found.
+    pub(crate) fn wave(&mut self, blocks: &mut [Block], first: usize, room: &mut Room) -> usize {
+        if !room.is_endless() {
+            return blocks.len();
+        }
+        let (mut end, mut total) = (first, 0);
+        while let Some(block) = blocks.get_mut(end).filter(|b| end == first || total + b.place <= WAVE) {
+            block.fresh = total;
+            total += block.place;
+            end += 1;
+        }
+        room.fit(&mut self.fresh, total as usize);
+        if self.fresh.len() < total as usize {
+            self.fresh.resize(total as usize, Fresh::default());
+        }
+        end
+    }
+
+    /// What blocks write to while they run.
+    pub(crate) fn places<'a>(&'a mut self, slab: &'a mut Slab) -> Places<'a> {
+        let meshes = self.meshes.len();
+        let fresh = if self.place > 0 { slab.alone(self.place) } else { &mut self.fresh };
+        Places { fresh: Shared::new(fresh), meshes, mesh: Shared::new(&mut self.meshes) }
+    }
+
+    /// Gives slots to what some blocks found, and with the last of them to what those of meshes found. Says how many points
+    /// found none.
+    pub(crate) fn commit(
+        &mut self,
+        (bins, wave, state): (&mut Bins, std::ops::Range<usize>, &[u8]),
+        pairs: &mut [Pair],
+        contacts: &mut Contacts,
+        input: &Input<'_>,
+        (rooms, space): (&mut Rooms, &mut RowSpace),
+    ) -> u32 {
+        let last = wave.end == bins.blocks.len();
+        if self.place > 0 {
+            self.place = close_up(&mut bins.blocks, space.slab.alone(self.place));
+        }
+        let blocks = &bins.blocks[wave];
+        let mut shed = 0;
+        for block in blocks.iter().filter(|block| block.emptied > 0) {
+            let order = &bins.order[block.start as usize..block.end as usize];
+            for &index in order.iter().filter(|&&i| state[i as usize] == EMPTIED) {
+                let slot = std::mem::replace(&mut pairs[index as usize].contact, NONE);
+                contacts.remove_chain(slot);
+            }
+        }
+        let meshes = if last { self.meshes.as_mut_slice() } else { &mut [] };
+        let mut of_meshes = 0;
+        for block in &mut *meshes {
+            of_meshes += block.more(pairs, contacts).map(|(more, _)| more.len()).sum::<usize>();
+            let used = self.share.left() - block.mesh.room.left();
+            rooms.within(Category::Scratch, |room| room.take(used));
+            shed += std::mem::take(&mut block.mesh.shed);
+        }
+        shed += blocks.iter().map(|block| block.shed).sum::<u32>();
+        let mut way = Way::FREE;
+        if rooms.is_endless() {
+            let found = blocks.iter().map(|block| (block.used[0] + block.used[1]) as usize).sum::<usize>();
+            rooms.within(Category::Manifolds, |room| contacts.make_place(found + of_meshes, room));
+        } else {
+            let found = (blocks, self.place, &*meshes);
+            way = make_way(found, of_meshes, pairs, contacts, input, (rooms, space));
+            shed += way.shed;
+        }
+        for block in meshes {
+            shed += rooms.within(Category::Scratch, |room| {
+                let found = (&mut self.chain, &mut self.touching);
+                commit_meshes(block, pairs, (contacts, way.most), found, input, room)
+            });
+        }
+        let fresh = if self.place > 0 { space.slab.alone(self.place) } else { &mut self.fresh };
+        for found in found_by(blocks, fresh) {
+            let pair = &mut pairs[found.pair as usize];
+            if !rooms.is_endless() && !way.floor.keeps(found.weight(pair, input)) {
+                shed += found.raw.count;
+                continue;
+            }
+            let mut contact = Contact::new(pair.a, pair.b);
+            let frame = input.poses[pair.a as usize].rotation;
+            contact.take(&found.raw, relative_pose(pair, input.poses), frame);
+            contact.fraction = found.fraction;
+            self.touching |= contact.touches_anew(input.real);
+            pair.contact = contacts.insert_within(contact, way.most);
+            shed += if pair.contact == NONE { found.raw.count } else { 0 };
+        }
+        if last {
+            rooms.within(Category::Scratch, |room| {
+                let spare = room.left().saturating_sub(way.of_rows);
+                let mut part = if room.is_endless() { *room } else { Room::new(spare / PART) };
+                let before = part.left();
+                even_out(&mut self.meshes, &mut self.marks, &mut part);
+                room.take(before - part.left());
+            });
+        }
+        shed
+    }
+}
+
+/// Who may stay and come.
+struct Way {
+    /// How many contacts there may be.
+    most: usize,
+    floor: Threshold,
+    /// Bytes that are left to rows.
+    of_rows: usize,
+    /// Points of those that had to go.
+    shed: u32,
+}
+
+impl Way {
+    /// Everyone.
+    const FREE: Way = Way { most: usize::MAX, floor: Threshold::ALL, of_rows: 0, shed: 0 };
+}
+
+/// Weighs the contacts that are there and those that blocks found, the latter in so many places, and takes away those that
+/// are too light to stay; makes place for those that are not.
+fn make_way(
+    (blocks, place, meshes): (&[Block], usize, &[MeshBlock]),
+    of_meshes: usize,
+    pairs: &mut [Pair],
+    contacts: &mut Contacts,
+    input: &Input<'_>,
+    (rooms, space): (&mut Rooms, &mut RowSpace),
+) -> Way {
+    let cost = space.cost;
+    let mut census = Census::new();
+    for pair in pairs.iter().filter(|pair| !pair.is_idle(input.hot, input.dynamic)) {
+        let (is_static, weight) = (input.is_static(pair), weight_of(pair, contacts, input));
+        let mut slot = pair.contact;
+        while slot != NONE {
+            let contact = &contacts.all[slot as usize];
+            let taken = Taken::of(contact, is_static, input.real);
+            match weight {
+                Some(weight) => census.add(weight, taken, &cost),
+                None => census.add_fixed(taken, &cost),
+            }
+            slot = contact.next;
+        }
+    }
+    for (many, pair) in meshes.iter().flat_map(|block| block.more(pairs, contacts)) {
+        let taken = |raw: &RawManifold| Taken::of_new(raw, input.is_static(pair), input.real);
+        many.iter().for_each(|(raw, _)| census.add_fixed(taken(raw), &cost));
+    }
+    for found in found_by(blocks, space.slab.alone(place)) {
+        let pair = &pairs[found.pair as usize];
+        let taken = Taken::of_new(&found.raw, input.is_static(pair), input.real);
+        census.add(found.weight(pair, input), taken, &cost);
+    }
+    let admitted = Means::new(rooms, space, contacts.place()).admit(&census);
+    let mut floor = admitted.floor;
+    let shed = evict(&mut floor, pairs, contacts, input);
+    let mut ahead = floor;
+    let stays = |found: &&Fresh| ahead.keeps(found.weight(&pairs[found.pair as usize], input));
+    let more = found_by(blocks, space.slab.alone(place)).filter(stays).count() + of_meshes;
+    let reserved = space.slab.bytes(0).1 + cost.reserved;
+    let of_rows = admitted.rows.saturating_sub(reserved).min(rooms.own(Category::Rows));
+    let left = |rooms: &Rooms| rooms.own(Category::Manifolds).min(rooms.whole().saturating_sub(of_rows));
+    let lacking = contacts.missing_for(more).saturating_sub(left(rooms));
+    if lacking > 0 {
+        // Rows have more than they will need, because there were fewer contacts, or these had more points.
+        let needed = admitted.rows.saturating_sub(cost.reserved).max(place * FRESH_BYTES);
+        let to = space.slab.bytes(0).1.saturating_sub(lacking).max(needed);
+        rooms.within(Category::Rows, |room| room.give(space.slab.spare(to)));
+        space.slab.shrink(to);
+    }
+    let left = left(rooms);
+    let mut room = Room::new(left);
+    let place = contacts.make_place(more, &mut room);
+    rooms.within(Category::Manifolds, |all| all.take(left - room.left()));
+    Way { most: contacts.live() + more.min(place), floor, of_rows, shed }
+}
+
+impl Fresh {
+    fn weight(&self, pair: &Pair, input: &Input<'_>) -> Weight {
+        let nearest = self.raw.points().iter().map(|p| p.separation).fold(f32::INFINITY, f32::min);
+        let normal = input.poses[pair.a as usize].rotation * self.raw.normal;
+        input.scale.weigh([pair.a, pair.b], normal, nearest, 0.0)
+    }
+}
+
+/// Leaves no gaps between what blocks found; says how much it is.
+fn close_up(blocks: &mut [Block], fresh: &mut [Fresh]) -> usize {
+    let mut end = 0;
+    for block in blocks {
+        let (start, used) = (block.fresh as usize, (block.used[0] + block.used[1]) as usize);
+        fresh.copy_within(start..start + used, end);
+        block.fresh = end as u32;
+        end += used;
+    }
+    end
+}
+
+/// What blocks found, in their order.
+fn found_by<'a>(blocks: &'a [Block], fresh: &'a [Fresh]) -> impl Iterator<Item = &'a Fresh> + 'a {
+    blocks.iter().flat_map(|block| {
+        let (start, used) = (block.fresh as usize, (block.used[0] + block.used[1]) as usize);
+        &fresh[start..start + used]
+    })
+}
+
+/// The weight of the contact of a pair, if it has one; none of the contacts with meshes, which go when others are found.
+fn weight_of(pair: &Pair, contacts: &Contacts, input: &Input<'_>) -> Option<Weight> {
+    let of_mesh = matches!(input.hot[pair.b as usize].kind, Kind::Mesh | Kind::HeightField);
+    (pair.contact != NONE && !of_mesh).then(|| input.scale.of(&contacts.all[pair.contact as usize]))
+}
+
+/// New contacts that there is place for at a time: enough for all of most steps, and where a whole scene falls onto the
+/// ground at once, its blocks run in several goes.
+const WAVE: u32 = 1024;
+
+/// Of what is left, a part that may go into evening out: it only saves later steps the growth.
+const PART: usize = 8;
+
+/// Less place for new contacts than there are pairs without one: first for those that touch something static, and of a kind all
+/// blocks get their share. Were it for the first blocks alone, pairs that have parted and stay pairs would keep it from those that
+/// have not.
+fn cut(blocks: &mut [Block], granted: u32, total: [u32; 2]) {
+    let of_static = granted.min(total[1]);
+    let shares = [granted - of_static, of_static];
+    let (mut passed, mut start) = ([0u64; 2], 0);
+    for block in blocks {
+        for (kind, quota) in block.quota.iter_mut().enumerate() {
+            let upto = |pairs: u64| pairs * u64::from(shares[kind]) / u64::from(total[kind].max(1));
+            let before = upto(passed[kind]);
+            passed[kind] += u64::from(*quota);
+            *quota = (upto(passed[kind]) - before) as u32;
+        }
+        (block.fresh, block.place) = (start, block.quota[0] + block.quota[1]);
+        start += block.place;
+    }
+}
+
+/// Frees the contacts that do not stay. Says how many points went.
+fn evict(floor: &mut Threshold, pairs: &mut [Pair], contacts: &mut Contacts, input: &Input<'_>) -> u32 {
+    let mut shed = 0;
+    for pair in pairs.iter_mut().filter(|pair| !pair.is_idle(input.hot, input.dynamic)) {
+        if let Some(weight) = weight_of(pair, contacts, input)
+            && !floor.keeps(weight)
+        {
+            shed += u32::from(contacts.all[pair.contact as usize].count);
+            contacts.remove_chain(std::mem::replace(&mut pair.contact, NONE));
+        }
+    }
+    shed
+}
+
+/// Exchanges the contacts of mesh pairs for new ones, which inherit what the old ones bore.
+fn commit_meshes(
+    block: &mut MeshBlock,
+    pairs: &mut [Pair],
+    (contacts, most): (&mut Contacts, usize),
+    (chain, touching): (&mut Vec<Contact>, &mut bool),
+    input: &Input<'_>,
+    room: &mut Room,
+) -> u32 {
+    let mut shed = 0;
+    for &(index, start, end) in &block.looked {
+        let pair = &mut pairs[index as usize];
+        let now = relative_pose(pair, input.poses);
+        chain.clear();
+        let mut slot = pair.contact;
+        while slot != NONE {
+            // At worst an impulse is not inherited.
+            room.push(chain, contacts.all[slot as usize]);
+            slot = contacts.all[slot as usize].next;
+        }
+        contacts.remove_chain(pair.contact);
+        pair.contact = NONE;
+        let mut last = NONE;
+        for (raw, fraction) in &block.many[start as usize..end as usize] {
+            let mut contact = Contact::new(pair.a, pair.b);
+            contact.take(raw, now, input.poses[pair.a as usize].rotation);
+            contact.fraction = *fraction;
+            // The manifold of the last step whose normal is nearest.
+            let nearest =
+                chain.iter().max_by(|x, y| x.normal.dot(raw.normal).total_cmp(&y.normal.dot(raw.normal)));
+            if let Some(old) = nearest.filter(|old| old.normal.dot(raw.normal) > 0.9) {
+                contact.inherit(old, Same::of(input, pair));
+                (contact.friction, contact.twist) = (old.friction, old.twist);
+                contact.mean_friction = old.mean_friction;
+            }
+            *touching |= contact.touches_anew(input.real);
+            let slot = contacts.insert_within(contact, most);
+            if slot == NONE {
+                shed += raw.count;
+            } else if last == NONE {
+                pair.contact = slot;
+            } else {
+                contacts.all[last as usize].next = slot;
+            }
+            last = if slot == NONE { last } else { slot };
+        }
+    }
+    block.looked.clear();
+    block.many.clear();
+    shed
+}

@@ -1,0 +1,267 @@
+//! Cylinders, frusta and cones against half-spaces, polytopes, capsules and each other, by their exact caps, rims and
+//! sides.
+//!
+//! First the direction of contact ([`way`]), judged by the exact extents of both shapes. Where it is the normal of a flat
+//! face the points are the corners of what that face and the one that lies on it both cover ([`disc`]); elsewhere two
+//! lines meet, or the nearest points are all there is.
+
+mod core;
+mod disc;
+mod frustum;
+mod sample;
+#[cfg(test)]
+mod tests;
+mod way;
+
+use super::clip::{Cloud, EDGES, Loop, Segment, clip_edges, clip_face, key};
+use super::manifold_of;
+use super::polytope::{Pose, Solid, Triangle};
+use super::support::Support;
+use crate::narrow_phase::contacts::manifold::{RawManifold, RawPoint};
+use crate::shape::Collider;
+use disc::Face;
+use glam::Vec3;
+use way::{Body, Both, FlatFace, Way};
+
+pub(crate) use core::round_cylinder;
+pub(crate) use frustum::Frustum;
+
+/// What is nearly as good an axis as the best one counts as equal, up to this share of the smaller shape's size: half
+/// a millimetre on a metre for a manifold that lasts. Also what counts as inside a face.
+const TOLERANCE: f32 = 5e-4;
+
+/// Two lines touch in two points as long as their ends are beside each other by no more than this share of the size:
+/// there a round side falls away by its square.
+const ASIDE: f32 = 0.03;
+
+/// What a cylinder meets.
+pub(crate) enum Other<'a> {
+    Shape(&'a Collider),
+    Triangle(&'a Triangle),
+}
+
+/// A cylinder or a polytope and another shape of which at least one is a cylinder; see `collide_convex`.
+pub(crate) fn cylinder(a: &Collider, b: &Other, pose: &Pose, margin: f32) -> RawManifold {
+    let none = RawManifold::default();
+    let (own, solid_a) = (Frustum::of(a), Solid::of(a));
+    let (other, solid_b, against, size) = match b {
+        Other::Shape(b) => (Frustum::of(b), Solid::of(b), Vec3::ZERO, a.radius.min(b.radius)),
+        Other::Triangle(t) => (None, Some(Solid::Triangle((*t).clone())), t.normal(), a.radius),
+    };
+    let (Some(body_a), Some(body_b)) = (Body::of(own, &solid_a), Body::of(other, &solid_b)) else {
+        return none;
+    };
+    let both = Both { bodies: [body_a, body_b], pose: *pose, back: pose.inverse(), against };
+    let supports = || {
+        let other = match b {
+            Other::Shape(b) => Support::of(b),
+            Other::Triangle(t) => Some(Support::triangle(t.corners())),
+        };
+        Support::of(a).zip(other)
+    };
+    Contact { both, margin, size, tolerance: TOLERANCE * size }.manifold(supports)
+}
+
+struct Contact<'a> {
+    both: Both<'a>,
+    margin: f32,
+    /// A length of the smaller shape [m].
+    size: f32,
+    /// [m].
+    tolerance: f32,
+}
+
+impl<'a> Contact<'a> {
+    fn manifold<'s>(&self, supports: impl Fn() -> Option<(Support<'s>, Support<'s>)>) -> RawManifold {
+        let none = RawManifold::default();
+        let Some(found) = self.both.candidates(self.margin) else { return none };
+        let flat = found.flat;
+        let mut cloud = Cloud::new();
+        if flat.separation >= found.best.separation - self.tolerance {
+            self.on_face(&flat, &mut cloud);
+            if self.proves(&flat, &cloud) {
+                return manifold_of(&cloud, flat.normal);
+            }
+        }
+        let Some((a, b)) = supports() else { return none };
+        let (best, points) = self.both.best((&a, &b), found.best, self.size);
+        if best.separation > self.margin {
+            return none;
+        }
+        let middle = (points[0] + points[1]) * 0.5;
+        let mut point = RawPoint { position: middle, separation: best.separation, key: key(EDGES, 0, 0) };
+        if flat.separation >= best.separation - self.tolerance {
+            if cloud.points().is_empty() {
+                self.on_face(&flat, &mut cloud);
+            }
+            if cloud.least() > flat.separation + self.tolerance {
+                point.separation = flat.separation;
+                cloud.push(point);
+            }
+            return manifold_of(&cloud, flat.normal);
+        }
+        cloud = Cloud::new();
+        self.on_lines(best.normal, &mut cloud);
+        if cloud.points().len() < 2 || cloud.least() > best.separation + self.tolerance {
+            if cloud.points().len() < 2 {
+                cloud = Cloud::new();
+            }
+            cloud.push(point);
+        }
+        manifold_of(&cloud, best.normal)
+    }
+
+    /// Whether the points on a face show that no direction is better than its normal.
+    ///
+    /// Apart, a point at the distance of the two shapes along the normal does. In overlap let points on both sides of any
+    /// line through the patch be as deep as the deepest, d, and the patch be w wide at least: tilted by θ, the two shapes
+    /// are w sin θ + d cos θ in each other, which is no less than d up to a right angle if w is no less than d.
+    fn proves(&self, face: &Way, cloud: &Cloud) -> bool {
+        if cloud.least() > face.separation + self.tolerance {
+            return false;
+        }
+        if face.separation > 0.0 {
+            return true;
+        }
+        let deep = |p: &&RawPoint| p.separation <= face.separation + self.tolerance;
+        // The width of a triangle is its least height. That of the first corner, the furthest from it, and the furthest
+        // from the line through both.
+        let Some(first) = cloud.points().iter().find(deep) else { return false };
+        let furthest = |away: &dyn Fn(Vec3) -> f32| {
+            cloud
+                .points()
+                .iter()
+                .filter(deep)
+                .map(|p| (away(p.position), p.position))
+                .fold((-1.0, first.position), |best, next| if next.0 > best.0 { next } else { best })
+        };
+        let (reach, second) = furthest(&|p| (p - first.position).length());
+        let line = second - first.position;
+        let (area, third) = furthest(&|p| (p - first.position).cross(line).length());
+        let longest = reach.max((third - first.position).length()).max((third - second).length());
+        area > longest * -face.separation
+    }
+
+    /// The points of a flat face and what of the other shape faces it.
+    fn on_face(&self, way: &Way, cloud: &mut Cloud) {
+        let Some((face, on_b)) = way.face else { return };
+        let n = way.normal;
+        let (own, other) = (self.both.pose_of(on_b), self.both.pose_of(!on_b));
+        let [own_body, other_body] = [on_b, !on_b].map(|k| &self.both.bodies[usize::from(k)]);
+        // Out of the other shape, in its own frame.
+        let out = if on_b { n } else { self.both.pose.back(-n) };
+        let margin = self.margin;
+        match (face, own_body, other_body) {
+            (FlatFace::Cap { up }, Body::Round(f), Body::Round(g)) => {
+                let disc = f.cap(up, own);
+                if g.shows_cap(out) {
+                    let cap = g.cap(out.y > 0.0, other);
+                    let face = Face::new((&disc, on_b), cap.plane(), n, margin);
+                    let facing = Face::new((&cap, !on_b), disc.plane(), n, margin);
+                    if let Some((face, facing)) = face.zip(facing) {
+                        face.disc(&facing, self.tolerance, cloud);
+                    }
+                } else {
+                    let ends = g.line(out, other);
+                    let side = other.direction(g.side_normal(out));
+                    if let Some(face) = Face::new((&disc, on_b), (side, side.dot(ends[0])), n, margin) {
+                        face.line(ends, cloud);
+                    }
+                }
+            }
+            (FlatFace::Cap { up }, Body::Round(f), Body::Flat(p)) => {
+                let disc = f.cap(up, own);
+                let facing = p.face_towards(out);
+                let (normal, offset) = p.planes[facing];
+                let normal = other.direction(normal);
+                let plane = (normal, offset + normal.dot(other.position));
+                if let Some(face) = Face::new((&disc, on_b), plane, n, margin) {
+                    face.polygon(&Loop::new(p.vertices, p.face(facing), other), self.tolerance, cloud);
+                }
+            }
+            (FlatFace::Polygon(index), Body::Flat(p), Body::Round(f)) => {
+                let (normal, offset) = p.planes[index];
+                let normal = own.direction(normal);
+                let plane = (normal, offset + normal.dot(own.position));
+                let polygon = Loop::new(p.vertices, p.face(index), own);
+                round_on_polygon((f, other), out, (&polygon, plane, !on_b), (margin, self.tolerance), cloud);
+            }
+            _ => {}
+        }
+    }
+
+    /// The points of two edges, lines of sides, rims or corners that face each other along `n`.
+    fn on_lines(&self, n: Vec3, cloud: &mut Cloud) {
+        // How far from level a line may be: on a wide face far less than the angle at which lines are parallel.
+        let short = 0.01 * self.size;
+        let furthest = |on_b: bool| {
+            let (d, pose) = (if on_b { self.both.pose.back(-n) } else { n }, self.both.pose_of(on_b));
+            match &self.both.bodies[usize::from(on_b)] {
+                Body::Round(f) => f.furthest(d, short, pose),
+                Body::Flat(p) => Segment::support(p, d, short, pose),
+            }
+        };
+        let (one, other) = (furthest(false), furthest(true));
+        let [d, e] = [&one, &other].map(|s| s.ends[1] - s.ends[0]);
+        let longer = d.length().max(e.length());
+        if longer > 0.0 && d.cross(e).length() <= ASIDE * self.size * longer && d.dot(e) != 0.0 {
+            clip_edges(&one, &other, n, self.margin, cloud);
+        }
+    }
+}
+
+/// The points of a frustum at `pose` that are over a polygon: of the cap or of the line of the side, whichever faces along
+/// `out`, in the frustum's own frame.
+///
+/// `on_b`: whether the frustum is b.
+fn round_on_polygon(
+    (f, pose): (&Frustum, &Pose),
+    out: Vec3,
+    (polygon, plane, on_b): (&Loop, (Vec3, f32), bool),
+    (margin, tolerance): (f32, f32),
+    cloud: &mut Cloud,
+) {
+    if f.shows_cap(out) {
+        let disc = f.cap(out.y > 0.0, pose);
+        let n = if on_b { plane.0 } else { -plane.0 };
+        if let Some(face) = Face::new((&disc, on_b), plane, n, margin) {
+            face.polygon(polygon, tolerance, cloud);
+        }
+    } else {
+        let line = Loop::new(&f.line(out, pose), &[0, 1], &Pose::IDENTITY);
+        clip_face(polygon, plane, &line, plane, margin, tolerance, cloud);
+    }
+}
+
+/// The points of a cylinder, in its own frame, that are over a triangle, and the unit normal of the triangle's front.
+pub(crate) fn over_triangle(a: &Collider, triangle: &Loop, front: Vec3, margin: f32, cloud: &mut Cloud) {
+    let (Some(f), (corners, _)) = (Frustum::of(a), triangle.corners()) else { return };
+    let Some(corner) = corners.first() else { return };
+    let plane = (front, front.dot(*corner));
+    let tolerance = 1e-4 * a.radius;
+    round_on_polygon((&f, &Pose::IDENTITY), -front, (triangle, plane, false), (margin, tolerance), cloud);
+}
+
+/// A cylinder and the half-space whose outward normal is `-normal` and whose border is at `offset` along `normal`; in the
+/// cylinder's frame.
+pub(crate) fn on_half_space(
+    f: &Frustum,
+    (normal, offset): (Vec3, f32),
+    (margin, size): (f32, f32),
+    cloud: &mut Cloud,
+) {
+    if f.shows_cap(normal) {
+        let disc = f.cap(normal.y > 0.0, &Pose::IDENTITY);
+        if let Some(face) = Face::new((&disc, false), (-normal, -offset), normal, margin) {
+            face.endless(TOLERANCE * size, cloud);
+        }
+        return;
+    }
+    for (i, end) in f.line(normal, &Pose::IDENTITY).into_iter().enumerate() {
+        let separation = offset - normal.dot(end);
+        if separation <= margin {
+            let position = end + normal * (0.5 * separation);
+            cloud.push(RawPoint { position, separation, key: i as u32 });
+        }
+    }
+}

@@ -1,0 +1,286 @@
+//! The direction along which a cylinder and another convex shape are furthest apart or, if they overlap, least deep in
+//! each other.
+//!
+//! Apart, it is that between the nearest points, which GJK finds on the exact shapes. An overlap is taken back first: `b`
+//! is moved along the best direction known until the two are a little apart. The nearest points then show a direction
+//! that beats the known one, if there is one, and the next round begins with it. Let the known depth be d, the gap that
+//! was opened e, and θ the angle between the known direction and a better one of depth d': the move opens
+//! (d + e) cos θ - d' along that, which is more than e unless d' > d cos θ - e (1 - cos θ). So each round is less deep, and
+//! a round that finds nothing ends within a factor of cos θ of whatever is shallower at the angle θ: nothing near, and
+//! what is far is among the candidates that the search starts from.
+
+use super::frustum::{Disc, Frustum};
+use super::sample::best_of_many;
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
+use crate::narrow_phase::convex::gjk::{CoreGap, gap_from};
+use crate::narrow_phase::convex::polytope::{Polytope, Pose, Solid};
+use crate::narrow_phase::convex::support::{Pose as ExactPose, Support};
+use glam::{DMat3, Vec3};
+
+/// The gap that is opened then, as a share of the size.
+const GAP: f32 = 2e-4;
+/// From what overlap on the way out may be far from the faces and axes that are tried, as a share of the size.
+const DEEP: f32 = 2e-3;
+/// And up to what overlap it is looked for.
+const TOO_DEEP: f32 = 0.2;
+/// Rounds of taking back an overlap.
+const ROUNDS: usize = 6;
+
+/// A cylinder, or what has flat faces.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Body<'a> {
+    Round(Frustum),
+    Flat(Polytope<'a>),
+}
+
+impl<'a> Body<'a> {
+    pub(super) fn of(round: Option<Frustum>, solid: &'a Option<Solid>) -> Option<Body<'a>> {
+        match (round, solid) {
+            (Some(f), _) => Some(Body::Round(f)),
+            (None, Some(solid)) => Some(Body::Flat(solid.view())),
+            _ => None,
+        }
+    }
+
+    /// The furthest along `d` [m], for `d` of unit length.
+    fn extent(&self, d: Vec3) -> f32 {
+        match self {
+            Body::Round(f) => f.extent(d),
+            Body::Flat(p) => extent(p, d),
+        }
+    }
+    fn centre(&self) -> Vec3 {
+        match self {
+            Body::Round(_) => Vec3::ZERO,
+            Body::Flat(p) => (p.min + p.max) * 0.5,
+        }
+    }
+}
+
+/// The furthest of a polytope along `d`, eight vertices at a time.
+fn extent(p: &Polytope, d: Vec3) -> f32 {
+    let d = LaneVec3::<f32x8>::splat(d);
+    let mut most = f32x8::splat(f32::MIN);
+    for [x, y, z] in p.vertex_chunks {
+        let along = LaneVec3::new(f32x8::new(*x), f32x8::new(*y), f32x8::new(*z)).dot(d);
+        most = Lanes::max(along, most);
+    }
+    most.to_array().into_iter().fold(f32::MIN, f32::max)
+}
+
+/// A flat face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum FlatFace {
+    Cap { up: bool },
+    Polygon(usize),
+}
+
+/// A direction from a to b, in a's frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Way {
+    pub(super) normal: Vec3,
+    /// Of the shapes along it, negative in overlap [m].
+    pub(super) separation: f32,
+    /// The face that it is the normal of, and whether it is b's.
+    pub(super) face: Option<(FlatFace, bool)>,
+}
+
+const NONE: Way = Way { normal: Vec3::Y, separation: f32::MIN, face: None };
+
+/// What is tried at once.
+pub(super) struct Candidates {
+    /// The best flat face.
+    pub(super) flat: Way,
+    pub(super) best: Way,
+}
+
+impl Candidates {
+    /// `None`: it separates by more than the margin.
+    fn add(&mut self, both: &Both, way: Way, margin: f32) -> Option<()> {
+        if !both.allowed(&way) {
+            return Some(());
+        }
+        if way.face.is_some() && way.separation > self.flat.separation {
+            self.flat = way;
+        }
+        if way.separation > self.best.separation {
+            self.best = way;
+        }
+        (way.separation <= margin).then_some(())
+    }
+}
+
+/// Two shapes of which at least one is round, `b` at `pose` in the frame of `a`.
+pub(super) struct Both<'a> {
+    pub(super) bodies: [Body<'a>; 2],
+    pub(super) pose: Pose,
+    pub(super) back: Pose,
+    /// Directions along it are no way out of an overlap; in a's frame, zero if all are.
+    pub(super) against: Vec3,
+}
+
+impl Both<'_> {
+    /// Distance of the two along `n` (unit, a's frame).
+    pub(super) fn separation(&self, n: Vec3) -> f32 {
+        let [a, b] = &self.bodies;
+        n.dot(self.pose.position) - b.extent(self.pose.back(-n)) - a.extent(n)
+    }
+
+    pub(super) fn pose_of(&self, on_b: bool) -> &Pose {
+        if on_b { &self.pose } else { &Pose::IDENTITY }
+    }
+
+    fn allowed(&self, way: &Way) -> bool {
+        way.separation >= 0.0 || way.normal.dot(self.against) <= 1e-3
+    }
+
+    /// The axes that are tried at once: the best face or cap of either, for each side the way to the middle of the other
+    /// shape, and what is across two axes. `None`: one separates by more than the margin.
+    pub(super) fn candidates(&self, margin: f32) -> Option<Candidates> {
+        let mut found = Candidates { flat: NONE, best: NONE };
+        for on_b in [false, true] {
+            let sign = if on_b { -1.0 } else { 1.0 };
+            let pose = self.pose_of(on_b);
+            // The middle of the other in the frame of this one.
+            let other = &self.bodies[usize::from(!on_b)];
+            let middle = if on_b { self.back.point(other.centre()) } else { self.pose.point(other.centre()) };
+            let along = |local: Vec3, face: Option<FlatFace>| {
+                let normal = pose.direction(local) * sign;
+                Way { normal, separation: self.separation(normal), face: face.map(|face| (face, on_b)) }
+            };
+            match &self.bodies[usize::from(on_b)] {
+                Body::Round(f) => {
+                    for up in [middle.y > 0.0, middle.y <= 0.0] {
+                        let radius = if up { f.top } else { f.bottom };
+                        let local = if up { Vec3::Y } else { Vec3::NEG_Y };
+                        let face = (radius > 0.0).then_some(FlatFace::Cap { up });
+                        found.add(self, along(local, face), margin)?;
+                    }
+                    found.add(self, along(f.side_normal(middle), None), margin)?;
+                }
+                Body::Flat(p) => {
+                    let Body::Round(f) = other else { continue };
+                    let (separation, face) =
+                        face_axis(p, f, if on_b { &self.back } else { &self.pose }, margin);
+                    let normal = pose.direction(p.planes[face].0) * sign;
+                    let way = Way { normal, separation, face: Some((FlatFace::Polygon(face), on_b)) };
+                    found.add(self, way, margin)?;
+                }
+            }
+        }
+        if let [Body::Round(_), Body::Round(_)] = self.bodies {
+            let cross = Vec3::Y.cross(self.pose.axes.y_axis);
+            if cross.length_squared() > 1e-4 {
+                let normal = cross.normalize() * cross.dot(self.pose.position).signum();
+                let way = Way { normal, separation: self.separation(normal), face: None };
+                found.add(self, way, margin)?;
+            }
+        }
+        Some(found)
+    }
+
+    /// The best way of all, from the best that is known, and points of both shapes that are that far apart along it.
+    ///
+    /// `size`: a length of the smaller shape [m].
+    pub(super) fn best(&self, supports: (&Support, &Support), from: Way, size: f32) -> (Way, [Vec3; 2]) {
+        // Seen from the wrong side what is apart may seem deep.
+        if from.separation < -DEEP * size {
+            let gap = self.gap(supports, (from.normal, 0.0), 1e-6 * size);
+            if !gap.overlap && gap.upper > 0.0 {
+                let normal = gap.normal.as_vec3();
+                let way = Way { normal, separation: self.separation(normal), face: None };
+                return (way, [gap.point_a.as_vec3(), gap.point_b.as_vec3()]);
+            }
+        }
+        let first = self.refine(supports, from, size, f32::MIN);
+        // Deeper still, any way out will do.
+        if !(-TOO_DEEP * size..-DEEP * size).contains(&first.0.separation) {
+            return first;
+        }
+        let (normal, separation) = best_of_many(self, first.0.normal);
+        let second = Way { normal, separation, face: None };
+        let second = self.refine(supports, second, size, 1.3 * first.0.separation);
+        if second.0.separation > first.0.separation { second } else { first }
+    }
+
+    /// The gap of the two with `b` moved by so much along a unit vector, from which the search begins.
+    fn gap(&self, (a, b): (&Support, &Support), (along, by): (Vec3, f32), accuracy: f32) -> CoreGap {
+        let axes = [self.pose.axes.x_axis, self.pose.axes.y_axis, self.pose.axes.z_axis];
+        let [x, y, z] = axes.map(Vec3::as_dvec3);
+        let position = (self.pose.position + along * by).as_dvec3();
+        let pose = ExactPose { rotation: DMat3::from_cols(x, y, z), position };
+        gap_from(a, b, &pose, along.as_dvec3().normalize(), f64::from(accuracy))
+    }
+
+    /// `hopeless`: once one round has not led beyond this separation it ends [m].
+    fn refine(&self, (a, b): (&Support, &Support), from: Way, size: f32, hopeless: f32) -> (Way, [Vec3; 2]) {
+        let mut best = from;
+        // The last that is allowed: the way to where two shapes are apart may lead through some that are not.
+        let mut kept = (best, [Vec3::ZERO; 2]);
+        for _ in 0..ROUNDS {
+            // Nearest points that coincide have no direction.
+            let open = if best.separation > GAP * size { 0.0 } else { GAP * size - best.separation };
+            let shift = best.normal * open;
+            let accuracy = if open == 0.0 { 1e-6 * size } else { 1e-5 * size + 4e-3 * open };
+            let gap = self.gap((a, b), (best.normal, open), accuracy);
+            if gap.overlap {
+                break;
+            }
+            let normal = gap.normal.as_vec3();
+            let found = Way { normal, separation: self.separation(normal), face: None };
+            let gain = found.separation - best.separation;
+            let points = [gap.point_a.as_vec3(), gap.point_b.as_vec3() - shift];
+            if gain > 0.0 {
+                best = found;
+            }
+            if self.allowed(&best) {
+                kept = (best, points);
+            }
+            if gain <= 0.0 {
+                break;
+            }
+            // What the next round gains is to this gain about as the depth is to the size.
+            let depth = -best.separation;
+            let settled = depth > GAP * size && gain * depth <= 1e-5 * size * size;
+            if open == 0.0 || gain <= 1e-5 * size || settled || best.separation < hopeless {
+                break;
+            }
+        }
+        kept
+    }
+}
+
+/// The face of `p` beyond which all of `f` is furthest, in the frame of `p`. Ends at the first that separates by more
+/// than the margin.
+fn face_axis(p: &Polytope, f: &Frustum, f_in_p: &Pose, margin: f32) -> (f32, usize) {
+    let axes = &f_in_p.axes;
+    let [ax, ay, az] = [axes.x_axis, axes.y_axis, axes.z_axis].map(LaneVec3::<f32x8>::splat);
+    let centre = LaneVec3::splat(f_in_p.position);
+    let [half, bottom, top] = [f.half_height, f.bottom, f.top].map(f32x8::splat);
+    let mut best = (f32::MIN, 0);
+    for (k, [nx, ny, nz, offset]) in p.normal_chunks.iter().enumerate() {
+        let n = LaneVec3::new(f32x8::new(*nx), f32x8::new(*ny), f32x8::new(*nz));
+        let (x, y, z) = (ax.dot(n), ay.dot(n), az.dot(n));
+        let flat = (x * x + z * z).sqrt();
+        let reach = Lanes::max(flat * bottom + half * y, flat * top - half * y);
+        let separation = n.dot(centre) - f32x8::new(*offset) - reach;
+        if separation.gt(f32x8::splat(best.0)).any() {
+            for (i, &s) in separation.to_array().iter().enumerate() {
+                if s > best.0 {
+                    best = (s, 8 * k + i);
+                }
+            }
+            if best.0 > margin {
+                break;
+            }
+        }
+    }
+    best
+}
+
+impl Disc {
+    /// Its plane: normal and offset.
+    pub(super) fn plane(&self) -> (Vec3, f32) {
+        (self.axis, self.axis.dot(self.centre))
+    }
+}

@@ -1,0 +1,396 @@
+//! A sphere or capsule against a polytope, and round shapes among themselves.
+//!
+//! Reference plane first: the ends of the core are projected on the best face and the core is clipped to its side
+//! planes, which gives both points of a capsule that lies on it. Where that isn't nearest, the nearest edge is, or one
+//! of its vertices: exactly, over all edges of faces that the core sees.
+
+use super::polytope::Polytope;
+use super::sat::{in_lanes, nearest_on_segments};
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
+use crate::narrow_phase::contacts::manifold::{MAX_POINTS, RawManifold, RawPoint};
+use crate::shape::{Collider, Geometry};
+use glam::Vec3;
+
+/// The most faces of a polytope, in words of 64.
+const FACE_WORDS: usize = 8;
+/// Squared sine under which two cores, or a core and an edge, lie along each other: 3 degrees.
+pub(crate) const ALONG: f32 = 0.0025;
+
+/// A sphere or capsule: all balls with centres from `start` to `start + along`, with radii linear in between [m].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Core {
+    pub(crate) start: Vec3,
+    /// Zero: a sphere.
+    pub(crate) along: Vec3,
+    pub(crate) radius: f32,
+    /// What the radius grows by to the other end; less than the length.
+    pub(crate) growth: f32,
+}
+
+impl Core {
+    pub(crate) fn of(shape: &Collider) -> Option<Core> {
+        match shape.geometry {
+            Geometry::Sphere { radius } => {
+                Some(Core { start: Vec3::ZERO, along: Vec3::ZERO, radius, growth: 0.0 })
+            }
+            Geometry::Capsule { half_height, radius_bottom, radius_top } => {
+                let growth = radius_top - radius_bottom;
+                if growth.abs() >= 2.0 * half_height {
+                    // One ball contains the other.
+                    let (y, radius) =
+                        if growth > 0.0 { (half_height, radius_top) } else { (-half_height, radius_bottom) };
+                    return Some(Core { start: Vec3::Y * y, along: Vec3::ZERO, radius, growth: 0.0 });
+                }
+                let start = Vec3::new(0.0, -half_height, 0.0);
+                let along = Vec3::new(0.0, 2.0 * half_height, 0.0);
+                Some(Core { start, along, radius: radius_bottom, growth })
+            }
+            _ => None,
+        }
+    }
+    pub(crate) fn at(&self, s: f32) -> Vec3 {
+        self.start + self.along * s
+    }
+    pub(crate) fn radius_at(&self, s: f32) -> f32 {
+        self.radius + self.growth * s
+    }
+    pub(crate) fn is_ball(&self) -> bool {
+        self.along == Vec3::ZERO
+    }
+    pub(crate) fn moved(&self, pose: &crate::narrow_phase::convex::polytope::Pose) -> Core {
+        Core { start: pose.point(self.start), along: pose.direction(self.along), ..*self }
+    }
+
+    /// Where on the core the ball is that comes nearest to a point: the foot of the perpendicular, shifted towards
+    /// the thicker end by what makes the surface there perpendicular to the way out.
+    #[inline(always)]
+    fn nearest<L: Lanes>(&self, point: LaneVec3<L>) -> L {
+        let squared = self.along.length_squared();
+        if squared == 0.0 {
+            return L::zero();
+        }
+        let away = point - LaneVec3::splat(self.start);
+        let along = LaneVec3::splat(self.along);
+        let mut s = away.dot(along) * L::splat(1.0 / squared);
+        if self.growth != 0.0 {
+            let aside = (away - along * s).length();
+            s += aside * L::splat(self.growth / (squared * (squared - self.growth * self.growth)).sqrt());
+        }
+        s.clamp(L::zero(), L::one())
+    }
+
+    /// Where the core and the segments `q + t e` come nearest.
+    #[inline(always)]
+    pub(crate) fn nearest_segment<L: Lanes>(&self, q: LaneVec3<L>, e: LaneVec3<L>) -> (L, L) {
+        let (start, along) = (LaneVec3::<L>::splat(self.start), LaneVec3::<L>::splat(self.along));
+        if self.growth == 0.0 {
+            return nearest_on_segments(start, along, q, e);
+        }
+        // As between lines of one radius, but shifted along the core as in `nearest`: the squared distance is
+        // c² + k² (s - s*)², c the distance of the lines and k the sine between them.
+        let (zero, one, tiny) = (L::zero(), L::one(), L::splat(1e-30));
+        let r = start - q;
+        let (dd, ee) = (L::splat(self.along.length_squared()), e.dot(e).max(tiny));
+        let (de, dr, er) = (along.dot(e), along.dot(r), e.dot(r));
+        let det = dd * ee - de * de;
+        let cross = along.cross(e);
+        let sine2 = cross.length_squared() / (dd * ee);
+        let growth = L::splat(self.growth / self.along.length());
+        let room = sine2 - growth * growth;
+        let crossing = room.gt(L::splat(1e-6)) & det.gt(dd * ee * L::splat(1e-6));
+        let apart = (r.dot(cross)).abs() / cross.length().max(tiny);
+        let shift = apart * growth / (sine2 * room * dd).max(tiny).sqrt();
+        let thick = if self.growth > 0.0 { one } else { zero };
+        let s = L::select(crossing, (de * er - dr * ee) / L::select(crossing, det, one) + shift, thick);
+        let s = s.clamp(zero, one);
+        let t = ((de * s + er) / ee).clamp(zero, one);
+        let s = self.nearest(q + e * t);
+        let t = ((de * s + er) / ee).clamp(zero, one);
+        (s, t)
+    }
+}
+
+/// Adds a point if there is room and it is nearer than the margin.
+fn add(manifold: &mut RawManifold, margin: f32, position: Vec3, separation: f32, key: u32) {
+    let count = manifold.count as usize;
+    if separation <= margin && count < MAX_POINTS {
+        manifold.points[count] = RawPoint { position, separation, key };
+        manifold.count += 1;
+    }
+}
+
+fn least(manifold: &RawManifold) -> f32 {
+    manifold.points().iter().map(|p| p.separation).fold(f32::MAX, f32::min)
+}
+
+fn lanes(v: Vec3) -> LaneVec3<f32> {
+    LaneVec3::new(v.x, v.y, v.z)
+}
+
+/// Any unit vector that is perpendicular to both, or to the first if they are parallel.
+fn perpendicular(a: Vec3, b: Vec3) -> Vec3 {
+    let cross = a.cross(b);
+    if cross.length_squared() > 1e-8 * a.length_squared() * b.length_squared() {
+        return cross.normalize();
+    }
+    let a = if a.length_squared() > 0.0 { a } else { b };
+    if a.length_squared() > 0.0 { a.normalize().any_orthonormal_vector() } else { Vec3::Y }
+}
+
+/// A core and a polytope in the frame of the polytope; the normal points from the core to the polytope.
+///
+/// `size` is a length of the smaller one [m]; tolerances are a ten-thousandth of it.
+pub(crate) fn round_polytope(core: &Core, p: &Polytope, margin: f32, size: f32) -> RawManifold {
+    let mut manifold = RawManifold::default();
+    let (start, end) = (core.start, core.start + core.along);
+    let (r0, r1) = (core.radius, core.radius + core.growth);
+    let tolerance = 1e-4 * size;
+
+    let mut best = (f32::MIN, 0);
+    let mut seen = [0u64; FACE_WORDS];
+    for (k, [nx, ny, nz, offset]) in p.normal_chunks.iter().enumerate() {
+        let n = LaneVec3::new(f32x8::new(*nx), f32x8::new(*ny), f32x8::new(*nz));
+        let offset = f32x8::new(*offset);
+        let s0 = n.dot(LaneVec3::splat(start)) - offset;
+        let s1 = n.dot(LaneVec3::splat(end)) - offset;
+        let sees = s0.gt(f32x8::splat(-tolerance)) | s1.gt(f32x8::splat(-tolerance));
+        seen[(k / 8).min(FACE_WORDS - 1)] |= u64::from(sees.bits()) << (8 * (k % 8));
+        let separation = Lanes::min(s0 - f32x8::splat(r0), s1 - f32x8::splat(r1));
+        if separation.gt(f32x8::splat(best.0)).any() {
+            for (i, &s) in separation.to_array().iter().enumerate() {
+                if s > best.0 {
+                    best = (s, 8 * k + i);
+                }
+            }
+            if best.0 > margin {
+                return manifold;
+            }
+        }
+    }
+    let (separation, face) = best;
+    let (normal, offset) = p.planes[face];
+
+    let (low, high) = over_face(p, face, start, end);
+    let over = low <= high;
+    let height = |s: f32| normal.dot(core.at(s)) - offset;
+    let by_face = |manifold: &mut RawManifold, low: f32, high: f32| {
+        manifold.normal = -normal;
+        for (k, s) in [low, high].into_iter().enumerate() {
+            let (h, r) = (height(s), core.radius_at(s));
+            if k == 0 || high - low > 1e-3 {
+                add(
+                    manifold,
+                    margin,
+                    core.at(s) - normal * (0.5 * (h + r)),
+                    h - r,
+                    2 * face as u32 + k as u32,
+                );
+            }
+        }
+    };
+    let nearest_face = (height(low) - core.radius_at(low)).min(height(high) - core.radius_at(high));
+    if over && nearest_face <= separation + tolerance {
+        by_face(&mut manifold, low, if core.is_ball() { low } else { high });
+        return manifold;
+    }
+
+    // A plane that the whole core is in front of proves that it doesn't.
+    if separation <= -r0.min(r1) && pierces(core, p, (low, high), height) {
+        if over {
+            by_face(&mut manifold, low, if core.is_ball() { low } else { high });
+        } else {
+            let deeper = if height(0.0) - r0 <= height(1.0) - r1 { 0.0 } else { 1.0 };
+            by_face(&mut manifold, deeper, deeper);
+        }
+        return manifold;
+    }
+
+    // Something is nearest that a face sees which the core sees: if the way out of an edge or vertex is a sum of
+    // normals with positive weights, one of them points towards the core.
+    let sees = |f: u16| f as usize >= 64 * FACE_WORDS || seen[usize::from(f) / 64] >> (f % 64) & 1 != 0;
+    let mut wanted = p.edges.iter().enumerate().filter(|(_, e)| sees(e.faces[0]) || sees(e.faces[1]));
+    let mut nearest = (f32::MAX, 0, 0.0f32, 0.0f32);
+    while let Some((first, _)) = wanted.next() {
+        let mut index = [first; 8];
+        for i in 1..8 {
+            index[i] = wanted.next().map_or(index[i - 1], |(e, _)| e);
+        }
+        let end = |k: usize| in_lanes(|i| p.vertices[usize::from(p.edges[index[i]].vertices[k])]);
+        let q = end(0);
+        let e = end(1) - q;
+        let (s, t) = core.nearest_segment(q, e);
+        let apart = (q + e * t - LaneVec3::splat(core.start) - LaneVec3::splat(core.along) * s).length();
+        let distance = apart - f32x8::splat(core.radius) - s * f32x8::splat(core.growth);
+        if distance.lt(f32x8::splat(nearest.0)).any() {
+            for (i, &d) in distance.to_array().iter().enumerate() {
+                if d < nearest.0 {
+                    nearest = (d, index[i], s.lane(i), t.lane(i));
+                }
+            }
+        }
+    }
+    let (distance, edge, s, t) = nearest;
+    if distance > margin {
+        return manifold;
+    }
+    let [v, w] = p.edges[edge].vertices.map(|v| p.vertices[usize::from(v)]);
+    let e = w - v;
+    let (c, q) = (core.at(s), v + e * t);
+    let apart = (q - c).length();
+    let n = if apart > 1e-6 * size { (q - c) / apart } else { -normal };
+    manifold.normal = n;
+    let name = (edge as u32 | 0x8000) << 2;
+
+    // Along the edge: both ends of what they share.
+    let (dd, ee, de) = (core.along.length_squared(), e.length_squared(), core.along.dot(e));
+    if dd > 0.0 && ee > 0.0 && dd * ee - de * de < ALONG * dd * ee {
+        let (t0, t1) = (core.along.dot(v - start) / dd, core.along.dot(w - start) / dd);
+        let (low, high) = (t0.min(t1).max(0.0), t0.max(t1).min(1.0));
+        if high - low > 1e-3 {
+            for (k, s) in [low, high].into_iter().enumerate() {
+                let c = core.at(s);
+                // Straight ahead, along the normal.
+                let ahead = c + n * apart;
+                let q = v + e * (e.dot(ahead - v) / ee).clamp(0.0, 1.0);
+                let (h, r) = (n.dot(q - c), core.radius_at(s));
+                add(&mut manifold, margin, c + n * (0.5 * (h + r)), h - r, name + k as u32);
+            }
+        }
+    }
+    let r = core.radius_at(s);
+    if manifold.count > 0 && least(&manifold) <= apart - r + tolerance {
+        return manifold;
+    }
+    add(&mut manifold, margin, c + n * (0.5 * (apart + r)), apart - r, name + 3);
+    // Over the edge of a face it nearly lies on: the other end over the face steadies it.
+    let slope = -normal.dot(n);
+    if manifold.count == 1 && slope > 0.99 && !core.is_ball() {
+        let shadow = |s: f32| core.at(s) + n * (height(s) / slope);
+        let (low, high) = over_face(p, face, shadow(0.0), shadow(1.0));
+        let other = if (low - s).abs() > (high - s).abs() { low } else { high };
+        if low <= high && (other - s).abs() > 0.05 {
+            let (h, r) = (height(other) / slope, core.radius_at(other));
+            add(&mut manifold, margin, core.at(other) + n * (0.5 * (h + r)), h - r, name + 2);
+        }
+    }
+    manifold
+}
+
+/// The part of a segment that is over a face, in the segment's 0..=1; the first above the second if none is.
+fn over_face(p: &Polytope, face: usize, start: Vec3, end: Vec3) -> (f32, f32) {
+    let (normal, _) = p.planes[face];
+    let corners = p.face(face);
+    let corner = |i: usize| p.vertices[usize::from(corners[if i < corners.len() { i } else { 0 }])];
+    part_inside((0..corners.len()).map(|i| {
+        let out = (corner(i + 1) - corner(i)).cross(normal);
+        (out.dot(start - corner(i)), out.dot(end - corner(i)))
+    }))
+}
+
+/// The part of a segment, of its 0..=1, that is inside of all sides, given how far its ends are beyond each; the first
+/// above the second if none is.
+pub(crate) fn part_inside(beyond: impl Iterator<Item = (f32, f32)>) -> (f32, f32) {
+    let (mut low, mut high) = (0.0f32, 1.0f32);
+    for (d0, d1) in beyond {
+        if d0 > 0.0 && d1 > 0.0 {
+            high = -1.0;
+        } else if d0 > 0.0 {
+            low = low.max(d0 / (d0 - d1));
+        } else if d1 > 0.0 {
+            high = high.min(d0 / (d0 - d1));
+        }
+    }
+    (low, high)
+}
+
+/// Whether the core itself, without its radius, meets the polytope.
+fn pierces(core: &Core, p: &Polytope, (low, high): (f32, f32), height: impl Fn(f32) -> f32) -> bool {
+    if p.planes.len() == 2 {
+        // A triangle has no inside: the core has to change sides over it.
+        return low <= high && (height(low) < 0.0) != (height(high) < 0.0);
+    }
+    let (mut enter, mut exit) = (f32x8::zero(), f32x8::one());
+    let (zero, one) = (f32x8::zero(), f32x8::one());
+    for [nx, ny, nz, offset] in p.normal_chunks {
+        let n = LaneVec3::new(f32x8::new(*nx), f32x8::new(*ny), f32x8::new(*nz));
+        let d0 = n.dot(LaneVec3::splat(core.start)) - f32x8::new(*offset);
+        let d1 = d0 + n.dot(LaneVec3::splat(core.along));
+        let (out0, out1) = (d0.gt(zero), d1.gt(zero));
+        let both = out0 & out1;
+        let crosses = (out0 | out1) & !both;
+        let t = d0 / Lanes::select(crosses, d0 - d1, one);
+        enter = Lanes::select(crosses & out0, Lanes::max(t, enter), enter);
+        exit = Lanes::select(crosses & out1, Lanes::min(t, exit), exit);
+        exit = Lanes::select(both, f32x8::splat(-1.0), exit);
+    }
+    let enter = enter.to_array().into_iter().fold(0.0, f32::max);
+    enter <= exit.to_array().into_iter().fold(1.0, f32::min)
+}
+
+/// Two spheres or capsules in one frame.
+pub(crate) fn round_round(a: &Core, b: &Core, margin: f32) -> RawManifold {
+    let mut manifold = RawManifold::default();
+    let gap = |s: f32| {
+        let t = b.nearest(lanes(a.at(s)));
+        (b.at(t) - a.at(s)).length() - a.radius_at(s) - b.radius_at(t)
+    };
+    let (mut s, _) = nearest_on_segments(lanes(a.start), lanes(a.along), lanes(b.start), lanes(b.along));
+    if (a.growth != 0.0 || b.growth != 0.0) && !a.is_ball() {
+        if b.is_ball() {
+            s = a.nearest(lanes(b.start));
+        } else {
+            // Convex in s, and no closed form if both are tapered: golden sections, each 0.618 of the one before.
+            let ratio = 0.618_034;
+            let (mut low, mut high) = (0.0f32, 1.0f32);
+            for _ in 0..32 {
+                let (one, two) = (high - ratio * (high - low), low + ratio * (high - low));
+                if gap(one) < gap(two) {
+                    high = two;
+                } else {
+                    low = one;
+                }
+            }
+            s = 0.5 * (low + high);
+            for end in [0.0, 1.0] {
+                s = if gap(end) <= gap(s) { end } else { s };
+            }
+        }
+    }
+    let t = b.nearest(lanes(a.at(s)));
+    let (p, q) = (a.at(s), b.at(t));
+    let apart = (q - p).length();
+    if apart - a.radius_at(s) - b.radius_at(t) > margin {
+        return manifold;
+    }
+    let n =
+        if apart > 1e-6 * (a.radius + b.radius) { (q - p) / apart } else { perpendicular(a.along, b.along) };
+    manifold.normal = n;
+    let mut emit = |s: f32, t: f32, key: u32| {
+        let (p, q) = (a.at(s), b.at(t));
+        let (h, ra, rb) = (n.dot(q - p), a.radius_at(s), b.radius_at(t));
+        add(&mut manifold, margin, (p + q + n * (ra - rb)) * 0.5, h - ra - rb, key);
+    };
+    let (aa, bb, ab) = (a.along.length_squared(), b.along.length_squared(), a.along.dot(b.along));
+    if aa > 0.0 && bb > 0.0 && aa * bb - ab * ab < ALONG * aa * bb {
+        let (t0, t1) = (a.along.dot(b.start - a.start) / aa, a.along.dot(b.at(1.0) - a.start) / aa);
+        let (low, high) = (t0.min(t1).max(0.0), t0.max(t1).min(1.0));
+        // Side by side, and not overlapping so deep that the way out is along them.
+        if high - low > 1e-3 && n.dot(a.along).abs() < 0.5 * aa.sqrt() {
+            for (s, key) in [(low, 0), (high, 1)] {
+                // Straight ahead, along the normal.
+                emit(s, (b.along.dot(a.at(s) + n * apart - b.start) / bb).clamp(0.0, 1.0), key);
+            }
+        }
+    }
+    // Tapered ones can be nearest in between.
+    emit(s, t, 2);
+    let count = manifold.count as usize;
+    if count > 1 {
+        let between = manifold.points[count - 1].separation;
+        manifold.count -= 1;
+        if least(&manifold) > between + 1e-4 * (a.radius + b.radius) {
+            manifold.count += 1;
+        }
+    }
+    manifold
+}

@@ -1,0 +1,246 @@
+//! A box against triangles: separating axes eight triangles at a time, then clipping of those that touch.
+//!
+//! In the box's frame a face of it is a rectangle along two axes, and the triangle, projected on it along the normal
+//! of contact, is clipped by four comparisons (Sutherland and Hodgman, 1974).
+
+use super::Triangles;
+use super::nearby::Ground;
+use super::patch::{Patches, Touch, Verdict};
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
+use crate::narrow_phase::RawPoint;
+use crate::narrow_phase::convex::sat::nearest_on_segments;
+use glam::Vec3;
+
+/// Keys below this name a corner of the box, whichever triangle it is over.
+pub(crate) const CORNERS: u32 = 8;
+
+/// Adds a patch for every triangle that is nearer than its margin.
+pub(crate) fn touch(half: Vec3, triangles: &Triangles, limit: f32x8, ground: &Ground, patches: &mut Patches) {
+    let size = half.length();
+    let (face, axis, name) = triangles.separate(Vec3::ZERO, half);
+    let near = face.le(limit) & axis.le(limit);
+    if near.bits() & triangles.valid == 0 {
+        return;
+    }
+    let (edges, edge_name) = edge_axes(half, triangles);
+    let mut bits = (near & edges.le(limit)).bits() & triangles.valid;
+    let (face, axis, name) = (face.to_array(), axis.to_array(), name.to_array());
+    let (edges, edge_name) = (edges.to_array(), edge_name.to_array());
+    while bits != 0 {
+        let lane = bits.trailing_zeros() as usize;
+        bits &= bits - 1;
+        let (touch, margin) = (triangles.touch(lane, ground), limit.lane(lane));
+        let first = patches.points.len();
+        // Faces are preferred, as long as that costs little: their points last.
+        let clearly = |apart: f32| if apart < 0.0 { 0.95 * apart } else { apart } + 5e-4 * size;
+        let (face, axis, edge) = (face[lane], axis[lane], edges[lane]);
+        let by_edge = edge > clearly(face.max(axis));
+        let (normal, apart) = if by_edge {
+            (edge_normal(&touch, edge_name[lane] as usize), edge)
+        } else if axis > clearly(face) {
+            let name = name[lane] as usize;
+            (Vec3::AXES[name % 3] * if name < 3 { 1.0 } else { -1.0 }, axis)
+        } else {
+            (-touch.front, face)
+        };
+        let verdict = if normal == -touch.front {
+            Verdict::Face(f32::MIN)
+        } else {
+            touch.judge(normal, apart, face, size)
+        };
+        match verdict {
+            Verdict::Drop => {}
+            Verdict::Face(least) => {
+                clip(half, &touch, -touch.front, margin, &mut patches.points);
+                patches.limit(first, least);
+                patches.add(touch, -touch.front, Some(face), first);
+            }
+            Verdict::Keep if by_edge => {
+                let name = edge_name[lane] as usize;
+                patches.points.extend(edge_point(half, &touch, name, normal, margin));
+                patches.add(touch, normal, None, first);
+            }
+            Verdict::Keep => {
+                clip(half, &touch, normal, margin, &mut patches.points);
+                patches.add(touch, normal, None, first);
+            }
+        }
+        if apart < 0.0 && patches.points.len() == first {
+            patches.pass_over(touch, face);
+        }
+    }
+}
+
+/// The cross product of a box axis and a vector.
+#[inline(always)]
+fn cross_axis<L: Lanes>(axis: usize, v: LaneVec3<L>) -> LaneVec3<L> {
+    match axis {
+        0 => LaneVec3::new(L::zero(), -v.z, v.y),
+        1 => LaneVec3::new(v.z, L::zero(), -v.x),
+        _ => LaneVec3::new(-v.y, v.x, L::zero()),
+    }
+}
+
+/// The cross product of an edge of the box and one of the triangle on which they are furthest apart: by how much, and
+/// 3 · box axis + triangle edge, plus 9 if the normal is the negative of the product.
+#[inline(always)]
+fn edge_axes(half: Vec3, triangles: &Triangles) -> (f32x8, f32x8) {
+    let zero = f32x8::zero();
+    let mut best = f32x8::splat(f32::MIN);
+    let mut name = zero;
+    let half = LaneVec3::<f32x8>::splat(half);
+    for e in 0..3 {
+        let c = &triangles.corners;
+        let (from, to, third) = (c[e], c[(e + 1) % 3], c[(e + 2) % 3]);
+        let along = to - from;
+        let squared = along.length_squared();
+        for axis in 0..3 {
+            let cross = cross_axis(axis, along);
+            let length = cross.length_squared();
+            // Along each other, within a degree: the faces' axes do.
+            let valid = length.gt(squared * f32x8::splat(3e-4));
+            let scale = f32x8::one() / Lanes::select(valid, length, f32x8::one()).sqrt();
+            let (one, other) = (cross.dot(from) * scale, cross.dot(third) * scale);
+            let reach = cross.abs().dot(half) * scale;
+            let through = cross.dot(triangles.front) * scale;
+            let mut try_axis = |k: usize, apart: f32x8, through: f32x8| {
+                let wrong = through.gt(f32x8::splat(1e-3)) & apart.lt(zero);
+                let better = valid & apart.gt(best) & !wrong;
+                best = Lanes::select(better, apart, best);
+                name = Lanes::select(better, f32x8::splat((3 * axis + e + k) as f32), name);
+            };
+            try_axis(0, Lanes::min(one, other) - reach, through);
+            try_axis(9, -Lanes::max(one, other) - reach, -through);
+        }
+    }
+    (best, name)
+}
+
+fn edge_normal(touch: &Touch, name: usize) -> Vec3 {
+    let e = name % 3;
+    let along = touch.corners[(e + 1) % 3] - touch.corners[e];
+    let cross = cross_axis(name % 9 / 3, LaneVec3::<f32>::splat(along)).lane(0);
+    cross / if name < 9 { cross.length() } else { -cross.length() }
+}
+
+/// Where an edge of the box and one of the triangle are nearest.
+fn edge_point(half: Vec3, touch: &Touch, name: usize, normal: Vec3, margin: f32) -> Option<RawPoint> {
+    let (axis, e) = (name % 9 / 3, name % 3);
+    let mut start = half * normal.signum();
+    start[axis] = -half[axis];
+    let along = Vec3::AXES[axis] * (2.0 * half[axis]);
+    let (from, to) = (touch.corners[e], touch.corners[(e + 1) % 3]);
+    let lanes = LaneVec3::<f32>::splat;
+    let (s, t) = nearest_on_segments(lanes(start), lanes(along), lanes(from), lanes(to - from));
+    let (p, q) = (start + along * s, from + (to - from) * t);
+    let separation = normal.dot(q - p);
+    // Beside each other: the edges of another triangle are nearer.
+    let beside = (q - p - normal * separation).length_squared()
+        > 1e-3 * half.length_squared() + separation * separation;
+    let corner = (0..3).filter(|&k| k != axis).fold(0, |bits, k| bits << 1 | u32::from(normal[k] > 0.0));
+    let key = key(touch.index, 0x80 | (axis as u32) << 4 | (e as u32) << 2 | corner);
+    (separation <= margin && !beside).then_some(RawPoint { position: (p + q) * 0.5, separation, key })
+}
+
+/// A key out of a triangle and one of 256 features; never one of the first eight.
+pub(crate) fn key(triangle: u32, feature: u32) -> u32 {
+    (triangle << 8 | feature & 0xff).wrapping_mul(0x9E37_79B1) | CORNERS
+}
+
+/// A corner of the polygon: two coordinates on the box's face, separation, which edge starts here, which feature it is.
+#[derive(Clone, Copy, Default)]
+struct Corner {
+    x: [f32; 2],
+    apart: f32,
+    edge: u32,
+    feature: u32,
+}
+
+/// Adds the corners of what the triangle and the box's face towards `normal` cover, seen along the normal, that are
+/// nearer than the margin.
+fn clip(half: Vec3, touch: &Touch, normal: Vec3, margin: f32, points: &mut Vec<RawPoint>) {
+    let size = normal.abs();
+    let w = if size.x >= size.y && size.x >= size.z {
+        0
+    } else if size.y >= size.z {
+        1
+    } else {
+        2
+    };
+    let (u, v) = ((w + 1) % 3, (w + 2) % 3);
+    let sign = if normal[w] < 0.0 { -1.0 } else { 1.0 };
+    let slope = 1.0 / normal[w];
+    let level = sign * half[w];
+
+    let mut one = [Corner::default(); 8];
+    let mut other = [Corner::default(); 8];
+    let mut count = 3;
+    let mut least = f32::MAX;
+    for (i, p) in touch.corners.iter().enumerate() {
+        let apart = (p[w] - level) * slope;
+        least = least.min(apart);
+        let x = [p[u] - normal[u] * apart, p[v] - normal[v] * apart];
+        one[i] = Corner { x, apart, edge: i as u32, feature: i as u32 };
+    }
+    if least > margin {
+        return;
+    }
+    let bounds = [half[u], half[v]];
+    // Sides with all corners beyond end it; only those with some beyond cut.
+    let beyond = |c: &Corner| {
+        let over = [c.x[0] > bounds[0], -c.x[0] > bounds[0], c.x[1] > bounds[1], -c.x[1] > bounds[1]];
+        (0..4).fold(0u32, |bits, side| bits | u32::from(over[side]) << side)
+    };
+    let codes = [beyond(&one[0]), beyond(&one[1]), beyond(&one[2])];
+    if codes[0] & codes[1] & codes[2] != 0 {
+        return;
+    }
+    let cuts = codes[0] | codes[1] | codes[2];
+    for side in (0..4).filter(|side| cuts >> side & 1 != 0) {
+        let (k, s) = (side / 2, if side % 2 == 0 { 1.0 } else { -1.0 });
+        let over = |c: &Corner| s * c.x[k] - bounds[k];
+        let mut kept = 0;
+        let mut last = one[count - 1];
+        let mut last_over = over(&last);
+        for &this in &one[..count] {
+            let this_over = over(&this);
+            if (last_over > 0.0) != (this_over > 0.0) {
+                let t = last_over / (last_over - this_over);
+                let mut x =
+                    [last.x[0] + (this.x[0] - last.x[0]) * t, last.x[1] + (this.x[1] - last.x[1]) * t];
+                x[k] = s * bounds[k];
+                let apart = last.apart + (this.apart - last.apart) * t;
+                let feature = 8 + 8 * last.edge + side as u32;
+                // Leaving, the side itself is the next edge; entering, the old one goes on.
+                let edge = if this_over > 0.0 { 4 + side as u32 } else { last.edge };
+                other[kept % 8] = Corner { x, apart, edge, feature };
+                kept += 1;
+            }
+            if this_over <= 0.0 {
+                other[kept % 8] = this;
+                kept += 1;
+            }
+            (last, last_over) = (this, this_over);
+        }
+        std::mem::swap(&mut one, &mut other);
+        count = kept.min(8);
+        if count == 0 {
+            return;
+        }
+    }
+    for c in one[..count].iter().filter(|c| c.apart <= margin) {
+        let mut position = Vec3::ZERO;
+        (position[u], position[v], position[w]) = (c.x[0], c.x[1], level);
+        position += normal * (0.5 * c.apart);
+        let is_corner = c.feature >= 8 + 8 * 4;
+        let key = if is_corner {
+            [u, v]
+                .iter()
+                .zip(c.x)
+                .fold(u32::from(sign > 0.0) << w, |bits, (k, x)| bits | u32::from(x > 0.0) << k)
+        } else {
+            key(touch.index, c.feature)
+        };
+        points.push(RawPoint { position, separation: c.apart, key });
+    }
+}

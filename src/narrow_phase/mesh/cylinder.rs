@@ -1,0 +1,109 @@
+//! A cylinder against triangles: its deepest point over each, eight triangles at a time; the distance of one from the
+//! other only where that does not tell.
+//!
+//! For what is over a triangle the same holds as for a hull ([`mesh_hull`](crate::narrow_phase::mesh::hull)): no way out is shorter than
+//! along the triangle's normal.
+
+use super::Triangles;
+use super::found::{Found, named, outline};
+use super::hull::inside;
+use super::nearby::Ground;
+use super::patch::{Patches, Verdict};
+use super::sphere::nearest;
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8, ones};
+use crate::narrow_phase::RawPoint;
+use crate::narrow_phase::cast::sweep::{nearest_corner, reach};
+use crate::narrow_phase::convex::clip::Cloud;
+use crate::narrow_phase::convex::cylinder::over_triangle;
+use crate::narrow_phase::convex::{PREFERENCE, collide_triangle};
+use crate::shape::Collider;
+use glam::Vec3;
+
+/// Adds a patch for every triangle that is nearer than its margin. `around`: middle and half extents of the box around
+/// the cylinder.
+pub(crate) fn touch(
+    a: &Collider,
+    (middle, half): (Vec3, Vec3),
+    triangles: &Triangles,
+    margins: f32x8,
+    ground: &Ground,
+    patches: &mut Patches,
+) {
+    let (_, axis, _) = triangles.separate(middle, half);
+    let near = axis.le(margins);
+    if near.bits() & triangles.valid == 0 {
+        return;
+    }
+    let rims = rims(a, -triangles.front);
+    // Deepest below the face, of all of the shape.
+    let face = triangles.height - Lanes::max(rims[0].1, rims[1].1);
+    let near = near & face.le(margins);
+    if near.bits() & triangles.valid == 0 {
+        return;
+    }
+    let near = near & !beside(a, triangles, margins);
+    let slight = f32x8::splat(PREFERENCE.1 * a.radius);
+    let needed = Lanes::max(face * f32x8::splat(-PREFERENCE.0) - slight, f32x8::zero());
+    let [one, other] = rims.map(|(point, reach)| {
+        let deepest = (triangles.height - reach).le(face + slight);
+        deepest & inside(triangles, point).ge(needed)
+    });
+    let over_it = (one | other).bits();
+    let (face, margins) = (face.to_array(), margins.to_array());
+    for lane in ones(near.bits() & triangles.valid) {
+        let (front, face, margin) = (triangles.front.lane(lane), face[lane], margins[lane]);
+        let touch = triangles.touch(lane, ground);
+        let over = |points: &mut Vec<RawPoint>| {
+            let mut cloud = Cloud::new();
+            over_triangle(a, &outline(&touch), front, margin, &mut cloud);
+            points.extend(named(&touch, cloud.points()));
+        };
+        if over_it >> lane & 1 != 0 {
+            let first = patches.points.len();
+            over(&mut patches.points);
+            if patches.points.len() > first {
+                patches.add(touch, -front, Some(face), first);
+                continue;
+            }
+        }
+        let manifold = collide_triangle(a, touch.corners, margin);
+        if manifold.count == 0 {
+            continue;
+        }
+        let apart = manifold.points().iter().map(|p| p.separation).fold(f32::MAX, f32::min);
+        // A way out through the triangle is none.
+        let verdict = if manifold.normal.dot(front) > 1e-3 && apart < 0.0 {
+            Verdict::Face(f32::MIN)
+        } else {
+            touch.judge(manifold.normal, apart, face, a.radius)
+        };
+        let found = Found { normal: manifold.normal, apart, face, margin, verdict };
+        let own = |points: &mut Vec<RawPoint>| points.extend(named(&touch, manifold.points()));
+        found.add(&touch, (middle, half), own, over, patches);
+    }
+}
+
+/// Of the bottom's rim and the top's, the point that is furthest along eight unit directions, and how far [m].
+#[inline(always)]
+fn rims(a: &Collider, d: LaneVec3<f32x8>) -> [(LaneVec3<f32x8>, f32x8); 2] {
+    let [half_height, bottom, top, _] = a.size;
+    let across = (d.x * d.x + d.z * d.z).sqrt();
+    let scale = f32x8::one() / Lanes::select(across.gt(f32x8::zero()), across, f32x8::one());
+    let (x, z) = (d.x * scale, d.z * scale);
+    [(-half_height, bottom), (half_height, top)].map(|(y, radius)| {
+        let (y, radius) = (f32x8::splat(y), f32x8::splat(radius));
+        (LaneVec3::new(x * radius, y, z * radius), y * d.y + radius * across)
+    })
+}
+
+/// Which triangles are further away than their margins, along the directions to their nearest points from the shape's
+/// origin.
+#[inline(always)]
+fn beside(a: &Collider, triangles: &Triangles, margins: f32x8) -> <f32x8 as Lanes>::Mask {
+    let (point, _) = nearest(triangles, LaneVec3::zero());
+    let length = point.length();
+    let some = length.gt(f32x8::splat(f32::MIN_POSITIVE));
+    let u = point * (f32x8::one() / Lanes::select(some, length, f32x8::one()));
+    let (_, far) = nearest_corner(triangles, u);
+    some & (far - reach(a, u)).gt(margins)
+}

@@ -1,0 +1,86 @@
+//! What was found of one triangle by itself, and which patch the surface as a whole has there.
+
+use super::boxes::key;
+use super::patch::{GAP, Patches, Touch, Verdict};
+use crate::narrow_phase::RawPoint;
+use crate::narrow_phase::convex::clip::Loop;
+use crate::narrow_phase::convex::polytope::Pose;
+use glam::Vec3;
+
+/// Points with keys that tell the triangle too.
+pub(crate) fn named<'a>(touch: &Touch, points: &'a [RawPoint]) -> impl Iterator<Item = RawPoint> + use<'a> {
+    let index = touch.index;
+    let fold = |k: u32| k ^ k >> 8 ^ k >> 15 ^ k >> 23;
+    points.iter().map(move |p| RawPoint { key: key(index, fold(p.key)), ..*p })
+}
+
+/// What was found of one triangle that is nearer than the margin.
+pub(crate) struct Found {
+    /// Unit, from the shape to the triangle.
+    pub(crate) normal: Vec3,
+    /// Separation along it, and along the triangle's normal, of all of the shape [m].
+    pub(crate) apart: f32,
+    pub(crate) face: f32,
+    pub(crate) margin: f32,
+    pub(crate) verdict: Verdict,
+}
+
+impl Found {
+    /// Adds the patch that the surface has there, if it has one.
+    ///
+    /// `own` adds the points of the shape and the triangle, `over` those of the shape that are over the triangle along
+    /// the triangle's normal. `around`: middle and half extents of the box around the shape.
+    pub(crate) fn add(
+        &self,
+        touch: &Touch,
+        (middle, half): (Vec3, Vec3),
+        own: impl Fn(&mut Vec<RawPoint>),
+        over: impl Fn(&mut Vec<RawPoint>),
+        patches: &mut Patches,
+    ) {
+        let Found { normal, apart, face, margin, verdict } = *self;
+        let front = touch.front;
+        let first = patches.points.len();
+        match verdict {
+            Verdict::Drop => {}
+            Verdict::Keep => {
+                own(&mut patches.points);
+                patches.add(*touch, normal, None, first);
+            }
+            Verdict::Face(least) => {
+                over(&mut patches.points);
+                patches.limit(first, least);
+                // In the gap between the faces of a hardly convex edge, over neither of them.
+                if patches.points.len() == first && -normal.dot(front) > GAP {
+                    own(&mut patches.points);
+                    let offset = front.dot(touch.corners[0]);
+                    let bound = half + Vec3::splat(1e-3 * half.max_element());
+                    let mut kept = first;
+                    for i in first..patches.points.len() {
+                        let p = patches.points[i];
+                        let on_a = p.position - normal * (0.5 * p.separation);
+                        let separation = front.dot(on_a) - offset;
+                        let position = on_a - front * (0.5 * separation);
+                        if (on_a - middle).abs().cmple(bound).all() && separation <= margin {
+                            patches.points[kept] = RawPoint { position, separation, ..p };
+                            kept += 1;
+                        }
+                    }
+                    patches.points.truncate(kept);
+                    patches.add_in_gap(*touch, face, first, -normal);
+                } else {
+                    patches.add(*touch, -front, Some(face), first);
+                }
+            }
+        }
+        if apart < 0.0 && patches.points.len() == first {
+            patches.pass_over(*touch, face);
+        }
+    }
+}
+
+/// The corners of a triangle, counter-clockwise seen from its front.
+pub(crate) fn outline(touch: &Touch) -> Loop {
+    let order: [u16; 3] = if touch.behind { [0, 2, 1] } else { [0, 1, 2] };
+    Loop::new(&touch.corners, &order, &Pose::IDENTITY)
+}

@@ -1,0 +1,119 @@
+//! A hull against triangles: its deepest vertex over each, eight triangles at a time; the rest only where that does not
+//! tell.
+//!
+//! Where the deepest vertex is over a triangle, and further from its border than below its plane, no way out is shorter
+//! than along the triangle's normal: along a direction that leans by θ it is at least d cos θ + r sin θ, with the
+//! depth d and the distance r from the border, which is least at one of its ends. No other axis has to be tried.
+
+use super::Triangles;
+use super::found::{Found, named};
+use super::hull_face::over_face;
+use super::hull_triangle::{Way, face_axis};
+use super::nearby::Ground;
+use super::patch::{Patches, Touch};
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
+use crate::narrow_phase::RawPoint;
+use crate::narrow_phase::convex::PREFERENCE;
+use crate::narrow_phase::convex::clip::key;
+use crate::narrow_phase::convex::polytope::{Polytope, Solid};
+use crate::narrow_phase::convex::sat::in_lanes;
+use crate::shape::ConvexHull;
+use glam::Vec3;
+
+/// The vertex of a hull that is furthest along each of eight directions, and how far [m].
+#[inline(always)]
+fn furthest(p: &Polytope, d: LaneVec3<f32x8>) -> (f32x8, f32x8) {
+    let (mut most, mut vertex) = (f32x8::splat(f32::MIN), f32x8::zero());
+    for (i, v) in p.vertices.iter().enumerate() {
+        let along = LaneVec3::<f32x8>::splat(*v).dot(d);
+        let further = along.gt(most);
+        most = Lanes::max(along, most);
+        vertex = Lanes::select(further, f32x8::splat(i as f32), vertex);
+    }
+    (vertex, most)
+}
+
+/// How far inside each triangle a point is, seen along the triangle's normal; negative outside [m].
+#[inline(always)]
+pub(crate) fn inside(triangles: &Triangles, at: LaneVec3<f32x8>) -> f32x8 {
+    let [a, b, c] = triangles.corners;
+    let winding = (b - a).cross(c - b);
+    let side = |from: LaneVec3<f32x8>, to: LaneVec3<f32x8>| {
+        let out = (to - from).cross(winding);
+        out.dot(from - at) / out.length()
+    };
+    Lanes::min(Lanes::min(side(a, b), side(b, c)), side(c, a))
+}
+
+/// Adds a patch for every triangle that is nearer than its margin.
+pub(crate) fn touch(
+    (hull, size): (&ConvexHull, f32),
+    (middle, half): (Vec3, Vec3),
+    triangles: &Triangles,
+    margins: f32x8,
+    ground: &Ground,
+    patches: &mut Patches,
+) {
+    let solid = Solid::Hull(hull);
+    let p = &solid.view();
+    let (_, axis, _) = triangles.separate(middle, half);
+    let front = triangles.front;
+    let box_face =
+        triangles.height + LaneVec3::splat(middle).dot(front) - front.abs().dot(LaneVec3::splat(half));
+    let near = axis.le(margins) & box_face.le(margins);
+    if near.bits() & triangles.valid == 0 {
+        return;
+    }
+    let (vertex, reach) = furthest(p, -front);
+    let face = triangles.height - reach;
+    let mut bits = (near & face.le(margins)).bits() & triangles.valid;
+    if bits == 0 {
+        return;
+    }
+    let vertex = vertex.to_array();
+    let deepest = in_lanes(|i| p.vertices[vertex[i] as usize]);
+    let inside = inside(triangles, deepest);
+    let needed = face * f32x8::splat(-PREFERENCE.0) - f32x8::splat(PREFERENCE.1 * size);
+    let clear = inside.ge(Lanes::max(needed, f32x8::zero())).bits();
+    let (face, margins, inside) = (face.to_array(), margins.to_array(), inside.to_array());
+    while bits != 0 {
+        let lane = bits.trailing_zeros() as usize % 8;
+        bits &= bits - 1;
+        let touch = triangles.touch(lane, ground);
+        let (face, margin) = (face[lane], margins[lane]);
+        let deepest = p.vertices[vertex[lane] as usize];
+        let first = patches.points.len();
+        let over = |points: &mut Vec<RawPoint>| {
+            let first = points.len();
+            over_face(p, &touch, (margin, size), points);
+            if inside[lane] >= 0.0 {
+                add_deepest(deepest, face, &touch, size, (first, points));
+            }
+        };
+        if clear >> lane & 1 != 0 {
+            over(&mut patches.points);
+            patches.add(touch, -touch.front, Some(face), first);
+            continue;
+        }
+        let by_hull = face_axis(hull, &touch);
+        if by_hull.0 > margin {
+            continue;
+        }
+        let Some(way) = Way::between(hull, &touch, by_hull, (face, margin), size) else { continue };
+        let verdict = touch.judge(way.normal, way.apart, face, size);
+        let own = |points: &mut Vec<RawPoint>| {
+            way.points(p, &touch, (face, deepest), (margin, size), points);
+        };
+        let found = Found { normal: way.normal, apart: way.apart, face, margin, verdict };
+        found.add(&touch, (middle, half), own, over, patches);
+    }
+}
+
+/// Adds the deepest vertex if it is none of a face's points from `first` on: it need not be a corner of the face
+/// that is most level.
+fn add_deepest(at: Vec3, face: f32, touch: &Touch, size: f32, (first, points): (usize, &mut Vec<RawPoint>)) {
+    if points[first..].iter().all(|p| p.separation > face + PREFERENCE.1 * size) {
+        let position = at - touch.front * (0.5 * face);
+        points.extend(named(touch, &[RawPoint { position, separation: face, key: key(0, 0x7fff, 1) }]));
+    }
+}

@@ -1,0 +1,223 @@
+//! Patches of many triangles to few manifolds.
+//!
+//! Patches whose normals are about the same become one manifold. A box that lies on ten triangles has some forty
+//! points, most of them on flat edges inside its own outline; before the dearer reduction to four, those that are
+//! furthest in none of eight directions go.
+
+use super::boxes::CORNERS;
+use super::patch::Patches;
+use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
+use crate::memory::{Room, bytes_of};
+use crate::narrow_phase::convex::polytope::Pose;
+use crate::narrow_phase::convex::reduce::reduce;
+use crate::narrow_phase::{MAX_POINTS, RawManifold, RawPoint};
+use glam::Vec3;
+
+/// Most manifolds of a pair.
+pub(crate) const MOST: usize = 8;
+/// Cosine of 2.5 degrees: normals nearer than this are one. Half the angle of a flat edge.
+const SAME: f32 = 0.999;
+/// Cosine under which two normals are never one, even where there are too many: 25 degrees.
+const RELATED: f32 = 0.9;
+
+/// Buffers.
+#[derive(Default)]
+pub(crate) struct Merge {
+    pub(crate) points: Vec<RawPoint>,
+    /// Which manifold each patch went to.
+    pub(crate) place: Vec<u8>,
+}
+
+impl Merge {
+    pub(crate) fn bytes(&self) -> (usize, usize) {
+        let (one, other) = (bytes_of(&self.points), bytes_of(&self.place));
+        (one.0 + other.0, one.1 + other.1)
+    }
+
+    /// Makes place for these patches; says whether there was room.
+    pub(crate) fn has_place(&mut self, of: &Patches, room: &mut Room) -> bool {
+        let (patches, points) = (of.patches.len(), of.points.len());
+        room.fit(&mut self.place, patches) >= patches && room.fit(&mut self.points, points) >= points
+    }
+
+    /// Adds the manifolds of patches that are sorted, the deepest first.
+    pub(crate) fn manifolds(
+        &mut self,
+        patches: &Patches,
+        pose: &Pose,
+        size: f32,
+        out: &mut Vec<RawManifold>,
+    ) {
+        let mut normals = [Vec3::ZERO; MOST];
+        let mut count = 0;
+        self.place.clear();
+        for patch in &patches.patches {
+            let nearest = (0..count).map(|i| (normals[i].dot(patch.normal), i));
+            let nearest =
+                nearest.fold((f32::MIN, MOST), |best, this| if this.0 > best.0 { this } else { best });
+            let place = if nearest.0 > SAME || (count == MOST && nearest.0 > RELATED) {
+                nearest.1
+            } else if count < MOST {
+                normals[count] = patch.normal;
+                count += 1;
+                count - 1
+            } else {
+                // The shallowest of too many different ones.
+                MOST
+            };
+            self.place.push(place as u8);
+        }
+        for (i, &normal) in normals[..count].iter().enumerate() {
+            self.points.clear();
+            for (patch, _) in
+                patches.patches.iter().zip(&self.place).filter(|(_, place)| usize::from(**place) == i)
+            {
+                let first = patch.first as usize;
+                self.points.extend_from_slice(&patches.points[first..first + patch.count as usize]);
+            }
+            let mut manifold = few(&self.points, normal, size);
+            // A corner keeps its key from triangle to triangle; floors and walls are told apart by the side they face.
+            let side = pose.back(normal);
+            let steep = side.abs();
+            let axis = if steep.x > steep.y && steep.x > steep.z {
+                0
+            } else if steep.y > steep.z {
+                1
+            } else {
+                2
+            };
+            let facing = 2 * axis + u32::from(side[axis as usize] > 0.0);
+            for point in &mut manifold.points[..manifold.count as usize] {
+                if point.key < CORNERS {
+                    point.key |= facing << 8;
+                }
+            }
+            out.push(manifold);
+        }
+    }
+}
+
+/// At most four of the points.
+fn few(points: &[RawPoint], normal: Vec3, size: f32) -> RawManifold {
+    let mut some = [RawPoint::default(); 9];
+    let mut count = 0;
+    let same = 1e-3 * size;
+    let mut take = |point: &RawPoint| {
+        // The deepest of a place, if there are several: corners where triangles meet.
+        for other in some[..count].iter_mut() {
+            if (other.position - point.position).length_squared() < same * same {
+                if point.separation < other.separation {
+                    *other = *point;
+                }
+                return;
+            }
+        }
+        if count < some.len() {
+            some[count] = *point;
+            count += 1;
+        }
+    };
+    if points.len() <= MAX_POINTS {
+        points.iter().for_each(&mut take);
+    } else {
+        furthest(points, normal, 1e-5 * size).iter().for_each(|&i| take(&points[i]));
+    }
+    let (points, count) = reduce(&some[..count], normal);
+    RawManifold { normal, count, points }
+}
+
+/// The points furthest in eight directions across the normal, and the deepest; some may be the same. Of equally far
+/// ones the first counts.
+fn furthest(points: &[RawPoint], normal: Vec3, tolerance: f32) -> [usize; 9] {
+    const DIAGONAL: f32 = std::f32::consts::FRAC_1_SQRT_2;
+    let (u, v) = LaneVec3::<f32>::splat(normal).tangents();
+    let (u, v) = (LaneVec3::<f32x8>::splat(u.lane(0)), LaneVec3::splat(v.lane(0)));
+    // Every corner of a rectangle that lies along u and v is furthest along a diagonal, and the other way round; the
+    // eight are turned by an odd angle, or of two corners at one edge either might be the furthest.
+    let x = f32x8::new([1.0, DIAGONAL, 0.0, -DIAGONAL, -1.0, -DIAGONAL, 0.0, DIAGONAL]);
+    let y = f32x8::new([0.0, DIAGONAL, 1.0, DIAGONAL, 0.0, -DIAGONAL, -1.0, -DIAGONAL]);
+    let (s, c) = (f32x8::splat(0.224_951), f32x8::splat(0.974_370));
+    let (x, y) = (x * c - y * s, x * s + y * c);
+    let directions = u * x + v * y;
+
+    let mut best = f32x8::splat(f32::MIN);
+    let mut index = f32x8::zero();
+    let mut deepest = 0;
+    for (i, point) in points.iter().enumerate() {
+        let along = directions.dot(LaneVec3::splat(point.position));
+        let further = along.gt(best + f32x8::splat(tolerance));
+        best = Lanes::select(further, along, best);
+        index = Lanes::select(further, f32x8::splat(i as f32), index);
+        if point.separation < points[deepest].separation - tolerance {
+            deepest = i;
+        }
+    }
+    let index = index.to_array();
+    let mut found: [usize; 9] = std::array::from_fn(|i| index[i % 8] as usize);
+    // Only if it is clearly deeper than those at the border: a box that lies flat keeps its corners.
+    let least = found.iter().map(|&i| points[i].separation).fold(f32::MAX, f32::min);
+    if points[deepest].separation < least - 10.0 * tolerance {
+        found[8] = deepest;
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::narrow_phase::convex::testing;
+    use crate::narrow_phase::mesh::reach::Reach;
+    use crate::narrow_phase::mesh::{MeshScratch, collide_mesh};
+    use crate::narrow_phase::{RawPoint, Relative};
+    use crate::shape::mesh::testing::{Random, grid};
+    use crate::shape::{Collider, Geometry, TriangleMesh};
+    use glam::{Quat, Vec3};
+    use std::sync::Arc;
+
+    /// Flat, of uneven triangles of about `cell` metres, none of which folds over its neighbour.
+    fn uneven(cells: u32, cell: f32, random: &mut Random) -> Collider {
+        let (mut vertices, triangles) = grid(cells, cell, |_, _| 0.0);
+        for v in &mut vertices {
+            *v += random.cube().with_y(0.0) * (0.2 * cell);
+        }
+        testing::collider(Geometry::Mesh(Arc::new(TriangleMesh::new(vertices, triangles).unwrap())))
+    }
+
+    /// A flat mesh is a plane, so what bears a capsule that lies on it is both ends of its side and nothing else,
+    /// whatever the triangles and however far around it contacts are looked for.
+    #[test]
+    fn a_capsule_that_lies_on_uneven_triangles_bears_on_the_ends_of_its_side() {
+        let mut random = Random(5);
+        let (half, radius) = (0.5, 0.25);
+        let shape = testing::collider(Geometry::capsule(half, radius));
+        let (mut scratch, mut out) = (MeshScratch::default(), Vec::new());
+        for (cells, cell) in [(16, 0.25), (40, 0.1), (80, 0.05), (4, 1.0)] {
+            for _ in 0..4 {
+                let ground = uneven(cells, cell, &mut random);
+                for i in 0..2000 {
+                    let yaw = if i % 4 == 0 { 0.0 } else { random.range(-3.0, 3.0) };
+                    let rotation =
+                        Quat::from_rotation_y(yaw) * Quat::from_rotation_x(std::f32::consts::FRAC_PI_2);
+                    let gap = random.range(-1e-3, 1e-3);
+                    let position = Vec3::new(random.range(-0.9, 0.9), radius + gap, random.range(-0.9, 0.9));
+                    let back = rotation.conjugate();
+                    let rel = Relative { position: -(back * position), rotation: back };
+                    let margin = if i % 2 == 0 { 0.01 } else { 0.15 };
+                    out.clear();
+                    collide_mesh(&shape, &ground, &rel, Reach::new(margin), &mut scratch, &mut out);
+                    assert_eq!(out.len(), 1, "{cell} {i} {out:?}");
+                    for end in [-half, half] {
+                        let near = |p: &RawPoint| (p.position.y - end).abs() < 1e-3;
+                        assert!(out[0].points().iter().any(near), "{cell} {i} {position} {rotation} {out:?}");
+                    }
+                    // Round as the ends are, 3 mm beyond them it is 20 um higher.
+                    for p in out[0].points() {
+                        assert!(
+                            (p.separation - gap).abs() < 2e-5,
+                            "{cell} {i} {position} {rotation} {out:?}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}

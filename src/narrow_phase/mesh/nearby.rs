@@ -1,0 +1,167 @@
+//! The triangles near a pair of shapes, brought together once for all that is asked of them within a step.
+//!
+//! A body that slides along a mesh has its contacts looked for where it is, then its path, and where it hits something
+//! all that again: mostly among the same few triangles. To walk the tree and to bring corners together costs more than
+//! most of these questions.
+
+use crate::memory::{Buffer, Room, bytes_of};
+use crate::shape::{Collider, Corners, Edges, Geometry, HeightField, TriangleMesh};
+use glam::Vec3;
+
+/// The low and the high corner of a box in the mesh's frame.
+pub(crate) type Extent = (Vec3, Vec3);
+
+/// What is collided with.
+#[derive(Clone, Copy)]
+pub(crate) enum Ground<'a> {
+    Mesh(&'a TriangleMesh),
+    Field(&'a HeightField),
+}
+
+impl<'a> Ground<'a> {
+    pub(crate) fn of(b: &'a Collider) -> Option<Ground<'a>> {
+        match &b.geometry {
+            Geometry::Mesh(mesh) => Some(Ground::Mesh(mesh)),
+            Geometry::HeightField(field) => Some(Ground::Field(field)),
+            _ => None,
+        }
+    }
+    fn visit_box(&self, min: Vec3, max: Vec3, f: &mut impl FnMut(u32, [Vec3; 3])) {
+        match self {
+            Ground::Mesh(mesh) => mesh.visit_box(min, max, f),
+            Ground::Field(field) => field.visit_box(min, max, f),
+        }
+    }
+    pub(crate) fn edges(&self, i: u32) -> Edges {
+        match self {
+            Ground::Mesh(mesh) => mesh.edges(i),
+            Ground::Field(field) => field.edges(i),
+        }
+    }
+}
+
+/// Up to eight triangles as they lie in memory, in the mesh's frame.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Eight {
+    pub(crate) corners: Corners,
+    pub(crate) index: [u32; 8],
+    count: usize,
+}
+
+impl Eight {
+    /// Adds a triangle; the caller sees to it that there is room.
+    #[inline(always)]
+    pub(crate) fn push(&mut self, index: u32, corners: [Vec3; 3]) {
+        let lane = self.count % 8;
+        for (k, corner) in corners.into_iter().enumerate() {
+            self.corners.put(lane, k, corner);
+        }
+        self.index[lane] = index;
+        self.count = lane + 1;
+    }
+    pub(crate) fn clear(&mut self) {
+        self.count = 0;
+    }
+    pub(crate) fn count(&self) -> usize {
+        self.count
+    }
+    pub(crate) fn is_full(&self) -> bool {
+        self.count == 8
+    }
+    /// A bit for each triangle.
+    pub(crate) fn lanes(&self) -> u32 {
+        (1u32 << self.count) - 1
+    }
+}
+
+/// So many times eight triangles are held. Where there are more, each question walks the tree.
+pub(crate) const CHUNK: usize = 16;
+
+/// See the module.
+#[derive(Default)]
+pub(crate) struct Nearby {
+    eights: Vec<Eight>,
+    used: usize,
+    /// All triangles that meet this are held.
+    held: Option<Extent>,
+    /// What else will be asked for.
+    expected: Option<Extent>,
+}
+
+/// What was asked for, or a part of it.
+pub(crate) struct Found<'a> {
+    eights: &'a [Eight],
+    /// There are triangles which do not meet this, that was asked for.
+    within: Option<Extent>,
+}
+
+impl Nearby {
+    pub(crate) fn buffer(&mut self) -> &mut dyn Buffer {
+        &mut self.eights
+    }
+
+    pub(crate) fn bytes(&self) -> (usize, usize) {
+        bytes_of(&self.eights)
+    }
+
+    /// Another pair comes.
+    pub(crate) fn forget(&mut self) {
+        (self.held, self.expected) = (None, None);
+    }
+
+    /// Says what will be asked for, if that is known.
+    pub(crate) fn expect(&mut self, extent: Option<Extent>) {
+        self.expected = extent;
+    }
+
+    /// Whether there is place for what is gathered.
+    pub(crate) fn has_place(&mut self, room: &mut Room) -> bool {
+        if room.fit(&mut self.eights, CHUNK) < CHUNK {
+            return false;
+        }
+        self.eights.resize(CHUNK, Eight::default());
+        true
+    }
+
+    /// Calls `look` with the triangles that meet a box, in one go or, if they are many, in several. There has to be
+    /// [place](Self::has_place).
+    pub(crate) fn gather(&mut self, ground: &Ground, asked: Extent, look: &mut dyn FnMut(Found<'_>)) {
+        let inside = |(min, max): Extent| min.cmple(asked.0).all() && max.cmpge(asked.1).all();
+        if let Some(held) = self.held.filter(|held| inside(*held)) {
+            let within = (held != asked).then_some(asked);
+            look(Found { eights: &self.eights[..self.used], within });
+            return;
+        }
+        let all = self.expected.map_or(asked, |(min, max)| (min.min(asked.0), max.max(asked.1)));
+        let within = (all != asked).then_some(asked);
+        let Nearby { eights, used, .. } = self;
+        *used = 0;
+        let mut complete = true;
+        ground.visit_box(all.0, all.1, &mut |index, corners| {
+            if *used == 0 || eights[*used - 1].is_full() {
+                if *used == eights.len() {
+                    look(Found { eights, within });
+                    (*used, complete) = (0, false);
+                }
+                eights[*used].clear();
+                *used += 1;
+            }
+            if let Some(eight) = eights.get_mut(*used - 1) {
+                eight.push(index, corners);
+            }
+        });
+        look(Found { eights: &eights[..*used], within });
+        self.held = complete.then_some(all);
+    }
+}
+
+impl Found<'_> {
+    /// Eights, with a bit for each triangle that was asked for.
+    pub(crate) fn each(&self) -> impl Iterator<Item = (&Eight, u32)> {
+        self.eights.iter().filter_map(|eight| {
+            let lanes =
+                self.within.map_or(u32::MAX, |(min, max)| eight.corners.meeting(min, max)) & eight.lanes();
+            (lanes != 0).then_some((eight, lanes))
+        })
+    }
+}

@@ -1,0 +1,163 @@
+//! How far around a shape a mesh matters to it.
+//!
+//! A box in the mesh's frame, around where the shape is and where it goes, says which triangles are gathered. If only what
+//! is near counts, few do: the near ones, and of those further away the ones level with them, whose points belong to
+//! the same manifold.
+
+use super::Triangles;
+use super::nearby::Extent;
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
+use crate::narrow_phase::Relative;
+use crate::narrow_phase::cast::sweep::reach;
+use crate::narrow_phase::convex::polytope::Pose;
+use crate::shape::{Collider, Geometry};
+use glam::Vec3;
+
+/// What of a mesh counts as close to a shape.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reach {
+    /// How near [m].
+    pub(crate) margin: f32,
+    /// Manifolds without a point nearer than this are of no use to the caller [m]; below zero: without one as deep. Of triangles
+    /// further away only those are looked at that are level with a nearer one.
+    pub(crate) within: f32,
+    /// Where the shape goes, in its own frame [m]: a triangle may be further away by what that takes off its distance.
+    pub(crate) way: Vec3,
+}
+
+impl Reach {
+    pub(crate) fn new(margin: f32) -> Reach {
+        Reach { margin, within: margin, way: Vec3::ZERO }
+    }
+    pub(crate) fn within(self, within: f32) -> Reach {
+        Reach { within, ..self }
+    }
+}
+
+/// Normals of the triangles that are near.
+#[derive(Default)]
+pub(crate) struct Near {
+    fronts: [Vec3; 8],
+    pub(crate) count: usize,
+}
+
+/// Cosine of 3.6 degrees: triangles whose normals are nearer than this may end up in one manifold.
+const LEVEL: f32 = 0.998;
+/// The sine of that angle, rounded up.
+const LEAN: f32 = 0.064;
+
+impl Near {
+    /// Adds those of eight triangles that may be nearer than `within` [m]: no plane of theirs, nor of the box around the
+    /// shape, shows that they are not. Below zero: whose planes the shape is beyond by as much, and which it may touch.
+    #[inline(always)]
+    pub(crate) fn add(
+        &mut self,
+        triangles: &Triangles,
+        a: &Collider,
+        (middle, half): (Vec3, Vec3),
+        within: f32,
+    ) {
+        let limit = f32x8::splat(within);
+        let (_, axis, _) = triangles.separate(middle, half);
+        let down = -triangles.front;
+        let face = triangles.height - reach(a, down);
+        let beside = Lanes::max(limit, f32x8::zero());
+        let mut bits = (axis.le(beside) & face.le(limit)).bits() & triangles.valid;
+        while bits != 0 {
+            let front = triangles.front.lane(bits.trailing_zeros() as usize);
+            bits &= bits - 1;
+            if self.fronts[..self.count.min(8)].iter().all(|other| other.dot(front) < LEVEL) {
+                if let Some(place) = self.fronts.get_mut(self.count) {
+                    *place = front;
+                }
+                self.count += 1;
+            }
+        }
+    }
+
+    /// The box of the mesh's frame around all that is level with a near triangle and below the shape by no more than a
+    /// margin, if near ones are few; `close`: the box around the shape.
+    pub(crate) fn extent(&self, pose: &Pose, close: Extent, margin: f32) -> Option<Extent> {
+        let fronts = self.fronts.get(..self.count)?;
+        let (mut min, mut max) = close;
+        for front in fronts {
+            let down = pose.inverse().direction(*front * -margin);
+            (min, max) = (min.min(close.0 + down), max.max(close.1 + down));
+        }
+        // Level is not quite parallel.
+        let aside = Vec3::splat(LEAN * margin);
+        Some((min - aside, max + aside))
+    }
+
+    /// How near each of eight triangles has to be to count [m].
+    #[inline(always)]
+    pub(crate) fn margins(&self, triangles: &Triangles, Reach { margin, within, way }: Reach) -> f32x8 {
+        let (all, near) = (f32x8::splat(margin), f32x8::splat(within));
+        if self.count == 0 || self.count > self.fronts.len() {
+            return all + Lanes::max(-triangles.front.dot(LaneVec3::splat(way)), f32x8::zero());
+        }
+        let level = f32x8::splat(LEVEL);
+        self.fronts[..self.count].iter().fold(near, |margins, front| {
+            Lanes::select(triangles.front.dot(LaneVec3::splat(*front)).ge(level), all, margins)
+        })
+    }
+}
+
+/// The box of the mesh's frame around a shape that goes `way` in its own [m], unless that is far: such a box would hold
+/// much that is nowhere near the path.
+pub(crate) fn extent_of(a: &Collider, rel: &Relative, margin: f32, way: Vec3) -> Option<Extent> {
+    let (middle, half) = bounds(a)?;
+    if way.length() > 2.0 * a.radius {
+        return None;
+    }
+    let pose = Pose::new(rel.position, rel.rotation);
+    Some(along(&pose, around(&pose, (middle, half + Vec3::splat(margin))), way))
+}
+
+/// The box around a box of the mesh's frame that goes `way` in the shape's.
+pub(crate) fn along(pose: &Pose, (min, max): Extent, way: Vec3) -> Extent {
+    let way = pose.inverse().direction(way);
+    (min + way.min(Vec3::ZERO), max + way.max(Vec3::ZERO))
+}
+
+/// The box of the mesh's frame around one of the shape's.
+pub(crate) fn around(pose: &Pose, (middle, half): (Vec3, Vec3)) -> Extent {
+    let middle = pose.inverse().point(middle);
+    let m = pose.axes;
+    let half = Vec3::new(m.x_axis.abs().dot(half), m.y_axis.abs().dot(half), m.z_axis.abs().dot(half));
+    // A millionth of the coordinates is their rounding.
+    let half = half + Vec3::splat(1e-6 * middle.abs().max_element());
+    (middle - half, middle + half)
+}
+
+/// The point of a shape that tells which side of a surface it belongs on: the body's centre of mass, which crosses nothing
+/// static ([`guard`](crate::finish)), if that is in this shape; the shape's own centre if not.
+pub(crate) fn side_of(a: &Collider) -> Vec3 {
+    let of_mass = -(a.rotation.conjugate() * a.position);
+    if a.geometry.holds(of_mass) {
+        return of_mass;
+    }
+    match &a.geometry {
+        Geometry::Hull(hull) => hull.centre,
+        _ => Vec3::ZERO,
+    }
+}
+
+/// Middle and half extents of the box around a shape in its own frame.
+pub(crate) fn bounds(a: &Collider) -> Option<(Vec3, Vec3)> {
+    let around = |half: Vec3| Some((Vec3::ZERO, half));
+    match &a.geometry {
+        Geometry::Sphere { radius } => around(Vec3::splat(*radius)),
+        Geometry::Capsule { half_height, radius_bottom, radius_top } => {
+            let r = radius_bottom.max(*radius_top);
+            around(Vec3::new(r, half_height + r, r))
+        }
+        Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
+            let r = radius_bottom.max(*radius_top);
+            around(Vec3::new(r, *half_height, r))
+        }
+        Geometry::Box { half_extents } => around(*half_extents),
+        Geometry::Hull(hull) => Some(((hull.min + hull.max) * 0.5, (hull.max - hull.min) * 0.5)),
+        _ => None,
+    }
+}

@@ -1,0 +1,148 @@
+//! What of a mesh or height field a shape rests on, which a cast has no need to look at.
+
+use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8, ones};
+use crate::narrow_phase::convex::polytope::Pose;
+use crate::shape::{Collider, Kind};
+use glam::Vec3;
+
+/// Triangles and planes that a shape touches, in its frame. Each has a contact, so it is kept in front of them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Touched {
+    triangles: [u32; 8],
+    triangle_count: usize,
+    /// Unit normal, and offset along it [m].
+    planes: [(Vec3, f32); 4],
+    plane_count: usize,
+    /// Whether a contact with a plane keeps all of the shape in front of it. It does so with a ball. A rod that lies with
+    /// its middle on a post may still turn, and strike the ground beside it.
+    whole: bool,
+}
+
+impl Default for Touched {
+    fn default() -> Touched {
+        Touched {
+            triangles: [0; 8],
+            triangle_count: 0,
+            planes: [(Vec3::ZERO, 0.0); 4],
+            plane_count: 0,
+            whole: false,
+        }
+    }
+}
+
+/// Cosine of 0.25 degrees: planes whose normals are nearer than this are one.
+const SAME: f32 = 0.999_99;
+
+impl Touched {
+    /// Nothing yet.
+    pub(crate) fn of(a: &Collider) -> Touched {
+        Touched { whole: a.kind == Kind::Sphere, ..Touched::default() }
+    }
+
+    /// Adds a triangle, if there is place.
+    pub(crate) fn add_triangle(&mut self, index: u32) {
+        if let Some(place) = self.triangles.get_mut(self.triangle_count) {
+            *place = index;
+            self.triangle_count += 1;
+        }
+    }
+
+    /// Adds the plane of a face, if there is place and it is not that of another.
+    ///
+    /// What comes down on it by more than `margin` along its `way` may strike it with parts that are further above it
+    /// than those that have a contact: the other end of a rod that lands on one. Then the plane says nothing, unless one
+    /// contact is all that there can be.
+    pub(crate) fn add_plane(&mut self, front: Vec3, offset: f32, way: Vec3, margin: f32) {
+        if !self.whole && -way.dot(front) > margin {
+            return;
+        }
+        if self.planes[..self.plane_count].iter().any(|(other, _)| other.dot(front) > SAME) {
+            return;
+        }
+        if let Some(place) = self.planes.get_mut(self.plane_count) {
+            *place = (front, offset);
+            self.plane_count += 1;
+        }
+    }
+
+    pub(crate) fn has(&self, triangle: u32) -> bool {
+        self.triangles[..self.triangle_count].contains(&triangle)
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.triangle_count == 0 && self.plane_count == 0
+    }
+
+    /// The same in the frame that has this pose in the present one.
+    pub(crate) fn seen_from(&self, pose: &Pose) -> Touched {
+        let mut seen = *self;
+        for (front, offset) in &mut seen.planes[..self.plane_count] {
+            *offset -= front.dot(pose.position);
+            *front = pose.back(*front);
+        }
+        seen
+    }
+
+    /// Of some of eight triangles, by a bit for each, those that are not among the touched ones.
+    pub(crate) fn without(&self, lanes: u32, index: &[u32; 8]) -> u32 {
+        ones(lanes).filter(|&lane| !self.has(index[lane])).fold(0, |left, lane| left | 1 << lane)
+    }
+
+    /// Which of eight triangles lie in one of the planes, or no more than `lip` beside it [m]: the contact there is one
+    /// with them too. If it keeps all of the shape in front of the plane, also those behind it.
+    #[inline(always)]
+    pub(crate) fn hides(&self, corners: &[LaneVec3<f32x8>; 3], lip: f32) -> <f32x8 as Lanes>::Mask {
+        let mut hidden = f32x8::one().lt(f32x8::zero());
+        for &(front, offset) in &self.planes[..self.plane_count] {
+            let front = LaneVec3::splat(front);
+            let heights = corners.map(|corner| front.dot(corner) - f32x8::splat(offset));
+            let most = Lanes::max(Lanes::max(heights[0], heights[1]), heights[2]);
+            let least = Lanes::min(Lanes::min(heights[0], heights[1]), heights[2]);
+            let depth = f32x8::splat(if self.whole { f32::INFINITY } else { lip });
+            hidden = hidden | (most.le(f32x8::splat(lip)) & least.ge(-depth));
+        }
+        hidden
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::Mask;
+    use crate::narrow_phase::mesh::Triangles;
+    use crate::narrow_phase::mesh::nearby::Eight;
+
+    /// A floor at -1, a step of 0.2 mm and one of 2 mm on it, a wall that the way leads into, and a floor below.
+    #[test]
+    fn what_lies_in_a_touched_plane_is_hidden_and_from_a_ball_what_is_below() {
+        let mut touched = Touched::default();
+        touched.add_plane(Vec3::Y, -1.0, Vec3::X, 0.01);
+        touched.add_plane(Vec3::X, 4.0, -Vec3::X, 0.01);
+        let mut eight = Eight::default();
+        for (i, y) in [-1.0, -0.9998, -0.998, -3.0].into_iter().enumerate() {
+            let at = |x: f32, z: f32| Vec3::new(x, y, z);
+            eight.push(i as u32, [at(5.0, 0.0), at(5.0, 1.0), at(6.0, 0.0)]);
+        }
+        let wall = [Vec3::new(4.0, -1.0, 0.0), Vec3::new(4.0, -1.0, 1.0), Vec3::new(4.0, 0.0, 0.0)];
+        eight.push(4, wall);
+        let triangles = Triangles::new(&eight, eight.lanes(), &Pose::IDENTITY, Vec3::ZERO);
+        assert_eq!(touched.hides(&triangles.corners, 5e-4).bits() & eight.lanes(), 0b00011);
+        touched.whole = true;
+        assert_eq!(touched.hides(&triangles.corners, 5e-4).bits() & eight.lanes(), 0b01011);
+        assert_eq!(Touched::default().hides(&triangles.corners, 5e-4).bits() & eight.lanes(), 0);
+    }
+
+    #[test]
+    fn what_there_is_no_place_for_is_left_out() {
+        let mut touched = Touched::default();
+        for i in 0..20 {
+            touched.add_triangle(100 + i);
+            let angle = 0.1 * i as f32;
+            touched.add_plane(Vec3::new(libm::sinf(angle), libm::cosf(angle), 0.0), 0.0, Vec3::ZERO, 0.0);
+            // The same plane again takes no place.
+            touched.add_plane(Vec3::Y, 0.0, Vec3::ZERO, 0.0);
+        }
+        assert!(touched.has(107) && !touched.has(108) && !touched.has(0));
+        assert_eq!(touched.plane_count, 4);
+    }
+}

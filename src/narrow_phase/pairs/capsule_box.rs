@@ -1,0 +1,425 @@
+//! Capsule against box, in the frame of the box.
+//!
+//! The axis point nearest to the box is the root of a monotone function that is linear between the places
+//! where the axis crosses the planes of the faces: no search, no case per feature. It fixes the normal, exactly
+//! so at edges and vertices too. Where the axis itself runs through the box, the normal is that of the least
+//! separating-axis overlap instead. The ends of the stretch that faces the box then make up to two points.
+
+use super::lanes_io::{ManifoldLanes, PairLanes, direction};
+use super::sphere_capsule::Axis;
+use crate::lanes::{Lanes, Mask, Vec3};
+
+/// Uniform capsules; the bottom radius counts.
+pub(crate) fn capsule_box<L: Lanes>(p: &PairLanes<L>) -> ManifoldLanes<L> {
+    collide::<L, false>(p)
+}
+
+/// Tapered capsules, in a bin of their own.
+pub(crate) fn tapered_capsule_box<L: Lanes>(p: &PairLanes<L>) -> ManifoldLanes<L> {
+    collide::<L, true>(p)
+}
+
+#[inline(always)]
+fn collide<L: Lanes, const TAPERED: bool>(p: &PairLanes<L>) -> ManifoldLanes<L> {
+    let axes = p.rotation.to_matrix();
+    let half = Vec3::new(p.size_b[0], p.size_b[1], p.size_b[2]);
+    let along = Vec3::new(axes.x.y, axes.y.y, axes.z.y);
+    let mut a = Axis::new(&p.size_a, -axes.mul_transposed(p.position), along, along);
+    if !TAPERED {
+        a.radius[1] = a.radius[0];
+    }
+    let planes = Planes::new(&a, half);
+
+    let t = planes.nearest::<TAPERED>(&a, half);
+    let excess = excess(a.at(t), half);
+    let scale = a.half + half.x + half.y + half.z;
+    let (outwards, distance) = direction(excess, L::splat(1e-6) * scale, Vec3::splat(glam::Vec3::X));
+    let through = distance.le(L::splat(1e-6) * scale);
+    let way_out = if through.any() { Some(least_overlap::<L, TAPERED>(&a, half)) } else { None };
+    let mut outwards = outwards;
+    let mut near = t;
+    if let Some((normal, place)) = way_out {
+        outwards = Vec3::select(through, normal, outwards);
+        near = L::select(through, place, near);
+    }
+
+    // The stretch of the axis over the box: within the faces that the normal is nearly square to.
+    let (low, high) = planes.stretch(&a, outwards);
+    let faces = low.le(high);
+    let near = L::select(through & faces, near.clamp(low, high), near);
+    let support = outwards.abs().dot(half);
+    let point = |t: L| {
+        let at = a.at(t);
+        let radius = a.radius_at(t);
+        let own = self::excess(at, half);
+        let own_distance = own.length();
+        let gap = L::select(through, at.dot(outwards) - support, own_distance);
+        // A ball with another way to the box than the manifold's is not part of it.
+        let agrees = through | own.dot(outwards).ge(L::splat(0.9) * own_distance);
+        let separation = gap - radius;
+        (at - outwards * (radius + separation * L::splat(0.5)), separation, agrees)
+    };
+    let low_is_near = (near - low).abs().le((near - high).abs());
+    let far = L::select(low_is_near, high, low);
+    let (near_position, near_separation, _) = point(near);
+    let (far_position, far_separation, agrees) = point(far.clamp(-a.half, a.half));
+    let apart = (far - near).abs().gt(L::splat(0.05) * a.radius_at(near));
+    let two = faces & agrees & apart;
+
+    let back = |x: Vec3<L>| p.position + axes.mul(x);
+    let mut out = ManifoldLanes::single(-axes.mul(outwards), back(near_position), near_separation, p.margin);
+    out.position[1] = back(far_position);
+    out.separation[1] = L::select(two, far_separation, out.separation[1]);
+    // Keyed by the end of the stretch, so that swapping which is nearer changes nothing.
+    out.key[0] = L::select(low_is_near, L::zero(), L::one());
+    out.key[1] = L::one() - out.key[0];
+    out
+}
+
+/// From the box to a point; zero within it.
+#[inline(always)]
+fn excess<L: Lanes>(point: Vec3<L>, half: Vec3<L>) -> Vec3<L> {
+    point - point.max(-half).min(half)
+}
+
+/// Where the axis crosses the planes of the faces, by box axis: lower and upper place.
+struct Planes<L> {
+    cross: [[L; 2]; 3],
+}
+
+impl<L: Lanes> Planes<L> {
+    #[inline(always)]
+    fn new(a: &Axis<L>, half: Vec3<L>) -> Self {
+        let one = |centre: L, along: L, half: L| {
+            let tiny = L::splat(1e-12);
+            // Parallel: both crossings are far away, on either side or (outside the planes) on one.
+            let slope = L::select(along.abs().gt(tiny), along, tiny);
+            let (x, y) = ((-half - centre) / slope, (half - centre) / slope);
+            [x.min(y), x.max(y)]
+        };
+        let (c, u) = (a.centre, a.along);
+        Planes { cross: [one(c.x, u.x, half.x), one(c.y, u.y, half.y), one(c.z, u.z, half.z)] }
+    }
+
+    /// Place of the ball nearest to the box. Half the derivative of the squared distance is `along . excess`,
+    /// monotone and linear between crossings; a taper adds its slope to the derivative of the distance.
+    #[inline(always)]
+    fn nearest<const TAPERED: bool>(&self, a: &Axis<L>, half: Vec3<L>) -> L {
+        // The radius grows along the axis by this.
+        let growth = -a.lean();
+        let rate = |t: L| {
+            let e = excess(a.at(t), half);
+            let rate = e.dot(a.along);
+            if TAPERED { rate / e.length().max(L::splat(1e-15)) - growth } else { rate }
+        };
+        let (mut low, mut high) = (-a.half, a.half);
+        let (mut rate_low, mut rate_high) = (rate(low), rate(high));
+        for crossing in self.cross.as_flattened() {
+            let t = crossing.clamp(-a.half, a.half);
+            let rate = rate(t);
+            let falls = rate.le(L::zero());
+            let lower = falls & t.gt(low);
+            let upper = !falls & t.lt(high);
+            (low, rate_low) = (L::select(lower, t, low), L::select(lower, rate, rate_low));
+            (high, rate_high) = (L::select(upper, t, high), L::select(upper, rate, rate_high));
+        }
+        if TAPERED {
+            return self.nearest_in(a, half, low, high, growth);
+        }
+        // At an end the root may lie outside. 0 / 0 (flat all along) is caught by max, which answers 0.
+        let share = (-rate_low / (rate_high - rate_low)).max(L::zero()).min(L::one());
+        low + (high - low) * share
+    }
+
+    /// The taper's root between neighbouring crossings: there the excess is a straight line e + t w, and the
+    /// balls lean against it as against a point (see `sphere_capsule.rs`).
+    #[inline(always)]
+    fn nearest_in(&self, a: &Axis<L>, half: Vec3<L>, low: L, high: L, growth: L) -> L {
+        let middle = (low + high) * L::splat(0.5);
+        let e = excess(a.at(middle), half);
+        let zero = L::zero();
+        let live = |e: L, u: L| L::select(e.eq(zero), zero, u);
+        let w = Vec3::new(live(e.x, a.along.x), live(e.y, a.along.y), live(e.z, a.along.z));
+        let speed_squared = w.length_squared();
+        let moving = speed_squared.gt(L::splat(1e-12));
+        let squared = L::select(moving, speed_squared, L::one());
+        let root = middle - e.dot(w) / squared;
+        let aside = e.cross(w).length();
+        // tan of the lean, within the plane of e and w
+        let steep = (squared - growth * growth).max(L::splat(1e-30)).sqrt();
+        let t = root + aside * growth / (steep * squared);
+        let runs_out = !moving | (growth * growth).ge(squared);
+        let end = L::select(growth.gt(zero), high, low);
+        L::select(runs_out, end, t).clamp(low, high)
+    }
+
+    /// The places between which the axis is over the box, seen along the normal; empty if low > high.
+    #[inline(always)]
+    fn stretch(&self, a: &Axis<L>, normal: Vec3<L>) -> (L, L) {
+        let (mut low, mut high) = (-a.half, a.half);
+        for (&[from, to], n) in self.cross.iter().zip([normal.x, normal.y, normal.z]) {
+            // Sixty degrees: between face, edge and vertex, no plane that the normal leans into cuts.
+            let side = n.abs().lt(L::splat(0.5));
+            low = L::select(side, low.max(from), low);
+            high = L::select(side, high.min(to), high);
+        }
+        (low, high)
+    }
+}
+
+/// Where the axis runs through the box: the separating axis of least overlap (faces, and edges crossed with
+/// the capsule's side), pointing out of the box, and the place of the deepest ball.
+#[inline(always)]
+fn least_overlap<L: Lanes, const TAPERED: bool>(a: &Axis<L>, half: Vec3<L>) -> (Vec3<L>, L) {
+    let (c, u, zero) = (a.centre, a.along, L::zero());
+    let growth = -a.lean();
+    let mean = (a.radius[0] + a.radius[1]) * L::splat(0.5);
+    let (c3, u3, h3) = ([c.x, c.y, c.z], [u.x, u.y, u.z], [half.x, half.y, half.z]);
+
+    // The side of the capsule's centre is the nearer one, but a taper can turn that round.
+    let turns: &[f32] = if TAPERED { &[1.0, -1.0] } else { &[1.0] };
+
+    let mut best = L::splat(f32::NEG_INFINITY);
+    let (mut normal, mut place) = (Vec3::zero(), zero);
+    for k in 0..3 {
+        for &turn in turns {
+            let sign = c3[k].sign() * L::splat(turn);
+            let (middle, rise) = (sign * c3[k], sign * u3[k] * a.half);
+            let (bottom, top) = (middle - rise - a.radius[0], middle + rise - a.radius[1]);
+            // The ball that reaches furthest back.
+            let end = L::select(bottom.lt(top), -a.half, a.half);
+            let overlap = bottom.min(top) - h3[k];
+            let take = overlap.gt(best);
+            best = overlap.max(best);
+            let axis = |i: usize| if i == k { sign } else { zero };
+            normal = Vec3::select(take, Vec3::new(axis(0), axis(1), axis(2)), normal);
+            place = L::select(take, end, place);
+        }
+    }
+    // An edge must be better by something, or flat contact would flicker.
+    best += L::splat(1e-3) * (half.x.min(half.y).min(half.z) + mean);
+    for k in 0..3 {
+        let keep = |v: Vec3<L>| {
+            Vec3::new(
+                if k == 0 { zero } else { v.x },
+                if k == 1 { zero } else { v.y },
+                if k == 2 { zero } else { v.z },
+            )
+        };
+        let (flat, centre, edge) = (keep(u), keep(c), keep(half));
+        let squared = flat.length_squared();
+        // Square to the edge and leaning as the side does: normal . along = growth.
+        let lean = growth * growth;
+        let exists = squared.gt(L::splat(1e-6)) & lean.lt(squared);
+        let over = L::one() / L::select(exists, squared, L::one());
+        let across = match k {
+            0 => Vec3::new(zero, u.z, -u.y),
+            1 => Vec3::new(-u.z, zero, u.x),
+            _ => Vec3::new(u.y, -u.x, zero),
+        };
+        let height = ((L::one() - lean * over).max(zero) * over).sqrt();
+        let toward = across.dot(centre).sign();
+        for &turn in turns {
+            let n = flat * (growth * over) + across * (height * toward * L::splat(turn));
+            let overlap = n.dot(centre) - mean - n.abs().dot(edge);
+            let take = exists & overlap.gt(best);
+            best = L::select(take, overlap, best);
+            normal = Vec3::select(take, n, normal);
+            let corner = Vec3::new(edge.x * n.x.sign(), edge.y * n.y.sign(), edge.z * n.z.sign());
+            let across_edge = -((centre - corner).dot(flat) * over);
+            place = L::select(take, across_edge.clamp(-a.half, a.half), place);
+        }
+    }
+    (normal, place)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::narrow_phase::pairs::lanes_io::testing::*;
+    use crate::narrow_phase::{RawManifold, Relative};
+    use glam::{DQuat, DVec3, Quat, Vec3, vec3};
+
+    /// In the box's frame: the balls at the capsule's ends, and the box's half extents.
+    struct Slow {
+        ends: [(DVec3, f64); 2],
+        half: DVec3,
+        into: DQuat,
+    }
+
+    impl Slow {
+        fn new((relative, a, b, _): &Pair) -> Slow {
+            let into = relative.rotation.as_dquat().inverse();
+            let end =
+                |y: f32, r: f32| (into * (DVec3::Y * y as f64 - relative.position.as_dvec3()), r as f64);
+            let half = DVec3::new(b[0] as f64, b[1] as f64, b[2] as f64);
+            Slow { ends: [end(-a[0], a[1]), end(a[0], a[2])], half, into }
+        }
+
+        /// Least of (distance from the box, the same less the radius) along the axis: both are convex.
+        fn nearest(&self) -> (f64, f64) {
+            let at = |s: f64| {
+                let [(p, r), (q, o)] = self.ends;
+                let (x, r) = (p.lerp(q, s), r + (o - r) * s);
+                let core = (x.abs() - self.half).max(DVec3::ZERO).length();
+                (core, core - r)
+            };
+            let least = |f: &dyn Fn(f64) -> f64| {
+                let (mut low, mut high) = (0.0, 1.0);
+                for _ in 0..100 {
+                    let third = (high - low) / 3.0;
+                    if f(low + third) <= f(high - third) { high -= third } else { low += third }
+                }
+                f(low).min(f(high))
+            };
+            (least(&|s| at(s).0), least(&|s| at(s).1))
+        }
+
+        /// Separation along a unit direction out of the box.
+        fn along(&self, n: DVec3) -> f64 {
+            self.ends.iter().map(|(c, r)| n.dot(*c) - r).fold(f64::INFINITY, f64::min)
+                - n.abs().dot(self.half)
+        }
+
+        /// Greatest separation over all directions, by sampling and refining: the depth, negative.
+        fn depth(&self, random: &mut Random) -> f64 {
+            let mut best = (f64::NEG_INFINITY, DVec3::X);
+            let attempt = |n: DVec3, best: &mut (f64, DVec3)| {
+                let n = n.normalize_or(DVec3::X);
+                if self.along(n) > best.0 {
+                    *best = (self.along(n), n);
+                }
+            };
+            for axis in DVec3::AXES {
+                attempt(axis, &mut best);
+                attempt(-axis, &mut best);
+            }
+            // Several starts, for the overlap has several local answers.
+            let mut all = best;
+            for _ in 0..12 {
+                let mut best = (f64::NEG_INFINITY, DVec3::X);
+                for _ in 0..100 {
+                    attempt(random.vector(1.0).as_dvec3(), &mut best);
+                }
+                for i in 0..500 {
+                    let step = 0.3 * 0.985f64.powi(i);
+                    attempt(best.1 + random.vector(1.0).as_dvec3() * step, &mut best);
+                }
+                all = if best.0 > all.0 { best } else { all };
+            }
+            all.0
+        }
+    }
+
+    fn check(found: &[RawManifold], pairs: &[Pair]) {
+        let mut random = Random(99);
+        let (mut deep, mut two) = (0, 0);
+        for (m, pair) in found.iter().zip(pairs) {
+            let slow = Slow::new(pair);
+            let (core, mut truth) = slow.nearest();
+            let mut tolerance = 5e-5;
+            let n = -(slow.into * m.normal.as_dvec3());
+            if core < 1e-5 {
+                deep += 1;
+                truth = slow.depth(&mut random);
+                // The bias that keeps faces.
+                tolerance = 4e-3;
+            }
+            assert!((slow.along(n) - truth).abs() < tolerance, "{} {truth} {core} {pair:?}", slow.along(n));
+            if truth < pair.3 as f64 - tolerance {
+                let found = deepest(m) as f64;
+                assert!((found - truth).abs() < tolerance, "{found} {truth} {core} {pair:?}");
+                two += (m.count == 2) as u32;
+            } else if truth > pair.3 as f64 + tolerance {
+                assert_eq!(m.count, 0);
+            }
+        }
+        assert!(deep > 50 && two > 100, "{deep} {two}");
+    }
+
+    #[test]
+    fn uniform_capsules_keep_their_true_distance_or_least_overlap_at_any_width() {
+        let mut pairs = pairs(7, 2000, 1.8);
+        for (_, a, _, _) in &mut pairs {
+            a[2] = a[1];
+        }
+        pairs[0].0.position = Vec3::ZERO;
+        pairs[1].0 = Relative { position: Vec3::ZERO, rotation: Quat::IDENTITY };
+        pairs[2].1[0] = 0.0;
+        check(&same_at_any_width(&pairs, capsule_box, capsule_box, capsule_box), &pairs);
+    }
+
+    #[test]
+    fn tapered_capsules_keep_their_true_distance_or_least_overlap_at_any_width() {
+        let pairs = pairs(8, 2000, 1.8);
+        let kernel = tapered_capsule_box::<f32>;
+        check(&same_at_any_width(&pairs, kernel, tapered_capsule_box, tapered_capsule_box), &pairs);
+    }
+
+    #[test]
+    fn the_tapered_kernel_agrees_with_the_uniform_one() {
+        let mut pairs = pairs(9, 1000, 1.8);
+        for (_, a, _, _) in &mut pairs {
+            a[2] = a[1];
+        }
+        let (x, y) = (run(&pairs, capsule_box::<f32>), run(&pairs, tapered_capsule_box::<f32>));
+        for (x, y) in x.iter().zip(&y) {
+            assert!(x.count == 0 || y.count == 0 || (deepest(x) - deepest(y)).abs() < 2e-5);
+        }
+    }
+
+    /// A capsule of half height 0.5 and radius 0.1 that lies along z at `lift` over a box, turned by `tilt`
+    /// about x; in a's frame the box lies towards -x.
+    fn lying(half: Vec3, lift: f32, tilt: f32) -> RawManifold {
+        let lie = Quat::from_rotation_arc(Vec3::Y, Vec3::Z);
+        let turn = Quat::from_rotation_x(tilt) * lie;
+        let centre = vec3(0.0, half.y + 0.1 + lift, 0.0);
+        let relative = Relative { position: turn.conjugate() * -centre, rotation: turn.conjugate() };
+        let size = [half.x, half.y, half.z, 0.0];
+        run::<f32>(&[(relative, [0.5, 0.1, 0.1, 0.0], size, 0.05)], capsule_box)[0]
+    }
+
+    #[test]
+    fn a_capsule_that_lies_on_a_face_has_a_point_under_each_end() {
+        // On a wide box, on one that is shorter than the capsule, and on a beam no wider than 2 cm.
+        let boxes = [(vec3(2.0, 1.0, 2.0), 0.5), (vec3(2.0, 1.0, 0.3), 0.3), (vec3(0.01, 0.4, 3.0), 0.5)];
+        for (half, reach) in boxes {
+            for lift in [-0.01, 0.0, 0.01, -0.15] {
+                for tilt in [0.0, 1e-6, -1e-4, 1e-3] {
+                    let m = lying(half, lift, tilt);
+                    if lift == -0.15 && half.x < 0.1 {
+                        continue; // out of a thin beam the way is sideways
+                    }
+                    assert_eq!(m.count, 2, "{half} {lift} {tilt} {m:?}");
+                    for p in m.points() {
+                        let y = [-reach, reach][p.key as usize];
+                        assert!((p.position.y - y).abs() < 2e-3, "{half} {lift} {tilt} {m:?}");
+                        assert!((p.separation - lift).abs() < 1e-3);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_capsule_along_an_edge_has_two_points_and_across_it_one() {
+        let lie = Quat::from_rotation_arc(Vec3::Y, Vec3::Z);
+        let at = |turn: Quat| {
+            // The centre 0.1 m off the edge at x = y = 1, diagonally.
+            let off = 0.1 * std::f32::consts::FRAC_1_SQRT_2;
+            let centre = vec3(1.0 + off, 1.0 + off, 0.0);
+            let relative = Relative { position: turn.conjugate() * -centre, rotation: turn.conjugate() };
+            run::<f32>(&[(relative, [0.5, 0.1, 0.1, 0.0], [1.0, 1.0, 4.0, 0.0], 0.05)], capsule_box)[0]
+        };
+        let m = at(lie);
+        assert_eq!(m.count, 2);
+        assert!(
+            m.points().iter().all(|p| p.separation.abs() < 1e-6 && (p.position.y.abs() - 0.5).abs() < 1e-5)
+        );
+        let across = Quat::from_rotation_z(std::f32::consts::FRAC_PI_4) * lie;
+        let across = Quat::from_axis_angle(vec3(1.0, 1.0, 0.0).normalize(), 1.2) * across;
+        let m = at(across);
+        assert_eq!(m.count, 1);
+        assert!(m.points[0].separation.abs() < 1e-6);
+    }
+}

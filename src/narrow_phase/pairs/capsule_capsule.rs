@@ -1,0 +1,319 @@
+//! Capsule against capsule: one point where they cross, two along the overlap where they lie side by side.
+//!
+//! Both kinds end in the same manifold; they differ in how the closest balls are found. Uniform capsules, the
+//! common case, ask for the closest points of two segments. Tapered ones have kernels of their own bin: the
+//! distance of two balls, as a function of their places on the axes, is convex, so its least value is either
+//! inside, where both sides' normals agree, or with one ball at an end, which is sphere against capsule.
+
+use super::lanes_io::{ManifoldLanes, PairLanes, direction};
+use super::sphere_capsule::Axis;
+use crate::lanes::{Lanes, Vec3};
+
+/// Uniform capsules; the bottom radius counts.
+pub(crate) fn capsule_capsule<L: Lanes>(p: &PairLanes<L>) -> ManifoldLanes<L> {
+    let (mut a, mut b) = axes(p);
+    (a.radius[1], b.radius[1]) = (a.radius[0], b.radius[0]);
+    let (s, t) = closest_on_segments(&a, &b);
+    let cross = a.along.cross(b.along);
+    let (fallback, _) = direction(cross, L::splat(1e-4), a.across);
+    // Where the axes meet, the way out is square to both, on the side of b's centre.
+    let fallback = fallback * fallback.dot(b.centre).sign();
+    let least = L::splat(1e-5) * (a.radius[0] + b.radius[0]);
+    let (normal, distance) = direction(b.at(t) - a.at(s), least, fallback);
+    manifold(&a, &b, s, t, normal, distance, p.margin)
+}
+
+/// Capsules of which at least one is tapered.
+pub(crate) fn tapered_capsule_capsule<L: Lanes>(p: &PairLanes<L>) -> ManifoldLanes<L> {
+    let (a, b) = axes(p);
+    let mut best = between_sides(&a, &b);
+    for sign in [-1.0, 1.0] {
+        // An end of a against b, then an end of b against a.
+        let s = a.half * L::splat(sign);
+        let (normal, distance, t, _) = b.reach(a.at(s));
+        best.keep_nearer(Nearest::new(&a, &b, s, t, normal, distance));
+        let t = b.half * L::splat(sign);
+        let (normal, distance, s, _) = a.reach(b.at(t));
+        best.keep_nearer(Nearest::new(&a, &b, s, t, -normal, distance));
+    }
+    manifold(&a, &b, best.s, best.t, best.normal, best.distance, p.margin)
+}
+
+#[inline(always)]
+fn axes<L: Lanes>(p: &PairLanes<L>) -> (Axis<L>, Axis<L>) {
+    let m = p.rotation.to_matrix();
+    let (x, y) = (Vec3::splat(glam::Vec3::X), Vec3::splat(glam::Vec3::Y));
+    (Axis::new(&p.size_a, Vec3::zero(), y, x), Axis::new(&p.size_b, p.position, m.y, m.x))
+}
+
+/// Places of the closest points of two axes (Ericson, *Real-Time Collision Detection*, 5.1.9, with centres and
+/// half lengths). Of parallel axes: at the upper end of their overlap.
+#[inline(always)]
+fn closest_on_segments<L: Lanes>(a: &Axis<L>, b: &Axis<L>) -> (L, L) {
+    let w = b.centre - a.centre;
+    let cosine = a.along.dot(b.along);
+    let (on_a, on_b) = (w.dot(a.along), w.dot(b.along));
+    // The cross product keeps the digits that 1 - cosine^2 loses.
+    let sine_squared = a.along.cross(b.along).length_squared();
+    let parallel = sine_squared.lt(L::splat(1e-8));
+    let crossing = (on_a - cosine * on_b) / L::select(parallel, L::one(), sine_squared);
+    let upper = on_a + cosine.abs() * b.half;
+    let s = L::select(parallel, upper, crossing).clamp(-a.half, a.half);
+    let t = (cosine * s - on_b).clamp(-b.half, b.half);
+    let s = (on_a + cosine * t).clamp(-a.half, a.half);
+    (s, t)
+}
+
+/// A pair of balls, by their places on the axes.
+#[derive(Clone, Copy)]
+struct Nearest<L> {
+    s: L,
+    t: L,
+    normal: Vec3<L>,
+    /// Between the centres.
+    distance: L,
+    separation: L,
+}
+
+impl<L: Lanes> Nearest<L> {
+    #[inline(always)]
+    fn new(a: &Axis<L>, b: &Axis<L>, s: L, t: L, normal: Vec3<L>, distance: L) -> Self {
+        let separation = distance - (a.radius_at(s) + b.radius_at(t));
+        Nearest { s, t, normal, distance, separation }
+    }
+
+    #[inline(always)]
+    fn keep_nearer(&mut self, other: Self) {
+        let take = other.separation.lt(self.separation);
+        self.s = L::select(take, other.s, self.s);
+        self.t = L::select(take, other.t, self.t);
+        self.normal = Vec3::select(take, other.normal, self.normal);
+        self.distance = L::select(take, other.distance, self.distance);
+        self.separation = L::select(take, other.separation, self.separation);
+    }
+}
+
+/// The balls at which side meets side; infinitely far where they don't.
+///
+/// The normal n is known before the place: n.u = lean of a, n.v = -(lean of b), so n is a fixed combination of
+/// the axes u, v and u x v. The places follow from pb(t) - pa(s) = k n.
+#[inline(always)]
+fn between_sides<L: Lanes>(a: &Axis<L>, b: &Axis<L>) -> Nearest<L> {
+    let (u, v, w) = (a.along, b.along, b.centre - a.centre);
+    let cosine = u.dot(v);
+    let cross = u.cross(v);
+    let sine_squared = cross.length_squared();
+    let crossing = sine_squared.gt(L::splat(1e-6));
+    let scale = L::one() / L::select(crossing, sine_squared, L::one());
+    let (lean_a, lean_b) = (a.lean(), -b.lean());
+    let along_u = (lean_a - cosine * lean_b) * scale;
+    let along_v = (lean_b - cosine * lean_a) * scale;
+    let rest = L::one() - (along_u * lean_a + along_v * lean_b);
+    let height = (rest.max(L::zero()) * scale).sqrt() * cross.dot(w).sign();
+    let n = u * along_u + v * along_v + cross * height;
+    // (w + t v - s u) x n = 0, tested with the two directions in which v and u drop out.
+    let (vn, un) = (v.cross(n), u.cross(n));
+    let det = u.dot(vn);
+    let solvable = det.abs().gt(L::splat(1e-6));
+    let over = L::one() / L::select(solvable, det, L::one());
+    let (s, t) = (w.dot(vn) * over, w.dot(un) * over);
+    let valid = crossing
+        & solvable
+        & rest.gt(L::zero())
+        & s.abs().le(a.half)
+        & t.abs().le(b.half)
+        & lean_a.abs().lt(L::one())
+        & lean_b.abs().lt(L::one());
+    let found = Nearest::new(a, b, s, t, n, (b.at(t) - a.at(s)).dot(n));
+    Nearest { separation: L::select(valid, found.separation, L::splat(f32::INFINITY)), ..found }
+}
+
+/// Points of two capsules whose closest balls are at `s` and `t`.
+///
+/// Along the tangent that both follow, the overlap of the axes has two ends. An end is a point if the balls
+/// there face each other nearly along the normal, so crossing capsules keep only the closest point. The closest
+/// point takes the place of an end it is near to, or else is a third.
+#[inline(always)]
+fn manifold<L: Lanes>(
+    a: &Axis<L>,
+    b: &Axis<L>,
+    s: L,
+    t: L,
+    normal: Vec3<L>,
+    distance: L,
+    margin: L,
+) -> ManifoldLanes<L> {
+    let (u, v) = (a.along, b.along);
+    let (un, vn) = (u.dot(normal), v.dot(normal));
+    // Side against side, within thirty degrees: at a cap there is nothing to lie on.
+    let sides = (un - a.lean()).abs().lt(L::splat(0.5)) & (vn + b.lean()).abs().lt(L::splat(0.5));
+    let (tangent, _) = direction(u - normal * un, L::splat(1e-3), a.across);
+    let (ut, vt, start) = (u.dot(tangent), v.dot(tangent), (b.centre - a.centre).dot(tangent));
+    let (reach_a, reach_b) = (a.half * ut.abs(), b.half * vt.abs());
+    let low = (start - reach_b).max(-reach_a);
+    let high = (start + reach_b).min(reach_a);
+    let usable = sides & ut.gt(L::splat(0.5)) & vt.abs().gt(L::splat(0.5));
+    let (over_u, over_v) =
+        (L::one() / L::select(usable, ut, L::one()), L::one() / L::select(usable, vt, L::one()));
+    let (low_s, high_s) = (low * over_u, high * over_u);
+    let (ra, rb) = (a.radius_at(s), b.radius_at(t));
+    let long = usable & (high - low).gt(L::splat(0.05) * (ra + rb));
+    let binormal = normal.cross(tangent);
+
+    let absent = L::splat(f32::INFINITY);
+    let end = |x: L, s_end: L| {
+        let s_end = s_end.clamp(-a.half, a.half);
+        let t_end = ((x - start) * over_v).clamp(-b.half, b.half);
+        let (pa, pb) = (a.at(s_end), b.at(t_end));
+        let (ra, rb) = (a.radius_at(s_end), b.radius_at(t_end));
+        let d = pb - pa;
+        let (ahead, aside) = (d.dot(normal), d.dot(binormal));
+        let gap = L::select(ahead.gt(L::zero()), (ahead * ahead + aside * aside).sqrt(), ahead);
+        // A tenth of the radii aside is half a percent of them in distance.
+        let faces = long & aside.abs().le(L::splat(0.1) * (ra + rb));
+        let position = (pa + pb + normal * (ra - rb)) * L::splat(0.5);
+        (position, L::select(faces, gap - (ra + rb), absent))
+    };
+    let (mut at_low, mut sep_low) = end(low, low_s);
+    let (mut at_high, mut sep_high) = end(high, high_s);
+
+    let separation = distance - (ra + rb);
+    let position = a.at(s) + normal * (ra + separation * L::splat(0.5));
+    let near = (high_s - low_s) * L::splat(0.05);
+    let is_low = sep_low.lt(absent) & (s - low_s).abs().le(near);
+    let is_high = !is_low & sep_high.lt(absent) & (s - high_s).abs().le(near);
+    (at_low, sep_low) = (Vec3::select(is_low, position, at_low), L::select(is_low, separation, sep_low));
+    (at_high, sep_high) =
+        (Vec3::select(is_high, position, at_high), L::select(is_high, separation, sep_high));
+    let mut out = ManifoldLanes::single(normal, position, separation, margin);
+    out.position = [at_low, at_high, position, Vec3::zero()];
+    out.separation = [sep_low, sep_high, L::select(is_low | is_high, absent, separation), absent];
+    out.key = [L::zero(), L::one(), L::splat(2.0), L::zero()];
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::narrow_phase::Relative;
+    use crate::narrow_phase::pairs::lanes_io::testing::*;
+    use glam::{DVec3, Quat, Vec3, vec3};
+
+    /// Least distance of balls of two tapered capsules: nested golden section over a convex function.
+    fn slow(relative: &Relative, a: &[f32; 4], b: &[f32; 4]) -> f64 {
+        let (p, v) = (relative.position.as_dvec3(), relative.rotation.as_dquat() * DVec3::Y);
+        let ball = |size: &[f32; 4], s: f64| {
+            let (h, r0, r1) = (size[0] as f64, size[1] as f64, size[2] as f64);
+            (h * (2.0 * s - 1.0), r0 + (r1 - r0) * s)
+        };
+        let least = |f: &dyn Fn(f64) -> f64| {
+            let (mut low, mut high) = (0.0, 1.0);
+            let golden = 0.381_966_011_250_105;
+            let (mut x, mut y) = (golden, 1.0 - golden);
+            let (mut fx, mut fy) = (f(x), f(y));
+            for _ in 0..45 {
+                if fx < fy {
+                    (high, y, fy) = (y, x, fx);
+                    x = low + golden * (high - low);
+                    fx = f(x);
+                } else {
+                    (low, x, fx) = (x, y, fy);
+                    y = high - golden * (high - low);
+                    fy = f(y);
+                }
+            }
+            fx.min(fy)
+        };
+        least(&|s| {
+            let (y, ra) = ball(a, s);
+            least(&|t| {
+                let (z, rb) = ball(b, t);
+                (p + v * z - DVec3::Y * y).length() - ra - rb
+            })
+        })
+    }
+
+    fn check(found: &[crate::narrow_phase::RawManifold], pairs: &[Pair]) {
+        for (m, (relative, a, b, margin)) in found.iter().zip(pairs) {
+            let truth = slow(relative, a, b);
+            if truth < *margin as f64 - 1e-5 {
+                let deepest = deepest(m) as f64;
+                assert!((deepest - truth).abs() < 5e-5, "{deepest} {truth} {relative:?} {a:?} {b:?}");
+            } else if truth > *margin as f64 + 1e-5 {
+                assert_eq!(m.count, 0);
+            }
+        }
+    }
+
+    fn uniform(mut pairs: Vec<Pair>) -> Vec<Pair> {
+        for (_, a, b, _) in &mut pairs {
+            (a[2], b[2]) = (a[1], b[1]);
+        }
+        pairs
+    }
+
+    #[test]
+    fn uniform_capsules_are_as_far_apart_as_their_segments_at_any_width() {
+        let mut pairs = uniform(pairs(4, 1500, 2.0));
+        pairs[0].0.position = Vec3::ZERO;
+        (pairs[1].1[0], pairs[1].2[0]) = (0.0, 0.0);
+        pairs[2].0 = Relative { position: vec3(0.0, 0.2, 0.0), rotation: Quat::IDENTITY };
+        for (i, pair) in pairs.iter_mut().enumerate().skip(3).step_by(5) {
+            // Nearly parallel, by ever less.
+            pair.0.rotation = Quat::from_scaled_axis(pair.0.position * 0.5f32.powi(i as i32 % 24));
+        }
+        check(&same_at_any_width(&pairs, capsule_capsule, capsule_capsule, capsule_capsule), &pairs);
+    }
+
+    #[test]
+    fn tapered_capsules_are_as_far_apart_as_their_nearest_balls_at_any_width() {
+        let mut pairs = pairs(5, 1500, 2.0);
+        for pair in pairs.iter_mut().step_by(3) {
+            (pair.1[2], pair.2[0]) = (pair.1[1], 0.2 * pair.2[0]);
+        }
+        let kernel = tapered_capsule_capsule::<f32>;
+        let found = same_at_any_width(&pairs, kernel, tapered_capsule_capsule, tapered_capsule_capsule);
+        check(&found, &pairs);
+    }
+
+    #[test]
+    fn the_tapered_kernel_agrees_with_the_uniform_one() {
+        let pairs = uniform(pairs(6, 500, 2.0));
+        let (x, y) = (run(&pairs, capsule_capsule::<f32>), run(&pairs, tapered_capsule_capsule::<f32>));
+        for (x, y) in x.iter().zip(&y) {
+            assert!(x.count == 0 || y.count == 0 || (deepest(x) - deepest(y)).abs() < 2e-5);
+        }
+    }
+
+    #[test]
+    fn capsules_side_by_side_touch_at_both_ends_of_the_overlap() {
+        let size = [0.5, 0.1, 0.1, 0.0];
+        for turn in [0.0, 1e-4, -1e-4, 3e-3] {
+            for flip in [Quat::IDENTITY, Quat::from_xyzw(0.0, 0.0, 1.0, 0.0)] {
+                let relative =
+                    Relative { position: vec3(0.2, 0.3, 0.0), rotation: flip * Quat::from_rotation_x(turn) };
+                for m in run::<f32>(&[(relative, size, size, 0.02)], capsule_capsule) {
+                    assert!(m.normal.dot(Vec3::X) > 0.9999 && (2..=3).contains(&m.count));
+                    let ends = m.points().iter().map(|p| (p.key, p.position.y, p.separation));
+                    for (key, y, separation) in ends.filter(|p| p.0 < 2) {
+                        assert!((y - [-0.2, 0.5][key as usize]).abs() < 2e-3, "{key} {y}");
+                        assert!(separation.abs() < 1e-4);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn crossing_capsules_touch_at_one_point() {
+        let size = [0.5, 0.1, 0.1, 0.0];
+        let relative = Relative { position: vec3(0.2, 0.1, 0.1), rotation: Quat::from_rotation_x(0.8) };
+        let m = run::<f32>(&[(relative, size, size, 1.0)], capsule_capsule)[0];
+        assert_eq!((m.count, m.points[0].key), (1, 2));
+        assert!(m.points[0].separation.abs() < 1e-6 && (m.points[0].position.x - 0.1).abs() < 1e-6);
+        // Axes that meet: out along x or against it, by the sum of the radii.
+        let relative = Relative { position: Vec3::ZERO, ..relative };
+        let m = run::<f32>(&[(relative, size, size, 0.0)], capsule_capsule)[0];
+        assert!((m.normal.x.abs() - 1.0).abs() < 1e-6 && (m.points[0].separation + 0.2).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,567 @@
+//! Height fields.
+
+pub(crate) mod rays;
+
+use super::corners::beyond;
+use super::slabs::Near;
+use crate::error::{Error, finite, positive, within};
+use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x4};
+use crate::limits::MAX_COORDINATE as MOST;
+use crate::shape::mesh::bvh::Path;
+use crate::shape::mesh::edges::{Edges, Fold};
+use crate::shape::mesh::rays::take;
+use crate::shape::mesh::segment_triangle::SegmentTest;
+use glam::{Vec2, Vec3};
+
+/// Cells, or boxes of the level below, along a side of a box of the pyramid.
+pub(super) const SIDE: usize = 4;
+/// Most boxes that wait: 15 for each of 14 levels, which is a side of 4^14 cells.
+pub(super) const STACK: usize = 224;
+
+/// A static grid of heights, shared by the shapes that use it.
+///
+/// Sample (column, row) lies at x = column · cell.x and z = row · cell.y. A cell is two triangles whose common edge
+/// runs from (column + 1, row) to (column, row + 1), with their fronts up; triangle 2 c is the one at the cell's own
+/// sample, 2 c + 1 the other. It is touched from both sides. About 5.6 bytes a sample.
+#[derive(Clone, Debug)]
+pub struct HeightField {
+    pub(super) columns: usize,
+    pub(super) rows: usize,
+    pub(super) cell: Vec2,
+    pub(super) heights: Vec<f32>,
+    /// Folds of a cell's three own edges, two bits each: the diagonal, the edge along x and the edge along z that
+    /// start at the cell's own sample.
+    folds: Vec<u8>,
+    /// Least and largest heights, from boxes of 4 x 4 cells up to one of everything.
+    levels: Vec<Level>,
+}
+
+#[derive(Clone, Debug)]
+struct Level {
+    columns: usize,
+    rows: usize,
+    bounds: Vec<(f32, f32)>,
+}
+
+/// A box of the pyramid; level 0 are cells.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Square {
+    pub(super) level: u32,
+    column: u32,
+    row: u32,
+    pub(super) entry: f32,
+}
+
+impl Square {
+    /// One of its 4 x 4 children.
+    #[inline(always)]
+    pub(super) fn child(&self, column: u32, row: u32, entry: f32) -> Square {
+        let (column, row) = (SIDE as u32 * self.column + column, SIDE as u32 * self.row + row);
+        Square { level: self.level - 1, column, row, entry }
+    }
+}
+
+impl HeightField {
+    /// A field of `columns` times `rows` heights [m], row by row, with cells of `cell` along x and z [m].
+    ///
+    /// # Errors
+    /// Fewer than two columns or rows, a number of heights that isn't their product, a height that is not finite or
+    /// beyond 1e7, cells without size, or more than 2^31 triangles.
+    pub fn new(columns: usize, rows: usize, cell: Vec2, heights: Vec<f32>) -> Result<HeightField, Error> {
+        let count = columns
+            .checked_mul(rows)
+            .filter(|&n| n < 1 << 30)
+            .ok_or(Error::TooMany { what: "samples of a height field", most: 1 << 30 })?;
+        within("height field columns", columns as f32, 2.0, f32::MAX, "at least 2")?;
+        within("height field rows", rows as f32, 2.0, f32::MAX, "at least 2")?;
+        positive("height field cell", cell.x)?;
+        positive("height field cell", cell.y)?;
+        within("height field width", cell.x * (columns - 1) as f32, 0.0, MOST, "at most 1e7")?;
+        within("height field depth", cell.y * (rows - 1) as f32, 0.0, MOST, "at most 1e7")?;
+        if heights.len() != count {
+            let expected = "columns times rows";
+            return Err(Error::OutOfRange { what: "heights", expected, value: heights.len() as f64 });
+        }
+        for &height in &heights {
+            within("height", finite("height", height)?, -MOST, MOST, "within 1e7")?;
+        }
+        let mut field = HeightField { columns, rows, cell, heights, folds: Vec::new(), levels: Vec::new() };
+        field.folds = field.find_folds();
+        field.levels = field.find_levels();
+        Ok(field)
+    }
+
+    /// Corners of its bounding box [m].
+    pub fn aabb(&self) -> (Vec3, Vec3) {
+        let (low, high) = self.levels.last().map_or((0.0, 0.0), |top| top.bounds[0]);
+        let far = self.corner(self.columns - 1, self.rows - 1);
+        (Vec3::new(0.0, low, 0.0), Vec3::new(far.x, high, far.z))
+    }
+
+    /// How many triangles there are.
+    pub fn triangle_count(&self) -> usize {
+        2 * (self.columns - 1) * (self.rows - 1)
+    }
+
+    /// Bytes live and reserved.
+    pub fn bytes(&self) -> (usize, usize) {
+        let mut sum = (size_of::<Self>(), size_of::<Self>());
+        let levels = self.levels.iter().map(|l| crate::memory::bytes_of(&l.bounds));
+        let parts = [
+            crate::memory::bytes_of(&self.heights),
+            crate::memory::bytes_of(&self.folds),
+            crate::memory::bytes_of(&self.levels),
+        ];
+        for part in levels.chain(parts) {
+            sum = (sum.0 + part.0, sum.1 + part.1);
+        }
+        sum
+    }
+
+    #[inline(always)]
+    fn corner(&self, column: usize, row: usize) -> Vec3 {
+        let height = self.heights[row * self.columns + column];
+        Vec3::new(column as f32 * self.cell.x, height, row as f32 * self.cell.y)
+    }
+
+    /// Column and row of a triangle's cell, and which of the two it is.
+    #[inline(always)]
+    fn place(&self, i: u32) -> (usize, usize, bool) {
+        let cell = i as usize / 2;
+        (cell % (self.columns - 1), cell / (self.columns - 1), i & 1 == 1)
+    }
+
+    #[inline(always)]
+    pub(crate) fn triangle(&self, i: u32) -> [Vec3; 3] {
+        let (column, row, second) = self.place(i);
+        let (v10, v01) = (self.corner(column + 1, row), self.corner(column, row + 1));
+        if second {
+            [v10, v01, self.corner(column + 1, row + 1)]
+        } else {
+            [self.corner(column, row), v01, v10]
+        }
+    }
+
+    pub(crate) fn edges(&self, i: u32) -> Edges {
+        let (column, row, second) = self.place(i);
+        let fold = |column: usize, row: usize, edge: usize| {
+            // Past the last cell lies the border.
+            if column >= self.columns - 1 || row >= self.rows - 1 {
+                return Fold::Open;
+            }
+            Fold::from_bits(u32::from(self.folds[row * (self.columns - 1) + column]) >> (2 * edge))
+        };
+        let diagonal = fold(column, row, 0);
+        if second {
+            Edges::new([diagonal, fold(column, row + 1, 1), fold(column + 1, row, 2)])
+        } else {
+            Edges::new([fold(column, row, 2), diagonal, fold(column, row, 1)])
+        }
+    }
+
+    fn find_folds(&self) -> Vec<u8> {
+        let mut folds = Vec::with_capacity((self.columns - 1) * (self.rows - 1));
+        for row in 0..self.rows - 1 {
+            for column in 0..self.columns - 1 {
+                let at = |dx: usize, dz: usize| self.corner(column + dx, row + dz);
+                let diagonal = Fold::between(at(0, 1), at(1, 0), at(0, 0), at(1, 1));
+                let along_x = if row == 0 {
+                    Fold::Open
+                } else {
+                    Fold::between(at(1, 0), at(0, 0), at(0, 1), self.corner(column + 1, row - 1))
+                };
+                let along_z = if column == 0 {
+                    Fold::Open
+                } else {
+                    Fold::between(at(0, 0), at(0, 1), at(1, 0), self.corner(column - 1, row + 1))
+                };
+                folds.push(diagonal as u8 | (along_x as u8) << 2 | (along_z as u8) << 4);
+            }
+        }
+        folds
+    }
+
+    fn find_levels(&self) -> Vec<Level> {
+        let mut levels: Vec<Level> = Vec::new();
+        let (mut columns, mut rows) = (self.columns - 1, self.rows - 1);
+        while levels.is_empty() || columns > 1 || rows > 1 {
+            let (below_columns, below_rows) = (columns, rows);
+            (columns, rows) = (columns.div_ceil(SIDE), rows.div_ceil(SIDE));
+            let mut bounds = Vec::with_capacity(columns * rows);
+            for row in 0..rows {
+                for column in 0..columns {
+                    let mut all = (f32::MAX, f32::MIN);
+                    for r in row * SIDE..((row + 1) * SIDE).min(below_rows) {
+                        for c in column * SIDE..((column + 1) * SIDE).min(below_columns) {
+                            let (low, high) = match levels.last() {
+                                Some(level) => level.bounds[r * below_columns + c],
+                                None => self.cell_bounds(c, r),
+                            };
+                            all = (all.0.min(low), all.1.max(high));
+                        }
+                    }
+                    bounds.push(all);
+                }
+            }
+            levels.push(Level { columns, rows, bounds });
+        }
+        levels
+    }
+
+    /// Least and largest height of a cell.
+    #[inline(always)]
+    fn cell_bounds(&self, column: usize, row: usize) -> (f32, f32) {
+        let first = row * self.columns + column;
+        let (near, far) = (&self.heights[first..first + 2], &self.heights[first + self.columns..][..2]);
+        (near[0].min(near[1]).min(far[0].min(far[1])), near[0].max(near[1]).max(far[0].max(far[1])))
+    }
+
+    /// Calls `f` with every triangle whose bounding box meets a box.
+    #[inline]
+    pub(crate) fn visit_box(&self, min: Vec3, max: Vec3, f: &mut (impl FnMut(u32, [Vec3; 3]) + ?Sized)) {
+        // The cells under the box are known; only their heights are to be looked at. A cell more on either side, for
+        // the rounding; triangles are tested themselves.
+        let cells = |low: f32, high: f32, size: f32, count: usize| {
+            let first = (low / size - 1.0).clamp(0.0, count as f32) as usize;
+            let last = (high / size + 2.0).clamp(0.0, count as f32) as usize;
+            first..last
+        };
+        let columns = cells(min.x, max.x, self.cell.x, self.columns - 1);
+        for row in cells(min.z, max.z, self.cell.y, self.rows - 1) {
+            for column in columns.clone() {
+                let (low, high) = self.cell_bounds(column, row);
+                if low > max.y || high < min.y {
+                    continue;
+                }
+                let first = 2 * (row * (self.columns - 1) + column) as u32;
+                for i in [first, first + 1] {
+                    let [a, b, c] = self.triangle(i);
+                    let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+                    if low.cmple(max).all() && high.cmpge(min).all() {
+                        f(i, [a, b, c]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Calls `f` for the triangles whose boxes, inflated by half extents, a path meets, with a fraction before which
+    /// it does not; nearer ones first, as far as boxes tell. `f` returns the largest fraction that still matters.
+    pub(crate) fn visit_segment(
+        &self,
+        from: Vec3,
+        to: Vec3,
+        inflate: Vec3,
+        f: &mut (impl FnMut(u32, [Vec3; 3], f32) -> f32 + ?Sized),
+    ) {
+        let path = self.path(from, to, inflate);
+        self.along(&path, 1.0, &mut |i, corners, entry, most| most.min(f(i, corners, entry)));
+    }
+
+    /// A path to be walked along in this field.
+    pub(super) fn path(&self, from: Vec3, to: Vec3, inflate: Vec3) -> Path {
+        let (min, max) = self.aabb();
+        Path::new(from, to, inflate, 1e-6 * min.abs().max(max.abs()).max_element())
+    }
+
+    /// Calls `f(triangle, corners, entry, most)` with the triangles whose boxes a path enters before the fraction `most`,
+    /// about the nearest first; it returns the new `most`.
+    fn along(&self, path: &Path, most: f32, f: &mut impl FnMut(u32, [Vec3; 3], f32, f32) -> f32) {
+        let four = |low, high| {
+            let (meets, entry) = path.meets::<f32x4>(low, high);
+            (meets.bits(), entry.to_array())
+        };
+        let one = |low, high| path.meets_one(low, high);
+        self.nearest_first(most, &four, &one, f);
+    }
+
+    /// The top of the pyramid.
+    pub(super) fn root(&self) -> Square {
+        Square { level: self.levels.len() as u32, ..Square::default() }
+    }
+
+    /// The two triangles of a cell.
+    pub(super) fn triangles_of(&self, cell: &Square) -> [u32; 2] {
+        let cell = cell.row as usize * (self.columns - 1) + cell.column as usize;
+        [2 * cell as u32, 2 * cell as u32 + 1]
+    }
+
+    /// Walks down the pyramid, about the nearest first. `four` and `one` say of boxes, given by their lowest and highest
+    /// corners, whether they matter and how near they are; `f` gets a triangle, how near its box is and the most that still
+    /// matters, and returns the new most.
+    fn nearest_first(
+        &self,
+        mut most: f32,
+        four: &impl Fn(LaneVec3<f32x4>, LaneVec3<f32x4>) -> (u32, [f32; 4]),
+        one: &impl Fn(Vec3, Vec3) -> Option<f32>,
+        f: &mut impl FnMut(u32, [Vec3; 3], f32, f32) -> f32,
+    ) {
+        let mut stack = [Square::default(); STACK];
+        stack[0] = self.root();
+        let mut waiting = 1;
+        while waiting > 0 {
+            waiting -= 1;
+            let square = stack[waiting];
+            if square.entry > most {
+                continue;
+            }
+            if square.level == 0 {
+                for i in self.triangles_of(&square) {
+                    let [a, b, c] = self.triangle(i);
+                    let entry = one(a.min(b).min(c), a.max(b).max(c));
+                    if let Some(entry) = entry.filter(|&entry| entry <= most) {
+                        most = f(i, [a, b, c], entry, most);
+                    }
+                }
+                continue;
+            }
+            let base = waiting;
+            for row in 0..SIDE as u32 {
+                let (low, high, here) = self.row_of_four(&square, row);
+                if here == 0 {
+                    break;
+                }
+                let (bits, entry) = four(low, high);
+                let bits = bits & here;
+                for i in (0..SIDE as u32).filter(|i| bits >> i & 1 != 0) {
+                    let entry = entry[i as usize];
+                    if entry > most || waiting == STACK {
+                        continue;
+                    }
+                    // The nearest on top.
+                    let mut at = waiting;
+                    while at > base && stack[at - 1].entry < entry {
+                        stack[at] = stack[at - 1];
+                        at -= 1;
+                    }
+                    stack[at] = square.child(i, row, entry);
+                    waiting += 1;
+                }
+            }
+        }
+    }
+
+    /// The boxes of four children of a square along x, their lowest and their highest corners, and which there are.
+    #[inline]
+    pub(super) fn row_of_four(&self, square: &Square, row: u32) -> (LaneVec3<f32x4>, LaneVec3<f32x4>, u32) {
+        let level = square.level as usize - 1;
+        let (columns, rows) = match level {
+            0 => (self.columns - 1, self.rows - 1),
+            _ => (self.levels[level - 1].columns, self.levels[level - 1].rows),
+        };
+        let (column, row) = (SIDE * square.column as usize, SIDE * square.row as usize + row as usize);
+        if row >= rows {
+            return (LaneVec3::zero(), LaneVec3::zero(), 0);
+        }
+        let here = (columns - column).min(SIDE);
+        let bounds: [(f32, f32); 4] = std::array::from_fn(|i| {
+            let column = column + i.min(here - 1);
+            match level {
+                0 => self.cell_bounds(column, row),
+                _ => self.levels[level - 1].bounds[row * columns + column],
+            }
+        });
+        let span = SIDE.pow(level as u32);
+        let x = |i: usize| ((column + i) * span).min(self.columns - 1) as f32 * self.cell.x;
+        let z = |row: usize| f32x4::splat((row * span).min(self.rows - 1) as f32 * self.cell.y);
+        let low = LaneVec3::new(f32x4::from_fn(x), f32x4::from_fn(|i| bounds[i].0), z(row));
+        let high = LaneVec3::new(f32x4::from_fn(|i| x(i + 1)), f32x4::from_fn(|i| bounds[i].1), z(row + 1));
+        (low, high, (1 << here) - 1)
+    }
+
+    /// Where a path first meets a triangle, from either side: the fraction of it, and the triangle. Nothing slips
+    /// through an edge or a vertex that triangles share.
+    pub(crate) fn segment_hit(&self, from: Vec3, to: Vec3) -> Option<(f32, u32)> {
+        let test = SegmentTest::new(from, to)?;
+        let mut nearest: Option<(f32, u32)> = None;
+        self.visit_segment(from, to, Vec3::ZERO, &mut |i, corners, _| {
+            test.nearer(i, corners, &mut nearest);
+            nearest.map_or(1.0, |n| n.0)
+        });
+        nearest
+    }
+
+    /// As [`HeightField::segment_hit`] for queries: by start and displacement, up to the fraction `most`; the first hit,
+    /// or if `any` will do, one of them. A hit counts from where the triangle's box is entered, as in a mesh.
+    pub(crate) fn ray(&self, from: Vec3, path: Vec3, most: f32, any: bool) -> Option<(f32, u32)> {
+        let test = SegmentTest::along(from, path)?;
+        let mut nearest = (most, u32::MAX);
+        self.along(&self.path(from, from + path, Vec3::ZERO), most, &mut |i, corners, entry, _| {
+            if let Some(t) = test.hit(corners) {
+                take(&mut nearest, Lanes::max(t, entry), i);
+            }
+            if any && nearest.1 != u32::MAX { -1.0 } else { nearest.0 }
+        });
+        (nearest.1 != u32::MAX).then_some(nearest)
+    }
+
+    /// Calls `f` with the triangles whose boxes a box of half extents `half` meets that moves along a path, up to the
+    /// fraction `most`, about the nearest first; it returns the new `most`.
+    pub(crate) fn visit_path(
+        &self,
+        from: glam::DVec3,
+        path: Vec3,
+        half: Vec3,
+        mut most: f32,
+        f: &mut impl FnMut(u32, [Vec3; 3], f32) -> f32,
+    ) {
+        let start = from.as_vec3();
+        let half = half + (from - start.as_dvec3()).abs().as_vec3();
+        self.visit_segment(start, start + path, half, &mut |i, corners, entry| {
+            if entry <= most {
+                most = f(i, corners, most);
+            }
+            most
+        });
+    }
+
+    /// Calls `f` with the triangles whose boxes may be within the squared distance `most` of a point [m²], about the
+    /// nearest first; it returns the new `most`.
+    pub(crate) fn visit_near(
+        &self,
+        at: glam::DVec3,
+        most: f32,
+        f: &mut impl FnMut(u32, [Vec3; 3], f32) -> f32,
+    ) {
+        let (near, nears) = (Near::<f32>::new(at), Near::<f32x4>::new(at));
+        let four = |low, high| (0b1111, nears.squared(&low, &high).to_array());
+        let one = |low, high| Some(near.squared(&LaneVec3::splat(low), &LaneVec3::splat(high)));
+        self.nearest_first(most, &four, &one, &mut |i, corners, _, most| f(i, corners, most));
+    }
+
+    /// Whether `f` says yes to any triangle whose bounding box meets a box.
+    pub(crate) fn any_in_box(
+        &self,
+        min: Vec3,
+        max: Vec3,
+        f: &mut impl FnMut(u32, [Vec3; 3]) -> bool,
+    ) -> bool {
+        let mut any = false;
+        self.visit_box(min, max, &mut |i, corners| any = any || f(i, corners));
+        any
+    }
+
+    /// Whether any triangle may be within `reach` [m] of a segment, as far as boxes and planes tell.
+    pub(crate) fn nears(&self, from: Vec3, to: Vec3, reach: f32) -> bool {
+        let mut near = false;
+        self.visit_box(from.min(to) - reach, from.max(to) + reach, &mut |_, corners| {
+            near = near || !beyond::<f32>(corners.map(LaneVec3::splat), from, to, reach);
+        });
+        near
+    }
+
+    /// Corners of a triangle [m], in the order of its winding, by the index that queries report; nothing if there is no
+    /// such triangle.
+    pub fn corners(&self, triangle: u32) -> Option<[Vec3; 3]> {
+        ((triangle as usize) < self.triangle_count()).then(|| self.triangle(triangle))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shape::TriangleMesh;
+    use crate::shape::mesh::testing::{Random, bumpy, grid};
+
+    fn field(columns: usize, rows: usize, cell: Vec2) -> HeightField {
+        let heights = (0..columns * rows)
+            .map(|i| bumpy((i % columns) as f32 * cell.x, (i / columns) as f32 * cell.y))
+            .collect();
+        HeightField::new(columns, rows, cell, heights).unwrap()
+    }
+
+    #[test]
+    fn a_field_refuses_bad_numbers() {
+        let cell = Vec2::ONE;
+        assert!(HeightField::new(2, 2, cell, vec![0.0; 3]).is_err());
+        assert!(HeightField::new(1, 4, cell, vec![0.0; 4]).is_err());
+        assert!(HeightField::new(2, 2, cell, vec![0.0, 0.0, f32::NAN, 0.0]).is_err());
+        assert!(HeightField::new(2, 2, Vec2::new(1.0, 0.0), vec![0.0; 4]).is_err());
+        assert!(HeightField::new(usize::MAX, 3, cell, vec![0.0; 4]).is_err());
+        let flat = HeightField::new(2, 2, cell, vec![0.0; 4]).unwrap();
+        assert_eq!(flat.aabb(), (Vec3::ZERO, Vec3::new(1.0, 0.0, 1.0)));
+    }
+
+    #[test]
+    fn boxes_and_paths_find_what_a_search_of_all_finds() {
+        let mut random = Random(5);
+        for (columns, rows, cell) in
+            [(30, 41, Vec2::new(0.7, 0.5)), (2, 2, Vec2::ONE), (5, 90, Vec2::splat(0.3))]
+        {
+            let field = field(columns, rows, cell);
+            let (low, high) = field.aabb();
+            let anywhere = |r: &mut Random| low + (high - low) * (r.cube() * 0.7 + 0.5);
+            let bounds = |t: u32| {
+                let [a, b, c] = field.triangle(t);
+                (a.min(b).min(c), a.max(b).max(c))
+            };
+            for _ in 0..400 {
+                let (centre, half) = (anywhere(&mut random), random.cube().abs() * 2.0);
+                let (min, max) = (centre - half, centre + half);
+                let mut found = Vec::new();
+                field.visit_box(min, max, &mut |t, _| found.push(t));
+                let mut expected: Vec<u32> = (0..field.triangle_count() as u32).collect();
+                expected.retain(|&t| bounds(t).0.cmple(max).all() && bounds(t).1.cmpge(min).all());
+                assert_eq!(found, expected);
+
+                let to = anywhere(&mut random);
+                let mut found = Vec::new();
+                field.visit_segment(centre, to, half * 0.2, &mut |t, _, _| {
+                    found.push(t);
+                    1.0
+                });
+                found.sort_unstable();
+                let path = Path::new(centre, to, half * 0.2, 0.0);
+                let all = 0..field.triangle_count() as u32;
+                for t in all.filter(|&t| path.meets_one(bounds(t).0, bounds(t).1).is_some()) {
+                    assert!(found.binary_search(&t).is_ok(), "missed {t}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_field_has_the_folds_of_the_same_mesh() {
+        let field = field(25, 25, Vec2::splat(0.5));
+        let (vertices, triangles) = grid(24, 0.5, |x, z| bumpy(x + 6.0, z + 6.0));
+        let edges = crate::shape::mesh::edges::find_edges(&vertices, &triangles);
+        for (t, edges) in edges.iter().enumerate() {
+            let corners = triangles[t].map(|v| vertices[v as usize] + Vec3::new(6.0, 0.0, 6.0));
+            for (a, b) in corners.iter().zip(field.triangle(t as u32)) {
+                assert!((*a - b).length() < 1e-5);
+            }
+            assert_eq!(field.edges(t as u32), *edges);
+        }
+    }
+
+    #[test]
+    fn paths_hit_a_field_where_they_hit_the_same_mesh() {
+        let field = field(33, 33, Vec2::splat(0.5));
+        let corners: Vec<Vec3> = (0..33 * 33).map(|i| field.corner(i % 33, i / 33)).collect();
+        let (_, triangles) = grid(32, 0.5, |_, _| 0.0);
+        let mesh = TriangleMesh::new(corners.clone(), triangles).unwrap();
+        let mut random = Random(6);
+        for i in 0..20_000 {
+            let mut through = corners[random.below(corners.len())];
+            if i % 2 == 0 {
+                through.x = (through.x + random.range(0.0, 0.5)).min(16.0);
+            }
+            let from = through
+                + Vec3::new(random.range(-9.0, 9.0), random.range(8.0, 40.0), random.range(-9.0, 9.0));
+            let to = through + (through - from) * 0.5;
+            let (one, other) = (field.segment_hit(from, to), mesh.segment_hit(from, to));
+            assert_eq!(one.map(|h| h.0), other.map(|h| h.0));
+            // Between samples the surface is elsewhere than `through`, by up to the slope.
+            let inside = Vec2::new(through.x - 8.0, through.z - 8.0).abs().max_element() < 6.0;
+            assert!(one.is_some() || !inside);
+        }
+    }
+
+    #[test]
+    fn a_sample_takes_less_than_6_bytes() {
+        let field = field(225, 225, Vec2::splat(0.5));
+        let each = field.bytes().1 as f32 / (225.0 * 225.0);
+        println!("{each:.2} bytes a sample");
+        assert!(each < 6.0);
+    }
+}
