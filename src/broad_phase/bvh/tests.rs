@@ -1,0 +1,68 @@
+use super::*;
+use glam::vec3;
+
+fn boxes(count: u32, seed: u32) -> Vec<Aabb> {
+    let mut state = seed;
+    let mut next = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as f32 / (1 << 24) as f32
+    };
+    (0..count)
+        .map(|_| {
+            let centre = vec3(next(), next(), next()) * 100.0;
+            let half = vec3(next(), next(), next()) * 3.0;
+            Aabb { min: centre - half, max: centre + half }
+        })
+        .collect()
+}
+
+fn found(tree: &Tree, bounds: &Aabb) -> Vec<u32> {
+    let mut found = Vec::new();
+    tree.visit_box(&mut Vec::new(), bounds, |c| found.push(c));
+    found.sort_unstable();
+    found
+}
+
+#[test]
+fn a_tree_finds_what_a_list_finds_while_leaves_come_go_and_move() {
+    let mut all = boxes(600, 3);
+    let mut place = vec![NONE; 600];
+    let mut tree = Tree::default();
+    let check = |tree: &Tree, all: &[Aabb], place: &[u32]| {
+        for asked in boxes(50, 99) {
+            let expected: Vec<u32> =
+                (0..600).filter(|&c| place[c as usize] != NONE && all[c as usize].overlaps(&asked)).collect();
+            assert_eq!(found(tree, &asked), expected);
+        }
+    };
+    for (from, to) in [(0, 1), (1, 2), (2, 300), (300, 320), (320, 330), (330, 500), (500, 600)] {
+        let new: Vec<u32> = (from..to).collect();
+        tree.add(&new, |c| all[c as usize], |c, at| place[c as usize] = at);
+        check(&tree, &all, &place);
+    }
+    for c in (0..600).step_by(3) {
+        tree.remove(place[c]);
+        place[c] = NONE;
+    }
+    check(&tree, &all, &place);
+    for (round, step) in [(1, 50), (2, 2), (3, 1)] {
+        let later = boxes(600, 100 + round);
+        let moved: Vec<u32> = (0..600).step_by(step).filter(|&c| place[c as usize] != NONE).collect();
+        for &c in &moved {
+            all[c as usize] = later[c as usize];
+        }
+        if tree.refit(moved.iter().map(|&c| (place[c as usize], all[c as usize]))) {
+            tree.rebuild(&[], |c| all[c as usize], |c, at| place[c as usize] = at);
+        }
+        check(&tree, &all, &place);
+    }
+}
+
+#[test]
+fn boxes_that_are_all_the_same_still_make_a_shallow_tree() {
+    let mut tree = Tree::default();
+    let ids: Vec<u32> = (0..5000).collect();
+    tree.add(&ids, |_| Aabb { min: vec3(0.0, 0.0, 0.0), max: vec3(1.0, 1.0, 1.0) }, |_, _| {});
+    assert_eq!(found(&tree, &Aabb { min: vec3(0.5, 0.5, 0.5), max: vec3(0.6, 0.6, 0.6) }).len(), 5000);
+    assert!(tree.nodes.len() < 2500, "{}", tree.nodes.len());
+}

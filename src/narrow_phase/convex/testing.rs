@@ -1,0 +1,221 @@
+//! What the tests of this folder share: seeded numbers, shapes, and a slow reference in f64.
+
+use super::*;
+use crate::shape::{ConvexHull, Filter, Geometry, Material};
+use glam::{DQuat, DVec3, Quat};
+use std::sync::Arc;
+
+/// Numbers in 0..1 (SplitMix64).
+pub(crate) struct Random(pub(crate) u64);
+impl Random {
+    pub(crate) fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+    pub(crate) fn unit(&mut self) -> f32 {
+        (self.bits() >> 40) as f32 / (1 << 24) as f32
+    }
+    pub(crate) fn below(&mut self, n: usize) -> usize {
+        (self.bits() % n as u64) as usize
+    }
+    pub(crate) fn cube(&mut self) -> Vec3 {
+        Vec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
+    }
+    pub(crate) fn sphere(&mut self) -> Vec3 {
+        loop {
+            let v = self.cube();
+            if (0.01..1.0).contains(&v.length_squared()) {
+                return v.normalize();
+            }
+        }
+    }
+    pub(crate) fn rotation(&mut self) -> Quat {
+        let (v, w) = (self.sphere(), self.unit() * 2.0 - 1.0);
+        Quat::from_xyzw(v.x, v.y, v.z, w).normalize()
+    }
+}
+
+pub(crate) fn collider(geometry: Geometry) -> Collider {
+    let (mut size, radius) = ([0.0; 4], reach(&geometry));
+    match &geometry {
+        Geometry::Sphere { radius } => size[0] = *radius,
+        Geometry::Capsule { half_height, radius_bottom, radius_top }
+        | Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
+            size = [*half_height, *radius_bottom, *radius_top, 0.0];
+        }
+        Geometry::Box { half_extents: h } => size = [h.x, h.y, h.z, 0.0],
+        _ => {}
+    }
+    Collider {
+        kind: Kind::of(&geometry),
+        body: 0,
+        place: 0,
+        size,
+        position: Vec3::ZERO,
+        rotation: Quat::IDENTITY,
+        radius,
+        inner_radius: 0.0,
+        geometry,
+        material: Material::default(),
+        filter: Filter::default(),
+        density: 1.0,
+        flags: 0,
+        user_data: 0,
+    }
+}
+
+fn reach(geometry: &Geometry) -> f32 {
+    match geometry {
+        Geometry::Sphere { radius } => *radius,
+        Geometry::Capsule { half_height, radius_bottom, radius_top } => {
+            half_height + radius_bottom.max(*radius_top)
+        }
+        Geometry::Box { half_extents } => half_extents.length(),
+        Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
+            half_height.hypot(radius_bottom.max(*radius_top))
+        }
+        Geometry::Hull(h) => h.vertices.iter().map(|v| v.length()).fold(0.0, f32::max),
+        _ => f32::INFINITY,
+    }
+}
+
+pub(crate) fn hull(random: &mut Random, points: usize) -> Geometry {
+    let squash = random.cube().abs() * 0.6 + 0.4;
+    let points: Vec<Vec3> = (0..points).map(|_| random.sphere() * squash).collect();
+    Geometry::Hull(Arc::new(ConvexHull::new(&points).unwrap()))
+}
+
+/// A shape of a kind, about a metre in size.
+pub(crate) fn shape(random: &mut Random, kind: Kind) -> Collider {
+    let mut size = || 0.3 + 0.7 * random.unit();
+    let (x, y, z) = (size(), size(), size());
+    let tapers = random.below(2) == 0;
+    collider(match kind {
+        Kind::Sphere => Geometry::Sphere { radius: x },
+        Kind::Capsule if tapers => {
+            Geometry::Capsule { half_height: y, radius_bottom: x * 0.5, radius_top: z * 0.5 }
+        }
+        Kind::Capsule => Geometry::capsule(y, x * 0.5),
+        Kind::Box => Geometry::cuboid(x, y, z),
+        Kind::Cylinder if tapers => {
+            Geometry::Cylinder { half_height: y, radius_bottom: x, radius_top: z - 0.3 }
+        }
+        Kind::Cylinder => Geometry::cylinder(y, x),
+        _ => {
+            let n = 6 + random.below(20);
+            hull(random, n)
+        }
+    })
+}
+
+/// Largest extent along a direction.
+pub(crate) fn extent(shape: &Collider, d: DVec3) -> f64 {
+    match &shape.geometry {
+        Geometry::Sphere { radius } => f64::from(*radius) * d.length(),
+        Geometry::Capsule { half_height, radius_bottom, radius_top } => {
+            let (h, l) = (f64::from(*half_height) * d.y, d.length());
+            (f64::from(*radius_bottom) * l - h).max(f64::from(*radius_top) * l + h)
+        }
+        Geometry::Cylinder { half_height, radius_bottom, radius_top } => {
+            let (h, l) = (f64::from(*half_height) * d.y, d.x.hypot(d.z));
+            (f64::from(*radius_bottom) * l - h).max(f64::from(*radius_top) * l + h)
+        }
+        Geometry::Box { half_extents } => half_extents.as_dvec3().dot(d.abs()),
+        Geometry::Hull(h) => h.vertices.iter().map(|v| v.as_dvec3().dot(d)).fold(f64::MIN, f64::max),
+        _ => f64::INFINITY,
+    }
+}
+
+/// Two shapes with the pose of b in a's frame.
+pub(crate) struct Pair<'a> {
+    pub(crate) a: &'a Collider,
+    pub(crate) b: &'a Collider,
+    pub(crate) rel: Relative,
+}
+
+impl Pair<'_> {
+    /// Distance of the two along a unit vector from a to b.
+    pub(crate) fn along(&self, n: DVec3) -> f64 {
+        let rotation: DQuat = self.rel.rotation.as_dquat().normalize();
+        n.dot(self.rel.position.as_dvec3()) - extent(self.a, n) - extent(self.b, rotation.conjugate() * -n)
+    }
+
+    /// A lower bound of [`Self::signed_distance`] out of 400 directions.
+    pub(crate) fn about(&self) -> f64 {
+        spiral(400).map(|n| self.along(n)).fold(f64::MIN, f64::max)
+    }
+
+    /// The largest distance along any direction: the distance of the shapes or, negative, the depth of their
+    /// overlap. A thousand directions and all normals, and from the best of them uphill.
+    pub(crate) fn signed_distance(&self) -> f64 {
+        let rotation: DQuat = self.rel.rotation.as_dquat().normalize();
+        let mut starts: Vec<(f64, DVec3)> =
+            spiral(1000).chain(self.normals(rotation)).map(|n| (self.along(n), n)).collect();
+        starts.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut best = f64::MIN;
+        for &(mut value, mut n) in starts.iter().take(8) {
+            let mut step = 0.04;
+            while step > 1e-7 {
+                let (u, v) = (n.any_orthonormal_vector(), n.cross(n.any_orthonormal_vector()));
+                let mut better = false;
+                for k in 0..12 {
+                    let angle = f64::from(k) * std::f64::consts::TAU / 12.0;
+                    let next = (n + (u * libm::cos(angle) + v * libm::sin(angle)) * step).normalize();
+                    let at = self.along(next);
+                    if at > value {
+                        (value, n, better) = (at, next, true);
+                        break;
+                    }
+                }
+                if !better {
+                    step *= 0.5;
+                }
+            }
+            best = best.max(value);
+        }
+        best
+    }
+
+    /// All face normals, in a's frame.
+    fn normals(&self, rotation: DQuat) -> Vec<DVec3> {
+        let of = |shape: &Collider| match Solid::of(shape) {
+            Some(solid) => solid.view().planes.iter().map(|p| p.0.as_dvec3()).collect(),
+            None if shape.kind == Kind::Cylinder => vec![DVec3::Y, DVec3::NEG_Y],
+            None => vec![],
+        };
+        let mut normals: Vec<DVec3> = of(self.a);
+        normals.extend(of(self.b).into_iter().map(|n| rotation * -n));
+        normals
+    }
+}
+
+/// Evenly spread unit vectors.
+fn spiral(count: i32) -> impl Iterator<Item = DVec3> {
+    (0..count).map(move |i| {
+        let y = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(count);
+        let angle = f64::from(i) * 2.399_963_229_728_653;
+        let r = (1.0 - y * y).sqrt();
+        DVec3::new(r * libm::cos(angle), y, r * libm::sin(angle))
+    })
+}
+
+/// At most how far a point is outside of a shape, by its planes; negative inside.
+pub(crate) fn outside(shape: &Collider, p: DVec3) -> f64 {
+    let excess = |n: DVec3| n.dot(p) - extent(shape, n);
+    if let Geometry::Cylinder { half_height, radius_bottom, radius_top } = shape.geometry {
+        let slope = f64::from(radius_bottom - radius_top);
+        let along = f64::from(2.0 * half_height);
+        let across = DVec3::new(p.x, 0.0, p.z).normalize_or(DVec3::X);
+        let side = (across * along + DVec3::Y * slope).normalize();
+        return [DVec3::Y, DVec3::NEG_Y, side].map(excess).into_iter().fold(f64::MIN, f64::max);
+    }
+    match Solid::of(shape) {
+        Some(solid) => {
+            solid.view().planes.iter().map(|plane| excess(plane.0.as_dvec3())).fold(f64::MIN, f64::max)
+        }
+        None => spiral(1000).map(excess).fold(f64::MIN, f64::max),
+    }
+}
