@@ -8,7 +8,7 @@ use crate::constraint::{Order, RowGroup};
 use crate::forces::is_uneven;
 use crate::handle::Slots;
 use crate::lanes::Record;
-use crate::memory::{Buffer, Room, bytes_of};
+use crate::memory::{Buffer, Room, add_bytes, bytes_of};
 use glam::{DVec3, Quat, Vec3};
 
 /// Pose of the centre of mass, in the principal axes of inertia.
@@ -112,6 +112,21 @@ impl Part {
     }
 
     const ALL: [Part; 4] = [Part::Awake, Part::Kinematic, Part::Asleep, Part::Static];
+}
+
+/// Evaluates an expression for each of the columns that all bodies have: the one list of them.
+macro_rules! for_each_column {
+    ($bodies:ident as [$($by:tt)+], $column:ident => $do:expr) => {{
+        for_each_column!(@ [$bodies] [$($by)+] $column $do;
+            slot, kind, pose, velocity, mass, traits, cold, colliders);
+    }};
+    (@ $bodies:tt $by:tt $column:ident $do:expr; $($name:ident),+) => {
+        $(for_each_column!(@one $bodies $by $name $column $do);)+
+    };
+    (@one [$bodies:ident] [$($by:tt)+] $name:ident $column:ident $do:expr) => {{
+        let $column = $($by)+ $bodies.$name;
+        $do;
+    }};
 }
 
 /// All bodies. A column's index is the body's dense index.
@@ -288,14 +303,7 @@ impl Bodies {
     /// Calls `f` with each buffer and the place that it needs for so many bodies. `forced`: with forces.
     pub(crate) fn each(&mut self, n: usize, forced: bool, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
         self.slots.each(n, f);
-        f(&mut self.slot, n);
-        f(&mut self.kind, n);
-        f(&mut self.pose, n);
-        f(&mut self.velocity, n);
-        f(&mut self.mass, n);
-        f(&mut self.traits, n);
-        f(&mut self.cold, n);
-        f(&mut self.colliders, n);
+        for_each_column!(self as [&mut], column => f(column, n));
         if forced {
             f(&mut self.force, n);
         }
@@ -305,14 +313,7 @@ impl Bodies {
     pub(crate) fn reserve(&mut self, more: usize) {
         let (mut room, len) = (Room::ENDLESS, self.len() + more);
         self.slots.reserve(more);
-        room.fit(&mut self.slot, len);
-        room.fit(&mut self.kind, len);
-        room.fit(&mut self.pose, len);
-        room.fit(&mut self.velocity, len);
-        room.fit(&mut self.mass, len);
-        room.fit(&mut self.traits, len);
-        room.fit(&mut self.cold, len);
-        room.fit(&mut self.colliders, len);
+        for_each_column!(self as [&mut], column => room.fit(column, len));
         if !self.force.is_empty() {
             room.fit(&mut self.force, len);
         }
@@ -324,14 +325,7 @@ impl Bodies {
         self.reserve(1);
         self.count_traits((body.kind, &body.mass, &body.traits), 1);
         let handle = self.slots.insert(last);
-        self.slot.push(handle.0);
-        self.kind.push(body.kind);
-        self.pose.push(body.pose);
-        self.velocity.push(body.velocity);
-        self.mass.push(body.mass);
-        self.traits.push(body.traits);
-        self.cold.push(body.cold);
-        self.colliders.push(Colliders::None);
+        self.push_row(handle.0, &body);
         if !self.force.is_empty() {
             self.force.push(Record::default());
         }
@@ -342,6 +336,18 @@ impl Bodies {
         handle
     }
 
+    /// Appends a row to the columns that all bodies have.
+    fn push_row(&mut self, slot: u32, body: &NewBody) {
+        self.slot.push(slot);
+        self.kind.push(body.kind);
+        self.pose.push(body.pose);
+        self.velocity.push(body.velocity);
+        self.mass.push(body.mass);
+        self.traits.push(body.traits);
+        self.cold.push(body.cold);
+        self.colliders.push(Colliders::None);
+    }
+
     /// Removes the body at `index`.
     pub(crate) fn remove(&mut self, index: u32, mut moved: impl FnMut(&Colliders, u32)) {
         let i = index as usize;
@@ -350,16 +356,10 @@ impl Bodies {
         self.disabled -= u32::from(self.is_set_aside(index));
         let hole = self.travel(index, (self.part_of(index), Part::Static), &mut moved);
         self.swap(hole, self.len() as u32 - 1, &mut moved);
-        if let Some(slot) = self.slot.pop() {
+        if let Some(&slot) = self.slot.last() {
             self.slots.remove(slot);
         }
-        self.kind.pop();
-        self.pose.pop();
-        self.velocity.pop();
-        self.mass.pop();
-        self.traits.pop();
-        self.cold.pop();
-        self.colliders.pop();
+        for_each_column!(self as [&mut], column => column.pop());
         self.force.pop();
         self.rest.pop();
     }
@@ -512,14 +512,7 @@ impl Bodies {
             return;
         }
         let (a, b) = (i as usize, k as usize);
-        self.slot.swap(a, b);
-        self.kind.swap(a, b);
-        self.pose.swap(a, b);
-        self.velocity.swap(a, b);
-        self.mass.swap(a, b);
-        self.traits.swap(a, b);
-        self.cold.swap(a, b);
-        self.colliders.swap(a, b);
+        for_each_column!(self as [&mut], column => column.swap(a, b));
         if !self.force.is_empty() {
             self.force.swap(a, b);
         }
@@ -553,14 +546,7 @@ impl Bodies {
 
     /// Takes all bodies out; the slots are to be rebuilt.
     pub(crate) fn clear(&mut self) {
-        self.slot.clear();
-        self.kind.clear();
-        self.pose.clear();
-        self.velocity.clear();
-        self.mass.clear();
-        self.traits.clear();
-        self.cold.clear();
-        self.colliders.clear();
+        for_each_column!(self as [&mut], column => column.clear());
         self.force.clear();
         self.rest.clear();
         (self.locked, self.raised, self.parts, self.lists) = (0, [0; Order::LEN], [0; 3], (0, 0));
@@ -571,14 +557,7 @@ impl Bodies {
     pub(crate) fn append(&mut self, slot: u32, body: NewBody, colliders: &[u32]) {
         self.count_traits((body.kind, &body.mass, &body.traits), 1);
         self.disabled += u32::from(body.traits.disabled && body.kind != BodyKind::Static);
-        self.slot.push(slot);
-        self.kind.push(body.kind);
-        self.pose.push(body.pose);
-        self.velocity.push(body.velocity);
-        self.mass.push(body.mass);
-        self.traits.push(body.traits);
-        self.cold.push(body.cold);
-        self.colliders.push(Colliders::None);
+        self.push_row(slot, &body);
         let index = self.len() - 1;
         colliders.iter().for_each(|&collider| self.attach(index, collider));
     }
@@ -590,21 +569,8 @@ impl Bodies {
 
     /// Live and reserved bytes.
     pub(crate) fn bytes(&self) -> (usize, usize) {
-        [
-            self.slots.bytes(),
-            bytes_of(&self.slot),
-            bytes_of(&self.kind),
-            bytes_of(&self.pose),
-            bytes_of(&self.velocity),
-            bytes_of(&self.mass),
-            bytes_of(&self.traits),
-            bytes_of(&self.cold),
-            bytes_of(&self.colliders),
-            bytes_of(&self.force),
-            bytes_of(&self.rest),
-            self.lists,
-        ]
-        .into_iter()
-        .fold((0, 0), |sum, bytes| (sum.0 + bytes.0, sum.1 + bytes.1))
+        let mut sum = add_bytes(self.slots.bytes(), self.lists);
+        for_each_column!(self as [&], column => sum = add_bytes(sum, bytes_of(column)));
+        add_bytes(sum, add_bytes(bytes_of(&self.force), bytes_of(&self.rest)))
     }
 }

@@ -8,7 +8,7 @@
 
 use super::Aabb;
 use crate::lanes::{Lanes, Mask, Vec3, f32x4};
-use crate::memory::{Buffer, bytes_of};
+use crate::memory::{Buffer, bytes_of, sum_bytes};
 use bytemuck::{Pod, Zeroable};
 
 /// No place, no child.
@@ -416,7 +416,7 @@ impl Tree {
     /// Live and reserved bytes.
     pub(super) fn bytes(&self) -> (usize, usize) {
         let columns = [bytes_of(&self.nodes), bytes_of(&self.items), bytes_of(&self.tasks)];
-        columns.iter().fold((0, 0), |sum, b| (sum.0 + b.0, sum.1 + b.1))
+        sum_bytes(columns)
     }
 }
 

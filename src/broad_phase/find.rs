@@ -3,7 +3,7 @@
 use super::bvh::Tree;
 use super::{BroadPhase, FILTER, MayCollide, NONE, Order, Pair, Path, Role};
 use crate::lanes::{Mask, f32x4, ones};
-use crate::memory::{Amounts, Buffer, Buffers, Category, Made, Room, Rooms, bytes_of, even_out};
+use crate::memory::{Amounts, Buffer, Buffers, Category, Made, Room, Rooms, bytes_of, even_out, sum_bytes};
 use crate::threads::{Crew, Shared, per_block};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -87,7 +87,7 @@ fn make_room(bytes: usize, rooms: &mut Rooms, give: GiveUp<'_>) -> bool {
 impl Block {
     pub(super) fn bytes(&self) -> (usize, usize) {
         let columns = [bytes_of(&self.found), bytes_of(&self.stack), bytes_of(&self.partners)];
-        columns.iter().fold((0, 0), |sum, b| (sum.0 + b.0, sum.1 + b.1))
+        sum_bytes(columns)
     }
 }
 

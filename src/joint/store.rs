@@ -4,7 +4,7 @@ use super::desc::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
 use crate::constraint::RowGroup;
 use crate::handle::{JointHandle, Slots};
 use crate::limits::MAX_LOAD;
-use crate::memory::{Buffer, bytes_of};
+use crate::memory::{Buffer, bytes_of, sum_bytes};
 use glam::Vec3;
 
 /// End of a list of joints.
@@ -439,16 +439,14 @@ impl Joints {
 
     /// Live and reserved bytes.
     pub(crate) fn bytes(&self) -> (usize, usize) {
-        [
+        sum_bytes([
             self.slots.bytes(),
             bytes_of(&self.all),
             bytes_of(&self.locks),
             bytes_of(&self.rows),
             bytes_of(&self.first),
             bytes_of(&self.broken),
-        ]
-        .into_iter()
-        .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
+        ])
     }
 }
 

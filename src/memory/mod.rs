@@ -9,7 +9,7 @@ mod slab;
 
 pub(crate) use amounts::Amounts;
 pub use budget::Budget;
-pub(crate) use column::{bytes_of, in_arc};
+pub(crate) use column::{add_bytes, bytes_of, in_arc, sum_bytes};
 pub(crate) use room::{Buffer, Buffers, Made, Marks, Room, even_out};
 pub(crate) use rooms::Rooms;
 pub(crate) use slab::{Cut, Slab};

@@ -132,7 +132,7 @@ impl TriangleMesh {
             self.tree.bytes(),
             (size_of::<Self>(), size_of::<Self>()),
         ];
-        parts.iter().fold((0, 0), |sum, part| (sum.0 + part.0, sum.1 + part.1))
+        crate::memory::sum_bytes(parts)
     }
 
     #[inline(always)]
