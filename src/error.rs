@@ -1,4 +1,4 @@
-//! What can be refused, with the numbers that explain it. A refused call changes nothing.
+//! Why a call is refused, with the numbers that explain it. A refused call changes nothing.
 
 use crate::memory::Category;
 use std::fmt::{self, Display, Write};
@@ -7,19 +7,22 @@ use std::fmt::{self, Display, Write};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The body was removed. Handles of another world are told from the world's own by nothing but slot and generation.
+    /// The body was removed. Handles of another world are told from the world's own by nothing but slot and
+    /// generation.
     #[error("the body handle is stale: its body was removed")]
     StaleBody,
     /// The shape or its body was removed; see [`Error::StaleBody`] for those of another world.
     #[error("the shape handle is stale: its shape was removed")]
     StaleShape,
-    /// The joint broke, or it or one of its bodies was removed; see [`Error::StaleBody`] for those of another world.
+    /// The joint broke, or it or one of its bodies was removed; see [`Error::StaleBody`] for those of another
+    /// world.
     #[error("the joint handle is stale: its joint broke or was removed")]
     StaleJoint,
     /// A recording goes forwards.
     #[error("a world that is being recorded can't be restored: stop the recording first")]
     Recorded,
-    /// A step panicked, in a hook of the caller's or by a defect of this library, and what the world holds is half done.
+    /// A step panicked, in a hook of the caller's or by a defect of this library, and what the world holds is
+    /// half done.
     #[error(
         "a step panicked in its stage \"{stage}\", so the world can't be stepped any more: restore a snapshot, or make a new one"
     )]
@@ -80,7 +83,7 @@ pub enum Error {
     /// Too many of something for its index type.
     #[error("too many {what}: at most {most}")]
     TooMany {
-        /// Of what.
+        /// The thing of which there are too many.
         what: &'static str,
         /// The limit.
         most: u64,
@@ -117,9 +120,9 @@ pub enum Error {
     },
 }
 
-/// Text from a file as a message shows it: control characters, line breaks among them, and those that turn the direction
-/// of writing appear as `\u{..}`, so that no name can draw on a terminal or forge a line of a log. Escaped text stays as
-/// it is when it is escaped again.
+/// Text from a file as a message shows it: control characters, line breaks among them, and those that turn
+/// the direction of writing appear as `\u{..}`, so that no name can draw on a terminal or forge a line of a
+/// log. Escaped text stays as it is when it is escaped again.
 #[derive(Clone, Copy, Debug)]
 pub struct Escaped<T>(pub T);
 

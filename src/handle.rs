@@ -1,4 +1,4 @@
-//! What a caller holds: an index and a generation, so that a stale handle is noticed.
+//! Handles of the caller: an index and a generation, so that a stale handle is noticed.
 
 use crate::memory::{Buffer, Room};
 
@@ -15,8 +15,9 @@ macro_rules! handle {
 }
 
 handle! {
-    /// A body of a world. Goes stale when the body is removed; a stale handle is an error, never another body. It is not known
-    /// of which world it is: in another, whose snapshot this one may have been restored from, it names what has its number.
+    /// A body of a world. Goes stale when the body is removed; a stale handle is an error, never another
+    /// body. It is not known of which world it is: in another, whose snapshot this one may have been restored
+    /// from, it names what has its number.
     BodyHandle
 }
 handle! {

@@ -1,21 +1,24 @@
-//! The ranges of what a caller says, stated once. Each is far beyond any honest scene, and close enough that what the stages
-//! make of it in `f32` stays a number: the fourth power of the largest distance, `(2e9)^4 = 1.6e37`, is one.
+//! The ranges of what a caller says, stated once. Each is far beyond any honest scene, and close enough that
+//! what the stages make of it in `f32` stays a number: the fourth power of the largest distance, `(2e9)^4 =
+//! 1.6e37`, is one.
 
 use crate::error::{Error, finite, within};
 use glam::{DVec3, Vec3};
 
 /// Largest coordinate of a position [m]: beyond the moon, where `f32` has steps of 64 m around an origin.
 pub const MAX_POSITION: f64 = 1e9;
-/// Largest speed [m/s] and spin [rad/s], along or about each axis: a hundred times what enters the atmosphere. In the longest
-/// step it is a way of 1e7 m, and its square is far from the end of numbers.
+/// Largest speed [m/s] and spin [rad/s], along or about each axis: a hundred times what enters the
+/// atmosphere. In the longest step it is a way of 1e7 m, and its square is far from the end of numbers.
 pub const MAX_SPEED: f32 = 1e6;
-/// The fastest that a step leaves a body [m/s], [rad/s], along or about each axis: what a caller may say, and what gravity,
-/// springs and impacts add to that in honest steps. A body that would be faster is stopped
+/// The fastest that a step leaves a body [m/s], [rad/s], along or about each axis: what a caller may say, and
+/// what gravity, springs and impacts add to that in honest steps. A body that would be faster is stopped
 /// ([`StepReport::stopped`](crate::StepReport::stopped)).
 pub(crate) const MAX_LEFT_SPEED: f32 = 2.0 * MAX_SPEED;
-/// Smallest radius or half extent [m]: the moments of a ball of water so small are 1e-27 kg m², and one over them is a number.
+/// Smallest radius or half extent [m]: the moments of a ball of water so small are 1e-27 kg m², and one over
+/// them is a number.
 pub const MIN_LENGTH: f32 = 1e-6;
-/// Largest radius, half extent, offset of a shape or arm of a joint [m]: the moments of a ball of rock so large are 1e34 kg m².
+/// Largest radius, half extent, offset of a shape or arm of a joint [m]: the moments of a ball of rock so
+/// large are 1e34 kg m².
 pub const MAX_LENGTH: f32 = 1e6;
 /// Largest coordinate of a triangle mesh or height field [m]: squares of areas stay numbers.
 pub const MAX_COORDINATE: f32 = 1e7;
@@ -25,16 +28,16 @@ pub const MIN_STEP: f32 = 1e-6;
 pub const MAX_STEP: f32 = 10.0;
 /// Largest gravity [m/s²] along each axis, and largest factor on it.
 pub const MAX_ACCELERATION: f32 = 1e6;
-/// Largest force [N], torque [N m] and impulse [N s] along or about each axis, also in sum: it would lift 1e17 kg, and its square
-/// is a number.
+/// Largest force [N], torque [N m] and impulse [N s] along or about each axis, also in sum: it would lift
+/// 1e17 kg, and its square is a number.
 pub const MAX_FORCE: f32 = 1e18;
 /// Largest mass [kg], moment of inertia [kg m²] and one over each: sums and products of a few stay numbers.
 pub const MAX_MASS: f32 = 1e36;
 /// Largest density [kg/m³].
 pub const MAX_DENSITY: f32 = 1e15;
 
-/// Largest force or impulse that is carried from step to step [N], [N s]: beyond what the heaviest bodies that there may be bear;
-/// the sum of a few is a number still.
+/// Largest force or impulse that is carried from step to step [N], [N s]: beyond what the heaviest bodies
+/// that there may be bear; the sum of a few is a number still.
 pub(crate) const MAX_LOAD: f32 = 10.0 * MAX_MASS;
 
 pub(crate) fn position(at: DVec3) -> Result<(), Error> {

@@ -1,12 +1,13 @@
-//! What reading a file may take. Files come from strangers: a few hundred bytes may ask for gigabytes.
+//! Limits on what reading a file may take. Files come from strangers: a few hundred bytes may ask for
+//! gigabytes.
 
 use std::fmt;
 
-/// The most that a file may ask for while it is read. What is beyond is refused before memory is taken for it, by an error
-/// that names the limit.
+/// The most that a file may ask for while it is read. What is beyond is refused before memory is taken for
+/// it, by an error that names the limit.
 ///
-/// What is built several times, because it is used at several places or scales, counts each time; what is shared counts
-/// once. No honest scene for a game meets a default.
+/// What is built several times, because it is used at several places or scales, counts each time; what is
+/// shared counts once. No honest scene for a game meets a default.
 ///
 /// ```
 /// use backstop::LoadLimits;
@@ -16,10 +17,11 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct LoadLimits {
-    /// Bytes of a scene's file, its buffers and images together; of a recording, which is not read at once, those of one
-    /// block. Default 1 GiB.
+    /// Bytes of a scene's file, its buffers and images together; of a recording, which is not read at once,
+    /// those of one block. Default 1 GiB.
     pub bytes: u64,
-    /// Nodes of a scene that are walked through, those below a collider's geometry once more. Default 10 million.
+    /// Nodes of a scene that are walked through, those below a collider's geometry once more. Default 10
+    /// million.
     pub nodes: u64,
     /// How deep nodes of a scene lie within each other. Default 1000.
     pub depth: u64,
@@ -31,8 +33,8 @@ pub struct LoadLimits {
     pub bodies: u64,
     /// Joints with their limits and drives; of a recording at a time, joints alone. Default 1 million.
     pub joints: u64,
-    /// Bytes of the geometry that a recording has, and of the world that it plays in: that world's budget, if it has no
-    /// lower one. Default 1 GiB.
+    /// Bytes of the geometry that a recording has, and of the world that it plays in: that world's budget, if
+    /// it has no lower one. Default 1 GiB.
     pub memory: u64,
 }
 
@@ -102,7 +104,7 @@ impl Count {
         self.most
     }
 
-    /// What is left.
+    /// The amount left.
     pub(crate) fn left(&self) -> u64 {
         self.most - self.taken
     }
@@ -127,7 +129,7 @@ impl Count {
     }
 }
 
-/// What a file has taken so far.
+/// Counts of what a file has taken so far.
 #[derive(Debug)]
 pub(crate) struct Tally {
     pub(crate) bytes: Count,

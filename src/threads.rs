@@ -1,9 +1,9 @@
 //! Blocks of work, claimed one by one; all that knows rayon.
 //!
-//! A step has hundreds of short parallel stages, and handing each to a pool costs microseconds. So helpers are called
-//! once a step: they wait, spinning, for the caller to announce a stage, and claim blocks of it beside the caller, who
-//! works where it is. Nobody waits for a helper that has not claimed a block: if none ever arrives, because the pool has
-//! other work, the caller does all.
+//! A step has hundreds of short parallel stages, and handing each to a pool costs microseconds. So helpers
+//! are called once a step: they wait, spinning, for the caller to announce a stage, and claim blocks of it
+//! beside the caller, who works where it is. Nobody waits for a helper that has not claimed a block: if none
+//! ever arrives, because the pool has other work, the caller does all.
 
 #[cfg_attr(not(feature = "parallel"), allow(dead_code, reason = "only helpers need all of it"))]
 mod stage;
@@ -15,7 +15,7 @@ use stage::Stage;
 use stage::{End, Quit};
 use std::sync::Arc;
 
-/// Who works on a step: the caller alone, or with helpers.
+/// The threads of a step: the caller alone, or with helpers.
 #[derive(Clone, Copy)]
 pub(crate) struct Crew<'a> {
     stage: Option<&'a Stage>,
@@ -27,8 +27,8 @@ impl Crew<'_> {
         Crew { stage: None }
     }
 
-    /// Runs `work` once for each block in `0..blocks` and returns when all are done. Blocks run in any order and at
-    /// the same time: what a block writes must be its own.
+    /// Runs `work` once for each block in `0..blocks` and returns when all are done. Blocks run in any order
+    /// and at the same time: what a block writes must be its own.
     pub(crate) fn run(&self, blocks: usize, work: &(dyn Fn(usize) + Sync)) {
         match self.stage {
             Some(stage) if blocks > 1 && u32::try_from(blocks).is_ok() => stage.run(blocks, work),
@@ -37,14 +37,14 @@ impl Crew<'_> {
     }
 }
 
-/// What a block has of whatever is shared. Under Miri the least, or worlds small enough for it would be one block.
+/// Elements of a block. Under Miri the least, or worlds small enough for it would be one block.
 pub(crate) const fn per_block(usual: usize, least: usize) -> usize {
     if cfg!(miri) { least } else { usual }
 }
 
-/// Where the helpers of a world's steps look for work. It is kept from step to step, because a helper that the pool had no
-/// thread for is not waited for: it may arrive in a later step and help there, or when there is no world any more. Made when
-/// help is first asked for from outside of the pool.
+/// Where the helpers of a world's steps look for work. It is kept from step to step, because a helper that
+/// the pool had no thread for is not waited for: it may arrive in a later step and help there, or when there
+/// is no world any more. Made when help is first asked for from outside of the pool.
 #[derive(Debug, Default)]
 pub(crate) struct Helpers(Option<Arc<Stage>>);
 
@@ -86,8 +86,8 @@ pub(crate) fn with_crew<R: Send>(
     f(Crew { stage: Some(stage) })
 }
 
-/// Runs `f` on this thread of a pool, and offers so many helpers to the others: what none has taken by the end is taken
-/// back.
+/// Runs `f` on this thread of a pool, and offers so many helpers to the others: what none has taken by the
+/// end is taken back.
 #[cfg(feature = "parallel")]
 fn beside<R: Send>(stage: &Stage, helping: usize, f: impl FnOnce() -> R + Send) -> R {
     fn offer(stage: &Stage, helping: usize, f: &mut (dyn FnMut() + Send)) {
@@ -117,7 +117,8 @@ pub(crate) struct Shared<'a, T> {
     lifetime: std::marker::PhantomData<&'a mut [T]>,
 }
 
-// SAFETY: the elements are handed out one by one under the contract of `get`; sharing the slice shares nothing else.
+// SAFETY: the elements are handed out one by one under the contract of `get`; sharing the slice shares
+// nothing else.
 unsafe impl<T: Send> Sync for Shared<'_, T> {}
 // SAFETY: as for any `&mut [T]`.
 unsafe impl<T: Send> Send for Shared<'_, T> {}
@@ -130,7 +131,8 @@ impl<'a, T> Shared<'a, T> {
     /// The element at `i`, to be written. Panics if `i` is outside.
     ///
     /// # Safety
-    /// Until the stage is over no other thread may ask for the same element, and this one may hold it only once.
+    /// Until the stage is over no other thread may ask for the same element, and this one may hold it only
+    /// once.
     #[inline(always)]
     #[allow(clippy::mut_from_ref, reason = "the contract is the caller's, see above")]
     pub(crate) unsafe fn get(&self, i: usize) -> &mut T {

@@ -1,4 +1,4 @@
-//! What a caller says of a body.
+//! The description of a body that a caller adds.
 
 use crate::config::Continuous;
 use crate::constraint::RowGroup;
@@ -43,11 +43,11 @@ pub struct BodyDesc {
     pub lock_translation: [bool; 3],
     /// World axes about which it can't turn.
     pub lock_rotation: [bool; 3],
-    /// How it is kept from passing through others: two collide by the greater of their modes, save that what is static
-    /// has none. Default [`Continuous::Segment`].
+    /// How it is kept from passing through others: two collide by the greater of their modes, save that what
+    /// is static has none. Default [`Continuous::Segment`].
     pub continuous: Continuous,
-    /// Has its rows, those of its contacts and joints, solved right after those of this group, unless their own place is
-    /// later: what is solved later wins. Default none.
+    /// Has its rows, those of its contacts and joints, solved right after those of this group, unless their
+    /// own place is later: what is solved later wins. Default none.
     pub raised: Option<RowGroup>,
     /// Whether it may fall asleep, and its island with it. Default true.
     pub can_sleep: bool,

@@ -1,7 +1,7 @@
 //! Bodies that turn freely, four at a time.
 //!
-//! One rotation waits for the one before it, so that a single body leaves most of a processor idle; four side by side take
-//! hardly longer than one.
+//! One rotation waits for the one before it, so that a single body leaves most of a processor idle; four side
+//! by side take hardly longer than one.
 
 use crate::lanes::f64x4;
 use glam::{DQuat, DVec3, Quat, Vec3};
@@ -22,8 +22,9 @@ pub(crate) struct FreeTurn {
 /// How many are turned at once.
 pub(crate) const FREE: usize = 4;
 
-/// A body whose axis may wander by more than this at once is turned in several parts [rad], of which there are no more than
-/// [`PARTS`]. At 100 rad/s and 60 Hz the energy of a body with moments as 1, 1.7 and 2.3 swings by 1 %; at twice as much by 4 %.
+/// A body whose axis may wander by more than this at once is turned in several parts [rad], of which there
+/// are no more than [`PARTS`]. At 100 rad/s and 60 Hz the energy of a body with moments as 1, 1.7 and 2.3
+/// swings by 1 %; at twice as much by 4 %.
 const TURN: f32 = 0.05;
 const PARTS: f32 = 16.0;
 
@@ -43,8 +44,8 @@ impl FreeTurn {
         self.as_top().unwrap_or_else(|| FreeTurn::all(&[self])[0])
     }
 
-    /// The motion of a symmetric top, which has a closed solution; none of another body. Its axis and its angular velocity go around
-    /// the angular momentum, and it spins about the axis.
+    /// The motion of a symmetric top, which has a closed solution; none of another body. Its axis and its
+    /// angular velocity go around the angular momentum, and it spins about the axis.
     pub(crate) fn as_top(&self) -> Option<(Quat, Vec3)> {
         let FreeTurn { rotation, spin, inertia, time } = *self;
         let axis = if inertia.x == inertia.y {
@@ -66,10 +67,10 @@ impl FreeTurn {
         Some((turned, (around * spin.as_dvec3()).as_vec3()))
     }
 
-    /// Free rotations of up to four, however fast, each in as many parts as it takes: the rotations and angular velocities at the
-    /// end. The momentum stays what it was. Where the parts are too few to tell where the axis has got to, so does the energy. With
-    /// more digits on the way than it begins and ends with, because a rounding that favours one direction, step after step, would
-    /// add up.
+    /// Free rotations of up to four, however fast, each in as many parts as it takes: the rotations and
+    /// angular velocities at the end. The momentum stays what it was. Where the parts are too few to tell
+    /// where the axis has got to, so does the energy. With more digits on the way than it begins and ends
+    /// with, because a rounding that favours one direction, step after step, would add up.
     pub(crate) fn all(turns: &[FreeTurn]) -> [(Quat, Vec3); FREE] {
         let mut lanes = [FreeTurn { inertia: Vec3::ONE, ..FreeTurn::default() }; FREE];
         lanes.iter_mut().zip(turns).for_each(|(lane, turn)| *lane = *turn);
@@ -87,7 +88,7 @@ impl FreeTurn {
         let momentum: [f64x4; 3] = from_fn(|k| inertia[k] * local[k]);
         let mut four = Four { turn, momentum };
         four.tumble(&tops);
-        // Of all that turns, what turns about the angular momentum, which stands still.
+        // The part of the rotation about the angular momentum, which stays constant.
         let time = f64x4::from(from_fn(|lane| tops[lane].across * f64::from(lanes[lane].time)));
         let precession = rotate(turn, momentum).map(|component| component * time);
         let (sine, cosine) = half_turn(dot(precession, precession));
@@ -158,11 +159,11 @@ struct Free {
 /// The symmetric top that is most like a body, and how its motion is resolved.
 #[derive(Clone, Copy, Default)]
 struct Top {
-    /// Of the body's axes, that of the top: the other two moments are the likest.
+    /// The body axis that is the axis of the top: the other two moments differ least.
     axis: usize,
     /// One over the moment of the two that are alike, their mean [1/(kg m²)].
     across: f64,
-    /// What turns about the axis in a part, for each unit of the momentum about it [rad].
+    /// Rotation about the axis in one part, per unit of the momentum about it [rad].
     around: f64,
     /// The same about the two others, by a quarter of what these differ.
     rest: f64,
@@ -229,13 +230,14 @@ impl Four {
         }
     }
 
-    /// Free rotations save for the precession: that by which the whole motion turns about the angular momentum, which is the same
-    /// all along and so can be added at the end.
+    /// Free rotations save for the precession: that by which the whole motion turns about the angular
+    /// momentum, which is the same all along and so can be added at the end.
     ///
-    /// A symmetric top, which has a closed solution, and what is left of the difference of its two like moments, in turn
-    /// (Touma and Wisdom, *Lie-Poisson integrators for rigid body dynamics in the solar system*, 1994). Every part is a
-    /// rotation, so the angular momentum stays what it was to rounding at any length of step; a needle, whose moments are
-    /// as 1 to 10 000, keeps its energy too, where an iteration for the implicit midpoint would not converge.
+    /// A symmetric top, which has a closed solution, and what is left of the difference of its two like
+    /// moments, in turn (Touma and Wisdom, *Lie-Poisson integrators for rigid body dynamics in the solar
+    /// system*, 1994). Every part is a rotation, so the angular momentum stays what it was to rounding at any
+    /// length of step; a needle, whose moments are as 1 to 10 000, keeps its energy too, where an iteration
+    /// for the implicit midpoint would not converge.
     fn tumble(&mut self, tops: &[Top; FREE]) {
         let (least, most) =
             tops.iter().fold((u32::MAX, 1), |(least, most), top| (least.min(top.parts), most.max(top.parts)));
@@ -260,8 +262,8 @@ impl Four {
         }
     }
 
-    /// Turns bodies about one of their own axes, by `rate` times their momentum about that axis [rad]; the momentum as seen from
-    /// a body turns back.
+    /// Turns bodies about one of their own axes, by `rate` times their momentum about that axis [rad]; the
+    /// momentum as seen from a body turns back.
     #[inline(always)]
     fn spin<const AXIS: usize>(&mut self, rate: f64x4) {
         let Four { turn: q, momentum: m } = self;
@@ -284,7 +286,7 @@ fn half_turn(t: f64x4) -> (f64x4, f64x4) {
     if small.all() {
         return (s, c);
     }
-    // Of angles that are too large for the series: those of a quarter of them, doubled twice.
+    // Angles too large for the series: sine and cosine of a quarter of the angle, doubled twice.
     let quarter = t * f64x4::splat(1.0 / 16.0);
     let (s_quarter, c_quarter) = series(quarter);
     let half = f64x4::splat(1.0) - f64x4::splat(2.0) * quarter * s_quarter * s_quarter;
@@ -306,7 +308,7 @@ fn series(t: f64x4) -> (f64x4, f64x4) {
     (s, k(1.0) - t * (k(1.0 / 8.0) - t * (k(1.0 / 384.0) - t * c)))
 }
 
-/// Of angles that are still larger by the functions themselves.
+/// Sine and cosine by the library functions, for angles that are larger still.
 #[inline(never)]
 fn large_half_turn(t: f64x4, mut s: f64x4, mut c: f64x4) -> (f64x4, f64x4) {
     for (lane, t) in t.to_array().into_iter().enumerate().filter(|(_, t)| *t >= 16.0 * SMALL) {
@@ -325,12 +327,14 @@ fn turn_by(vector: DVec3) -> DQuat {
     DQuat::from_xyzw(vector.x, vector.y, vector.z, cos)
 }
 
-/// Moves the momentum of a free body, as the body sees it, on its sphere to where the body has the energy that it had with the
-/// momentum `before`; in the world the momentum stays what it is. Not for what is well resolved: its energy swings a little
-/// about what it should be, and to hold it would make the body turn at a wrong rate.
+/// Moves the momentum of a free body, as the body sees it, on its sphere to where the body has the energy
+/// that it had with the momentum `before`; in the world the momentum stays what it is. Not for what is well
+/// resolved: its energy swings a little about what it should be, and to hold it would make the body turn at a
+/// wrong rate.
 ///
-/// The squares of its three parts are shares of a whole, and the energy is the mean of 1/I over them. The shares are tilted
-/// by exp(x/I), which keeps them between zero and one and moves the mean one way; x is found by Newton's method.
+/// The squares of its three parts are shares of a whole, and the energy is the mean of 1/I over them. The
+/// shares are tilted by exp(x/I), which keeps them between zero and one and moves the mean one way; x is
+/// found by Newton's method.
 #[cold]
 fn with_energy(free: &mut Free, inertia: DVec3, before: DVec3) {
     const TRIES: usize = 24;
@@ -358,8 +362,9 @@ fn with_energy(free: &mut Free, inertia: DVec3, before: DVec3) {
     }
 }
 
-/// How fast the two like moments of a body turn it out of the motion of a symmetric top, at most [rad/s]: what
-/// [`Four::tumble`] solves in turn, and so what its step must resolve. Zero for a symmetric top, however fast it spins.
+/// How fast the two like moments of a body turn it out of the motion of a symmetric top, at most [rad/s]:
+/// what [`Four::tumble`] solves in turn, and so what its step must resolve. Zero for a symmetric top, however
+/// fast it spins.
 pub(crate) fn wobble(omega: Vec3, inertia: Vec3) -> f32 {
     let inverse = inertia.recip();
     let apart = [(inverse.y - inverse.z).abs(), (inverse.z - inverse.x).abs(), (inverse.x - inverse.y).abs()];

@@ -18,9 +18,9 @@ pub(crate) fn exp_map(v: Vec3) -> Quat {
     Quat::from_xyzw(v.x * s, v.y * s, v.z * s, c).normalize()
 }
 
-/// The angular velocity of a body that contacts turned from one orientation to another: its angular momentum is kept,
-/// unless that would take more energy than there was. A needle that is turned by more than its moments allow would
-/// otherwise spin up without bound.
+/// The angular velocity of a body that contacts turned from one orientation to another: its angular momentum
+/// is kept, unless that would take more energy than there was. A needle that is turned by more than its
+/// moments allow would otherwise spin up without bound.
 pub(crate) fn carry_spin(from: Quat, to: Quat, omega: Vec3, inertia: Vec3) -> Vec3 {
     let momentum = from * (inertia * (from.conjugate() * omega));
     let carried = to * ((to.conjugate() * momentum) / inertia);

@@ -1,6 +1,6 @@
-//! Body columns. Dense: dynamic bodies first, then kinematic, then dynamic ones that are asleep, then static ones, so that
-//! every loop over what moves is a loop over a prefix, and what sleeps is as static as can be. What is disabled and could move
-//! stands among the sleepers.
+//! Body columns. Dense: dynamic bodies first, then kinematic, then dynamic ones that are asleep, then static
+//! ones, so that every loop over moving bodies is a loop over a prefix, and sleeping bodies cost no more than
+//! static ones. Disabled movable bodies share the range of sleeping ones.
 
 use super::BodyKind;
 use crate::config::Continuous;
@@ -32,7 +32,7 @@ pub(crate) struct Mass {
     pub(crate) inverse_inertia: Vec3,
 }
 
-/// What a step reads seldom.
+/// Details of a body that a step reads seldom.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cold {
     /// From the body's origin to its centre of mass, in the body's axes [m].
@@ -75,7 +75,7 @@ impl Traits {
         }
     }
 
-    /// What of a vector is left along the axes that are free.
+    /// The components of a vector along the free axes.
     #[inline]
     pub(crate) fn free(&self, mut v: Vec3) -> Vec3 {
         for axis in (0..3).filter(|axis| self.locks >> axis & 1 != 0) {
@@ -319,7 +319,8 @@ impl Bodies {
         }
     }
 
-    /// Adds a row and returns its slot and generation. `moved` is called for each body that changed its index.
+    /// Adds a row and returns its slot and generation. `moved` is called for each body that changed its
+    /// index.
     pub(crate) fn insert(&mut self, body: NewBody, mut moved: impl FnMut(&Colliders, u32)) -> (u32, u32) {
         let last = self.len() as u32;
         self.reserve(1);
@@ -402,8 +403,8 @@ impl Bodies {
         self.traits[index as usize].disabled && self.kind[index as usize] != BodyKind::Static
     }
 
-    /// Moves a body from one part of the columns to another: of each part that it passes one body moves from one end of it to
-    /// the other. Returns the new index.
+    /// Moves a body from one part of the columns to another: of each part that it passes one body moves from
+    /// one end of it to the other. Returns the new index.
     fn travel(
         &mut self,
         mut index: u32,

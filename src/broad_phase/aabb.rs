@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-/// Boxes with a coordinate beyond this are taken for unbounded; motions are cut to it [m]. Products of two lengths
-/// stay far from overflow.
+/// Boxes with a coordinate beyond this are taken for unbounded; motions are cut to it [m]. Products of two
+/// lengths stay far from overflow.
 pub(super) const LARGEST: f32 = 1e15;
 
 /// An axis-aligned box in world coordinates, rounded outwards [m].

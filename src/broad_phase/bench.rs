@@ -36,7 +36,8 @@ fn path(side: f32) -> Path {
     )
 }
 
-/// The segment test over an array in L1 at each width, and walks of a tree; an element is a box that is tested.
+/// The segment test over an array in L1 at each width, and walks of a tree; an element is a box that is
+/// tested.
 pub fn kernels() -> Vec<Kernel> {
     vec![
         array::<f32>("segment test, 1 lane"),

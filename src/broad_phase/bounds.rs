@@ -5,13 +5,14 @@ use crate::lanes::{self, Lanes, f32x8};
 use crate::shape::{Collider, ConvexHull, Geometry, Kind};
 use glam::{DVec3, Mat3, Quat, Vec3};
 
-/// What bounds are widened by, as a share of the shape's size: rotating a point loses a few units of 2^-24.
+/// Share of a shape's size by which its bounds are widened: rotating a point loses a few units of 2^-24.
 const ROUNDING: f32 = 8.0 / (1 << 24) as f32;
 
 /// World bounds of a collider on a body at a pose (`position`: its centre of mass, in the world).
 ///
-/// Exact for every shape but for rounding, which goes outwards; at 1e7 m from the origin that is 1 m, the distance
-/// between two numbers there. A plane's are infinite, but end at its surface if that is level with an axis.
+/// Exact for every shape but for rounding, which goes outwards; at 1e7 m from the origin that is 1 m, the
+/// distance between two numbers there. A plane's are infinite, but end at its surface if that is level with
+/// an axis.
 pub(crate) fn aabb_of(collider: &Collider, position: DVec3, rotation: Quat) -> Aabb {
     let turned = rotation * collider.rotation;
     let offset = rotation * collider.position;
@@ -42,7 +43,8 @@ fn local_bounds(collider: &Collider, rotation: Quat) -> (Vec3, Vec3) {
         Kind::Cylinder => {
             let [half_height, bottom, top, _] = size;
             let m = Mat3::from_quat(rotation);
-            // How far a disc of radius 1 reaches along each axis: the root of 1 - y², without its cancellation.
+            // How far a disc of radius 1 reaches along each axis: the root of 1 - y², without its
+            // cancellation.
             let disc = (m.x_axis * m.x_axis + m.z_axis * m.z_axis).map(f32::sqrt);
             let top_centre = m.y_axis * half_height;
             let (bottom, top) = (disc * bottom, disc * top);
@@ -120,8 +122,9 @@ fn round_up(v: DVec3) -> Vec3 {
     v.as_vec3().map_with(v, |near, exact| beside(near, i32::from(f64::from(near) < exact)))
 }
 
-/// The number so many places further up, without a branch: which way a number was rounded is anyone's guess. It steps
-/// from one zero to the other, but a number that is rounded to zero keeps its sign and steps away from it.
+/// The number so many places further up, without a branch: which way a number was rounded is anyone's guess.
+/// It steps from one zero to the other, but a number that is rounded to zero keeps its sign and steps away
+/// from it.
 fn beside(near: f32, steps: i32) -> f32 {
     let in_order = |bits: i32| bits ^ ((bits >> 31) as u32 >> 1) as i32;
     f32::from_bits(in_order(in_order(near.to_bits() as i32) + steps) as u32)

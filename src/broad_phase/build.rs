@@ -4,8 +4,8 @@ use super::bvh::Item;
 use crate::lanes::{Lanes, f32x4};
 use glam::Vec3;
 
-/// From this many leaves down a range is halved by count, so that the last nodes are full: a node costs the same
-/// whether one of its lanes is used or four.
+/// From this many leaves down a range is halved by count, so that the last nodes are full: a node costs the
+/// same whether one of its lanes is used or four.
 const SMALL: u32 = 16;
 
 /// Parts a range of items in up to four groups, each a range again (empty: start = end).
@@ -41,8 +41,9 @@ pub(super) fn four_groups(items: &mut [Item], start: u32, end: u32) -> [(u32, u3
 
 /// Orders items so that those before the returned index lie on one side and the others on the other.
 ///
-/// The plane is the middle of the box of centres along its longest side; a range too small or too uneven for that is
-/// halved by count. So no part gets less than an eighth, and the depth stays logarithmic whatever the scene.
+/// The plane is the middle of the box of centres along its longest side; a range too small or too uneven for
+/// that is halved by count. So no part gets less than an eighth, and the depth stays logarithmic whatever the
+/// scene.
 fn halve(items: &mut [Item]) -> u32 {
     let count = items.len() as u32;
     let (mut low, mut high) = (f32x4::splat(f32::INFINITY), f32x4::splat(f32::NEG_INFINITY));
@@ -57,8 +58,9 @@ fn halve(items: &mut [Item]) -> u32 {
     if count > SMALL {
         let plane = min[axis] * 0.5 + max[axis] * 0.5;
         let mut low = 0;
-        // No branch on where an item lies: it would be mispredicted every other time. And it is asked before the swap:
-        // afterwards the answer would wait for the store (nearly twice the time for the whole build).
+        // No branch on where an item lies: it would be mispredicted every other time. And it is asked before
+        // the swap: afterwards the answer would wait for the store (nearly twice the time for the whole
+        // build).
         for i in 0..items.len() {
             let below = items[i].centre()[axis] < plane;
             items.swap(i, low);

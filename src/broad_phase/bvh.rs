@@ -1,8 +1,8 @@
 //! The bounding volume hierarchy: nodes of four children held as lanes.
 //!
-//! A node holds the boxes of its four children, so one test in four lanes answers for all of them, and a leaf costs
-//! no node of its own. Children come after their parents in the array: going through it backwards is a refit.
-//! The tree knows a leaf by its *place* (node * 4 + lane), which the owner keeps for each collider.
+//! A node holds the boxes of its four children, so one test in four lanes answers for all of them, and a leaf
+//! costs no node of its own. Children come after their parents in the array: going through it backwards is a
+//! refit. The tree knows a leaf by its *place* (node * 4 + lane), which the owner keeps for each collider.
 //!
 //! Four children: Dammertz et al., *Shallow Bounding Volume Hierarchies for Fast SIMD Ray Tracing* (2008).
 
@@ -69,7 +69,7 @@ impl Node {
         }
     }
 
-    /// What is in a lane: a node, a leaf (see [`LEAF`]) or [`NONE`].
+    /// The content of a lane: a node, a leaf (see [`LEAF`]) or [`NONE`].
     #[inline(always)]
     pub(super) fn child(&self, lane: usize) -> u32 {
         self.child[lane]
@@ -110,8 +110,8 @@ pub(super) struct Tree {
     tasks: Vec<(u32, u32, u32)>,
 }
 
-/// From this growth of its area on a tree is built anew. A tree of resting bodies never gets there, one of bodies
-/// that fly apart only after each growth by half.
+/// From this growth of its area on a tree is built anew. A tree of resting bodies never gets there, one of
+/// bodies that fly apart only after each growth by half.
 const AREA_GROWTH: f32 = 1.5;
 
 impl Tree {
@@ -124,8 +124,8 @@ impl Tree {
         &self.nodes
     }
 
-    /// Adds leaves: one by one if they are few, in a new tree otherwise. `place` is told where each leaf is, old ones
-    /// that moved included. Returns whether the tree was built anew.
+    /// Adds leaves: one by one if they are few, in a new tree otherwise. `place` is told where each leaf is,
+    /// old ones that moved included. Returns whether the tree was built anew.
     pub(super) fn add(
         &mut self,
         colliders: &[u32],
@@ -239,8 +239,8 @@ impl Tree {
         self.refit_up(node);
     }
 
-    /// Gives leaves new boxes, then makes the boxes above fit. Returns whether the tree got so bad by it that it
-    /// should be built anew.
+    /// Gives leaves new boxes, then makes the boxes above fit. Returns whether the tree got so bad by it that
+    /// it should be built anew.
     pub(super) fn refit(&mut self, moved: impl Iterator<Item = (u32, Aabb)> + Clone) -> bool {
         let mut count = 0;
         for (place, bounds) in moved.clone() {
@@ -302,10 +302,12 @@ impl Tree {
         }
     }
 
-    /// Calls `f` with the collider of every leaf that passes `test`; `test` says which of a node's four boxes do.
+    /// Calls `f` with the collider of every leaf that passes `test`; `test` says which of a node's four boxes
+    /// do.
     ///
-    /// Writing all four children out and counting only those that pass, without a branch, took 2.5 times as long: each
-    /// node then waits for the one before, where a guess lets the processor run ahead (`timing.rs`, 4096 walks).
+    /// Writing all four children out and counting only those that pass, without a branch, took 2.5 times as
+    /// long: each node then waits for the one before, where a guess lets the processor run ahead
+    /// (`timing.rs`, 4096 walks).
     #[inline(always)]
     pub(super) fn visit(&self, stack: &mut Vec<u32>, test: impl Fn(&Node) -> u32, mut f: impl FnMut(u32)) {
         if self.leaves == 0 {
@@ -341,8 +343,8 @@ impl Tree {
 
     /// Calls `f` with each buffer and the place that it may need for so many leaves.
     pub(super) fn each(&mut self, leaves: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        // A node has two children or more after a build, and each leaf that is added later may bring one; beyond that
-        // the tree is sparse and built anew.
+        // A node has two children or more after a build, and each leaf that is added later may bring one;
+        // beyond that the tree is sparse and built anew.
         let nodes = if leaves == 0 { 0 } else { leaves + leaves / 4 + 16 };
         f(&mut self.nodes, nodes);
         f(&mut self.items, leaves);

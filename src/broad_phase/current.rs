@@ -1,10 +1,11 @@
 //! Where everything that moves is now, for queries between steps.
 //!
-//! The trees of the step are no help to them: a step moves bodies after its trees were made, boxes there are fat or
-//! swept, and what was added or moved by hand waits for the next step. So queries have a tree of their own over tight
-//! boxes: of what can move, and of static colliders that have no place in the static tree yet. It is made by the first
-//! query after a change and costs nothing while nobody asks: about 70 ns for each collider that can move after a step
-//! (benches/queries.rs), and the way of one leaf for each that was added, moved or removed by hand.
+//! The trees of the step are no help to them: a step moves bodies after its trees were made, boxes there are
+//! fat or swept, and what was added or moved by hand waits for the next step. So queries have a tree of their
+//! own over tight boxes: of what can move, and of static colliders that have no place in the static tree yet.
+//! It is made by the first query after a change and costs nothing while nobody asks: about 70 ns for each
+//! collider that can move after a step (benches/queries.rs), and the way of one leaf for each that was added,
+//! moved or removed by hand.
 
 use super::bvh::{NONE, Tree};
 use super::{Aabb, BroadPhase, Population, look_up};
@@ -15,7 +16,7 @@ use crate::memory::{Buffer, bytes_of};
 use crate::shape::{Near, Slabs};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// What the tree asks of the world.
+/// The view of the world that the tree needs.
 pub(crate) trait Present {
     /// Calls `f` with every collider that can move.
     fn each_mover(&self, f: &mut dyn FnMut(u32));
@@ -32,7 +33,7 @@ pub(crate) struct Current {
     /// By collider: the place in the tree, and the box there.
     place: Vec<u32>,
     bounds: Vec<Aabb>,
-    /// What can move and has no bounds.
+    /// Movable colliders without bounds.
     endless: Vec<u32>,
     /// Static ones that are in this tree for the time being.
     pub(super) late: Vec<u32>,
@@ -169,8 +170,8 @@ impl Current {
         new.clear();
     }
 
-    /// Calls `f` with each buffer and the place that it needs for so many colliders, `late` of which are static ones that wait
-    /// for their place in the static tree.
+    /// Calls `f` with each buffer and the place that it needs for so many colliders, `late` of which are
+    /// static ones that wait for their place in the static tree.
     fn each(&mut self, n: Population, late: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
         self.tree.each(n.moving + late, f);
         f(&mut self.place, n.slots);
@@ -243,7 +244,8 @@ impl Now {
         self.fresh.get().is_some()
     }
 
-    /// As the world is now. `grant`: whether so many bytes may be taken that it lacks, asked if there is a budget.
+    /// As the world is now. `grant`: whether so many bytes may be taken that it lacks, asked if there is a
+    /// budget.
     ///
     /// # Errors
     /// If they may not.
@@ -289,7 +291,8 @@ impl Now {
         self.stale.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Calls `f` with each buffer that has an entry for each collider, and the place that it needs, once somebody asked.
+    /// Calls `f` with each buffer that has an entry for each collider, and the place that it needs, once
+    /// somebody asked.
     pub(crate) fn each(&mut self, n: Population, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
         // It stays as fresh as it is.
         let current = match self.fresh.get_mut() {
@@ -320,8 +323,8 @@ pub(crate) struct Sorts {
 }
 
 impl BroadPhase {
-    /// Calls `leaf(collider, most)` with every collider whose box the path of a box meets before the fraction `most`,
-    /// about the nearest first after what has no bounds; it returns the new `most`.
+    /// Calls `leaf(collider, most)` with every collider whose box the path of a box meets before the fraction
+    /// `most`, about the nearest first after what has no bounds; it returns the new `most`.
     #[inline(always)]
     pub(crate) fn ordered_path(
         &self,

@@ -10,14 +10,14 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// Movers in a block: about 10 µs of work, ten times what claiming a block costs.
 pub(super) const BLOCK: usize = per_block(64, 1);
 
-/// Blocks that run before what they found is taken in: enough for many threads, and few buffers for what the most crowded
-/// block may find.
+/// Blocks that run before what they found is taken in: enough for many threads, and few buffers for what the
+/// most crowded block may find.
 const WAVE: usize = 16;
 
 /// Words of pairs in a block that looks whether they last.
 const KEEP_WORDS: usize = per_block(16, 1);
 
-/// What becomes of 64 pairs, a bit each.
+/// The fate of 64 pairs, one bit each.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Change {
     ended: u64,
@@ -25,14 +25,14 @@ pub(super) struct Change {
     turned: u64,
 }
 
-/// What a block finds, and the stack of its walks; kept from step to step.
+/// Pairs that a block finds, and the stack of its tree walks; kept from step to step.
 #[derive(Debug, Default)]
 pub(super) struct Block {
     /// Both colliders of a pair; the first with [`FAST`] if it is fast.
     found: Vec<(u32, u32)>,
     stack: Vec<u32>,
     pub(super) partners: Vec<u32>,
-    /// What its buffers may still grow by, and how often they could not.
+    /// Bytes that its buffers may still grow by, and how often they could not.
     room: Room,
     shed: u32,
 }
@@ -63,7 +63,7 @@ pub(super) fn words_of(pairs: usize) -> usize {
     pairs.div_ceil(64)
 }
 
-/// Who may be a pair, and what one costs.
+/// Which colliders may be a pair, and the bytes of one.
 pub(crate) struct Rules<'a> {
     pub(crate) may_collide: MayCollide<'a>,
     pub(crate) order: Order<'a>,
@@ -111,7 +111,8 @@ impl BroadPhase {
         room: &mut Room,
     ) {
         let mut changes = std::mem::take(&mut self.changes);
-        // Pairs are only taken in if there is room for this; one that is not looked at lasts longer than it need.
+        // Pairs are only taken in if there is room for this; one that is not looked at lasts longer than it
+        // need.
         let words = room.fit(&mut changes, words_of(self.pairs.len()));
         changes.clear();
         changes.resize(words, Change::default());
@@ -141,7 +142,7 @@ impl BroadPhase {
         self.changes = changes;
     }
 
-    /// What becomes of the pairs of a word.
+    /// The fate of the 64 pairs of a word.
     fn change_of(&self, word: usize, may_collide: MayCollide) -> Change {
         let mut change = Change::default();
         for (bit, pair) in self.pairs[word * 64..].iter().take(64).enumerate() {
@@ -159,7 +160,8 @@ impl BroadPhase {
         change
     }
 
-    /// Searches for the pairs of all that changed; returns how many are new, and how many there was no room for.
+    /// Searches for the pairs of all that changed; returns how many are new, and how many there was no room
+    /// for.
     pub(super) fn find_pairs(
         &mut self,
         crew: &Crew,
@@ -209,7 +211,8 @@ impl BroadPhase {
                 self.partners(c, path, block);
                 self.keep_reported(c, &mut block.partners);
                 for &other in &block.partners {
-                    // The table before the exact test: most that are found are pairs already, and were tested.
+                    // The table before the exact test: most that are found are pairs already, and were
+                    // tested.
                     if self.table.find(&self.pairs, c, other).is_none()
                         && self.may_touch(c, other)
                         && (rules.may_collide)(c, other)
@@ -338,8 +341,8 @@ impl BroadPhase {
         }
     }
 
-    /// All whose boxes touch this one's (or are touched by the path, if there is one, within rounding), save what
-    /// can't collide with it. An endless one finds nothing: the others find it.
+    /// All whose boxes touch this one's (or are touched by the path, if there is one, within rounding), save
+    /// what can't collide with it. An endless one finds nothing: the others find it.
     pub(super) fn partners(&self, collider: u32, path: Option<&Path>, block: &mut Block) {
         let Block { stack, partners, room, shed, .. } = block;
         partners.clear();
@@ -366,9 +369,10 @@ impl BroadPhase {
         }
     }
 
-    /// Of two that both search, who reports the pair: the higher reports, of equals the lower index. Whoever doesn't
-    /// search has 0. The order of [`Role`] sees to the rest: a static one searches only for movers that don't, a path
-    /// may miss what a swept box touches, and both look further than a fat box.
+    /// Decides which of two searching colliders reports the pair: the one with the higher rank, or of equal
+    /// ranks the lower index. A collider that does not search has rank 0. The order of [`Role`] sees to the
+    /// rest: a static one searches only for movers that don't, a path may miss what a swept box touches, and
+    /// both look further than a fat box.
     #[inline]
     fn rank(&self, c: u32) -> u8 {
         self.roles[c as usize] as u8 * u8::from(self.marks[c as usize] != 0)

@@ -1,15 +1,15 @@
 //! Look-ups from outside the step: who is in a box, who is on a path.
 //!
-//! They read the trees as the last [`BroadPhase::update`] or [`BroadPhase::refresh`] left them. After a step movers
-//! may be outside their boxes, because the solver changed what was predicted: refresh first, unless only statics
-//! matter.
+//! They read the trees as the last [`BroadPhase::update`] or [`BroadPhase::refresh`] left them. After a step
+//! movers may be outside their boxes, because the solver changed what was predicted: refresh first, unless
+//! only statics matter.
 
 use super::{Aabb, BroadPhase, Path};
 use crate::lanes::{Mask, f32x4};
 use glam::Vec3;
 use std::cell::Cell;
 
-/// Whom a look-up asks for.
+/// The colliders that a look-up searches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Whom {
     All,
@@ -31,9 +31,10 @@ impl BroadPhase {
         }
     }
 
-    /// Calls `f` with every collider whose box is touched by a box (`extent`: half extents) that moves straight from
-    /// one point to another. `f` returns the largest fraction of the path that is still of interest; what lies
-    /// beyond is left out from then on. Planes come first, then in no order along the path.
+    /// Calls `f` with every collider whose box is touched by a box (`extent`: half extents) that moves
+    /// straight from one point to another. `f` returns the largest fraction of the path that is still of
+    /// interest; what lies beyond is left out from then on. Planes come first, then in no order along the
+    /// path.
     pub(crate) fn on_path(
         &self,
         stack: &mut Vec<u32>,

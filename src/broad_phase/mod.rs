@@ -1,13 +1,14 @@
 //! Predicted motion in, pairs out.
 //!
-//! A *slow* mover keeps a fat box, and while it stays inside, all it costs is that check; its pairs last as long as
-//! fat boxes overlap. A *fast* one, which outruns its margin within the step, is swept: the tree holds its box from
-//! start to end, and who touches that is tested exactly, by the segment of relative motion against the inflated box
-//! (`segment.rs`); so two fast ones aren't missed, nor do long boxes that merely cross make pairs by the thousand.
-//! What doesn't move is in a tree of its own; what has no end (planes) is in a list.
+//! A *slow* mover keeps a fat box, and while it stays inside, all it costs is that check; its pairs last as
+//! long as fat boxes overlap. A *fast* one, which outruns its margin within the step, is swept: the tree
+//! holds its box from start to end, and who touches that is tested exactly, by the segment of relative motion
+//! against the inflated box (`segment.rs`); so two fast ones aren't missed, nor do long boxes that merely
+//! cross make pairs by the thousand. What doesn't move is in a tree of its own; what has no end (planes) is
+//! in a list.
 //!
-//! Same pairs in the same order whatever the number of threads: searches run in blocks, and blocks are merged in
-//! order.
+//! Same pairs in the same order whatever the number of threads: searches run in blocks, and blocks are merged
+//! in order.
 
 mod aabb;
 #[cfg(feature = "internals")]
@@ -78,21 +79,21 @@ pub(crate) struct Pair {
 }
 
 impl Pair {
-    /// Whether neither body can be pushed in this step: one sleeps beside a kinematic body, which would wake it before
-    /// anything is solved if it reached it; or one is a sensor. Such a pair has no rows, and its contacts stay as they are,
-    /// for the step in which the island wakes.
+    /// Whether neither body can be pushed in this step: one sleeps beside a kinematic body, which would wake
+    /// it before anything is solved if it reached it; or one is a sensor. Such a pair has no rows, and its
+    /// contacts stay as they are, for the step in which the island wakes.
     #[inline]
     pub(crate) fn is_idle(&self, hot: &[Hot], dynamic: usize) -> bool {
         hot[self.a as usize].body as usize >= dynamic && hot[self.b as usize].body as usize >= dynamic
     }
 }
 
-/// What one update did.
+/// Counts of one update.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct BroadStats {
     /// Movers that left their fat box, are fast, or are new.
     pub(crate) moved: u32,
-    /// Of these, the ones that were swept.
+    /// How many of them were swept.
     pub(crate) fast: u32,
     /// Pairs that began.
     pub(crate) added: u32,
@@ -126,7 +127,8 @@ const FILTER: u8 = 2;
 /// The broad phase: who may touch whom.
 #[derive(Debug, Default)]
 pub(crate) struct BroadPhase {
-    /// The pairs, in an order that only what happened depends on. The owner may write `contact`, nothing else.
+    /// The pairs, in an order that only what happened depends on. The owner may write `contact`, nothing
+    /// else.
     pub(crate) pairs: Vec<Pair>,
     table: PairTable,
     /// Pairs that were taken out and may come back.
@@ -146,7 +148,7 @@ pub(crate) struct BroadPhase {
     new_movers: Vec<u32>,
     /// The fast movers of this step.
     paths: Vec<Path>,
-    /// Of 64 pairs each: which end, and which turn.
+    /// For each 64 pairs: which end, and which become fast or slow.
     changes: Vec<Change>,
     blocks: Vec<Mutex<Block>>,
     block: Block,
@@ -163,7 +165,8 @@ pub(crate) struct BroadPhase {
 }
 
 impl BroadPhase {
-    /// Adds a collider that doesn't move. Its tree is only made with the next update or search, for all at once.
+    /// Adds a collider that doesn't move. Its tree is only made with the next update or search, for all at
+    /// once.
     pub(crate) fn insert_static(&mut self, collider: u32, aabb: Aabb) {
         let bounded = aabb.is_bounded();
         self.counts.still += 1;
@@ -267,9 +270,9 @@ impl BroadPhase {
         self.update_within(crew, &rules, removed, (&mut Rooms::ENDLESS.clone(), &mut |_| 0))
     }
 
-    /// Finds the pairs of a step once its movers are placed (see [`BroadPhase::start_movers`]), as far as there is room for
-    /// them: pairs of movers among themselves are the first to be left out. Pairs that end go to `removed`, in an order that
-    /// doesn't depend on threads.
+    /// Finds the pairs of a step once its movers are placed (see [`BroadPhase::start_movers`]), as far as
+    /// there is room for them: pairs of movers among themselves are the first to be left out. Pairs that end
+    /// go to `removed`, in an order that doesn't depend on threads.
     pub(crate) fn update_within(
         &mut self,
         crew: &Crew,
@@ -327,8 +330,8 @@ impl BroadPhase {
         self.paths = paths;
     }
 
-    /// Gives every mover that needs one a new box: the swept one if it is fast, else a fat one that is at most `margin` wider
-    /// on each side [m]. One that isn't listed stays where it is (asleep).
+    /// Gives every mover that needs one a new box: the swept one if it is fast, else a fat one that is at
+    /// most `margin` wider on each side [m]. One that isn't listed stays where it is (asleep).
     pub(crate) fn place_movers(&mut self, movers: &[Mover], margin: f32) {
         for mover in movers {
             let c = mover.collider as usize;
@@ -519,7 +522,8 @@ impl BroadPhase {
         self.table.widen(&self.pairs, pairs);
     }
 
-    /// Bytes that blocks take to find so many pairs in one step: each has the place of the one that found most.
+    /// Bytes that blocks take to find so many pairs in one step: each has the place of the one that found
+    /// most.
     pub(crate) fn missing_to_find(pairs: usize) -> usize {
         pairs * size_of::<(u32, u32)>() * 6 / 5
     }
@@ -529,8 +533,8 @@ impl BroadPhase {
         &mut self.paths
     }
 
-    /// Calls `f` with each other buffer that has an entry for each collider, and what place a step may need in it with so many
-    /// that move, that don't, and that have no end.
+    /// Calls `f` with each other buffer that has an entry for each collider, and what place a step may need
+    /// in it with so many that move, that don't, and that have no end.
     pub(crate) fn each(&mut self, n: Population, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
         let all = n.slots;
         f(&mut self.roles, all);

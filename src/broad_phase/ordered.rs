@@ -1,8 +1,8 @@
 //! Walks that meet the nearest boxes first and leave out what is beyond the best answer so far.
 //!
-//! What a walk asks of a box is a *key*: the fraction at which a path enters it, or the squared distance of a point from
-//! it. Keys are never too large (`shape/slabs.rs`), so nothing is left out that would have been an answer, and an answer
-//! doesn't depend on the shape of the tree.
+//! A walk orders boxes by a *key*: the fraction at which a path enters it, or the squared distance of a point
+//! from it. Keys are never too large (`shape/slabs.rs`), so nothing is left out that would have been an
+//! answer, and an answer doesn't depend on the shape of the tree.
 
 use super::bvh::{LEAF, NONE, Node, Tree};
 use crate::lanes::{Lanes, Mask, f32x4};
@@ -11,8 +11,8 @@ use crate::lanes::{Lanes, Mask, f32x4};
 const STACK: usize = 64;
 
 impl Tree {
-    /// Calls `leaf(collider, most)` for the leaves whose key is at most `most`, about the smallest first; it returns the
-    /// new `most`.
+    /// Calls `leaf(collider, most)` for the leaves whose key is at most `most`, about the smallest first; it
+    /// returns the new `most`.
     #[inline(always)]
     pub(super) fn visit_ordered(
         &self,

@@ -1,21 +1,21 @@
 //! Which pairs there are: a list in a stable order, and a hash table that finds a pair's place in it.
 //!
-//! The list belongs to [`BroadPhase`](super::BroadPhase), because the owner of the world writes into it (where a
-//! pair keeps its contact); the table holds only places. Open addressing with linear probing and a fixed hash, so
-//! that nothing here depends on a random seed, and a removal shifts later entries back instead of leaving a mark:
-//! a table that lives for hours doesn't silt up.
+//! The list belongs to [`BroadPhase`](super::BroadPhase), because the owner of the world writes into it
+//! (where a pair keeps its contact); the table holds only places. Open addressing with linear probing and a
+//! fixed hash, so that nothing here depends on a random seed, and a removal shifts later entries back instead
+//! of leaving a mark: a table that lives for hours doesn't silt up.
 
 use super::Pair;
 use crate::memory::{Room, bytes_of};
 
 /// From two colliders, in any order, to their pair.
 ///
-/// A slot is five bytes in two columns. The tags, which most looks are content with, are few enough to stay near; the hash
-/// itself is made again where a slot has to move.
+/// A slot is five bytes in two columns. The tags, which most looks are content with, are few enough to stay
+/// near; the hash itself is made again where a slot has to move.
 #[derive(Debug, Default)]
 pub(super) struct PairTable {
-    /// Of each slot, a part of the hash of the pair that is kept there; [`FREE`] if there is none. At most three quarters
-    /// of them are taken.
+    /// Part of the hash of the pair in each slot; [`FREE`] if there is none. At most three quarters of the
+    /// slots are taken.
     tags: Vec<u8>,
     /// The pair's place in the list.
     places: Vec<u32>,
@@ -40,7 +40,8 @@ fn tag_of(hash: u32) -> u8 {
 }
 
 impl PairTable {
-    /// Where a pair is kept if nothing is in its way: by the high bits of the hash, so that any number of slots will do.
+    /// Where a pair is kept if nothing is in its way: by the high bits of the hash, so that any number of
+    /// slots will do.
     #[inline]
     fn home_of(&self, hash: u32) -> usize {
         ((u64::from(hash) * self.tags.len() as u64) >> 32) as usize

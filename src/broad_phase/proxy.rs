@@ -1,11 +1,11 @@
-//! What the broad phase keeps of a collider, and how wide its boxes are.
+//! Proxies: the record of a collider in the broad phase, and how far its boxes are inflated.
 
 use super::bvh::NONE;
 use super::{Aabb, LARGEST, Mover};
 use crate::config::Continuous;
 use glam::{Vec3, Vec3A};
 
-/// What a collider is to the broad phase. The order decides who of two reports their pair.
+/// The role of a collider in the broad phase. The order decides which of two reports their pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub(super) enum Role {
@@ -25,7 +25,7 @@ pub(super) enum Role {
 /// A collider's box; 32 bytes, half a cache line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Proxy {
-    /// What the tree holds: the box of a static, the fat box of a slow mover, the swept box of a fast one.
+    /// The box in the tree: the box of a static, the fat box of a slow mover, the swept box of a fast one.
     pub(super) bounds: Aabb,
     /// Its leaf's place in the tree, or `NONE`.
     pub(super) place: u32,
@@ -41,13 +41,13 @@ impl Proxy {
 const FAT: f32 = 0.1;
 /// ... but at most by the margin, and at least by this share of it: what is small also moves.
 const LEAST_FAT: f32 = 0.1;
-/// A fat box reaches ahead by the motion of this many steps, at most by the margin: a falling body needs a new one
-/// every few steps instead of every one or two.
+/// A fat box reaches ahead by the motion of this many steps, at most by the margin: a falling body needs a
+/// new one every few steps instead of every one or two.
 const STEPS_AHEAD: f32 = 4.0;
-/// What rounding may take from a sum, as a share of its terms: two units of 2^-24, and as many to spare.
+/// Bound on the rounding error of a sum as a share of its terms: two units of 2^-24, doubled.
 const ROUNDING: f32 = 4.0 / (1 << 24) as f32;
-/// The same for the lengths of a swept box: more than what the test of two paths is widened by, so that the search
-/// along one path surely leads to all that the test says yes to.
+/// The same for the lengths of a swept box: more than what the test of two paths is widened by, so that the
+/// search along one path surely leads to all that the test says yes to.
 const ROUNDING_SWEPT: f32 = 8.0 * ROUNDING;
 
 /// The mover's own margin [m], and whether it is fast: continuous, and outruns the margin.
@@ -61,8 +61,8 @@ pub(super) fn margin_of(mover: &Mover, margin: f32) -> (f32, bool) {
     (own, !slow & (mover.mode != Continuous::Discrete))
 }
 
-/// Whether a slow mover may keep its fat box. The check that all at rest pay in every step, so it asks the cheap
-/// question first: what moves less than the least of margins needn't be measured.
+/// Whether a slow mover may keep its fat box. The check that all at rest pay in every step, so it asks the
+/// cheap question first: what moves less than the least of margins needn't be measured.
 #[inline]
 pub(super) fn rests(mover: &Mover, margin: f32, bounds: &Aabb) -> bool {
     let least = margin * LEAST_FAT - mover.spin;
@@ -80,7 +80,8 @@ pub(super) fn rests(mover: &Mover, margin: f32, bounds: &Aabb) -> bool {
     (low & high).all()
 }
 
-/// What a slow mover's fat box must hold: the box at the start of the step and at its end, however it turns.
+/// The box that a slow mover's fat box must contain: the box at the start of the step and at its end, however
+/// it turns.
 #[inline]
 pub(super) fn needs(mover: &Mover) -> Aabb {
     let Aabb { min, max } = mover.aabb;

@@ -1,7 +1,8 @@
 //! What a snapshot keeps of the broad phase: boxes, the tree over them, and what is still to be looked up.
 //!
-//! The order of pairs comes from the order in which walks find leaves, that is, from which node hangs on which. So trees are
-//! kept as they are; the boxes of their nodes follow from those of the leaves, and the table of pairs from the list.
+//! The order of pairs comes from the order in which walks find leaves, that is, from which node hangs on
+//! which. So trees are kept as they are; the boxes of their nodes follow from those of the leaves, and the
+//! table of pairs from the list.
 
 use super::bvh::Tree;
 use super::{Aabb, BroadPhase, NONE, Path, Proxy, Role, look_up};
@@ -205,7 +206,8 @@ impl BroadPhase {
         settled.save_statics(out);
     }
 
-    /// Whether words are a tree of static colliders, of which `bounded` says which there are; and what waits for it.
+    /// Whether words are a tree of static colliders, of which `bounded` says which there are; and what waits
+    /// for it.
     pub(crate) fn check_statics(new: &[u32], tree: &[u32], bounded: &[bool]) -> Result<(), Error> {
         let mut seen = vec![false; bounded.len()];
         let there = |c: u32| bounded.get(c as usize).copied().unwrap_or(false);
@@ -235,8 +237,9 @@ impl<'a> SavedBroad<'a> {
         })
     }
 
-    /// Whether all fits together. `colliders`: of what moves or sleeps, in order; `fixed`: for each collider slot, whether
-    /// there is something static, and whether that is endless; `absent`: those of disabled bodies, sorted.
+    /// Whether all fits together. `colliders`: of what moves or sleeps, in order; `fixed`: for each collider
+    /// slot, whether there is something static, and whether that is endless; `absent`: those of disabled
+    /// bodies, sorted.
     pub(crate) fn check(
         &self,
         colliders: &[u32],

@@ -1,9 +1,9 @@
 //! The path of a fast body against inflated boxes.
 //!
-//! The mover shrinks to the centre of its box, and whatever it may meet grows by its half extents (the Minkowski sum
-//! of two boxes is a box): "does the moving box touch the box" becomes "does the segment touch the grown box".
-//! Everything is measured from the middle of the path, so that rounding is relative to the lengths at hand and not
-//! to the distance from the world's origin.
+//! The mover shrinks to the centre of its box, and whatever it may meet grows by its half extents (the
+//! Minkowski sum of two boxes is a box): "does the moving box touch the box" becomes "does the segment touch
+//! the grown box". Everything is measured from the middle of the path, so that rounding is relative to the
+//! lengths at hand and not to the distance from the world's origin.
 
 use super::{Aabb, LARGEST, Mover};
 use crate::lanes::{Lanes, Vec3};
@@ -11,9 +11,10 @@ use crate::lanes::{Lanes, Vec3};
 /// Which of `L::N` boxes a straight path touches; lane `i` answers for box `i`.
 ///
 /// `half`: half vector of the path [m]. `offset`: from the middle of the path to the middle of the box [m].
-/// `extent`: half extents of the box, already inflated by the mover's and by the margin [m]. An inert lane has a NaN
-/// offset or an extent of -inf and answers no. No division: a path of length zero is a point test. Separating axes,
-/// three box normals and three cross products: Ericson, *Real-Time Collision Detection* (2005), 5.3.3.
+/// `extent`: half extents of the box, already inflated by the mover's and by the margin [m]. An inert lane
+/// has a NaN offset or an extent of -inf and answers no. No division: a path of length zero is a point test.
+/// Separating axes, three box normals and three cross products: Ericson, *Real-Time Collision Detection*
+/// (2005), 5.3.3.
 #[inline(always)]
 pub(super) fn path_hits_boxes<L: Lanes>(half: Vec3<L>, offset: Vec3<L>, extent: Vec3<L>) -> L::Mask {
     let d = half.abs();
@@ -27,14 +28,15 @@ pub(super) fn path_hits_boxes<L: Lanes>(half: Vec3<L>, offset: Vec3<L>, extent: 
         & c.z.le(extent.x * d.y + extent.y * d.x)
 }
 
-/// What a test is widened by, as a share of the lengths in it: eight roundings. Where a path touches a box, no length
-/// in the test exceeds extent + half path, and each is off by a few units of 2^-24 of that.
+/// Share of the lengths in a test by which it is widened: eight roundings. Where a path touches a box, no
+/// length in the test exceeds extent + half path, and each is off by a few units of 2^-24 of that.
 const ROUNDING: f32 = 8.0 / (1 << 24) as f32;
-/// The same for boxes of inner nodes: wide enough that rounding never hides a box that would answer yes by itself.
+/// The same for boxes of inner nodes: wide enough that rounding never hides a box that would answer yes by
+/// itself.
 const ROUNDING_INNER: f32 = 4.0 * ROUNDING;
 
-/// A path longer than this many of its boxes is looked along; of a shorter one the box around it is searched, which costs
-/// a third, and finds few that the path misses (scene `bullets`: from 8 on no difference).
+/// A path longer than this many of its boxes is looked along; of a shorter one the box around it is searched,
+/// which costs a third, and finds few that the path misses (scene `bullets`: from 8 on no difference).
 const LONG: f32 = 8.0;
 
 /// The segment that a fast mover moves along within the step.
@@ -59,7 +61,7 @@ pub(super) struct Segment {
     half: glam::Vec3,
     /// Half extents of the box that moves [m].
     extent: glam::Vec3,
-    /// What rounding may have moved `middle` by [m].
+    /// Bound on the rounding error of `middle` [m].
     rounding: glam::Vec3,
 }
 
@@ -89,7 +91,7 @@ impl Path {
         self.half.abs().cmpgt(self.extent * LONG).any()
     }
 
-    /// Of a step that is over: only whose it was matters.
+    /// A path of a step that is over: only its collider matters.
     pub(super) fn past(collider: u32) -> Path {
         let zero = glam::Vec3::ZERO;
         Path { collider, start: zero, half: zero, extent: zero, spin: 0.0, margin: 0.0 }
@@ -102,7 +104,8 @@ impl Path {
         lanes.hits(Vec3::splat(target.min), Vec3::splat(target.max))
     }
 
-    /// Whether two fast movers may meet: the path of one relative to the other, against the sum of their boxes.
+    /// Whether two fast movers may meet: the path of one relative to the other, against the sum of their
+    /// boxes.
     pub(super) fn meets(&self, other: &Path) -> bool {
         let half = self.half - other.half;
         let offset = (other.start - self.start) - half;
@@ -130,8 +133,8 @@ impl Path {
         Segment { middle, half, extent, rounding: (middle - start - half).abs() }
     }
 
-    /// A path for a look-up: from one point to another with half extents around it [m]. The ends may have been
-    /// rounded from `f64`: what that moved them by is covered.
+    /// A path for a look-up: from one point to another with half extents around it [m]. The ends may have
+    /// been rounded from `f64`: what that moved them by is covered.
     pub(super) fn between(from: glam::Vec3, to: glam::Vec3, extent: glam::Vec3) -> Segment {
         let limit = glam::Vec3::splat(LARGEST);
         let (from, to) = (from.clamp(-limit, limit), to.clamp(-limit, limit));
@@ -141,7 +144,7 @@ impl Path {
             half,
             middle,
             extent,
-            // Of the motion and its half, at the far end; and of both ends.
+            // Rounding of the motion and of its half at the far end, and of both ends.
             rounding: (middle - from - half).abs()
                 + (middle + half - to).abs()
                 + from.abs().max(to.abs()) * ROUNDING * 0.25,
@@ -162,7 +165,7 @@ impl Segment {
 pub(super) struct PathLanes<L> {
     middle: Vec3<L>,
     half: Vec3<L>,
-    /// What a box grows by: half extents, spin, margin, rounding [m].
+    /// Amount by which boxes are inflated: half extents, spin, margin, rounding [m].
     grow: Vec3<L>,
     /// Half, and a little more for rounding.
     widen: L,

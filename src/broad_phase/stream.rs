@@ -29,8 +29,8 @@ impl FourTree for Tree {
 }
 
 impl BroadPhase {
-    /// Calls `leaf(collider, rays, stream)` with every collider and the rays that meet its box before their `most`, which
-    /// it may lower; about the nearest first after what has no bounds.
+    /// Calls `leaf(collider, rays, stream)` with every collider and the rays that meet its box before their
+    /// `most`, which it may lower; about the nearest first after what has no bounds.
     pub(crate) fn together(
         &self,
         current: &Current,

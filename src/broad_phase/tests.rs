@@ -204,8 +204,8 @@ fn run_against_brute_force(centre: Vec3, size: f32) {
                     needed += 1;
                     assert!(pairs.contains(&pair), "step {step}: {pair:?} missed: {m:?} {n:?}");
                 } else if pairs.contains(&pair) {
-                    // Both margins, both reaches ahead, and a slow one's own motion, may be had for nothing; a volume
-                    // is a volume, and what fell asleep or slowed down keeps the box that it had.
+                    // Both margins, both reaches ahead, and a slow one's own motion, may be had for nothing;
+                    // a volume is a volume, and what fell asleep or slowed down keeps the box that it had.
                     let segments = [&m, &n].iter().all(|m| m.mode == Continuous::Segment);
                     let awake = [p, q].iter().all(|b| !b.asleep);
                     let rounding = f64::from(centre.length()) * 2e-6;

@@ -1,4 +1,5 @@
-//! What the broad phase costs. Not checks: `cargo test --release broad_phase::timing -- --ignored --nocapture`.
+//! What the broad phase costs. Not checks: `cargo test --release broad_phase::timing -- --ignored
+//! --nocapture`.
 
 use super::*;
 use crate::lanes::{Mask, f32x4};

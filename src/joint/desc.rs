@@ -56,10 +56,11 @@ impl Axis {
 pub enum Axes {
     /// Linear: the signed distance along one axis [m]. Angular: the twist about it [rad].
     One(Axis),
-    /// The two others than this. Linear: the distance from the line along it [m]. Angular: the angle between this axis
-    /// of the two frames, a cone [rad].
+    /// The two others than this. Linear: the distance from the line along it [m]. Angular: the angle between
+    /// this axis of the two frames, a cone [rad].
     Around(Axis),
-    /// Linear: the distance of the two frames [m]. Angular: the angle of the whole rotation between them [rad].
+    /// Linear: the distance of the two frames [m]. Angular: the angle of the whole rotation between them
+    /// [rad].
     All,
 }
 
@@ -199,14 +200,14 @@ impl Limit {
 
 /// Pulls a displacement to a target position, a target velocity, or both, with a bounded force.
 ///
-/// A spring without damping is an oscillator, one with infinite damping and no stiffness a motor that holds its
-/// velocity up to `max_force`, and such a motor at rest is friction.
+/// A spring without damping is an oscillator, one with infinite damping and no stiffness a motor that holds
+/// its velocity up to `max_force`, and such a motor at rest is friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Drive {
     /// Along or about the axis.
     pub motion: Motion,
-    /// Of the first body's frame.
+    /// An axis of the first body's frame.
     pub axis: Axis,
     /// [m] or [rad], within 1e9.
     pub position: f32,
@@ -245,7 +246,8 @@ impl Drive {
 
 /// A joint to be added: two bodies, a frame on each, and what of their relative motion is limited and driven.
 ///
-/// The relative motion is that of the second frame as seen from the first. Frames that coincide have no displacement.
+/// The relative motion is that of the second frame as seen from the first. Frames that coincide have no
+/// displacement.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct JointDesc {
@@ -263,8 +265,8 @@ pub struct JointDesc {
     pub break_force: f32,
     /// The joint breaks above this torque [N m]. Default infinity.
     pub break_torque: f32,
-    /// Has its rows solved right after those of this group, unless their own place is later: what is solved later wins.
-    /// A tree of joints is raised as a whole. Default none.
+    /// Has its rows solved right after those of this group, unless their own place is later: what is solved
+    /// later wins. A tree of joints is raised as a whole. Default none.
     pub raised: Option<RowGroup>,
     /// The caller's own.
     pub user_data: u64,
@@ -292,8 +294,8 @@ impl JointDesc {
         joint.with_limit(Limit::lock(Motion::Angular, Axes::All))
     }
 
-    /// The two frames' origins stay together; all rotation is free. Add a limit around an axis for a cone, about it for a
-    /// twist.
+    /// The two frames' origins stay together; all rotation is free. Add a limit around an axis for a cone,
+    /// about it for a twist.
     pub fn ball(bodies: [BodyHandle; 2], frames: [Frame; 2]) -> JointDesc {
         JointDesc::new(bodies, frames).with_limit(Limit::lock(Motion::Linear, Axes::All))
     }
@@ -311,14 +313,15 @@ impl JointDesc {
             .with_limit(Limit::lock(Motion::Angular, Axes::All))
     }
 
-    /// The frames' origins stay at a distance between `min` and `max` [m]: a rod if they are equal, a rope if `min` is
-    /// zero.
+    /// The frames' origins stay at a distance between `min` and `max` [m]: a rod if they are equal, a rope if
+    /// `min` is zero.
     pub fn distance(bodies: [BodyHandle; 2], frames: [Frame; 2], min: f32, max: f32) -> JointDesc {
         JointDesc::new(bodies, frames).with_limit(Limit::new(Motion::Linear, Axes::All, min, max))
     }
 
-    /// A wheel (second body) on a car (first): its hub moves along the frames' y by up to `travel` [m] to either side
-    /// and is held by a spring; it turns freely about x, its axle, and not otherwise. Add a drive about x for an engine.
+    /// A wheel (second body) on a car (first): its hub moves along the frames' y by up to `travel` [m] to
+    /// either side and is held by a spring; it turns freely about x, its axle, and not otherwise. Add a drive
+    /// about x for an engine.
     pub fn wheel(bodies: [BodyHandle; 2], frames: [Frame; 2], travel: f32, spring: Spring) -> JointDesc {
         JointDesc::new(bodies, frames)
             .with_limit(Limit::lock(Motion::Linear, Axes::Around(Axis::Y)))

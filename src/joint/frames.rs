@@ -14,7 +14,7 @@ pub(crate) struct Placed {
     pub(crate) apart: Vec3,
     /// The frames' axes.
     pub(crate) axes: [Mat3; 2],
-    /// Of the second frame as seen from the first.
+    /// Rotation of the second frame as seen from the first.
     relative: Quat,
 }
 
@@ -44,7 +44,7 @@ impl Placed {
         let q = if self.relative.w < 0.0 { -self.relative } else { self.relative };
         let v = Vec3::new(q.x, q.y, q.z);
         let sine = v.length();
-        // Of a small angle, twice its sine.
+        // A small angle is twice its half's sine.
         let scale = if sine < 1e-4 { 2.0 } else { 2.0 * libm::atan2f(sine, q.w) / sine };
         self.axes[0] * v * scale
     }
@@ -64,7 +64,8 @@ impl Placed {
         }
     }
 
-    /// The direction of a displacement of zero, which has none of its own: a distance that has a least one opens all the same.
+    /// The direction of a displacement of zero, which has none of its own: a distance that has a least one
+    /// opens all the same.
     pub(crate) fn aside(&self, axes: Axes) -> Vec3 {
         let axis = match axes {
             Axes::All => Axis::X,

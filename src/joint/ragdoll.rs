@@ -58,11 +58,11 @@ pub struct Skeleton {
     pub bones: Vec<Bone>,
     /// [kg/m³]. Default 1000.
     pub density: f32,
-    /// Of all bones.
+    /// Material of all bones.
     pub material: Material,
-    /// Of all bones. Neighbours never collide.
+    /// Filter of all bones. Neighbours never collide.
     pub filter: Filter,
-    /// What each joint resists turning with [N m]. Default 0.
+    /// Torque of friction in each joint [N m]. Default 0.
     pub friction: f32,
 }
 
@@ -87,8 +87,8 @@ impl Skeleton {
         }
     }
 
-    /// A figure of 1.85 m with spread arms that stands at the origin and looks along z: pelvis, torso and head, and upper
-    /// and lower arms and legs. Six ball joints and four hinges.
+    /// A figure of 1.85 m with spread arms that stands at the origin and looks along z: pelvis, torso and
+    /// head, and upper and lower arms and legs. Six ball joints and four hinges.
     pub fn humanoid() -> Skeleton {
         let lying = |x: f32, y: f32, half: f32| [Vec3::new(x - half, y, 0.0), Vec3::new(x + half, y, 0.0)];
         let standing = |x: f32, y: f32, half: f32| [Vec3::new(x, y - half, 0.0), Vec3::new(x, y + half, 0.0)];
@@ -246,7 +246,8 @@ impl Bone {
     }
 }
 
-/// A rotation of one direction to another. Against each other glam would ask the platform for the sine of a right angle.
+/// A rotation of one direction to another. Against each other glam would ask the platform for the sine of a
+/// right angle.
 fn arc(from: Vec3, to: Vec3) -> Quat {
     if from.dot(to) >= 0.0 {
         return Quat::from_rotation_arc(from, to);

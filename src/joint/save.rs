@@ -1,4 +1,5 @@
-//! What a snapshot keeps of joints: what they bear, which changes in every step, and what they are, which seldom does.
+//! What a snapshot keeps of joints: their impulses, which change in every step, and their definitions, which
+//! seldom do.
 
 use super::desc::{Axes, Axis, Drive, Frame, Limit, Motion, Spring};
 use super::store::{Joint, Joints, Lock, LockKind, More, NONE, Row, RowKind};
@@ -18,7 +19,7 @@ pub(crate) struct JointLists {
     changed: u32,
 }
 
-/// What joints bear, in its words.
+/// The impulses of joints, as words.
 #[derive(Clone, Copy)]
 pub(crate) struct SavedJoints<'a> {
     lists: JointLists,
@@ -139,8 +140,8 @@ impl<'a> SavedJoints<'a> {
         })
     }
 
-    /// Whether there are as many as the world will have, and none of them bears more than it can: it would have broken in the
-    /// step in which it did.
+    /// Whether there are as many as the world will have, and none of them bears more than it can: it would
+    /// have broken in the step in which it did.
     pub(crate) fn check(&self, records: &JointRecords) -> Result<(), Error> {
         let [joints, locks, rows] = [records.all.len(), records.locks.len(), records.rows.len()];
         let overloaded = |(joint, words): (&Joint, &[u32; 6])| {
@@ -271,7 +272,8 @@ impl JointRecords {
         Ok(records)
     }
 
-    /// Whether the lists of bodies lead to each of their joints once, and the free slots are those that are not taken.
+    /// Whether the lists of bodies lead to each of their joints once, and the free slots are those that are
+    /// not taken.
     fn check_lists(&self, live: usize) -> Result<(), Error> {
         let mut visits = 0;
         for (body, &first) in (0u32..).zip(&self.first) {

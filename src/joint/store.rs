@@ -17,7 +17,7 @@ pub(crate) struct Joint {
     pub(crate) bodies: [u32; 2],
     /// In the principal axes of each body, from its centre of mass.
     pub(crate) frames: [Frame; 2],
-    /// What it takes to break it [N], [N m].
+    /// Force [N] and torque [N m] at which it breaks.
     pub(crate) strength: [f32; 2],
     pub(crate) collide: bool,
     /// Which rows its own come after.
@@ -48,7 +48,7 @@ pub(crate) enum LockKind {
 pub(crate) struct Lock {
     pub(crate) joint: u32,
     pub(crate) kind: LockKind,
-    /// Of the last substep, in the world [N s] or [N m s].
+    /// Impulse of the last substep, in world axes [N s] or [N m s].
     pub(crate) impulse: Vec3,
     /// How much of it does not yield.
     pub(crate) held: f32,
@@ -95,7 +95,7 @@ pub(crate) struct Row {
     pub(crate) held: f32,
 }
 
-/// What is to be added.
+/// How many joints, locks and rows are about to be added.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct More {
     pub(super) joints: usize,
@@ -168,7 +168,7 @@ pub(crate) struct Joints {
     pub(super) fresh: usize,
     /// How many can break.
     pub(super) breakable: u32,
-    /// Those that broke in the last step.
+    /// Joints that broke in the last step.
     pub(crate) broken: Vec<JointHandle>,
 }
 
@@ -335,7 +335,8 @@ impl Joints {
         self.breakable
     }
 
-    /// Reserved bytes of joints themselves, of their locks and of their rows, without the handles that were given out.
+    /// Reserved bytes of joints themselves, of their locks and of their rows, without the handles that were
+    /// given out.
     pub(crate) fn parts(&self) -> [usize; 3] {
         let handles = if self.count > 0 { bytes_of(&self.all).1 } else { 0 };
         let own = handles + bytes_of(&self.first).1 + bytes_of(&self.broken).1;
@@ -356,8 +357,8 @@ impl Joints {
         self.stale = false;
     }
 
-    /// Bytes that more takes: in the columns, and in the batches of a step, of which each row that none is arranged for
-    /// may have one for itself.
+    /// Bytes that more takes: in the columns, and in the batches of a step, of which each row that none is
+    /// arranged for may have one for itself.
     pub(crate) fn missing(&mut self, more: More) -> usize {
         let batches = (self.fresh + more.locks + more.rows) * crate::constraint::WIDEST_JOINT_BATCH;
         batches + self.missing_columns(more)
@@ -450,8 +451,8 @@ impl Joints {
     }
 }
 
-/// Locks of single axes as the one lock that they make: solved as a block they hold better, and two of rotation have no
-/// half turn at which each of them for itself has no direction.
+/// Locks of single axes as the one lock that they make: solved as a block they hold better, and two of
+/// rotation have no half turn at which each of them for itself has no direction.
 fn locked_together(limits: &[Limit]) -> Vec<Limit> {
     let mut out = Vec::with_capacity(limits.len());
     let mut locked = [[false; 3]; 2];
@@ -475,7 +476,8 @@ fn locked_together(limits: &[Limit]) -> Vec<Limit> {
 }
 
 impl Row {
-    /// Whether it turns what a hinge joins, by a torque that does not depend on masses: a motor, friction, a spring.
+    /// Whether it turns what a hinge joins, by a torque that does not depend on masses: a motor, friction, a
+    /// spring.
     pub(crate) fn drives_hinge(&self) -> bool {
         let per_mass = |spring: Spring| spring.coefficients().2;
         self.motion == Motion::Angular
@@ -483,8 +485,8 @@ impl Row {
             && matches!(self.kind, RowKind::Drive { spring, .. } if !per_mass(spring))
     }
 
-    /// Whether the joint's locks leave its bodies no other way to go than along or about it: a slide in a direction that can't
-    /// turn, and what drives a hinge.
+    /// Whether the joint's locks leave its bodies no other way to go than along or about it: a slide in a
+    /// direction that can't turn, and what drives a hinge.
     pub(crate) fn is_guided(&self) -> bool {
         match (self.motion, self.axes, self.beside[1]) {
             (Motion::Linear, Axes::One(_), turns) => turns.is_some(),

@@ -80,7 +80,7 @@ pub(crate) fn transpose(rows: [f32x8; 8]) -> [f32x8; 8] {
     // SAFETY: these ask for nothing but AVX, and all that this is compiled for has that.
     unsafe {
         let row = |i: usize| -> arch::__m256 { must_cast(rows[i]) };
-        // Of two halves with four rows each: columns 0 and 4, 1 and 5, 2 and 6, 3 and 7.
+        // From two halves of four rows each: columns 0 and 4, 1 and 5, 2 and 6, 3 and 7.
         let half = |i: usize| {
             let (a, b) =
                 (arch::_mm256_unpacklo_ps(row(i), row(i + 1)), arch::_mm256_unpackhi_ps(row(i), row(i + 1)));

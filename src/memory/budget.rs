@@ -1,9 +1,10 @@
-//! What a world may hold.
+//! The memory budget of a world.
 
 use super::Category;
 
-/// Bytes that a world may reserve, in all and of each category; see [`Settings::budget`](crate::Settings::budget). What has no
-/// limit of its own is only bound by that of the whole.
+/// Bytes that a world may reserve, in all and of each category; see
+/// [`Settings::budget`](crate::Settings::budget). What has no limit of its own is only bound by that of the
+/// whole.
 ///
 /// ```
 /// use backstop::{Budget, Category};
@@ -95,7 +96,7 @@ mod tests {
         let text = serde_json::to_string(&budget).unwrap();
         assert_eq!(text, r#"{"total":1000,"categories":{"broad_phase":200,"events":0}}"#);
         assert_eq!(serde_json::from_str::<Budget>(&text).unwrap(), budget);
-        // Of a recording.
+        // As a recording stores it.
         let bytes = postcard::to_stdvec(&budget).unwrap();
         assert_eq!(postcard::from_bytes::<Budget>(&bytes).unwrap(), budget);
         assert_eq!(postcard::to_stdvec(&Budget::NONE).unwrap(), [0, 0]);

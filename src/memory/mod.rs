@@ -38,7 +38,7 @@ pub enum Category {
     Events,
     /// Buffers of one step.
     Scratch,
-    /// What exists only because of continuous collision: motion segments, potential points and their
+    /// Memory that exists only because of continuous collision: motion segments, potential points and their
     /// rows.
     Continuous,
 }
@@ -123,7 +123,8 @@ impl MemoryReport {
         bytes.peak = bytes.peak.max(bytes.reserved);
     }
 
-    /// Counts bytes under another category than the one that holds them, but none of those that it needs itself now.
+    /// Counts bytes under another category than the one that holds them, but none of those that it needs
+    /// itself now.
     pub(crate) fn shift(&mut self, from: Category, to: Category, (live, reserved): (usize, usize)) {
         let held = &mut self.bytes[from as usize];
         let live = live.min(held.live);

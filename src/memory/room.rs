@@ -1,4 +1,4 @@
-//! What a step may still reserve: buffers grow through it, so that a budget is never exceeded, only used up.
+//! Bytes that a step may still reserve: buffers grow through it, so that a budget is never exceeded.
 
 /// Bytes that buffers may still grow by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,10 +12,12 @@ impl Default for Room {
     }
 }
 
-/// A buffer grows by more than it needs, so that it seldom grows, while that takes no more than this part of what is left.
+/// A buffer grows by more than it needs, so that it seldom grows, while that takes no more than this part of
+/// what is left.
 const PART: usize = 8;
-/// What is smaller than this is doubled; what is larger grows by a quarter, and what is large by an eighth [bytes]. Doubled,
-/// the buffers of a scene would hold half more than they ever use. The large ones are moved by their pages, which costs little.
+/// Buffers smaller than this double, larger ones grow by a quarter, and large ones by an eighth [bytes].
+/// Doubled, the buffers of a scene would hold half more than they ever use. The large ones are moved by their
+/// pages, which costs little.
 const SMALL: usize = 1 << 14;
 const LARGE: usize = 1 << 18;
 
@@ -31,11 +33,11 @@ fn generous<T>(before: usize, len: usize) -> usize {
 }
 
 impl Room {
-    /// Of a world without a budget.
+    /// No limit: the world has no budget.
     pub(crate) const ENDLESS: Room = Room { left: usize::MAX };
 
     pub(crate) fn new(left: usize) -> Room {
-        // A budget of all there is is none.
+        // `usize::MAX` means no limit.
         Room { left: left.min(usize::MAX - 1) }
     }
 
@@ -76,8 +78,8 @@ impl Room {
         }
     }
 
-    /// Makes place for `len` elements in all; says for how many there is place then, which is fewer than `len` only if
-    /// the room doesn't suffice.
+    /// Makes place for `len` elements in all; says for how many there is place then, which is fewer than
+    /// `len` only if the room doesn't suffice.
     #[inline]
     pub(crate) fn fit<T>(&mut self, buffer: &mut Vec<T>, len: usize) -> usize {
         if len <= buffer.capacity() { len } else { self.grow(buffer, len, usize::MAX) }
@@ -178,8 +180,9 @@ pub(crate) struct Marks([usize; MOST]);
 /// Buffers that [`even_out`] can keep apart.
 const MOST: usize = 12;
 
-/// Gives the buffers of all blocks the capacities of the largest. Which block needs most changes from step to step;
-/// when the next one needs as much, there is place already, so a scene that moves doesn't make buffers grow for ever.
+/// Gives the buffers of all blocks the capacities of the largest. Which block needs most changes from step to
+/// step; when the next one needs as much, there is place already, so a scene that moves doesn't make buffers
+/// grow for ever.
 pub(crate) fn even_out<B: Buffers>(blocks: &mut [B], marks: &mut Marks, room: &mut Room) {
     // The second pass is for those that came before the one that has grown.
     for _ in 0..2 {

@@ -1,4 +1,5 @@
-//! What a step may still reserve of each category: the less of what is left of its own limit and of the whole.
+//! Bytes that a step may still reserve in each category: the lesser of what its own limit and that of the
+//! whole leave.
 
 use super::{Amounts, Budget, Category, MemoryReport, Room};
 
@@ -10,11 +11,11 @@ pub(crate) struct Rooms {
 }
 
 impl Rooms {
-    /// Of a world without a budget.
+    /// No limits: the world has no budget.
     pub(crate) const ENDLESS: Rooms =
         Rooms { whole: Room::ENDLESS, of: [Room::ENDLESS; Category::ALL.len()] };
 
-    /// What of a budget is left beside what is held, by category and in all.
+    /// The part of a budget that is left beside the bytes held, by category and in all.
     pub(crate) fn new(budget: &Budget, held: &MemoryReport, whole: usize) -> Rooms {
         if budget.is_none() {
             return Rooms::ENDLESS;

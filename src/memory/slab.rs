@@ -1,18 +1,19 @@
 //! One buffer for arrays that are all filled anew in each step.
 //!
-//! It holds what they need together, not the most that each of them ever needed. And allocators widen it where it is, or move
-//! it by its pages: it asks for no more alignment than they give anyway. A vector whose elements want 32 bytes is moved by
-//! hand instead (new memory, a copy, and the old freed), and what is freed that way stays behind as a hole.
+//! It holds what they need together, not the most that each of them ever needed. And allocators widen it
+//! where it is, or move it by its pages: it asks for no more alignment than they give anyway. A vector whose
+//! elements want 32 bytes is moved by hand instead (new memory, a copy, and the old freed), and what is freed
+//! that way stays behind as a hole.
 
 use super::{Buffer, Room};
 use bytemuck::{Pod, Zeroable};
 
-/// What memory is counted in.
+/// The unit in which memory is reserved.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(16))]
 struct Piece([u64; 2]);
 
-/// Of elements of eight lanes.
+/// Alignment of elements of eight lanes [bytes].
 const ALIGN: usize = 32;
 
 /// See the module.
@@ -56,13 +57,14 @@ impl Slab {
         }
     }
 
-    /// Makes place for so many of a type that is in it alone, as far as there is room; says for how many there is.
+    /// Makes place for so many of a type that is in it alone, as far as there is room; says for how many
+    /// there is.
     pub(crate) fn make_place<T>(&mut self, len: usize, room: &mut Room) -> usize {
         self.fit(len * size_of::<T>(), room);
         len.min(size_of_val(self.memory.as_slice()) / size_of::<T>())
     }
 
-    /// So many of a type that is in it alone; they stay if the slab is made larger or smaller.
+    /// `len` elements of the only type in the slab; they keep their values if the slab grows or shrinks.
     pub(crate) fn alone<T: Pod>(&mut self, len: usize) -> &mut [T] {
         const { assert!(align_of::<T>() <= align_of::<Piece>()) };
         let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut self.memory);
@@ -87,7 +89,7 @@ impl Slab {
     }
 }
 
-/// What is left of a [`Slab`].
+/// The unused rest of a [`Slab`].
 pub(crate) struct Cut<'a> {
     rest: &'a mut [u8],
 }

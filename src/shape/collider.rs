@@ -1,4 +1,4 @@
-//! What the stages read of a shape: a flat record beside the caller's description.
+//! A collider: the flat record of a shape that the stages read, beside the caller's description.
 
 use super::{Filter, Geometry, Material};
 use crate::config::Continuous;
@@ -38,7 +38,7 @@ impl Kind {
     }
 }
 
-/// What loops over pairs read of a collider: half a cache line, where the whole is three.
+/// The part of a collider that loops over pairs read: half a cache line, where the whole takes three.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Hot {
     /// See [`Collider::size`].
@@ -50,7 +50,7 @@ pub(crate) struct Hot {
     /// Index of its body.
     pub(crate) body: u32,
     pub(crate) kind: Kind,
-    /// Of its body; `Discrete` if that is static, which never needs to be kept from anything.
+    /// Mode of its body; `Discrete` if the body is static, which never moves into anything.
     pub(crate) mode: Continuous,
     pub(crate) flags: u8,
 }
@@ -113,8 +113,8 @@ pub(crate) struct Collider {
     pub(crate) rotation: Quat,
     /// Largest distance of a point of the shape from its own origin [m]; infinite for a plane.
     pub(crate) radius: f32,
-    /// Radius of a ball around the shape's own origin that it surely contains [m]: a body that moves less within a
-    /// step can't have passed anything with its origin.
+    /// Radius of a ball around the shape's own origin that it surely contains [m]: a body that moves less
+    /// within a step can't have passed anything with its origin.
     pub(crate) inner_radius: f32,
     pub(crate) geometry: Geometry,
     pub(crate) material: Material,

@@ -49,8 +49,8 @@ impl Corners {
     }
 }
 
-/// Whether a segment is all on one side of a triangle's plane, and further than `reach` from it [m]. Of a triangle without
-/// area no plane is known.
+/// Whether a segment is all on one side of a triangle's plane, and further than `reach` from it [m]. Of a
+/// triangle without area no plane is known.
 #[inline(always)]
 pub(crate) fn beyond<L: Lanes>([a, b, c]: [LaneVec3<L>; 3], from: Vec3, to: Vec3, reach: f32) -> L::Mask {
     let (one, other) = (b - a, c - a);
@@ -70,7 +70,8 @@ mod tests {
     use crate::shape::mesh::testing::Random;
     use glam::DVec3;
 
-    /// By the same question in `f64`: how far the nearer end is from the plane, if both are on one side of it.
+    /// By the same question in `f64`: how far the nearer end is from the plane, if both are on one side of
+    /// it.
     #[test]
     fn what_is_beyond_a_plane_is_as_far_from_it_as_it_says() {
         let mut random = Random(5);

@@ -23,8 +23,8 @@ impl Geometry {
         }
     }
 
-    /// Radius of the largest ball around the shape's own origin that it contains [m]; zero if it doesn't contain its
-    /// origin, and for planes, meshes and height fields.
+    /// Radius of the largest ball around the shape's own origin that it contains [m]; zero if it doesn't
+    /// contain its origin, and for planes, meshes and height fields.
     pub fn inner_radius(&self) -> f32 {
         match *self {
             Geometry::Sphere { radius } => radius,
@@ -53,7 +53,8 @@ impl Geometry {
         };
         match *self {
             Geometry::Sphere { radius } => point.length() < radius,
-            // Cones from ball to ball have all of that; of the balls themselves what is beyond may be left out.
+            // Cones from ball to ball have all of that; of the balls themselves what is beyond may be left
+            // out.
             Geometry::Capsule { half_height, radius_bottom, radius_top } => {
                 within(half_height, radius_bottom, radius_top)
             }
@@ -104,7 +105,8 @@ mod tests {
     fn radii_of_a_capsule_follow_from_its_support() {
         for (h, a, b) in [(1.0_f32, 0.5_f32, 0.5_f32), (0.3, 1.0, 0.2), (0.5, 0.4, 0.7), (0.0, 2.0, 2.0)] {
             let capsule = Geometry::Capsule { half_height: h, radius_bottom: a, radius_top: b };
-            // A convex shape around the origin contains the ball of its least support, and reaches its greatest.
+            // A convex shape around the origin contains the ball of its least support, and reaches its
+            // greatest.
             let support = (0..=2000).map(|i| i as f32 / 1000.0 - 1.0).map(|y| (h * y + b).max(-h * y + a));
             let (near, far) = support.fold((f32::MAX, 0.0_f32), |(n, f), s| (n.min(s), f.max(s)));
             assert!((capsule.inner_radius() - near).abs() < 1e-3 && capsule.inner_radius() <= near + 1e-6);

@@ -1,5 +1,5 @@
-//! Mass, centre and inertia out of shapes and densities, in f64 throughout: a moment is a difference of products, and
-//! f32 would lose half of it.
+//! Mass, centre and inertia out of shapes and densities, in f64 throughout: a moment is a difference of
+//! products, and f32 would lose half of it.
 
 use super::Geometry;
 use crate::error::{Error, finite, finite3, positive, within};
@@ -22,7 +22,7 @@ impl MassProperties {
     /// No mass.
     pub const ZERO: Self = MassProperties { mass: 0.0, center: Vec3::ZERO, inertia: Mat3::ZERO };
 
-    /// Of a solid of even density [kg/m³]. Planes, meshes and height fields have no mass.
+    /// Moments of a solid of even density [kg/m³]. Planes, meshes and height fields have no mass.
     pub fn of(geometry: &Geometry, density: f32) -> Self {
         Moments::of(geometry).scaled(density.into()).rounded()
     }
@@ -44,8 +44,8 @@ impl MassProperties {
         Moments::combine(parts.iter().map(|&p| p.into())).rounded()
     }
 
-    /// The same distribution with another mass [kg]. Without mass there is nothing to scale, and the inertia stays
-    /// zero.
+    /// The same distribution with another mass [kg]. Without mass there is nothing to scale, and the inertia
+    /// stays zero.
     pub fn scaled_to(&self, mass: f32) -> Self {
         if self.mass <= 0.0 {
             return MassProperties { mass, ..*self };
@@ -59,8 +59,9 @@ impl MassProperties {
     /// Checks that a solid could have these.
     ///
     /// # Errors
-    /// If a number is not finite, the mass is not above zero, or the inertia is not symmetric (to 1e-4 of its size),
-    /// not positive definite, or has a principal moment above the sum of the other two (by 1e-4 of it).
+    /// If a number is not finite, the mass is not above zero, or the inertia is not symmetric (to 1e-4 of its
+    /// size), not positive definite, or has a principal moment above the sum of the other two (by 1e-4 of
+    /// it).
     pub fn validate(&self) -> Result<(), Error> {
         finite3("centre of mass", self.center)?;
         for value in self.inertia.to_cols_array() {
@@ -89,8 +90,8 @@ impl MassProperties {
         .map(drop)
     }
 
-    /// Principal moments [kg m²], and the rotation from principal axes into these axes:
-    /// `inertia = R diag(moments) Rᵀ`. The axes are as near to x, y, z as they come, and not sorted by moment.
+    /// Principal moments [kg m²], and the rotation from principal axes into these axes: `inertia = R
+    /// diag(moments) Rᵀ`. The axes are as near to x, y, z as they come, and not sorted by moment.
     pub fn principal(&self) -> (Vec3, Quat) {
         let (moments, axes) = principal(Moments::from(*self).inertia);
         (moments.as_vec3(), axes.as_quat())
@@ -145,9 +146,9 @@ impl Moments {
         }
     }
 
-    /// Of a closed polyhedron, its faces counter-clockwise from outside: a sum over tetrahedra from its middle, each
-    /// with ∫ x xᵀ = det/120 (s sᵀ + a aᵀ + b bᵀ + c cᵀ), s = a + b + c (Tonon, *Explicit exact formulas for the 3-D
-    /// tetrahedron inertia tensor*, 2004).
+    /// Moments of a closed polyhedron, its faces counter-clockwise from outside: a sum over tetrahedra from
+    /// its middle, each with ∫ x xᵀ = det/120 (s sᵀ + a aᵀ + b bᵀ + c cᵀ), s = a + b + c (Tonon, *Explicit
+    /// exact formulas for the 3-D tetrahedron inertia tensor*, 2004).
     pub(super) fn of_polyhedron(vertices: &[Vec3], faces: &[Vec<u16>]) -> Self {
         let middle = vertices.iter().map(|v| v.as_dvec3()).sum::<DVec3>() / vertices.len().max(1) as f64;
         let at = |i: u16| vertices[usize::from(i)].as_dvec3() - middle;
@@ -191,8 +192,8 @@ impl Moments {
         Moments { mass: self.mass * factor, centre: self.centre, inertia: self.inertia * factor }
     }
 
-    /// In f32. A needle keeps at least [`THINNEST`] of its largest moment around its own axis: in turned axes f32
-    /// could not tell less from nothing, or from less than nothing.
+    /// In f32. A needle keeps at least [`THINNEST`] of its largest moment around its own axis: in turned axes
+    /// f32 could not tell less from nothing, or from less than nothing.
     fn rounded(self) -> MassProperties {
         let Moments { mass, centre, mut inertia } = self;
         let (moments, axes) = principal(inertia);
@@ -249,8 +250,8 @@ fn capsule(h: f64, bottom: f64, top: f64) -> Moments {
     Moments::combine(parts.into_iter())
 }
 
-/// A solid of revolution about y, of which `square` is the squared radius by height. Exact if that is a polynomial of
-/// degree two: three Gauss points integrate degree five, and a moment of inertia needs four.
+/// A solid of revolution about y, of which `square` is the squared radius by height. Exact if that is a
+/// polynomial of degree two: three Gauss points integrate degree five, and a moment of inertia needs four.
 fn revolve(y0: f64, y1: f64, square: impl Fn(f64) -> f64) -> Moments {
     let (middle, half) = (0.5 * (y0 + y1), 0.5 * (y1 - y0));
     let step = half * 0.6_f64.sqrt();
@@ -263,7 +264,7 @@ fn revolve(y0: f64, y1: f64, square: impl Fn(f64) -> f64) -> Moments {
         return Moments::ZERO;
     }
     let centre = integral(&|y, s| s * (y - middle)) / mass + middle;
-    // Of a disc: m r²/2 about its axis, half of that across.
+    // A disc has m r²/2 about its axis and half of that about a diameter.
     let axial = integral(&|_, s| 0.5 * s * s);
     let across = 0.5 * axial + integral(&|y, s| s * (y - centre) * (y - centre));
     Moments {
@@ -274,7 +275,8 @@ fn revolve(y0: f64, y1: f64, square: impl Fn(f64) -> f64) -> Moments {
 }
 
 /// Eigenvalues and eigenvectors of a symmetric matrix, by Jacobi's rotations (Golub and Van Loan, *Matrix
-/// Computations*, 8.5): exact for a diagonal matrix, and no angle is above 45 degrees, so the axes stay near their own.
+/// Computations*, 8.5): exact for a diagonal matrix, and no angle is above 45 degrees, so the axes stay near
+/// their own.
 fn principal(matrix: DMat3) -> (DVec3, DQuat) {
     let mut m = matrix.to_cols_array_2d();
     let mut axes = DMat3::IDENTITY.to_cols_array_2d();

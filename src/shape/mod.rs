@@ -1,7 +1,7 @@
 //! Shapes: what a body looks like to a contact.
 //!
-//! Every shape answers for its mass, bounds and features. A convex one is, to the narrow phase, a few points with a
-//! radius (sphere, capsule) or a polytope (box, cylinder, hull); see `narrow_phase`.
+//! Every shape answers for its mass, bounds and features. A convex one is, to the narrow phase, a few points
+//! with a radius (sphere, capsule) or a polytope (box, cylinder, hull); see `narrow_phase`.
 
 mod collider;
 mod corners;
@@ -237,8 +237,9 @@ impl Material {
     }
 }
 
-/// Which pairs collide. Two shapes do when each one's mask has the other's category and, if both are of a group
-/// other than 0, the groups differ or are positive (equal negative groups never collide, equal positive ones always).
+/// Which pairs collide. Two shapes do when each one's mask has the other's category and, if both are of a
+/// group other than 0, the groups differ or are positive (equal negative groups never collide, equal positive
+/// ones always).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(default))]
 pub struct Filter {
@@ -281,9 +282,10 @@ pub struct ShapeDesc {
     pub material: Material,
     /// Which shapes it collides with.
     pub filter: Filter,
-    /// It pushes nothing, and notices what comes into it: [`World::sensor_begins`](crate::World::sensor_begins). Convex or a
-    /// plane; it notices convex shapes of bodies that move, of other bodies than its own, that its filter allows and that
-    /// are no sensors. Default no.
+    /// It pushes nothing, and notices what comes into it:
+    /// [`World::sensor_begins`](crate::World::sensor_begins). Convex or a plane; it notices convex shapes of
+    /// bodies that move, of other bodies than its own, that its filter allows and that are no sensors.
+    /// Default no.
     pub sensor: bool,
     /// Contacts of it are heard of: [`World::contact_begins`](crate::World::contact_begins). Default no.
     pub events: bool,

@@ -1,16 +1,16 @@
 //! Where a path enters boxes, and how far they are from a point: what queries ask of the boxes of a tree.
 //!
-//! Slabs (Kay and Kajiya, *Ray Tracing Complex Scenes*, 1986) rather than the separating axes of `mesh_bvh.rs`: less than
-//! half of the work, and they say where as well. What rounding may take is given back, so no answer is ever too large
-//! and no box is missed.
+//! Slabs (Kay and Kajiya, *Ray Tracing Complex Scenes*, 1986) rather than the separating axes of
+//! `mesh_bvh.rs`: less than half of the work, and they say where as well. What rounding may take is given
+//! back, so no answer is ever too large and no box is missed.
 
 use crate::lanes::{Lanes, Vec3};
 use glam::DVec3;
 
-/// Of a path that has no component along an axis, one over this stands for one over zero: no coordinate makes an
+/// Stands for a zero component of a path when it is inverted: no coordinate makes an
 /// infinity of it, and nobody sees so small a motion.
 const LEAST: f32 = 1e-18;
-/// What rounding may take, as a share of the lengths at hand: three roundings, and as many to spare.
+/// Bound on rounding errors as a share of the lengths involved: three roundings, doubled.
 const ROUNDING: f32 = 6.0 / (1 << 24) as f32;
 
 /// A straight path, of a point or of a box, to be tested against boxes.
@@ -41,7 +41,8 @@ impl<L: Lanes> Slabs<L> {
         }
     }
 
-    /// Where the path enters each box at the earliest, as a fraction; infinite where it doesn't before `most`.
+    /// Where the path enters each box at the earliest, as a fraction; infinite where it doesn't before
+    /// `most`.
     #[inline(always)]
     pub(crate) fn enter(&self, min: &Vec3<L>, max: &Vec3<L>, most: f32) -> L {
         let mut enter = L::zero();
@@ -59,8 +60,8 @@ impl<L: Lanes> Slabs<L> {
         L::select(enter.le(leave), enter, L::splat(f32::INFINITY))
     }
 
-    /// The same, of boxes given by their least and their greatest x, y and z. Which side is near is looked up: in a loop
-    /// over rays nobody could guess it.
+    /// The same, of boxes given by their least and their greatest x, y and z. Which side is near is looked
+    /// up: in a loop over rays nobody could guess it.
     #[inline(always)]
     pub(crate) fn enter_sides(&self, sides: &[L; 6], most: f32) -> L {
         let mut enter = L::zero();

@@ -1,7 +1,8 @@
-//! Hulls, meshes and height fields as they are written into recordings: what can't be found again to the bit, and no more.
+//! Hulls, meshes and height fields as they are written into recordings: what can't be found again to the bit,
+//! and no more.
 //!
-//! What is read is checked as far as the engine relies on it: indices in range, trees without a circle and of a depth that
-//! their walks have stacks for.
+//! Everything read is checked as far as the engine relies on it: indices in range, trees without a circle and
+//! of a depth that their walks have stacks for.
 
 use super::height_field::HeightField;
 use super::hull::{ConvexHull, HullEdge};
@@ -28,7 +29,7 @@ pub(crate) struct StoredMesh {
     vertices: Vec<Vec3>,
     /// Vertices in the order of first use are near each other: differences are a byte or two.
     corners: Vec<i32>,
-    /// Of each triangle, six bits.
+    /// Six bits for each triangle.
     folds: Vec<u8>,
     nodes: Vec<StoredNode>,
     slack: f32,
@@ -166,7 +167,8 @@ impl TriangleMesh {
     }
 }
 
-/// Every node but the first is the child of one before it, no deeper than walks go, and leaves have triangles.
+/// Every node but the first is the child of one before it, no deeper than walks go, and leaves have
+/// triangles.
 fn check_tree(nodes: &[Node], triangles: usize) -> Result<(), Error> {
     let mut depth = vec![0; nodes.len()];
     if let Some(first) = depth.first_mut() {

@@ -1,12 +1,13 @@
 //! Up to 64 rays on their way through one tree.
 //!
-//! All that reach a node go through it together: its boxes are read and unpacked once, each ray tests four of them at a
-//! time as it does alone, and no ray waits for another as the nodes of one ray do. Who goes on into which child is a bit
-//! each. Where few are left they go on alone, so rays that part lose little.
+//! All that reach a node go through it together: its boxes are read and unpacked once, each ray tests four of
+//! them at a time as it does alone, and no ray waits for another as the nodes of one ray do. Who goes on into
+//! which child is a bit each. Where few are left they go on alone, so rays that part lose little.
 //!
-//! Lists of rays at the nodes of a wide tree: Tsakok, *Faster Incoherent Rays: Multi-BVH Ray Stream Tracing* (2009);
-//! as bits: Fuetterling et al., *Efficient Ray Tracing Kernels for Modern CPU Architectures* (JCGT 2015); alone where
-//! rays part: Benthin et al., *Combining Single and Packet-Ray Tracing for Arbitrary Ray Distributions* (2012).
+//! Lists of rays at the nodes of a wide tree: Tsakok, *Faster Incoherent Rays: Multi-BVH Ray Stream Tracing*
+//! (2009); as bits: Fuetterling et al., *Efficient Ray Tracing Kernels for Modern CPU Architectures* (JCGT
+//! 2015); alone where rays part: Benthin et al., *Combining Single and Packet-Ray Tracing for Arbitrary Ray
+//! Distributions* (2012).
 
 use super::slabs::Slabs;
 use crate::lanes::{Lanes, Mask, f32x4, ones};
@@ -56,7 +57,7 @@ impl Stream {
     }
 }
 
-/// What waits: a child of a node, with the rays that entered its box.
+/// An entry of the stack: a child of a node, with the rays that entered its box.
 #[derive(Clone, Copy, Debug, Default)]
 struct Waiting {
     rays: u64,
@@ -76,8 +77,8 @@ impl Walk {
         Walk { entries: [[[0.0; 4]; RAYS]; LEVELS] }
     }
 
-    /// Calls `leaf(leaf, rays, stream)` with every leaf and the rays that enter its box before their `most`, which it may
-    /// lower; about the nearest first. Not to be called for a tree without a node.
+    /// Calls `leaf(leaf, rays, stream)` with every leaf and the rays that enter its box before their `most`,
+    /// which it may lower; about the nearest first. Not to be called for a tree without a node.
     #[inline(always)]
     pub(crate) fn through<T: FourTree>(
         &mut self,

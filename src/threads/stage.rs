@@ -1,9 +1,10 @@
 //! The stage that is worked on: blocks, which the caller and its helpers claim one by one.
 //!
-//! Only two pairs of orderings carry data. The ticket's store releases the work pointer, and the exchange that claims a block
-//! acquires it. `done` releases what a block wrote, and the caller acquires it before `run` returns. All other accesses are
-//! relaxed: they only say when to look again. `scripts/reliability model` checks this file under every order of events that the
-//! memory model allows, in small cases (`loom/`).
+//! Only two pairs of orderings carry data. The ticket's store releases the work pointer, and the exchange
+//! that claims a block acquires it. `done` releases what a block wrote, and the caller acquires it before
+//! `run` returns. All other accesses are relaxed: they only say when to look again. `scripts/reliability
+//! model` checks this file under every order of events that the memory model allows, in small cases
+//! (`loom/`).
 
 use super::sync::{AtomicBool, AtomicU64, AtomicUsize, Mutex, Ordering, UnsafeCell, pause};
 use std::any::Any;
@@ -20,8 +21,9 @@ type Erased = (*const (), fn(*const (), usize));
 
 /// Which end of the blocks that are left is claimed.
 ///
-/// The caller works from the front and the first helper from the back, until they meet. Stages that go over the same
-/// blocks again and again, as the solver's do, thus leave most of a block's data in the cache of one core.
+/// The caller works from the front and the first helper from the back, until they meet. Stages that go over
+/// the same blocks again and again, as the solver's do, thus leave most of a block's data in the cache of one
+/// core.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum End {
     Front,
@@ -40,9 +42,9 @@ impl End {
 pub(super) struct Stage {
     /// The range of blocks that are not claimed: its end in the upper half, its start in the lower.
     ///
-    /// Nothing tells one stage's ticket from another's, and nothing need: which block a claim takes follows from the ticket
-    /// alone, and the exchange succeeds only if the ticket has that value now. A helper that slept through any number of
-    /// stages therefore claims a block of the present stage or none.
+    /// Nothing tells one stage's ticket from another's, and nothing need: which block a claim takes follows
+    /// from the ticket alone, and the exchange succeeds only if the ticket has that value now. A helper that
+    /// slept through any number of stages therefore claims a block of the present stage or none.
     ticket: AtomicU64,
     done: AtomicUsize,
     /// There is no step to help with.
@@ -58,12 +60,13 @@ pub(super) struct Stage {
     payload: Mutex<Option<Box<dyn Any + Send>>>,
 }
 
-// SAFETY: `work` is written only by the caller in `run`, before the ticket is released and after every claimed block
-// of the stage before is done; helpers read it only while they hold a claimed block, see `help`.
+// SAFETY: `work` is written only by the caller in `run`, before the ticket is released and after every
+// claimed block of the stage before is done; helpers read it only while they hold a claimed block, see
+// `help`.
 unsafe impl Sync for Stage {}
 // SAFETY: as above; nothing of a stage belongs to a thread.
 unsafe impl Send for Stage {}
-/// What a panic leaves of a stage is never looked at.
+/// A stage is never looked at after a panic.
 impl std::panic::RefUnwindSafe for Stage {}
 
 /// Counts a block as done, also when its work panics: the caller must not wait for ever.
@@ -76,17 +79,17 @@ impl Drop for Done<'_> {
 }
 
 impl Stage {
-    /// Runs `work` once for each of at most `u32::MAX` blocks and returns when all are done. Only one thread at a time may call
-    /// this, the caller.
+    /// Runs `work` once for each of at most `u32::MAX` blocks and returns when all are done. Only one thread
+    /// at a time may call this, the caller.
     pub(super) fn run(&self, blocks: usize, work: Work<'_>) {
         fn call(work: *const (), block: usize) {
             // SAFETY: `work` points to the reference that the caller of `run` holds, see below.
             unsafe { (*work.cast::<Work<'_>>())(block) }
         }
         self.done.store(0, Ordering::Relaxed);
-        // SAFETY: no helper holds a block now, so nobody reads while this writes. This function does not return
-        // before all blocks are done, and a helper uses the pointer only while it holds a block, so it never outlives
-        // the reference.
+        // SAFETY: no helper holds a block now, so nobody reads while this writes. This function does not
+        // return before all blocks are done, and a helper uses the pointer only while it holds a block, so it
+        // never outlives the reference.
         self.work.with_mut(|slot| unsafe { *slot = Some(((&raw const work).cast(), call)) });
         self.ticket.store((blocks as u64) << BITS, Ordering::Release);
         let finish = Finish { stage: self, blocks };
@@ -126,21 +129,22 @@ impl Stage {
         self.quit.store(false, Ordering::Relaxed);
     }
 
-    /// Asks for helpers until so many are called. `spawn` sends one, with its number, which is to run [`Stage::answer`].
+    /// Asks for helpers until so many are called. `spawn` sends one, with its number, which is to run
+    /// [`Stage::answer`].
     pub(super) fn call(&self, helping: usize, spawn: impl Fn(usize)) {
         while self.called.load(Ordering::Relaxed) < helping {
             spawn(self.called.fetch_add(1, Ordering::Relaxed));
         }
     }
 
-    /// What a helper does that was called.
+    /// The work of a helper that was called.
     pub(super) fn answer(&self, number: usize) {
         self.help(End::of(number));
         self.called.fetch_sub(1, Ordering::Relaxed);
     }
 
-    /// Works on what the caller announces until it quits. A panic is kept for the caller: it must not end the pool's thread,
-    /// nor leave the caller without an answer.
+    /// Works on what the caller announces until it quits. A panic is kept for the caller: it must not end the
+    /// pool's thread, nor leave the caller without an answer.
     pub(super) fn help(&self, end: End) {
         self.present.fetch_add(1, Ordering::Relaxed);
         let mut turns = 0;
@@ -151,8 +155,8 @@ impl Stage {
             };
             turns = 0;
             let _done = Done(&self.done);
-            // SAFETY: this helper holds a block that is not done, so the caller is still in `run` of the stage
-            // that the block belongs to, and does not write.
+            // SAFETY: this helper holds a block that is not done, so the caller is still in `run` of the
+            // stage that the block belongs to, and does not write.
             if let Some((work, call)) = self.work.with(|slot| unsafe { *slot })
                 && let Err(payload) = catch_unwind(AssertUnwindSafe(|| call(work, block)))
             {
@@ -172,7 +176,7 @@ struct Finish<'a> {
 
 impl Drop for Finish<'_> {
     fn drop(&mut self) {
-        // What is left unclaimed after a panic is given up, so that only claimed blocks are waited for.
+        // Blocks left unclaimed after a panic are given up, so that only claimed ones are waited for.
         let mut unclaimed = 0;
         while self.stage.claim(End::Front).is_some() {
             unclaimed += 1;
@@ -187,8 +191,8 @@ impl Drop for Finish<'_> {
 /// Sends the helpers away when a step ends, also when it panics.
 pub(super) struct Quit<'a> {
     pub(super) stage: &'a Stage,
-    /// For those that have arrived: on a thread of the pool whoever waits in `join` for a helper takes up other work meanwhile,
-    /// and returns when that is done.
+    /// For those that have arrived: on a thread of the pool whoever waits in `join` for a helper takes up
+    /// other work meanwhile, and returns when that is done.
     pub(super) wait: bool,
 }
 

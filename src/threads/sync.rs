@@ -1,4 +1,5 @@
-//! What a stage needs of the standard library to be shared. The model check puts loom's in its place (`loom/src/sync.rs`).
+//! The parts of the standard library that threads share. The model check puts loom's in their place
+//! (`loom/src/sync.rs`).
 
 pub(super) use std::sync::Mutex;
 pub(super) use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
@@ -17,8 +18,8 @@ impl<T> UnsafeCell<T> {
     }
 }
 
-/// One turn of a loop that waits for another thread; `turns` counts them. A thread whose core is wanted by someone else gives
-/// way after some microseconds.
+/// One turn of a loop that waits for another thread; `turns` counts them. A thread whose core is wanted by
+/// someone else gives way after some microseconds.
 pub(super) fn pause(turns: &mut u32) {
     *turns = turns.saturating_add(1);
     if *turns < 4096 { std::hint::spin_loop() } else { std::thread::yield_now() }

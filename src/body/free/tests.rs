@@ -39,9 +39,8 @@ fn free_turns_keep_energy_and_momentum_at_any_speed() {
             let (mut q, mut w) = (Quat::IDENTITY, Vec3::new(0.3, 0.9, -0.4).normalize() * speed);
             let momentum = inertia * w;
             let energy = w.dot(momentum);
-            // While the parts resolve the motion, what the splitting makes the energy swing by; with too few parts, roundings
-            // of 1000 steps.
-            // At 100 rad/s the swing is 1 %, with parts twice as long 4 %.
+            // While the parts resolve the motion, what the splitting makes the energy swing by; with too few
+            // parts, roundings of 1000 steps. At 100 rad/s the swing is 1 %, with parts twice as long 4 %.
             let most = [(10.0, 1e-3), (1000.0, 0.02), (f32::MAX, 2e-5)];
             let (_, most) = most.into_iter().find(|(up_to, _)| speed < *up_to).unwrap();
             for step in 0..1000 {
@@ -55,9 +54,9 @@ fn free_turns_keep_energy_and_momentum_at_any_speed() {
     }
 }
 
-/// A box of 0.2 x 0.4 x 0.1 m and 1 kg, spun about its middle axis: METHODS of the field give the period of the
-/// flips in closed form (elliptic integral), 3.86563793 s for a start of (0.1, 10, 0) rad/s about the axes sorted
-/// by moment.
+/// A box of 0.2 x 0.4 x 0.1 m and 1 kg, spun about its middle axis: METHODS of the field give the period of
+/// the flips in closed form (elliptic integral), 3.86563793 s for a start of (0.1, 10, 0) rad/s about the
+/// axes sorted by moment.
 #[test]
 fn a_tennis_racket_flips_with_the_period_of_the_elliptic_integral() {
     let inertia = Vec3::new(1.0 / 240.0, 1.0 / 60.0, 17.0 / 1200.0);
@@ -81,8 +80,8 @@ fn a_tennis_racket_flips_with_the_period_of_the_elliptic_integral() {
     assert!((period / 3.865_638 - 1.0).abs() < 0.01, "{crossings:?}");
 }
 
-/// Expected: a top whose moments differ by a hundred-thousandth moves as one whose moments are the same, and neither the energy
-/// nor the momentum of the latter changes.
+/// Expected: a top whose moments differ by a hundred-thousandth moves as one whose moments are the same, and
+/// neither the energy nor the momentum of the latter changes.
 #[test]
 fn a_symmetric_top_is_the_limit_of_others() {
     for (axis, inertia) in [Vec3::X, Vec3::Y, Vec3::Z].into_iter().zip([

@@ -20,17 +20,17 @@ pub(super) const STACK: usize = 224;
 
 /// A static grid of heights, shared by the shapes that use it.
 ///
-/// Sample (column, row) lies at x = column · cell.x and z = row · cell.y. A cell is two triangles whose common edge
-/// runs from (column + 1, row) to (column, row + 1), with their fronts up; triangle 2 c is the one at the cell's own
-/// sample, 2 c + 1 the other. It is touched from both sides. About 5.6 bytes a sample.
+/// Sample (column, row) lies at x = column · cell.x and z = row · cell.y. A cell is two triangles whose
+/// common edge runs from (column + 1, row) to (column, row + 1), with their fronts up; triangle 2 c is the
+/// one at the cell's own sample, 2 c + 1 the other. It is touched from both sides. About 5.6 bytes a sample.
 #[derive(Clone, Debug)]
 pub struct HeightField {
     pub(super) columns: usize,
     pub(super) rows: usize,
     pub(super) cell: Vec2,
     pub(super) heights: Vec<f32>,
-    /// Folds of a cell's three own edges, two bits each: the diagonal, the edge along x and the edge along z that
-    /// start at the cell's own sample.
+    /// Folds of a cell's three own edges, two bits each: the diagonal, the edge along x and the edge along z
+    /// that start at the cell's own sample.
     folds: Vec<u8>,
     /// Least and largest heights, from boxes of 4 x 4 cells up to one of everything.
     levels: Vec<Level>,
@@ -65,8 +65,8 @@ impl HeightField {
     /// A field of `columns` times `rows` heights [m], row by row, with cells of `cell` along x and z [m].
     ///
     /// # Errors
-    /// Fewer than two columns or rows, a number of heights that isn't their product, a height that is not finite or
-    /// beyond 1e7, cells without size, or more than 2^31 triangles.
+    /// Fewer than two columns or rows, a number of heights that isn't their product, a height that is not
+    /// finite or beyond 1e7, cells without size, or more than 2^31 triangles.
     pub fn new(columns: usize, rows: usize, cell: Vec2, heights: Vec<f32>) -> Result<HeightField, Error> {
         let count = columns
             .checked_mul(rows)
@@ -219,8 +219,8 @@ impl HeightField {
     /// Calls `f` with every triangle whose bounding box meets a box.
     #[inline]
     pub(crate) fn visit_box(&self, min: Vec3, max: Vec3, f: &mut (impl FnMut(u32, [Vec3; 3]) + ?Sized)) {
-        // The cells under the box are known; only their heights are to be looked at. A cell more on either side, for
-        // the rounding; triangles are tested themselves.
+        // The cells under the box are known; only their heights are to be looked at. A cell more on either
+        // side, for the rounding; triangles are tested themselves.
         let cells = |low: f32, high: f32, size: f32, count: usize| {
             let first = (low / size - 1.0).clamp(0.0, count as f32) as usize;
             let last = (high / size + 2.0).clamp(0.0, count as f32) as usize;
@@ -245,8 +245,9 @@ impl HeightField {
         }
     }
 
-    /// Calls `f` for the triangles whose boxes, inflated by half extents, a path meets, with a fraction before which
-    /// it does not; nearer ones first, as far as boxes tell. `f` returns the largest fraction that still matters.
+    /// Calls `f` for the triangles whose boxes, inflated by half extents, a path meets, with a fraction
+    /// before which it does not; nearer ones first, as far as boxes tell. `f` returns the largest fraction
+    /// that still matters.
     pub(crate) fn visit_segment(
         &self,
         from: Vec3,
@@ -264,8 +265,8 @@ impl HeightField {
         Path::new(from, to, inflate, 1e-6 * min.abs().max(max.abs()).max_element())
     }
 
-    /// Calls `f(triangle, corners, entry, most)` with the triangles whose boxes a path enters before the fraction `most`,
-    /// about the nearest first; it returns the new `most`.
+    /// Calls `f(triangle, corners, entry, most)` with the triangles whose boxes a path enters before the
+    /// fraction `most`, about the nearest first; it returns the new `most`.
     fn along(&self, path: &Path, most: f32, f: &mut impl FnMut(u32, [Vec3; 3], f32, f32) -> f32) {
         let four = |low, high| {
             let (meets, entry) = path.meets::<f32x4>(low, high);
@@ -286,9 +287,9 @@ impl HeightField {
         [2 * cell as u32, 2 * cell as u32 + 1]
     }
 
-    /// Walks down the pyramid, about the nearest first. `four` and `one` say of boxes, given by their lowest and highest
-    /// corners, whether they matter and how near they are; `f` gets a triangle, how near its box is and the most that still
-    /// matters, and returns the new most.
+    /// Walks down the pyramid, about the nearest first. `four` and `one` say of boxes, given by their lowest
+    /// and highest corners, whether they matter and how near they are; `f` gets a triangle, how near its box
+    /// is and the most that still matters, and returns the new most.
     fn nearest_first(
         &self,
         mut most: f32,
@@ -341,7 +342,8 @@ impl HeightField {
         }
     }
 
-    /// The boxes of four children of a square along x, their lowest and their highest corners, and which there are.
+    /// The boxes of four children of a square along x, their lowest and their highest corners, and which
+    /// there are.
     #[inline]
     pub(super) fn row_of_four(&self, square: &Square, row: u32) -> (LaneVec3<f32x4>, LaneVec3<f32x4>, u32) {
         let level = square.level as usize - 1;
@@ -369,8 +371,8 @@ impl HeightField {
         (low, high, (1 << here) - 1)
     }
 
-    /// Where a path first meets a triangle, from either side: the fraction of it, and the triangle. Nothing slips
-    /// through an edge or a vertex that triangles share.
+    /// Where a path first meets a triangle, from either side: the fraction of it, and the triangle. Nothing
+    /// slips through an edge or a vertex that triangles share.
     pub(crate) fn segment_hit(&self, from: Vec3, to: Vec3) -> Option<(f32, u32)> {
         let test = SegmentTest::new(from, to)?;
         let mut nearest: Option<(f32, u32)> = None;
@@ -381,8 +383,9 @@ impl HeightField {
         nearest
     }
 
-    /// As [`HeightField::segment_hit`] for queries: by start and displacement, up to the fraction `most`; the first hit,
-    /// or if `any` will do, one of them. A hit counts from where the triangle's box is entered, as in a mesh.
+    /// As [`HeightField::segment_hit`] for queries: by start and displacement, up to the fraction `most`; the
+    /// first hit, or if `any` will do, one of them. A hit counts from where the triangle's box is entered, as
+    /// in a mesh.
     pub(crate) fn ray(&self, from: Vec3, path: Vec3, most: f32, any: bool) -> Option<(f32, u32)> {
         let test = SegmentTest::along(from, path)?;
         let mut nearest = (most, u32::MAX);
@@ -395,8 +398,8 @@ impl HeightField {
         (nearest.1 != u32::MAX).then_some(nearest)
     }
 
-    /// Calls `f` with the triangles whose boxes a box of half extents `half` meets that moves along a path, up to the
-    /// fraction `most`, about the nearest first; it returns the new `most`.
+    /// Calls `f` with the triangles whose boxes a box of half extents `half` meets that moves along a path,
+    /// up to the fraction `most`, about the nearest first; it returns the new `most`.
     pub(crate) fn visit_path(
         &self,
         from: glam::DVec3,
@@ -415,8 +418,8 @@ impl HeightField {
         });
     }
 
-    /// Calls `f` with the triangles whose boxes may be within the squared distance `most` of a point [m²], about the
-    /// nearest first; it returns the new `most`.
+    /// Calls `f` with the triangles whose boxes may be within the squared distance `most` of a point [m²],
+    /// about the nearest first; it returns the new `most`.
     pub(crate) fn visit_near(
         &self,
         at: glam::DVec3,
@@ -450,8 +453,8 @@ impl HeightField {
         near
     }
 
-    /// Corners of a triangle [m], in the order of its winding, by the index that queries report; nothing if there is no
-    /// such triangle.
+    /// Corners of a triangle [m], in the order of its winding, by the index that queries report; nothing if
+    /// there is no such triangle.
     pub fn corners(&self, triangle: u32) -> Option<[Vec3; 3]> {
         ((triangle as usize) < self.triangle_count()).then(|| self.triangle(triangle))
     }

@@ -1,11 +1,12 @@
-//! Quickhull: a triangulated convex hull out of points (Barber, Dobkin and Huhdanpaa, *The Quickhull algorithm for
-//! convex hulls*, 1996). `hull_merge` then makes polygons of the triangles.
+//! Quickhull: a triangulated convex hull out of points (Barber, Dobkin and Huhdanpaa, *The Quickhull
+//! algorithm for convex hulls*, 1996). `hull_merge` then makes polygons of the triangles.
 //!
-//! Two tolerances keep it out of trouble. A point becomes a vertex only if it stands out by more than the noise of
-//! f32 coordinates (`Tolerance::noise`). But once it is a vertex, all that it sees by more than the rounding of f64
-//! (`Tolerance::rounding`, a millionth of that) gives way, so the triangles are convex to f64 and never a patchwork of
-//! nearly coplanar guesses. Among equally good points the one that is extreme in two further directions is taken, a
-//! corner rather than the middle of a face, so no three vertices are on a line.
+//! Two tolerances keep it out of trouble. A point becomes a vertex only if it stands out by more than the
+//! noise of f32 coordinates (`Tolerance::noise`). But once it is a vertex, all that it sees by more than the
+//! rounding of f64 (`Tolerance::rounding`, a millionth of that) gives way, so the triangles are convex to f64
+//! and never a patchwork of nearly coplanar guesses. Among equally good points the one that is extreme in two
+//! further directions is taken, a corner rather than the middle of a face, so no three vertices are on a
+//! line.
 
 use super::HullEdge;
 use super::merge;
@@ -28,16 +29,17 @@ pub(crate) struct Polyhedron {
 /// Lengths below which two things are one [m].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tolerance {
-    /// Of coordinates that were rounded to f32.
+    /// Error of coordinates that were rounded to f32.
     pub(crate) noise: f64,
-    /// Of sums and products in f64.
+    /// Error of sums and products in f64.
     pub(crate) rounding: f64,
 }
 
 impl Tolerance {
     fn of(min: DVec3, max: DVec3) -> Self {
-        // Three times the unit in the last place, on each axis: a plane of vertices that are off by one, seen from a
-        // vertex that is off the other way. Coordinates far from zero are coarser, so size alone would not do.
+        // Three times the unit in the last place, on each axis: a plane of vertices that are off by one, seen
+        // from a vertex that is off the other way. Coordinates far from zero are coarser, so size alone would
+        // not do.
         let noise = 3.0 * f64::from(f32::EPSILON) * min.abs().max(max.abs()).element_sum();
         Tolerance { noise, rounding: 1e-13 * (max - min).element_sum() }
     }
@@ -68,8 +70,8 @@ pub(crate) fn build(points: &[Vec3], most: usize) -> Result<Polyhedron, Error> {
     merge::polygons(&local, hull.triangles(), tolerance, left_out)
 }
 
-/// A corner of the triangulated hull: three vertices counter-clockwise from outside, and the triangle across the edge
-/// from each vertex to the next.
+/// A corner of the triangulated hull: three vertices counter-clockwise from outside, and the triangle across
+/// the edge from each vertex to the next.
 #[derive(Clone, Debug)]
 pub(crate) struct Triangle {
     pub(crate) vertices: [u32; 3],
@@ -150,7 +152,8 @@ impl<'a> Quickhull<'a> {
             horizon: Vec::new(),
             orphans: subset.to_vec(),
         };
-        // `d` is below the triangle a, b, c. Neighbours by hand: face 0 is the base, face i has base edge i - 1.
+        // `d` is below the triangle a, b, c. Neighbours by hand: face 0 is the base, face i has base edge i -
+        // 1.
         for (vertices, across) in
             [([a, b, c], [1, 2, 3]), ([b, a, d], [0, 3, 2]), ([c, b, d], [0, 1, 3]), ([a, c, d], [0, 2, 1])]
         {
@@ -160,8 +163,8 @@ impl<'a> Quickhull<'a> {
         hull
     }
 
-    /// Adds the furthest point until none is outside, or there are `most` vertices. Returns how far the furthest of
-    /// the points that were left is outside.
+    /// Adds the furthest point until none is outside, or there are `most` vertices. Returns how far the
+    /// furthest of the points that were left is outside.
     pub(crate) fn grow(&mut self, most: usize) -> f64 {
         let mut left_out = 0.0_f64;
         // Every round takes a point for good. A closed surface of triangles has 2 V - 4 of them.
@@ -181,8 +184,9 @@ impl<'a> Quickhull<'a> {
         self.faces.iter().filter(|f| f.alive).map(|f| f.furthest).fold(left_out, f64::max)
     }
 
-    /// Moves every point that is left to the face that it is furthest outside of. Beside a sharp edge, a point just
-    /// above one face may be far outside one that came later. Returns a face with a point that counts.
+    /// Moves every point that is left to the face that it is furthest outside of. Beside a sharp edge, a
+    /// point just above one face may be far outside one that came later. Returns a face with a point that
+    /// counts.
     fn look_again(&mut self) -> Option<usize> {
         for face in 0..self.faces.len() {
             let outside = std::mem::take(&mut self.faces[face].outside);
@@ -239,8 +243,8 @@ impl<'a> Quickhull<'a> {
         extreme(self.points, outside, triangle.normal, self.rounding)
     }
 
-    /// Makes a point a vertex: removes all faces that it sees and closes the hole with new ones. Says no, and changes
-    /// nothing, if the hole isn't a disk.
+    /// Makes a point a vertex: removes all faces that it sees and closes the hole with new ones. Says no, and
+    /// changes nothing, if the hole isn't a disk.
     fn add(&mut self, seen: u32, point: u32) -> bool {
         let p = self.points[point as usize];
         self.find_horizon(seen, p);
@@ -316,7 +320,8 @@ impl<'a> Quickhull<'a> {
         }
     }
 
-    /// Puts the horizon in the order of a walk around it; false if it isn't one loop that meets each vertex once.
+    /// Puts the horizon in the order of a walk around it; false if it isn't one loop that meets each vertex
+    /// once.
     fn sort_horizon(&mut self) -> bool {
         // A few dozen edges at most in practice: looking for the next one beats a table.
         for i in 1..self.horizon.len() {
@@ -344,9 +349,10 @@ impl<'a> Quickhull<'a> {
         self.alive += 1;
     }
 
-    /// Gives each orphan to the new face that it is furthest outside of. One that is outside none is inside the hull,
-    /// for good: it can't see another face without seeing one of these. That holds for exact distances only, hence
-    /// `rounding`: with `noise` here, a point beside a sharp edge would be lost although it is far outside.
+    /// Gives each orphan to the new face that it is furthest outside of. One that is outside none is inside
+    /// the hull, for good: it can't see another face without seeing one of these. That holds for exact
+    /// distances only, hence `rounding`: with `noise` here, a point beside a sharp edge would be lost
+    /// although it is far outside.
     fn share_orphans(&mut self, first: u32) {
         let (points, rounding) = (self.points, self.rounding);
         let new = &mut self.faces[first as usize..];
@@ -394,8 +400,8 @@ fn extreme(points: &[DVec3], subset: &[u32], direction: DVec3, equal: f64) -> u3
     best.0
 }
 
-/// Four points that span a volume: the first two far apart, each of the others far from those before. Refuses sets
-/// that are within `flat` of a point, a line or a plane.
+/// Four points that span a volume: the first two far apart, each of the others far from those before. Refuses
+/// sets that are within `flat` of a point, a line or a plane.
 pub(crate) fn first_tetrahedron(
     points: &[DVec3],
     subset: &[u32],

@@ -1,10 +1,11 @@
 //! Polygons out of the triangles of a hull.
 //!
-//! The largest triangle goes first and takes in its neighbours as far as they are in its plane; then the largest of
-//! the rest, and so on. A large triangle's plane is the least disturbed by the noise of its corners. A vertex with
-//! fewer than three faces around it is in the middle of a face or of an edge: it goes, and the hull of the others is
-//! built anew, until every vertex is a corner. Whether the outcome is a closed convex polyhedron is checked and not
-//! assumed; where noise defeats the merge, it is repeated with a smaller tolerance, in the end with none.
+//! The largest triangle goes first and takes in its neighbours as far as they are in its plane; then the
+//! largest of the rest, and so on. A large triangle's plane is the least disturbed by the noise of its
+//! corners. A vertex with fewer than three faces around it is in the middle of a face or of an edge: it goes,
+//! and the hull of the others is built anew, until every vertex is a corner. Whether the outcome is a closed
+//! convex polyhedron is checked and not assumed; where noise defeats the merge, it is repeated with a smaller
+//! tolerance, in the end with none.
 
 use super::HullEdge;
 use super::build::{Polyhedron, Quickhull, Tolerance, Triangle, first_tetrahedron};
@@ -98,7 +99,8 @@ fn corners(triangles: &[Triangle], groups: &[u32]) -> Vec<u32> {
     at.chunk_by(|a, b| a.0 == b.0).filter(|faces| faces.len() >= 3).map(|faces| faces[0].0).collect()
 }
 
-/// The polyhedron, or none if it isn't closed, convex and flat on its faces. `all` are the vertices before the merge.
+/// The polyhedron, or none if it isn't closed, convex and flat on its faces. `all` are the vertices before
+/// the merge.
 fn faces(
     points: &[DVec3],
     triangles: &[Triangle],
@@ -147,8 +149,8 @@ fn walk(rim: &[(u32, u32)]) -> Option<Vec<u32>> {
     (polygon.len() == rim.len() && polygon.len() >= 3).then_some(polygon)
 }
 
-/// The unit normal of a polygon (Newell: the mean over its corners), or none if the polygon isn't flat, isn't convex
-/// or has a vertex of the hull in front of it.
+/// The unit normal of a polygon (Newell: the mean over its corners), or none if the polygon isn't flat, isn't
+/// convex or has a vertex of the hull in front of it.
 fn plane_of(points: &[DVec3], polygon: &[u32], all: &[u32], noise: f64) -> Option<DVec3> {
     let at = |i: usize| points[polygon[i % polygon.len()] as usize];
     let origin = at(0);
@@ -164,8 +166,8 @@ fn plane_of(points: &[DVec3], polygon: &[u32], all: &[u32], noise: f64) -> Optio
     (front - back <= 3.0 * noise && convex).then_some(normal)
 }
 
-/// Every edge once, in the order of its vertices, or none if one isn't shared by two faces that go round it opposite
-/// ways.
+/// Every edge once, in the order of its vertices, or none if one isn't shared by two faces that go round it
+/// opposite ways.
 fn edges(faces: &[Vec<u16>]) -> Option<Vec<HullEdge>> {
     // (vertices ascending, whether the face has them descending, face): the ascending one sorts first.
     let mut sides: Vec<([u16; 2], bool, u16)> = Vec::new();

@@ -12,13 +12,13 @@ use glam::Vec3;
 
 /// A convex hull, shared by the shapes that use it.
 ///
-/// Invariant, which the builder checks: a closed convex polyhedron. Every edge lies in two faces, every vertex in at
-/// least three, V - E + F = 2, and no vertex is outside a plane by more than rounding.
+/// Invariant, which the builder checks: a closed convex polyhedron. Every edge lies in two faces, every
+/// vertex in at least three, V - E + F = 2, and no vertex is outside a plane by more than rounding.
 #[derive(Clone, Debug)]
 pub struct ConvexHull {
     /// Corners [m]: each one is a point that the caller gave, in the order of giving.
     pub(crate) vertices: Vec<Vec3>,
-    /// Of each face, the unit outward normal n and the offset: n·x = offset on the face [m].
+    /// Unit outward normal n and offset of each face: n·x = offset on the face [m].
     pub(crate) planes: Vec<(Vec3, f32)>,
     /// Face `i` has `face_vertices[face_start[i]..face_start[i + 1]]`: one entry more than there are faces.
     pub(crate) face_start: Vec<u16>,
@@ -35,11 +35,13 @@ pub struct ConvexHull {
     pub(crate) max: Vec3,
     /// Distance of the furthest vertex from the origin [m].
     pub(crate) radius: f32,
-    /// Radius of the largest ball around the origin that the hull contains; zero if the origin is outside [m].
+    /// Radius of the largest ball around the origin that the hull contains; zero if the origin is outside
+    /// [m].
     pub(crate) inner_radius: f32,
     /// Centre of mass of the solid [m].
     pub(crate) centre: Vec3,
-    /// How far the furthest given point is outside [m]; above the tolerance only if the vertices were too many.
+    /// How far the furthest given point is outside [m]; above the tolerance only if the vertices were too
+    /// many.
     pub(crate) left_out: f32,
     /// Volume, centre and inertia at a density of one.
     pub(crate) moments: Moments,
@@ -50,25 +52,28 @@ pub struct ConvexHull {
 pub(crate) struct HullEdge {
     /// In ascending order.
     pub(crate) vertices: [u16; 2],
-    /// `faces[0]` has the edge from `vertices[0]` to `vertices[1]` counter-clockwise, `faces[1]` the other way round.
+    /// `faces[0]` has the edge from `vertices[0]` to `vertices[1]` counter-clockwise, `faces[1]` the other
+    /// way round.
     pub(crate) faces: [u16; 2],
 }
 
 impl ConvexHull {
-    /// The most vertices that a hull keeps. A contact costs time with every vertex, and a ball of 256 vertices is
-    /// round to 2 %.
+    /// The most vertices that a hull keeps. A contact costs time with every vertex, and a ball of 256
+    /// vertices is round to 2 %.
     pub const MAX_VERTICES: usize = 256;
 
     /// The convex hull of a set of points [m], in any order and with duplicates.
     ///
-    /// Points within about a millionth of the size of a face or an edge are not vertices: coplanar ones become one
-    /// polygon. If more than [`Self::MAX_VERTICES`] would be left, the points that stand out furthest are kept, one
-    /// after the other, and [`Self::left_out`] says how far the furthest of the others is outside.
+    /// Points within about a millionth of the size of a face or an edge are not vertices: coplanar ones
+    /// become one polygon. If more than [`Self::MAX_VERTICES`] would be left, the points that stand out
+    /// furthest are kept, one after the other, and [`Self::left_out`] says how far the furthest of the others
+    /// is outside.
     ///
     /// A triangle mesh on a dynamic body moves as the hull of its vertices.
     ///
     /// # Errors
-    /// If a coordinate is not finite or beyond 1e6, if no side of the points' box is 1e-6 long, or if all points are equal, on a line or in a plane.
+    /// If a coordinate is not finite or beyond 1e6, if no side of the points' box is 1e-6 long, or if all
+    /// points are equal, on a line or in a plane.
     pub fn new(points: &[Vec3]) -> Result<ConvexHull, Error> {
         for point in points {
             limits::offset("hull point", *point)?;

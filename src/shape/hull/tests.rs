@@ -230,7 +230,8 @@ fn up_to_the_limit_every_vertex_is_kept_and_beyond_it_the_rest_is_near() {
     println!("100000 points: {took:?}, left out {}", hull.left_out);
     check(&many, &hull);
     assert_eq!(hull.vertices.len(), most);
-    // A cap around each of n vertices has the area 4 pi / n: its height is 2 / n, here 0.8 %; uneven caps twice.
+    // A cap around each of n vertices has the area 4 pi / n: its height is 2 / n, here 0.8 %; uneven caps
+    // twice.
     assert!(hull.left_out < 0.02, "{}", hull.left_out);
 }
 

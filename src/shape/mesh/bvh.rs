@@ -1,20 +1,22 @@
 //! The tree of a triangle mesh: four children a node, their bounds as lanes of bytes.
 //!
-//! A node is one cache line. It has a grid of its own, 256 steps along each axis of its box, and its children's boxes
-//! are rounded outwards to that grid (Mahovsky and Wyvill, *Memory-Conserving Bounding Volume Hierarchies*, 2006). One
-//! call answers for four children. Triangles lie in the order of the leaves, so a leaf is a first triangle and a count.
+//! A node is one cache line. It has a grid of its own, 256 steps along each axis of its box, and its
+//! children's boxes are rounded outwards to that grid (Mahovsky and Wyvill, *Memory-Conserving Bounding
+//! Volume Hierarchies*, 2006). One call answers for four children. Triangles lie in the order of the leaves,
+//! so a leaf is a first triangle and a count.
 
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x4};
 use crate::shape::slabs::Slabs;
 use crate::shape::stream::FourTree;
 use glam::Vec3;
 
-/// Most triangles of a leaf. Eight are tested in one go of `f32x8` lanes; with fewer the tree outweighs what it saves
-/// (4 a leaf: 7 bytes of tree a triangle, 8: 3.6).
+/// Most triangles of a leaf. Eight are tested in one go of `f32x8` lanes; with fewer the tree outweighs what
+/// it saves (4 a leaf: 7 bytes of tree a triangle, 8: 3.6).
 pub(crate) const LEAF: usize = 8;
 /// Bins of the surface area heuristic.
 const BINS: usize = 12;
-/// Levels that follow the heuristic; below them ranges are halved, which bounds the depth and thereby the stack.
+/// Levels that follow the heuristic; below them ranges are halved, which bounds the depth and thereby the
+/// stack.
 const FREE_LEVELS: u32 = 8;
 /// Most levels: 8 + 13.
 #[cfg(feature = "replay")]
@@ -35,7 +37,8 @@ pub(crate) struct Node {
     pub(crate) child: [u32; 4],
 }
 
-/// Set in a child that is a leaf: then 28 bits of first triangle and 3 of count - 1 follow. Else: a node's index.
+/// Set in a child that is a leaf: then 28 bits of first triangle and 3 of count - 1 follow. Else: a node's
+/// index.
 pub(crate) const IS_LEAF: u32 = 1 << 31;
 /// No child: a leaf that would end beyond the most triangles.
 pub(crate) const NO_CHILD: u32 = u32::MAX;
@@ -66,7 +69,7 @@ impl Node {
     }
 }
 
-/// What is put in the tree: the bounds of a triangle.
+/// An item of the tree: the bounds of a triangle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Item {
     pub(crate) min: Vec3,
@@ -192,7 +195,7 @@ impl MeshBvh {
         false
     }
 
-    /// What covers the rounding of coordinates as large as the boxes' [m].
+    /// A margin that covers the rounding of coordinates as large as those of the boxes [m].
     pub(crate) fn slack(&self) -> f32 {
         self.slack
     }
@@ -202,8 +205,8 @@ impl MeshBvh {
         Path::new(from, to, inflate, self.slack)
     }
 
-    /// Calls `leaf(first, count, most)` for the leaves whose inflated boxes the path meets before the fraction
-    /// `most`; nearer ones first, as far as boxes tell. `leaf` returns the new `most`.
+    /// Calls `leaf(first, count, most)` for the leaves whose inflated boxes the path meets before the
+    /// fraction `most`; nearer ones first, as far as boxes tell. `leaf` returns the new `most`.
     #[inline]
     pub(crate) fn visit_segment(&self, path: &Path, mut leaf: impl FnMut(u32, u32, f32) -> f32) {
         let mut most = 1.0f32;
@@ -243,9 +246,9 @@ impl MeshBvh {
         }
     }
 
-    /// Calls `leaf(leaf, key, most)` for the leaves from a node on whose key is at most `most`, the smallest first as far
-    /// as boxes tell; it returns the new `most`. `key` gets the low and the high corners of four boxes; [`triangles`]
-    /// says what is in a leaf.
+    /// Calls `leaf(leaf, key, most)` for the leaves from a node on whose key is at most `most`, the smallest
+    /// first as far as boxes tell; it returns the new `most`. `key` gets the low and the high corners of four
+    /// boxes; [`triangles`] says what is in a leaf.
     #[inline(always)]
     pub(crate) fn visit_ordered(
         &self,
@@ -337,14 +340,15 @@ pub(crate) fn meets<L: Lanes>(
         & high.z.ge(min.z)
 }
 
-/// A straight path that a box of half extents `inflate` is swept along, prepared to be tested against many boxes.
+/// A straight path that a box of half extents `inflate` is swept along, prepared to be tested against many
+/// boxes.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Path {
     from: Vec3,
     middle: Vec3,
     half: Vec3,
     inflate: Vec3,
-    /// Of the whole displacement; 0 where that is 0.
+    /// One over each component of the whole displacement; 0 where that is 0.
     inverse: Vec3,
 }
 
@@ -403,9 +407,9 @@ impl Path {
 
 /// The step of a grid of 256 lines from `min` to at least `max` [m], both finite and in this order.
 ///
-/// Let `e` be the next number above the rounded extent, so `e` is at least the exact one, and `s` the next above the
-/// rounded `e / 255`. Then `255 s >= e`, and rounding is monotone: `min + 255 s`, rounded, is at least `max`. That holds
-/// for denormal extents too, where no factor would make a step larger.
+/// Let `e` be the next number above the rounded extent, so `e` is at least the exact one, and `s` the next
+/// above the rounded `e / 255`. Then `255 s >= e`, and rounding is monotone: `min + 255 s`, rounded, is at
+/// least `max`. That holds for denormal extents too, where no factor would make a step larger.
 fn step_of(min: f32, max: f32) -> f32 {
     let extent = max - min;
     if !extent.is_finite() {
@@ -462,8 +466,8 @@ fn partition(items: &mut [Item], heuristic: bool) -> usize {
     middle
 }
 
-/// The last bin of the first part where the sum of surface times count is least (MacDonald and Booth, 1990; binned:
-/// Wald, *On fast Construction of SAH-based Bounding Volume Hierarchies*, 2007).
+/// The last bin of the first part where the sum of surface times count is least (MacDonald and Booth, 1990;
+/// binned: Wald, *On fast Construction of SAH-based Bounding Volume Hierarchies*, 2007).
 fn cheapest(items: &[Item], bin: impl Fn(&Item) -> usize) -> Option<usize> {
     let mut bins = [(Vec3::INFINITY, Vec3::NEG_INFINITY, 0usize); BINS];
     for item in items {

@@ -1,19 +1,22 @@
-//! How the surface folds at an edge, so that a body that slides over a mesh feels the surface and not its triangles.
+//! How the surface folds at an edge, so that a body that slides over a mesh feels the surface and not its
+//! triangles.
 //!
-//! Where two triangles meet flat, or in a valley, the edge between them can't be touched before their faces are. A
-//! normal of its own at such an edge is a ghost: a box that slides over a tiled floor would trip. Meshes are touched
-//! from both sides, and what is a ridge from the front is a valley from behind, hence four folds and not a flag.
+//! Where two triangles meet flat, or in a valley, the edge between them can't be touched before their faces
+//! are. A normal of its own at such an edge is a ghost: a box that slides over a tiled floor would trip.
+//! Meshes are touched from both sides, and what is a ridge from the front is a valley from behind, hence four
+//! folds and not a flag.
 
 use glam::Vec3;
 
-/// Sine of the fold under which an edge counts as flat: 5 degrees. More, and bodies cut visibly into the ridges of a
-/// coarse sphere (at 5 degrees a ball of 1 m misses the ridge by 1 mm, twice the slop); less, and the tessellation
-/// of smooth ground and the noise of its heights are felt.
+/// Sine of the fold under which an edge counts as flat: 5 degrees. More, and bodies cut visibly into the
+/// ridges of a coarse sphere (at 5 degrees a ball of 1 m misses the ridge by 1 mm, twice the slop); less, and
+/// the tessellation of smooth ground and the noise of its heights are felt.
 pub(crate) const FLAT_SINE: f32 = 0.087_155_74;
 /// Cosine of the same angle.
 pub(crate) const FLAT_COSINE: f32 = 0.996_194_7;
 
-/// How the surface folds at an edge, seen from the triangle's front (the side from which it winds counter-clockwise).
+/// How the surface folds at an edge, seen from the triangle's front (the side from which it winds
+/// counter-clockwise).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub(crate) enum Fold {
@@ -46,8 +49,8 @@ impl Fold {
         }
     }
 
-    /// The fold at the edge from `a` to `b` of a triangle (a, b, `opposite`), with a neighbour whose third vertex is
-    /// `other`.
+    /// The fold at the edge from `a` to `b` of a triangle (a, b, `opposite`), with a neighbour whose third
+    /// vertex is `other`.
     pub(crate) fn between(a: Vec3, b: Vec3, opposite: Vec3, other: Vec3) -> Fold {
         let along = b - a;
         // In the plane across the edge: the two triangles as two directions away from it.

@@ -24,8 +24,9 @@ pub(super) const VERTEX_MASK: u32 = (1 << VERTEX_BITS) - 1;
 
 /// A static triangle mesh, shared by the shapes that use it.
 ///
-/// It is touched from both sides. Triangles are kept in the order of the tree's leaves, so their indices are not
-/// those they were given with. 22 bytes a triangle, tree included, where each vertex is shared by six triangles.
+/// It is touched from both sides. Triangles are kept in the order of the tree's leaves, so their indices are
+/// not those they were given with. 22 bytes a triangle, tree included, where each vertex is shared by six
+/// triangles.
 #[derive(Clone, Debug)]
 pub struct TriangleMesh {
     pub(super) vertices: Vec<Vec3>,
@@ -37,19 +38,21 @@ pub struct TriangleMesh {
 }
 
 impl TriangleMesh {
-    /// A mesh of triangles that wind counter-clockwise seen from the front (which only the fold of edges depends on).
+    /// A mesh of triangles that wind counter-clockwise seen from the front (which only the fold of edges
+    /// depends on).
     ///
     /// Equal vertices become one; triangles without area, or given twice, are dropped.
     ///
     /// # Errors
-    /// A coordinate is not finite or beyond 1e7, an index has no vertex, no triangle has an area, or there are more
-    /// than 2^28 triangles.
+    /// A coordinate is not finite or beyond 1e7, an index has no vertex, no triangle has an area, or there
+    /// are more than 2^28 triangles.
     pub fn new(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<TriangleMesh, Error> {
         TriangleMesh::build(vertices, triangles, find_edges)
     }
 
-    /// The same without inactive edges: every edge may yield a normal of its own, as if nothing were beyond it, and bodies that
-    /// slide trip over the seams. It is there to measure what inactive edges are worth (`docs/methods.md`).
+    /// The same without inactive edges: every edge may yield a normal of its own, as if nothing were beyond
+    /// it, and bodies that slide trip over the seams. It is there to measure what inactive edges are worth
+    /// (`docs/methods.md`).
     ///
     /// # Errors
     /// As for [`TriangleMesh::new`].
@@ -91,8 +94,9 @@ impl TriangleMesh {
             .collect();
         let tree = MeshBvh::build(&mut items);
 
-        // Leaf order for triangles, order of first use for vertices: what is near is near in memory. Place for what stays is
-        // made before what is larger goes: many allocators would put what comes after that between what is left of it.
+        // Leaf order for triangles, order of first use for vertices: what is near is near in memory. Place
+        // for what stays is made before what is larger goes: many allocators would put what comes after that
+        // between what is left of it.
         let mut renamed = vec![u32::MAX; vertices.len()];
         let mut sorted = Vec::with_capacity(vertices.len());
         let mut in_order: Vec<[u32; 3]> = Vec::with_capacity(triangles.len());
@@ -185,9 +189,9 @@ impl TriangleMesh {
         })
     }
 
-    /// Calls `f` with the triangles whose boxes, inflated by half extents, a path meets, with their corners and a
-    /// fraction before which it does not; nearer ones first, as far as boxes tell. `f` returns the largest fraction that
-    /// still matters.
+    /// Calls `f` with the triangles whose boxes, inflated by half extents, a path meets, with their corners
+    /// and a fraction before which it does not; nearer ones first, as far as boxes tell. `f` returns the
+    /// largest fraction that still matters.
     #[inline]
     pub(crate) fn visit_segment(
         &self,
@@ -216,8 +220,8 @@ impl TriangleMesh {
         self.tree.visit_segment(&path, look);
     }
 
-    /// Where a path first meets a triangle, from either side: the fraction of it, and the triangle. Nothing slips
-    /// through an edge or a vertex that triangles share.
+    /// Where a path first meets a triangle, from either side: the fraction of it, and the triangle. Nothing
+    /// slips through an edge or a vertex that triangles share.
     pub(crate) fn segment_hit(&self, from: Vec3, to: Vec3) -> Option<(f32, u32)> {
         let test = SegmentTest::new(from, to)?;
         let mut nearest: Option<(f32, u32)> = None;
@@ -228,9 +232,9 @@ impl TriangleMesh {
         nearest
     }
 
-    /// As [`TriangleMesh::segment_hit`] for queries: by start and displacement, up to the fraction `most`; the first hit,
-    /// or if `any` will do, one of them. A hit counts from where its leaf is entered: so it does not matter which leaf is
-    /// asked first where edges are widened beyond their boxes.
+    /// As [`TriangleMesh::segment_hit`] for queries: by start and displacement, up to the fraction `most`;
+    /// the first hit, or if `any` will do, one of them. A hit counts from where its leaf is entered: so it
+    /// does not matter which leaf is asked first where edges are widened beyond their boxes.
     pub(crate) fn ray(&self, from: Vec3, path: Vec3, most: f32, any: bool) -> Option<(f32, u32)> {
         let test = SegmentTest::along(from, path)?;
         let slabs = self.slabs(from, path);
@@ -265,8 +269,8 @@ impl TriangleMesh {
         Slabs::new(from.as_dvec3(), path, Vec3::splat(self.tree.slack()))
     }
 
-    /// Calls `f` with the triangles whose boxes a box of half extents `half` meets that moves along a path, up to the
-    /// fraction `most`, about the nearest first; it returns the new `most`.
+    /// Calls `f` with the triangles whose boxes a box of half extents `half` meets that moves along a path,
+    /// up to the fraction `most`, about the nearest first; it returns the new `most`.
     pub(crate) fn visit_path(
         &self,
         from: glam::DVec3,
@@ -295,8 +299,8 @@ impl TriangleMesh {
         );
     }
 
-    /// Calls `f` with the triangles whose boxes may be within the squared distance `most` of a point [m²], about the
-    /// nearest first; it returns the new `most`.
+    /// Calls `f` with the triangles whose boxes may be within the squared distance `most` of a point [m²],
+    /// about the nearest first; it returns the new `most`.
     pub(crate) fn visit_near(
         &self,
         at: glam::DVec3,
@@ -338,8 +342,8 @@ impl TriangleMesh {
         })
     }
 
-    /// Corners of a triangle [m], in the order of its winding, by the index that queries report; nothing if there is no
-    /// such triangle.
+    /// Corners of a triangle [m], in the order of its winding, by the index that queries report; nothing if
+    /// there is no such triangle.
     pub fn corners(&self, triangle: u32) -> Option<[Vec3; 3]> {
         ((triangle as usize) < self.triangles.len()).then(|| self.triangle(triangle))
     }
@@ -353,8 +357,9 @@ struct Leaf {
 }
 
 impl Leaf {
-    /// Makes the first of its triangles that a path meets the nearest if it is: of those before the fraction, or of a
-    /// lower index at the same. The leaf's first triangle is `first`, and its box is entered at `entry`.
+    /// Makes the first of its triangles that a path meets the nearest if it is: of those before the fraction,
+    /// or of a lower index at the same. The leaf's first triangle is `first`, and its box is entered at
+    /// `entry`.
     #[inline(always)]
     fn nearest(&self, test: &SegmentTest, first: u32, entry: f32, nearest: &mut (f32, u32)) {
         let corners = [self.corners.corner(0), self.corners.corner(1), self.corners.corner(2)];
@@ -369,7 +374,8 @@ impl Leaf {
     }
 }
 
-/// Makes equal vertices one and drops triangles without area and those that are there already, either way round.
+/// Makes equal vertices one and drops triangles without area and those that are there already, either way
+/// round.
 fn weld(vertices: &mut [Vec3], triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     // Adding zero makes of -0 a +0, so that equal numbers are equal bits.
     vertices.iter_mut().for_each(|v| *v += Vec3::ZERO);

@@ -59,7 +59,7 @@ impl TriangleRays {
         }
     }
 
-    /// Those that were put in and have a length, a bit each.
+    /// One bit for each ray that was added and has a length.
     pub(crate) fn rays(&self) -> u64 {
         self.rays
     }
@@ -71,7 +71,8 @@ impl TriangleRays {
     }
 }
 
-/// Makes a triangle that is met at a fraction the nearest if it is: of two at the same fraction the lower index counts.
+/// Makes a triangle that is met at a fraction the nearest if it is: of two at the same fraction the lower
+/// index counts.
 #[inline(always)]
 pub(crate) fn take(nearest: &mut (f32, u32), t: f32, index: u32) {
     if t < nearest.0 || (t == nearest.0 && index < nearest.1) {

@@ -1,9 +1,10 @@
 //! A segment against a triangle of a mesh, such that nothing slips through where triangles meet.
 //!
-//! The triangle is sheared so that the path becomes an axis; then three edge functions tell on which side of each edge
-//! it passes. Two triangles compute the function of the edge they share to the same bits but for its sign, so no path
-//! passes outside of both (Woop, Benthin and Wald, *Watertight Ray/Triangle Intersection*, JCGT 2013). A path within
-//! a relative 1e-6 of an edge counts as on it: what a mesh is for here is to let nothing through.
+//! The triangle is sheared so that the path becomes an axis; then three edge functions tell on which side of
+//! each edge it passes. Two triangles compute the function of the edge they share to the same bits but for
+//! its sign, so no path passes outside of both (Woop, Benthin and Wald, *Watertight Ray/Triangle
+//! Intersection*, JCGT 2013). A path within a relative 1e-6 of an edge counts as on it: what a mesh is for
+//! here is to let nothing through.
 
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3};
 use glam::Vec3;

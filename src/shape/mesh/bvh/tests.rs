@@ -1,6 +1,7 @@
 use super::*;
 
-/// Three vertices, one with y = 1e-45, kept a loader busy for ever: times 1.001 the least number stays what it is.
+/// Three vertices, one with y = 1e-45, kept a loader busy for ever: times 1.001 the least number stays what
+/// it is.
 ///
 /// Expected: what any grid must do, its lines 0 and 255 enclose the range, and so do the boxes made of them.
 #[test]
