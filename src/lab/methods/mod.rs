@@ -1,56 +1,26 @@
-//! Methods of solving a [`Problem`], a file each: direct ones that pivot, Newton's, and iterations that project. [`Method::ALL`]
-//! names them.
+//! Methods of solving a [`Problem`], a file each. [`Method::ALL`] names them.
+//!
+//! Three rooms: [`pivoting`] and [`newton`] have the exact methods, [`projected`] the iterations. Exact methods share the forms
+//! into which they bring a problem ([`forms`]), the rounds that lead from these to the exact cone ([`rounds`]) and the bookkeeping of
+//! a run ([`run`]).
 
-mod admm;
-mod apgd;
-mod block_pivoting;
-mod certificate;
 mod cone;
-mod cone_newton;
-mod dantzig;
-mod dictionary;
 mod envelope;
-#[cfg(test)]
-mod exact_tests;
 mod forms;
-mod gs_cone;
-mod jacobi;
-mod keller;
-mod lemke;
 mod linear;
-mod murty;
-mod newton_fb;
-mod newton_min;
-mod nncg;
-mod path;
-mod pgs;
-mod principal;
-mod prox;
-mod psor;
+mod newton;
+mod pivoting;
+mod projected;
 mod registry;
 mod rounds;
 mod run;
-mod sweep;
 mod tableau;
 #[cfg(test)]
 mod tests;
 
-pub use admm::admm;
-pub use apgd::apgd;
-pub use block_pivoting::block_pivoting;
-pub use dantzig::dantzig;
-pub use gs_cone::gs_cone;
-pub use jacobi::jacobi;
-pub use keller::keller;
-pub use lemke::lemke;
-pub use murty::murty;
-pub use newton_fb::newton_fb;
-pub use newton_min::newton_min;
-pub use nncg::nncg;
-pub use path::path;
-pub use pgs::pgs;
-pub use prox::prox;
-pub use psor::psor;
+pub use newton::{newton_fb, newton_min};
+pub use pivoting::{block_pivoting, dantzig, keller, lemke, murty, path};
+pub use projected::{admm, apgd, gs_cone, jacobi, nncg, pgs, prox, psor};
 pub use registry::Method;
 
 use crate::lab::problem::Problem;

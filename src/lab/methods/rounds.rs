@@ -1,8 +1,10 @@
 //! From a method for one of the [`super::forms`] to the exact cone: rounds with friction's bounds and axes of the round before.
 
 use super::forms::{Boxed, Group, Lcp, boxed, from_axes, pyramid, reduce, to_axes};
+use super::newton::cone_newton;
+use super::pivoting::certificate;
 use super::run::Run;
-use super::{Friction, Status, certificate, cone_newton};
+use super::{Friction, Status};
 
 /// What a method for one form found.
 pub(super) struct Outcome {

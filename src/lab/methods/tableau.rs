@@ -1,6 +1,6 @@
 //! Principal pivots: `w = M x + q` with some pairs exchanged.
 
-use super::linear::greatest;
+use crate::lab::methods::linear::greatest;
 use nalgebra::{DMatrix, DVector};
 
 /// A pivot counts as zero below this share of the greatest entry of its column.

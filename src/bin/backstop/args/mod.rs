@@ -6,7 +6,7 @@ mod values;
 pub(crate) use lab::*;
 pub(crate) use values::*;
 
-use crate::trade::TradeOptions;
+use crate::commands::trade::TradeOptions;
 use crate::view::Look;
 use backstop::glam::{DVec3, Vec3};
 use backstop::lab::WorldMethod;
