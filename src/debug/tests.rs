@@ -446,7 +446,7 @@ fn a_world_can_be_drawn_after_any_change() {
     (0..12).for_each(|n| draw_after_changes(7 + 1000 * n));
 }
 
-fn draw_after_changes(seed: u32) {
+fn draw_after_changes(seed: u64) {
     let mut world = world();
     let mut scene = crate::scene::builtin::chain(true);
     scene.joints.truncate(15);
@@ -459,11 +459,8 @@ fn draw_after_changes(seed: u32) {
         scene.add("ground", fixed(ground, DVec3::new(2.0 * n as f64, -1.0, 0.0)));
     }
     scene.add_to(&mut world).unwrap();
-    let mut x = seed;
-    let mut below = |n: usize| {
-        x = x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (x >> 8) as usize % n
-    };
+    let mut random = crate::random::Random(seed);
+    let mut below = |n| random.below(n);
     for _ in 0..40 {
         world.step(1.0 / 60.0).unwrap();
         for _ in 0..6 {

@@ -1,5 +1,6 @@
 //! Leading eigenvalues of a linear map that is known only by what it does to vectors.
 
+use crate::scene::rng::Rng;
 use nalgebra::{Complex, DMatrix, DVector};
 
 /// An approximate eigenvalue with its vector `re + i im`, whose length is 1.
@@ -22,17 +23,10 @@ pub(super) fn norm(v: &[f64]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Numbers in -1..1 that look random: the finaliser of SplitMix64 (Steele et al., *Fast Splittable Pseudorandom Number
-/// Generators*, 2014).
+/// Random numbers in -1..=1.
 pub(super) fn noise(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = state;
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (z ^ z >> 31) as i64 as f64 / i64::MAX as f64
-    }
+    let mut rng = Rng::new(seed);
+    move || rng.next() as i64 as f64 / i64::MAX as f64
 }
 
 /// Arnoldi's method (*The principle of minimized iterations*, 1951) with modified Gram-Schmidt, done twice: an orthonormal

@@ -189,11 +189,7 @@ fn every_type(world: &mut World, bodies: [BodyHandle; 2]) {
 #[test]
 fn nonsense_with_a_right_checksum_does_not_panic() {
     let bytes = run_with_shapes();
-    let mut seed = 1u64;
-    let mut random = |n: usize| {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 33) as usize % n
-    };
+    let mut random = crate::random::Random(1);
     let (mut refused, mut diverged, mut same) = (0, 0, 0);
     for _ in 0..1500 {
         let (mut from, mut to) = (&bytes[..], Vec::new());
@@ -202,12 +198,12 @@ fn nonsense_with_a_right_checksum_does_not_panic() {
         loop {
             let (kind, mut payload) = read_block(&mut from, 0, &Tally::new(&LoadLimits::NONE).bytes).unwrap();
             if kind != Block::End {
-                for _ in 0..random(3) {
-                    let bit = random(8 * payload.len());
+                for _ in 0..random.below(3) {
+                    let bit = random.below(8 * payload.len());
                     payload[bit / 8] ^= 1 << (bit % 8);
                 }
-                if random(20) == 0 {
-                    payload.truncate(random(payload.len()));
+                if random.below(20) == 0 {
+                    payload.truncate(random.below(payload.len()));
                 }
             }
             write_block(&mut to, kind, &payload).unwrap();

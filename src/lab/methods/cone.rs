@@ -184,11 +184,8 @@ mod tests {
     /// Blocks `A Aᵀ + d I` of random A, well and badly conditioned, and q from all around: the residual of the law is rounding.
     #[test]
     fn a_contact_alone_is_solved_to_rounding() {
-        let mut state = 1_u64;
-        let mut random = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        };
+        let mut random = crate::random::Random(1);
+        let mut random = || random.signed_f64();
         let mut worst = 0.0_f64;
         for trial in 0..20_000 {
             let a = [[(); 3]; 3].map(|row| row.map(|()| random()));

@@ -62,7 +62,7 @@ mod tests {
     /// The definition itself: somebody is as cheap and as good, and better in one of both, or the same and earlier.
     #[test]
     fn the_front_is_that_of_its_definition() {
-        let mut random = crate::scene::rng::Rng::new(5);
+        let mut random = crate::random::Random(5);
         // Few values, so that many are alike.
         let mut value = || f64::from((random.range(0.0, 8.0)).floor());
         let points: Vec<[f64; 2]> = (0..60).map(|_| [value(), value()]).collect();

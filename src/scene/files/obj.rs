@@ -91,12 +91,12 @@ mod tests {
             b"mtllib a.mtl\no cube\nv 0 0 0 1 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 1\nvt 0 1\nvn 0 0 1\nusemtl a\n\
             f 1/1/1 2/1/1 3/1/1 4/1/1\ng two\nf 1//1 2//1 3//1\nf -1 -2 -3\nl 1 2\np 1\n";
         let path = scratch("obj_mutated").join("mutated.obj");
-        let mut rng = crate::scene::rng::Rng::new(5);
+        let mut random = crate::random::Random(5);
         for i in 0..1000 {
             let mut broken = text[..text.len() - i % text.len()].to_vec();
-            for _ in 0..rng.next() % 4 {
-                let at = rng.next() as usize % broken.len();
-                broken[at] = b"0123456789-/. \nvfnte"[rng.next() as usize % 20];
+            for _ in 0..random.below(4) {
+                let at = random.below(broken.len());
+                broken[at] = b"0123456789-/. \nvfnte"[random.below(20)];
             }
             std::fs::write(&path, &broken).unwrap();
             // Either is fine; what counts is that it returns.

@@ -2,6 +2,7 @@
 
 use crate::lab::methods::*;
 use crate::lab::problem::{Law, Matrix};
+use crate::random::Random;
 use nalgebra::{DMatrix, DVector};
 
 const ALL: [(&str, Solve); 8] = [
@@ -15,18 +16,8 @@ const ALL: [(&str, Solve); 8] = [
     ("path", path),
 ];
 
-/// Numbers of chance in [-1, 1).
-struct Chance(u64);
-
-impl Chance {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-
-    fn matrix(&mut self, rows: usize, columns: usize) -> DMatrix<f64> {
-        DMatrix::from_fn(rows, columns, |_, _| self.next())
-    }
+fn random_matrix(random: &mut Random, rows: usize, columns: usize) -> DMatrix<f64> {
+    DMatrix::from_fn(rows, columns, |_, _| random.signed_f64())
 }
 
 /// Whether any choice of positive variables solves it.
@@ -57,12 +48,12 @@ fn lcp(m: &DMatrix<f64>, q: &[f64]) -> Problem {
 /// is Lemke's theorem for copositive-plus matrices.
 #[test]
 fn semidefinite_problems_are_solved_or_proved_unsolvable() {
-    let mut chance = Chance(7);
+    let mut random = Random(7);
     let mut without = 0;
     for case in 0..120 {
         let n = 2 + case % 7;
-        let b = chance.matrix(n, n.div_ceil(2));
-        let (m, q) = (&b * b.transpose(), chance.matrix(n, 1));
+        let b = random_matrix(&mut random, n, n.div_ceil(2));
+        let (m, q) = (&b * b.transpose(), random_matrix(&mut random, n, 1));
         let expected = if solvable(&m, q.as_slice()) { Status::Solved } else { Status::NoSolution };
         without += u32::from(expected == Status::NoSolution);
         for (name, solve) in ALL {
@@ -76,10 +67,10 @@ fn semidefinite_problems_are_solved_or_proved_unsolvable() {
 /// An indefinite problem may be beyond a method, but never is one called unsolvable that the oracle solves.
 #[test]
 fn no_method_denies_a_solution_that_there_is() {
-    let mut chance = Chance(3);
+    let mut random = Random(3);
     for case in 0..120 {
         let n = 2 + case % 7;
-        let (m, q) = (chance.matrix(n, n), chance.matrix(n, 1));
+        let (m, q) = (random_matrix(&mut random, n, n), random_matrix(&mut random, n, 1));
         let any = solvable(&m, q.as_slice());
         for (name, solve) in ALL {
             let found = solve(&lcp(&m, q.as_slice()), &Effort { iterations: 300, ..Effort::default() });
@@ -115,10 +106,10 @@ fn murtys_example_takes_his_rule_all_pivots() {
 /// Howson's start proves that there is an equilibrium (1964).
 #[test]
 fn lemke_solves_bimatrix_games() {
-    let mut chance = Chance(11);
+    let mut random = Random(11);
     for n in [2, 4, 6, 8] {
         let half = n / 2;
-        let m = chance.matrix(n, n);
+        let m = random_matrix(&mut random, n, n);
         let m = DMatrix::from_fn(n, n, |i, j| if (i < half) != (j < half) { 1.5 + m[(i, j)] } else { 0.0 });
         let found = lemke(&lcp(&m, &vec![-1.0; n]), &Effort::default());
         assert_eq!(found.status, Status::Solved, "{n}: {found:?}");

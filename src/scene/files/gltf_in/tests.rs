@@ -3,8 +3,9 @@
 use crate::body::BodyKind;
 use crate::joint::{Axes, Axis, Drive, Frame, Motion, Spring};
 use crate::load_limits::LoadLimits;
+use crate::random::Random;
 use crate::scene::files::testing::{data, scratch};
-use crate::scene::{Scene, SceneError, SceneJoint, load, rng::Rng};
+use crate::scene::{Scene, SceneError, SceneJoint, load};
 use crate::shape::{Combine, Geometry, TriangleMesh};
 use glam::{DVec3, Quat, Vec3};
 use serde_json::{Value, json};
@@ -519,16 +520,16 @@ fn broken_files_never_panic() {
     for cut in (0..glb.len()).step_by(11) {
         assert!(try_load(&glb[..cut]).is_err(), "cut to {cut} bytes");
     }
-    let mut rng = Rng::new(3);
+    let mut random = Random(3);
     let mut refused = 0;
     for _ in 0..1000 {
         let mut broken = glb.clone();
-        for _ in 0..1 + rng.next() % 3 {
-            let at = rng.next() as usize % broken.len();
+        for _ in 0..1 + random.below(3) {
+            let at = random.below(broken.len());
             // Digits for digits get past the JSON parser and reach the checks behind it.
             broken[at] = match broken[at] {
-                b'0'..=b'9' => b'0' + (rng.next() % 10) as u8,
-                _ => rng.next() as u8,
+                b'0'..=b'9' => b'0' + random.below(10) as u8,
+                _ => random.bits() as u8,
             };
         }
         refused += usize::from(try_load(&broken).is_err());

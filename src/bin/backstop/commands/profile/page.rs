@@ -1,7 +1,8 @@
 //! The page of a profile, and what stands in the terminal.
 
 use super::charts;
-use super::ledger::{Ledger, Run};
+use super::each::Each;
+use super::ledger::{Additional, Ledger, Memory, Run, Totals};
 use crate::commands::compare;
 use crate::report::charts::{Drawn, svg};
 use crate::report::html::{self, escape, figure, put, table};
@@ -93,101 +94,93 @@ fn stages(html: &mut String, run: &Run) {
 
 /// What the page and the terminal say in words.
 pub(crate) fn rows(ledger: &Ledger) -> Vec<(String, String)> {
-    let mut rows = vec![
-        ("scene".into(), ledger.scene.clone()),
-        (
-            "frames".into(),
-            format!(
-                "{} of {:.2} ms, each {} times both ways, {} bodies that can be pushed",
-                count(ledger.steps as u64),
-                ledger.settings.dt * 1000.0,
-                ledger.settings.repeats,
-                count(ledger.dynamic_bodies as u64)
-            ),
-        ),
-    ];
-    for run in &ledger.runs {
-        let a = &run.additional;
-        let falling = a.falling.map_or("never falling".into(), |falling| {
-            format!("falling {falling:+.1} % ({} frames)", count(a.falling_frames as u64))
-        });
-        rows.push((
-            count_threads(run.threads),
-            format!(
-                "discrete {}, continuous {} a step: average {:+.1} %, {falling}, most {:+.1} % (frame {}), least {:+.1} %, \
-                 of all time {:+.1} %",
-                micros(a.discrete_us),
-                micros(a.continuous_us),
-                a.average,
-                a.max,
-                a.max_step,
-                a.min,
-                a.whole
-            ),
-        ));
-    }
+    let mut rows = vec![("scene".into(), ledger.scene.clone()), ("frames".into(), frames(ledger))];
+    rows.extend(ledger.runs.iter().map(|run| (count_threads(run.threads), cost(&run.additional))));
     if let Some(run) = ledger.runs.first() {
-        let t = &run.totals;
-        rows.push((
-            "found".into(),
-            format!(
-                "{} swept bodies, {} pairs by the sweep alone, {} looks for a first touch",
-                count(t.swept),
-                count(t.swept_pairs),
-                count(t.casts)
-            ),
-        ));
-        rows.push((
-            "potential".into(),
-            format!(
-                "{} points made; {} manifolds pushed, {} confirmed, {} ghosts; the guard cut {} paths and lifted {} ends",
-                count(t.made),
-                count(t.pushed),
-                count(t.confirmed),
-                count(t.ghosts),
-                count(t.cut),
-                count(t.lifted)
-            ),
-        ));
+        rows.push(("found".into(), found(&run.totals)));
+        rows.push(("potential".into(), potential(&run.totals)));
     }
-    for each in &ledger.each {
-        rows.push((
-            "each body".into(),
-            format!(
-                "{} on {}: in flight {:+.2} µs, a strike {:+.2} µs ({:.1} times a resting contact of {:.2} µs), {} {:+.2} µs",
-                each.shape,
-                each.ground,
-                each.flight_us,
-                each.strike_us,
-                each.strike_ratio,
-                each.resting_us,
-                if matches!(each.shape, "sphere" | "capsule") { "rolling" } else { "sliding" },
-                each.rolling_us
-            ),
-        ));
-    }
-    let m = &ledger.memory;
-    rows.push((
-        "memory".into(),
-        format!(
-            "{} of {} are continuous: {:.1} % of all, {:.1} % without meshes, {:.0} bytes a body",
-            bytes(m.continuous),
-            bytes(m.total),
-            m.of_all,
-            m.without_meshes,
-            m.per_body
-        ),
-    ));
-    let mut categories = String::new();
-    for category in m.categories.iter().filter(|c| c.bytes.reserved > 0) {
-        let comma = if categories.is_empty() { "" } else { ", " };
-        let _ = write!(
-            categories,
-            "{comma}{} {}",
-            category.name.replace('_', " "),
-            bytes(category.bytes.reserved)
-        );
-    }
-    rows.push(("categories".into(), categories));
+    rows.extend(ledger.each.iter().map(|each| ("each body".into(), each_body(each))));
+    rows.push(("memory".into(), memory(&ledger.memory)));
+    rows.push(("categories".into(), categories(&ledger.memory)));
     rows
+}
+
+fn frames(ledger: &Ledger) -> String {
+    format!(
+        "{} of {:.2} ms, each {} times both ways, {} bodies that can be pushed",
+        count(ledger.steps as u64),
+        ledger.settings.dt * 1000.0,
+        ledger.settings.repeats,
+        count(ledger.dynamic_bodies as u64)
+    )
+}
+
+fn cost(a: &Additional) -> String {
+    let falling = a.falling.map_or("never falling".into(), |falling| {
+        format!("falling {falling:+.1} % ({} frames)", count(a.falling_frames as u64))
+    });
+    format!(
+        "discrete {}, continuous {} a step: average {:+.1} %, {falling}, most {:+.1} % (frame {}), least {:+.1} %, \
+         of all time {:+.1} %",
+        micros(a.discrete_us),
+        micros(a.continuous_us),
+        a.average,
+        a.max,
+        a.max_step,
+        a.min,
+        a.whole
+    )
+}
+
+fn found(t: &Totals) -> String {
+    format!(
+        "{} swept bodies, {} pairs by the sweep alone, {} looks for a first touch",
+        count(t.swept),
+        count(t.swept_pairs),
+        count(t.casts)
+    )
+}
+
+fn potential(t: &Totals) -> String {
+    format!(
+        "{} points made; {} manifolds pushed, {} confirmed, {} ghosts; the guard cut {} paths and lifted {} ends",
+        count(t.made),
+        count(t.pushed),
+        count(t.confirmed),
+        count(t.ghosts),
+        count(t.cut),
+        count(t.lifted)
+    )
+}
+
+fn each_body(each: &Each) -> String {
+    format!(
+        "{} on {}: in flight {:+.2} µs, a strike {:+.2} µs ({:.1} times a resting contact of {:.2} µs), {} {:+.2} µs",
+        each.shape,
+        each.ground,
+        each.flight_us,
+        each.strike_us,
+        each.strike_ratio,
+        each.resting_us,
+        if matches!(each.shape, "sphere" | "capsule") { "rolling" } else { "sliding" },
+        each.rolling_us
+    )
+}
+
+fn memory(m: &Memory) -> String {
+    format!(
+        "{} of {} are continuous: {:.1} % of all, {:.1} % without meshes, {:.0} bytes a body",
+        bytes(m.continuous),
+        bytes(m.total),
+        m.of_all,
+        m.without_meshes,
+        m.per_body
+    )
+}
+
+fn categories(m: &Memory) -> String {
+    let reserved = m.categories.iter().filter(|c| c.bytes.reserved > 0);
+    let named = reserved.map(|c| format!("{} {}", c.name.replace('_', " "), bytes(c.bytes.reserved)));
+    named.collect::<Vec<_>>().join(", ")
 }
