@@ -27,6 +27,7 @@ impl Random {
         low + (high - low) * self.unit()
     }
     /// Uniform in `-1..1`.
+    #[cfg(feature = "lab")]
     pub(crate) fn signed_f64(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }

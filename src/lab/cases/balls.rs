@@ -1,4 +1,5 @@
-//! Balls in a row: which laws of impact hold between more than two bodies, and whether their impacts come to an end.
+//! Balls in a row: which laws of impact hold between more than two bodies, and whether their impacts come to
+//! an end.
 
 use super::rig::{Rig, dynamic, shape, smooth};
 use super::{Case, Outcome, Setting};
@@ -98,7 +99,7 @@ fn ball(density: f64, e: f64, x: f64, speed: f64) -> BodyDesc {
     body.moving(Vec3::X * speed as f32, Vec3::ZERO)
 }
 
-/// In no gravity, and with the slightest approach bouncing.
+/// A world without gravity, in which the slightest approach bounces.
 fn empty(setting: &Setting) -> Result<Rig, Error> {
     let settings = Settings { restitution_threshold: 0.0, ..Setting::settings(Vec3::ZERO) };
     Rig::with(setting, settings)
@@ -140,7 +141,7 @@ fn galperin(setting: &Setting, ratio: f64, want: f64) -> Result<Outcome, Error> 
     rig.add(&ball(1000.0 * ratio, 1.0, 4.0, -1.0))?;
     let (mut count, mut before) = (0, 0.0);
     rig.until(30.0, |rig| {
-        // Of methods that know no impacts within a step, steps in which its speed changes.
+        // For methods without impacts within a step, the steps in which its speed changes are counted.
         let now = rig.velocity(light)?.x;
         let changed = u32::from(now != before);
         count += if setting.method.is_none() { rig.world.report().impacts } else { changed };

@@ -9,13 +9,13 @@ pub struct Method {
     pub name: &'static str,
     /// What it does, and where it comes from.
     pub about: &'static str,
-    /// Which laws its answers obey exactly, and what becomes of the others.
+    /// Which laws its solutions obey exactly, and how the others are treated.
     pub laws: &'static str,
     /// The method.
     pub solve: Solve,
 }
 
-/// Of the exact methods.
+/// The laws of the exact methods.
 const EXACT: &str = "bounds, cone and patches; pyramid and box if asked for; dense, for some hundred rows";
 
 impl Method {
@@ -119,7 +119,7 @@ impl Method {
         },
     ];
 
-    /// The one of that name.
+    /// The method with that name.
     pub fn by_name(name: &str) -> Option<&'static Method> {
         Method::ALL.iter().find(|method| method.name == name)
     }

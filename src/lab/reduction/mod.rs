@@ -1,10 +1,12 @@
-//! Contact reduction: few points that push as many would.
+//! Contact reduction: a few points that have the effect of many.
 //!
-//! Points of a pair of bodies are parted by their normals and places (k-means, iterated until no point changes its cluster), each
-//! cluster is projected onto its plane, and of its convex hull the corner whose loss costs the least area goes, until as many are
-//! left as may be (Moravánszky and Terdiman, *Fast contact reduction for dynamics simulation*, 2004). By the equivalence principle
-//! of rigid bodies points inside the hull of others change nothing: whatever they can push with, the corners can. So what is reduced to
-//! its whole hull moves the same; what is reduced further may not (`docs/methods.md` says by how much).
+//! Points of a pair of bodies are clustered by normals and positions (k-means, iterated until no point
+//! changes its cluster). Each cluster is projected onto its plane, and the corner of its convex hull whose
+//! removal costs the least area is removed, until as few are left as requested (Moravánszky and Terdiman,
+//! *Fast contact reduction for dynamics simulation*, 2004). By the equivalence principle of rigid bodies,
+//! points inside the hull of others change nothing: any wrench of theirs can come from the corners. So motion
+//! stays the same after a reduction to the whole hull, but maybe not after a further one (`docs/methods.md`
+//! says by how much).
 
 use crate::lab::methods::{Effort, Solution, admm};
 use crate::lab::problem::{Law, Matrix, Problem};
@@ -13,7 +15,7 @@ use glam::{DMat3, DVec3};
 /// A point at which two bodies touch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// From the centre of mass of the body that is pushed [m].
+    /// Position from the centre of mass of the body that is pushed [m].
     pub position: DVec3,
     /// The direction in which it is pushed; a unit vector.
     pub normal: DVec3,
@@ -25,11 +27,11 @@ pub struct Point {
 const SAME: f64 = 0.0872;
 /// The most clusters.
 const CLUSTERS: usize = 4;
-/// Rounds of k-means; it ends by itself before, unless two clusterings are as good.
+/// The most rounds of k-means, in case two equally good clusterings alternate.
 const ROUNDS: usize = 100;
 
-/// The points to keep, at most `most` of each cluster and at least 1, by their indices in ascending order. The deepest of a cluster is
-/// always among them. What is not finite is left out.
+/// The points to keep, at most `most` of each cluster and at least 1, by their indices in ascending order.
+/// The deepest of a cluster is always among them. What is not finite is left out.
 pub fn reduce(points: &[Point], most: usize) -> Vec<usize> {
     let sound = |&i: &usize| {
         let point = &points[i];
@@ -53,13 +55,13 @@ fn clusters(points: &[Point], all: &[usize]) -> Vec<Vec<usize>> {
     };
     let size =
         all.iter().map(|&i| (points[i].position - points[first].position).length()).fold(1e-12, f64::max);
-    // Places tell apart what normals hardly do.
+    // Positions separate clusters whose normals hardly differ.
     let feature = |i: usize| (points[i].normal, points[i].position * (SAME / size));
     let distance =
         |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0 - b.0).length_squared() + (a.1 - b.1).length_squared();
     let mut centres = vec![feature(first)];
     while centres.len() < CLUSTERS {
-        // The one that is furthest from all: from the deepest at first.
+        // The point that is furthest from all seeds; the first seed is the deepest point.
         let apart = |i: usize| {
             centres.iter().map(|c| (c.0 - points[i].normal).length()).fold(f64::INFINITY, f64::min)
         };
@@ -96,7 +98,7 @@ fn clusters(points: &[Point], all: &[usize]) -> Vec<Vec<usize>> {
     (0..centres.len()).map(of).filter(|cluster: &Vec<usize>| !cluster.is_empty()).collect()
 }
 
-/// The corners of a cluster's hull, the cheapest of them gone.
+/// The corners of a cluster's hull, without the cheapest.
 fn reduce_cluster(points: &[Point], cluster: &[usize], most: usize) -> Vec<usize> {
     let normal: DVec3 = cluster.iter().map(|&i| points[i].normal).sum();
     let (x, y) = normal.try_normalize().unwrap_or(DVec3::Y).any_orthonormal_pair();
@@ -123,7 +125,7 @@ fn reduce_cluster(points: &[Point], cluster: &[usize], most: usize) -> Vec<usize
     }
     if inside {
         hull.push(deepest);
-        // Where one point is all there may be.
+        // At a limit of one point only the deepest remains.
         hull.drain(..hull.len().saturating_sub(most));
     }
     hull
@@ -134,7 +136,7 @@ fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// Corners of the convex hull in order; points on its edges are none (Andrew 1979).
+/// Corners of the convex hull in order; points on its edges are not corners (Andrew 1979).
 fn hull(mut points: Vec<([f64; 2], usize)>) -> Vec<usize> {
     points.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]).then(a.0[1].total_cmp(&b.0[1])).then(a.1.cmp(&b.1)));
     points.dedup_by(|a, b| a.0 == b.0);
@@ -162,18 +164,18 @@ fn hull(mut points: Vec<([f64; 2], usize)>) -> Vec<usize> {
 /// A rigid body that meets something fixed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impact {
-    /// [kg]
+    /// Mass [kg].
     pub mass: f64,
-    /// About the centre of mass [kg m²].
+    /// Inertia about the centre of mass [kg m²].
     pub inertia: DMat3,
-    /// Of the centre of mass [m/s], and about it [rad/s].
+    /// Linear velocity of the centre of mass [m/s] and angular velocity [rad/s].
     pub velocity: [DVec3; 2],
     /// Coulomb's coefficient of friction.
     pub friction: f64,
 }
 
 impl Impact {
-    /// Velocities once every point has stopped approaching, and the solution that says so: to 1e-12.
+    /// Velocities after the impact, at which no point approaches, and the solution, to 1e-12.
     ///
     /// # Errors
     /// If a number is not finite.

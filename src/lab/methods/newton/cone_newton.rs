@@ -1,16 +1,17 @@
 //! Newton's method on the exact laws, and the search that gives it a start.
 //!
-//! The equations are those of Alart and Curnier (1991) for Coulomb's law and the minimum map for bounds, each of them an impulse:
-//! `r_n = max(0, r_n - rho_n u_n)` and `r_t = P(r_t - rho_t u_t)` with `P` onto the disc of radius `mu max(0, r_n - rho_n u_n)`, where
-//! `rho_n = 1 / W_nn` and `rho_t` is one over the greatest eigenvalue of `W_tt`: without that scaling they converge badly (Acary,
-//! Brémond, Huber 2018).
+//! The equations are those of Alart and Curnier (1991) for Coulomb's law and the minimum map for bounds, each
+//! of them an impulse: `r_n = max(0, r_n - rho_n u_n)` and `r_t = P(r_t - rho_t u_t)` with `P` onto the disc
+//! of radius `mu max(0, r_n - rho_n u_n)`, where `rho_n = 1 / W_nn` and `rho_t` is one over the greatest
+//! eigenvalue of `W_tt`: without that scaling they converge badly (Acary, Brémond, Huber 2018).
 
 use crate::lab::methods::linear;
 use crate::lab::methods::run::Run;
 use crate::lab::problem::{Law, Problem, nearest_within, project_cone, project_disc};
 use nalgebra::{DMatrix, DVector};
 
-/// A row of the linearised equations: factors of single impulse changes and of single velocity changes, and the value.
+/// A row of the linearised equations: factors of single impulse changes and of single velocity changes, and
+/// the value.
 #[derive(Default)]
 struct Equation {
     by_r: Vec<(usize, f64)>,
@@ -32,7 +33,8 @@ impl Equation {
     }
 }
 
-/// The greatest eigenvalue of the tangents' own block of W, by its symmetric part; the scale of the normal if that is zero.
+/// The greatest eigenvalue of the tangents' own block of W, by its symmetric part; the scale of the normal if
+/// that is zero.
 fn tangent_scale(problem: &Problem, t: usize, other: f64) -> f64 {
     let w = problem.w();
     let (a, d, b) = (w.at(t, t), w.at(t + 1, t + 1), 0.5 * (w.at(t, t + 1) + w.at(t + 1, t)));
@@ -91,7 +93,7 @@ fn bounds(i: usize, min: f64, max: f64, s: f64, r: &[f64], u: &[f64]) -> Equatio
     }
 }
 
-/// The radius of a friction disc and its derivatives.
+/// The radius of a friction disc with its derivatives.
 struct Radius {
     value: f64,
     by_r: Vec<(usize, f64)>,
@@ -112,7 +114,7 @@ fn disc(t: usize, radius: &Radius, s: f64, r: &[f64], u: &[f64]) -> [Equation; 2
         equation.by_r.extend(radius.by_r.iter().map(|&(j, f)| (j, -d[k] * f)));
         equation.by_u.extend(radius.by_u.iter().map(|&(j, f)| (j, -d[k] * f)));
         for j in 0..2 {
-            // The direction turns with what is wanted.
+            // The direction rotates with the unprojected impulse.
             let f = -share * (f64::from(j == k) - d[j] * d[k]);
             equation.by_r.push((t + j, f));
             equation.by_u.push((t + j, -f / s));
@@ -121,11 +123,11 @@ fn disc(t: usize, radius: &Radius, s: f64, r: &[f64], u: &[f64]) -> [Equation; 2
     })
 }
 
-/// The Newton step with `alpha` added to the diagonal of W in proportion to the scales: a proximal term, without which the system is
-/// singular where supports are redundant. None if it still is.
+/// The Newton step with `alpha` added to the diagonal of W in proportion to the scales: a proximal term,
+/// without which the system is singular where supports are redundant. None if it still is.
 fn step(problem: &Problem, equations: &[Equation], alpha: f64) -> Option<Vec<f64>> {
     let n = problem.rows();
-    // Impulses that have a value by an equation of their own are known.
+    // Impulses whose equation gives their value are known.
     let mut known = vec![None; n];
     for equation in equations {
         if let ([(i, 1.0)], []) = (&equation.by_r[..], &equation.by_u[..]) {
@@ -143,7 +145,7 @@ fn step(problem: &Problem, equations: &[Equation], alpha: f64) -> Option<Vec<f64
     let size = unknown.len();
     let (mut a, mut right) = (DMatrix::zeros(size, size), DVector::zeros(size));
     for (k, equation) in rows.iter().enumerate() {
-        // As velocities, for pivots to be compared.
+        // Scaled to velocities, so that pivots can be compared.
         let s = equation.scale;
         right[k] = -s * equation.value;
         let mut add = |i: usize, f: f64| match known[i] {
@@ -178,8 +180,8 @@ fn merit(equations: &[Equation]) -> f64 {
     equations.iter().map(|e| (e.value * e.scale).powi(2)).sum::<f64>().sqrt()
 }
 
-/// Newton's method from impulses `r`: whole steps with a proximal term that falls with the residual; a step that makes the equations
-/// much worse is halved. True once solved.
+/// Newton's method from impulses `r`: whole steps with a proximal term that falls with the residual; a step
+/// that makes the equations much worse is halved. True once solved.
 pub(in crate::lab::methods) fn newton(run: &mut Run, r: &[f64], most: u32) -> bool {
     let mut r = r.to_vec();
     let mut seen = Vec::new();
@@ -206,7 +208,8 @@ pub(in crate::lab::methods) fn newton(run: &mut Run, r: &[f64], most: u32) -> bo
             }
             continue;
         };
-        // Not below the worst of the last few: a watchdog, as the way to the solution often leads uphill.
+        // A watchdog: a step has to improve on the worst of the last few merits only, since the path to the
+        // solution often leads uphill.
         let bar = seen.iter().rev().take(5).fold(0.0_f64, |most, x| most.max(*x));
         let mut share = 1.0;
         let mut next = r.clone();
@@ -253,7 +256,8 @@ pub(super) fn admitted(problem: &Problem, r: &[f64]) -> Vec<f64> {
     r
 }
 
-/// Sweeps of projected Gauss-Seidel by whole laws, De Saxcé's shift included: slow, but they go the right way from anywhere.
+/// Sweeps of projected Gauss-Seidel by whole laws, De Saxcé's shift included: slow, but they make progress
+/// from anywhere.
 pub(super) fn sweeps(problem: &Problem, r: &mut [f64], count: u32, damp: f64) {
     let scales: Vec<f64> = problem.laws().map(|(i, law)| damp * law_scale(problem, i, law)).collect();
     for _ in 0..count {
@@ -294,7 +298,8 @@ fn law_scale(problem: &Problem, i: usize, law: Law) -> f64 {
     if most > 0.0 { most } else { problem.scale(i) }
 }
 
-/// Newton's method from the best impulses so far, then from where more and more sweeps lead, as long as iterations are left.
+/// Newton's method from the best impulses so far, then after more and more sweeps, as long as iterations are
+/// left.
 pub(in crate::lab::methods) fn search(run: &mut Run) -> bool {
     let start = run.best.clone();
     if newton(run, &start, 50) {

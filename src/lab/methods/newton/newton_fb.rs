@@ -9,15 +9,17 @@ use crate::lab::methods::{Effort, Friction, Solution, Status};
 use crate::lab::problem::Problem;
 use nalgebra::{DMatrix, DVector};
 
-/// Semismooth Newton on `phi(x - lo, phi(hi - x, -w))` with `phi(a, b) = a + b - hypot(a, b)` (Fischer 1992; bounds: Billups 1995) for
-/// problems without friction. Globalised: Armijo's rule on `|phi|² / 2` (halving, 1e-3), the steepest descent where Newton's step does
-/// not descend or there is none. n³/3 an iteration, 5 to 20 of them, quadratic at the end; once the sides of all rows are clear one
-/// solve with them gives the exact values. It ends in a stationary point that is no solution for M that is no P0-matrix.
+/// Semismooth Newton on `phi(x - lo, phi(hi - x, -w))` with `phi(a, b) = a + b - hypot(a, b)` (Fischer 1992;
+/// bounds: Billups 1995) for problems without friction. Globalised: Armijo's rule on `|phi|² / 2` (halving,
+/// 1e-3), the steepest descent where Newton's step does not descend or there is none. n³/3 an iteration, 5 to
+/// 20 of them, quadratic at the end; once the sides of all rows are clear one solve with them gives the exact
+/// values. If M is not a P0-matrix it may end in a stationary point that is no solution.
 ///
-/// With friction: Alart's and Curnier's equations (1991) with `rho_n = 1/W_nn`, `rho_t = 1/lambda_max(W_tt)` instead, from the start or
-/// from some sweeps of projected Gauss-Seidel. W is singular wherever a body has redundant supports, so that a proximal term is
-/// added to it which falls with the residual. Newton's steps are whole ones as long as the equations get no ten times worse; if they
-/// stagnate more sweeps give another start. With `Friction::Box` or `Friction::Pyramid` as for [`dantzig`](crate::lab::methods::dantzig).
+/// With friction: Alart's and Curnier's equations (1991) with `rho_n = 1/W_nn`, `rho_t = 1/lambda_max(W_tt)`
+/// instead, from the start or from some sweeps of projected Gauss-Seidel. W is singular wherever a body has
+/// redundant supports, so that a proximal term is added to it which falls with the residual. Newton's steps
+/// are not shortened unless the equations get ten times worse; if they stagnate, more sweeps give another
+/// start. With `Friction::Box` or `Friction::Pyramid` as for [`dantzig`](crate::lab::methods::dantzig).
 pub fn newton_fb(problem: &Problem, effort: &Effort) -> Solution {
     run(problem, effort, |run| {
         let groups = groups(&run.problem);
@@ -35,7 +37,8 @@ pub fn newton_fb(problem: &Problem, effort: &Effort) -> Solution {
     })
 }
 
-/// Fischer and Burmeister's function and its two derivatives; at the kink those of the direction in which both grow.
+/// Fischer and Burmeister's function and its two derivatives; at the kink, the derivatives in the direction
+/// in which both grow.
 fn phi(a: f64, b: f64) -> (f64, f64, f64) {
     if a == f64::INFINITY {
         return (b, 0.0, 1.0);

@@ -10,13 +10,16 @@ use crate::lab::methods::{Effort, Solution, Status};
 use crate::lab::problem::{Problem, nearest_within};
 use nalgebra::DVector;
 
-/// Semismooth Newton on `H(x) = x - P(x - w / s) = 0`, which for `x >= 0` is `min(x, w / s)` with the diagonal as `s`: where `w / s`
-/// is the lesser `w = 0` is linearised, elsewhere x goes to its bound. This is the primal-dual active set method (Hintermüller, Ito,
-/// Kunisch 2002), globalised by halving the step while `|H|²` does not fall (Erleben 2013).
+/// Semismooth Newton on `H(x) = x - P(x - w / s) = 0`, which for `x >= 0` is `min(x, w / s)` with the
+/// diagonal as `s`: where `w / s` is the lesser `w = 0` is linearised, elsewhere x goes to its bound. This is
+/// the primal-dual active set method (Hintermüller, Ito, Kunisch 2002), globalised by halving the step while
+/// `|H|²` does not fall (Erleben 2013).
 ///
-/// Each iteration factorises the free rows, k³/3; 5 to 20 of them, the last few quadratic (for a linear problem the last one is
-/// exact). It may cycle between active sets, or end in a minimum of `|H|` that is no solution; singular rows break it, both of which
-/// proximal rounds with `M + eps D` mend for positive semidefinite M. Friction as for [`dantzig`](crate::lab::methods::dantzig). A start is where it begins.
+/// Each iteration factorises the free rows, k³/3; 5 to 20 of them, the last few quadratic (for a linear
+/// problem the last one is exact). It may cycle between active sets, or end in a minimum of `|H|` that is no
+/// solution, and singular rows break it. For positive semidefinite M, proximal rounds with `M + eps D` repair
+/// all of that. Friction as for [`dantzig`](crate::lab::methods::dantzig). It begins at the start, if one is
+/// given.
 pub fn newton_min(problem: &Problem, effort: &Effort) -> Solution {
     run(problem, effort, |run| by_boxes(run, groups(&run.problem), effort.friction, solve_boxed))
 }
@@ -98,7 +101,7 @@ fn solve_boxed(boxed: &Boxed, start: Option<&[f64]>, limit: u32) -> Outcome {
         outcome.iterations += 1;
         let dx = if idle > 15 { None } else { step(boxed, &x, &h, &sides) };
         let Some(dx) = dx else {
-            // A cycle, a local minimum or a singular block: some sweeps lead elsewhere.
+            // A cycle, a local minimum or a singular block: continue from the result of some sweeps.
             if restarts == 0 {
                 break;
             }
@@ -111,7 +114,8 @@ fn solve_boxed(boxed: &Boxed, start: Option<&[f64]>, limit: u32) -> Outcome {
         let mut share = 1.0;
         let mut other = sides.clone();
         let mut next: Vec<f64> = Vec::new();
-        // Whole steps find the active set of most problems though the map grows at first: halving begins only after some.
+        // Full steps find the active set of most problems although the map grows at first, so steps are
+        // halved only later.
         let tries = if outcome.iterations <= 10 { 1 } else { 20 };
         for _ in 0..tries {
             next = x.iter().zip(&dx).map(|(x, dx)| x + share * dx).collect();

@@ -7,16 +7,17 @@ use crate::lab::methods::run::run;
 use crate::lab::methods::{Effort, Solution, Status};
 use crate::lab::problem::{Problem, nearest_within};
 
-/// Rounds that may flip all rows without fewer of them being wrong.
+/// Rounds that may flip all violated rows without reducing their number.
 const PATIENCE: u32 = 10;
 
-/// Block principal pivoting (Júdice, Pires 1994): all rows that violate their law change sides at once, each time with a
-/// factorisation of those that are free. If for ten rounds no fewer are wrong than ever before, only the one with the least
-/// index changes (Murty's rule) until there are, so that it is finite for P-matrices.
+/// Block principal pivoting (Júdice, Pires 1994): all rows that violate their law change sides at once, each
+/// time with a factorisation of those that are free. If the least number of violated rows does not fall for
+/// ten rounds, only the row with the least index changes (Murty's rule) until it does, so that the method is
+/// finite for P-matrices.
 ///
-/// 5 to 20 factorisations of k³/3 for k free rows, the cheapest of the exact methods where it works. A singular
-/// principal minor breaks it: then `M + eps D` is solved in proximal rounds. Friction as for [`dantzig`](crate::lab::methods::dantzig). A start says which
-/// rows begin free.
+/// 5 to 20 factorisations of k³/3 for k free rows, the cheapest of the exact methods where it works. A
+/// singular principal minor breaks it: then `M + eps D` is solved in proximal rounds. Friction as for
+/// [`dantzig`](crate::lab::methods::dantzig). A start says which rows begin free.
 pub fn block_pivoting(problem: &Problem, effort: &Effort) -> Solution {
     run(problem, effort, |run| by_boxes(run, groups(&run.problem), effort.friction, solve_boxed))
 }
@@ -29,7 +30,7 @@ pub(in crate::lab::methods) enum Side {
     Free,
 }
 
-/// Sides to begin with.
+/// The initial sides.
 pub(in crate::lab::methods) fn sides(boxed: &Boxed, start: Option<&[f64]>) -> Vec<Side> {
     let side = |i: usize| {
         let (lo, hi) = (boxed.lo[i], boxed.hi[i]);
@@ -78,7 +79,7 @@ fn solve_boxed(boxed: &Boxed, start: Option<&[f64]>, limit: u32) -> Outcome {
         pivots: 0,
         iterations: 0,
     };
-    // Brent's way to notice a cycle of Murty's rule, which only a matrix that is no P-matrix can have.
+    // Brent's detection of a cycle of Murty's rule, which occurs only if the matrix is not a P-matrix.
     let (mut mark, mut singles) = (Vec::new(), 0_u32);
     while outcome.iterations < limit {
         outcome.iterations += 1;

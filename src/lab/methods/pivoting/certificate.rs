@@ -5,11 +5,11 @@ use crate::lab::methods::forms::{Lcp, times};
 use crate::lab::methods::linear::greatest;
 use nalgebra::DMatrix;
 
-/// Larger problems aren't searched for a certificate.
+/// No certificate is searched for larger problems.
 const MOST_ROWS: usize = 400;
 
-/// Whether `y >= 0` proves that no `z >= 0` has `M z + q >= 0`: `M^T y <= 0` and `q y < 0` (Farkas). `M^T y` may be positive by
-/// rounding only.
+/// Whether `y >= 0` proves that no `z >= 0` has `M z + q >= 0`: `M^T y <= 0` and `q y < 0` (Farkas). `M^T y`
+/// may be positive by rounding only.
 pub(super) fn proves(lcp: &Lcp, y: &[f64]) -> bool {
     let size = greatest(y);
     if !(size > 0.0 && size.is_finite()) || y.iter().any(|&y| y < 0.0) {
@@ -24,8 +24,9 @@ pub(super) fn proves(lcp: &Lcp, y: &[f64]) -> bool {
     fits && against < -1e-9 * sum
 }
 
-/// Whether the inequalities of a linear complementarity problem contradict each other: Lemke's method on the pair of linear
-/// programmes, `0 <= z`, `M z + q >= 0` and its dual, whose matrix is positive semidefinite, so that it ends at a point or at a proof.
+/// Whether the inequalities of a linear complementarity problem contradict each other: Lemke's method on the
+/// pair of linear programmes, `0 <= z`, `M z + q >= 0` and its dual, whose matrix is positive semidefinite,
+/// so that it ends at a point or at a proof.
 pub(in crate::lab::methods) fn infeasible(lcp: &Lcp) -> bool {
     let n = lcp.q.len();
     if n == 0 || n > MOST_ROWS {

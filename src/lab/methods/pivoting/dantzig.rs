@@ -8,18 +8,20 @@ use crate::lab::methods::run::run;
 use crate::lab::methods::{Effort, Solution, Status};
 use crate::lab::problem::Problem;
 
-/// Dantzig's method (Cottle, Dantzig 1968; Baraff 1994) for `lo <= x <= hi`: one row after the other is driven until it obeys its law,
-/// while those before it keep theirs and change sides as they must. Rows without bounds come first, then the others in their
-/// order, friction last.
+/// Dantzig's method (Cottle, Dantzig 1968; Baraff 1994) for `lo <= x <= hi`: one row after the other is
+/// driven until it obeys its law, while those before it keep theirs and change sides as they must. Rows
+/// without bounds come first, then the others in their order, friction last.
 ///
-/// A pivot costs n², there are about 2 n; exact, and finite where M is positive semidefinite and no two rows block at once. A row
-/// that is redundant, as those of a box on four points are, has no pivot: it stays out with `w = 0`, which for such a matrix then
-/// remains so; what moves are the others, until one of them reaches its bound.
+/// A pivot costs n², there are about 2 n; exact, and finite where M is positive semidefinite and no two rows
+/// block at once. A row that is redundant, as those of a box on four points are, has no pivot: it stays
+/// nonbasic with `w = 0`, which remains so for such a matrix; the other rows move, until one of them reaches
+/// its bound.
 ///
-/// Friction: the bounds `±mu N` are those of the round before (staggered, Panagiotopoulos 1975), the first round being without
-/// friction; axes turn with the slip, and Newton's method on the exact cone ends it (see [`newton_fb`](crate::lab::methods::newton_fb)); with
-/// `Friction::Box` the axes stay and there is no Newton, with `Friction::Pyramid` it solves the pyramid's linear complementarity
-/// problem. A start gives the first bounds only. It fails for indefinite M, for which no pivot may be found.
+/// Friction: the bounds `±mu N` are those of the previous round (staggered, Panagiotopoulos 1975); the first
+/// round is frictionless. Axes follow the slip, and Newton's method on the exact cone finishes (see
+/// [`newton_fb`](crate::lab::methods::newton_fb)); with `Friction::Box` the axes stay and there is no Newton,
+/// with `Friction::Pyramid` it solves the pyramid's linear complementarity problem. A start gives the first
+/// bounds only. It fails for indefinite M, for which no pivot may be found.
 pub fn dantzig(problem: &Problem, effort: &Effort) -> Solution {
     run(problem, effort, |run| by_boxes(run, groups(&run.problem), effort.friction, solve_boxed))
 }
@@ -46,7 +48,7 @@ fn solve_boxed(boxed: &Boxed, _: Option<&[f64]>, limit: u32) -> Outcome {
         if state.pivots >= limit {
             break;
         }
-        // One that could not be driven is left behind; the others may still be solved.
+        // A row that could not be driven is skipped; the others may still be solved.
         if !state.done[i] && state.tableau.basic[i] {
             break;
         }

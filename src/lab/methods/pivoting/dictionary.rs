@@ -1,7 +1,7 @@
 //! Complementary pivoting along a path: what Lemke's method and the path search share.
 //!
-//! The system is `w = M z + q + d t` with a covering vector `d`; all points of the path have `z, w >= 0` and `z w = 0`. The path
-//! parameter `t` is lowered until it is zero, which is a solution.
+//! The system is `w = M z + q + d t` with a covering vector `d`; all points of the path have `z, w >= 0` and
+//! `z w = 0`. The path parameter `t` is lowered until it is zero, which is a solution.
 
 use crate::lab::methods::forms::Lcp;
 use crate::lab::methods::linear::solve;
@@ -11,9 +11,9 @@ use nalgebra::DMatrix;
 
 /// A pivot counts as zero below this share of the greatest entry of its column.
 const SMALL: f64 = 1e-10;
-/// Pivots after which rounding is looked at.
+/// Pivots between two checks of rounding errors.
 const CHECK: u32 = 50;
-/// What the values may leave of the equations, relative to q and d, before the dictionary is computed anew.
+/// Residual of the equations, relative to q and d, above which the dictionary is computed anew.
 const DRIFT: f64 = 1e-12;
 /// Ratios closer than this, relative to the right-hand sides, are a tie.
 const TIE: f64 = 1e-12;
@@ -29,14 +29,15 @@ pub(super) enum End {
     Limit,
 }
 
-/// A basis of the system, and what depends on what.
+/// A basis of the system: basic variables as functions of the nonbasic ones.
 ///
-/// Variables are numbered: `i < n` is w_i, `n + i` is z_i, `2 n` is t. Invariant: each of them is in exactly one of `rows` (basic)
-/// and `columns` (zero).
+/// Variables are numbered: `i < n` is w_i, `n + i` is z_i, `2 n` is t. Invariant: each of them is in exactly
+/// one of `rows` (basic) and `columns` (zero).
 pub(super) struct Dictionary<'a> {
     lcp: &'a Lcp,
     cover: Vec<f64>,
-    /// By columns: what a basic variable gains per unit of one that is not basic. The last column is the constant.
+    /// Change of each basic variable per unit of each nonbasic one, which are the columns. The last column is
+    /// the constant.
     t: DMatrix<f64>,
     rows: Vec<usize>,
     columns: Vec<usize>,
@@ -48,8 +49,8 @@ pub(super) struct Dictionary<'a> {
 }
 
 impl<'a> Dictionary<'a> {
-    /// With the z of `active` basic, as far as their matrix is regular, and a cover that raises each negative basic variable alike.
-    /// `t` is the least that makes all of them positive.
+    /// A basis with the z of `active`, as far as their matrix is regular, and a cover that raises all
+    /// negative basic variables equally. `t` is the least value that makes all of them positive.
     pub(super) fn covered(lcp: &'a Lcp, active: &[usize], weights: &[f64]) -> Dictionary<'a> {
         let n = lcp.q.len();
         let mut start = Tableau::new(&lcp.m, &lcp.q);
@@ -69,8 +70,8 @@ impl<'a> Dictionary<'a> {
         Dictionary::assemble(lcp, start, &lift, cover)
     }
 
-    /// With the z of `active` basic and the cover that makes `t = 1` the point `z`, `w` (zero where its pair is basic). None unless
-    /// all of them can be basic.
+    /// A basis with the z of `active`, and the cover for which `t = 1` is the point `z`, `w` (zero where its
+    /// pair is basic). None unless all of them can be basic.
     pub(super) fn through(lcp: &'a Lcp, active: &[usize], z: &[f64], w: &[f64]) -> Option<Dictionary<'a>> {
         let mut start = Tableau::new(&lcp.m, &lcp.q);
         start.pivot_all(active);
@@ -104,7 +105,8 @@ impl<'a> Dictionary<'a> {
         self.rows.len()
     }
 
-    /// Lowers `t` from infinity, or from one, until the first basic variable is zero, and goes on by complementary pivots.
+    /// Lowers `t` from infinity, or from one, until the first basic variable is zero, and goes on by
+    /// complementary pivots.
     pub(super) fn descend(&mut self, limit: u32) -> End {
         let n = self.n();
         if (0..n).all(|i| self.t[(i, n + 1)] >= 0.0) {
@@ -160,7 +162,8 @@ impl<'a> Dictionary<'a> {
         End::Limit
     }
 
-    /// The row that is zero first as a variable rises: least ratio; of ties that of t, else the lexicographically least.
+    /// The row that reaches zero first as a variable rises: least ratio. Among ties it is that of t, else the
+    /// lexicographically least.
     fn blocking(&self, column: usize) -> Option<usize> {
         let n = self.n();
         let values = self.t.column(column);
@@ -186,7 +189,8 @@ impl<'a> Dictionary<'a> {
         best
     }
 
-    /// Whether row `a` of the perturbation, divided by its entry of a column, is lexicographically less than row `b`.
+    /// Whether row `a` of the perturbation, divided by its entry of a column, is lexicographically less than
+    /// row `b`.
     fn before(&self, a: usize, b: usize, column: usize, sign: f64) -> bool {
         let (p, q) = (sign * self.t[(a, column)], sign * self.t[(b, column)]);
         for &variable in &self.origin {
@@ -282,7 +286,7 @@ impl<'a> Dictionary<'a> {
         z
     }
 
-    /// z of the basis, computed anew from the matrix if that can be done, without `t`.
+    /// z of the basis, computed anew from the matrix without `t`, if possible.
     pub(super) fn z(&self) -> Vec<f64> {
         let n = self.n();
         let mut z = vec![0.0; n];
@@ -316,8 +320,8 @@ impl Lcp {
         })
     }
 
-    /// With rows and columns multiplied by powers of two such that their greatest entries are near one, and the factors of columns.
-    /// Neither changes what is complementary to what.
+    /// The problem with rows and columns multiplied by powers of two such that their greatest entries are
+    /// near one, and the factors of the columns. Complementary pairs stay the same.
     pub(super) fn equilibrated(&self) -> (Lcp, Vec<f64>) {
         let n = self.q.len();
         let (mut m, mut q, mut factors) = (self.m.clone(), self.q.clone(), vec![1.0; n]);

@@ -8,13 +8,15 @@ use crate::lab::methods::run::run;
 use crate::lab::methods::{Effort, Solution, Status};
 use crate::lab::problem::Problem;
 
-/// The principal pivoting method of Dantzig, Cottle and Keller (Keller 1973; Cottle, Pang, Stone 1992, 4.2): the most violated `w_r` is
-/// raised to zero by its `x_r`. What blocks on the way is exchanged by a 1x1 pivot on its diagonal entry, or where that is zero by
-/// a 2x2 pivot together with r, after which `w_r` itself is raised. All rows that are not violated block.
+/// The principal pivoting method of Dantzig, Cottle and Keller (Keller 1973; Cottle, Pang, Stone 1992, 4.2):
+/// the most violated `w_r` is raised to zero by its `x_r`. A row that blocks on the way is exchanged by a 1x1
+/// pivot on its diagonal entry, or if that is zero by a 2x2 pivot together with r, after which `w_r` itself
+/// is raised. All rows that are not violated can block.
 ///
-/// A pivot costs n², there are about n; finite for positive semidefinite M, symmetric or not, unless rows block at once again
-/// and again. Where nothing blocks the inequalities contradict each other, which a certificate then proves
-/// ([`Status::NoSolution`]); of an indefinite M a ray says nothing. Friction as for [`dantzig`](crate::lab::methods::dantzig).
+/// A pivot costs n², there are about n; finite for positive semidefinite M, symmetric or not, unless rows
+/// block at once again and again. Where nothing blocks the inequalities contradict each other, which a
+/// certificate then proves ([`Status::NoSolution`]); for an indefinite M a ray proves nothing. Friction as
+/// for [`dantzig`](crate::lab::methods::dantzig).
 pub fn keller(problem: &Problem, effort: &Effort) -> Solution {
     run(problem, effort, |run| by_boxes(run, groups(&run.problem), effort.friction, solve_boxed))
 }

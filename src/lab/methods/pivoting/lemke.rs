@@ -9,20 +9,24 @@ use crate::lab::methods::run::run;
 use crate::lab::methods::{Effort, Solution, Status};
 use crate::lab::problem::Problem;
 
-/// Lemke's method (1965) in the form of Cottle, Pang, Stone, *The Linear Complementarity Problem* (1992), 4.4: in
-/// `w = M z + q + d t` the artificial `t` covers what is negative in q, and complementary pivots lower it until it leaves the basis.
+/// Lemke's method (1965) in the form of Cottle, Pang, Stone, *The Linear Complementarity Problem* (1992),
+/// 4.4: in `w = M z + q + d t` the artificial `t` covers the negative entries of q, and complementary pivots
+/// lower it until it leaves the basis.
 ///
-/// Ties go to `t`, else by the lexicographic rule, so it does not cycle. A pivot costs n², there are 1 to 3 n as a rule and 2ⁿ at
-/// worst; the solution is computed anew from its basis with one step of refinement. With friction the problem is a pyramid
-/// (`Friction::Box`: bounds of the round before) whose axes turn to the direction of slip round by round, and Newton's method on the
-/// exact cone starts from there (see [`newton_fb`](crate::lab::methods::newton_fb)).
+/// Ties go to `t`, else by the lexicographic rule, so it does not cycle. A pivot costs n², there are 1 to 3 n
+/// as a rule and 2ⁿ at worst; the solution is computed anew from its basis with one step of refinement. With
+/// friction the problem is a pyramid (`Friction::Box`: bounds of the round before) whose axes turn to the
+/// direction of slip round by round, and Newton's method on the exact cone starts from there (see
+/// [`newton_fb`](crate::lab::methods::newton_fb)).
 ///
-/// Rays: if one proves by Farkas' lemma that the inequalities contradict each other, as it does wherever M is copositive-plus
-/// (positive semidefinite for instance), the status is [`Status::NoSolution`]. Else other covering vectors are tried, then
-/// `M + eps I`, and at last the status is [`Status::Ray`], which says nothing about solutions. It fails with indefinite M such as
-/// those of bimatrix games with the wrong signs, and drifts after some hundred pivots, against which it refactors.
+/// Rays: if one proves by Farkas' lemma that the inequalities contradict each other, as it does wherever M is
+/// copositive-plus (positive semidefinite for instance), the status is [`Status::NoSolution`]. Else other
+/// covering vectors are tried, then `M + eps I`, and at last the status is [`Status::Ray`], which says
+/// nothing about solutions. It fails with indefinite M such as those of bimatrix games with the wrong signs,
+/// and rounding accumulates over some hundred pivots, so it refactors.
 ///
-/// With a start the pairs that are positive there are pivoted in first, and `d` covers only what that leaves negative.
+/// With a start, the pairs that are positive there are pivoted in first, and `d` covers only what remains
+/// negative.
 pub fn lemke(problem: &Problem, effort: &Effort) -> Solution {
     run(problem, effort, |run| by_pyramids(run, groups(&run.problem), effort.friction, solve_lcp))
 }
@@ -39,7 +43,7 @@ pub(super) fn solve_lcp(lcp: &Lcp, start: Option<&[f64]>, limit: u32) -> Outcome
         if attempt == 1 && start.is_none() {
             continue;
         }
-        // Rounding can make a path cycle: not all pivots go to one try.
+        // Rounding can make a path cycle, so one attempt does not get all pivots.
         let left = limit.saturating_sub(outcome.pivots).min(5000 + 10 * n as u32);
         let shift = if attempt > COVERS { [1e-10, 1e-8, 1e-6][attempt - COVERS - 1] } else { 0.0 };
         let mut shifted = even.clone();
@@ -74,7 +78,7 @@ pub(super) fn solve_lcp(lcp: &Lcp, start: Option<&[f64]>, limit: u32) -> Outcome
             _ if outcome.pivots >= limit => return outcome,
             _ => {}
         }
-        // The linear programme costs as much as a try: it is asked once, and before all other covers.
+        // The linear programme costs as much as an attempt: it is solved once, before all other covers.
         if attempt <= 1 && outcome.status == Status::Ray && certificate::infeasible(&even) {
             outcome.status = Status::NoSolution;
             return outcome;
@@ -86,8 +90,9 @@ pub(super) fn solve_lcp(lcp: &Lcp, start: Option<&[f64]>, limit: u32) -> Outcome
     outcome
 }
 
-/// Lemke and Howson's start (1964), for matrices without a diagonal such as those of bimatrix games, whose path from the ray of `t`
-/// leads nowhere: from two positive variables, `z_k` and the one whose w it keeps at zero, only the pair k is not complementary.
+/// Lemke and Howson's start (1964), for matrices without a diagonal such as those of bimatrix games, whose
+/// path from the ray of `t` leads nowhere: from two positive variables, `z_k` and the one whose w it keeps at
+/// zero, only the pair k is not complementary.
 fn along_unit_rays(lcp: &Lcp, factors: &[f64], limit: u32, outcome: &mut Outcome) {
     let n = lcp.q.len();
     // The least z_k that makes all w positive that it raises, and the row that is zero then.
@@ -124,7 +129,8 @@ fn along_unit_rays(lcp: &Lcp, factors: &[f64], limit: u32, outcome: &mut Outcome
 /// Covering vectors that are tried.
 const COVERS: usize = 8;
 
-/// The covering vector of an attempt: ones, then `1 + |q|`, then numbers of chance in [1, 2), then with one row far above the others.
+/// The covering vector of an attempt: ones, then `1 + |q|`, then random numbers in [1, 2), then one row far
+/// above the others.
 fn cover(lcp: &Lcp, attempt: usize) -> Vec<f64> {
     match attempt {
         0 | 1 => vec![1.0; lcp.q.len()],

@@ -8,13 +8,14 @@ use crate::lab::methods::tableau::Tableau;
 use crate::lab::methods::{Effort, Solution, Status};
 use crate::lab::problem::{Problem, nearest_within};
 
-/// Bard's method with Murty's rule (1974): of all rows that violate their law the one with the least index changes sides, by a
-/// principal pivot, until none does.
+/// Bard's method with Murty's rule (1974): among the rows that violate their law, the one with the least
+/// index changes sides by a principal pivot, until no row violates its law.
 ///
-/// A pivot costs n². Finite for P-matrices, whatever the start, with 2ⁿ - 1 pivots at worst (Murty 1978). With finite bounds a row
-/// that violates one goes there, and one that leaves it becomes free. A singular principal minor breaks it: then
-/// `M + eps D` is solved in proximal rounds, which reach the solution if M is positive semidefinite. Friction as for
-/// [`dantzig`](crate::lab::methods::dantzig). A start says which rows begin free.
+/// A pivot costs n². Finite for P-matrices, whatever the start, with 2ⁿ - 1 pivots at worst (Murty 1978).
+/// With finite bounds a row that violates one moves to it, and a row that leaves its bound becomes free. A
+/// singular principal minor breaks it: then `M + eps D` is solved in proximal rounds, which reach the
+/// solution if M is positive semidefinite. Friction as for [`dantzig`](crate::lab::methods::dantzig). A start
+/// says which rows begin free.
 pub fn murty(problem: &Problem, effort: &Effort) -> Solution {
     run(problem, effort, |run| by_boxes(run, groups(&run.problem), effort.friction, solve_boxed))
 }
@@ -23,7 +24,7 @@ fn solve_boxed(boxed: &Boxed, start: Option<&[f64]>, limit: u32) -> Outcome {
     let mut sides = Sides::new(boxed, start);
     let mut pivots = 0;
     let mut status = Status::Limit;
-    // Brent's way to notice a cycle, which only a matrix that is no P-matrix can have.
+    // Brent's detection of a cycle, which occurs only if the matrix is not a P-matrix.
     let mut mark = Vec::new();
     while let Some(values) = sides.values(boxed) {
         let noise = sides.noise;
@@ -98,7 +99,8 @@ impl Sides {
         values.iter().all(|x| x.is_finite()).then_some(values)
     }
 
-    /// The side that row `i` belongs to, if that is another one than it is on; `value` is its x if it is free, else its w.
+    /// The side that row `i` belongs to, if that is another one than it is on; `value` is its x if it is
+    /// free, else its w.
     fn wrong(&self, boxed: &Boxed, i: usize, value: f64, noise: f64) -> Option<Side> {
         let (lo, hi) = (boxed.lo[i], boxed.hi[i]);
         match self.sides[i] {
@@ -112,7 +114,7 @@ impl Sides {
                     None
                 }
             }
-            // One that can't be free, as it is redundant, has no w.
+            // A redundant row, which can't be free, has no w.
             _ if lo == hi => None,
             Side::Lo if value < -noise => Some(Side::Free),
             Side::Hi if value > noise || boxed.is_free(i) && value < -noise => Some(Side::Free),

@@ -13,14 +13,16 @@ use crate::lab::problem::Problem;
 const CRASH: u32 = 20;
 const WATCH: u32 = 4;
 
-/// The path search of Ralph (1994) and of Dirkse and Ferris (PATH, 1995) on the normal map `F(x) = M x⁺ + q + x - x⁺`: from a point x
-/// the path `F(x(t)) = t F(x)` is followed from `t = 1` to `t = 0` by pivots like Lemke's, with `F(x)` as covering vector.
+/// The path search of Ralph (1994) and of Dirkse and Ferris (PATH, 1995) on the normal map
+/// `F(x) = M x⁺ + q + x - x⁺`: from a point x the path `F(x(t)) = t F(x)` is followed from `t = 1` to `t = 0`
+/// by pivots like Lemke's, with `F(x)` as covering vector.
 ///
-/// For a linear problem the first path that gets there is the end of it. Before it projected Newton steps on the normal map
-/// (PATH's crash) come near; the watchdog lets a few of them raise the merit `|F|` and then returns to the best point. A path
-/// that ends in a ray is tried again from zero, then by Lemke's method, whose statuses it then has. With friction each major
-/// iteration linearises it as a pyramid whose axes are those of the slip, and starts from the impulses of the one before;
-/// at last Newton's method on the exact cone (see [`newton_fb`](crate::lab::methods::newton_fb)). n² a pivot, few of them after a good start.
+/// For a linear problem the first complete path ends at the solution. Projected Newton steps on the normal
+/// map (PATH's crash) approach it first; the watchdog lets a few of them raise the merit `|F|` and then
+/// returns to the best point. If a path ends in a ray it is tried again from zero, then by Lemke's method,
+/// whose status it then returns. With friction each major iteration linearises it as a pyramid whose axes are
+/// those of the slip, and starts from the impulses of the one before; finally Newton's method on the exact
+/// cone (see [`newton_fb`](crate::lab::methods::newton_fb)). n² a pivot, few of them after a good start.
 pub fn path(problem: &Problem, effort: &Effort) -> Solution {
     run(problem, effort, |run| by_pyramids(run, groups(&run.problem), effort.friction, solve_lcp))
 }

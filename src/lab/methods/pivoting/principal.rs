@@ -1,5 +1,5 @@
-//! Driving one row at a time to its law by principal pivots, while those that are done keep theirs: what Dantzig's and Keller's
-//! methods share.
+//! Driving one row at a time until it obeys its law, by principal pivots, while finished rows keep theirs:
+//! what Dantzig's and Keller's methods share.
 
 use crate::lab::methods::forms::Boxed;
 use crate::lab::methods::linear;
@@ -11,7 +11,7 @@ use crate::lab::problem::nearest_within;
 pub(super) enum Driven {
     /// The row obeys its law.
     Done,
-    /// Nothing blocks: no value is large enough.
+    /// No row blocks: a ray.
     Ray,
     /// Pivots ran out, or there was no pivot.
     Limit,
@@ -30,8 +30,8 @@ enum Stop {
 
 /// Values and basis of a boxed problem.
 ///
-/// Invariant: x of a row that isn't basic is at a bound (or where a free row starts); w of a basic one is zero, except for the row
-/// that is being driven.
+/// Invariant: x of a row that isn't basic is at a bound (or where a free row starts); w of a basic one is
+/// zero, except for the row that is being driven.
 pub(super) struct Principal<'a> {
     boxed: &'a Boxed,
     pub(super) tableau: Tableau,
@@ -57,7 +57,7 @@ impl<'a> Principal<'a> {
         }
     }
 
-    /// How far w is on the wrong side of what the bound of x allows; a free row must have none.
+    /// The violation of w given the bound of x; a free row must have w = 0.
     pub(super) fn violation(&self, i: usize) -> f64 {
         let (x, w) = (self.x[i], self.w[i]);
         let (lo, hi) = (self.boxed.lo[i], self.boxed.hi[i]);
@@ -72,7 +72,8 @@ impl<'a> Principal<'a> {
         }
     }
 
-    /// Makes x of a row basic where its w is zero and nothing moves: rows without bounds must be, as theirs has to remain zero.
+    /// Makes x of a row basic if its w is zero, which moves nothing. Rows without bounds must be basic, as
+    /// their w has to remain zero.
     pub(super) fn settle(&mut self, i: usize) {
         if self.boxed.is_free(i) && !self.tableau.basic[i] && self.pivotable(i, i) {
             self.tableau.pivot(i);
@@ -90,7 +91,8 @@ impl<'a> Principal<'a> {
     /// Drives row `i` until it obeys its law.
     pub(super) fn drive(&mut self, i: usize, limit: u32) -> Driven {
         let sign = if self.w[i] < 0.0 { 1.0 } else { -1.0 };
-        // Steps of length zero, and the basis after a power of two of them: if it comes again they cycle (Brent).
+        // Number of steps of length zero, and the basis after a power of two of them: if it recurs, they
+        // cycle (Brent).
         let (mut idle, mut mark) = (0_u32, Vec::new());
         while self.pivots < limit {
             let Some((length, stop)) = self.reach(i, sign) else { return Driven::Ray };
@@ -144,7 +146,7 @@ impl<'a> Principal<'a> {
         self.refresh();
     }
 
-    /// Computes the tableau anew every so often: rounding gathers in it.
+    /// Computes the tableau anew from time to time, as rounding errors accumulate in it.
     fn refresh(&mut self) {
         self.since += 1;
         let every = (self.x.len() as u32 / 4).max(50);
@@ -183,7 +185,7 @@ impl<'a> Principal<'a> {
         let mut best: Option<(f64, Stop)> = None;
         let mut offer = |length: f64, stop: Stop| {
             let length = length.max(0.0);
-            // Of ties the first: the driven row itself, then the least index.
+            // Among ties the first: the driven row itself, then the least index.
             if length.is_finite() && best.is_none_or(|(least, _)| length < least) {
                 best = Some((length, stop));
             }

@@ -7,22 +7,23 @@ use crate::lab::methods::{Effort, Solution};
 use crate::lab::problem::{Law, Problem, nearest_within};
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
-/// Rounds between two looks at the penalty: each change of it costs a factorisation.
+/// Rounds between two checks of the penalty, since each change of it costs a factorisation.
 const PATIENCE: u32 = 10;
 /// More rows than this are not factorised densely.
 const DENSE: usize = 1500;
-/// A skew part smaller than this share of W is taken from the round before.
+/// A skew part smaller than this share of W is applied with the impulses of the previous round.
 const SKEW: f64 = 2e-2;
-/// How much further than the linear solve says the rest moves (Eckstein and Bertsekas 1992).
+/// Over-relaxation of the steps after the linear solve (Eckstein and Bertsekas 1992).
 const RELAXATION: f64 = 1.6;
 
-/// The alternating direction method of multipliers (Carpentier, Le Lidec and Montaut 2024; Tasora, Mangoni, Benatti and Garziera
-/// 2021; Acary): `(W + rho I) r = rho z - y - q - s`, `z = P(r + y / rho)`, `y += rho (r - z)`, with s De Saxcé's shift `mu |u_t|`
-/// of the round before, and -y the velocities.
+/// The alternating direction method of multipliers (Carpentier, Le Lidec and Montaut 2024; Tasora, Mangoni,
+/// Benatti and Garziera 2021; Acary): `(W + rho I) r = rho z - y - q - s`, `z = P(r + y / rho)`,
+/// `y += rho (r - z)`, with s De Saxcé's shift `mu |u_t|` of the round before, and -y the velocities.
 ///
-/// One Cholesky factor serves all rounds with the same penalty rho, which follows the ratio of both errors; each round is a solve
-/// with it. W may be singular. A skew part goes into the right hand side, or where it is large, the factor is a dense LU. Exact for
-/// all laws at rest of the iteration; slow at first where W is badly conditioned, and without promise where W is indefinite.
+/// One Cholesky factor serves all rounds with the same penalty rho, which follows the ratio of both errors;
+/// each round is a solve with it. W may be singular. A skew part goes into the right hand side, or where it
+/// is large, the factor is a dense LU. Exact for all laws at the fixed point; slow at first if W is badly
+/// conditioned, and without guarantee if W is indefinite.
 pub fn admm(problem: &Problem, effort: &Effort) -> Solution {
     let mut best = Best::start(problem, effort);
     let Some(mut state) = State::new(problem, best.impulses().to_vec()) else { return best.finish(0) };
@@ -44,7 +45,8 @@ pub fn admm(problem: &Problem, effort: &Effort) -> Solution {
     best.finish(effort.iterations)
 }
 
-/// All in units in which the diagonal of W is about one: impulses times `root`, velocities divided by it.
+/// All quantities are in units in which the diagonal of W is about one: impulses times `root`, velocities
+/// divided by it.
 struct State<'a> {
     problem: &'a Problem,
     root: Vec<f64>,
@@ -79,7 +81,7 @@ impl<'a> State<'a> {
         self.z.iter().zip(&self.inverse_root).map(|(z, root)| z * root).collect()
     }
 
-    /// With a new penalty, or a greater one if W is not positive enough for it.
+    /// Factorises with a new penalty, or with a greater one if the matrix is not positive definite.
     fn refactorise(&mut self, rho: f64) -> bool {
         self.rho = rho;
         for _ in 0..40 {
@@ -202,7 +204,7 @@ impl Factor {
         }
     }
 
-    /// What the skew part of W, which the factor has not, adds to the velocities.
+    /// The contribution to the velocities of the skew part of W, which is not in the factor.
     fn skew(&self, problem: &Problem, scale: &[f64], r: &[f64]) -> Vec<f64> {
         let mut sum = vec![0.0; r.len()];
         if matches!(self, Factor::Symmetric { skew: true, .. }) {

@@ -4,12 +4,14 @@ use super::sweep::{Best, pressure, project};
 use crate::lab::methods::{Effort, Solution};
 use crate::lab::problem::{Law, Problem, nearest_within, project_cone, project_disc};
 
-/// Accelerated projected gradient descent (Mazhar, Heyn, Negrut and Tasora 2015, after Nesterov): on `1/2 rᵀ W r + (q + s)ᵀ r` over the
-/// cones, with a step that adapts and momentum that restarts when it leads uphill.
+/// Accelerated projected gradient descent (Mazhar, Heyn, Negrut and Tasora 2015, after Nesterov): on
+/// `1/2 rᵀ W r + (q + s)ᵀ r` over the cones, with an adaptive step length and momentum that restarts when it
+/// leads uphill.
 ///
-/// The authors solve the convex problem, s = 0; here `s = mu |u_t|` follows the velocities from round to round (De Saxcé), and the
-/// discs of patches their normals, so that the rest of the iteration obeys Coulomb's law. Error O(1/k²) for symmetric, positive
-/// semidefinite W; a round costs a multiplication by W, and one more when the step was too long.
+/// The authors solve the convex problem, s = 0; here `s = mu |u_t|` follows the velocities from round to
+/// round (De Saxcé), and the discs of patches their normals, so that the fixed point of the iteration obeys
+/// Coulomb's law. Error O(1/k²) for symmetric, positive semidefinite W; a round costs a multiplication by W,
+/// and one more when the step was too long.
 pub fn apgd(problem: &Problem, effort: &Effort) -> Solution {
     let mut best = Best::start(problem, effort);
     let mut state = State::new(problem, best.impulses().to_vec());
@@ -28,7 +30,7 @@ pub fn apgd(problem: &Problem, effort: &Effort) -> Solution {
 
 struct State<'a> {
     problem: &'a Problem,
-    /// What weighs each row [1/kg]: the same within a cone.
+    /// The weight of each row [1/kg]: the same within a cone.
     weight: Vec<f64>,
     r: Vec<f64>,
     /// Velocities of `r`.
@@ -41,7 +43,7 @@ struct State<'a> {
     /// How large the friction of a patch may be.
     radius: Vec<f64>,
     theta: f64,
-    /// Lipschitz constant of the weighted gradient, and what it can't be above.
+    /// Lipschitz constant of the weighted gradient, and its upper bound.
     lipschitz: f64,
     most: f64,
 }
@@ -65,7 +67,7 @@ impl<'a> State<'a> {
         state
     }
 
-    /// Takes what the laws depend on from the present impulses and velocities.
+    /// Updates shifts and radii, which the laws depend on, from the present impulses and velocities.
     fn follow(&mut self) {
         for (law_index, (first, law)) in self.problem.laws().enumerate() {
             match law {
@@ -89,7 +91,7 @@ impl<'a> State<'a> {
                 .collect::<Vec<_>>();
             self.project(&mut next);
             next_u = self.problem.velocities(&next);
-            // W is quadratic, so that what f is above its tangent is 1/2 dᵀ W d.
+            // f is quadratic, so it exceeds its tangent by 1/2 dᵀ W d.
             let (mut bend, mut square) = (0.0, 0.0);
             for i in 0..n {
                 let d = next[i] - self.ahead[i];

@@ -5,13 +5,13 @@ use crate::lab::methods::cone::{ContactBlock, solve_disc};
 use crate::lab::methods::{Effort, Solution};
 use crate::lab::problem::{Law, Problem, nearest_within};
 
-/// Nonsmooth Gauss-Seidel (Jean and Moreau 1992): one contact after another gets the impulses that solve its own three rows
-/// exactly, with friction on the round cone, while all others stay.
+/// Nonsmooth Gauss-Seidel (Jean and Moreau 1992): one contact after another gets the impulses that solve its
+/// own three rows exactly, with friction on the round cone, while all others stay.
 ///
-/// Converges linearly, and the slower the longer the chains of bodies are that carry one another; of methods without a matrix
-/// factor the most robust one. A sweep costs a multiplication by W. Rows with bounds are solved as such, and patches as a disc
-/// whose size is that of their normals at the moment. Fails (without end, not without a sign) where W is far from symmetric and
-/// positive semidefinite.
+/// Converges linearly, more slowly the longer the chains of bodies that carry one another; the most robust of
+/// the methods without a matrix factor. A sweep costs a multiplication by W. Rows with bounds are solved as
+/// such, and patches as a disc whose size is that of their normals at the moment. It does not converge, and
+/// its status says so, if W is far from symmetric and positive semidefinite.
 pub fn gs_cone(problem: &Problem, effort: &Effort) -> Solution {
     let mut blocks = Blocks::new(problem);
     iterate(problem, effort, |r| blocks.sweep(r))

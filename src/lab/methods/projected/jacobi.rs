@@ -5,11 +5,13 @@ use super::sweep::{iterate_shaped, pressure};
 use crate::lab::methods::{Effort, Solution};
 use crate::lab::problem::{Law, Problem, nearest_within};
 
-/// Projected Jacobi: all rows move at once, by the velocities before the sweep. A step is `1 / sum_j |W_ij|`: the more contacts a
-/// body has, the less each of them may do alone (mass splitting does the same: Tonge, Benevolenski and Voroshilov 2012).
+/// Projected Jacobi: all rows move at once, by the velocities before the sweep. A step is `1 / sum_j |W_ij|`:
+/// the more contacts a body has, the less each of them may do alone (mass splitting does the same: Tonge,
+/// Benevolenski and Voroshilov 2012).
 ///
-/// Converges for symmetric, positive semidefinite W, several times slower than [`pgs`](crate::lab::methods::pgs); its rows are independent, so
-/// that it can run on as many lanes or threads as there are. A sweep costs a multiplication by W. Friction as for `pgs`.
+/// Converges for symmetric, positive semidefinite W, several times slower than
+/// [`pgs`](crate::lab::methods::pgs); its rows are independent, so that it can run on as many lanes or
+/// threads as there are. A sweep costs a multiplication by W. Friction as for `pgs`.
 pub fn jacobi(problem: &Problem, effort: &Effort) -> Solution {
     let scale: Vec<f64> = (0..problem.rows()).map(|i| row_sum(problem, i)).collect();
     let mut u = vec![0.0; problem.rows()];

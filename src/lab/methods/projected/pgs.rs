@@ -4,12 +4,13 @@ use super::sweep::{iterate_shaped, pressure, tangent_scale};
 use crate::lab::methods::{Effort, Friction, Solution};
 use crate::lab::problem::{Law, Problem, nearest_within, project_disc};
 
-/// Projected Gauss-Seidel, which game engines call sequential impulses: row by row `r_i <- P(r_i - u_i / W_ii)` with the newest
-/// velocities. The friction of a contact is projected onto what its normal impulse allows at the moment: a disc (the exact law at
-/// rest of the iteration), an inscribed square ([`Friction::Pyramid`]) or a box of two tangents ([`Friction::Box`]).
+/// Projected Gauss-Seidel, which game engines call sequential impulses: row by row
+/// `r_i <- P(r_i - u_i / W_ii)` with the newest velocities. The friction of a contact is projected onto what
+/// its normal impulse allows at the moment: a disc (the exact law at rest of the iteration), an inscribed
+/// square ([`Friction::Pyramid`]) or a box of two tangents ([`Friction::Box`]).
 ///
-/// Converges linearly for symmetric, positive semidefinite W; a stack of N bodies needs O(N²) sweeps. A sweep costs a
-/// multiplication by W. Source: Cottle, Pang and Stone 1992, 5.2; Catto 2005.
+/// Converges linearly for symmetric, positive semidefinite W; a stack of N bodies needs O(N²) sweeps. A sweep
+/// costs a multiplication by W. Source: Cottle, Pang and Stone 1992, 5.2; Catto 2005.
 pub fn pgs(problem: &Problem, effort: &Effort) -> Solution {
     let rows = Rows::new(problem, effort.friction);
     iterate_shaped(problem, effort, |r| rows.sweep(r, 1.0))

@@ -4,14 +4,15 @@ use super::sweep::{iterate, pressure};
 use crate::lab::methods::{Effort, Solution};
 use crate::lab::problem::{Law, Problem, nearest_within, project_cone, project_disc};
 
-/// The least and the greatest step, in units of what the diagonal of W asks for.
+/// The least and the greatest step, relative to that of the diagonal of W.
 const STEPS: (f64, f64) = (1e-3, 1.5);
 
-/// The proximal fixed point (Erleben 2017; Studer 2009) in Gauss-Seidel's order: `r_c <- P(r_c - R_c (u_c + s_c))`, with P onto the
-/// cone and s De Saxcé's shift `mu |u_t|`. Each law has a step R of its own that shrinks when the law swings, that is, when
-/// its change points against that of the sweep before, and grows slowly otherwise.
+/// The proximal fixed point (Erleben 2017; Studer 2009) in Gauss-Seidel's order:
+/// `r_c <- P(r_c - R_c (u_c + s_c))`, with P onto the cone and s De Saxcé's shift `mu |u_t|`. Each law has a
+/// step R of its own that shrinks when the law swings, that is, when its change points against that of the
+/// sweep before, and grows slowly otherwise.
 ///
-/// Robust and slow; a sweep costs a multiplication by W. All laws are exact at rest of the iteration.
+/// Robust and slow; a sweep costs a multiplication by W. All laws are exact at the fixed point.
 pub fn prox(problem: &Problem, effort: &Effort) -> Solution {
     let weight = reach(problem);
     let mut step = vec![STEPS.1; problem.laws().len()];
@@ -35,7 +36,8 @@ pub fn prox(problem: &Problem, effort: &Effort) -> Solution {
     })
 }
 
-/// For each row the greatest sum of absolute values that a row of its law has within the law: no eigenvalue is above it [1/kg].
+/// For each row the greatest absolute row sum within the block of its law, an upper bound of the block's
+/// eigenvalues [1/kg].
 fn reach(problem: &Problem) -> Vec<f64> {
     let mut reach = vec![0.0; problem.rows()];
     for (first, law) in problem.laws() {

@@ -1,9 +1,10 @@
-//! What all iterations share: where they start, when the residual is looked at, the best iterate, and when it is no use to go on.
+//! What all iterations share: the start, when the residual is checked, the best iterate, and when to give up.
 
 use crate::lab::methods::{Effort, Friction, Solution, Status};
 use crate::lab::problem::{Law, Problem, nearest_within, project_cone, project_disc};
 
-/// Sweeps without a better residual after which an iteration counts as stagnant: as many as there were before, and these.
+/// An iteration stagnates if the residual has not improved for as many sweeps as there were before, plus this
+/// many.
 const PATIENCE: u32 = 1000;
 
 /// The best impulses that were seen.
@@ -14,12 +15,12 @@ pub(super) struct Best<'a> {
     residual: f64,
     /// When it was found.
     at: u32,
-    /// The last residual that was a real gain on those before, and when.
+    /// The last residual that was a substantial improvement, and its sweep.
     gain: (f64, u32),
 }
 
 impl<'a> Best<'a> {
-    /// The start of `effort`, or without one that fits the problem, zero.
+    /// The start of `effort`, or zero if there is none that fits the problem.
     pub(super) fn start(problem: &'a Problem, effort: &'a Effort) -> Best<'a> {
         let fits = |r: &&Vec<f64>| r.len() == problem.rows() && r.iter().all(|x| x.is_finite());
         let zero = || vec![0.0; problem.rows()];
@@ -37,7 +38,7 @@ impl<'a> Best<'a> {
         self.residual <= self.effort.tolerance
     }
 
-    /// Keeps `r` if it is better than all before, and says what its residual is: infinite, if it has no finite one.
+    /// Keeps `r` if it is better than all before, and returns its residual, infinite if it is not finite.
     pub(super) fn offer(&mut self, r: &[f64], sweep: u32) -> f64 {
         self.offer_at(r, &self.problem.velocities(r), sweep)
     }
@@ -57,7 +58,7 @@ impl<'a> Best<'a> {
         residual
     }
 
-    /// Keeps `r` even if it is worse, unless that has no finite residual: then it says no.
+    /// Keeps `r` even if it is worse; returns false, and keeps nothing, if its residual is not finite.
     fn replace(&mut self, r: &[f64], sweep: u32) -> bool {
         let residual = self.problem.residual(r).relative;
         let finite = residual.is_finite() && r.iter().all(|x| x.is_finite());
@@ -68,12 +69,12 @@ impl<'a> Best<'a> {
         finite
     }
 
-    /// Whether it is long since anything was gained.
+    /// Whether the last improvement is long ago.
     pub(super) fn stagnates(&self, sweep: u32) -> bool {
         sweep - self.gain.1 > self.gain.1.saturating_add(PATIENCE)
     }
 
-    /// After `sweeps`, of which a solution counts those only that led to it.
+    /// The solution after `sweeps`; if it is solved, it counts only the sweeps up to the best iterate.
     pub(super) fn finish(self, sweeps: u32) -> Solution {
         let solved = self.is_solved();
         Solution {
@@ -86,7 +87,7 @@ impl<'a> Best<'a> {
     }
 }
 
-/// Whether the residual is looked at after so many sweeps: it costs as much as a sweep does.
+/// Whether the residual is computed after this sweep: it costs as much as a sweep.
 pub(super) fn is_checked(sweep: u32) -> bool {
     match sweep {
         0..=16 => true,
@@ -109,7 +110,7 @@ pub(super) fn iterate(problem: &Problem, effort: &Effort, mut sweep: impl FnMut(
         }
         let before = r.clone();
         sweep(&mut r);
-        // From numbers that are not finite nothing comes back.
+        // No iteration recovers from numbers that are not finite.
         if best.offer(&r, number).is_infinite() || r == before || best.stagnates(number) {
             return best.finish(number);
         }
@@ -117,8 +118,9 @@ pub(super) fn iterate(problem: &Problem, effort: &Effort, mut sweep: impl FnMut(
     best.finish(effort.iterations)
 }
 
-/// The same for a method that has the friction which `effort` asks for. Of the cone's answers the best is kept; a pyramid or a box
-/// is another law, whose answer is where the sweeps come to rest, however far that is from the cone's.
+/// The same for a method that supports all models of friction. For the cone the best iterate is returned; a
+/// pyramid or a box is another law, whose solution is the fixed point of the sweeps, however far that is from
+/// the cone's.
 pub(super) fn iterate_shaped(
     problem: &Problem,
     effort: &Effort,
@@ -147,9 +149,9 @@ pub(super) fn iterate_shaped(
     last.finish(effort.iterations)
 }
 
-/// Damps laws that swing: one whose change points against that of the sweep before takes a smaller share of its next ones, down
-/// to a tenth, and a larger one again once it no longer does. With Coulomb's law sweeps can run in a circle, which this breaks;
-/// those that converge as usual hardly notice.
+/// Damps oscillating laws: if the change of a law opposes that of the previous sweep, smaller shares of its
+/// next changes are applied, down to a tenth, and larger ones again once it no longer does. With Coulomb's
+/// law sweeps can cycle, which this breaks; it hardly affects sweeps that converge.
 pub(super) struct Damping {
     share: Vec<f64>,
     /// What the last sweep wanted to change.
@@ -191,7 +193,7 @@ pub(super) struct Old {
     r: [f64; 3],
 }
 
-/// Moves impulses to the nearest that their laws allow; patches by the normals that are there then.
+/// Projects impulses onto what their laws allow; patches use the projected normals.
 pub(super) fn project(problem: &Problem, r: &mut [f64]) {
     for (first, law) in problem.laws() {
         match law {
@@ -215,7 +217,8 @@ pub(super) fn pressure(r: &[f64], first: usize, count: usize) -> f64 {
     r[first..first + count].iter().map(|x| x.max(0.0)).sum()
 }
 
-/// The greatest eigenvalue of the symmetric part of the block of two rows, or where that is not positive, their scale.
+/// The greatest eigenvalue of the symmetric part of the block of two rows, or their scale if it is not
+/// positive.
 pub(super) fn tangent_scale(problem: &Problem, first: usize) -> f64 {
     let w = problem.w();
     let (a, d) = (w.at(first, first), w.at(first + 1, first + 1));

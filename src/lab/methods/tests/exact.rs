@@ -1,4 +1,4 @@
-//! What every exact method has to do with small problems: the oracle tries all 2ⁿ choices of what is positive.
+//! Exact methods on small problems, against an oracle that tries all 2ⁿ choices of positive variables.
 
 use crate::lab::methods::*;
 use crate::lab::problem::{Law, Matrix};
@@ -44,8 +44,8 @@ fn lcp(m: &DMatrix<f64>, q: &[f64]) -> Problem {
     Problem::lcp(Matrix::from_dense(m), q.to_vec()).unwrap()
 }
 
-/// Positive semidefinite of half rank with q anywhere: solved if the oracle can, proved unsolvable if not. That such a ray is a proof
-/// is Lemke's theorem for copositive-plus matrices.
+/// Positive semidefinite matrices of half rank with any q: solved if the oracle solves them, else proved
+/// unsolvable. That a ray is such a proof is Lemke's theorem for copositive-plus matrices.
 #[test]
 fn semidefinite_problems_are_solved_or_proved_unsolvable() {
     let mut random = Random(7);
@@ -64,7 +64,8 @@ fn semidefinite_problems_are_solved_or_proved_unsolvable() {
     assert!(without > 10, "{without}");
 }
 
-/// An indefinite problem may be beyond a method, but never is one called unsolvable that the oracle solves.
+/// A method may fail on an indefinite problem, but it must not call a problem unsolvable that the oracle
+/// solves.
 #[test]
 fn no_method_denies_a_solution_that_there_is() {
     let mut random = Random(3);
@@ -80,8 +81,8 @@ fn no_method_denies_a_solution_that_there_is() {
     }
 }
 
-/// Murty's example (1978): upper triangular with ones and twos, q = -1. The solution is the last unit vector, and his rule takes
-/// 2^n - 1 pivots.
+/// Murty's example (1978): upper triangular with ones and twos, q = -1. The solution is the last unit vector,
+/// and his rule takes 2^n - 1 pivots.
 #[test]
 fn murtys_example_takes_his_rule_all_pivots() {
     for n in [4, 8, 12] {
@@ -102,8 +103,8 @@ fn murtys_example_takes_his_rule_all_pivots() {
     }
 }
 
-/// A bimatrix game: M is zero on both diagonal blocks, so that the path from the ray of `t` ends in another ray, while Lemke and
-/// Howson's start proves that there is an equilibrium (1964).
+/// A bimatrix game: M is zero on both diagonal blocks, so that the path from the ray of `t` ends in another
+/// ray, while Lemke and Howson's start proves that there is an equilibrium (1964).
 #[test]
 fn lemke_solves_bimatrix_games() {
     let mut random = Random(11);
@@ -116,15 +117,15 @@ fn lemke_solves_bimatrix_games() {
     }
 }
 
-/// Bounds of every kind at once. By hand: row 0 is held at 2, row 1 at its upper bound -1 (u = 2 - 2 - 2 = -2 <= 0), row 2 at its lower
-/// bound 1 (u = 2 + 3 >= 0), and the joint 3 x = 4 - 0.
+/// Bounds of every kind at once. By hand: row 0 is held at 2, row 1 at its upper bound -1 (u = 2 - 2 - 2 = -2
+/// <= 0), row 2 at its lower bound 1 (u = 2 + 3 >= 0), and the joint 3 x = 4 - 0.
 #[test]
 fn bounds_of_all_kinds_are_met() {
     let m = DMatrix::from_diagonal(&DVector::from_vec(vec![2.0, 2.0, 2.0, 3.0]));
     let bounds =
         [(2.0, 2.0), (f64::NEG_INFINITY, -1.0), (1.0, f64::INFINITY), (f64::NEG_INFINITY, f64::INFINITY)];
     let laws = bounds.map(|(min, max)| Law::Bounds { min, max }).to_vec();
-    // Coupled to the first row only, so that all of it is one part.
+    // Everything is coupled to the first row, so that the problem is one part.
     let mut m = m;
     (1..4).for_each(|i| m[(i, 0)] = 0.5);
     let q = vec![1.0, -1.0, 2.0, -5.0];
@@ -137,8 +138,8 @@ fn bounds_of_all_kinds_are_met() {
     }
 }
 
-/// A ball of 2 kg that falls at 3 m/s and slides at 5 across all axes: 6 N s stop it and mu = 0.5 brakes it by 3 N s against
-/// its own direction, which neither a box nor a pyramid along the axes finds.
+/// A ball of 2 kg that falls at 3 m/s and slides at 5 across all axes: 6 N s stop it and mu = 0.5 brakes it
+/// by 3 N s against its own direction, which neither a box nor a pyramid along the axes finds.
 #[test]
 fn friction_is_against_the_slip_and_not_along_an_axis() {
     let w = Matrix::from_entries(3, (0..3).map(|i| (i, i, 0.5)));
@@ -154,8 +155,8 @@ fn friction_is_against_the_slip_and_not_along_an_axis() {
     }
 }
 
-/// A box on four points is supported redundantly: W has rank 6 with 12 rows. A solution is where a method may start, and then there is
-/// nothing left to do.
+/// A box on four points is supported redundantly: W has rank 6 with 12 rows. A method may start from a
+/// solution, and then has nothing left to do.
 #[test]
 fn a_box_on_four_points_sticks_and_slides() {
     let corners = [(-0.5, -0.5), (-0.5, 0.5), (0.5, -0.5), (0.5, 0.5)];
@@ -181,7 +182,7 @@ fn a_box_on_four_points_sticks_and_slides() {
     }
 }
 
-/// Numbers at the ends of the range, matrices without anything, and no rows at all: an answer that is finite.
+/// Numbers at the ends of the range, zero matrices, and no rows at all: the result is finite.
 #[test]
 fn nothing_panics_or_is_infinite() {
     let diagonal = |n: usize, x: f64| Matrix::from_entries(n, (0..n).map(|i| (i, i, x)));

@@ -1,4 +1,4 @@
-//! Problems whose answers are known, which every method is held against, and problems that nothing good can come of.
+//! Problems with known solutions, for every method, and ill-posed problems.
 
 mod exact;
 
@@ -22,18 +22,18 @@ fn expect(solve: Solve, problem: &Problem, expected: &[f64]) {
     );
 }
 
-/// Rows of their own, with all kinds of bounds.
+/// Single rows with all kinds of bounds.
 pub(super) fn check_rows(solve: Solve) {
     // 1 kg lies on 2 kg and both fall at 1 m/s: the floor stops 3 kg, the lower mass 1 kg.
     let chain: &[&[f64]] = &[&[0.5, -0.5], &[-0.5, 1.5]];
     expect(solve, &problem(vec![Law::AT_LEAST_ZERO; 2], chain, &[-1.0, 0.0]), &[3.0, 1.0]);
-    // What moves apart needs nothing.
+    // Separating bodies need no impulse.
     expect(solve, &problem(vec![Law::AT_LEAST_ZERO; 2], chain, &[1.0, 2.0]), &[0.0, 0.0]);
     // A joint, and a motor at its limit: 0 = r_0 + r_1 / 2 - 3 with r_1 = 2; the motor's velocity is -1.
     let motor = Law::Bounds { min: -2.0, max: 2.0 };
     let coupled: &[&[f64]] = &[&[1.0, 0.5], &[0.5, 1.0]];
     expect(solve, &problem(vec![Law::LOCKED, motor], coupled, &[-3.0, -4.0]), &[2.0, 2.0]);
-    // The other limit, and a bound on one side only that keeps from zero: 0 = r_0 + 1/2 - 3.
+    // The other limit, and a one-sided bound away from zero: 0 = r_0 + 1/2 - 3.
     let pushed = Law::Bounds { min: 1.0, max: f64::INFINITY };
     expect(solve, &problem(vec![Law::LOCKED, pushed], coupled, &[-3.0, 4.0]), &[2.5, 1.0]);
     let pulled = Law::Bounds { min: f64::NEG_INFINITY, max: 0.0 };
@@ -55,7 +55,8 @@ pub(super) fn check_contacts(solve: Solve) {
     expect(solve, &problem(contact, ball, &[1.0, 4.0, 0.0]), &[0.0; 3]);
     expect(solve, &problem(vec![Law::Contact { mu: 0.0 }], ball, &[-3.0, 4.0, 1.0]), &[6.0, 0.0, 0.0]);
 
-    // One normal and a patch. Friction of 3 N s; twist of 0.05 * 6 = 0.3 N m s, which at 4 / (kg m²) stops 1.2 rad/s.
+    // One normal and a patch. Friction of 3 N s; twist of 0.05 * 6 = 0.3 N m s, which at 4 / (kg m²) stops
+    // 1.2 rad/s.
     let laws = vec![Law::AT_LEAST_ZERO, Law::Patch { mu: 0.5, arm: 0.1, first: 0, count: 1 }];
     let disc: &[&[f64]] =
         &[&[0.5, 0.0, 0.0, 0.0], &[0.0, 0.5, 0.0, 0.0], &[0.0, 0.0, 0.5, 0.0], &[0.0, 0.0, 0.0, 4.0]];
@@ -64,8 +65,8 @@ pub(super) fn check_contacts(solve: Solve) {
     check_box(solve);
 }
 
-/// A cube of 6 kg and 1 m on its four lower corners, which falls at 1 m/s and slides at 1: 6 N s stop it, 3 brake it to 1/2 m/s.
-/// Twelve rows, of rank six: how the corners share is open.
+/// A cube of 6 kg and 1 m on its four lower corners, which falls at 1 m/s and slides at 1: 6 N s stop it, 3
+/// brake it to 1/2 m/s. Twelve rows, of rank six: how the corners share is open.
 fn check_box(solve: Solve) {
     let found = solve(&box_on_floor(), &Effort::default());
     assert_eq!(found.status, Status::Solved, "{found:?}");
@@ -145,7 +146,7 @@ fn is_honest(problem: &Problem, effort: &Effort, found: &Solution) -> bool {
         && found.r.iter().all(|x| x.is_finite())
         && found.residual.is_finite()
         && found.residual == problem.residual(&found.r).relative.min(f64::MAX)
-        // An exact method does not claim what rounding of W r may have made up.
+        // An exact method does not claim a residual below the rounding errors of W r.
         && (found.status != Status::Solved || found.residual <= effort.tolerance)
         && found.iterations <= effort.iterations
 }
@@ -202,12 +203,14 @@ fn names_are_those_of_a_command_line_and_differ() {
     }
 }
 
-/// Box and pyramid are other laws: a ball that slides along (3, 4) keeps its speed along y by what they allow.
+/// Box and pyramid are other laws: a ball that slides along (3, 4) keeps its speed along y by what they
+/// allow.
 #[test]
 fn friction_has_the_shape_that_is_asked_for() {
     let ball: &[&[f64]] = &[&[0.5, 0.0, 0.0], &[0.0, 0.5, 0.0], &[0.0, 0.0, 0.5]];
     let problem = problem(vec![Law::Contact { mu: 0.5 }], ball, &[-3.0, 3.0, 4.0]);
-    // mu r_n is 3 N s: each tangent has that much in a box; |x| + |y| has in the pyramid, and most of it goes where it slides fastest.
+    // mu r_n is 3 N s: each tangent has that much in a box; |x| + |y| has in the pyramid, and most of it goes
+    // where it slides fastest.
     for (friction, expected) in [(Friction::Box, [6.0, -3.0, -3.0]), (Friction::Pyramid, [6.0, -0.5, -2.5])] {
         for solve in [super::jacobi, super::pgs, super::psor] {
             let effort = Effort { friction, iterations: 1, ..Effort::default() };
