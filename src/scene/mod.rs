@@ -1,8 +1,9 @@
 //! Scenes: bodies and joints described without an engine, from code or from files, and files made from them.
 //!
-//! [`builtin`] has the scenes that tests, benches and the command share. With the feature `gltf`, `load` reads
-//! glTF 2.0 with `KHR_physics_rigid_bodies` and `KHR_implicit_shapes`, plain glTF and OBJ; `write_scene` writes a scene
-//! with both extensions, and `write_animation` writes what a [`Recorder`] saw as a `.glb` that any viewer plays.
+//! [`builtin`] has the scenes that tests, benches and the command share. With the feature `gltf`, `load`
+//! reads glTF 2.0 with `KHR_physics_rigid_bodies` and `KHR_implicit_shapes`, plain glTF and OBJ;
+//! `write_scene` writes a scene with both extensions, and `write_animation` writes what a [`Recorder`] saw as
+//! a `.glb` that any viewer plays.
 
 pub mod builtin;
 pub mod comparison;
@@ -40,28 +41,28 @@ use std::path::PathBuf;
 /// Bodies and what else a world needs to start.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// Of the builtin scene, or of the file without its ending.
+    /// Name of the builtin scene, or of the file without its extension.
     pub name: String,
-    /// [m/s²]. Files have none, so it is (0, -9.81, 0) for them.
+    /// Gravity [m/s²]. Files have none, so it is (0, -9.81, 0) for them.
     pub gravity: Vec3,
-    /// In the order in which a world should add them.
+    /// The bodies, in the order in which a world should add them.
     pub bodies: Vec<SceneBody>,
-    /// Between these bodies.
+    /// The joints between these bodies.
     pub joints: Vec<SceneJoint>,
     /// Steps of 1/60 s after which there is nothing new to see.
     pub steps: u32,
     /// The file that it is from.
     pub source: Option<PathBuf>,
-    /// The files that this one refers to, buffers and images, as far as they are there.
+    /// The existing files that this one refers to: buffers and images.
     pub parts: Vec<PathBuf>,
-    /// What of the file was left out or approximated, in sentences.
+    /// What was left out or approximated when the file was read, in sentences.
     pub notes: Vec<String>,
 }
 
 /// A body of a scene.
 #[derive(Clone, Debug)]
 pub struct SceneBody {
-    /// Of the node, or of the kind of body.
+    /// Name of the node, or of the kind of body.
     pub name: String,
     /// The glTF node whose pose is the body's pose.
     pub node: Option<usize>,
@@ -72,15 +73,15 @@ pub struct SceneBody {
 /// A joint of a scene: [`JointDesc`] with bodies by their indices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneJoint {
-    /// Of the node that has it.
+    /// Name of the node that has it.
     pub name: String,
     /// Indices in [`Scene::bodies`], at least one of them of a dynamic body.
     pub bodies: [usize; 2],
-    /// Where it sits on each.
+    /// Its frame on each body.
     pub frames: [Frame; 2],
-    /// What is kept within a range.
+    /// Its limits.
     pub limits: Vec<Limit>,
-    /// What is driven.
+    /// Its drives.
     pub drives: Vec<Drive>,
     /// Whether the two bodies collide with each other.
     pub collide: bool,
@@ -99,12 +100,12 @@ impl SceneJoint {
     }
 }
 
-/// Handles of what a scene has, in its order.
+/// Handles of a scene's contents, in its order.
 #[derive(Clone, Debug, Default)]
 pub struct Added {
-    /// Of [`Scene::bodies`].
+    /// Handles of [`Scene::bodies`].
     pub bodies: Vec<BodyHandle>,
-    /// Of [`Scene::joints`].
+    /// Handles of [`Scene::joints`].
     pub joints: Vec<JointHandle>,
 }
 
@@ -129,7 +130,7 @@ impl Scene {
         self.bodies.len() - 1
     }
 
-    /// How many bodies contacts can move.
+    /// Number of dynamic bodies.
     pub fn dynamic_bodies(&self) -> usize {
         self.bodies.iter().filter(|b| b.desc.kind == BodyKind::Dynamic).count()
     }
@@ -160,7 +161,7 @@ impl Scene {
         match joints {
             Ok(joints) => Ok(Added { bodies, joints }),
             Err(error) => {
-                // Their joints go with them.
+                // This removes their joints too.
                 bodies.into_iter().try_for_each(|body| world.remove_body(body))?;
                 Err(error)
             }

@@ -119,7 +119,7 @@ struct Frame {
 }
 
 impl Track {
-    /// Runs a scene. Sleeping is off, or slow bodies would stop and differ.
+    /// Runs a scene. Sleeping is off: a slow body that fell asleep would count as exact.
     ///
     /// # Errors
     /// If the world refuses the settings or the scene, or the rate of the cell is no multiple of the frame

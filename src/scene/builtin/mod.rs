@@ -1,4 +1,5 @@
-//! Scenes that tests, benches and the command share. Everything random is seeded, so each is the same everywhere.
+//! Scenes that tests, benches and the command share. Everything random is seeded, so each is the same
+//! everywhere.
 //!
 //! All bodies have friction 0.6, restitution 0 and, unless said otherwise, density 1000 kg/m³.
 
@@ -72,8 +73,8 @@ pub fn talk_terrain() -> Terrain {
     Terrain::bumpy(224, 0.5)
 }
 
-/// Eleven fast, spinning bodies of every shape onto a terrain: they hit it between frames 20 and 33, the rest of the
-/// time they settle.
+/// Eleven fast, spinning bodies of every shape onto a terrain: they hit it between frames 20 and 33, the rest
+/// of the time they settle.
 pub fn talk() -> Scene {
     let terrain = talk_terrain();
     let mut scene = Scene::new("talk");
@@ -93,8 +94,8 @@ pub fn talk() -> Scene {
     scene
 }
 
-/// The `i`-th thrown body: from above its cell of a 4 by 3 raster, to reach the ground about 0.35 s later if 55 m/s is
-/// enough for that.
+/// The `i`-th thrown body: from above its cell of a 4 by 3 raster, it reaches the ground about 0.35 s later
+/// if 55 m/s suffices.
 pub(super) fn throw_at(scene: &mut Scene, terrain: &Terrain, i: usize, shape: Geometry, rng: &mut Rng) {
     let x = (i % 4) as f32 * 8.0 - 12.0 + rng.range(-2.0, 2.0);
     let z = (i / 4) as f32 * 8.0 - 8.0 + rng.range(-2.0, 2.0);
@@ -181,8 +182,8 @@ pub fn joint_grid(side: usize) -> Scene {
     scene
 }
 
-/// A chain at the origin, hanging or held out level: twenty links of 0.4 m, and at its end a ball a thousand times as heavy
-/// as a link.
+/// A chain at the origin, hanging or held out level: twenty links of 0.4 m, and at its end a ball a thousand
+/// times as heavy as a link.
 pub fn chain(level: bool) -> Scene {
     let (half, radius, ball) = (0.15_f32, 0.05_f32, 0.5_f32);
     let pitch = 2.0 * (half + radius);
@@ -209,8 +210,8 @@ pub fn chain(level: bool) -> Scene {
     scene
 }
 
-/// A wall of unit boxes, `base` of them in the lowest row and each row one box shorter than the one below. The last
-/// body is the top.
+/// A wall of unit boxes, `base` of them in the lowest row and each row one box shorter than the one below.
+/// The last body is the top.
 pub fn large_pyramid(base: usize) -> Scene {
     let mut scene = Scene::new("large_pyramid");
     scene.add("floor", fixed(Geometry::cuboid(200.0, 1.0, 200.0), Vec3::new(0.0, -1.0, 0.0)));

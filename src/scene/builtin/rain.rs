@@ -1,4 +1,4 @@
-//! Bodies of mixed shapes above what a scene has, to fall onto it.
+//! Bodies of mixed shapes that fall onto a scene from above.
 
 use super::{dynamic, pebble};
 use crate::body::BodyDesc;
@@ -10,15 +10,15 @@ use glam::Vec3;
 /// Bodies are a share of the ground's narrower side, within these sizes [m].
 const SHARE: f32 = 1.0 / 30.0;
 const SIZES: (f32, f32) = (0.05, 0.35);
-/// Side of the cell that a body falls through, in its sizes: neighbours don't touch however they turn.
+/// Side of the cell in which a body falls, in body sizes: neighbours don't touch however they rotate.
 const CELL: f32 = 3.6;
-/// Bodies keep this share of the ground's sides free at each edge.
+/// Share of the ground's sides that stays free at each edge.
 const RIM: f32 = 0.1;
 
 impl Scene {
-    /// Adds `count` dynamic bodies of mixed shapes above what there is, spread over its width in layers, none touching
-    /// another. Above is where the scene's gravity points away from. They start at rest, as high as they are wide over
-    /// what is below them; their sizes suit the ground's. The same seed gives the same bodies.
+    /// Adds `count` dynamic bodies of mixed shapes above the scene's contents, spread over their width in
+    /// layers, none touching another. Above means against the scene's gravity. They start at rest, their own
+    /// width above what is below them; their sizes suit the ground's. The same seed gives the same bodies.
     pub fn rain(&mut self, count: usize, seed: u64) {
         let ground = Ground::of(self, count);
         let mut rng = Rng::new(seed);
@@ -39,7 +39,7 @@ struct Ground {
     cell: Vec3,
     columns: [usize; 2],
     heights: Vec<f32>,
-    /// Of the bodies.
+    /// Size of the bodies.
     size: f32,
 }
 
@@ -57,12 +57,12 @@ impl Ground {
             corners().fold(Vec3::NEG_INFINITY, |m, &p| m.max(p)),
         );
         if parts.is_empty() {
-            // Nothing, or planes only.
+            // The scene is empty or has planes only.
             (min, max) = (Vec3::new(-5.0, 0.0, -5.0), Vec3::new(5.0, 0.0, 5.0));
         }
         let wide = (1.0 - 2.0 * RIM) * (max - min);
         let size = (SHARE * wide.x.min(wide.z)).clamp(SIZES.0, SIZES.1);
-        // No more columns than make a layer of a square, so that few bodies don't crowd.
+        // No more columns than in a square layer of all bodies, so that few bodies don't crowd.
         let most = (count as f32).sqrt().ceil().max(1.0);
         let columns = [wide.x, wide.z].map(|w| (w / (CELL * size)).floor().clamp(1.0, most) as usize);
         let mut ground = Ground {
@@ -74,12 +74,12 @@ impl Ground {
             size,
         };
         parts.iter().for_each(|part| ground.raise(*part));
-        // Over a hole, as high as anywhere.
+        // Holes count as high as the highest cell.
         ground.heights.iter_mut().filter(|h| **h == f32::NEG_INFINITY).for_each(|h| *h = max.y);
         ground
     }
 
-    /// Counts a triangle in: where it is in a cell it is no higher than its plane at the cell's corners.
+    /// Raises cells by a triangle: within a cell it is no higher than its plane at the cell's corners.
     fn raise(&mut self, [a, b, c]: [Vec3; 3]) {
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));
         let range = |axis: usize, count: usize| {
@@ -113,7 +113,7 @@ impl Ground {
     }
 }
 
-/// Turns the axis that is up into y. Axes change places, nothing is rounded.
+/// Maps the axis that is up to y. Axes are permuted, so nothing is rounded.
 #[derive(Clone, Copy)]
 struct Frame {
     up: usize,
@@ -169,7 +169,7 @@ fn outline(body: &BodyDesc, mut add: impl FnMut([Vec3; 3])) {
                 }
             }
             round => {
-                // As high as its ball, all over the square around it.
+                // As high as its bounding ball, over the whole square around it.
                 let (centre, r) = (placed(Vec3::ZERO), round.radius());
                 for side in [-1.0, 1.0] {
                     let corner = |u: f32, v: f32| centre + r * Vec3::new(u, side, v);

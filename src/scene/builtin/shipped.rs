@@ -87,11 +87,12 @@ fn tower() -> Scene {
     scene
 }
 
-/// Boxes on ramps of different friction, balls of different restitution, compounds, a paddle that turns, and two
-/// kinds of balls of which one falls through a filtered plate.
+/// Boxes on ramps of different friction, balls of different restitution, compounds, a paddle that turns, and
+/// two kinds of balls of which one falls through a filtered plate.
 fn playground() -> Scene {
     let mut scene = Scene::new("playground");
-    // Both partners of a pair ask for the same way to combine, so that the outcome hangs on no rule between ways.
+    // Both shapes of a pair use the same combine mode, so that the result does not depend on a precedence of
+    // modes.
     let least = Material { friction_combine: Combine::Minimum, ..Material::default() };
     let most = Material { restitution_combine: Combine::Maximum, ..Material::default() };
     let mut floor = fixed(Geometry::Plane, Vec3::ZERO);
@@ -130,7 +131,8 @@ fn playground() -> Scene {
         .with_shape(ShapeDesc::new(Geometry::cuboid(3.0, 0.2, 0.2)));
     paddle.angular_velocity = Vec3::new(0.0, 1.5, 0.0);
     scene.add("paddle", paddle);
-    // Of three systems, the plate and the first kind know each other; the second kind is kept apart from both.
+    // There are three systems: the plate and the first kind collide with each other, the second kind with
+    // neither.
     let [plate_filter, held, falls] =
         [(1, 1 | 2), (2, !4), (4, !(1 | 2))].map(|(category, mask)| Filter { category, mask, group: 0 });
     let mut plate = fixed(Geometry::cuboid(2.0, 0.1, 2.0), Vec3::new(-6.0, 2.0, 9.0));

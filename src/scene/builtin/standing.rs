@@ -1,7 +1,7 @@
-//! Structures that should stand for ever: what shows whether rest is rest.
+//! Structures that should stand for ever: they show whether bodies at rest stay at rest.
 //!
-//! Each is put up without gaps and without overlap on a static box, with friction 0.6. They stand by statics alone, so
-//! whatever moves in them after the first seconds is the engine's.
+//! Each is put up without gaps and without overlap on a static box, with friction 0.6. They stand by statics
+//! alone, so any motion after the first seconds is the engine's error.
 
 use super::{dynamic, fixed};
 use crate::config::Settings;
@@ -15,9 +15,9 @@ use glam::Vec3;
 /// A structure and how large it is. Lengths are in units of [`Standing::scene`]'s scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Standing {
-    /// So many unit boxes on each other.
+    /// This many unit boxes on top of each other.
     Tower(usize),
-    /// Rows of unit boxes, each one box shorter than the one below: the lowest has so many.
+    /// Rows of unit boxes, each one box shorter than the one below; the length of the lowest.
     Pyramid(usize),
     /// Unit boxes, each over the joint of two; half boxes end every other row.
     Wall {
@@ -26,17 +26,17 @@ pub enum Standing {
         /// Rows.
         height: usize,
     },
-    /// So many upright cylinders on each other, of radius 0.4 and height 1.
+    /// This many upright cylinders on top of each other, of radius 0.4 and height 1.
     Barrels(usize),
     /// The same, of radius 0.5 and height 0.1.
     Coins(usize),
-    /// A unit box on one so many times lighter.
+    /// A unit box on one that is lighter by this factor.
     Light(f32),
-    /// Pairs of planks of 1.2 x 0.08 x 0.24, lying flat, so many levels crosswise.
+    /// Pairs of planks of 1.2 x 0.08 x 0.24, lying flat, this many levels crosswise.
     Crib(usize),
     /// The same with the planks on edge.
     Edge(usize),
-    /// Layers of three blocks of 1.5 x 0.3 x 0.5 side by side, so many of them crosswise.
+    /// Layers of three blocks of 1.5 x 0.3 x 0.5 side by side, this many layers crosswise.
     Layers(usize),
 }
 
@@ -46,7 +46,7 @@ const PLANK: [f32; 3] = [0.6, 0.04, 0.12];
 const BLOCK: [f32; 3] = [0.75, 0.15, 0.25];
 
 impl Standing {
-    /// What [`Standing::named`] knows, with the sizes that are meant if none is given.
+    /// The names for [`Standing::named`], with default sizes.
     pub const NAMES: &[(&str, usize)] = &[
         ("tower", 30),
         ("pyramid", 20),
@@ -60,8 +60,8 @@ impl Standing {
         ("layers", 40),
     ];
 
-    /// A structure by its name and size: boxes, rows, levels; for `light` how many times lighter the lower box is. Both
-    /// walls are twenty boxes wide. A size may also end the name, as in `tower_30`.
+    /// A structure by its name and size: boxes, rows, levels; for `light` how many times lighter the lower
+    /// box is. Both walls are twenty boxes wide. A size may also end the name, as in `tower_30`.
     pub fn named(name: &str, size: Option<usize>) -> Option<Standing> {
         let known = |name: &str| Self::NAMES.iter().find(|one| one.0 == name).map(|one| one.1);
         let (name, size) = match (known(name), name.rsplit_once('_')) {
@@ -169,7 +169,8 @@ impl Standing {
         scene
     }
 
-    /// A world with the structure in it, and its bodies: the top last. The scale is the settings' length unit.
+    /// A world with the structure in it, and its bodies: the top last. The scale is the settings' length
+    /// unit.
     ///
     /// # Errors
     /// If the settings or the density are out of range.
@@ -183,7 +184,8 @@ impl Standing {
     }
 }
 
-/// Levels of `count` beams side by side, flush with the ends of those below and above; `half`: length, height, width.
+/// Levels of `count` beams side by side, flush with the ends of those below and above; `half`: length,
+/// height, width.
 fn crosswise(
     levels: usize,
     [length, height, width]: [f32; 3],
@@ -207,7 +209,8 @@ mod tests {
 
     #[test]
     fn each_structure_has_its_bodies_and_the_top_last() {
-        // Counted from the descriptions; a wall of ten rows has five of twenty boxes and five of nineteen with two halves.
+        // Counted from the descriptions; a wall of ten rows has five of twenty boxes and five of nineteen
+        // with two halves.
         let expected = [
             (30, 29.5),
             (210, 19.5),

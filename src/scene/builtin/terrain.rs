@@ -1,4 +1,5 @@
-//! A grid of heights, its mesh, and the height of that mesh anywhere: the ground truth of "below the terrain".
+//! A grid of heights, its mesh, and the height of that mesh anywhere: the ground truth of "below the
+//! terrain".
 
 use glam::Vec3;
 
@@ -22,7 +23,7 @@ impl Terrain {
         })
     }
 
-    /// By its height [m] over x and z.
+    /// A terrain with the given height [m] over x and z.
     pub fn from_fn(cells: usize, cell: f32, height: impl Fn(f32, f32) -> f32) -> Self {
         let half = cells as f32 * cell * 0.5;
         let at = |n: usize| n as f32 * cell - half;
@@ -30,7 +31,7 @@ impl Terrain {
         Terrain { cells, cell, heights: heights.map(|(i, k)| height(at(i), at(k))).collect() }
     }
 
-    /// It spans x and z in ± this [m].
+    /// Half its side length: it spans x and z in ± this [m].
     pub fn half(&self) -> f32 {
         self.cells as f32 * self.cell * 0.5
     }

@@ -4,9 +4,8 @@ use super::*;
 
 #[test]
 fn every_builtin_scene_has_its_bodies() {
-    // Counted from the descriptions: a pyramid of 60 has 60 * 61 / 2 boxes.
-    // Of the grid's upper row seven don't move.
-    // Six figures have eleven limbs each; groups of 2, 3, 4, 5, 6, 2, ... meet head on.
+    // Counted from the descriptions: a pyramid of 60 has 60 * 61 / 2 boxes. Seven spheres of the grid's upper
+    // row are static. Six figures have eleven limbs each; groups of 2, 3, 4, 5, 6, 2, ... meet head on.
     let expected = [11, 1000, 1000, 1830, 5050, 4096, 10, 10, 10, 30, 9993, 21, 60, 16, 32, 45, 66];
     for (name, count) in NAMES.iter().zip(expected) {
         let scene = build(name).unwrap();

@@ -7,9 +7,10 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 /// A file that appears under its name, or replaces what is there, once it is complete.
 ///
-/// Until [`AtomicFile::commit`] all goes into a temporary file beside the target; without it, on an error or when the value
-/// is dropped, that one is removed and the target is what it was. What is no regular file, a pipe or a device, can't be
-/// replaced and is written straight. A link stays one: what it leads to is replaced. Permissions are kept.
+/// Until [`AtomicFile::commit`] all goes into a temporary file beside the target; without it, on an error or
+/// when the value is dropped, the temporary file is removed and the target stays as it was. A target that is
+/// not a regular file, a pipe or a device, can't be replaced and is written directly. A link stays a link:
+/// its target is replaced. Permissions are kept.
 #[derive(Debug)]
 pub struct AtomicFile {
     file: BufWriter<File>,
@@ -30,7 +31,7 @@ impl AtomicFile {
                 let file = BufWriter::new(OpenOptions::new().write(true).open(target)?);
                 return Ok(AtomicFile { file, paths: None });
             }
-            // It would be replaced although nobody may write to it.
+            // A rename would replace it although it is read-only.
             Ok(old) if old.permissions().readonly() => return Err(ErrorKind::PermissionDenied.into()),
             Ok(old) => Some(old),
             Err(_) => None,
@@ -44,7 +45,7 @@ impl AtomicFile {
         Ok(made)
     }
 
-    /// Flushes, has the system put all on its disk, and gives the file its name.
+    /// Flushes, syncs the data to disk, and gives the file its name.
     ///
     /// # Errors
     /// If one of these fails, for instance because the disk is full; the target is then what it was.
@@ -57,8 +58,8 @@ impl AtomicFile {
         Ok(())
     }
 
-    /// Another way to write to the same file, for what keeps its writer: write to one of the two only. Flush it before
-    /// [`AtomicFile::commit`].
+    /// A second handle to the same file, for code that keeps its writer: write to one of the two only. Flush
+    /// it before [`AtomicFile::commit`].
     ///
     /// # Errors
     /// If the system has no handle left.
@@ -80,7 +81,7 @@ impl Write for AtomicFile {
 impl Drop for AtomicFile {
     fn drop(&mut self) {
         if let Some((temporary, _)) = &self.paths {
-            // There is nobody to tell.
+            // Errors can't be reported from here.
             let _ = std::fs::remove_file(temporary);
         }
     }
@@ -124,7 +125,7 @@ fn temporary_beside(target: &Path) -> io::Result<(PathBuf, File)> {
         let path = target.with_file_name(own);
         match OpenOptions::new().write(true).create_new(true).open(&path) {
             Ok(file) => return Ok((path, file)),
-            // Left by a process that was killed and had our number; the count goes on.
+            // Left by a killed process with the same id; try the next number.
             Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
             Err(error) => return Err(error),
         }
@@ -166,7 +167,8 @@ mod tests {
         assert!(refuse_input(&folder.join("other.bin"), &target).is_ok());
     }
 
-    /// Renaming would put a file in the place of a device. Expected: it is written to, and says that it is full.
+    /// Renaming would put a file in the place of a device. Expected: it is written to, and says that it is
+    /// full.
     #[cfg(target_os = "linux")]
     #[test]
     fn a_device_stays_a_device_and_a_link_a_link() {

@@ -5,7 +5,8 @@ use crate::load_limits::LimitExceeded;
 use std::fmt;
 use std::path::PathBuf;
 
-/// Why a scene could not be read or written, as text with whatever a file says [escaped](Escaped): the file, the node if it is about one, and what is wrong.
+/// Why a scene could not be read or written, as text with whatever a file says [escaped](Escaped): the file,
+/// the node if it is about one, and what is wrong.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
@@ -46,7 +47,7 @@ pub enum SceneError {
     Uri {
         /// The scene.
         file: PathBuf,
-        /// As it stands in the scene; escaped in the message.
+        /// The uri as in the scene; escaped in the message.
         uri: String,
         /// Why, without any content.
         reason: String,
@@ -71,7 +72,7 @@ pub enum SceneError {
     },
 }
 
-/// A uri or a name may be of any length; so much of it tells which it is.
+/// The most characters of a uri or a name that a message shows.
 const SHOWN: usize = 200;
 
 impl fmt::Display for SceneError {

@@ -1,4 +1,5 @@
-//! Scenes from files and files from scenes: glTF and OBJ in, glTF out, and what both need to read and write safely.
+//! Scenes from files and files from scenes: glTF and OBJ in, glTF out, and what both need to read and write
+//! safely.
 
 mod assets;
 mod atomic;
@@ -21,8 +22,8 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// Reads a scene: `.gltf` and `.glb` with or without physics, `.obj` as one static mesh. What a glTF file refers to by
-/// `uri` must be a regular file in its own folder or below, see [`scene_folder`].
+/// Reads a scene: `.gltf` and `.glb` with or without physics, `.obj` as one static mesh. What a glTF file
+/// refers to by `uri` must be a regular file in its own folder or below, see [`scene_folder`].
 ///
 /// # Errors
 /// Names the file, the node if it is about one, and what is wrong with it.
@@ -57,7 +58,7 @@ pub fn load_with(
     Ok(scene)
 }
 
-/// The same of a file that is in memory. Its name says of what sort it is, and names it in errors.
+/// The same of a file that is in memory. The name's extension gives its format, and errors mention the name.
 ///
 /// # Errors
 /// As [`load`].
@@ -75,7 +76,7 @@ pub fn from_bytes(
 
 type Parser = fn(&Path, &[u8], &Resolver<'_>, Tally) -> Result<Scene, SceneError>;
 
-/// What reads files with the ending of a path.
+/// The parser for a path's extension.
 fn parser(path: &Path) -> Result<Parser, SceneError> {
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     match ending.as_str() {
@@ -104,12 +105,12 @@ pub fn open_limited(name: &str, limits: &LoadLimits) -> Result<Scene, SceneError
     }
 }
 
-/// Reads a whole file, if that is no more than its limit.
+/// Reads a whole file, unless it exceeds its limit.
 fn read_file(path: &Path, bytes: &mut Count) -> Result<Vec<u8>, SceneError> {
     let failed = |source| SceneError::Read { file: path.into(), source };
     let file = File::open(path).map_err(failed)?;
     let mut content = Vec::new();
-    // One more, to see that there is more.
+    // One byte more than allowed, to notice an excess.
     let most = bytes.left().saturating_add(1);
     file.take(most).read_to_end(&mut content).map_err(failed)?;
     bytes.take(content.len()).map_err(|source| SceneError::Limit { file: path.into(), source })?;

@@ -1,4 +1,5 @@
-//! What a `uri` of a scene may name. A scene may come from anywhere, so its uris must not read what it did not bring along.
+//! What a `uri` of a scene may name. A scene may come from an untrusted source, so its uris must not read
+//! files that do not belong to it.
 
 use std::fs::File;
 use std::io::Read;
@@ -7,23 +8,23 @@ use std::path::{Component, Path, PathBuf};
 /// Most bytes of an image beside a scene that a film takes in; glTF states no length for it.
 pub(super) const MAX_IMAGE: u64 = 1 << 28;
 
-/// Maps a `uri` of a scene to its bytes: the uri as it stands in the file, never a data URI, and the most bytes that are
-/// used of it. An error says why not; it must not quote the content.
+/// Maps a `uri` of a scene to its bytes: the uri as it stands in the file, never a data URI, and the most
+/// bytes that are used of it. An error says why not; it must not quote the content.
 ///
 /// [`scene_folder`] is the default. `|_, _| Err("this application reads no files".into())` refuses all.
 pub type Resolver<'a> = dyn Fn(&str, u64) -> Result<Vec<u8>, String> + 'a;
 
 /// The default [`Resolver`] of the scene at `path`: regular files in the scene's folder or below it.
 ///
-/// A uri is a relative path, percent-encoded. It may neither lead out of the folder by `..` nor by a symbolic link, nor
-/// name a device, a pipe or a folder.
+/// A uri is a relative path, percent-encoded. It may neither lead out of the folder by `..` nor by a symbolic
+/// link, nor name a device, a pipe or a folder.
 pub fn scene_folder(path: &Path) -> impl Fn(&str, u64) -> Result<Vec<u8>, String> + use<> {
     let folder = folder_of(path);
     move |uri, most| {
         let file = find(&folder, uri)?;
         let mut bytes = Vec::new();
         let file = File::open(file).map_err(|e| e.to_string())?;
-        // Opened and looked at again: it may have been replaced meanwhile.
+        // Checked again after opening: it may have been replaced meanwhile.
         if !file.metadata().is_ok_and(|m| m.is_file()) {
             return Err("not a regular file".into());
         }
@@ -49,7 +50,7 @@ pub(super) fn find(folder: &Path, uri: &str) -> Result<PathBuf, String> {
     if relative.contains('\0') {
         return Err("not a valid URI".into());
     }
-    // Before the file system is asked: whether there is a file outside is nobody's business.
+    // Before the file system is accessed, so as not to reveal whether a file outside exists.
     let mut depth = 0i32;
     for part in Path::new(&relative).components() {
         depth += match part {
@@ -67,7 +68,7 @@ pub(super) fn find(folder: &Path, uri: &str) -> Result<PathBuf, String> {
     if !file.starts_with(&folder) {
         return Err(OUTSIDE.into());
     }
-    // Not opened yet: to open a pipe may wait for ever.
+    // Checked before opening: opening a pipe may block for ever.
     match file.metadata() {
         Ok(m) if m.is_file() => Ok(file),
         Ok(_) => Err("not a regular file".into()),

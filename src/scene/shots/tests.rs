@@ -27,8 +27,8 @@ fn a_shot_follows_from_seed_and_number() {
 
 #[test]
 fn bodies_fly_from_the_right_side_to_the_wrong_one_if_nothing_is_there() {
-    // The same flight without a target: most cross where they were aimed at. What remains is slow or grazing and
-    // ends before, or leaves over the edge.
+    // The same flight without a target: most cross where they were aimed at. What remains is slow or grazing
+    // and ends before, or leaves over the edge.
     let targets = Targets::new().unwrap();
     let mut crossed = 0;
     for number in 0..1000 {

@@ -45,7 +45,7 @@ impl<'a> Elements<'a> {
 
 const OUTSIDE: &str = "an accessor reaches beyond its buffer";
 
-/// Positions as they lie in the file. What is not there, and zero, takes no memory: a file of a few hundred bytes may state
+/// Positions as they lie in the file. Implicit zeros take no memory: a file of a few hundred bytes may state
 /// millions of them.
 pub(super) struct Positions<'a> {
     elements: Option<Elements<'a>>,
@@ -90,7 +90,7 @@ impl<'a> Positions<'a> {
     }
 
     pub(super) fn get(&self, index: u32) -> Option<Vec3> {
-        // Of several for one index the last counts.
+        // Among several for one index, the last counts.
         let after = self.sparse.partition_point(|s| s.0 <= index);
         match self.sparse[..after].last() {
             Some(&(place, value)) if place == index => Some(value),

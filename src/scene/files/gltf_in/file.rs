@@ -1,4 +1,5 @@
-//! A glTF file taken apart: its JSON, its validated document, its buffers. Nothing here trusts a length or an offset.
+//! A glTF file taken apart: its JSON, its validated document, its buffers. Nothing here trusts a length or an
+//! offset.
 
 use crate::load_limits::{LimitExceeded, Tally};
 use crate::scene::SceneError;
@@ -53,7 +54,8 @@ impl Parts {
         // The validation below refuses every extension that it doesn't know; we know better what we need.
         let required = std::mem::take(&mut root.extensions_required);
         let unknown_required = required.into_iter().filter(|e| !KNOWN.contains(&e.as_str())).collect();
-        // The crate's own check looks at the accessor of positions before it has checked the index (gltf-json 1.4.1).
+        // The crate's own check looks at the accessor of positions before it has checked the index (gltf-json
+        // 1.4.1).
         let accessors = root.accessors.len();
         let primitives = root.meshes.iter().flat_map(|m| &m.primitives);
         if primitives.flat_map(|p| p.attributes.values()).any(|a| a.value() >= accessors) {

@@ -1,9 +1,9 @@
 //! Collision systems by name to bits.
 //!
 //! A filter that lists `collideWithSystems` collides with what is in any of them; one that lists
-//! `notCollideWithSystems` with what is in any other system. A collider in no system counts as in every one: it is
-//! kept apart only by lists that name all. A filter with both lists collides with what is in a system that the first
-//! names and the second doesn't. Both filters of a pair have to agree.
+//! `notCollideWithSystems` with what is in any other system. A collider in no system counts as in every one:
+//! it is kept apart only by lists that name all. A filter with both lists collides with what is in a system
+//! that the first names and the second doesn't. Both filters of a pair have to agree.
 
 use super::extension;
 use crate::shape::Filter;
@@ -46,7 +46,7 @@ pub(super) fn filters(filters: &[extension::Filter]) -> Result<Vec<Filter>, TooM
     Ok(filters.iter().map(filter).collect())
 }
 
-/// Of a collider without a filter, in a file that has filters.
+/// The filter of a collider without one, in a file that has filters.
 pub(super) const UNFILTERED: Filter = Filter { category: u64::MAX, mask: u64::MAX, group: 0 };
 
 #[cfg(test)]

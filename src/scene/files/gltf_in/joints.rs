@@ -9,7 +9,7 @@ use crate::scene::files::gltf_in::file::Parts;
 use crate::scene::{SceneError, SceneJoint};
 use glam::DQuat;
 
-/// Of one joint description, which several nodes may use.
+/// Limits and drives of one joint description, which several nodes may use.
 #[derive(Clone, Debug)]
 pub(super) struct Rows {
     limits: Vec<Limit>,
@@ -106,7 +106,7 @@ impl Loader<'_> {
     pub(super) fn add_joints(&mut self) -> Result<(), SceneError> {
         let mut nodes = self.tree.order.clone();
         nodes.sort_unstable();
-        // One for all that is joined to nothing.
+        // One body for all joints to the world.
         let mut world = None;
         for &node in &nodes {
             let Some(joint) = self.physics[node].as_mut().and_then(|p| p.joint.take()) else { continue };

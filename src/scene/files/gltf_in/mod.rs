@@ -1,11 +1,12 @@
 //! glTF 2.0 in, with `KHR_physics_rigid_bodies` and `KHR_implicit_shapes` (Khronos, drafts of 2024).
 //!
-//! A node with `motion` is a body at that node, made of its own collider and those of its descendants up to the next
-//! `motion`. A collider without such an ancestor is a static body. A file without physics is one static mesh.
+//! A node with `motion` is a body at that node, made of its own collider and those of its descendants up to
+//! the next `motion`. A collider without such an ancestor is a static body. A file without physics is one
+//! static mesh.
 //!
-//! A joint is between the bodies of its node and of the connected one. A node without `motion` at or above it stands on
-//! the nearest static body at or above it, so that what the joint holds doesn't collide with what it hangs from, and where
-//! there is none on a body without shapes, the world.
+//! A joint is between the bodies of its node and of the connected one. A node without `motion` at or above it
+//! stands on the nearest static body at or above it, so that what the joint holds doesn't collide with what
+//! it hangs from, and where there is none on a body without shapes, the world.
 
 mod accessor;
 pub(super) mod extension;
@@ -92,12 +93,12 @@ fn static_mesh(parts: &Parts, tree: &Tree, scene: &mut Scene, tally: &mut Tally)
     Ok(())
 }
 
-/// What a geometry is built of.
+/// The source of a geometry.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Source {
     /// An implicit shape.
     Shape(usize),
-    /// Meshes at and below a node, and of what moves below it the node that takes part all the same.
+    /// Meshes at and below a node, and the one moving node below it that is included all the same.
     Mesh(usize, Option<usize>),
 }
 
@@ -270,7 +271,7 @@ impl<'a> Loader<'a> {
         let of = match (geometry.shape, geometry.node) {
             (Some(shape), None) => Source::Shape(shape),
             (None, Some(mesh)) => {
-                // Geometry ends where something else moves; it does not for the collider's own node.
+                // Geometry stops at other nodes with motion, but not at the collider's own node.
                 let within =
                     self.tree.is_below(node, mesh) || !self.tree.in_scene.get(mesh).is_some_and(|&i| i);
                 let moves = self.body[node].is_some_and(|body| self.scene.bodies[body].node == Some(node));
@@ -370,7 +371,7 @@ fn moves(physics: &[Option<NodePhysics>], node: usize) -> bool {
     physics.get(node).and_then(Option::as_ref).is_some_and(|p| p.motion.is_some())
 }
 
-/// Rounds what is nearly a whole number: a scale of 1 under a rotation must not become 0.9999999.
+/// Rounds numbers that are nearly whole: a scale of 1 under a rotation must not become 0.9999999.
 fn tidy(m: DMat3) -> DMat3 {
     let near = |v: f64| if (v - v.round()).abs() < 1e-7 { v.round() } else { v };
     DMat3::from_cols_array(&m.to_cols_array().map(near))

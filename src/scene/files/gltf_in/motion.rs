@@ -9,8 +9,8 @@ use glam::{DMat3, Mat3, Quat, Vec3};
 /// Density that shapes have in a scene file, which can only give a mass [kg/m³].
 const DENSITY: f32 = 1000.0;
 
-/// Puts a motion on a body that has its pose and shapes. `scale`: linear map from the node's frame to the body's.
-/// Returns notes about what can't be had as asked.
+/// Puts a motion on a body that has its pose and shapes. `scale`: linear map from the node's frame to the
+/// body's. Returns notes about what is not supported exactly.
 pub(super) fn apply(motion: &Motion, scale: DMat3, desc: &mut BodyDesc) -> Result<Vec<&'static str>, Error> {
     let mut notes = Vec::new();
     // Velocities are given along the node's axes, but in the world's units: not scaled.
@@ -80,13 +80,13 @@ fn from_shapes(desc: &BodyDesc, mass: Option<f32>) -> MassProperties {
     if total.mass > 0.0 {
         return mass.map_or(total, |m| total.scaled_to(m));
     }
-    // Nothing touches it, so its inertia changes nothing that can be seen: that of a mass 1 m away from the axis.
+    // It has no shapes, so its inertia has no visible effect: take that of a mass 1 m away from the axis.
     let mass = mass.unwrap_or(1.0);
     MassProperties { mass, center: Vec3::ZERO, inertia: Mat3::from_diagonal(Vec3::splat(mass)) }
 }
 
-/// Axes of infinite inertia (zero in the file) can't turn: the body's lock is about the world's axes, so the nearest
-/// are taken. Returns moments for the others, unless all are locked.
+/// Axes of infinite inertia (zero in the file) can't turn: the body's lock is about the world's axes, so the
+/// nearest are taken. Returns moments for the others, unless all are locked.
 fn lock_infinite(
     diagonal: Vec3,
     turn: Quat,

@@ -1,8 +1,9 @@
 //! A collider's geometry at the size that its node gives it.
 //!
-//! A shape is baked with its node's scale, because bodies have none. Scale applies to the parameters of an implicit
-//! shape, by its absolute value as the specification asks. Where that doesn't give the same kind of shape - an uneven
-//! sphere, a cylinder that is not round, anything sheared - its surface is sampled and the convex hull taken.
+//! A shape is baked with its node's scale, because bodies have none. Scale applies to the parameters of an
+//! implicit shape, by its absolute value as the specification asks. Where that doesn't give the same kind of
+//! shape - an uneven sphere, a cylinder that is not round, anything sheared - its surface is sampled and the
+//! convex hull taken.
 
 use super::super::assets;
 use super::accessor::{self, Positions};
@@ -55,7 +56,8 @@ impl From<Geometry> for Placed {
     }
 }
 
-/// An implicit shape under the linear map `scale`: scale in the node's axes, and shear if a turned ancestor is scaled.
+/// An implicit shape under the linear map `scale`: scale in the node's axes, and shear if a turned ancestor
+/// is scaled.
 pub(super) fn implicit(shape: &extension::Shape, scale: DMat3, tally: &mut Tally) -> Result<Placed, Problem> {
     let s = DVec3::new(scale.x_axis.x, scale.y_axis.y, scale.z_axis.z).abs();
     let aside =
@@ -162,8 +164,8 @@ pub(super) fn of_mesh(
     Ok(Placed { geometry, offset: Vec3::ZERO, note })
 }
 
-/// The triangles of a node and its descendants, in the frame of the node and then through `scale`. The node's own
-/// transform has no say, and neither have descendants that move on their own.
+/// The triangles of a node and its descendants, in the frame of the node and then through `scale`. The node's
+/// own transform and descendants with motion are ignored.
 fn collect(
     parts: &Parts,
     node: usize,
@@ -255,7 +257,8 @@ pub(super) fn charge(primitive: &gltf::Primitive, tally: &mut Tally) -> Result<(
     Ok(tally.triangles.take(triangle_count(primitive.mode(), corners))?)
 }
 
-/// The positions of a primitive of triangles, and how many of its corners are a triangle's; points and lines have none.
+/// The positions of a primitive of triangles, and how many of its corners are a triangle's; points and lines
+/// have none.
 fn corners_of<'a>(primitive: &gltf::Primitive<'a>) -> Option<(gltf::Accessor<'a>, usize)> {
     let accessor = primitive.get(&gltf::Semantic::Positions)?;
     let corners = primitive.indices().map_or(accessor.count(), |indices| indices.count());
@@ -294,8 +297,8 @@ fn sampled(
     Ok(Placed { note: Some(note), ..Geometry::Hull(assets::hull(&points)?).into() })
 }
 
-/// Rings on both balls of a capsule: for a sphere 14 rings of 16 and two poles, within the 256 that a hull keeps. The
-/// points lie on the surface, so the hull is smaller by 1 - cos(pi/16), 2 % of the radius.
+/// Rings on both balls of a capsule: for a sphere 14 rings of 16 and two poles, within the 256 that a hull
+/// keeps. The points lie on the surface, so the hull is smaller by 1 - cos(pi/16), 2 % of the radius.
 fn capsule_points(half_height: f32, bottom: f32, top: f32) -> Vec<Vec3> {
     let mut points = vec![Vec3::new(0.0, -half_height - bottom, 0.0), Vec3::new(0.0, half_height + top, 0.0)];
     for i in 1..8 {

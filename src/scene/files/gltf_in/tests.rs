@@ -64,7 +64,8 @@ fn implicit_shapes_have_the_defaults_of_the_specification() {
 
 #[test]
 fn scale_is_baked_by_its_absolute_value() {
-    // The example of KHR_physics_rigid_bodies, "Geometry": a unit box under [1, -2, 3] is a box of size [1, 2, 3].
+    // The example of KHR_physics_rigid_bodies, "Geometry": a unit box under [1, -2, 3] is a box of size [1,
+    // 2, 3].
     let Geometry::Box { half_extents } = one_shape("scale", json!({ "type": "box" }), [1.0, -2.0, 3.0])
     else {
         panic!()
@@ -403,8 +404,8 @@ fn joints_that_break_the_rules_are_refused() {
     }
 }
 
-/// Frames are relative to the body, in metres whatever scales the nodes; what has no motion stands on its static body,
-/// and what has neither on the world.
+/// Frames are relative to the body, in metres whatever scales the nodes; what has no motion stands on its
+/// static body, and what has neither on the world.
 #[test]
 fn a_joint_sits_where_its_nodes_are() {
     let turn = [0.0, 0.0, FRAC_1_SQRT_2, FRAC_1_SQRT_2];
@@ -543,7 +544,8 @@ fn a_refused_uri_is_named_with_its_reason_and_escaped() {
     let json = json!({ "asset": { "version": "2.0" }, "buffers": [{ "byteLength": 4, "uri": "../a\u{1b}[2J.bin" }] });
     let text = load_json("uri", &json).unwrap_err().to_string();
     assert!(text.contains(r"uri ../a\u{1b}[2J.bin: it leads out of the scene's folder"), "{text}");
-    // What an embedder says counts, also for what the policy would allow; the limit is the buffer's length.
+    // The embedder's resolver decides, even about files that the default would allow; the limit is the
+    // buffer's length.
     let path = super::super::testing::scratch("uri_hook").join("hook.gltf");
     let mut json = json;
     json["buffers"][0]["uri"] = json!("near.bin");

@@ -65,7 +65,8 @@ impl Tree {
             None => (DAffine3::IDENTITY, DQuat::IDENTITY),
         };
         self.global[index] = above * local.affine;
-        // Below a uniform scale rotations just multiply, to the last bit; elsewhere they come out of the matrix.
+        // Below a uniform scale rotations just multiply, to the last bit; elsewhere they come out of the
+        // matrix.
         let (x, y, z) = (above.matrix3.x_axis, above.matrix3.y_axis, above.matrix3.z_axis);
         let (s, uneven) = (x.length(), 1e-6);
         let uniform = (y.length() - s).abs() <= uneven * s
@@ -136,8 +137,8 @@ impl Local {
     }
 }
 
-/// The rotation in a matrix with scale, mirroring and shear: its x axis, and y as near as can be (Gram-Schmidt).
-/// `None` if it flattens.
+/// The rotation in a matrix with scale, mirroring and shear: its x axis, and y as near as can be
+/// (Gram-Schmidt). `None` if it flattens.
 pub(in crate::scene) fn rotation_of(m: DMat3) -> Option<DQuat> {
     let mirrored = if m.determinant() < 0.0 { -1.0 } else { 1.0 };
     let x = (m.x_axis * mirrored).try_normalize()?;

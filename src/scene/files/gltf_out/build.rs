@@ -1,7 +1,9 @@
-//! A scene as nodes: one per body, with a visible mesh for each shape and, if asked for, both physics extensions.
+//! A scene as nodes: one per body, with a visible mesh for each shape and, if asked for, both physics
+//! extensions.
 //!
-//! The extensions have no density (a body whose shapes have another than 1000 kg/m³ gets a mass), no groups of
-//! filters, no locked axes and no gravity; these are not written. What they have for joints is in `joints.rs`.
+//! The extensions have no density (a body whose shapes have another than 1000 kg/m³ gets a mass), no groups
+//! of filters, no locked axes and no gravity; these are not written. What they have for joints is in
+//! `joints.rs`.
 
 use super::document::Document;
 use super::visual;
@@ -275,7 +277,7 @@ fn filter(f: &Filter) -> Value {
     if f.category != u64::MAX {
         out["collisionSystems"] = json!(names(f.category));
     }
-    // Whichever list is shorter, so that "all but one" stays readable and knows no other systems.
+    // The shorter of both lists, so that "all but one" stays readable and names no other systems.
     if f.mask.count_ones() > 32 {
         if f.mask != u64::MAX {
             out["notCollideWithSystems"] = json!(names(!f.mask));

@@ -50,8 +50,8 @@ fn in_world(recorder: &Recorder, slot: usize, node: usize) -> Track {
     Track { node, translations, rotations }
 }
 
-/// The file that the scene came from, and tracks for its nodes. Moving bodies that were added to the scene later get
-/// nodes and meshes of their own.
+/// The file that the scene came from, and tracks for its nodes. Moving bodies that were added to the scene
+/// later get nodes and meshes of their own.
 fn over_source(
     scene: &Scene,
     recorder: &Recorder,
@@ -122,7 +122,7 @@ fn below(
     while let Some(n) = carrier.filter(|&n| slots[n].is_none()) {
         carrier = tree.parent[n];
     }
-    // Of the carrier in the file, to find where the parent is relative to it.
+    // The carrier's pose in the file, from which the parent's relative pose follows.
     let carrier = carrier.and_then(|n| {
         let pose =
             DAffine3::from_rotation_translation(tree.rotation[n].normalize(), tree.global[n].translation);
@@ -185,7 +185,8 @@ fn animate(document: &mut Document, times: &[f32], tracks: &[Track]) {
     document.list("animations").insert(0, animation);
 }
 
-/// Images beside the source would be lost beside the film: takes them in. One that can't be read stays a reference.
+/// Embeds images, as relative references would break beside the film. An image that can't be read stays a
+/// reference.
 fn embed_images(document: &mut Document, source: &Path, resolve: &Resolver<'_>, tally: &mut Tally) {
     for index in 0..document.list("images").len() {
         let Some(uri) = document.list("images")[index]["uri"].as_str().map(str::to_owned) else { continue };

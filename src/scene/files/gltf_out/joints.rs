@@ -1,8 +1,8 @@
 //! Joints as nodes: one below each body for its frame, the first with the joint.
 //!
-//! What holds on to a static body without shapes holds on to nothing in a file, and is read back as holding on to one at
-//! the origin. A file has springs by force only for limits, so those by acceleration or frequency are written rigid, and
-//! has no frequencies for drives, which get the acceleration that is the same.
+//! A joint to a static body without shapes is a joint to the world in a file, and is read back as one to a
+//! body at the origin. A file has force springs only for limits, so limits with springs by acceleration or
+//! frequency are written rigid; it has no frequencies for drives, which get the equivalent acceleration.
 
 use super::super::gltf_in::extension::RIGID_BODIES;
 use super::build::{Builder, alone, intern, place};
@@ -33,8 +33,8 @@ impl Builder<'_> {
 
     /// A node for a frame of a body.
     fn frame(&mut self, body: &SceneBody, mut above: usize, mut frame: Frame) -> usize {
-        // Shapes of a static body that have nodes of their own are read back as bodies of their own: it holds on to the
-        // first of them, for that is what it then doesn't collide with.
+        // Shapes of a static body that have nodes of their own are read back as bodies of their own: the
+        // joint is attached to the first of them, with which it then does not collide.
         let first = body.desc.shapes.first().filter(|s| body.desc.shapes.len() > 1 || !alone(s));
         if let (BodyKind::Static, Some(shape)) = (body.desc.kind, first)
             && let Some(child) = self.document.list("nodes")[above]["children"][0].as_u64()
@@ -108,7 +108,7 @@ fn drive(drive: &Drive) -> Value {
     out
 }
 
-/// JSON has no infinity; the most that is allowed is taken for it when it is read.
+/// JSON has no infinity: the largest allowed number stands for it when read.
 fn finite(damping: f32) -> f32 {
     damping.min(Spring::MOST)
 }

@@ -16,8 +16,8 @@ use document::Document;
 use std::io::Write;
 use std::path::Path;
 
-/// Writes a scene with `KHR_physics_rigid_bodies` and `KHR_implicit_shapes`, and a visible mesh for every shape.
-/// `.gltf`: text with its data inside; anything else: `.glb`.
+/// Writes a scene with `KHR_physics_rigid_bodies` and `KHR_implicit_shapes`, and a visible mesh for every
+/// shape. `.gltf`: text with its data inside; anything else: `.glb`.
 ///
 /// # Errors
 /// If the file can't be written; whatever was at `path` is then still there.
@@ -26,19 +26,20 @@ pub fn write_scene(scene: &Scene, path: impl AsRef<Path>) -> Result<(), SceneErr
     write(document, path.as_ref())
 }
 
-/// Writes a film of what was recorded: for a scene from glTF its own nodes, meshes and materials with an animation
-/// added in front, else a simple mesh for each shape. `.gltf`: text; anything else: `.glb`, which any viewer plays.
+/// Writes a film of what was recorded: for a scene from glTF its own nodes, meshes and materials with an
+/// animation added in front, else a simple mesh for each shape. `.gltf`: text; anything else: `.glb`, which
+/// any viewer plays.
 ///
 /// # Errors
-/// If the scene's file can't be read again, or the film can't be written, for instance because it would replace that file or one
-/// that it refers to.
-/// Whatever was at `path` is then still there.
+/// If the scene's file can't be read again, or the film can't be written, for instance because it would
+/// replace that file or one that it refers to. Whatever was at `path` is then still there.
 pub fn write_animation(scene: &Scene, recorder: &Recorder, path: impl AsRef<Path>) -> Result<(), SceneError> {
     let folder = scene_folder(scene.source.as_deref().unwrap_or(Path::new("")));
     write_animation_with(scene, recorder, path, &folder)
 }
 
-/// The same with another [`Resolver`] for the uris of the scene's file. An image that it refuses stays a reference.
+/// The same with another [`Resolver`] for the uris of the scene's file. An image that it refuses stays a
+/// reference.
 ///
 /// # Errors
 /// As [`write_animation`].
@@ -49,7 +50,7 @@ pub fn write_animation_with(
     resolve: &Resolver<'_>,
 ) -> Result<(), SceneError> {
     let path = path.as_ref();
-    // Not only because it is lost: the next run would have the film as its scene.
+    // Not only would it be lost: the next run would read the film as its scene.
     scene
         .source
         .iter()
