@@ -1,8 +1,8 @@
-//! Pairs and their contacts, written so that each takes no more words than it has to say.
+//! Pairs and their contacts, in as few words as each needs.
 //!
-//! A pair is its two colliders, in one word if there are few enough of them, and a byte of flags. A contact is a word of flags,
-//! which say what follows: what is zero, a normal along an axis, or was never going to be read is left out, and no bit of
-//! anything else is.
+//! A pair is its two colliders, in one word if there are few enough of them, and a byte of flags. A contact
+//! is a word of flags, which say what follows: zeros, normals along an axis, and numbers that will not be
+//! read are left out; everything else is kept to the bit.
 
 use super::words::{Packer, Reader, all_loads, broken, byte, record, words};
 use crate::broad_phase::Pair;
@@ -15,7 +15,7 @@ use glam::Vec3;
 /// Flags of a pair. Bits 2 to 7 are free for more.
 const FAST: u8 = 1;
 const TOUCHED: u8 = 1 << 1;
-/// Listeners know that the two touch.
+/// The begin of the touch was reported as an event.
 const HEARD: u8 = 1 << 2;
 
 /// Flags of a contact, above the number of its points.
@@ -35,9 +35,9 @@ const FOUND: u32 = 1 << 11;
 const MOVED: u32 = 1 << 12;
 /// Two bits: how keys are written.
 const KEYS: u32 = 13;
-/// Four bits: which points bear something.
+/// Four bits: which points have an impulse.
 const LOADED: u32 = 15;
-/// Lasting force and load by statics.
+/// Lasting force and static load.
 const LASTS: u32 = 1 << 19;
 /// How the points share that force, if not evenly.
 const SHARES: u32 = 1 << 20;
@@ -81,7 +81,8 @@ pub(super) fn save_pairs<'a, I: Iterator<Item = &'a Pair>>(
     count as u32
 }
 
-/// Whether the next step may keep the contacts of a pair as they are, by the first of them; see `recycle` in `collide.rs`.
+/// Whether the next step may keep the contacts of a pair as they are, by the first of them; see `recycle` in
+/// `collide.rs`.
 fn may_be_kept(first: &Contact, hot: &[Hot]) -> bool {
     let rolls = |c: u32| matches!(hot[c as usize].kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder);
     first.fraction == 0.0 && first.count > 0 && (first.count >= 3 || !(rolls(first.a) || rolls(first.b)))
@@ -208,7 +209,7 @@ fn save_contact(contact: &Contact, kept: bool, out: &mut Vec<u32>) {
     if shares {
         points.iter().for_each(|p| line.put([p.share.to_bits()]));
     }
-    // What has lasting loads is asked how far it moved.
+    // A contact with lasting loads needs its pose at detection, to measure how far it moved.
     let found = kept || lasts;
     line.flag(FOUND, found);
     if found {
@@ -335,7 +336,7 @@ fn check_contact(contact: &Contact) -> Result<(), Error> {
     all_loads(&words::<4>(contact.friction.extend(contact.twist).to_array()))?;
     all_loads(&words::<4>(contact.mean_friction.to_array()))?;
     all_loads(&[contact.lasting_force, contact.rest, contact.static_load].map(f32::to_bits))?;
-    // Points of a plane are as far from its origin as what lies on it.
+    // Points on a plane may be as far from its origin as the bodies on it.
     let near = |v: Vec3| v.abs().max_element() <= 4.0 * limits::MAX_POSITION as f32;
     let unit = |square: f32| (0.9..1.1).contains(&square);
     let point = |p: &Point| {

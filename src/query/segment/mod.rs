@@ -9,13 +9,13 @@ use crate::narrow_phase::Triangles;
 use crate::shape::{Collider, ConvexHull, Geometry, Kind};
 use glam::{DVec3, Vec3};
 
-/// Every shape is larger by this share of its size for a segment that comes from outside: what would graze it hits.
+/// Shapes are enlarged by this share of their size for segments from outside, so that grazing ones hit.
 const GENEROSITY: f64 = 1e-6;
 
 /// Where a segment enters a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SegmentHit {
-    /// Of the segment, 0..=1.
+    /// Fraction of the segment, 0..=1.
     pub(crate) fraction: f32,
     /// Unit, out of the shape (of a mesh: against the segment), in the shape's frame.
     pub(crate) normal: Vec3,
@@ -24,8 +24,8 @@ pub(crate) struct SegmentHit {
 /// A fraction, and the direction that the surface faces.
 pub(super) type Entry = (f64, DVec3);
 
-/// First entry of the segment into a shape, in the shape's frame. A segment that starts inside a solid shape, or in
-/// the half-space of a plane, doesn't enter it: None. Triangles are met from both sides.
+/// First entry of the segment into a shape, in the shape's frame. A segment that starts inside a solid shape,
+/// or in the half-space of a plane, doesn't enter it: None. Triangles are met from both sides.
 pub(crate) fn segment_hits(shape: &Collider, from: Vec3, to: Vec3) -> Option<SegmentHit> {
     let (start, path) = (from.as_dvec3(), to.as_dvec3() - from.as_dvec3());
     let [x, y, z, _] = shape.size.map(f64::from);
