@@ -58,7 +58,7 @@ use map::StepMap;
 pub struct Probe {
     /// Length of a step [s].
     pub dt: f32,
-    /// Time that the map spans [s]: the longer it is, the better eigenvalues near 1 are told from 1. Default 2.
+    /// Time that the map spans [s]: the longer, the better eigenvalues near 1 are resolved. Default 2.
     pub horizon: f32,
     /// The greatest component of the displacement of the state: lengths in length units, angles in radians,
     /// velocities in length units per time in which a body falls one, impulses in those of the weight of a

@@ -11,7 +11,8 @@ use crate::lab::WorldMethod;
 use crate::shape::Geometry;
 use glam::Vec3;
 
-const CRADLE: &str = "one after another: the last leaves with v, all others stand; for methods that solve all impacts at once: \
+const CRADLE: &str = "one after another: the last leaves with v, all others stand; for methods that solve \
+    all impacts at once: \
      (1 - e (n - 1)) v / n of the first, (1 + e) v / n of each other";
 const GALPERIN: &str = "floor(pi 10^N) impacts for masses of 1 : 100^N";
 
@@ -74,7 +75,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "collapse-wall",
-        about: "two balls run into a wall one behind the other, e = 0.15: what speed is left between them, as a share",
+        about: "two balls run into a wall one behind the other, e = 0.15: what speed is left between them, \
+            as a share",
         formula: "0: for e < 3 - 2 sqrt 2 = 0.1716 their endless impacts take all of it",
         unit: "",
         bar: 0.01,

@@ -53,7 +53,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "folded-chain",
-        about: "a chain of 101 links hangs folded by both ends, and one is let go: the time to its lowest point over that of free fall",
+        about: "a chain of 101 links hangs folded by both ends, and one is let go: the time to its lowest \
+            point over that of free fall",
         formula: "0.847213085 for a fine chain that keeps its energy",
         unit: "",
         bar: 0.02,

@@ -43,7 +43,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "percussion",
-        about: "a rod is hit at two thirds of its length from one end: the speed of that end, as a share of the ball's",
+        about: "a rod is hit at two thirds of its length from one end: the speed of that end, as a share of \
+            the ball's",
         formula: "0",
         unit: "",
         bar: 1e-5,

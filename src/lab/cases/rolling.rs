@@ -86,7 +86,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "bowl-rolling",
-        about: "a ball rolls to and fro in a round valley of half degrees, 20 degrees to each side: the period",
+        about: "a ball rolls to and fro in a round valley of half degrees, 20 degrees to each side: the \
+            period",
         formula: "T = 2 pi sqrt(7 (R - r) / (5 g)) K",
         unit: "s",
         bar: 0.01,

@@ -78,7 +78,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "painleve-rod",
-        about: "a rod slides with its end ahead at 60 degrees and mu = 2, where rigid sliding has no solution: energy that it gains",
+        about: "a rod slides with its end ahead at 60 degrees and mu = 2, where rigid sliding has no \
+            solution: energy that it gains",
         formula: "0: none may be gained; 1 + 3 cos² th - 3 mu sin th cos th < 0",
         unit: "of E",
         bar: 1e-3,

@@ -12,7 +12,8 @@ use std::sync::Arc;
 pub(super) const CASES: &[Case] = &[
     Case {
         name: "boxcar",
-        about: "a box 0.6 m wide on mu = 0.5 is pushed by a force that grows: the height of the push from which on it tips",
+        about: "a box 0.6 m wide on mu = 0.5 is pushed by a force that grows: the height of the push from \
+            which on it tips",
         formula: "y = w / (2 mu)",
         unit: "m",
         bar: 0.02,
@@ -20,7 +21,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "cards",
-        about: "two cards lean against each other, 20 degrees from upright: the friction of the floor that they need",
+        about: "two cards lean against each other, 20 degrees from upright: the friction of the floor that \
+            they need",
         formula: "mu = tan(th) / 2, for cards with round ends of radius r (L / 2) sin th / (L cos th + r)",
         unit: "",
         bar: 0.05,
@@ -36,7 +38,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "wedge",
-        about: "a wedge of half angle 15 degrees between jaws that press: the friction from which on it stays",
+        about: "a wedge of half angle 15 degrees between jaws that press: the friction from which on it \
+            stays",
         formula: "mu = tan al",
         unit: "",
         bar: 0.05,

@@ -12,7 +12,8 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 const OVERHANG: &str = "H_n / 2 lengths, H_n = 1 + 1/2 + ... + 1/n";
-const OVERHANG_ABOUT: &str = "so many blocks, each as far out over the next as it can be: the overhang from which on they fall, in lengths";
+const OVERHANG_ABOUT: &str = "so many blocks, each as far out over the next as it can be: the overhang from \
+    which on they fall, in lengths";
 const STACK: &str = "0";
 
 const fn overhang_of(name: &'static str, measure: fn(&Setting) -> Result<Outcome, Error>) -> Case {
@@ -59,7 +60,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "domino-push",
-        about: "a row of dominoes pushed hard and gently: their speeds beyond the tenth stone over each other",
+        about: "a row of dominoes pushed hard and gently: their speeds beyond the tenth stone over each \
+            other",
         formula: "1",
         unit: "",
         bar: 0.05,

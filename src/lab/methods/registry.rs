@@ -47,7 +47,8 @@ impl Method {
         },
         Method {
             name: "block-pivoting",
-            about: "all violated rows at once, by the least index where that stalls (J\u{fa}dice and Pires 1994)",
+            about: "all violated rows at once, by the least index where that stalls (J\u{fa}dice and Pires \
+                1994)",
             laws: EXACT,
             solve: super::block_pivoting,
         },
@@ -59,7 +60,8 @@ impl Method {
         },
         Method {
             name: "newton-fb",
-            about: "Newton's method on Fischer and Burmeister's function, for contacts on Alart and Curnier's (1991)",
+            about: "Newton's method on Fischer and Burmeister's function, for contacts on Alart and \
+                Curnier's (1991)",
             laws: EXACT,
             solve: super::newton_fb,
         },

@@ -69,19 +69,22 @@ impl Stepper {
     pub const ALL: &'static [Stepper] = &[
         Stepper {
             name: "sequential",
-            about: "impacts one pair after the other, the fastest first, counted; then sequential impulses (Moore and Wilhelms 1988)",
+            about: "impacts one pair after the other, the fastest first, counted; then sequential impulses \
+                (Moore and Wilhelms 1988)",
             pushes: false,
             resolve: sequential,
         },
         Stepper {
             name: "guendelman",
-            about: "impacts, then contacts with rising restitution, then shock propagation (Guendelman, Bridson and Fedkiw 2003)",
+            about: "impacts, then contacts with rising restitution, then shock propagation (Guendelman, \
+                Bridson and Fedkiw 2003)",
             pushes: false,
             resolve: guendelman,
         },
         Stepper {
             name: "impulse-based",
-            about: "every contact a train of collisions with friction, by the time at which they happen (Mirtich and Canny 1995)",
+            about: "every contact a train of collisions with friction, by the time at which they happen \
+                (Mirtich and Canny 1995)",
             pushes: true,
             resolve: impulse_based,
         },

@@ -44,7 +44,8 @@ impl System {
         let mut told = Reduction::default();
         for law in &self.laws[self.contacts..] {
             let row = &self.rows[law.first];
-            let bounded = matches!(law.law, Law::Bounds { min, max } if law.drives && (min.is_finite() || max.is_finite()));
+            let is_bounded = |min: f64, max: f64| min.is_finite() || max.is_finite();
+            let bounded = law.drives && matches!(law.law, Law::Bounds { min, max } if is_bounded(min, max));
             if bounded {
                 told.held += 1;
                 points.push_velocities(row, row.impulse);

@@ -1,4 +1,4 @@
-//! `cases`: what cases with known answers are off by, by method and setting (docs/cases.md).
+//! `cases`: errors of cases with known answers, by method and setting (docs/cases.md).
 
 use crate::args::{AnyMethod, CaseOptions};
 use crate::report::output;
@@ -18,7 +18,7 @@ struct Run {
     method: &'static str,
     setting: String,
     expected: f64,
-    /// None if what was to be measured never happened.
+    /// None if the event to be measured never happened.
     measured: Option<f64>,
     error: Option<f64>,
     bar: f64,
@@ -45,14 +45,15 @@ pub(crate) fn cases(options: &CaseOptions) -> anyhow::Result<()> {
     output::print(&tables(&cases, &columns, &runs))
 }
 
-/// The engine's own solver and three of the lab: sweeps to convergence, a splitting with factors, and impact after impact.
+/// The engine's own solver and three of the lab: sweeps to convergence, a splitting with factors, and impact
+/// after impact.
 fn usual_methods() -> Vec<AnyMethod> {
     let lab = ["gs-cone", "admm", "sequential"].into_iter().filter_map(WorldSolver::by_name);
     let lab = lab.map(|solver| AnyMethod(Some(solver.method)));
     std::iter::once(AnyMethod(None)).chain(lab).collect()
 }
 
-/// Those that are asked for; the usual ones if nothing is.
+/// The requested settings, or the usual ones.
 fn settings(options: &CaseOptions, method: AnyMethod) -> Vec<Setting> {
     let asked =
         options.substeps.is_some() || options.iterations.is_some() || options.friction_model.is_some();
@@ -128,7 +129,8 @@ fn run(case: &'static Case, setting: &Setting, outcome: Outcome) -> Run {
 /// A table for each method: a row for each case, a column for each setting. `!` is beyond the bar.
 fn tables(cases: &[&Case], columns: &[Vec<Setting>], runs: &[Run]) -> String {
     let mut text = String::from(
-        "What cases are off by, as a share of the exact answer, or in its unit if that is zero; ! is beyond the bar, - is none.\n",
+        "What cases are off by, as a share of the exact answer, or in its unit if that is zero; ! is beyond \
+         the bar, - is none.\n",
     );
     let in_all = columns.iter().map(Vec::len).sum();
     let mut first = 0;
@@ -178,7 +180,7 @@ fn halved(settings: &[Setting]) -> Option<[usize; 2]> {
     finer.min_by(|a, b| a.1.dt.total_cmp(&b.1.dt)).map(|(i, _)| [0, i])
 }
 
-/// Power of the step with which the error falls; nothing where rounding or a count makes it.
+/// Order of convergence of the error with the step; none if the error is rounding or a count.
 fn order(row: &[Run], coarse: usize, fine: usize, settings: &[Setting]) -> String {
     match (row[coarse].error, row[fine].error) {
         (Some(a), Some(b)) if a > 1e-6 && b > 1e-6 => {

@@ -13,7 +13,7 @@ struct Row {
     structure: &'static str,
     method: &'static str,
     time_us: f64,
-    /// [m/s]
+    /// Residual [m/s].
     residual: f64,
     drift_m: f64,
     joint_error_m: f64,
@@ -67,7 +67,8 @@ pub(crate) fn methods(options: &MethodsOptions) -> anyhow::Result<()> {
 
 fn text(rows: &[Row]) -> String {
     let mut text = String::from(
-        "structure   method            time a step  residual m/s     drift m  joints off m    gained J  refused\n",
+        "structure   method            time a step  residual m/s     drift m  joints off m    gained J  \
+         refused\n",
     );
     for row in rows {
         let _ = writeln!(

@@ -19,7 +19,7 @@ pub(crate) mod trade;
 use crate::args::{Command, ScenesCommand};
 use std::process::ExitCode;
 
-/// Executes a command. Only `solve` has more to say by its exit code than whether it ran.
+/// Executes a command. Only the exit code of `solve` says more than whether it ran.
 pub(crate) fn execute(command: Command) -> anyhow::Result<ExitCode> {
     match command {
         Command::Run(options) => run::run(&options),

@@ -1,4 +1,4 @@
-//! `plan`: what memory a scene will take, by the plan and by a run.
+//! `plan`: the memory of a scene, as planned and as measured in a run.
 
 use crate::args::{self, PlanOptions};
 use crate::commands::run;
@@ -52,7 +52,7 @@ pub(crate) fn plan(options: &PlanOptions) -> anyhow::Result<()> {
         output::notes(&scene);
     }
     let steps = options.steps.unwrap_or_else(|| run::default_steps(&scene, DT));
-    // With a budget, place for what bodies need is made when they are added: as large a one as there is.
+    // With a budget, memory for bodies is reserved when they are added: use the largest possible budget.
     let free = settings(options, &scene, usize::MAX);
     let plan = Plan::of(&scene, &free);
     let ran = simulate(&scene, free, steps, options.quiet)?
@@ -87,7 +87,7 @@ fn settings(options: &PlanOptions, scene: &Scene, budget: usize) -> Settings {
     }
 }
 
-/// What a run took.
+/// The result of a run.
 struct Ran {
     peaks: MemoryReport,
     most: usize,

@@ -21,7 +21,7 @@ struct Document {
     threads: usize,
     steps: u64,
     calls: BTreeMap<&'static str, u64>,
-    /// Of the whole replay, comparing included [s].
+    /// Duration of the whole replay, comparing included [s].
     seconds: f64,
     hash: String,
     divergence: Option<Diverged>,
@@ -48,7 +48,7 @@ pub(crate) fn replay(options: &ReplayOptions) -> anyhow::Result<()> {
     let name = options.file.display();
     let threads = options.threads;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().context("can't start threads")?;
-    // Names the file in whatever goes wrong from here on.
+    // Errors from here on name the file.
     let about = || format!("can't replay {name}");
     let file = File::open(&options.file).with_context(about)?;
     let size = file.metadata().with_context(about)?.len();

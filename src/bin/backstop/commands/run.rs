@@ -1,4 +1,4 @@
-//! `run`: a scene from a file, step after step, and what is written of it.
+//! `run`: runs a scene from a file and writes its results.
 
 use crate::args::{self, RunOptions};
 use crate::report::accuracy::{self, Course};
@@ -18,13 +18,13 @@ use std::path::{Path, PathBuf};
 
 /// Simulated time of scenes from files, unless steps are given [s].
 const SECONDS: f32 = 10.0;
-/// Builtin scenes count their steps in these [s].
+/// Length of the steps in which builtin scenes are counted [s].
 const SCENE_STEP: f32 = 1.0 / 60.0;
 /// Frames of a film, at most [1/s]: viewers interpolate.
 const FRAME_RATE: f32 = 60.0;
 
 pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
-    // Fails before the work is done, not after it.
+    // Checked first, so that it fails before the work is done.
     let export_to = options.export()?.map(|(_, path)| path);
     for file in [&options.out, &options.record, &export_to].into_iter().flatten() {
         output::make_folder_of(file)?;
@@ -37,7 +37,7 @@ pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
     let file = options.settings.as_deref().map(SettingsFile::read).transpose()?;
     let mut scene = scene::open_limited(&options.scene, &args::limits(options.no_limits))?;
     output::refuse_inputs(&outputs, scene.parts.iter().map(PathBuf::as_path))?;
-    // Rain comes from above, and gravity says where that is.
+    // Rain comes from above, that is, against gravity.
     let of_file = file.as_ref().filter(|file| file.has_gravity).map(|file| file.world.gravity);
     scene.gravity = options.gravity.or(of_file).unwrap_or(scene.gravity);
     let chosen = Chosen::new(options, &scene, file);
@@ -102,7 +102,7 @@ struct Ran {
     trace: Trace,
     film: Option<Recorder>,
     frames: Option<Frames>,
-    /// What was written of the problem of a step.
+    /// The exported problem: its file, and a description.
     exported: Option<(PathBuf, String)>,
 }
 
@@ -182,7 +182,7 @@ fn simulate(
     Ok(Ran { world, handles, trace, film, frames, exported })
 }
 
-/// Writes the contact problem of the step that was just made; says where, and what it holds.
+/// Writes the contact problem of the last step; returns the file and a description.
 fn export(system: &System, path: &Path) -> anyhow::Result<(PathBuf, String)> {
     let (text, about) = accuracy::export(system).context("the problem of the step can't be written")?;
     let wrote = || format!("can't write {}", path.display());
@@ -192,7 +192,8 @@ fn export(system: &System, path: &Path) -> anyhow::Result<(PathBuf, String)> {
     Ok((path.to_path_buf(), about))
 }
 
-/// Settings of the world and the length of a step: of the command line, else of the file, else as usual.
+/// Settings of the world and the length of a step: from the command line, else from the file, else the
+/// defaults.
 struct Chosen {
     dt: f32,
     settings: Settings,

@@ -1,4 +1,5 @@
-//! `shots`: how many bodies get through thin targets, with and without continuous collision, and how deep the others get.
+//! `shots`: how many bodies get through thin targets, with and without continuous collision, and how deep the
+//! others get.
 
 use crate::args::ShotOptions;
 use crate::report::output;
@@ -11,7 +12,7 @@ use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
 
-/// Shots that got through although they should not are named, up to this many.
+/// The most shots that are named among those that got through wrongly.
 const NAMED: usize = 10;
 /// Shots that a thread takes at a time.
 const BLOCK: usize = 64;
@@ -86,7 +87,7 @@ fn run(options: &ShotOptions, targets: &Targets) -> anyhow::Result<Result> {
     Ok(all)
 }
 
-/// What threads counted, in one.
+/// The sum of the counts of all threads.
 fn fixed(results: Vec<Result>) -> Result {
     results.into_iter().fold(Result::default(), |mut all, one| {
         all.tally = all.tally.merge(&one.tally);
@@ -166,7 +167,7 @@ fn table(options: &ShotOptions, result: &Result) -> String {
     through_table(&mut text, "through, no guard", &still, |through| through.unguarded);
     through_table(&mut text, "through what moves", &moving, |through| through.guarded);
     through_table(&mut text, "the same, no guard", &moving, |through| through.unguarded);
-    // Of the default mode, and of the one that looks at whole volumes.
+    // Depths for the default mode, and for the volume mode.
     [1, 2].into_iter().for_each(|mode| depth_table(&mut text, mode, &groups));
     for (number, outcomes) in result.through.iter().take(NAMED) {
         let _ = writeln!(
@@ -234,7 +235,8 @@ fn describe(targets: &Targets, seed: u64, number: u64) -> anyhow::Result<()> {
             };
             let _ = writeln!(
                 text,
-                "  dt {dt:.5}  centre {p:10.5}  velocity {v:9.3}  spin {:8.2}  real {} potential {} settled {} cut {} lifted {}",
+                "  dt {dt:.5}  centre {p:10.5}  velocity {v:9.3}  spin {:8.2}  real {} potential {} settled \
+                 {} cut {} lifted {}",
                 w.length(),
                 report.real,
                 report.potential,

@@ -8,7 +8,7 @@ use backstop::lab::{WorldMethod, WorldSolver};
 use serde::Serialize;
 use std::fmt::Write;
 
-/// What the engine's own solver is called in tables.
+/// Name of the engine's own solver in tables.
 const OWN: &str = "backstop";
 
 /// What is printed of a test; docs/json.md says what its fields mean.
@@ -93,13 +93,13 @@ pub(crate) fn simbench(options: &SimbenchOptions) -> anyhow::Result<()> {
     if options.json { output::print_json(&documents) } else { output::print(&text(&documents)) }
 }
 
-/// Of a step by the engine's own solver with its defaults [s], over no more than 500 steps.
+/// Time of a step of the engine's own solver with its defaults [s], over no more than 500 steps.
 fn step_time(test: Test, default: Setting) -> Result<f64, backstop::Error> {
     let seconds = default.seconds.unwrap_or(test.seconds()).min(500.0 * default.dt);
     Ok(test.run(&Setting { seconds: Some(seconds), ..default })?.step_time)
 }
 
-/// The test's curve, or what the options ask for instead.
+/// The test's curve, or the settings of the options.
 fn settings(test: Test, options: &SimbenchOptions) -> Vec<Setting> {
     let SimbenchOptions { dt, substeps, iterations, friction, seconds, .. } = options;
     let mut all = if dt.is_empty() && substeps.is_none() && iterations.is_none() {
@@ -154,7 +154,8 @@ fn text(documents: &[Document]) -> String {
         let _ = writeln!(text, "{test}: metric in {unit}, over {seconds} s");
         let _ = writeln!(
             text,
-            "  method             dt s       substeps  iterations      metric    relative  time a step  of default  left"
+            "  method             dt s       substeps  iterations      metric    relative  time a step  of \
+             default  left"
         );
         for row in rows {
             let _ = writeln!(
@@ -191,7 +192,7 @@ fn text(documents: &[Document]) -> String {
     text
 }
 
-/// Of a solver's name what the table has room for.
+/// A solver's name, shortened to the width of the table.
 fn short(solver: &str) -> &str {
     if solver == "sequential impulse" { "SI" } else { solver }
 }

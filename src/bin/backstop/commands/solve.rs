@@ -12,7 +12,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-/// What ran, but did not solve the problem.
+/// Exit code of a run that did not solve the problem.
 const UNSOLVED: u8 = 3;
 /// The first bytes of an HDF5 file.
 const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
@@ -69,7 +69,8 @@ pub(crate) fn solve(options: &SolveOptions) -> anyhow::Result<ExitCode> {
     Ok(if solved { ExitCode::SUCCESS } else { ExitCode::from(UNSOLVED) })
 }
 
-/// The solution, and the times of some runs in ascending order [us]: up to five, as many as begin within half a second.
+/// The solution, and the times of some runs in ascending order [us]: up to five, as many as begin within half
+/// a second.
 fn timed(run: impl Fn() -> Solution) -> (Solution, Vec<f64>) {
     let begin = Instant::now();
     let mut times = Vec::new();
@@ -93,7 +94,7 @@ fn read(path: &Path) -> anyhow::Result<File> {
     if bytes.starts_with(HDF5) {
         return read_hdf5(bytes);
     }
-    // Whatever comes after the numbers need not be UTF-8.
+    // Text after the numbers need not be UTF-8.
     Ok(read_problem(&String::from_utf8_lossy(&bytes))?)
 }
 

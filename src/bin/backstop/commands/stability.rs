@@ -17,18 +17,18 @@ struct Found {
     settings: Settings,
     rest: Rest,
     stability: Stability,
-    /// By the parting of two worlds [1/s].
+    /// Growth rate by the divergence of two worlds [1/s].
     parting: Option<f64>,
     /// Index in the scene.
     numbers: HashMap<backstop::BodyHandle, usize>,
 }
 
 impl Found {
-    /// In a word; only the last means that all is well.
+    /// The verdict in a word; only the last one is good.
     fn verdict(&self) -> &'static str {
         let unit = f64::from(self.settings.length_unit);
         match self.stability.verdict() {
-            // Half a box is more than what springs of a stiffness that anyone wants give way.
+            // Half a box is more than springs of a reasonable stiffness yield.
             _ if self.rest.moved > 0.5 * unit => "FELL",
             _ if self.rest.speed > RESTLESS * unit => "RESTLESS",
             Verdict::Unstable => "UNSTABLE",
@@ -39,7 +39,7 @@ impl Found {
 }
 
 const STABLE: &str = "stable";
-/// What moves faster does not rest [m/s per length unit].
+/// Bodies that move faster are not at rest [m/s per length unit].
 const RESTLESS: f64 = 1e-4;
 
 pub(crate) fn stability_of(options: &StabilityOptions) -> anyhow::Result<()> {
@@ -101,7 +101,7 @@ fn one(options: &StabilityOptions, name: &str) -> anyhow::Result<()> {
     verdict(usize::from(found.verdict() != STABLE), 1)
 }
 
-/// Both the exit code and the last line say whether all stands.
+/// Both the exit code and the last line say whether everything stands.
 fn verdict(unstable: usize, all: usize) -> anyhow::Result<()> {
     match unstable {
         0 => Ok(()),
@@ -116,7 +116,7 @@ fn model_name(model: FrictionModel) -> &'static str {
     }
 }
 
-/// Where a mode lives, in words.
+/// The main direction of a mode, in words.
 fn whereabouts(mode: &Mode) -> &'static str {
     let [across, along, turning] = mode.shares;
     match () {
@@ -206,7 +206,7 @@ fn document(found: &Found) -> Value {
     })
 }
 
-/// What has to stand: towers, pyramids, a wall, a box on a light one.
+/// The structures that have to stand: towers, pyramids, a wall, a box on a light one.
 const SET: [&str; 12] = [
     "tower_2",
     "tower_3",
@@ -242,7 +242,8 @@ fn set(options: &StabilityOptions) -> anyhow::Result<()> {
     let (mut unstable, mut all, mut documents) = (0, 0, Vec::new());
     if !options.json {
         output::print(
-            "scene         Hz  substeps iterations friction  at rest m/s    radius - 1     noise   growth/s\n",
+            "scene         Hz  substeps iterations friction  at rest m/s    radius - 1     noise   \
+             growth/s\n",
         )?;
     }
     for name in names {
@@ -259,7 +260,8 @@ fn set(options: &StabilityOptions) -> anyhow::Result<()> {
                         continue;
                     }
                     output::print(&format!(
-                        "{name:<11}{hz:>5}{substeps:>10}{iterations:>11} {:<9}{:>11.1e}{:>14.1e}{:>10.1e}{:>11.4}  {}\n",
+                        "{name:<11}{hz:>5}{substeps:>10}{iterations:>11} \
+                         {:<9}{:>11.1e}{:>14.1e}{:>10.1e}{:>11.4}  {}\n",
                         model_name(friction_model),
                         found.rest.speed,
                         s.radius - 1.0,

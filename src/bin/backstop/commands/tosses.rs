@@ -11,7 +11,7 @@ use serde_json::json;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Numbers of a sample.
+/// Number of columns of a sample.
 const COLUMNS: usize = 14;
 
 pub(crate) fn tosses(options: &TossOptions) -> anyhow::Result<()> {

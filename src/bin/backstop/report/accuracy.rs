@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 /// A number of a step, and its unit.
 type Figure = (&'static str, &'static str, fn(&Measures) -> f64);
 
-/// What is told of a run, in this order.
+/// The figures of a run, in the order of reports.
 pub(crate) const FIGURES: [Figure; 15] = [
     ("residual", "m/s", |m| m.residual.worst),
     ("relative_residual", "", |m| m.residual.relative),
@@ -42,7 +42,7 @@ pub(crate) struct Spread {
     pub(crate) unit: &'static str,
     pub(crate) median: f64,
     pub(crate) worst: f64,
-    /// From 1.
+    /// Step, from 1.
     pub(crate) worst_step: usize,
 }
 
@@ -54,7 +54,7 @@ pub(crate) struct Island {
     pub(crate) size: usize,
     pub(crate) step: usize,
     pub(crate) residual: f64,
-    /// The two bodies of the law that is obeyed worst, and whether that is a joint's.
+    /// The two bodies of the worst law, and whether it is a joint's.
     pub(crate) at: Vec<String>,
     pub(crate) joint: bool,
 }
@@ -168,7 +168,7 @@ impl Island {
     }
 }
 
-/// The contact problem of a step as text, and what was done to make one.
+/// The contact problem of a step as text, and how rows were treated.
 pub(crate) fn export(system: &System) -> anyhow::Result<(String, String)> {
     let (problem, told) = system.contact_problem()?;
     let text = backstop::lab::problem::write_problem(&problem)?;

@@ -1,4 +1,4 @@
-//! What `run --json` prints; docs/json.md says what its fields mean.
+//! The output of `run --json`; docs/json.md explains its fields.
 
 use crate::args::RunOptions;
 use crate::report::accuracy::{Course, Summary};

@@ -1,4 +1,4 @@
-//! What commands tell: text for the terminal, JSON documents, and pages with charts.
+//! The output of commands: text for the terminal, JSON documents, and pages with charts.
 
 pub(crate) mod accuracy;
 pub(crate) mod charts;

@@ -1,4 +1,4 @@
-//! What goes to the terminal.
+//! Output to the terminal, and checks of output files.
 
 use anyhow::{Context, anyhow};
 use backstop::Escaped;
@@ -8,12 +8,13 @@ use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
 use std::time::Duration;
 
-/// What of a scene was left out. Notes have words of its file.
+/// Prints a scene's notes, escaped because they quote its file.
 pub(crate) fn notes(scene: &Scene) {
     scene.notes.iter().for_each(|note| eprintln!("note: {}", Escaped(note)));
 }
 
-/// Text with its line breaks, and without whatever else a name out of a file could do to a terminal.
+/// Text with its line breaks, but with all other control characters escaped, as names from files may have
+/// them.
 fn escaped_lines(text: &str) -> String {
     text.split_inclusive('\n')
         .map(|line| match line.strip_suffix('\n') {
@@ -23,7 +24,7 @@ fn escaped_lines(text: &str) -> String {
         .collect()
 }
 
-/// Writes to standard output. Whoever stops reading (`| head`) has what he wants: that is no error.
+/// Writes to standard output. A reader that stops early (`| head`) is not an error.
 pub(crate) fn print(text: &str) -> anyhow::Result<()> {
     let mut out = std::io::stdout().lock();
     match out.write_all(escaped_lines(text).as_bytes()).and_then(|()| out.flush()) {
@@ -69,7 +70,7 @@ pub(crate) fn refuse_inputs<'a>(
     Ok(())
 }
 
-/// A progress bar on standard error, if somebody watches there.
+/// A progress bar on standard error, if that is a terminal.
 pub(crate) fn progress(wanted: bool, count: u64, what: &'static str) -> ProgressBar {
     if !wanted || !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
@@ -77,12 +78,12 @@ pub(crate) fn progress(wanted: bool, count: u64, what: &'static str) -> Progress
     let style = ProgressStyle::with_template("{bar:32} {pos}/{len} {msg}, {eta} left")
         .unwrap_or_else(|_| ProgressStyle::default_bar());
     let bar = ProgressBar::new(count).with_style(style).with_message(what);
-    // Moves on while a single step takes long.
+    // Keeps moving while a single step takes long.
     bar.enable_steady_tick(Duration::from_millis(200));
     bar
 }
 
-/// A number with its thousands apart.
+/// A number with its thousands separated.
 pub(crate) fn count(n: u64) -> String {
     let digits = n.to_string();
     let mut text = String::new();
@@ -100,7 +101,7 @@ pub(crate) fn count_threads(n: usize) -> String {
     if n == 1 { "1 thread".into() } else { format!("{n} threads") }
 }
 
-/// Bytes in the unit that suits them.
+/// Bytes in a suitable unit.
 pub(crate) fn bytes(n: usize) -> String {
     match n as f64 {
         b if b < 1024.0 => format!("{b} B"),
@@ -109,7 +110,7 @@ pub(crate) fn bytes(n: usize) -> String {
     }
 }
 
-/// Microseconds in the unit that suits them.
+/// A time in a suitable unit.
 pub(crate) fn micros(us: f64) -> String {
     if us < 1000.0 { format!("{us:.1} µs") } else { format!("{:.2} ms", us / 1000.0) }
 }

@@ -1,4 +1,4 @@
-//! `--report`: a page with charts, and the numbers that belong to them.
+//! `--report`: a page with charts and tables.
 
 use crate::report::accuracy::{Spread, Summary};
 use crate::report::charts;
@@ -50,29 +50,29 @@ fn page(document: &Document, trace: &Trace) -> String {
     figure(
         &mut html,
         "contacts.svg",
-        "Real points touch, potential points may touch within the step. Pushed manifolds had to stop an approach before \
-         the touch; ghosts are those whose gap had not closed by the next step.",
+        "Real points touch, potential points may touch within the step. Pushed manifolds had to stop an \
+         approach before the touch; ghosts are those whose gap had not closed by the next step.",
     );
     figure(
         &mut html,
         "energy.svg",
-        "Of all dynamic bodies together. Friction, inelastic impacts and kinematic bodies change it; nothing else should \
-         raise it.",
+        "Of all dynamic bodies together. Friction, inelastic impacts and kinematic bodies change it; \
+         nothing else should raise it.",
     );
     if let Some(accuracy) = &document.accuracy {
         figure(
             &mut html,
             "accuracy.svg",
-            "What is left of the laws of contact, friction and joints after each step, the deepest overlap and the greatest error \
-             of a joint.",
+            "What is left of the laws of contact, friction and joints after each step, the deepest overlap \
+             and the greatest error of a joint.",
         );
         accuracy_table(&mut html, accuracy);
     }
     figure(
         &mut html,
         "memory.svg",
-        "Live bytes are in use, reserved ones are held, the peak is the most that was ever held. What exists only because \
-         of continuous collision is a category of its own.",
+        "Live bytes are in use, reserved ones are held, the peak is the most that was ever held. What \
+         exists only because of continuous collision is a category of its own.",
     );
     memory_table(&mut html, &document.memory.categories);
     model_table(&mut html, document);

@@ -1,4 +1,4 @@
-//! What a person reads after a run.
+//! The summary of a run, for people.
 
 use crate::report::accuracy::Summary;
 use crate::report::document::Document;
@@ -19,7 +19,7 @@ pub(crate) fn text(document: &Document, trace: &Trace, written: &[PathBuf]) -> S
     text
 }
 
-/// What the summary and the page say in words.
+/// The rows of the summary, for page and terminal.
 pub(crate) fn rows(document: &Document, trace: &Trace) -> Vec<(&'static str, String)> {
     let mut rows = vec![("scene", document.scene.clone()), ("bodies", bodies(document))];
     if document.joints > 0 {

@@ -1,4 +1,4 @@
-//! What a run leaves behind: the report of each step, and numbers out of them.
+//! The trace of a run: the report of each step, and statistics.
 
 use crate::report::accuracy::Course;
 use backstop::StepReport;
@@ -29,11 +29,12 @@ pub(crate) struct Trace {
     pub(crate) solver: Option<SolverSum>,
 }
 
-/// What a method of the lab did over a run.
+/// Totals of a method of the lab over a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub(crate) struct SolverSum {
     pub(crate) method: &'static str,
-    /// Islands, counted in every step; those that it solved, and why it left the others to the engine's own solver.
+    /// Islands, summed over all steps; those that it solved, and why it left the others to the engine's own
+    /// solver.
     pub(crate) islands: u64,
     pub(crate) solved: u64,
     pub(crate) too_large: u64,
@@ -55,11 +56,12 @@ impl SolverSum {
         self.worst_residual = self.worst_residual.max(report.residual);
     }
 
-    /// For people.
+    /// As text.
     pub(crate) fn text(&self) -> String {
         let Self { method, islands, solved, too_large, refused, iterations, pivots, worst_residual } = self;
         format!(
-            "{method}: {solved} of {islands} islands, {too_large} too large, {refused} refused; {iterations} iterations, {pivots} pivots, residual up to {worst_residual:.1e}"
+            "{method}: {solved} of {islands} islands, {too_large} too large, {refused} refused; \
+             {iterations} iterations, {pivots} pivots, residual up to {worst_residual:.1e}"
         )
     }
 }
@@ -87,7 +89,7 @@ impl Times {
     }
 }
 
-/// Of at least one value; they are sorted.
+/// The median of at least one value; sorts them.
 pub(crate) fn median(values: &mut [f64]) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
     let n = values.len();

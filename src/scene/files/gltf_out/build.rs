@@ -151,7 +151,13 @@ impl<'a> Builder<'a> {
             );
             self.document.push(
                 "meshes",
-                json!({ "primitives": [{ "attributes": { "POSITION": positions }, "indices": indices, "material": material }] }),
+                json!({
+                    "primitives": [{
+                        "attributes": { "POSITION": positions },
+                        "indices": indices,
+                        "material": material,
+                    }],
+                }),
             )
         });
         self.meshes.insert(key, mesh);
@@ -237,7 +243,12 @@ fn motion(desc: &BodyDesc) -> Value {
 
 /// The implicit shape for a geometry that has one.
 fn implicit(geometry: &Geometry) -> Option<Value> {
-    let round = |kind: &str, half_height: f32, bottom: f32, top: f32| json!({ "type": kind, kind: { "height": 2.0 * half_height, "radiusBottom": bottom, "radiusTop": top } });
+    let round = |kind: &str, half_height: f32, bottom: f32, top: f32| {
+        json!({
+            "type": kind,
+            kind: { "height": 2.0 * half_height, "radiusBottom": bottom, "radiusTop": top },
+        })
+    };
     Some(match geometry {
         Geometry::Sphere { radius } => json!({ "type": "sphere", "sphere": { "radius": radius } }),
         // A capsule without height is not allowed in a file.

@@ -13,7 +13,7 @@ use backstop::scene::comparison::{Contest, METHODS, SCENES, Verdict};
 use backstop::{Continuous, ContinuousMethod};
 use serde::Serialize;
 
-/// What came of it all.
+/// All results.
 #[derive(Debug, Serialize)]
 pub(crate) struct Comparison {
     pub(crate) threads: usize,
@@ -35,7 +35,7 @@ pub(crate) struct MethodResult {
     pub(crate) name: &'static str,
     pub(crate) continuous: Continuous,
     pub(crate) method: ContinuousMethod,
-    /// Of steps, each the median of its rounds.
+    /// Times of steps, each the median of its rounds.
     pub(crate) time_us: Times,
     #[serde(flatten)]
     pub(crate) verdict: Verdict,

@@ -63,7 +63,7 @@ pub(crate) fn rows(scene: &SceneResult) -> Vec<Vec<String>> {
     scene.methods.iter().map(row).collect()
 }
 
-/// Metres in the unit that suits them.
+/// A length in a suitable unit.
 fn metres(m: f64) -> String {
     match m {
         m if m < 1e-3 => format!("{:.2} mm", 1e3 * m),

@@ -20,7 +20,7 @@ pub(crate) fn counts(cells: &[Cell], results: &Results) -> [usize; 3] {
     [Verdict::Stable, Verdict::Degraded, Verdict::Lost].map(of)
 }
 
-/// The maps of all engines, and the figures behind all that is not stable here.
+/// The maps of all engines, and the figures of cells that are not stable here.
 pub(crate) fn text(cells: &[Cell], ours: &Results, beside: &[Results]) -> String {
     let mut text = String::new();
     for results in std::iter::once(ours).chain(beside) {

@@ -25,7 +25,7 @@ pub(crate) fn extremes(options: &ExtremesOptions) -> anyhow::Result<()> {
     if options.list {
         return output::print(&cells.iter().map(|cell| cell.name() + "\n").collect::<String>());
     }
-    // What can't be read is said before an hour of work.
+    // Files are read first, so that errors come before an hour of work.
     let guard = options.guard.as_deref().map(Results::read).transpose()?;
     let beside = options.beside.iter().map(|file| Results::read(file)).collect::<anyhow::Result<Vec<_>>>()?;
     let runs = run_all(&cells, options)?;
@@ -42,7 +42,8 @@ pub(crate) fn extremes(options: &ExtremesOptions) -> anyhow::Result<()> {
     judge(&cells, &ours, guard.as_ref(), &beside)
 }
 
-/// Runs what the results file does not have yet, on so many threads, and adds each cell to it as it ends.
+/// Runs the cells that the results file does not have yet, on several threads, and adds each cell to it as it
+/// ends.
 fn run_all(cells: &[Cell], options: &ExtremesOptions) -> anyhow::Result<Vec<Run>> {
     let build = results::build_number()?;
     let kept = match &options.results {

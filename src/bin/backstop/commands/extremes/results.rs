@@ -16,7 +16,7 @@ pub(crate) struct Run {
     /// Tells builds of the program apart; zero if it does not matter.
     #[serde(default)]
     pub(crate) build: u32,
-    /// That it was watched for.
+    /// Simulated time [s].
     pub(crate) seconds: f32,
     pub(crate) cell: String,
     /// The worst first.
@@ -40,19 +40,19 @@ impl From<Figure> for Value {
 }
 
 impl Value {
-    /// What and how much.
+    /// The measure and its value.
     pub(crate) fn text(&self) -> String {
         match self.value {
             Some(value) if self.measure == "through" => format!("{value} through"),
             Some(_) if self.measure == "finite" => "not finite".into(),
             Some(value) => format!("{} {value:.1e}", self.measure),
-            // Another engine's, or infinite.
+            // A value of another engine, or an infinite one.
             None => self.measure.clone(),
         }
     }
 }
 
-/// What one engine did.
+/// The results of one engine.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Results {
     pub(crate) engine: String,
@@ -60,7 +60,7 @@ pub(crate) struct Results {
 }
 
 impl Results {
-    /// Reads a file. A line that was cut off while it was written, the last, is left out.
+    /// Reads a file. An incomplete last line is left out.
     pub(crate) fn read(file: &Path) -> anyhow::Result<Results> {
         let about = || format!("can't read {}", file.display());
         let text = std::fs::read(file).with_context(about)?;
@@ -75,17 +75,17 @@ impl Results {
         Ok(results)
     }
 
-    /// The runs of a build that were watched for so long.
+    /// The runs of one build with this simulated time.
     pub(crate) fn of_build(self, build: u32, seconds: f32) -> Vec<Run> {
         self.runs.into_iter().filter(|run| run.build == build && run.seconds == seconds).collect()
     }
 
-    /// Of the last run of a cell.
+    /// The worst figure of the last run of a cell.
     pub(crate) fn worst(&self, cell: &str) -> Option<&Value> {
         self.runs.iter().rev().find(|run| run.cell == cell)?.figures.first()
     }
 
-    /// The same, its verdict.
+    /// The verdict of that figure.
     pub(crate) fn verdict(&self, cell: &str) -> Option<Verdict> {
         self.worst(cell).map(|figure| figure.verdict)
     }

@@ -1,4 +1,4 @@
-//! The talk's figures of a scene.
+//! The charts of the talk for a scene.
 
 use super::ledger::{Ledger, Run};
 use super::measure::Frame;
@@ -82,7 +82,7 @@ pub(crate) fn memory(area: &Area<'_>, ledger: &Ledger) -> Drawn {
     let (width, height) = area.dim_in_pixel();
     let third = width as i32 / 3;
     for (i, (title, slices)) in pies.iter().enumerate() {
-        // Not an area of its own for each: pies are drawn where the whole picture says.
+        // The pies do not get areas of their own: they are drawn in coordinates of the whole picture.
         pie(area, (third / 2 + third * i as i32, height as i32), title, slices)?;
     }
     Ok(())
@@ -96,7 +96,7 @@ fn pie(area: &Area<'_>, (middle, height): (i32, i32), title: &str, slices: &[Sli
     let heading = text(16).pos(Pos::new(HPos::Center, VPos::Top));
     area.draw(&Text::new(format!("{title}: {}", bytes(all)), (middle, 16), heading))?;
     if all > 0 {
-        // Names stand below: a slice of one percent has no room for its own.
+        // Names are listed below: a slice of one percent has no room for its name.
         let (centre, names) = ((middle, height / 2 - 22), vec![String::new(); slices.len()]);
         let mut drawn = Pie::new(&centre, &92.0, &sizes, &colours, &names);
         drawn.start_angle(-90.0);
@@ -122,7 +122,7 @@ fn colour(name: &str) -> RGBColor {
     }
 }
 
-/// What became of potential contacts.
+/// Outcomes of potential contacts.
 pub(crate) fn potential(area: &Area<'_>, run: &Run) -> Drawn {
     let lines: [Line<u32>; 4] = [
         ("pairs only by the sweep", GREEN, |f| f.swept_pairs),

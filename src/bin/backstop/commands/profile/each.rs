@@ -1,8 +1,8 @@
 //! What continuous collision adds for one body: in flight, at a strike, and rolling or sliding.
 //!
-//! A percentage of a step says as much about the step as about what is added. Here worlds of [`SIDE`]² like bodies over one
-//! ground do all the same thing at once; a step of each is taken both ways from the same snapshot, and the difference is
-//! shared out among the bodies.
+//! A percentage of a step depends on the rest of the step. So here, worlds of [`SIDE`]² equal bodies over one
+//! ground all do the same thing at once; a step is taken both ways from the same snapshot, and the difference
+//! is divided by the number of bodies.
 
 use crate::report::trace::median;
 use anyhow::Context;
@@ -16,18 +16,18 @@ use std::f32::consts::{FRAC_PI_2, FRAC_PI_3};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Bodies stand in a square of so many a side. Below 128 bodies a step stays on one thread.
+/// Bodies per side of the square. Below 128 bodies a step stays on one thread.
 const SIDE: usize = 8;
 const COUNT: usize = SIDE * SIDE;
-/// Between neighbours, which must not reach each other within a step [m].
+/// Distance of neighbours, which must not reach each other within a step [m].
 const APART: f32 = 4.0;
-/// Speed of flight, and at which the ground is struck [m/s].
+/// Speed of flights and of strikes [m/s].
 const FLIGHT: f32 = 50.0;
 /// Speed along the ground [m/s].
 const ROLL: f32 = 20.0;
-/// Above the ground, and out of its reach [m].
+/// Height out of reach of the ground [m].
 const HIGH: f32 = 100.0;
-/// A discrete step sees what is nearer than 2 cm [m].
+/// Start above the margin of 2 cm within which discrete steps find contacts [m].
 const MARGIN: f32 = 0.025;
 /// Steps of 1/60 s until all rest.
 const SETTLE: u32 = 60;
@@ -40,13 +40,13 @@ pub(crate) struct Each {
     pub(crate) bodies: usize,
     /// How many of them struck the ground in the step of strikes.
     pub(crate) strikes: u32,
-    /// More than discrete, for a body in free flight.
+    /// Additional time for a body in free flight.
     pub(crate) flight_us: f64,
     /// For a body that reaches the ground within the step, which a discrete step does not see.
     pub(crate) strike_us: f64,
     /// For a body that rolls or slides along the ground.
     pub(crate) rolling_us: f64,
-    /// What a body that rests on the ground takes longer than one that floats, in discrete steps.
+    /// Additional time of a body that rests on the ground compared with a floating one, in discrete steps.
     pub(crate) resting_us: f64,
     /// `strike_us` as a multiple of that.
     pub(crate) strike_ratio: f64,
@@ -68,13 +68,14 @@ pub(crate) fn measure(base: &Settings, dt: f32, repeats: usize) -> anyhow::Resul
 struct Pairing {
     shape: &'static str,
     ground: &'static str,
-    /// Discrete and continuous. Nothing sleeps and no contact is kept, so that each is looked at in each step.
+    /// Discrete and continuous. Nothing sleeps and no contact is recycled, so that each is processed in each
+    /// step.
     modes: [Settings; 2],
     dt: f32,
     repeats: usize,
     world: World,
     bodies: Vec<BodyHandle>,
-    /// Height of the origin of what lies on the ground [m], and how it lies.
+    /// Height of the origin [m] and rotation of a body that lies on the ground.
     height: f32,
     lies: Quat,
 }
@@ -149,7 +150,7 @@ impl Pairing {
         })
     }
 
-    /// Puts every body at a height above where it lies, with velocities.
+    /// Places every body at a height above its resting position, with velocities.
     fn put(&mut self, at: impl Fn(usize) -> (f32, Vec3, Vec3)) -> anyhow::Result<()> {
         for (i, &body) in self.bodies.iter().enumerate() {
             let (above, linear, angular) = at(i);
@@ -165,7 +166,8 @@ impl Pairing {
         snapshot
     }
 
-    /// How much longer for each body the second step takes than the first, and how many manifolds pushed in it.
+    /// Time per body by which the second step is longer than the first, and the number of manifolds that
+    /// pushed in it.
     fn more(&mut self, from: [&Snapshot; 2], settings: [&Settings; 2]) -> anyhow::Result<(f64, u32)> {
         let mut differences = Vec::with_capacity(self.repeats);
         let mut pushed = 0;
@@ -181,7 +183,7 @@ impl Pairing {
                     pushed = report.pushed;
                 }
             }
-            // The first round makes buffers grow.
+            // The first round does not count: buffers grow in it.
             if round > 0 {
                 differences.push((us[1] - us[0]) / COUNT as f64);
             }

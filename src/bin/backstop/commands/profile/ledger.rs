@@ -1,4 +1,4 @@
-//! What the frames come to: `profile --json` and `--csv`. docs/json.md says what the fields mean.
+//! The results of a profile: `profile --json` and `--csv`. docs/json.md says what the fields mean.
 
 use super::each::Each;
 use super::measure::{Frame, Measured, StageCost};
@@ -59,15 +59,15 @@ impl Run {
 pub(crate) struct Additional {
     /// Mean over all frames.
     pub(crate) average: f64,
-    /// Mean over the frames in which most of what moves touches nothing; `None` if there are none.
+    /// Mean over the frames in which most moving bodies touch nothing; `None` if there are none.
     pub(crate) falling: Option<f64>,
     pub(crate) falling_frames: usize,
-    /// Of the dearest frame, and which that is.
+    /// Of the most expensive frame, and its number.
     pub(crate) max: f64,
     pub(crate) max_step: u32,
     /// Of the cheapest frame.
     pub(crate) min: f64,
-    /// Of all times added up.
+    /// Ratio of the sums of all times.
     pub(crate) whole: f64,
     /// Mean times of a frame [us].
     pub(crate) discrete_us: f64,
@@ -75,7 +75,7 @@ pub(crate) struct Additional {
 }
 
 impl Additional {
-    /// Of at least one frame.
+    /// The costs of `frames`, at least one.
     fn of(frames: &[Frame]) -> Additional {
         let mean = |frames: &mut dyn Iterator<Item = f64>| {
             let (sum, count) = frames.fold((0.0, 0usize), |(sum, n), x| (sum + x, n + 1));
@@ -138,11 +138,11 @@ pub(crate) struct Memory {
     pub(crate) total: usize,
     pub(crate) meshes: usize,
     pub(crate) continuous: usize,
-    /// What `continuous` is of everything [%].
+    /// Share of `continuous` in everything [%].
     pub(crate) of_all: f64,
-    /// And of everything but meshes [%].
+    /// Share in everything but meshes [%].
     pub(crate) without_meshes: f64,
-    /// For each body that can be pushed.
+    /// Bytes per dynamic body.
     pub(crate) per_body: f64,
 }
 

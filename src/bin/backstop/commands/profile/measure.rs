@@ -15,11 +15,11 @@ pub(crate) struct Frame {
     pub(crate) step: u32,
     pub(crate) discrete_us: f64,
     pub(crate) continuous_us: f64,
-    /// How much more the latter is [%].
+    /// Additional time of the continuous step [%].
     pub(crate) additional: f64,
-    /// Whether most of what moves touches nothing.
+    /// Whether most moving bodies touch nothing.
     pub(crate) falling: bool,
-    /// Movers that outran their margin.
+    /// Bodies that moved further than their margin.
     pub(crate) swept: u32,
     /// Pairs that only their paths found.
     pub(crate) swept_pairs: u32,
@@ -33,7 +33,7 @@ pub(crate) struct Frame {
     pub(crate) pushed: u32,
     /// Pushed manifolds of the frame before whose gap closed.
     pub(crate) confirmed: u32,
-    /// And those whose gap did not.
+    /// Pushed manifolds whose gap did not close.
     pub(crate) ghosts: u32,
     /// Bodies whose path the guard cut, and those that it lifted off a surface.
     pub(crate) cut: u32,
@@ -53,7 +53,7 @@ pub(crate) struct StageCost {
 pub(crate) struct Measured {
     pub(crate) frames: Vec<Frame>,
     pub(crate) stages: Vec<StageCost>,
-    /// Of the frame in which continuous collision took most.
+    /// Memory in the frame in which continuous collision needed most.
     pub(crate) memory: MemoryReport,
     pub(crate) hash: u64,
 }
@@ -65,7 +65,7 @@ pub(crate) struct Way {
     pub(crate) steps: u32,
     /// Times that each frame is stepped each way, at least 1.
     pub(crate) repeats: usize,
-    /// Of the run; its mode is the continuous one.
+    /// Settings of the run; their mode is the continuous one.
     pub(crate) settings: Settings,
 }
 
@@ -90,8 +90,8 @@ impl Times {
     }
 }
 
-/// Runs a scene. In each frame both modes start from the same snapshot, in turn and often; then the run goes on from the
-/// continuous one. `each` is called after every frame.
+/// Runs a scene. In each frame both modes start from the same snapshot, in turn and often; then the run goes
+/// on from the continuous one. `each` is called after every frame.
 pub(crate) fn measure(scene: &Scene, way: &Way, mut each: impl FnMut()) -> anyhow::Result<Measured> {
     let mut world = World::new(way.settings.clone()).context("these settings are refused")?;
     scene.add_to(&mut world).with_context(|| format!("scene {} is refused", scene.name))?;
@@ -107,14 +107,14 @@ pub(crate) fn measure(scene: &Scene, way: &Way, mut each: impl FnMut()) -> anyho
         times.iter_mut().for_each(Times::clear);
         let mut reports = [StepReport::default(); 2];
         for round in 0..=way.repeats {
-            // Who goes first finds other things in the caches than who goes second.
+            // The order alternates, as the first and the second find different caches.
             for mode in if round % 2 == 0 { [0, 1] } else { [1, 0] } {
                 world.restore(&before)?;
                 world.set_settings(modes[mode].clone())?;
                 let start = Instant::now();
                 reports[mode] = *world.step(way.dt)?;
                 let seconds = start.elapsed().as_secs_f64();
-                // The first round makes buffers grow.
+                // The first round does not count: buffers grow in it.
                 if round > 0 {
                     times[mode].push(seconds, &reports[mode]);
                 }

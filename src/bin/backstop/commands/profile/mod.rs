@@ -1,4 +1,5 @@
-//! `profile`: what continuous collision costs, frame by frame and in bytes, as Vincent Robert's talk measured it (GDC 2012).
+//! `profile`: what continuous collision costs, frame by frame and in bytes, as Vincent Robert's talk measured
+//! it (GDC 2012).
 
 mod charts;
 mod each;
@@ -21,7 +22,7 @@ use std::path::{Path, PathBuf};
 const TALK: &str = "scenes/talk.glb";
 
 pub(crate) fn profile(options: &ProfileOptions) -> anyhow::Result<()> {
-    // Fails before the work is done, not after it.
+    // Made first, so that it fails before the work is done.
     options.report.as_deref().map_or(Ok(()), output::make_folder)?;
     options.csv.as_deref().map_or(Ok(()), output::make_folder_of)?;
     let page = options.report.as_ref().map(|folder| folder.join("index.html"));

@@ -1,4 +1,4 @@
-//! The page of a profile, and what stands in the terminal.
+//! The page of a profile, and its summary in the terminal.
 
 use super::charts;
 use super::each::Each;
@@ -42,15 +42,15 @@ fn page(ledger: &Ledger) -> String {
         figure(
             &mut html,
             &format!("cost-{}.svg", run.threads),
-            "In each frame the step is run both ways from the same snapshot, in turn and often; these are the medians. Then \
-             the run goes on from the continuous one.",
+            "In each frame the step is run both ways from the same snapshot, in turn and often; these are \
+             the medians. Then the run goes on from the continuous one.",
         );
         figure(
             &mut html,
             &format!("additional-{}.svg", run.threads),
             &format!(
-                "How much longer the continuous step takes. Most in frame {} with {:.0} %; the axis ends where 19 of 20 \
-                 columns fit.",
+                "How much longer the continuous step takes. Most in frame {} with {:.0} %; the axis ends \
+                 where 19 of 20 columns fit.",
                 run.additional.max_step, run.additional.max
             ),
         );
@@ -59,8 +59,9 @@ fn page(ledger: &Ledger) -> String {
     figure(
         &mut html,
         "potential.svg",
-        "Pairs that a discrete step from the same state does not have; points that may touch within the step; manifolds \
-         that had to stop an approach before the touch; those whose gap had not closed by the next step.",
+        "Pairs that a discrete step from the same state does not have; points that may touch within the \
+         step; manifolds that had to stop an approach before the touch; those whose gap had not closed by \
+         the next step.",
     );
     figure(
         &mut html,
@@ -69,7 +70,8 @@ fn page(ledger: &Ledger) -> String {
     );
     memory_table(&mut html, &ledger.memory.categories);
     if let Some(comparison) = &ledger.comparison {
-        html += "<h2>Methods side by side</h2>\n<p>Six scenes, seven methods; docs/continuous.md says what the columns mean.</p>\n";
+        html += "<h2>Methods side by side</h2>\n<p>Six scenes, seven methods; docs/continuous.md says what \
+            the columns mean.</p>\n";
         for scene in &comparison.scenes {
             let _ = writeln!(html, "<h3>{}: {} steps</h3>", escape(scene.scene), scene.steps);
             table(&mut html, &compare::HEAD, 1, &compare::rows(scene));
@@ -92,7 +94,7 @@ fn stages(html: &mut String, run: &Run) {
     table(html, &["stage, mean of a frame", "discrete", "continuous", "more"], 1, &rows);
 }
 
-/// What the page and the terminal say in words.
+/// The rows of the summary, for page and terminal.
 pub(crate) fn rows(ledger: &Ledger) -> Vec<(String, String)> {
     let mut rows = vec![("scene".into(), ledger.scene.clone()), ("frames".into(), frames(ledger))];
     rows.extend(ledger.runs.iter().map(|run| (count_threads(run.threads), cost(&run.additional))));
@@ -121,8 +123,8 @@ fn cost(a: &Additional) -> String {
         format!("falling {falling:+.1} % ({} frames)", count(a.falling_frames as u64))
     });
     format!(
-        "discrete {}, continuous {} a step: average {:+.1} %, {falling}, most {:+.1} % (frame {}), least {:+.1} %, \
-         of all time {:+.1} %",
+        "discrete {}, continuous {} a step: average {:+.1} %, {falling}, most {:+.1} % (frame {}), least \
+         {:+.1} %, of all time {:+.1} %",
         micros(a.discrete_us),
         micros(a.continuous_us),
         a.average,
@@ -144,7 +146,8 @@ fn found(t: &Totals) -> String {
 
 fn potential(t: &Totals) -> String {
     format!(
-        "{} points made; {} manifolds pushed, {} confirmed, {} ghosts; the guard cut {} paths and lifted {} ends",
+        "{} points made; {} manifolds pushed, {} confirmed, {} ghosts; the guard cut {} paths and lifted {} \
+         ends",
         count(t.made),
         count(t.pushed),
         count(t.confirmed),
@@ -156,7 +159,8 @@ fn potential(t: &Totals) -> String {
 
 fn each_body(each: &Each) -> String {
     format!(
-        "{} on {}: in flight {:+.2} µs, a strike {:+.2} µs ({:.1} times a resting contact of {:.2} µs), {} {:+.2} µs",
+        "{} on {}: in flight {:+.2} µs, a strike {:+.2} µs ({:.1} times a resting contact of {:.2} µs), {} \
+         {:+.2} µs",
         each.shape,
         each.ground,
         each.flight_us,

@@ -7,10 +7,10 @@ use crate::report::charts::{
 use backstop::lab::trade::{Axis, front as front_of};
 use plotters::prelude::*;
 
-/// Errors below this are drawn as if they were it.
+/// Smaller errors are drawn at this value.
 const LEAST: f64 = 1e-9;
 const COLOURS: [RGBColor; 6] = [BLUE, RED, GREEN, ORANGE, SKY, INK];
-/// More lines can't be told apart.
+/// More lines could not be told apart.
 const MOST_LINES: usize = COLOURS.len();
 
 /// Powers of ten of the relative cost and of the error; none if it was not timed.
@@ -18,7 +18,7 @@ fn point(row: &Row, certain_to: f64) -> Option<(f64, f64)> {
     Some((row.cost_ratio?.log10(), row.error?.max(certain_to).max(LEAST).log10()))
 }
 
-/// What all points fit into.
+/// The range of all points.
 fn bounds(outcome: &Outcome) -> [std::ops::Range<f64>; 2] {
     let points: Vec<_> = outcome.cells.iter().filter_map(|row| point(row, outcome.certain_to)).collect();
     let range = |of: fn(&(f64, f64)) -> f64, room: f64| {

@@ -1,4 +1,4 @@
-//! Files of results: a header that says what was swept, then a line of JSON for each thing that was measured.
+//! Files of results: a header that describes the sweep, then a line of JSON for each measurement.
 
 use crate::json_lines;
 use anyhow::{Context, bail};
@@ -8,15 +8,15 @@ use serde_json::{Map, Value};
 use std::fs::File;
 use std::path::Path;
 
-/// Of the format.
+/// Version of the format.
 pub(super) const FORMAT: u32 = 1;
 
-/// What must be the same for results to be of one sweep.
+/// Identifies a sweep: results belong together if all of it is equal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Header {
     /// [`FORMAT`].
     pub(super) trade: u32,
-    /// Of backstop.
+    /// Version of backstop.
     pub(super) version: String,
     pub(super) scene: String,
     pub(super) frame_rate: u32,
@@ -24,7 +24,7 @@ pub(super) struct Header {
     pub(super) reference_hz: u32,
     /// Tells versions of the scene and of the engine apart.
     pub(super) reference_hash: String,
-    /// [s]
+    /// The reference's horizon [s].
     pub(super) horizon: f64,
     pub(super) uncertainty: Figures,
     /// None if a single file of settings was measured.
@@ -37,12 +37,12 @@ impl Header {
         f64::from(self.frames) / f64::from(self.frame_rate)
     }
 
-    /// Refuses results of another sweep, and says in what they differ.
+    /// Refuses results of another sweep, and tells the difference.
     pub(super) fn expect(&self, other: &Header) -> anyhow::Result<()> {
         let (own, other) = (serde_json::to_value(self)?, serde_json::to_value(other)?);
         let (Value::Object(own), Value::Object(other)) = (own, other) else { return Ok(()) };
         let differs = |(name, value): &(&String, &Value)| other.get(*name) != Some(value);
-        // What explains the other differences first.
+        // First the fields that explain other differences.
         let first = ["scene", "version", "grid"].into_iter().filter_map(|name| own.get_key_value(name));
         match first.chain(&own).find(differs) {
             Some((name, value)) => {
@@ -120,7 +120,7 @@ pub(super) enum Line {
     Timed(Timed),
 }
 
-/// What is known of the cells of a sweep.
+/// The results of a sweep so far.
 #[derive(Clone, Debug)]
 pub(super) struct Results {
     pub(super) measured: Vec<Option<Figures>>,
@@ -163,7 +163,7 @@ pub(super) struct Read {
     pub(super) lines: Vec<Line>,
 }
 
-/// Reads a file. A last line that was cut off while it was written is left out.
+/// Reads a file. An incomplete last line is left out.
 pub(super) fn read(file: &Path) -> anyhow::Result<Read> {
     let about = || format!("can't read {}", file.display());
     let text = std::fs::read(file).with_context(about)?;
@@ -184,7 +184,7 @@ pub(super) fn read(file: &Path) -> anyhow::Result<Read> {
     Ok(Read { header, lines })
 }
 
-/// Where results go as they come.
+/// Writes results as they come.
 #[derive(Debug)]
 pub(super) enum Sink {
     File(File),
@@ -192,7 +192,7 @@ pub(super) enum Sink {
 }
 
 impl Sink {
-    /// Writes a line at once, so that it is there or not.
+    /// Writes a line at once, so that it is written whole or not at all.
     pub(super) fn put(&mut self, line: &Line) -> anyhow::Result<()> {
         match self {
             Sink::File(file) => json_lines::put(file, line),

@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 use sweep::{Candidate, Sweep};
 
 pub(crate) fn trade(options: &TradeOptions) -> anyhow::Result<()> {
-    // Fails before the work is done, not after it.
+    // Checked first, so that it fails before the work is done.
     for file in [&options.out, &options.results].into_iter().flatten() {
         output::make_folder_of(file)?;
     }
@@ -53,7 +53,7 @@ pub(crate) fn trade(options: &TradeOptions) -> anyhow::Result<()> {
     finish(options, &Outcome::new(options, sweep.header, &sweep.candidates, &results)?)
 }
 
-/// All that files of results say together.
+/// Merges files of results.
 fn merged(files: &[PathBuf]) -> anyhow::Result<(Header, Vec<Candidate>, Results)> {
     let mut all: Option<(Header, Vec<Candidate>, Results)> = None;
     for file in files {

@@ -11,11 +11,12 @@ pub(crate) struct TradeOptions {
     /// A scene, as for `run`.
     #[arg(value_name = "FILE", required_unless_present = "merge")]
     pub(crate) scene: Option<String>,
-    /// By what settings are judged: trajectory [body widths], rotation [rad], penetration [m], residual [m/s], joint [m] or
-    /// energy [of the kinetic energy] (docs/trade.md).
+    /// By what settings are judged: trajectory [body widths], rotation [rad], penetration [m], residual
+    /// [m/s], joint [m] or energy [of the kinetic energy] (docs/trade.md).
     #[arg(long, value_name = "NAME", default_value = "trajectory", value_parser = measure)]
     pub(crate) error: Measure,
-    /// Pick the cheapest setting whose error is no greater, in the error's unit [default: the error of the default setting].
+    /// Pick the cheapest setting whose error is no greater, in the error's unit [default: the error of the
+    /// default setting].
     #[arg(long, value_name = "E", value_parser = error)]
     pub(crate) max_error: Option<f64>,
     /// Pick the most accurate setting that takes no more than this for 1/60 s [us].
@@ -27,7 +28,8 @@ pub(crate) struct TradeOptions {
     /// A coarse grid.
     #[arg(long)]
     pub(crate) quick: bool,
-    /// Steps per second, instead of those of the grid; 60 and all of them need a common divisor of 10 at least.
+    /// Steps per second, instead of those of the grid; 60 and all of them need a common divisor of 10 at
+    /// least.
     #[arg(long, value_name = "HZ,...", value_delimiter = ',')]
     pub(crate) hz: Vec<u32>,
     /// Substeps of a step.
@@ -39,7 +41,8 @@ pub(crate) struct TradeOptions {
     /// Friction models: patch, patch-box, point or point-box.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = friction)]
     pub(crate) friction: Vec<FrictionLaw>,
-    /// Continuous collision: discrete, segment, volume, speculative, talk-method, linear-cast or conservative-advancement.
+    /// Continuous collision: discrete, segment, volume, speculative, talk-method, linear-cast or
+    /// conservative-advancement.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = continuous)]
     pub(crate) continuous: Vec<ContinuousMode>,
     /// Recycling of contacts: on or off.
@@ -51,8 +54,8 @@ pub(crate) struct TradeOptions {
     /// Methods of the lab that solve steps, beside the engine's own solver (docs/methods.md), or none.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = solver)]
     pub(crate) solver: Vec<String>,
-    /// Measure the default and the settings of this file alone. Of the grid only the rates count: with those of the sweep that it
-    /// is from, it has the very same error.
+    /// Measure the default and the settings of this file alone. Of the grid only the rates count: with those
+    /// of the sweep that it is from, it has the very same error.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["cell", "merge"])]
     pub(crate) settings: Option<PathBuf>,
     /// Steps per second of the reference; rounded up to what has times in common with the grid.
@@ -64,11 +67,12 @@ pub(crate) struct TradeOptions {
     /// Rounds in which each cell is timed; the median counts [default: 3, with --quick 1].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(crate) rounds: Option<u32>,
-    /// Keep results in this file, a line of JSON each, and leave out what is in it already [default: one in the working folder,
-    /// which is removed at the end].
+    /// Keep results in this file, a line of JSON each, and leave out what is in it already [default: one in
+    /// the working folder, which is removed at the end].
     #[arg(long, value_name = "FILE")]
     pub(crate) results: Option<PathBuf>,
-    /// Run a share of the grid alone, the I-th of N, and write results: to --results, or as JSON lines to standard output.
+    /// Run a share of the grid alone, the I-th of N, and write results: to --results, or as JSON lines to
+    /// standard output.
     #[arg(long, value_name = "I/N", value_parser = share, conflicts_with_all = [
         "max_error", "budget_us", "merge", "out", "report", "json",
     ])]
@@ -85,7 +89,8 @@ pub(crate) struct TradeOptions {
     /// Write a page with the curves: index.html and its pictures.
     #[arg(long, value_name = "DIR")]
     pub(crate) report: Option<PathBuf>,
-    /// Read a file however much it asks for: by default more than any game's scene has is refused (`LoadLimits`).
+    /// Read a file however much it asks for: by default more than any game's scene has is refused
+    /// (`LoadLimits`).
     #[arg(long)]
     pub(crate) no_limits: bool,
     /// Print one JSON document instead of tables (docs/json.md).
@@ -120,7 +125,7 @@ impl TradeOptions {
     pub(crate) fn grid(&self, joints: bool) -> Grid {
         let mut grid = if self.quick { Grid::quick(joints) } else { Grid::full(joints) };
         if !(self.substeps.is_empty() && self.iterations.is_empty()) {
-            // Who asks for them wants them.
+            // Values that were asked for are not limited.
             grid.most_passes = u32::MAX;
         }
         instead(&mut grid.hz, &self.hz);
@@ -158,7 +163,7 @@ fn error(text: &str) -> Result<f64, String> {
     value.ok_or_else(|| "must be a number above 0".into())
 }
 
-/// Of some, the one with this name.
+/// The item with this name.
 fn named<T: Copy>(all: &[T], name: fn(T) -> &'static str, text: &str) -> Result<T, String> {
     all.iter().copied().find(|&one| name(one) == text).ok_or_else(|| {
         let names: Vec<_> = all.iter().map(|&one| name(one)).collect();

@@ -1,4 +1,4 @@
-//! What a sweep says: `--json` prints it, docs/json.md says what its fields mean.
+//! The outcome of a sweep: `--json` prints it, docs/json.md explains its fields.
 
 use super::lines::{Figures, Header, Results, Timed};
 use super::options::TradeOptions;
@@ -16,24 +16,24 @@ pub(super) struct Outcome {
     pub(super) seconds: f64,
     pub(super) error: Measure,
     pub(super) unit: &'static str,
-    /// What the error of the reference is [unit].
+    /// The error of the reference [unit].
     pub(super) certain_to: f64,
     pub(super) default: Row,
     pub(super) front: Vec<Row>,
     pub(super) picked: Option<Row>,
-    /// By what, in words.
+    /// The rule by which it was picked, in words.
     pub(super) rule: String,
     pub(super) axes: Vec<AxisValue>,
     pub(super) cells: Vec<Row>,
 }
 
-/// A setting and what came of it.
+/// A setting and its results.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Row {
     pub(super) cell: usize,
     pub(super) name: String,
     pub(super) settings: Map<String, Value>,
-    /// For 1/60 s [us]; none if it was not timed, because it came to no numbers.
+    /// Time for 1/60 s [us]; none if it was not timed, because its run was not finite.
     pub(super) cost_us: Option<f64>,
     /// Relative to the default setting.
     pub(super) cost_ratio: Option<f64>,
@@ -55,7 +55,7 @@ pub(super) struct AxisValue {
     pub(super) on_front: usize,
     /// The least error of any setting that has it.
     pub(super) least_error: Option<f64>,
-    /// Relative cost of the cheapest that is as accurate as what was picked.
+    /// Relative cost of the cheapest setting that is as accurate as the picked one.
     pub(super) cheapest_ratio: Option<f64>,
 }
 
@@ -74,7 +74,7 @@ impl Row {
 }
 
 impl Outcome {
-    /// Of a complete sweep.
+    /// The outcome of a complete sweep.
     pub(super) fn new(
         options: &TradeOptions,
         header: Header,
@@ -103,7 +103,7 @@ impl Outcome {
         if let Some(first) = missing.first() {
             bail!("{} of {} cells are missing, {first} the first of them", missing.len(), candidates.len());
         }
-        // No error is told from another below that of the reference.
+        // Errors below that of the reference count as equal.
         let points: Vec<[f64; 2]> =
             cells.iter().map(|row| [row.cost(), row.error().max(certain_to)]).collect();
         let raw: Vec<[f64; 2]> = cells.iter().map(|row| [row.cost(), row.error()]).collect();
@@ -203,7 +203,7 @@ fn axes(cells: &[Row], points: &[[f64; 2]], on_front: &[usize], bound: f64) -> V
     found
 }
 
-/// None of none; of an even number the mean of the middle two.
+/// The median; none if there are no values. For an even number, the mean of the middle two.
 pub(super) fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     let middle = values.len() / 2;

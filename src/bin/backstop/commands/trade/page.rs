@@ -1,4 +1,4 @@
-//! `--report`: the curves, and the tables that belong to them.
+//! `--report`: a page with curves and tables.
 
 use super::charts;
 use super::outcome::{Outcome, Row};
@@ -23,8 +23,8 @@ pub(super) fn write(folder: &Path, outcome: &Outcome) -> anyhow::Result<()> {
     figure(
         &mut page,
         "front.svg",
-        "Each setting is a point. The line joins those than which no other is both cheaper and more accurate; the diamond is the \
-         default setting, the circle what was picked.",
+        "Each setting is a point. The line joins those than which no other is both cheaper and more \
+         accurate; the diamond is the default setting, the circle what was picked.",
     );
     rows(&mut page, "The front", &outcome.front);
     rows(&mut page, "The default setting", std::slice::from_ref(&outcome.default));

@@ -1,4 +1,4 @@
-//! The cells of a grid, run: errors on all threads, then times one after another.
+//! Runs the cells of a grid: errors on all threads, then times one after another.
 
 use super::lines::{FORMAT, Figures, Header, Line, Measured, Results, Sink, Timed, read};
 use super::options::TradeOptions;
@@ -15,10 +15,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Cells that are timed between two times of the default setting: so that a machine that gets slower is slower for both.
+/// Cells that are timed between two timings of the default setting, so that a slowdown of the machine affects
+/// both.
 const BETWEEN: usize = 4;
-/// A time is the least of some runs: the same work is never done faster than it can be, but often slower, because others use the
-/// machine. It counts once a second run comes within so much of it,
+/// A time is the least of some runs: the same work is never done faster than it can be, but often slower,
+/// because others use the machine. It counts once a second run comes within so much of it,
 const AGREE: f64 = 1.05;
 /// runs took this long together,
 const TIMING: Duration = Duration::from_millis(10);
@@ -32,7 +33,7 @@ pub(super) struct Candidate {
     pub(super) hz: u32,
     pub(super) settings: Settings,
     pub(super) solver: Option<WorldMethod>,
-    /// None if it is out of a file.
+    /// None if the setting is from a file.
     pub(super) cell: Option<Cell>,
 }
 
@@ -47,7 +48,7 @@ impl Candidate {
         }
     }
 
-    /// Of a file; gravity is the scene's, and a world has one thread.
+    /// The setting of a file; gravity is the scene's, and a world has one thread.
     fn of_file(path: &Path, scene: &Scene) -> anyhow::Result<Candidate> {
         let file = SettingsFile::read(path)?;
         let dt = file.dt.unwrap_or(Cell::default().dt());
@@ -92,7 +93,7 @@ impl<'a> Sweep<'a> {
             bail!("{} s are no time for {rate} poses per second", options.seconds());
         }
         let span = Span { frame_rate: rate, frames: frames as u32 };
-        // Half as many steps must fit the frames, too.
+        // Half as many steps must be a multiple of the frame rate too.
         let half = options.reference_hz.div_ceil(2 * rate) * rate;
         let finest = candidates.iter().map(|candidate| candidate.hz).max().unwrap_or(0);
         if half < finest {
@@ -118,7 +119,7 @@ impl<'a> Sweep<'a> {
         Ok(Sweep { header, candidates, scene, span, reference })
     }
 
-    /// Runs what is missing of the cells that are asked for, and returns all that is known.
+    /// Runs the missing cells among the requested ones, and returns all results.
     pub(super) fn run(&self, options: &TradeOptions) -> anyhow::Result<Results> {
         let mut results = Results::none(self.candidates.len());
         let (mut sink, temporary) = self.open(options, &mut results)?;
@@ -134,7 +135,8 @@ impl<'a> Sweep<'a> {
         Ok(results)
     }
 
-    /// Opens the file of results, or what stands for it, and takes what it has. The second: a file that goes when all is done.
+    /// Opens the file of results, or a temporary one, and reads its lines. The second value: a file to be
+    /// removed in the end.
     fn open(&self, options: &TradeOptions, results: &mut Results) -> anyhow::Result<(Sink, Option<PathBuf>)> {
         let (path, temporary) = match &options.results {
             Some(path) => (path.clone(), None),
@@ -144,7 +146,7 @@ impl<'a> Sweep<'a> {
                 return Ok((sink, None));
             }
             None => {
-                // Of this sweep and no other.
+                // The name is unique to this sweep.
                 let sum = crc32fast::hash(serde_json::to_string(&self.header)?.as_bytes());
                 let path = PathBuf::from(format!("{}-{sum:08x}.trade.jsonl", self.scene.name));
                 (path.clone(), Some(path))
@@ -172,7 +174,7 @@ impl<'a> Sweep<'a> {
         Ok((sink, temporary))
     }
 
-    /// Errors of those that have none yet, on all threads.
+    /// Measures the missing errors, on all threads.
     fn measure(
         &self,
         options: &TradeOptions,
@@ -215,7 +217,7 @@ impl<'a> Sweep<'a> {
         Ok(())
     }
 
-    /// Times of those that lack some, one after another, with the default setting in between.
+    /// Takes the missing times one after another, with the default setting in between.
     fn time(
         &self,
         options: &TradeOptions,
@@ -223,7 +225,7 @@ impl<'a> Sweep<'a> {
         results: &mut Results,
         sink: &mut Sink,
     ) -> anyhow::Result<()> {
-        // What came to no numbers is worth nothing at any cost.
+        // Runs that were not finite are not timed.
         let worth = |i: &usize| {
             let finite = |errors: &Figures| errors.of(Measure::Energy).is_finite();
             results.measured[*i].as_ref().is_some_and(finite)
@@ -250,7 +252,7 @@ impl<'a> Sweep<'a> {
         Ok(())
     }
 
-    /// [us for 1/60 s]
+    /// Time of a cell [us for 1/60 s].
     fn cost(&self, cell: usize) -> anyhow::Result<f64> {
         let Candidate { name, hz, settings, solver, .. } = &self.candidates[cell];
         let (start, mut least) = (Instant::now(), [f64::INFINITY; 2]);
@@ -266,12 +268,12 @@ impl<'a> Sweep<'a> {
                 break;
             }
         }
-        // Never zero, which others are divided by.
+        // Never zero, as others are divided by it.
         Ok((least[0] * 1e3).round().max(1.0) / 1e3)
     }
 }
 
-/// The finest run and the half as fine one, side by side.
+/// The finest run and the one of half the resolution, in parallel.
 fn reference(scene: &Scene, span: Span, hz: u32, options: &TradeOptions) -> anyhow::Result<Reference> {
     let bar = output::progress(!options.quiet, 2, "runs of the reference");
     let run = |hz: u32| {

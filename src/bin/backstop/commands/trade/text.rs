@@ -4,7 +4,7 @@ use super::outcome::{Outcome, Row};
 use crate::report::output::micros;
 use std::fmt::Write;
 
-/// What the reference is and how far it can be trusted.
+/// The reference and its accuracy.
 pub(super) fn about(outcome: &Outcome) -> String {
     let header = &outcome.header;
     let mut text = format!(

@@ -14,9 +14,9 @@ pub(crate) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 pub(crate) type Drawn = Result<(), Box<dyn std::error::Error>>;
 
 const SIZE: (u32, u32) = (960, 340);
-/// Runs longer than this are drawn with several steps a column: more could not be told apart.
+/// The most columns of a chart: longer runs are drawn with several steps a column.
 const COLUMNS: usize = 480;
-/// Text, rules, and what is in the background.
+/// Colours of text and rules, and of background elements.
 pub(crate) const INK: RGBColor = RGBColor(51, 56, 64);
 pub(crate) const RULE: RGBColor = RGBColor(226, 229, 234);
 pub(crate) const PALE: RGBColor = RGBColor(190, 205, 224);
@@ -50,7 +50,7 @@ impl Columns {
         })
     }
 
-    /// Says that columns stand for several steps, if so.
+    /// The axis label, which says if a column has several steps.
     pub(crate) fn axis(&self, what: &str) -> String {
         if self.width == 1 { "step".into() } else { format!("step ({what} of {} a column)", self.width) }
     }
@@ -117,8 +117,8 @@ macro_rules! draw_lines {
 
 pub(crate) use {draw_lines, frame, legend};
 
-/// Time of each stage, stacked. The axis ends where all but the slowest hundredth of columns fit; the caption of the
-/// page says how long the slowest step took.
+/// Time of each stage, stacked. The axis ends where all but the slowest hundredth of columns fit; the caption
+/// of the page says how long the slowest step took.
 pub(crate) fn times(area: &Area<'_>, trace: &Trace) -> Drawn {
     let reports = &trace.reports;
     let columns = Columns::of(reports.len());
@@ -144,7 +144,7 @@ pub(crate) fn times(area: &Area<'_>, trace: &Trace) -> Drawn {
         format!("time [{unit}]"),
         &|y| plain(*y, top)
     );
-    // Highest pile first, so that each stage covers what is not its own.
+    // The highest stack first, so that each stage covers the parts of others.
     for last in (0..STAGES.len()).rev() {
         let pile = (0..stages[0].len()).map(|i| {
             let height: f64 = stages[..=last].iter().map(|s| s[i].1).sum();
@@ -199,7 +199,7 @@ pub(crate) fn counts(area: &Area<'_>, title: &str, columns: &Columns, lines: Vec
     Ok(())
 }
 
-/// Kinetic and potential energy of all that moves.
+/// Kinetic and potential energy of all moving bodies.
 pub(crate) fn energy(area: &Area<'_>, trace: &Trace, dt: f64) -> Drawn {
     let columns = Columns::of(trace.energy.len());
     let line: Vec<(f64, f64)> = columns
@@ -245,7 +245,7 @@ pub(crate) fn energy(area: &Area<'_>, trace: &Trace, dt: f64) -> Drawn {
     Ok(())
 }
 
-/// What is left of the laws in each step: the most of each column, on a logarithmic axis.
+/// Errors of the laws in each step: the maximum of each column, on a logarithmic axis.
 pub(crate) fn accuracy(area: &Area<'_>, course: &Course) -> Drawn {
     let columns = Columns::of(course.figures[0].len());
     let lines: Vec<Line> = [
@@ -275,7 +275,7 @@ pub(crate) fn accuracy(area: &Area<'_>, course: &Course) -> Drawn {
     Ok(())
 }
 
-/// Errors below this are drawn as if they were it.
+/// Smaller errors are drawn at this value.
 const LEAST: f64 = 1e-8;
 
 /// Bytes by category: live inside reserved, with the peak as a mark.
