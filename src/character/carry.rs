@@ -1,4 +1,4 @@
-//! Moving ground: a mover goes where the point of the ground goes that it stood on.
+//! Moving ground: a mover moves with the point of the ground that it stood on.
 
 use super::shape::Shape;
 use super::slide::Slide;
@@ -8,8 +8,8 @@ use crate::query::QueryFilter;
 use crate::world::World;
 use glam::{DQuat, DVec3, Quat};
 
-/// Where a mover is on the body that it stands on. Poses rather than velocities: what the body really did since then, with
-/// its rotation, and whether the world was stepped before or after.
+/// Where a mover is on the body that it stands on. Poses rather than velocities give the body's actual motion
+/// since then, with its rotation, whether the world was stepped before or after.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Carrier {
     pub(super) body: BodyHandle,
@@ -22,7 +22,8 @@ impl Carrier {
         Ok(Carrier { body, position: world.position(body)?, rotation: world.rotation(body)? })
     }
 
-    /// By how much the body took a point along, and turned about `up` [rad]. Nothing if it was removed.
+    /// Displacement of a point with the body, and its rotation about `up` [rad]. Zero if the body was
+    /// removed.
     fn taken(&self, world: &World, at: DVec3, up: DVec3) -> (DVec3, f64) {
         let Ok(now) = Carrier::new(world, self.body) else { return (DVec3::ZERO, 0.0) };
         if now == *self {
@@ -36,7 +37,7 @@ impl Carrier {
     }
 }
 
-/// Takes a mover along; other obstacles stop it. Returns where to and by how much it turned [rad].
+/// Carries a mover along, as far as obstacles allow. Returns its new position and rotation [rad].
 pub(super) fn carry(
     shape: &Shape<'_>,
     carrier: Option<Carrier>,

@@ -1,4 +1,4 @@
-//! What a mover stands on, and how it keeps to it.
+//! The ground under a mover, and how the mover stays on it.
 
 use super::planes::Planes;
 use super::report::Ground;
@@ -9,8 +9,8 @@ use crate::query::ShapeHit;
 use crate::world::World;
 use glam::{DVec3, Vec3};
 
-/// Looks for ground down to `reach` [m] and lowers the mover onto it. Nothing: `at` is as it was. On an edge it stands if
-/// the ground before it is no more than `step` [m] further down.
+/// Looks for ground down to `reach` [m] and lowers the mover onto it. If there is none, `at` is unchanged. It
+/// stands on an edge if the ground beyond is no more than `step` [m] lower.
 pub(super) fn settle(
     shape: &Shape<'_>,
     at: &mut DVec3,
@@ -28,11 +28,11 @@ pub(super) fn settle(
         *at = lowered;
         return ground(hit.body, hit.shape, hit.point, hit.normal);
     }
-    // At the edge of a step, or between ground and wall: what is below the middle counts.
+    // At the edge of a step, or between ground and wall, the ground below the middle counts.
     let left = reach * (1.0 - f64::from(hit.fraction));
     if let Some(floor) = shape.floor_below(lowered, left + step + shape.tiny)? {
         *at = lowered;
-        // Where it does not hang on an edge, it stands beside what it touched first.
+        // If it does not hang on an edge, it stands beside the shape that it touched first.
         return if shape.up.dot(shape.feet(lowered) - floor.point) < 10.0 * shape.tiny {
             ground(floor.body, floor.shape, floor.point, floor.normal)
         } else {
@@ -46,7 +46,7 @@ pub(super) fn settle(
     Ok(None)
 }
 
-/// Whether what is too steep by itself holds the mover together, like the two sides of a gutter.
+/// Whether surfaces that are too steep one by one hold the mover together, like the two sides of a gutter.
 fn is_wedged(shape: &Shape<'_>, at: DVec3, first: &ShapeHit) -> Result<bool, Error> {
     let mut planes = Planes::default();
     planes.add(first.normal.as_dvec3().normalize());

@@ -1,11 +1,11 @@
 //! A capsule that walks: collide and slide, steps, slopes, moving ground.
 //!
-//! A mover is no body. It asks a world questions (`src/query/`) and moves its own position, so that any number of them may
-//! walk at the same time through `&World`. All casts are those of the capsule grown by its skin; overlap of the skin is
-//! what rounding and moving bodies use up, and is taken back at the start of the next walk.
+//! A mover is not a body. It queries a world (`src/query/`) and moves its own position, so that any number of
+//! them may walk at the same time through `&World`. All casts use the capsule enlarged by its skin; rounding
+//! and moving bodies cause overlap of the skin, which is resolved at the start of the next walk.
 //!
-//! One walk: the ground carries it ([`carry`]), what moved into it pushes it out ([`overlap`]), it slides along obstacles
-//! ([`slide`]) and over steps ([`step`]), and settles on the ground ([`ground`]).
+//! One walk: the ground carries it ([`carry`]), overlapping bodies push it out ([`overlap`]), it slides along
+//! obstacles ([`slide`]) and over steps ([`step`]), and settles on the ground ([`ground`]).
 
 mod carry;
 mod ground;
@@ -100,8 +100,8 @@ impl Mover {
         &self.settings
     }
 
-    /// Replaces the settings: to crouch, to grow. Its middle stays where it is; whether there is room for it `overlap_any`
-    /// tells, with [`Mover::capsule`].
+    /// Replaces the settings: to crouch, to grow. Its middle stays where it is; whether there is room for it
+    /// `overlap_any` tells, with [`Mover::capsule`].
     ///
     /// # Errors
     /// If a setting is out of range.
@@ -121,7 +121,8 @@ impl Mover {
         Ok(())
     }
 
-    /// Its capsule without the skin, and how that is turned: for queries, or for a kinematic body that others collide with.
+    /// Its capsule without the skin, and how that is turned: for queries, or for a kinematic body that others
+    /// collide with.
     pub fn capsule(&self) -> (Geometry, Quat) {
         let capsule = Geometry::capsule(self.settings.half_height, self.settings.radius);
         (capsule, upright(self.settings.up.normalize()))
@@ -129,14 +130,15 @@ impl Mover {
 
     /// Moves with a velocity [m/s] for `dt` [s], as far as obstacles allow.
     ///
-    /// On ground the velocity is relative to it; in the air it is that in the world. On ground what of it goes down has no
-    /// effect, slopes change nothing of the way across, and any velocity upwards leaves the ground and takes the ground's
-    /// velocity along. Gravity is the caller's: add it to the velocity in every call, and hand
-    /// [`MoverReport::velocity`] back in.
+    /// On ground the velocity is relative to it; in the air it is that in the world. On ground the downward
+    /// part has no effect, slopes do not change the horizontal motion, and any upward velocity leaves the
+    /// ground and keeps the ground's velocity. Gravity is the caller's: add it to the velocity in every call,
+    /// and hand [`MoverReport::velocity`] back in.
     ///
-    /// It sees what the filter sees: exclude a body of its own. [`QueryFilter::skip_inside`] has no effect. It is a shape
-    /// cast, so nothing is passed through at any speed. What moved into it since the last walk pushes it out first, by the shortest way.
-    /// Allocates nothing (but what a first query does), and the same world gives the same bits.
+    /// It sees what the filter sees: exclude a body of its own. [`QueryFilter::skip_inside`] has no effect.
+    /// It is a shape cast, so it passes through nothing at any speed. Bodies that moved into it since the
+    /// last walk push it out first, by the shortest way. Allocates nothing (but what a first query does), and
+    /// the same world gives the same bits.
     ///
     /// # Errors
     /// A number is not finite or beyond 1e15, or `dt` is not above zero; then the mover is as it was.
@@ -156,12 +158,12 @@ impl Mover {
         let (carried, turned) = carry(&shape, self.carrier, self.position, settings.iterations)?;
         let (start, overlap) = push_out(&shape, carried)?;
 
-        // Of ground that was removed there is no velocity.
+        // Removed ground has no velocity.
         let old_ground = self.ground.filter(|ground| world.contains(ground.body));
         let below = old_ground.map_or(Ok(Vec3::ZERO), |g| velocity_at(world, g.body, g.point))?;
         let (rise, across) = shape.split(velocity.as_dvec3());
         let walks = self.ground.filter(|_| rise <= 0.0);
-        // The ground took along who walks already; who jumps off it goes on with its velocity.
+        // A walking mover was carried by the ground already; a jumping one keeps the ground's velocity.
         let own = if walks.is_some() { across } else { velocity.as_dvec3() + below.as_dvec3() };
         let (rise, across) = shape.split(own);
         let mut slide = Slide::new(start, across * time, rise * time);
@@ -212,7 +214,7 @@ impl Mover {
         if world.kind(body) == Ok(BodyKind::Dynamic)
             && let (Ok(mass), Ok(theirs)) = (world.mass(body), velocity_at(world, body, point))
         {
-            // As two free bodies would, and no harder than it can.
+            // As in an impact of two free bodies, within the mover's strength.
             let closing = -normal.dot(velocity - theirs);
             let both = self.settings.mass * mass / (self.settings.mass + mass);
             impulse = -normal * (closing.max(0.0) * both).min(self.settings.strength * dt);

@@ -1,13 +1,13 @@
-//! The way out of what moved into a mover.
+//! Pushes a mover out of bodies that moved into it.
 
 use super::shape::Shape;
 use crate::error::Error;
 use crate::handle::ShapeHandle;
 use glam::DVec3;
 
-/// Shapes that are got out of at once; of more the deepest.
+/// Overlaps that are resolved at once; if there are more, the deepest.
 const MOST: usize = 16;
-/// Rounds of looking and moving. Of a mesh each sees the deepest triangle only.
+/// Rounds of detection and motion. Each sees only the deepest triangle of a mesh.
 const ROUNDS: usize = 8;
 /// Sweeps over all overlaps of a round.
 const SWEEPS: usize = 16;
@@ -37,7 +37,7 @@ impl Overlaps {
         Ok(found)
     }
 
-    /// By depth, then by handle: the same in whatever order they come.
+    /// By depth, then by handle, so that the order of insertion does not matter.
     fn insert(&mut self, mut new: Overlap) {
         for place in &mut self.all {
             let Some(old) = place else {
@@ -54,7 +54,7 @@ impl Overlaps {
         self.all[0].map_or(0.0, |o| o.depth)
     }
 
-    /// About the shortest way that leads out of all, if there is one.
+    /// Approximately the shortest way out of all overlaps, if there is one.
     fn way_out(&self, gap: f64) -> DVec3 {
         let mut way = DVec3::ZERO;
         for _ in 0..SWEEPS {
@@ -66,7 +66,7 @@ impl Overlaps {
     }
 }
 
-/// Moves a mover out of what it overlaps; returns where to, and how deep it still is in something [m].
+/// Moves a mover out of what it overlaps; returns its new position, and the remaining depth [m].
 pub(super) fn push_out(shape: &Shape<'_>, from: DVec3) -> Result<(DVec3, f64), Error> {
     let mut at = from;
     let mut best = (from, f64::INFINITY);

@@ -1,8 +1,8 @@
-//! The obstacles that a mover touches, as planes that its way may not lead into.
+//! The obstacles that a mover touches, as planes that its path must not enter.
 
 use glam::DVec3;
 
-/// More than these the mover does not touch at once in any way that matters.
+/// The most planes: a mover does not touch more at once in any relevant way.
 const MOST: usize = 12;
 
 /// Directions `d` with `n · d >= 0` for all of some normals: a cone.
@@ -17,22 +17,23 @@ impl Planes {
         &self.normals[..self.count]
     }
 
-    /// One more. No: it was there already, but for rounding.
+    /// Adds a normal; false if it was there already, up to rounding.
     pub(super) fn add(&mut self, normal: DVec3) -> bool {
         // Half a milliradian, more than normals differ from cast to cast.
         let same = self.as_slice().iter().position(|n| n.dot(normal) > 1.0 - 1e-7);
         if let Some(same) = same {
             self.normals[same] = normal;
         } else {
-            // The last gives way: what is touched now counts.
+            // Replaces the last one: what is touched now counts.
             self.count = (self.count + 1).min(MOST);
             self.normals[self.count - 1] = normal;
         }
         same.is_none()
     }
 
-    /// The direction in the cone that is nearest to `d`: `d` itself, along one plane, along the crease of two, or none.
-    /// All are tried, so it does not depend on the order of planes, and there is nothing to jitter between.
+    /// The direction in the cone that is nearest to `d`: `d` itself, along one plane, along the crease of
+    /// two, or none. All candidates are tried, so the result does not depend on the order of planes and does
+    /// not jitter.
     pub(super) fn clip(&self, d: DVec3) -> DVec3 {
         let normals = self.as_slice();
         let slack = -1e-9 * d.length();
@@ -80,7 +81,7 @@ mod tests {
         assert_eq!(planes(&[DVec3::Y]).clip(d), DVec3::new(1.0, 0.0, 3.0));
         assert_eq!(planes(&[DVec3::Y, DVec3::NEG_Z]).clip(d), DVec3::X);
         assert_eq!(planes(&[DVec3::Y, DVec3::NEG_Z, DVec3::NEG_X]).clip(d), DVec3::ZERO);
-        // Of an acute corner neither side, of an obtuse one the flatter.
+        // In an acute corner neither side is possible, in an obtuse one the flatter.
         let acute = planes(&[DVec3::new(-1.0, 0.0, 0.3), DVec3::new(-1.0, 0.0, -0.3)]);
         assert_eq!(acute.clip(DVec3::X), DVec3::ZERO);
         assert!(!planes(&[DVec3::Y]).add(DVec3::Y));

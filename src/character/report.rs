@@ -1,4 +1,4 @@
-//! What a walk came to.
+//! The result of a walk.
 
 use crate::body::BodyKind;
 use crate::error::Error;
@@ -35,30 +35,30 @@ pub struct MoverHit {
     pub point: DVec3,
     /// Unit, from the obstacle towards the mover.
     pub normal: Vec3,
-    /// What the push would give a dynamic body, zero for others [N s]; [`MoverReport::push`] applies it.
+    /// Impulse of the push on a dynamic body, zero for others [N s]; [`MoverReport::push`] applies it.
     pub impulse: Vec3,
 }
 
-/// What a walk came to.
+/// The result of a walk.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MoverReport {
-    /// The whole way from where the mover was [m].
+    /// The whole displacement [m].
     pub moved: Vec3,
-    /// What of it moving ground did [m].
+    /// The part of it by moving ground [m].
     pub carried: Vec3,
     /// By how much the ground turned about `up` meanwhile [rad]: for the direction that a character looks in.
     pub turned: f32,
-    /// What of it took the mover out of what had moved into it [m].
+    /// The part of it out of bodies that had moved into the mover [m].
     pub pushed_out: Vec3,
     /// How far steps were climbed [m].
     pub stepped: f32,
-    /// What it stands on; none in the air, and on what is too steep.
+    /// The ground; none in the air, and on surfaces that are too steep.
     pub ground: Option<Ground>,
-    /// What obstacles left of the velocity [m/s]: over the ground if there is one, otherwise in the world.
+    /// The velocity after obstacles [m/s]: relative to the ground if there is one, else in the world.
     pub velocity: Vec3,
-    /// How deep the capsule, without its skin, is still in something [m]; above zero only where it is squeezed.
+    /// Remaining overlap of the capsule, without its skin [m]; above zero only if it is squeezed.
     pub overlap: f32,
-    /// For ground that can move [N s].
+    /// Impulse of the mover's weight on ground that can move [N s].
     pub(super) weight: Vec3,
     pub(super) hits: [Option<MoverHit>; MOST_HITS],
 }

@@ -11,21 +11,22 @@ pub struct MoverSettings {
     pub radius: f32,
     /// Half the distance between the centres of its two balls, at least zero [m]. Default 0.6: 1.8 m tall.
     pub half_height: f32,
-    /// The distance that it keeps from everything, above zero [m]: room for rounding and for what moves. It stands so high
-    /// above the ground. Default 0.02.
+    /// The distance that it keeps from everything, above zero [m]: room for rounding and for moving bodies.
+    /// It stands this high above the ground. Default 0.02.
     pub skin: f32,
-    /// The steepest ground to stand and walk on [rad], in 0..=1.57; what is steeper is a wall. Default 50 degrees.
+    /// The steepest ground to stand and walk on [rad], in 0..=1.57; steeper surfaces are walls. Default 50
+    /// degrees.
     pub max_slope: f32,
     /// The highest step to climb, at least zero [m]. The round bottom gets over edges lower than
     /// `(radius + skin) * (1 - cos(max_slope))` all the same. Default 0.3.
     pub step_height: f32,
-    /// Who walks keeps to ground that falls away by up to this [m], at least zero. Default 0.3.
+    /// A walking mover stays on ground that drops by up to this [m], at least zero. Default 0.3.
     pub snap: f32,
-    /// Obstacles that a walk may slide along, 1..=64; the rest of the way is left out. Default 8.
+    /// Obstacles that a walk may slide along, 1..=64; the rest of the path is dropped. Default 8.
     pub iterations: u32,
-    /// Against which it stands; a unit vector. Default y.
+    /// The upward direction; a unit vector. Default y.
     pub up: Vec3,
-    /// For pushes on dynamic bodies, and its weight on them, at least zero [kg]. Default 80.
+    /// Mass for pushes on dynamic bodies and for its weight on them, at least zero [kg]. Default 80.
     pub mass: f32,
     /// The greatest force of a push, at least zero [N]. Default 500.
     pub strength: f32,

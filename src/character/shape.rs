@@ -22,11 +22,11 @@ pub(super) struct Shape<'a> {
     pub(super) world: &'a World,
     pub(super) filter: QueryFilter<'a>,
     pub(super) capsule: Geometry,
-    /// A core that sees only what the capsule is half in.
+    /// A thinner core, which touches only shapes that reach deep into the capsule.
     core: Geometry,
     pub(super) rotation: Quat,
     pub(super) up: DVec3,
-    /// With the skin [m].
+    /// Radius with the skin [m].
     pub(super) radius: f64,
     half_height: f64,
     /// Gaps and overlaps that don't count [m]: more than what a cast leaves open, far less than the skin.
@@ -48,7 +48,7 @@ impl<'a> Shape<'a> {
             radius: radius.into(),
             half_height: settings.half_height.into(),
             tiny: 1e-3 * f64::from(settings.skin),
-            // A slope of just the angle counts, whatever rounding made of its normal.
+            // A slope of exactly the angle counts, whatever the rounding of its normal.
             cosine: libm::cos(settings.max_slope.into()) - 2e-6,
         }
     }
@@ -67,7 +67,7 @@ impl<'a> Shape<'a> {
         }
     }
 
-    /// Of a vector what is along `up`, and what is across.
+    /// Splits a vector into its parts along `up` and across.
     pub(super) fn split(&self, v: DVec3) -> (f64, DVec3) {
         let rise = self.up.dot(v);
         (rise, v - self.up * rise)
@@ -82,12 +82,13 @@ impl<'a> Shape<'a> {
         self.up.dot(normal.as_dvec3()) >= self.cosine
     }
 
-    /// What stops the capsule on a way [m].
+    /// The first shape that stops the capsule on a path [m].
     pub(super) fn cast(&self, from: DVec3, path: DVec3) -> Result<Option<ShapeHit>, Error> {
         self.cast_as(&self.capsule, from, path)
     }
 
-    /// What stops the capsule's core on a way [m]: for ways out of overlaps, which must lead through nothing else.
+    /// The first shape that stops the capsule's core on a path [m]: for paths out of overlaps, which must not
+    /// pass through anything else.
     pub(super) fn cast_core(&self, from: DVec3, path: DVec3) -> Result<Option<ShapeHit>, Error> {
         self.cast_as(&self.core, from, path)
     }
@@ -97,7 +98,8 @@ impl<'a> Shape<'a> {
         self.world.cast_shape(&cast, &self.filter)
     }
 
-    /// The ground straight below the lower ball's centre, down to `reach` below the feet [m], if one can stand on it.
+    /// The ground straight below the lower ball's centre, down to `reach` below the feet [m], if one can
+    /// stand on it.
     pub(super) fn floor_below(&self, at: DVec3, reach: f64) -> Result<Option<RayHit>, Error> {
         let from = at - self.up * self.half_height;
         self.floor_on_ray(from, self.radius + reach)

@@ -1,7 +1,7 @@
-//! Collide and slide: straight to the first obstacle, on along it, and so on until the way is used up.
+//! Collide and slide: straight to the first obstacle, then along it, and so on to the end of the path.
 //!
-//! The obstacles met stay in mind as planes, and what is left of the wish is fitted between all of them at once
-//! (`planes.rs`), so that a corner stops what runs into it where it stands.
+//! Obstacles are remembered as planes, and the rest of the desired displacement is clipped against all of
+//! them at once (`planes.rs`), so that a mover stops in a corner without jitter.
 
 use super::planes::Planes;
 use super::shape::Shape;
@@ -10,7 +10,8 @@ use crate::error::Error;
 use crate::query::ShapeHit;
 use glam::DVec3;
 
-/// The share of a fall that the flattest slope leaves to count as one to slide down, and not as a stop: that of 7 degrees.
+/// A slope that leaves less than this share of a fall is a stop, and no slope to slide down: that of 7
+/// degrees.
 const SLIDES: f64 = 1.0 / 64.0;
 
 /// Steps that a walk tries to climb.
@@ -19,16 +20,17 @@ const MOST_STEPS: u32 = 4;
 /// A walk or a flight, under way.
 pub(super) struct Slide {
     pub(super) at: DVec3,
-    /// What is left of the wish [m]: across `up`, and along it.
+    /// The rest of the desired displacement [m]: across `up`, and along it.
     pub(super) across: DVec3,
     pub(super) rise: f64,
-    /// What it stands on, or stood on, is there, if it walks; steps are measured from it, or from the feet if they are higher.
+    /// The point of the ground that it stands or stood on, if it walks; heights of steps are measured from
+    /// it, or from the feet if they are higher.
     pub(super) foot: DVec3,
-    /// Whether it keeps to the ground: slopes cost it nothing, and what is steep is a wall.
+    /// Whether it keeps to the ground: slopes do not slow it, and steep surfaces are walls.
     pub(super) walks: bool,
-    /// All that was met.
+    /// All obstacles met.
     pub(super) planes: Planes,
-    /// What is too steep to walk on, upright; and what of it is met from above.
+    /// Obstacles that are too steep to walk on, with upright normals; and those met from above.
     walls: Planes,
     steep: Planes,
     floors: Planes,
@@ -60,25 +62,25 @@ impl Slide {
         self
     }
 
-    /// The way that is wished for, as far as planes allow it.
+    /// The desired displacement, as far as planes allow it.
     fn path(&self, up: DVec3) -> DVec3 {
         if !self.walks {
             return self.fly(self.across, up * self.rise);
         }
         let across = self.walls.clip(self.across);
-        // As far across as on level ground, however it slopes.
+        // The horizontal distance is that on level ground, whatever the slope.
         let rise = |n: &DVec3| -n.dot(across) / n.dot(up);
         let rise = self.floors.as_slice().iter().map(rise).reduce(f64::max).unwrap_or(0.0);
         self.planes.clip(across + up * rise)
     }
 
-    /// Nobody gets up a steep slope by running or jumping at it, nor hangs on it by pressing against it.
+    /// A mover can't climb a steep slope by running or jumping at it, nor hang on it by pressing against it.
     fn fly(&self, across: DVec3, rise: DVec3) -> DVec3 {
         self.planes.clip(self.steep.clip(across) + rise)
     }
 
-    /// Goes on until nothing is left, at most past `most` obstacles; climbs steps of up to `step` [m]. `heard` is told of
-    /// each obstacle, floors not.
+    /// Goes on until nothing is left, at most past `most` obstacles; climbs steps of up to `step` [m].
+    /// `heard` is called with each obstacle except floors.
     pub(super) fn run(
         &mut self,
         shape: &Shape<'_>,
@@ -107,7 +109,7 @@ impl Slide {
                 heard(&hit);
             }
             let wall = self.meet(shape, &hit);
-            // What should have been slid along is in the way by its rounding.
+            // By rounding, a plane that the path runs along is in the way.
             if normal.dot(path) > -1e-5 * length {
                 self.at += normal * shape.tiny;
             }
@@ -123,14 +125,14 @@ impl Slide {
         Ok(())
     }
 
-    /// Keeps an obstacle in mind. If it is a wall, returns its normal upright.
+    /// Remembers an obstacle. If it is a wall, returns its normal upright.
     fn meet(&mut self, shape: &Shape<'_>, hit: &ShapeHit) -> Option<DVec3> {
         let normal = hit.normal.as_dvec3().normalize();
         self.planes.add(normal);
         if shape.is_floor(hit.normal) {
             self.floors.add(normal);
             if !self.walks && self.rise <= 0.0 {
-                // It lands, and what is left of the fall does not slide downhill.
+                // It lands, and the rest of the fall does not slide downhill.
                 self.walks = true;
                 self.rise = 0.0;
                 self.foot = hit.point;
@@ -146,12 +148,12 @@ impl Slide {
         Some(wall)
     }
 
-    /// The walk goes on from somewhere else, and meets its obstacles anew.
+    /// Continues the walk from another position, where obstacles are found anew.
     pub(super) fn move_to(&mut self, at: DVec3, across: DVec3, floor: DVec3, foot: DVec3) {
         *self = Slide { stepped: self.stepped, ..Slide::new(at, across, 0.0) }.on(floor, foot);
     }
 
-    /// What obstacles leave of a velocity; `moved`: what of a fall there was [m/s].
+    /// The velocity after obstacles; `moved`: the actual velocity of a fall [m/s].
     pub(super) fn clip(&self, shape: &Shape<'_>, velocity: DVec3, moved: f64) -> DVec3 {
         if self.walks {
             return self.walls.clip(velocity);
@@ -163,7 +165,8 @@ impl Slide {
         } else if moved > SLIDES * rise {
             moved
         } else {
-            // Gravity pulls as much along a slope as what is left of it in the slope's direction: sliding takes nothing.
+            // Sliding is frictionless: gravity accelerates along a slope by its full component in that
+            // direction.
             rise
         };
         left + shape.up * rise

@@ -1,15 +1,15 @@
-//! Steps: up, ahead and down again, if that leads onto something to stand on.
+//! Steps: up, forward and down again, if that ends on ground.
 
 use super::shape::Shape;
 use super::slide::Slide;
 use crate::error::Error;
 use glam::DVec3;
 
-/// Obstacles that are slid along above a step.
+/// The most obstacles to slide along above a step.
 const MOST_SLIDES: u32 = 4;
 
-/// Takes what is left of a walk over the obstacle with the upright normal `wall`, no more than `height` up [m]; or leaves it
-/// as it is.
+/// Takes the rest of a walk over the obstacle with the upright normal `wall`, up by no more than `height`
+/// [m]; or leaves it unchanged.
 pub(super) fn step_up(shape: &Shape<'_>, walk: &mut Slide, wall: DVec3, height: f64) -> Result<(), Error> {
     let from = walk.at;
     let up = shape.up * height;
@@ -17,20 +17,20 @@ pub(super) fn step_up(shape: &Shape<'_>, walk: &mut Slide, wall: DVec3, height: 
     let risen = height * room;
     let mut above = Slide::new(from + up * room, walk.across, 0.0).on(shape.up, from);
     above.run(shape, MOST_SLIDES, 0.0, &mut |_| {})?;
-    // It must get to where the obstacle kept it from going.
+    // It must get beyond the obstacle.
     if (above.at - from).dot(wall) > -shape.tiny {
         return Ok(());
     }
     let down = shape.up * -(risen + height);
     let Some(hit) = shape.cast(above.at, down)? else { return Ok(()) };
     let at = above.at + down * f64::from(hit.fraction);
-    // What counts is how high the edge is, not how far the round bottom has got up by now.
+    // The height of the edge counts, not how far the round bottom has risen so far.
     let feet = shape.feet(from);
     let edge = shape.up.dot(hit.point - feet) - shape.up.dot(walk.foot - feet).max(0.0);
     if edge > height + shape.tiny || hit.depth > 0.0 {
         return Ok(());
     }
-    // The bottom may touch only the edge yet: what lies behind decides.
+    // The bottom may touch the edge only: the ground behind it decides.
     let behind = || {
         let ahead = hit.point - wall * (0.05 * shape.radius);
         let lift = 0.25 * shape.radius;

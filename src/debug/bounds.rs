@@ -1,4 +1,4 @@
-//! Boxes around shapes, and the ways of those that were swept.
+//! Boxes around shapes, and the paths of swept ones.
 
 use super::{DebugDraw, DrawOptions, Element, Ink, wireframe::cuboid};
 use crate::broad_phase::{Aabb, aabb_of};
@@ -27,7 +27,7 @@ pub(super) fn draw(world: &World, options: &DrawOptions, out: &mut dyn DebugDraw
     }
 }
 
-/// A box; none that has no end, as that of a plane.
+/// A box, unless it is infinite, as that of a plane.
 fn draw_box(bounds: Aabb, ink: Ink, options: &DrawOptions, out: &mut dyn DebugDraw) {
     let Aabb { min, max } = bounds;
     let wanted = options.region.is_none_or(|region| region.meets(min.as_dvec3(), max.as_dvec3()));
@@ -39,7 +39,7 @@ fn draw_box(bounds: Aabb, ink: Ink, options: &DrawOptions, out: &mut dyn DebugDr
 fn draw_ways(world: &World, options: &DrawOptions, out: &mut dyn DebugDraw) {
     let ink = Ink { element: Element::Motion, colour: options.palette.motion };
     for (c, motion) in world.broad.swept() {
-        // Of the start of the step.
+        // The pose at the start of the step.
         let from: DVec3 = world.colliders.poses[c as usize].position;
         let to = from + motion.as_dvec3();
         if options.region.is_none_or(|region| region.meets(from.min(to), from.max(to))) {

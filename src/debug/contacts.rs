@@ -75,17 +75,17 @@ struct Place {
     gap: f32,
 }
 
-/// Of a point that was found where the bodies were at the start of a step.
+/// A point that was found at the poses of the start of a step.
 fn at_start(world: &World, contact: &Contact, point: &Point, gap: f32, now: &Relative) -> Place {
     let a = world.collider_pose(contact.a);
     if is_round(world, contact) {
-        // It does not go along when the shape rolls.
+        // The point does not rotate with a rolling shape.
         let start = world.colliders.poses[contact.a as usize].rotation;
         let normal = start * contact.normal;
         let on_a = start * point.position - normal * (0.5 * point.found);
         return Place { on_a: a.position + on_a.as_dvec3(), normal, gap };
     }
-    // Both bodies take the point along. Midway between where they have it is midway between their surfaces.
+    // The point moves with both bodies. Midway between its two positions is midway between the surfaces.
     let turn = now.rotation * contact.found_at.rotation.conjugate();
     let on_b = now.position + turn * (point.position - contact.found_at.position);
     let on_a = (point.position + on_b) * 0.5 - contact.normal * (0.5 * gap);
@@ -101,8 +101,8 @@ fn is_round(world: &World, contact: &Contact) -> bool {
     }
 }
 
-/// Of a point that was found at a first touch within the step. Its separation was carried back from there along the
-/// predicted motion, to first order; here it is carried on along the motion that was.
+/// A point that was found at a first touch within the step. Its separation was extrapolated back from there
+/// along the predicted motion, to first order; here it is carried forward along the actual motion.
 fn ahead(world: &World, contact: &Contact, point: &Point) -> Place {
     let [a, b] = [contact.a, contact.b].map(|c| Way::of(world, c));
     let normal = a.shape * contact.normal;
@@ -120,10 +120,10 @@ fn ahead(world: &World, contact: &Contact, point: &Point) -> Place {
     Place { on_a: a.end + (exp_map(a.gone.1 * rest) * on_a).as_dvec3(), normal, gap }
 }
 
-/// How the body of a collider went through the last step: displacements [m] with rotation vectors [rad].
+/// The motion of a collider's body in the last step: displacements [m] and rotation vectors [rad].
 struct Way {
     start: Pose,
-    /// Of the shape at the start.
+    /// Rotation of the shape at the start.
     shape: Quat,
     /// From the body's centre of mass to the shape's origin at the start [m].
     lever: Vec3,
@@ -156,7 +156,7 @@ fn turn_between(from: Quat, to: Quat) -> Vec3 {
     let q = to * from.conjugate();
     let q = if q.w < 0.0 { -q } else { q };
     let sine = q.xyz().length();
-    // Of a small angle, twice its sine.
+    // For a small angle, twice the sine of its half.
     q.xyz() * if sine < 1e-4 { 2.0 } else { 2.0 * libm::atan2f(sine, q.w) / sine }
 }
 
@@ -185,7 +185,7 @@ fn are_apart(world: &World, contact: &Contact, now: &Relative, limit: f32) -> bo
             !near
         }
         _ => {
-            // Of the half-space below: how far the lowest point is above it.
+            // The half-space below: the height of the lowest point above it.
             let up = now.rotation * Vec3::Y;
             let lowest = convex.support(-up.as_dvec3()).as_vec3();
             up.dot(lowest - now.position) - convex.radius as f32 > limit

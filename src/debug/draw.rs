@@ -7,8 +7,8 @@ use crate::world::World;
 impl World {
     /// Draws what the options ask for. Call it between steps, as often as there is something to see.
     ///
-    /// What moves is drawn where it is now; contacts, swept ways and colours are those of the last step. Changes nothing,
-    /// and costs nothing but the time of the call.
+    /// What moves is drawn where it is now; contacts, swept ways and colours are those of the last step.
+    /// Changes nothing, and costs nothing but the time of the call.
     pub fn draw(&self, options: &DrawOptions, out: &mut dyn DebugDraw) {
         if options.shapes {
             shapes::draw(self, options, out);
@@ -30,7 +30,7 @@ impl World {
         }
     }
 
-    /// Where a collider is now: those poses that stages read are of the start of the last step.
+    /// The present pose of a collider: the poses that stages read are those of the start of the last step.
     pub(super) fn collider_pose(&self, collider: u32) -> Pose {
         let collider = &self.colliders.all[collider as usize];
         let body = &self.bodies.pose[collider.body as usize];

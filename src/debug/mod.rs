@@ -1,8 +1,8 @@
-//! Drawing what the world knows, for eyes: shapes, boxes, contacts, joints, what the solver solves at the same time.
+//! Debug drawing of a world: shapes, boxes, contacts, joints, and the colours of the solver.
 //!
-//! A game implements [`DebugDraw`] over its own renderer and calls [`World::draw`](crate::World::draw) between steps,
-//! when it wants to see something. All is read from what a step leaves behind anyway: a world that is never drawn pays
-//! nothing for this, and drawing changes nothing.
+//! A game implements [`DebugDraw`] over its own renderer and calls [`World::draw`](crate::World::draw)
+//! between steps, when it wants to see something. Everything is read from what a step leaves behind anyway: a
+//! world that is never drawn pays nothing, and drawing changes nothing.
 //!
 //! ```
 //! use backstop::debug::{DebugDraw, DrawOptions, Ink};
@@ -28,8 +28,9 @@
 //! world.draw(&DrawOptions::default(), &mut lines);
 //! ```
 //!
-//! Positions are those of the world, in `f64`. Far from the origin `f32` has no millimetres left, so take the camera's
-//! position off first and convert then, as above; the difference is exact enough wherever the camera is.
+//! Positions are those of the world, in `f64`. Far from the origin `f32` has no millimetres left, so take the
+//! camera's position off first and convert then, as above; the difference is exact enough wherever the camera
+//! is.
 
 mod bounds;
 mod contacts;
@@ -50,8 +51,8 @@ pub use wireframe::wireframe;
 
 use glam::DVec3;
 
-/// What a game draws with. Each method does nothing unless it is implemented; shapes that are not drawn as a whole come
-/// as lines.
+/// The interface to a game's renderer. Each method does nothing unless it is implemented; shapes that are not
+/// drawn as a whole come as lines.
 pub trait DebugDraw {
     /// A shape, for renderers that have meshes of their own. By default its wireframe, line by line.
     fn shape(&mut self, shape: &DrawnShape<'_>) {
@@ -78,7 +79,7 @@ pub struct Ink {
     pub colour: Colour,
 }
 
-/// What a line or point is of.
+/// The kind of a drawn element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Element {
@@ -88,23 +89,24 @@ pub enum Element {
     Aabb,
     /// The box that the broad phase keeps of it.
     FatAabb,
-    /// The way that a swept body would have gone in the last step.
+    /// The path that a swept body would have taken in the last step.
     Motion,
     /// A point of contact that touched when the last step began.
     RealPoint,
     /// One that was apart then.
     PotentialPoint,
-    /// A potential one that pushed although the shapes are apart after the step; see [`DrawOptions::contacts`].
+    /// A potential one that pushed although the shapes are apart after the step; see
+    /// [`DrawOptions::contacts`].
     GhostPoint,
     /// From one surface to the other at a point of contact.
     Gap,
-    /// Of a point of contact, from the first shape to the second.
+    /// Normal at a point of contact, from the first shape to the second.
     Normal,
     /// Impulse at a point of contact.
     Impulse,
     /// An axis of a joint's frame.
     JointFrame,
-    /// What a joint may move within.
+    /// The range of a joint's limit.
     JointLimit,
     /// From one frame of a joint to the other.
     JointGap,
@@ -112,6 +114,6 @@ pub enum Element {
     CentreOfMass,
     /// One of its principal axes of inertia.
     PrincipalAxis,
-    /// A contact, in the colour of what is solved at the same time.
+    /// A contact, in the solver's colour.
     SolverColour,
 }

@@ -9,39 +9,43 @@ pub struct DrawOptions {
     pub shapes: bool,
     /// The box around each shape where it is now. Default no.
     pub aabbs: bool,
-    /// The box that the broad phase keeps of each shape: with a margin, of a swept shape around its whole path. As the last
-    /// step left it. Default no.
+    /// The box that the broad phase keeps of each shape: with a margin, of a swept shape around its whole
+    /// path. As the last step left it. Default no.
     pub fat_aabbs: bool,
-    /// Of each shape that was fast in the last step, the way on which it was swept: from where it started to where it
-    /// would be if nothing had been in its way. Default no.
+    /// For each shape that was fast in the last step, its swept path: from its start to where it would be if
+    /// nothing had been in its way. Default no.
     pub motion: bool,
     /// Points of contact. Default yes.
     ///
-    /// *Real*: within 2 mm of touching when the last step began. *Potential*: further apart then, but near enough, or
-    /// fast enough, that they might have touched within it. *Ghost*: a potential point of a contact that had to push,
-    /// though the two shapes are more than 5 mm apart after the step. As far as can be known then it took velocity for
-    /// something that was not touched; shapes that touched in passing and parted within the step count too. It is what
-    /// the next [`StepReport::ghosts`](crate::StepReport::ghosts) counts. Both lengths times
+    /// *Real*: within 2 mm of touching when the last step began. *Potential*: further apart then, but near
+    /// enough, or fast enough, that they might have touched within it. *Ghost*: a potential point of a
+    /// contact that had to push, though the two shapes are more than 5 mm apart after the step. As far as is
+    /// known then, it removed velocity for a touch that did not occur; shapes that touched in passing and
+    /// separated within the step count too. It is what the next
+    /// [`StepReport::ghosts`](crate::StepReport::ghosts) counts. Both lengths times
     /// [`Settings::length_unit`](crate::Settings::length_unit).
     ///
     /// A point lies midway between the two surfaces, where the bodies are now.
     pub contacts: bool,
-    /// At each point of contact the normal, [`Self::length`] long, and the gap or overlap of the surfaces. Default no.
+    /// At each point of contact the normal, [`Self::length`] long, and the gap or overlap of the surfaces.
+    /// Default no.
     pub normals: bool,
     /// At each point of contact the normal impulse of the last substep, along the normal. Default no.
     pub impulses: bool,
-    /// Joints: the axes of both frames, red, green and blue for x, y and z; what each limit allows; the gap between the
-    /// frames' origins. Default yes.
+    /// Joints: the axes of both frames, red, green and blue for x, y and z; what each limit allows; the gap
+    /// between the frames' origins. Default yes.
     pub joints: bool,
-    /// Shapes of dynamic bodies in the colour of their island instead: all that touch or are joined have one. Default no.
+    /// Shapes of dynamic bodies in the colour of their island instead: all that touch or are joined have one.
+    /// Default no.
     pub islands: bool,
     /// Centres of mass, with the principal axes of inertia of what is dynamic. Default no.
     pub centres: bool,
-    /// Of each contact that got rows in the last step, a line from body to body (from a body to the point, if the other
-    /// can't move) in the colour that the solver gave it. No two lines of a colour end at the same dynamic body; white
-    /// ones found no colour and are solved one by one. Default no.
+    /// For each contact that got rows in the last step, a line from body to body (from a body to the point,
+    /// if the other can't move) in the colour that the solver gave it. No two lines of a colour end at the
+    /// same dynamic body; white ones found no colour and are solved one by one. Default no.
     pub solver_colours: bool,
-    /// Only what is in this box; of a mesh or height field only the triangles that may be. Default none: all.
+    /// Only what is in this box; for a mesh or height field, only the triangles that may be in it. Default
+    /// none: all.
     pub region: Option<Region>,
     /// Length of normals and of the axes of frames [m]. Default 0.2.
     pub length: f32,
@@ -58,7 +62,7 @@ impl Default for DrawOptions {
 }
 
 impl DrawOptions {
-    /// Nothing at all, to switch on what is wanted.
+    /// Nothing, to switch on single elements.
     pub fn nothing() -> Self {
         DrawOptions {
             shapes: false,
@@ -149,7 +153,8 @@ impl Colour {
         [self.red, self.green, self.blue].map(|c| f32::from(c) / 255.0)
     }
 
-    /// One of many that are easy to tell apart: hues a golden angle from each other, brighter and darker in turn.
+    /// One of many that are easy to tell apart: hues a golden angle from each other, brighter and darker in
+    /// turn.
     pub(super) fn nth(n: usize) -> Colour {
         let hue = (n as f32 * 0.618_034).fract() * 6.0;
         let light = if n.is_multiple_of(2) { 1.0 } else { 0.75 };
@@ -181,7 +186,7 @@ pub struct Palette {
     pub joint_limit: Colour,
     pub joint_gap: Colour,
     pub centre_of_mass: Colour,
-    /// Of frames and principal axes: x, y and z.
+    /// Colours of the axes of frames and of principal axes: x, y and z.
     pub axes: [Colour; 3],
 }
 

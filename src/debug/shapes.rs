@@ -12,11 +12,11 @@ use glam::{DVec3, Mat3, Quat, Vec3};
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct DrawnShape<'a> {
-    /// To know again what was drawn before, for a mesh that is made once.
+    /// Identifies the shape from call to call, for renderers that build a mesh once.
     pub shape: ShapeHandle,
     /// Its body.
     pub body: BodyHandle,
-    /// Of its body.
+    /// Kind of its body.
     pub kind: BodyKind,
     /// Its form, in its own frame.
     pub geometry: &'a Geometry,
@@ -26,7 +26,7 @@ pub struct DrawnShape<'a> {
     pub rotation: Quat,
     /// The colour of its kind.
     pub ink: Ink,
-    /// What of it is wanted, if not all.
+    /// The region to draw, if not all.
     pub region: Option<Region>,
 }
 

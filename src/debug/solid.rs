@@ -10,8 +10,8 @@ const RINGS: u32 = 6;
 /// What is drawn of a plane to each side of its origin [m].
 pub(super) const PLANE: f32 = 20.0;
 
-/// The triangles that show a shape, in its own frame [m], counter-clockwise from outside; those of meshes as they were
-/// given.
+/// The triangles that show a shape, in its own frame [m], counter-clockwise from outside; those of meshes as
+/// they were given.
 ///
 /// `window`: as for [`wireframe`](super::wireframe()).
 pub fn triangles(geometry: &Geometry, window: Option<(Vec3, Vec3)>, triangle: &mut dyn FnMut([Vec3; 3])) {
@@ -65,8 +65,8 @@ fn fans(hull: &ConvexHull) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     (hull.vertices().to_vec(), hull.faces().flat_map(fan).collect())
 }
 
-/// Where the cone around two balls touches each of them, as (height, radius), and the angle at which that is. A ball
-/// inside the other has no cone: its circle is the pole of the other.
+/// Where the cone around two balls touches each of them, as (height, radius), and the angle at which that is.
+/// A ball inside the other has no cone: its circle is the pole of the other.
 pub(super) fn seams(half_height: f32, bottom: f32, top: f32) -> ([(f32, f32); 2], f32) {
     let slope = if half_height > 0.0 { ((bottom - top) / (2.0 * half_height)).clamp(-1.0, 1.0) } else { 0.0 };
     let seam = libm::asinf(slope);
@@ -81,8 +81,8 @@ pub(super) fn seams(half_height: f32, bottom: f32, top: f32) -> ([(f32, f32); 2]
     }
 }
 
-/// (height, radius) from the lower pole to the upper one, along the two balls. Where their radii differ, each ball
-/// ends where the cone touches it.
+/// (height, radius) from the lower pole to the upper one, along the two balls. Where their radii differ, each
+/// ball ends where the cone touches it.
 pub(super) fn capsule_profile(half_height: f32, bottom: f32, top: f32) -> Vec<(f32, f32)> {
     // Two balls at one place are the larger one.
     let (bottom, top) = if half_height > 0.0 { (bottom, top) } else { (bottom.max(top), bottom.max(top)) };

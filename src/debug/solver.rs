@@ -6,7 +6,7 @@ use crate::lanes::ones;
 use crate::world::World;
 use glam::DVec3;
 
-/// Of contacts that found no colour.
+/// Colour of contacts without a solver colour.
 const NO_COLOUR: Colour = Colour::new(255, 255, 255);
 
 pub(super) fn draw(world: &World, options: &DrawOptions, out: &mut dyn DebugDraw) {
@@ -22,7 +22,7 @@ pub(super) fn draw(world: &World, options: &DrawOptions, out: &mut dyn DebugDraw
 }
 
 fn draw_part(world: &World, part: Part, ink: Ink, options: &DrawOptions, out: &mut dyn DebugDraw) {
-    // A contact that is gone, because a body was removed since the step, has no points.
+    // A contact that was removed with a body since the step has no points.
     let Some(contact) = world.contacts.all.get(part.slot()).filter(|contact| contact.count > 0) else {
         return;
     };

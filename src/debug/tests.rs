@@ -97,7 +97,7 @@ fn off_surface(world: &World, shape: u32, point: Vec3) -> f32 {
     let (from, to) = if collider.kind.is_convex() {
         (point * 3.0, Vec3::ZERO)
     } else {
-        // A little inside: what is on the border of a mesh is on the border of no triangle by rounding.
+        // A little inside: by rounding, a point on the border of a mesh may miss all triangles.
         let (x, z) = (point.x.clamp(1e-4, 2.4999), point.z.clamp(1e-4, 2.7999));
         let (x, z) = if collider.radius.is_finite() { (x, z) } else { (point.x, point.z) };
         (Vec3::new(x, point.y + 3.0, z), Vec3::new(x, point.y - 3.0, z))
@@ -204,7 +204,7 @@ fn a_potential_point_is_where_a_fast_ball_will_touch_and_where_it_has_touched() 
     assert_eq!((points.len(), sketch.points.len()), (1, 1));
     assert!(near(points[0], DVec3::new(-0.01, centre.y, 0.0), 5e-3), "{points:?} {centre}");
     assert_eq!(sketch.points[0].2, options.palette.potential_point);
-    // Two metres to the right and half a metre up, had the wall not been there.
+    // Two metres to the right and half a metre up, if the wall were not there.
     let way = sketch.lines(Element::Motion);
     assert_eq!(way.len(), 1);
     assert!(
@@ -384,7 +384,7 @@ fn no_two_lines_of_a_solver_colour_end_at_one_dynamic_body() {
     }
     // Each box of a row but the lowest stands on two, each of the lowest on the floor.
     assert_eq!(sketch.lines.len(), world.report().manifolds as usize);
-    // What lost a body since the step is no longer drawn.
+    // A contact that lost a body since the step is no longer drawn.
     let top = world.bodies().next().unwrap();
     world.remove_body(top).unwrap();
     assert!(Sketch::of(&world, &options).lines.len() < sketch.lines.len());
@@ -440,13 +440,14 @@ fn drawing_changes_nothing_and_an_empty_world_draws_nothing() {
     world().draw(&DrawOptions::everything(), &mut Nothing);
 }
 
-/// Hinges between bodies far apart contradict each other; once closing their tree was no number, and the pose with it.
+/// Hinges between bodies far apart contradict each other; once the closing rows of their tree became NaN, and
+/// poses with them.
 #[test]
 fn a_world_can_be_drawn_after_any_change() {
     (0..12).for_each(|n| draw_after_changes(7 + 1000 * n));
 }
 
-fn draw_after_changes(seed: u32) {
+fn draw_after_changes(seed: u64) {
     let mut world = world();
     let mut scene = crate::scene::builtin::chain(true);
     scene.joints.truncate(15);
@@ -459,11 +460,8 @@ fn draw_after_changes(seed: u32) {
         scene.add("ground", fixed(ground, DVec3::new(2.0 * n as f64, -1.0, 0.0)));
     }
     scene.add_to(&mut world).unwrap();
-    let mut x = seed;
-    let mut below = |n: usize| {
-        x = x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (x >> 8) as usize % n
-    };
+    let mut random = crate::random::Random(seed);
+    let mut below = |n| random.below(n);
     for _ in 0..40 {
         world.step(1.0 / 60.0).unwrap();
         for _ in 0..6 {
@@ -499,7 +497,8 @@ fn draw_after_changes(seed: u32) {
     }
 }
 
-/// Two stacks: bodies of one have one colour, of the other another; asleep too, and then by default a colour of their own.
+/// Two stacks: bodies of one have one colour, of the other another; asleep too, and then by default a colour
+/// of their own.
 #[test]
 fn islands_and_sleepers_have_colours() {
     let mut world = World::new(Settings { sleeping: true, ..Settings::default() }).unwrap();

@@ -1,5 +1,6 @@
 //! Leading eigenvalues of a linear map that is known only by what it does to vectors.
 
+use crate::scene::rng::Rng;
 use nalgebra::{Complex, DMatrix, DVector};
 
 /// An approximate eigenvalue with its vector `re + i im`, whose length is 1.
@@ -22,22 +23,16 @@ pub(super) fn norm(v: &[f64]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Numbers in -1..1 that look random: the finaliser of SplitMix64 (Steele et al., *Fast Splittable Pseudorandom Number
-/// Generators*, 2014).
+/// Random numbers in -1..=1.
 pub(super) fn noise(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = state;
-        z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (z ^ z >> 31) as i64 as f64 / i64::MAX as f64
-    }
+    let mut rng = Rng::new(seed);
+    move || rng.next() as i64 as f64 / i64::MAX as f64
 }
 
-/// Arnoldi's method (*The principle of minimized iterations*, 1951) with modified Gram-Schmidt, done twice: an orthonormal
-/// basis of `first, A first, A A first, ...`, and the eigenvalues of `A` seen in it. The greatest modulus comes first. What the map adds to
-/// the basis that is no longer than `floor` says nothing, and ends it: eigenvalues in a space of noise would be noise.
+/// Arnoldi's method (*The principle of minimized iterations*, 1951) with modified Gram-Schmidt, done twice:
+/// an orthonormal basis of `first, A first, A A first, ...`, and the eigenvalues of `A` seen in it. The
+/// eigenvalue of greatest modulus comes first. A new basis vector that is no longer than `floor` is rounding
+/// noise and ends the iteration: eigenvalues in a space of noise would be noise.
 pub(super) fn arnoldi<E>(
     mut first: Vec<f64>,
     dimension: usize,
@@ -96,10 +91,10 @@ pub(super) fn arnoldi<E>(
     Ok(found)
 }
 
-/// By inverse iteration, of length 1, with its greatest component real.
+/// The eigenvector by inverse iteration, scaled to length 1 with its greatest component real.
 fn eigenvector(h: &DMatrix<f64>, value: Complex<f64>) -> DVector<Complex<f64>> {
     let n = h.nrows();
-    // Beside the eigenvalue, by less than what tells it from others: the matrix must not be singular.
+    // A shift close to the eigenvalue, but not equal to it: the matrix must not be singular.
     let beside = value + Complex::new(1e-10, 1e-10) * (1.0 + h.norm());
     let mut shifted = h.map(|x| Complex::new(x, 0.0));
     for i in 0..n {
@@ -134,8 +129,8 @@ mod tests {
         (0..size).map(|_| random()).collect()
     }
 
-    /// 1.5, a pair of modulus 1.1 that turns by 0.3, and many from 0 to 0.9; every number also feeds the one before it, so the
-    /// vectors are far from orthogonal.
+    /// 1.5, a pair of modulus 1.1 that turns by 0.3, and many from 0 to 0.9; every number also feeds the one
+    /// before it, so the vectors are far from orthogonal.
     #[test]
     fn the_leading_eigenvalues_of_a_known_map_are_found() {
         const SIZE: usize = 60;
@@ -154,7 +149,7 @@ mod tests {
         assert!((found[1].modulus() - 1.1).abs() < 1e-6, "{}", found[1].value);
         assert!((found[1].value.arg().abs() - 0.3).abs() < 1e-6, "{}", found[1].value);
         assert!(found[3].modulus() < 0.95);
-        // Its vector is one.
+        // Its vector is an eigenvector of the map.
         let y = apply(&found[0].re).unwrap();
         let off: Vec<f64> = y.iter().zip(&found[0].re).map(|(y, x)| y - 1.5 * x).collect();
         assert!(norm(&off) < 1e-7, "{}", norm(&off));

@@ -1,4 +1,4 @@
-//! The growth of a displacement along what the world really does.
+//! The growth of a displacement along the world's actual trajectory.
 
 use super::Probe;
 use super::arnoldi::{noise, norm};
@@ -8,12 +8,13 @@ use crate::error::{Error, within};
 use crate::snapshot::Snapshot;
 use crate::world::World;
 
-/// Steps of time after which the two worlds are brought near again [s].
+/// Time after which the two worlds are brought close together again [s].
 const EVERY: f32 = 0.5;
 
-/// The rate at which two worlds part that differ by a little [1/s], over the second half of `seconds`: the largest Lyapunov
-/// exponent (Benettin et al., *Lyapunov Characteristic Exponents*, 1980). The difference is brought back to the probe's
-/// displacement every half second. It checks [`stability`](super::stability), which linearises about one state.
+/// The rate at which two worlds that differ by a little diverge [1/s], over the second half of `seconds`: the
+/// largest Lyapunov exponent (Benettin et al., *Lyapunov Characteristic Exponents*, 1980). The difference is
+/// brought back to the probe's displacement every half second. It checks [`stability`](super::stability),
+/// which linearises about one state.
 ///
 /// # Errors
 /// As [`stability`](super::stability).

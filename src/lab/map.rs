@@ -49,8 +49,8 @@ impl StepMap {
         self.changed
     }
 
-    /// The derivative of so many steps, times `v`: two worlds start at rest plus and minus `v`, of which the greatest component
-    /// is `part` of the probe's displacement.
+    /// The derivative of `steps` steps, times `v`: one world starts at rest plus `v`, another at rest minus
+    /// `v`, where `v` is scaled so that its greatest component is `part` of the probe's displacement.
     pub(super) fn apply(&mut self, v: &[f64], steps: u32, part: f64) -> Result<Vec<f64>, Error> {
         let greatest = v.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         if greatest == 0.0 {

@@ -1,9 +1,9 @@
 //! Whether rest is stable: the linearised map of a step about a world at rest, and its eigenvalues.
 //!
-//! At rest a step maps the state of the world (poses, velocities, and the impulses that it starts the next step with) to
-//! itself. What becomes of a small displacement from rest is told by the derivative of that map: a mode whose
-//! eigenvalue has a modulus above 1 grows in every step until something falls, however slowly. `docs/stability.md` says
-//! how it is computed and how exact it is.
+//! At rest a step maps the state of the world (poses, velocities, and the impulses that it starts the next
+//! step with) to itself. The derivative of that map says what becomes of a small displacement from rest: a
+//! mode whose eigenvalue has a modulus above 1 grows in every step until something falls, however slowly.
+//! `docs/stability.md` says how it is computed and how exact it is.
 //!
 //! ```
 //! use backstop::lab::{Probe, Verdict, find_rest, stability};
@@ -58,15 +58,16 @@ use map::StepMap;
 pub struct Probe {
     /// Length of a step [s].
     pub dt: f32,
-    /// Time that the map spans [s]: the longer, the finer eigenvalues near 1 are told from it. Default 2.
+    /// Time that the map spans [s]: the longer, the better eigenvalues near 1 are resolved. Default 2.
     pub horizon: f32,
-    /// The greatest component of what the state is displaced by: lengths in length units, angles in radians, velocities
-    /// by the time in which a body falls a length, impulses by what a hundred bodies weigh in a substep. Default 5e-5:
-    /// well above the rounding of poses (1e-7), and below what lifts a contact off.
+    /// The greatest component of the displacement of the state: lengths in length units, angles in radians,
+    /// velocities in length units per time in which a body falls one, impulses in those of the weight of a
+    /// hundred bodies over a substep. Default 5e-5: well above the rounding of poses (1e-7), and below what
+    /// lifts a contact off.
     pub displacement: f64,
     /// Dimension of the Krylov space, of which the leading modes are found: at least 1. Default 30.
     pub dimension: usize,
-    /// Of the first direction. Default 1.
+    /// Seed of the first direction. Default 1.
     pub seed: u64,
 }
 
@@ -93,32 +94,33 @@ impl Probe {
 /// What the map about rest does.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stability {
-    /// Numbers of the state.
+    /// Number of components of the state.
     pub unknowns: usize,
     /// Length of a step [s].
     pub dt: f32,
     /// Steps that the map spans.
     pub steps: u32,
-    /// Spectral radius per step: how the leading mode grows, over ten horizons or, if it hardly does, over forty.
+    /// Spectral radius per step: how the leading mode grows, over ten horizons or, if it hardly does, over
+    /// forty.
     pub radius: f64,
-    /// How far that may be off by rounding and by what is not linear, per step: the same mode at half the displacement
-    /// and from horizon to horizon.
+    /// Uncertainty of `radius` by rounding and nonlinearity, per step: measured from the same mode at half
+    /// the displacement and from horizon to horizon.
     pub noise: f64,
     /// The same as a rate [1/s].
     pub growth: f64,
-    /// The leading modes, the greatest modulus first; of a pair of complex ones the first.
+    /// The leading modes, the greatest modulus first; of a complex pair only one.
     pub modes: Vec<Mode>,
-    /// Contact points that bore something in only one of rest and the end of a map, at most: more than none means that points
-    /// let go or took hold, and that the map is not smooth there.
+    /// The most contact points that were loaded either at rest or at the end of the map, but not at both. If
+    /// there are any, points lost or gained load, and the map is not smooth there.
     pub changed: usize,
 }
 
-/// What the spectral radius says, as far as its noise lets it be told.
+/// What the spectral radius says, given its noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// Nothing grows by more than 1e-5 a step, or by so little that the noise hides it.
+    /// No mode grows by more than 1e-5 a step plus what the noise could hide.
     Stable,
-    /// Something does, by more than three times the noise.
+    /// A mode grows by more than that.
     Unstable,
     /// Neither, and the noise would hide a growth by e in 20 s.
     Unclear,
@@ -140,17 +142,18 @@ impl Stability {
 /// A mode of the map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mode {
-    /// Of its eigenvalue, per step.
+    /// Modulus of its eigenvalue, per step.
     pub modulus: f64,
-    /// The logarithm of that per second [1/s].
+    /// Growth rate: the logarithm of the modulus per second [1/s].
     pub growth: f64,
     /// [Hz]
     pub frequency: f64,
-    /// How far the map's answer is from a multiple of the mode, relative to the mode.
+    /// Distance of the mapped mode from a multiple of the mode, relative to the mode.
     pub residual: f64,
     /// Shares of the displacement: across gravity, along it, and turning.
     pub shares: [f64; 3],
-    /// The bodies that it displaces most, the most displaced first; their greatest displacement is 1 length unit or rad.
+    /// The bodies that it displaces most, the most displaced first; their greatest displacement is 1 length
+    /// unit or rad.
     pub bodies: Vec<ModeBody>,
 }
 
@@ -159,23 +162,23 @@ pub struct Mode {
 pub struct ModeBody {
     /// Which.
     pub body: BodyHandle,
-    /// Of its centre of mass [length units].
+    /// Displacement of its centre of mass [length units].
     pub linear: DVec3,
-    /// Its turn [rad].
+    /// Its rotation [rad].
     pub angular: DVec3,
 }
 
-/// How many bodies a mode tells of.
+/// Number of bodies listed with a mode.
 const TOLD: usize = 5;
-/// How many modes are told.
+/// Number of modes listed.
 const MODES: usize = 6;
 /// Horizons over which the leading mode is followed.
 const ROUNDS: usize = 10;
 /// Horizons over which it is followed at a time if it hardly grows.
 const LONGER: u32 = 4;
 
-/// Linearises the step about the world's state, which should be one of rest, and finds the leading modes. The world stays as
-/// it is; sleeping is off in the copies that step.
+/// Linearises the step about the world's state, which should be one of rest, and finds the leading modes. The
+/// world stays as it is; sleeping is off in the copies that step.
 ///
 /// # Errors
 /// If a number of the probe is out of range, or the world can't be copied.
@@ -209,8 +212,9 @@ pub fn stability(world: &World, probe: &Probe) -> Result<Stability, Error> {
     let k = f64::from(steps);
     let (short, off) = follow(&mut map, &first.re, steps)?;
     let (rate, noise) = if short * f64::from(LONGER) < 1.0 {
-        // What hardly grows stays small for longer, and then is seen more finely. Without the first horizon of each: where
-        // contacts were found is no part of the state, and what a displacement becomes in its first moments is no growth.
+        // A mode that hardly grows stays small for longer, so it can be followed for longer and measured more
+        // finely. The first horizon of each run is left out: where contacts were found is not part of the
+        // state, so the response in the first moments is not growth.
         let (long, more) = follow(&mut map, &first.re, LONGER * steps)?;
         let later = k * f64::from(LONGER - 1);
         ((long - short) / later, (off + more) / later)
@@ -230,8 +234,9 @@ pub fn stability(world: &World, probe: &Probe) -> Result<Stability, Error> {
     })
 }
 
-/// A random direction of which two horizons have left what lasts, and how far the map's answer to it is off by rounding and by
-/// what is not linear. What lasts is what is looked for; and to have every body displaced on its own lifts points off.
+/// A random direction after two horizons, and the error of the map along it by rounding and nonlinearity. Two
+/// horizons leave the lasting modes, which are what is looked for; a random direction itself displaces every
+/// body on its own, which lifts contact points off.
 fn start(map: &mut StepMap, seed: u64, steps: u32) -> Result<(Vec<f64>, f64), Error> {
     let mut random = noise(seed);
     let mut v: Vec<f64> = (0..map.unknowns()).map(|_| random()).collect();
@@ -244,9 +249,10 @@ fn start(map: &mut StepMap, seed: u64, steps: u32) -> Result<(Vec<f64>, f64), Er
     Ok((v, norm(&off) / 5.0_f64.sqrt()))
 }
 
-/// Growth of a direction over so many steps as a logarithm, the mean of some such times, and how far that may be off.
+/// Logarithm of the growth of a direction over `steps` steps, as the mean of several such spans, and its
+/// uncertainty.
 fn follow(map: &mut StepMap, direction: &[f64], steps: u32) -> Result<(f64, f64), Error> {
-    // What the Krylov space left of other modes in it dies out first.
+    // Remnants of other modes, which the Krylov space left in it, die out first.
     let start = unit(map.apply(direction, steps, 1.0)?).0;
     let mut rate = |part: f64| {
         let (mut v, mut logs) = (start.clone(), Vec::new());
@@ -271,7 +277,8 @@ fn unit(mut v: Vec<f64>) -> (Vec<f64>, f64) {
     (v, length)
 }
 
-/// Of a mode [Hz]: the angle by which the horizon turns it, and as many whole turns as the angle of a single step says.
+/// Frequency of a mode [Hz]: the angle by which the horizon rotates it, plus the number of whole turns that
+/// the angle of a single step implies.
 fn frequency(map: &mut StepMap, ritz: &Ritz, probe: &Probe) -> Result<f64, Error> {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
     let re = map.apply(&ritz.re, 1, 1.0)?;

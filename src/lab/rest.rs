@@ -12,11 +12,11 @@ pub struct Rest {
     pub steps: u32,
     /// Root of the mean square of the bodies' speeds then [m/s].
     pub speed: f64,
-    /// The furthest that any body had gone [m]: what has fallen rests too.
+    /// The greatest distance that any body had moved [m]: a structure that has fallen is at rest too.
     pub moved: f64,
 }
 
-/// Steps between two looks.
+/// Steps between two measurements.
 const EVERY: u32 = 30;
 
 /// Root of the mean square of the speeds of dynamic bodies [m/s].
@@ -26,7 +26,8 @@ fn speed(world: &World) -> f64 {
     ((0..count).map(square).sum::<f64>() / count.max(1) as f64).sqrt()
 }
 
-/// Lets a world come to rest for so long [s] and puts it back to its calmest moment: what is unstable moves again later.
+/// Lets a world come to rest for `seconds` [s] and restores its calmest moment: an unstable structure moves
+/// again later.
 ///
 /// # Errors
 /// If a number is out of range, or the world is being recorded.

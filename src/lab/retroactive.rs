@@ -1,16 +1,18 @@
-//! Time of impact with retroactive detection: step, look whether bodies went into each other, and if so go back to when they met.
+//! Time of impact with retroactive detection: step, check whether bodies penetrated each other, and if so go
+//! back to the time at which they met.
 //!
-//! It is a way to run a world without continuous collision, for comparison: detection only ever sees where bodies are.
-//! The time is bisected until overlap is within the tolerance, the world steps to there, meets the contact as a touching one in
-//! the next step, and goes on with what is left of the time. After [`Retroactive::rounds`] returns it goes through the rest without
-//! looking: an impact too many is less than a game that stands still.
+//! This runs a world without continuous collision, for comparison: detection only ever sees the present
+//! poses. The time is bisected until the overlap is within the tolerance; the world steps to that time, finds
+//! a touching contact in the next step, and goes on with the rest of the time. After [`Retroactive::rounds`]
+//! returns the rest of the step is taken without a check: one bad impact is better than a game that stands
+//! still.
 
 use crate::error::{Error, positive};
 use crate::limits::MIN_STEP;
 use crate::snapshot::Snapshot;
 use crate::world::World;
 
-/// How far back and how often.
+/// How exactly times of impact are found, and how often a step may be taken back.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Retroactive {
     /// Overlap that a step may add [m].
@@ -22,11 +24,11 @@ pub struct Retroactive {
 /// What a step took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Returns {
-    /// Steps that the world went through and kept.
+    /// Steps that were taken and kept.
     pub steps: u32,
     /// Steps that were taken back.
     pub undone: u32,
-    /// Whether rounds ran out before the time.
+    /// Whether the rounds ran out before the end of the step.
     pub gave_up: bool,
 }
 
@@ -71,7 +73,7 @@ impl Retroactive {
                         break;
                     }
                 }
-                // What is bad at once is in overlap already, and going back helps it no further.
+                // If even the shortest step is bad, bodies overlap already, and going back does not help.
                 let chosen = if good >= MIN_STEP { good } else { bad.max(MIN_STEP) };
                 if chosen != time {
                     time = chosen;
@@ -88,10 +90,10 @@ impl Retroactive {
 
 /// Halvings of a step.
 const BISECTIONS: u32 = 24;
-/// A share of the step to which the time of impact is found.
+/// Precision of the time of impact as a share of the step.
 const NEAR: f32 = 1e-4;
 
-/// The deepest overlap where bodies are [m]: the world looks, and stays as it is.
+/// The deepest overlap at the present poses [m]; the world stays unchanged.
 fn overlap(world: &mut World) -> Result<f64, Error> {
     let mut here = Snapshot::default();
     world.snapshot(&mut here);

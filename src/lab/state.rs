@@ -10,11 +10,12 @@ use std::collections::BTreeMap;
 /// A contact at rest: two colliders and which of their contacts.
 type Name = (u32, u32, u32);
 
-/// Numbers of a contact, beside the impulses of its points: friction and twist. Its lasting force is none of them: it stays as it
-/// is as long as the load is near it.
+/// State variables of a contact beside the impulses of its points: friction and twist. Its lasting force is
+/// not among them: it does not change as long as the load is close to it.
 const OTHERS: usize = 4;
 
-/// Where the numbers of a contact are in the state, and the places of its points that bear something, in the frame of shape `a`.
+/// Where the variables of a contact are in the state, and the positions of its loaded points in the frame of
+/// shape `a`.
 #[derive(Debug)]
 struct Bearing {
     first: usize,
@@ -26,8 +27,8 @@ impl Bearing {
         self.places.len() + OTHERS
     }
 
-    /// Which of the points each point of a contact is: the nearest that is still free. Contacts that are found again have the
-    /// same points under other keys when the other box's face is taken as the reference.
+    /// Matches each point of a contact with the nearest point that is not matched yet. Keys do not do: when
+    /// the other box's face becomes the reference, a contact has the same points under other keys.
     fn same(&self, contact: &Contact) -> [Option<usize>; MAX_POINTS] {
         let mut same = [None; MAX_POINTS];
         let mut free: Vec<usize> = (0..self.places.len()).collect();
@@ -40,7 +41,7 @@ impl Bearing {
     }
 }
 
-/// Calls for each contact, in the order of pairs.
+/// Calls `visit` for each contact, in the order of pairs.
 fn each_contact(world: &mut World, mut visit: impl FnMut(Name, &mut Contact)) {
     let World { broad, contacts, .. } = world;
     for pair in &broad.pairs {
@@ -53,7 +54,7 @@ fn each_contact(world: &mut World, mut visit: impl FnMut(Name, &mut Contact)) {
     }
 }
 
-/// Calls for each number that joints start the next step with, in their order.
+/// Calls `visit` for each number that joints carry over to the next step, in their order.
 fn each_of_joints(world: &mut World, mut visit: impl FnMut(&mut f32)) {
     for lock in &mut world.joints.locks {
         lock.impulse.as_mut().iter_mut().for_each(&mut visit);
@@ -66,20 +67,21 @@ fn each_of_joints(world: &mut World, mut visit: impl FnMut(&mut f32)) {
     }
 }
 
-/// Numbers of a body: where, how turned, how fast, how fast turning.
+/// State variables of a body: position, rotation, linear and angular velocity.
 const BODY: usize = 12;
 
-/// A unit of impulse is what so many bodies weigh in a substep: contacts are stiff, and rounding of poses alone shifts their
-/// loads by a thousandth of a weight. A displacement of 5e-5 is then 0.5 % of one.
+/// The unit of impulse is the weight of this many bodies over a substep: contacts are stiff, and rounding of
+/// poses alone shifts their loads by a thousandth of a weight. A displacement of 5e-5 is then 0.5 % of one.
 const STIFF: f64 = 100.0;
 
-/// Which numbers make the state, and their units. The bodies come first, then the impulses of contacts, of points that bear
-/// something at rest (what bears nothing can only rise, which is not linear), then those of joints.
+/// Which variables make up the state, and their units. Bodies come first, then the impulses of contact points
+/// that are loaded at rest (the impulse of an unloaded point can only rise, which is not linear), then those
+/// of joints.
 #[derive(Debug)]
 pub(super) struct Layout {
     bodies: usize,
     contacts: BTreeMap<Name, Bearing>,
-    /// Where those of joints begin, and where all end.
+    /// Where the variables of joints begin, and where all end.
     joints: usize,
     end: usize,
     /// [m], [s], [N s].
@@ -118,8 +120,9 @@ impl Layout {
         self.end
     }
 
-    /// Calls for each impulse of the state: its place, its unit, its least value, and where it is. Says how many contacts
-    /// and points bear something that is no part of the state, or are part of it and bear nothing.
+    /// Calls `visit` for each impulse of the state with its index, unit, least value, and the impulse itself.
+    /// Returns how many contacts and points are loaded but not part of the state, or part of it but not
+    /// loaded.
     fn each_impulse(&self, world: &mut World, mut visit: impl FnMut(usize, f64, f64, &mut f32)) -> usize {
         let (mut met, mut changed) = (0, 0);
         each_contact(world, |name, contact| {
@@ -171,7 +174,7 @@ impl Layout {
         });
     }
 
-    /// What `plus` is beyond `minus`; and how many points bear something in only one of a world and rest.
+    /// The difference of `plus` and `minus`, and how many points are loaded in only one of a world and rest.
     pub(super) fn difference(&self, plus: &mut World, minus: &mut World) -> (Vec<f64>, usize) {
         let mut out = Vec::with_capacity(self.len());
         for i in 0..self.bodies {
@@ -198,7 +201,8 @@ impl Layout {
         (out, changed)
     }
 
-    /// Shares of the displacement of bodies across gravity, along it and by turning, and the `most` that are displaced most.
+    /// Shares of the displacement of bodies across gravity, along it and by turning, and the `most` that are
+    /// displaced most.
     pub(super) fn lives(&self, world: &World, v: &[f64], most: usize) -> ([f64; 3], Vec<ModeBody>) {
         let down = world.settings.gravity.as_dvec3().normalize_or(DVec3::NEG_Y);
         let mut shares = [0.0; 3];

@@ -1,4 +1,4 @@
-//! The same few structures under every method: what each costs, and how well what stands stays.
+//! The same few structures under every method: what each costs, and how well structures stay up.
 
 use super::WorldSolver;
 use super::envelope::{Conditions, Trial};
@@ -56,7 +56,8 @@ impl Structure {
         Ok((world, bodies))
     }
 
-    /// Runs it under a method, or under the fast path alone, with steps of `dt` seconds. Islands are solved as `solver` says.
+    /// Runs it under a method, or under the fast path alone, with steps of `dt` seconds. Islands are solved
+    /// as `solver` says.
     ///
     /// # Errors
     /// If `dt` can't be a step's, or `seconds` is not in 0..=3600.
@@ -103,16 +104,16 @@ impl Structure {
 /// What became of a structure.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outcome {
-    /// Of a step, its measures included: the median [s].
+    /// Time of a step, measuring included: the median [s].
     pub time: f64,
     /// Velocity by which the law that is obeyed worst is broken: the median over the steps [m/s].
     pub residual: f64,
-    /// How far bodies of what stands are from where they were put [m].
+    /// How far bodies of standing structures moved from their initial positions [m].
     pub drift: f64,
-    /// The most that a joint was off [m].
+    /// The greatest joint error [m].
     pub joint_error: f64,
-    /// The most energy that there ever was beyond that of the start [J].
+    /// The greatest energy in excess of that at the start [J].
     pub gained: f64,
-    /// Islands that the method had no answer for, counted in every step: they went on by the fast path.
+    /// Islands that the method could not solve, summed over all steps: they kept the fast path's result.
     pub refused: usize,
 }

@@ -1,8 +1,8 @@
 //! Measured tosses of a cube against the same tosses simulated.
 //!
-//! The measurements are those of Pfrommer, Halm and Posa, *ContactNets* (CoRL 2020): an acrylic cube thrown onto a plate, its pose
-//! taken 148 times a second. A run starts with the first sample and is left alone; what it is off by at each later sample is averaged
-//! over the toss, and that over all tosses.
+//! The measurements are those of Pfrommer, Halm and Posa, *ContactNets* (CoRL 2020): an acrylic cube thrown
+//! onto a plate, its pose taken 148 times a second. A run starts at the first sample; its deviation at each
+//! later sample is averaged over the toss, and that over all tosses.
 
 use crate::body::BodyDesc;
 use crate::config::Settings;
@@ -15,15 +15,15 @@ use glam::{DQuat, DVec3, Mat3, Quat, Vec3};
 /// A cube as it was measured at one time. The plate is the plane z = 0, and gravity points down z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Since the first sample [s].
+    /// Time since the first sample [s].
     pub time: f64,
-    /// Of the centre [m].
+    /// Position of the centre [m].
     pub position: DVec3,
     /// From the cube's frame to the world's.
     pub rotation: DQuat,
-    /// Of the centre [m/s].
+    /// Velocity of the centre [m/s].
     pub velocity: DVec3,
-    /// In the cube's own frame [rad/s].
+    /// Angular velocity in the cube's own frame [rad/s].
     pub body_spin: DVec3,
 }
 
@@ -32,9 +32,9 @@ pub struct Sample {
 pub struct Cube {
     /// Half of its width [m]. Default 0.0524.
     pub half_width: f32,
-    /// [kg] Default 0.37.
+    /// Mass [kg]. Default 0.37.
     pub mass: f32,
-    /// About each axis [kg m²]. Default 0.00081.
+    /// Moment of inertia about each axis [kg m²]. Default 0.00081.
     pub inertia: f32,
     /// Default 0.18.
     pub friction: f32,
@@ -60,18 +60,18 @@ impl Default for Cube {
 /// How far a simulated toss is from the measured one, in the mean over its samples and at the last.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Deviation {
-    /// Of the centre [widths of the cube].
+    /// Deviation of the centre [widths of the cube].
     pub position: f64,
-    /// Of the rotation [rad].
+    /// Deviation of the rotation [rad].
     pub rotation: f64,
-    /// Of the centre at the end [widths of the cube].
+    /// Deviation of the centre at the end [widths of the cube].
     pub last_position: f64,
-    /// Of the rotation at the end [rad].
+    /// Deviation of the rotation at the end [rad].
     pub last_rotation: f64,
 }
 
 impl Deviation {
-    /// The mean of several; zero of none.
+    /// The mean of several deviations; zero if there are none.
     pub fn mean(of: &[Deviation]) -> Deviation {
         let share = 1.0 / of.len().max(1) as f64;
         of.iter().fold(Deviation::default(), |sum, one| Deviation {
@@ -83,8 +83,9 @@ impl Deviation {
     }
 }
 
-/// Simulates a toss from its first sample and compares it with the others. Each interval between samples is cut into `parts` steps;
-/// gravity of the settings is replaced. `solver`: what solves the steps, if not the fast path.
+/// Simulates a toss from its first sample and compares it with the others. Each interval between samples is
+/// cut into `parts` steps; gravity of the settings is replaced. `solver`: what solves the steps, if not the
+/// fast path.
 ///
 /// # Errors
 /// If there are less than two samples, a number is not finite or out of range, or times do not rise.
@@ -135,7 +136,7 @@ fn start(
     let mut world = World::new(settings)?;
     let material = Material::default().with_friction(cube.friction).with_restitution(cube.restitution);
     let shape = |geometry| ShapeDesc { material, ..ShapeDesc::new(geometry) };
-    // A plane's normal is y of its body.
+    // A plane's normal is the y axis of its body.
     let up = Quat::from_rotation_arc(Vec3::Y, Vec3::Z);
     let plate = BodyDesc::fixed().at(DVec3::NEG_Z * cube.lowered).rotated(up);
     world.add_body(&plate.with_shape(shape(Geometry::Plane)))?;

@@ -1,8 +1,10 @@
-//! When a convex shape that moves straight ahead first touches another, and how deep it is in it at the start.
+//! When a convex shape that moves straight ahead first touches another, and how deep it is in it at the
+//! start.
 //!
-//! Without rotation the gap along a fixed direction shrinks evenly, so conservative advancement (Mirtich, 1996) with the
-//! separating direction of GJK is Newton's method from the safe side: it converges in a few steps, and never steps too
-//! far. It is `narrow_phase/cast.rs` without all that spin asks for, and with the points that touch.
+//! Without rotation the gap along a fixed direction shrinks evenly, so conservative advancement (Mirtich,
+//! 1996) with the separating direction of GJK is Newton's method from the safe side: it converges in a few
+//! steps, and never steps too far. It is `narrow_phase/cast.rs` without rotation, and with the touching
+//! points.
 
 use super::penetration::{Depth, depth};
 use crate::narrow_phase::{CoreGap, Simplex, Support, SupportPose, core_gap};
@@ -14,7 +16,7 @@ const MAX_STEPS: usize = 64;
 /// Where two shapes first touch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Touch {
-    /// Of the path, 0..=1; a little early, never late.
+    /// Fraction of the path, 0..=1; a little early, never late.
     pub(super) fraction: f64,
     /// Unit, from the moving shape to the other, in the moving one's frame.
     pub(super) normal: DVec3,
@@ -24,19 +26,19 @@ pub(super) struct Touch {
     pub(super) depth: f64,
 }
 
-/// What a search is to know.
+/// The input of a search.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Course {
-    /// Of the moving shape, in its frame [m].
+    /// Path of the moving shape, in its frame [m].
     pub(super) path: DVec3,
-    /// A gap of so much is a touch [m].
+    /// Gaps up to this size are touches [m].
     pub(super) tolerance: f64,
-    /// An overlap at the start that the path leads out of is none.
+    /// Ignore an overlap at the start if the path leads out of it.
     pub(super) skip_inside: bool,
 }
 
-/// The first touch up to the fraction `most`, which has no other influence on it. `pose`: of b in a's frame at the
-/// start; `hint`: about the direction from a to b.
+/// The first touch up to the fraction `most`, which has no other influence on it. `pose`: of b in a's frame
+/// at the start; `hint`: about the direction from a to b.
 pub(super) fn first_touch(
     a: &Support,
     b: &Support,
@@ -63,14 +65,14 @@ pub(super) fn first_touch(
         };
         let room = gap.lower - radii;
         let closing = course.path.dot(gap.normal);
-        // A gap that outlasts the path: however near it gets, it touches nothing.
+        // The gap stays open to the end of the path.
         if closing <= 0.0 || t + room / closing > 1.0 {
             return None;
         }
         if room <= course.tolerance {
             return Some(touch);
         }
-        // Short of the tolerance, so that the last step is not the limit of infinitely many.
+        // Aims at half of the tolerance, so that it is reached in finitely many steps.
         t += (room - 0.5 * course.tolerance) / closing;
         if t > most {
             return None;
@@ -101,8 +103,8 @@ pub(super) fn overlaps(a: &Support, b: &Support, pose: &SupportPose, hint: DVec3
     gap.overlap || gap.upper <= radii
 }
 
-/// Height of the lowest point of a over the plane through the origin of b's frame, whose normal is b's y axis; with the
-/// normal and that point, in a's frame.
+/// Height of the lowest point of a over the plane through the origin of b's frame, whose normal is b's y
+/// axis; with the normal and that point, in a's frame.
 pub(super) fn over_plane(a: &Support, pose: &SupportPose) -> (f64, DVec3, DVec3) {
     let up = pose.rotation.y_axis;
     let lowest = a.support(-up) - up * a.radius;

@@ -1,4 +1,4 @@
-//! The shapes that a query has to ask, with where they are.
+//! The shapes that a query has to test, with their present poses.
 
 use super::filter::{QueryFilter, Sees};
 use crate::body::{BodyKind, Pose};
@@ -33,7 +33,7 @@ impl Candidate<'_> {
     }
 }
 
-/// Turns a vector by a quaternion whose length may be a little off, which `f64` would show.
+/// Rotates a vector by a quaternion that may be slightly off unit length, which would be noticeable in `f64`.
 pub(super) fn turn(rotation: Quat, v: DVec3) -> DVec3 {
     let q = rotation.as_dquat();
     let (u, twice) = (q.xyz(), 2.0 / q.length_squared());
@@ -48,7 +48,7 @@ pub(super) fn turn_back(rotation: Quat, v: DVec3) -> DVec3 {
 
 impl Present for World {
     fn each_mover(&self, f: &mut dyn FnMut(u32)) {
-        // What sleeps too: it may have moved in the step before it fell asleep.
+        // Sleeping ones too: they may have moved in the step in which they fell asleep.
         let there = |&body: &usize| !self.bodies.traits[body].disabled;
         for body in (0..self.bodies.movers()).chain(self.bodies.asleep().filter(there)) {
             self.bodies.colliders[body].as_slice().iter().for_each(|&c| f(c));
@@ -77,8 +77,9 @@ impl World {
         self.now.get(&self.broad, self, bounded)
     }
 
-    /// Calls `ask` with every shape that the filter sees and whose box a box of half extents `half`, which moves along
-    /// `path`, meets before the fraction `most`; about the nearest first. `ask` returns the new `most`.
+    /// Calls `ask` with every shape that the filter sees and whose box a box of half extents `half`, which
+    /// moves along `path`, meets before the fraction `most`; about the nearest first. `ask` returns the new
+    /// `most`.
     ///
     /// # Errors
     /// If the budget does not allow the tree of what moves.
@@ -102,8 +103,8 @@ impl World {
         Ok(())
     }
 
-    /// Calls `ask` with every shape that the filter sees and whose box may be within the squared distance `most` of a
-    /// point [m²]; about the nearest first. `ask` returns the new `most`.
+    /// Calls `ask` with every shape that the filter sees and whose box may be within the squared distance
+    /// `most` of a point [m²]; about the nearest first. `ask` returns the new `most`.
     ///
     /// # Errors
     /// As for [`World::along`].

@@ -16,13 +16,13 @@ pub struct ClosestPoint {
     pub body: BodyHandle,
     /// Which shape.
     pub shape: ShapeHandle,
-    /// The nearest point, in the world [m]; inside a solid shape the point that was asked about.
+    /// The nearest point, in the world [m]; inside a solid shape the query point itself.
     pub point: DVec3,
     /// How far it is away [m]; zero inside.
     pub distance: f32,
-    /// Unit, from the nearest point towards the one that was asked about; on a surface, out of it. Zero inside.
+    /// Unit vector from the nearest point towards the query point; on a surface, out of it. Zero inside.
     pub normal: Vec3,
-    /// Of a triangle mesh or a height field: which triangle.
+    /// Index of the triangle, for a triangle mesh or a height field.
     pub triangle: Option<u32>,
     /// Whether the point is inside a solid shape.
     pub inside: bool,
@@ -31,10 +31,11 @@ pub struct ClosestPoint {
 impl World {
     /// The shape that is nearest to a point [m], within a distance [m].
     ///
-    /// Convex shapes and planes (the half-space below) are solid: a point inside one is at the distance 0 from it, with
-    /// [`ClosestPoint::inside`]. Triangles of meshes and height fields are surfaces. Of shapes at the same distance the
-    /// one of the lower [`ShapeHandle`] is reported, of a mesh's triangles that of the lower index.
-    /// [`QueryFilter::skip_inside`] has no effect. When, where and how often it may be asked: as [`World::cast_ray`].
+    /// Convex shapes and planes (the half-space below) are solid: a point inside one is at the distance 0
+    /// from it, with [`ClosestPoint::inside`]. Triangles of meshes and height fields are surfaces. Among
+    /// shapes at the same distance the one with the lower [`ShapeHandle`] is reported, among a mesh's
+    /// triangles the one with the lower index. [`QueryFilter::skip_inside`] has no effect. When, where and
+    /// how often it may be asked: as [`World::cast_ray`].
     ///
     /// # Errors
     /// A coordinate is not finite or beyond 1e15, the distance is not a number in 0..=1e15, or
@@ -57,8 +58,8 @@ impl World {
         Ok(first.map(|(_, _, candidate, found)| self.closest(&candidate, &found)))
     }
 
-    /// Whether any shape is within a distance [m] of a point [m]; inside counts. Rules and errors are those of
-    /// [`World::closest_point`].
+    /// Whether any shape is within a distance [m] of a point [m]; inside counts. Rules and errors are those
+    /// of [`World::closest_point`].
     ///
     /// # Errors
     /// As there.
@@ -77,8 +78,9 @@ impl World {
         Ok(any)
     }
 
-    /// The nearest point of every shape within a distance [m], by distance and then by [`ShapeHandle`]. They replace
-    /// what is in `found`, which alone may grow. Rules and errors are those of [`World::closest_point`].
+    /// The nearest point of every shape within a distance [m], by distance and then by [`ShapeHandle`]. They
+    /// replace what is in `found`, which alone may grow. Rules and errors are those of
+    /// [`World::closest_point`].
     ///
     /// # Errors
     /// As there; then `found` is as it was.
@@ -100,8 +102,8 @@ impl World {
         Ok(())
     }
 
-    /// Calls `f` with the nearest points of shapes that are within the distance that `f` last returned; below zero ends
-    /// it.
+    /// Calls `f` with the nearest points of shapes that are within the distance that `f` last returned; below
+    /// zero ends it.
     fn near<'a>(
         &'a self,
         point: DVec3,
@@ -113,7 +115,7 @@ impl World {
         let squared = |d: f32| if d < 0.0 { -1.0 } else { d * d * (1.0 + 1e-6) + f32::MIN_POSITIVE };
         let mut most = distance;
         self.around(point, filter, squared(distance), |candidate, limit| {
-            // Halfway to the next number: what rounds to the limit is still within.
+            // Halfway to the next number: distances that round to the limit are within.
             let reach = f64::from(most) * (1.0 + 1e-7);
             match nearest(candidate.shape, candidate.local(point), reach) {
                 Some(found) if found.distance as f32 <= most => {

@@ -35,11 +35,11 @@ pub struct QueryFilter<'a> {
     pub exclude_body: Option<BodyHandle>,
     /// A shape that is not seen. A stale handle excludes nothing.
     pub exclude_shape: Option<ShapeHandle>,
-    /// Of rays: solid shapes that hold the start are not seen. Of moving shapes: what they overlap at the start is not
-    /// seen if the path leads out of it. Default: no.
+    /// For rays, solid shapes that contain the start are not seen. For moving shapes, shapes that they
+    /// overlap at the start are not seen if the path leads out of them. Default: no.
     pub skip_inside: bool,
-    /// The caller's own word, asked last, in no particular order, and about shapes only whose boxes the query meets. It
-    /// may be asked more than once about the same shape in a batch.
+    /// The caller's own predicate, evaluated last, in no particular order, and only for shapes whose boxes
+    /// the query meets. It may be asked more than once about the same shape in a batch.
     pub predicate: Option<&'a dyn Fn(BodyHandle, ShapeHandle) -> bool>,
 }
 
@@ -119,7 +119,7 @@ impl<'a> QueryFilter<'a> {
         self
     }
 
-    /// Which trees there is something to see in.
+    /// The trees that the query has to search.
     pub(super) fn sorts(&self) -> Sorts {
         Sorts { statics: self.statics, movers: self.kinematic || self.dynamic }
     }
@@ -131,7 +131,7 @@ pub(super) struct Sees<'a> {
     filter: &'a QueryFilter<'a>,
     exclude_body: usize,
     exclude_shape: u32,
-    /// Nothing but kinds to look at, and all of these are seen.
+    /// The filter sees every shape.
     all: bool,
 }
 

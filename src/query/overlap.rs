@@ -21,17 +21,18 @@ pub struct Overlap {
 }
 
 impl World {
-    /// All shapes that a convex one at a pose overlaps or touches, by [`ShapeHandle`]. They replace what is in `found`,
-    /// which alone may grow.
+    /// All shapes that a convex one at a pose overlaps or touches, by [`ShapeHandle`]. They replace what is
+    /// in `found`, which alone may grow.
     ///
-    /// Planes are the half-space below; triangles of meshes and height fields are surfaces, so what is on neither side
-    /// of one overlaps it. For depths and directions out see [`World::cast_shape_all`] with a path of zero.
-    /// [`QueryFilter::skip_inside`] has no effect. When, where and how often it may be asked: as [`World::cast_ray`].
+    /// Planes are the half-space below; triangles of meshes and height fields are surfaces, so what is on
+    /// neither side of one overlaps it. For depths and directions out see [`World::cast_shape_all`] with a
+    /// path of zero. [`QueryFilter::skip_inside`] has no effect. When, where and how often it may be asked:
+    /// as [`World::cast_ray`].
     ///
     /// # Errors
-    /// The shape is not convex or has no size, the rotation is not a unit quaternion, a number is not finite or beyond
-    /// 1e15, or the budget does not allow the tree of what moves (see [`World::cast_ray`]); then `found`
-    /// is as it was.
+    /// The shape is not convex or has no size, the rotation is not a unit quaternion, a number is not finite
+    /// or beyond 1e15, or the budget does not allow the tree of what moves (see [`World::cast_ray`]); then
+    /// `found` is as it was.
     pub fn overlap(
         &self,
         shape: &Geometry,
@@ -52,7 +53,8 @@ impl World {
         Ok(())
     }
 
-    /// Whether a convex shape at a pose overlaps or touches anything. Rules and errors are those of [`World::overlap`].
+    /// Whether a convex shape at a pose overlaps or touches anything. Rules and errors are those of
+    /// [`World::overlap`].
     ///
     /// # Errors
     /// As there.
@@ -97,7 +99,7 @@ fn meets(probe: &Probe<'_>, candidate: &Candidate<'_>) -> bool {
     let to_mesh = pose.rotation.transpose();
     let around = || {
         let (at, half) = (to_mesh * -pose.position, probe.half_in(&pose));
-        // More than what rounding takes.
+        // A margin for rounding.
         let half = half + 1e-6 * (at.abs() + half);
         ((at - half).as_vec3(), (at + half).as_vec3())
     };

@@ -1,14 +1,15 @@
 //! How deep two convex shapes are in each other.
 //!
-//! The polytope of van den Bergen (*Proximity Queries and Penetration Depth Computation on 3D Game Objects*, 2001): the
-//! convex hull of some points of b - a grows where it is nearest to the origin until it can't. Here the distance of a
-//! face counts with its sign, so that the first tetrahedron need not hold the origin: a face that has it in front is the
-//! lowest, and grows first. On a fixed stack, with `f64`.
+//! The polytope of van den Bergen (*Proximity Queries and Penetration Depth Computation on 3D Game Objects*,
+//! 2001): the convex hull of some points of b - a grows where it is nearest to the origin until it can't.
+//! Here the distance of a face counts with its sign, so that the first tetrahedron need not hold the origin:
+//! a face that has it in front is the lowest, and grows first. On a fixed stack, with `f64`.
 
 use crate::narrow_phase::{CoreGap, Support, SupportPose};
 use glam::DVec3;
 
-/// Points until the search is content: polytopes need about ten, round shapes reach a thousandth of the depth with 40.
+/// Points until the search is content: polytopes need about ten, round shapes reach a thousandth of the depth
+/// with 40.
 const MOST_POINTS: usize = 64;
 const MOST_FACES: usize = 2 * MOST_POINTS;
 const MOST_EDGES: usize = 96;
@@ -16,7 +17,7 @@ const MOST_EDGES: usize = 96;
 /// An overlap.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Depth {
-    /// By so much a has to go back along the normal until they only touch [m].
+    /// Distance by which a has to go back along the normal until they only touch [m].
     pub(super) depth: f64,
     /// Unit, from a to b, in a's frame.
     pub(super) normal: DVec3,
@@ -24,7 +25,7 @@ pub(super) struct Depth {
     pub(super) point: DVec3,
 }
 
-/// Of shapes that overlap; `gap`: what GJK said of them.
+/// The penetration depth of overlapping shapes; `gap`: GJK's result for them.
 pub(super) fn depth(a: &Support, b: &Support, pose: &SupportPose, gap: &CoreGap) -> Depth {
     let radii = a.radius + b.radius;
     if !gap.overlap && gap.upper > 1e-9 * radii {
@@ -168,7 +169,7 @@ impl<'a> Polytope<'a> {
         true
     }
 
-    /// Takes a point in. No: there is no place left, or nothing of the polytope sees it.
+    /// Adds a point. False if there is no space left, or no face sees the point.
     fn grow(&mut self, corner: Corner) -> bool {
         if self.count == MOST_POINTS {
             return false;
@@ -186,7 +187,7 @@ impl<'a> Polytope<'a> {
             self.faces[i] = self.faces[self.face_count];
             let [a, b, c] = face.corners;
             for edge in [[a, b], [b, c], [c, a]] {
-                // An edge of two faces that go is inside.
+                // An edge between two removed faces is inside.
                 if let Some(twin) = edges[..used].iter().position(|e| *e == [edge[1], edge[0]]) {
                     used -= 1;
                     edges[twin] = edges[used];

@@ -1,4 +1,4 @@
-//! A convex shape that asks: checked, placed, and brought together with the shapes that it may meet.
+//! The convex shape of a query: checked, placed, and related to the shapes that it may meet.
 
 use super::candidates::{Candidate, turn, turn_back};
 use super::ray::check_start;
@@ -13,7 +13,7 @@ pub(super) struct Probe<'a> {
     pub(super) position: DVec3,
     rotation: Quat,
     axes: DMat3,
-    /// Of a box around it, in the axes of the world [m].
+    /// Half extents of a box around it, in the axes of the world [m].
     pub(super) half: Vec3,
     radius: f32,
 }
@@ -50,8 +50,8 @@ impl<'a> Probe<'a> {
         turn(self.rotation, v)
     }
 
-    /// How near counts as a touch [m]: a hundred-thousandth of the smaller shape, at most 5 µm, and no less than the `f32`
-    /// corners of a large hull ask for.
+    /// How near counts as a touch [m]: a hundred-thousandth of the smaller shape, at most 5 µm, and no less
+    /// than the precision of the `f32` corners of a large hull.
     pub(super) fn tolerance(&self, other: &Collider) -> f64 {
         let other = if other.kind.is_convex() { other.radius } else { self.radius };
         let (small, large) = (self.radius.min(other), self.radius.max(other));

@@ -1,4 +1,4 @@
-//! Rays: what lies first on a straight line, whether anything does, all that does.
+//! Rays: the first shape on a straight line, whether there is any, and all of them.
 
 use super::candidates::Candidate;
 use super::filter::QueryFilter;
@@ -16,7 +16,8 @@ const FURTHEST: f32 = 1e15;
 pub struct Ray {
     /// Where it starts, in the world [m].
     pub from: DVec3,
-    /// From its start to its end [m]: direction times length. It may be zero; then it meets what holds the point.
+    /// From its start to its end [m]: direction times length. It may be zero; then it meets what holds the
+    /// point.
     pub path: Vec3,
 }
 
@@ -64,13 +65,13 @@ pub struct RayHit {
     pub body: BodyHandle,
     /// Which shape.
     pub shape: ShapeHandle,
-    /// Of the path, 0..=1; zero if the ray starts inside.
+    /// Fraction of the path, 0..=1; zero if the ray starts inside.
     pub fraction: f32,
     /// Where it is met, in the world [m]; more exact than what the fraction says.
     pub point: DVec3,
-    /// Unit, out of the shape; of a triangle against the ray. Zero if the ray starts inside.
+    /// Unit vector out of the shape; for a triangle, against the ray. Zero if the ray starts inside.
     pub normal: Vec3,
-    /// Of a triangle mesh or a height field: which triangle.
+    /// Index of the triangle, for a triangle mesh or a height field.
     pub triangle: Option<u32>,
     /// Whether the ray starts inside a solid shape.
     pub inside: bool,
@@ -79,18 +80,21 @@ pub struct RayHit {
 impl World {
     /// The first shape that a ray meets.
     ///
-    /// Convex shapes and planes (the half-space below) are solid: a ray that starts inside one meets it at the fraction
-    /// 0, with [`RayHit::inside`], unless [`QueryFilter::skip_inside`] says otherwise; it never meets a solid shape from
-    /// within. Triangles of meshes and height fields are met from both sides. Of shapes at the same fraction the one of
-    /// the lower [`ShapeHandle`] is reported, of a mesh's triangles that of the lower index.
+    /// Convex shapes and planes (the half-space below) are solid: a ray that starts inside one meets it at
+    /// the fraction 0, with [`RayHit::inside`], unless [`QueryFilter::skip_inside`] says otherwise; it never
+    /// meets a solid shape from within. Triangles of meshes and height fields are met from both sides. Among
+    /// shapes at the same fraction the one with the lower [`ShapeHandle`] is reported, among a mesh's
+    /// triangles the one with the lower index.
     ///
-    /// Sees the world as it is now: what was added, moved or removed since the last step too. The same bits whatever the
-    /// history of the world, on every build. Allocates nothing but, in the first query after a change, what the tree of
-    /// moving shapes needs to grow ([`World::memory`]). Any number of threads may ask at the same time.
+    /// Sees the world as it is now, including what was added, moved or removed since the last step. The same
+    /// bits whatever the history of the world, on every build. Allocates nothing but, in the first query
+    /// after a change, what the tree of moving shapes needs to grow ([`World::memory`]). Any number of
+    /// threads may ask at the same time.
     ///
     /// # Errors
-    /// A number is not finite or beyond 1e15, or the budget does not allow the tree of what moves ([`Error::Budget`]): asked by
-    /// the first query of a world, and by one that meets static bodies that no step has met.
+    /// A number is not finite or beyond 1e15, or the budget does not allow the tree of what moves
+    /// ([`Error::Budget`]): asked by the first query of a world, and by one that meets static bodies that no
+    /// step has met.
     pub fn cast_ray(&self, ray: &Ray, filter: &QueryFilter<'_>) -> Result<Option<RayHit>, Error> {
         ray.validate()?;
         self.first_on_ray(ray, filter)
@@ -110,8 +114,8 @@ impl World {
         Ok(any)
     }
 
-    /// All shapes that a ray meets, each where it is met first, by fraction and then by [`ShapeHandle`]. They replace
-    /// what is in `hits`, which alone may grow. The rules are those of [`World::cast_ray`].
+    /// All shapes that a ray meets, each where it is met first, by fraction and then by [`ShapeHandle`]. They
+    /// replace what is in `hits`, which alone may grow. The rules are those of [`World::cast_ray`].
     ///
     /// # Errors
     /// As there; then `hits` is as it was.

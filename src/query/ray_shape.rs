@@ -51,11 +51,11 @@ pub(super) fn meet(candidate: &Candidate<'_>, ray: &Ray, most: f32, any: bool) -
     })
 }
 
-/// From so many times the size of a mesh its triangles are looked at from where the ray comes near: `f32` would not
-/// know the start well enough.
+/// If the start is further away than this many sizes of a mesh, triangles are tested from where the ray comes
+/// near: `f32` would not represent the start well enough.
 const FAR: f64 = 4.0;
 
-/// What the plane of a triangle may correct, as a share of the size of the mesh.
+/// The largest correction by the plane of a triangle, as a share of the size of the mesh.
 const REFINED: f64 = 1e-5;
 
 fn meet_triangles(geometry: &Geometry, start: DVec3, path: DVec3, most: f32, any: bool) -> Option<Met> {
@@ -68,17 +68,17 @@ fn meet_triangles(geometry: &Geometry, start: DVec3, path: DVec3, most: f32, any
     Some(way.met(geometry, start, path, t, index))
 }
 
-/// The part of a ray that is looked at in `f32` among triangles.
+/// The part of a ray that is tested in `f32` among triangles.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Way {
     pub(super) from: Vec3,
     pub(super) path: Vec3,
-    /// Of this part, how far it matters.
+    /// Fraction of this part up to which hits matter.
     pub(super) most: f32,
-    /// Of the ray, where it begins and how much it is.
+    /// Where this part begins on the ray, and its share of the ray.
     enter: f64,
     share: f64,
-    /// What the plane of a triangle may correct [m].
+    /// The largest correction by the plane of a triangle [m].
     refined: f64,
 }
 
@@ -97,14 +97,14 @@ impl Way {
         }
         let share = leave - enter;
         let refined = REFINED * size;
-        // What is refined may come out so much sooner, and what is met must not depend on `most`.
+        // Refinement may move a hit forward by this much, and the result must not depend on `most`.
         let slack = refined / path.length();
         let most = if share < 1.0 { 1.0 } else { (f64::from(most) + slack).min(1.0) as f32 };
         let (from, path) = ((start + path * enter).as_vec3(), (path * share).as_vec3());
         Some(Way { from, path, most, enter, share, refined })
     }
 
-    /// What it is to meet a triangle at a fraction of the part.
+    /// The hit with a triangle at a fraction of the part.
     pub(super) fn met(&self, geometry: &Geometry, start: DVec3, path: DVec3, t: f32, index: u32) -> Met {
         let [a, b, c] = match geometry {
             Geometry::Mesh(mesh) => mesh.triangle(index),

@@ -1,4 +1,5 @@
-//! Moving shapes: what a convex shape touches first on a straight way, whether anything, all that it would.
+//! Moving shapes: what a convex shape touches first on a straight path, whether it touches anything, and all
+//! that it would touch.
 
 use super::advance::{Course, Touch, first_touch, first_touch_plane};
 use super::candidates::Candidate;
@@ -19,7 +20,7 @@ pub struct ShapeCast<'a> {
     pub shape: &'a Geometry,
     /// Where its origin is at the start, in the world [m].
     pub position: DVec3,
-    /// How it is turned; a unit quaternion.
+    /// Its rotation; a unit quaternion.
     pub rotation: Quat,
     /// From its start to its end [m]. It may be zero: then it touches what it overlaps.
     pub path: Vec3,
@@ -48,16 +49,17 @@ pub struct ShapeHit {
     pub body: BodyHandle,
     /// Which shape.
     pub shape: ShapeHandle,
-    /// Of the path, 0..=1, at which they touch; zero if they overlap at the start.
+    /// Fraction of the path, 0..=1, at which they touch; zero if they overlap at the start.
     pub fraction: f32,
     /// Where they touch, on the surface of the shape that is touched, in the world [m].
     pub point: DVec3,
-    /// Unit, from the touched shape towards the moving one. Of an overlap: the direction in which the moving one gets
-    /// out soonest.
+    /// Unit vector from the touched shape towards the moving one. For an overlap, the direction of the
+    /// shortest way out.
     pub normal: Vec3,
-    /// How far the moving shape has to go along the normal to get out of an overlap at the start [m]; zero without one.
+    /// How far the moving shape has to go along the normal to get out of an overlap at the start [m]; zero
+    /// without one.
     pub depth: f32,
-    /// Of a triangle mesh or a height field: which triangle.
+    /// Index of the triangle, for a triangle mesh or a height field.
     pub triangle: Option<u32>,
 }
 
@@ -77,20 +79,21 @@ impl Found {
 impl World {
     /// The first shape that a moving one touches.
     ///
-    /// The fraction is early, by a gap of at most a hundred-thousandth of the smaller shape and at most 5 µm (of the
-    /// larger: what `f32` resolves over it), and never late: moved up to there, the shape overlaps nothing that it did not
-    /// overlap at the start. What it overlaps at the start it touches at the fraction 0, with [`ShapeHit::depth`] and the
-    /// direction out, wherever it goes; with [`QueryFilter::skip_inside`] only if it goes deeper. What it is next to
-    /// without overlap counts if the path leads into it, not along it. Triangles of meshes and height fields are touched
-    /// from both sides, each for itself: whatever is said of an overlap here is said of single triangles. Of several that
-    /// overlap at the start the deepest is reported. Of shapes at the same fraction the one of the lower [`ShapeHandle`]
-    /// is reported, of triangles that of the lower index.
+    /// The fraction is early, by a gap of at most a hundred-thousandth of the smaller shape and at most 5 µm
+    /// (of the larger: what `f32` resolves over it), and never late: moved up to there, the shape overlaps
+    /// nothing that it did not overlap at the start. Shapes that it overlaps at the start are touched at the
+    /// fraction 0, with [`ShapeHit::depth`] and the direction out, whatever the path; with
+    /// [`QueryFilter::skip_inside`] only if it goes deeper. Adjacent shapes without overlap count if the path
+    /// leads into them, not along them. Triangles of meshes and height fields are touched from both sides,
+    /// each on its own: overlap refers to single triangles. If several overlap at the start, the deepest is
+    /// reported. Among shapes at the same fraction the one with the lower [`ShapeHandle`] is reported, among
+    /// triangles the one with the lower index.
     ///
     /// When, where and how often it may be asked: as [`World::cast_ray`].
     ///
     /// # Errors
-    /// The shape is not convex or has no size, the rotation is not a unit quaternion, a number is not finite or beyond
-    /// 1e15, or the budget does not allow the tree of what moves (see [`World::cast_ray`]).
+    /// The shape is not convex or has no size, the rotation is not a unit quaternion, a number is not finite
+    /// or beyond 1e15, or the budget does not allow the tree of what moves (see [`World::cast_ray`]).
     pub fn cast_shape(
         &self,
         cast: &ShapeCast<'_>,
@@ -108,7 +111,8 @@ impl World {
         Ok(first.map(|(_, index, found)| self.shape_hit(&probe, index, &found)))
     }
 
-    /// Whether a moving shape touches anything at all: less work than [`World::cast_shape`], whose rules it follows.
+    /// Whether a moving shape touches anything at all: less work than [`World::cast_shape`], whose rules it
+    /// follows.
     ///
     /// # Errors
     /// As there.
@@ -122,9 +126,9 @@ impl World {
         Ok(any)
     }
 
-    /// All shapes that a moving one would touch if none stopped it, each where it is touched first, by fraction and then
-    /// by [`ShapeHandle`]. They replace what is in `hits`, which alone may grow. With a path of zero: all that it
-    /// overlaps, with depths. The rules are those of [`World::cast_shape`].
+    /// All shapes that a moving one would touch if none stopped it, each where it is touched first, by
+    /// fraction and then by [`ShapeHandle`]. They replace what is in `hits`, which alone may grow. With a
+    /// path of zero: all that it overlaps, with depths. The rules are those of [`World::cast_shape`].
     ///
     /// # Errors
     /// As there; then `hits` is as it was.
@@ -145,7 +149,8 @@ impl World {
         Ok(())
     }
 
-    /// Calls `f` with each shape that a convex one overlaps, in no particular order; of a mesh with its deepest triangle.
+    /// Calls `f` with each shape that a convex one overlaps, in no particular order; for a mesh with its
+    /// deepest triangle.
     pub(crate) fn each_overlap(
         &self,
         shape: &Geometry,
@@ -254,7 +259,7 @@ fn touch_triangles(
             return most;
         };
         let fraction = round_down(touch.fraction);
-        // Deeper before shallower before the lower index.
+        // The deeper one first, then the lower index.
         let better =
             |other: &(f32, u32, Touch)| (fraction, -touch.depth, index) < (other.0, -other.2.depth, other.1);
         if fraction <= most && best.as_ref().is_none_or(better) {
@@ -270,7 +275,8 @@ fn touch_triangles(
     best.map(|(_, index, touch)| Found { touch, triangle: Some(index) })
 }
 
-/// Whether the moving shape reaches the plane of a triangle, and about the direction there; most that are near it don't.
+/// Whether the moving shape reaches the plane of a triangle, and about the direction there; most that are
+/// near it don't.
 fn reaches(a: &Support, pose: &SupportPose, corners: [Vec3; 3], course: &Course) -> Option<DVec3> {
     let [p, q, r] = corners.map(|v| pose.rotation * v.as_dvec3() + pose.position);
     let normal = (q - p).cross(r - p).normalize_or_zero();

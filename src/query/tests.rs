@@ -1,4 +1,5 @@
-//! Queries against slow oracles: all shapes one by one, dense samples, and GJK where the code under test doesn't use it.
+//! Queries against slow oracles: all shapes one by one, dense samples, and GJK where the code under test
+//! doesn't use it.
 
 use super::advance::overlaps;
 use super::candidates::Candidate;
@@ -74,7 +75,7 @@ impl World {
     }
 }
 
-/// What the trees leave out would have been no answer, before and after steps and changes, near and far.
+/// Shapes that the trees leave out would not have been hit, before and after steps and changes, near and far.
 #[test]
 fn trees_find_what_all_shapes_one_by_one_do() {
     let mut random = Random(17);

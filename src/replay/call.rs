@@ -13,7 +13,8 @@ use serde::{Deserialize, Serialize};
 
 macro_rules! calls {
     ($($(#[$doc:meta])* $call:ident $name:literal ($($kind:ty),*),)*) => {
-        /// A call that changed the world, or what one of them needs. New ones go to the end: their numbers are the format's.
+        /// A call that changed the world, or what one of them needs. New ones go to the end: their numbers
+        /// are the format's.
         #[derive(Clone, Debug, Serialize, Deserialize)]
         pub(crate) enum Call {
             $($(#[$doc])* $call($($kind),*),)*

@@ -1,4 +1,4 @@
-//! Where a replay goes another way than the recording.
+//! Where a replay diverges from its recording.
 
 use super::probe::{Seen, Short, Stage, StepRecord};
 use crate::error::Error;
@@ -12,22 +12,22 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Divergence {
-    /// Which step, the first being 1; of a refused call, the step that it came before.
+    /// Which step, from 1; for a refused call, the step after it.
     pub step: u64,
-    /// The first stage of it that made something else.
+    /// The first stage with a different result.
     pub stage: Stage,
-    /// The first body, in the order of handles, that is another: of those that the caller changed since the step before,
-    /// if one is, else of those after the step.
+    /// The first body, in the order of handles, that differs: among those that the caller changed since the
+    /// previous step, or if none of them differs, among all after the step.
     pub body: Option<DivergedBody>,
-    /// How many bodies are others after the step.
+    /// How many bodies differ after the step.
     pub bodies: usize,
-    /// A call that was refused and was not when it was recorded, with the reason.
+    /// A call that was refused although it was not when recorded, with the reason.
     pub refused: Option<(&'static str, Error)>,
     /// [`World::hash`] after the step as recorded and as replayed.
     pub hashes: [u64; 2],
 }
 
-/// A body that is not as it was recorded.
+/// A body that differs from the recording.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[non_exhaustive]
 pub struct DivergedBody {
@@ -35,7 +35,7 @@ pub struct DivergedBody {
     pub handle: BodyHandle,
     /// The caller's number.
     pub user_data: u64,
-    /// What it was called in [`World::name_recorded`].
+    /// Its name by [`World::name_recorded`].
     pub name: Option<String>,
 }
 

@@ -16,24 +16,24 @@ pub enum ReplayError {
     /// The world does not record.
     #[error("the world is not being recorded")]
     NotRecording,
-    /// Another sort of file.
+    /// The file is of another kind.
     #[error("this is no recording of backstop")]
     Foreign,
     /// Written by another version of the format.
     #[error("the recording has format {found}, but this version of backstop plays format {known}")]
     Version {
-        /// Of the file.
+        /// Version of the file.
         found: u16,
-        /// Of this version.
+        /// Version that this build reads.
         known: u16,
     },
-    /// The file ends before the recording does. What there is of it was played.
+    /// The file ends before the recording does. The part before was played.
     #[error("the recording is cut off after step {steps}")]
     CutOff {
         /// Steps that are there.
         steps: u64,
     },
-    /// The file is not as it was written.
+    /// The file is damaged.
     #[error("the recording is damaged after step {steps}: {what}")]
     Damaged {
         /// Steps before.

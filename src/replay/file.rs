@@ -5,9 +5,9 @@
 //! kind (u8), length (u32), so many bytes, CRC-32 of all three      any number of times
 //! ```
 //!
-//! The first block says how the world starts, the last that the recording ends; between them are calls, back to back, as
-//! postcard writes them. Numbers of the frame are little-endian. A reader that meets a kind that it doesn't know refuses the
-//! file: a start in the middle of a run, from a snapshot, will be one.
+//! The first block says how the world starts, the last that the recording ends; between them are calls, back
+//! to back, as postcard writes them. Numbers of the frame are little-endian. A reader that meets a kind that
+//! it doesn't know refuses the file: a start in the middle of a run, from a snapshot, will be one.
 
 use super::error::ReplayError;
 use crate::config::Settings;
@@ -18,7 +18,7 @@ use std::io::{Read, Write};
 use std::sync::{Arc, Mutex, PoisonError};
 
 const MAGIC: [u8; 16] = *b"backstop replay\n";
-/// Of the format. Whatever changes what is written changes it: a call, a setting, a stage's hash
+/// Version of the format. It changes with anything that is written: a call, a setting, a stage's hash
 /// (`the_format_is_that_of_its_version`).
 pub(super) const VERSION: u16 = 4;
 
@@ -31,7 +31,7 @@ pub(super) struct Start {
     pub(super) origin: DVec3,
 }
 
-/// The whole of it was written.
+/// The recording is complete.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub(super) struct End {
     pub(super) steps: u64,
@@ -114,13 +114,13 @@ pub(super) fn read_block(
     Ok((block, payload))
 }
 
-/// A recording in memory: its clones are the same, so one is given to
+/// A recording in memory. Clones share its bytes, so one is given to
 /// [`World::start_recording`](crate::World::start_recording) and the other read.
 #[derive(Clone, Debug, Default)]
 pub struct RecordingBuffer(Arc<Mutex<Vec<u8>>>);
 
 impl RecordingBuffer {
-    /// What was written so far. The recording is whole once it was stopped.
+    /// The bytes so far. The recording is complete once it was stopped.
     pub fn bytes(&self) -> Vec<u8> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }

@@ -31,10 +31,11 @@ enum Held {
     Field(Weak<HeightField>),
 }
 
-/// What was written.
+/// The geometry that was written.
 ///
-/// What shares memory in the run shares it in the replay, and what doesn't, doesn't: a budget counts it. So numbers are of
-/// what is in memory once, and of what has the same content only the first is written.
+/// Geometry that shares memory in the run shares it in the replay, and no other does, because a budget counts
+/// memory. So each object in memory has a number of its own, but of objects with equal content only the first
+/// is written.
 #[derive(Default)]
 pub(super) struct Written {
     by_address: BTreeMap<usize, (u32, Held)>,
@@ -97,7 +98,7 @@ fn bytes_of(geometry: &Geometry) -> usize {
     }
 }
 
-/// What was read, by number.
+/// The geometry that was read, by number.
 #[derive(Default)]
 pub(super) struct Read(Vec<Geometry>);
 
@@ -108,7 +109,7 @@ impl Read {
             Call::Hull(hull) => hull.counts(),
             Call::Mesh(mesh) => mesh.counts(),
             Call::Field(field) => field.counts(),
-            // A few bytes of the file: what is made counts by its bytes.
+            // The call is a few bytes of the file, but the copy counts by its size.
             Call::Again(number) => {
                 let known = self.0.get(*number as usize);
                 return tally.memory.take(known.map_or(0, bytes_of));
@@ -119,7 +120,7 @@ impl Read {
         tally.triangles.take(triangles)
     }
 
-    /// Keeps what a call defines; none if it is another sort of call.
+    /// Keeps the geometry that a call defines; none if it defines none.
     pub(super) fn define(&mut self, call: Call) -> Option<Result<(), Error>> {
         let made = match call {
             Call::Hull(hull) => ConvexHull::from_stored(hull).map(|hull| Geometry::Hull(Arc::new(hull))),
@@ -143,7 +144,7 @@ impl Read {
         self.0.len()
     }
 
-    /// Bytes of what was defined last.
+    /// Bytes of the geometry that was defined last.
     pub(super) fn last_bytes(&self) -> usize {
         self.0.last().map_or(0, bytes_of)
     }

@@ -2,8 +2,8 @@
 
 use glam::{DVec3, Quat, Vec3};
 
-/// Takes words and gives a number that differs if a bit of any of them does: each word goes through a bijection of the
-/// state.
+/// Takes words and gives a number that differs if a bit of any of them does: each word goes through a
+/// bijection of the state.
 #[derive(Clone, Copy)]
 pub(super) struct Hash(u64);
 
@@ -29,7 +29,7 @@ impl Hash {
         self.pair(v.x.to_bits(), v.y.to_bits());
         self.number(v.z);
     }
-    /// Two that belong together.
+    /// Two halves of one word.
     #[inline]
     pub(super) fn vectors(&mut self, a: Vec3, b: Vec3) {
         self.pair(a.x.to_bits(), a.y.to_bits());

@@ -1,14 +1,14 @@
-//! What hooks said, in place of the hooks.
+//! The recorded decisions of hooks, in place of the hooks.
 
 use crate::events::{ContactHook, ContactHooks, Tweak};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::sync::{Mutex, PoisonError};
 
-/// What was said of a contact of which something was said.
+/// The decision about a contact, for contacts that hooks vetoed or edited.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(crate) struct Decision {
-    /// How many contacts were shown since the last of which something was said.
+    /// How many contacts were shown since the last decision.
     after: u32,
     veto: bool,
     friction: Option<[f32; 2]>,
@@ -37,10 +37,11 @@ impl Decision {
     }
 }
 
-/// Hooks, and a note of what they say.
+/// Hooks, with a record of their decisions.
 pub(super) struct Heard<'a> {
     hooks: &'a dyn ContactHooks,
-    /// What was said, and contacts since. Locked by one thread only, again and again: hooks are asked by one.
+    /// The decisions, and the number of contacts since. The lock is never contended: hooks are called by one
+    /// thread.
     notes: Mutex<(Vec<Decision>, u32)>,
 }
 
@@ -68,7 +69,7 @@ impl ContactHooks for Heard<'_> {
     }
 }
 
-/// Says what was said.
+/// Replays the decisions.
 pub(super) struct Told<'a> {
     decisions: &'a [Decision],
     /// The next decision, and contacts since the last.

@@ -1,10 +1,10 @@
 //! Recording a run, and playing it again.
 //!
-//! A recording is the calls that changed a world, in their order, with the hashes of what each stage of each step made of
-//! them. The same calls give the same bits, so whoever plays it again sees the run as it was; and if he doesn't, the hashes
-//! say in which step, which stage and which body it first went another way.
+//! A recording is the calls that changed a world, in their order, with the hashes of what each stage of each
+//! step made of them. The same calls give the same bits, so a replay shows the run as it was; if it does not,
+//! the hashes tell in which step, stage and body it first diverged.
 //!
-//! Hooks are code: a recording has what they said of each contact instead. Queries change nothing and are not in it.
+//! Hooks are code: a recording has their decisions instead. Queries change nothing and are not recorded.
 //!
 //! ```
 //! use backstop::replay::{RecordingBuffer, Replay};

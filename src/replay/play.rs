@@ -20,9 +20,9 @@ use std::io::Read;
 pub struct Replay<R> {
     from: R,
     world: World,
-    /// Of the version of backstop that recorded.
+    /// Version of backstop that recorded.
     engine: String,
-    /// What is done to all settings before they are set.
+    /// Applied to all settings before they are set.
     change: Box<dyn Fn(&mut Settings) + Send>,
     /// Calls that were read, and how far they were played.
     block: Vec<u8>,
@@ -35,22 +35,22 @@ pub struct Replay<R> {
     steps: u64,
     calls: BTreeMap<&'static str, u64>,
     tally: Tally,
-    /// Whether the world has a budget that the recorded one had not.
+    /// Whether the world has a budget that the recorded one did not have.
     bounded: bool,
 }
 
-/// What came of a step.
+/// The outcome of a step.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Progress {
     /// The same as in the recording.
     Same,
-    /// Something else.
+    /// It diverged.
     Diverged(Box<Divergence>),
     /// There is no further step.
     End,
 }
 
-/// What came of a replay.
+/// The outcome of a replay.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Played {
@@ -58,7 +58,7 @@ pub struct Played {
     pub steps: u64,
     /// Calls that were played, steps among them, by the names of the methods.
     pub calls: BTreeMap<&'static str, u64>,
-    /// Where it first went another way; there the replay ended.
+    /// Where it first diverged; the replay ended there.
     pub divergence: Option<Divergence>,
 }
 
@@ -68,7 +68,7 @@ enum Failed {
     Refused(Error),
     /// What was read makes no sense.
     Damaged(&'static str),
-    /// It asks for too much.
+    /// A limit is exceeded.
     Limit(LimitExceeded),
 }
 
@@ -88,13 +88,14 @@ impl<R: Read> Replay<R> {
     /// Starts to play a recording.
     ///
     /// # Errors
-    /// If it is none, or of another version of the format, or damaged.
+    /// If it is not a recording, of another version of the format, or damaged.
     pub fn open(from: R) -> Result<Replay<R>, ReplayError> {
         Self::open_with(from, |_| {})
     }
 
-    /// The same with other settings: another number of threads, to see that it does not matter, or of substeps, to see what
-    /// it does. `change` is called with the settings at the start and each time that they are set.
+    /// The same with other settings: another number of threads, to see that it does not matter, or of
+    /// substeps, to see what it does. `change` is called with the settings at the start and each time that
+    /// they are set.
     ///
     /// # Errors
     /// As for [`Replay::open`], and if the settings are refused.
@@ -149,7 +150,7 @@ impl<R: Read> Replay<R> {
         &self.world
     }
 
-    /// The version of backstop that recorded. Another one may go another way.
+    /// The version of backstop that recorded. Another version may diverge.
     pub fn engine(&self) -> &str {
         &self.engine
     }
@@ -267,7 +268,7 @@ impl<R: Read> Replay<R> {
         ReplayError::Limit { steps: self.steps, source: self.tally.memory.exceeded() }
     }
 
-    /// Whether there may be so many bodies and joints more.
+    /// Checks that so many more bodies and joints are within the limits.
     fn allow(&self, bodies: usize, joints: usize) -> Result<(), LimitExceeded> {
         self.tally.bodies.allow(self.world.bodies.len() + bodies)?;
         self.tally.joints.allow(self.world.joints.count + joints)
@@ -359,7 +360,7 @@ impl<R: Read> Replay<R> {
     }
 }
 
-/// Gives settings a budget of so many bytes unless they have a lower one; says whether it did.
+/// Sets a budget of `bytes` unless there is a lower one; returns whether it did.
 fn bound(settings: &mut Settings, bytes: u64) -> bool {
     let bytes = usize::try_from(bytes).unwrap_or(usize::MAX);
     let bound = bytes < settings.budget.limit().unwrap_or(usize::MAX);

@@ -19,11 +19,11 @@ pub enum Stage {
     Broad,
     /// Contacts.
     Narrow,
-    /// What hooks said and restitution gave, and how many rows there are of which sort.
+    /// Decisions of hooks, restitution, and the number of rows of each type.
     Prepare,
     /// Velocities and displacements.
     Solve,
-    /// Poses and velocities at the end, and who fell asleep.
+    /// Poses and velocities at the end, and which bodies fell asleep.
     Finish,
 }
 
@@ -46,23 +46,24 @@ impl Stage {
     }
 }
 
-/// A hash of a body. Two bytes are enough to find out which one differs, once that one does is known: of 65,536 bodies that
-/// differ one is overlooked.
+/// A hash of a body. Two bytes are enough to find which body differs, once it is known that one does: one in
+/// 65,536 differing bodies is overlooked.
 pub(super) type Short = [u8; 2];
 
-/// What is written of a step.
+/// The record of a step.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct StepRecord {
-    /// [s]
+    /// Length of the step [s].
     pub(super) dt: f32,
     pub(super) decisions: Vec<Decision>,
     pub(super) stages: [[u8; 4]; Stage::HASHED.len()],
     /// `World::hash` after it.
     pub(super) hash: [u8; 8],
-    /// Slots of bodies that the caller changed since the step before, or that came or woke, and hashes of what the step
-    /// starts with for them.
+    /// Slots of bodies that the caller changed since the previous step, or that were added or woke, with
+    /// hashes of their state at the start of the step.
     pub(super) touched: Vec<(u32, Short)>,
-    /// Slots of all bodies that can move and are awake, as differences; none if they are those of the step before.
+    /// Slots of all bodies that can move and are awake, as differences; none if they are those of the step
+    /// before.
     pub(super) awake: Option<Vec<u32>>,
     /// A hash of each after the step.
     pub(super) bodies: Vec<Short>,
@@ -76,7 +77,7 @@ pub(super) struct Seen {
     pub(super) touched: Vec<(u32, Short)>,
     /// Slots, ascending.
     pub(super) awake: Vec<u32>,
-    /// Those of the step before.
+    /// Those of the previous step.
     pub(super) before: Vec<u32>,
     pub(super) bodies: Vec<Short>,
     /// Slots of bodies that calls changed since the step before.
@@ -84,7 +85,7 @@ pub(super) struct Seen {
 }
 
 impl Seen {
-    /// What `stage` just made.
+    /// Hashes the results of `stage`.
     pub(super) fn look(&mut self, world: &World, stage: Stage) {
         if stage == Stage::Forces {
             self.look_at_start(world);
@@ -100,7 +101,7 @@ impl Seen {
             Stage::Finish => {
                 self.look_at_end(world);
                 hash.word(u64::from_le_bytes(self.hash));
-                // Who sleeps stands behind who doesn't.
+                // Sleeping bodies come after awake ones.
                 let order = &world.bodies.slot;
                 order.chunks(2).for_each(|s| hash.pair(s[0], s.get(1).copied().unwrap_or(0)));
                 hash.pair(world.bodies.movers() as u32, world.bodies.asleep().end as u32);
@@ -168,7 +169,7 @@ fn end_of(world: &World, index: usize) -> Short {
     hash.short().to_le_bytes()
 }
 
-/// All that a step starts with for a body that is its own.
+/// The state of a body at the start of a step.
 fn start(world: &World, index: usize, hash: &mut Hash) {
     let bodies = &world.bodies;
     end(world, index, hash);
@@ -178,7 +179,7 @@ fn start(world: &World, index: usize, hash: &mut Hash) {
     let flags = [traits.locks, traits.continuous as u8, traits.sleepless.into()];
     let raised = traits.raised.map_or(0, |above| above as u32 + 1);
     hash.pair(raised, flags.iter().fold(0, |all, &flag| all << 8 | u32::from(flag)));
-    // No force is the same as none that was ever applied.
+    // A zero force equals none that was ever applied.
     let force = bodies.force.get(index).copied().unwrap_or_default();
     hash.vectors(force.linear, force.angular);
 }

@@ -1,4 +1,4 @@
-//! What a world has while it is recorded or replayed, and its calls about that.
+//! The state of a world that is recorded or replayed, and the methods of `World` for it.
 
 use super::call::{Body, Call, Shape};
 use super::error::ReplayError;
@@ -13,17 +13,17 @@ use crate::shape::ShapeDesc;
 use crate::world::World;
 use std::io::Write;
 
-/// Bytes of calls that are gathered before they are written: what a crash may cost.
+/// Bytes of calls that are buffered before they are written: what a crash may lose.
 const BLOCK: usize = 1 << 16;
 
-/// A recording that goes on, or what a replay compares with one.
+/// A recording in progress, or the hashes that a replay compares.
 pub(crate) struct Tape {
     pub(super) seen: Seen,
     /// Where to; none in a replay.
     sink: Option<Sink>,
 }
 
-/// What a recording came to.
+/// The totals of a recording.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Recorded {
     /// Steps in it.
@@ -41,7 +41,7 @@ pub(crate) struct Sink {
     pub(super) block: Vec<u8>,
     pub(super) written: Written,
     count: Recorded,
-    /// Why it writes no longer.
+    /// The error after which nothing more is written.
     failed: Option<std::io::Error>,
 }
 
@@ -51,7 +51,7 @@ impl Sink {
         let block = std::mem::take(&mut self.block);
         match postcard::to_extend(call, block) {
             Ok(block) => self.block = block,
-            // Nothing that calls are made of is refused; a world is not to fail for its recording in any case.
+            // Serialising a call never fails; and a world must not fail because of its recording in any case.
             Err(error) => self.failed = Some(std::io::Error::other(error)),
         }
     }
@@ -94,7 +94,7 @@ impl Sink {
 }
 
 impl Drop for Tape {
-    /// A world that goes, in a panic perhaps, leaves a whole recording.
+    /// A world that is dropped, perhaps by a panic, leaves a complete recording.
     fn drop(&mut self) {
         if let Some(sink) = &mut self.sink {
             sink.end();
@@ -109,7 +109,7 @@ impl std::fmt::Debug for Tape {
 }
 
 impl Tape {
-    /// That of a replay.
+    /// The tape of a replay.
     pub(super) fn played() -> Box<Tape> {
         Box::new(Tape { seen: Seen::default(), sink: None })
     }
@@ -121,9 +121,10 @@ impl Tape {
 }
 
 impl World {
-    /// Records from now on all that changes the world, until [`World::stop_recording`] or until the world goes: into a file
-    /// that was [buffered](std::io::BufWriter), or a [`RecordingBuffer`](crate::replay::RecordingBuffer). What can't be
-    /// written, because a disk is full, fails no other call: `stop_recording` says so.
+    /// Records every call that changes the world, until [`World::stop_recording`] or until the world is
+    /// dropped: into a file that was [buffered](std::io::BufWriter), or a
+    /// [`RecordingBuffer`](crate::replay::RecordingBuffer). If writing fails, because a disk is full, no
+    /// other call fails: `stop_recording` returns the error.
     ///
     /// # Errors
     /// If the world ever had a body or stepped, is being recorded already, or nothing can be written.
@@ -169,7 +170,7 @@ impl World {
         self.tape.as_ref().is_some_and(|tape| tape.sink.is_some())
     }
 
-    /// Gives a body a name in the recording, if there is one: for who reads which body diverged.
+    /// Gives a body a name in the recording, if there is one: which a divergence reports.
     pub fn name_recorded(&mut self, body: BodyHandle, name: &str) {
         if self.contains(body) {
             crate::record::record!(self, NameRecorded(body, name.into()));
@@ -190,7 +191,7 @@ impl World {
         tape.touch(call.body());
     }
 
-    /// What a stage just made is hashed.
+    /// Hashes the results of a stage.
     pub(crate) fn probe(&mut self, stage: Stage) {
         if let Some(mut tape) = self.tape.take() {
             tape.seen.look(self, stage);

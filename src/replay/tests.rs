@@ -1,4 +1,4 @@
-//! What is found out about recordings that were tampered with, and that the format is what its version says.
+//! Recordings that were tampered with are detected, and the format is the one of its version.
 
 use super::call::Call;
 use super::compare::Divergence;
@@ -185,15 +185,11 @@ fn every_type(world: &mut World, bodies: [BodyHandle; 2]) {
     world.apply_impulse(bodies[0], Vec3::X, DVec3::ZERO).unwrap();
 }
 
-/// Checksums are no protection from those who can compute them.
+/// Checksums do not protect against an attacker, who can compute them.
 #[test]
 fn nonsense_with_a_right_checksum_does_not_panic() {
     let bytes = run_with_shapes();
-    let mut seed = 1u64;
-    let mut random = |n: usize| {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 33) as usize % n
-    };
+    let mut random = crate::random::Random(1);
     let (mut refused, mut diverged, mut same) = (0, 0, 0);
     for _ in 0..1500 {
         let (mut from, mut to) = (&bytes[..], Vec::new());
@@ -202,12 +198,12 @@ fn nonsense_with_a_right_checksum_does_not_panic() {
         loop {
             let (kind, mut payload) = read_block(&mut from, 0, &Tally::new(&LoadLimits::NONE).bytes).unwrap();
             if kind != Block::End {
-                for _ in 0..random(3) {
-                    let bit = random(8 * payload.len());
+                for _ in 0..random.below(3) {
+                    let bit = random.below(8 * payload.len());
                     payload[bit / 8] ^= 1 << (bit % 8);
                 }
-                if random(20) == 0 {
-                    payload.truncate(random(payload.len()));
+                if random.below(20) == 0 {
+                    payload.truncate(random.below(payload.len()));
                 }
             }
             write_block(&mut to, kind, &payload).unwrap();
@@ -251,8 +247,8 @@ fn the_format_is_that_of_its_version() {
     );
 }
 
-/// A few bytes say that another geometry has the content of an earlier one: 482 KB of such calls took over 8.6 GB. Expected: as
-/// many copies as the limit has place for, and an error by its name.
+/// A few bytes say that another geometry has the content of an earlier one: 482 KB of such calls took over
+/// 8.6 GB. Expected: as many copies as the limit has place for, and an error by its name.
 #[test]
 fn copies_of_geometry_are_bounded_by_their_bytes() {
     let bytes = run_with_shapes();
@@ -286,18 +282,18 @@ fn copies_of_geometry_are_bounded_by_their_bytes() {
     assert!(copies <= (64 << 20) / mesh + 3 && copies > (32 << 20) / mesh, "{copies} of {mesh} bytes");
 }
 
-/// Expected: each limit is refused by its name, and at what the recording takes it plays, to the same hashes: a budget that
-/// suffices changes nothing.
+/// Expected: each limit is refused by its name, and at what the recording takes it plays, to the same hashes:
+/// a budget that suffices changes nothing.
 #[test]
 fn limits_of_a_recording_have_their_names() {
     let bytes = run_with_shapes();
     let run =
         |limits: &LoadLimits| Replay::open_limited(&bytes[..], limits, |_| {}).and_then(|mut r| r.run());
     let most = |name: &str| match name {
-        // As `run_with_shapes` has it.
+        // As in `run_with_shapes`.
         "bodies" => 4,
         "joints" => 1,
-        // Of the terrain, two for each of 64 squares, and of a field of nine heights.
+        // Those of the terrain, two for each of 64 squares, and those of a field of nine heights.
         "triangles" => 2 * 64 + 2 * 9,
         "vertices" => 81 + 9 + 5,
         _ => unreachable!(),
@@ -325,8 +321,8 @@ fn limits_of_a_recording_have_their_names() {
     assert!(matches!(run(&limits), Err(ReplayError::Limit { source, .. }) if source.limit == "bytes"));
 }
 
-/// Two hundred boxes at one point are 20,000 pairs. Expected: within a memory that holds them the recording plays as it was, in
-/// less it is refused in the step that needs more, and not one byte beyond is reserved.
+/// Two hundred boxes at one point are 20,000 pairs. Expected: within a memory that holds them the recording
+/// plays as it was, in less it is refused in the step that needs more, and not one byte beyond is reserved.
 #[test]
 fn the_world_of_a_recording_keeps_to_its_memory() {
     let buffer = RecordingBuffer::default();

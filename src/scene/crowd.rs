@@ -1,9 +1,10 @@
-//! How many pairs and contacts a scene may come to, as far as that shows before anything moves.
+//! Estimates how many pairs and contacts a scene will have, before anything moves.
 //!
-//! Two looks, and the larger counts. *At the start*: boxes that touch are pairs, and if shapes touch there, contacts with all
-//! their points; what is stacked stays about so. *Once all is down*: dynamic bodies that no joint holds up come down on the
-//! static ground. If their footprints would cover it, they lie on each other and have the contacts that bodies have in a pile;
-//! if they cover little of it, each has its contact with the ground.
+//! The larger of two estimates counts. *At the start*: boxes that touch are pairs, and if shapes touch there,
+//! contacts with all their points; stacks stay about like that. *Once all is down*: dynamic bodies that no
+//! joint holds up come down on the static ground. If their footprints would cover it, they lie on each other
+//! and have the contacts that bodies have in a pile; if they cover little of it, each has its contact with
+//! the ground.
 
 use super::Scene;
 use crate::body::{BodyDesc, BodyKind};
@@ -13,24 +14,24 @@ use crate::shape::{Collider, Kind, ShapeDesc};
 use crate::world::Crowd;
 use glam::Vec3;
 
-/// In a pile that comes down: pairs, and contacts, of each body with others (builtin scene `pile`: 10.9 and 2.6 with the
-/// ground's).
+/// Pairs and contacts of each body with others in a pile that has come down (builtin scene `pile`: 10.9 and
+/// 2.6 with the ground's).
 const PILE: [f32; 2] = [10.0, 2.4];
-/// The same with the ground: of what is scattered (`bullets`: 1.8 and 0.7; `talk`, on bumps: 1.0 and 2.9).
+/// The same with the ground, for scattered bodies (`bullets`: 1.8 and 0.7; `talk`, on bumps: 1.0 and 2.9).
 const GROUND: [f32; 2] = [1.2, 0.8];
 /// On a mesh that is not flat a body touches several patches.
 const BUMPY: f32 = 3.5;
-/// Of pairs of convex shapes without a contact, those whose balls are near enough to be looked at.
+/// Share of the pairs of convex shapes without a contact whose bounding balls are near enough to be examined.
 const NEAR: f32 = 0.6;
-/// Boxes of bodies at rest are so much wider [length units].
+/// Widening of the boxes of bodies at rest [length units].
 const FAT: f32 = 0.1;
 /// Shapes this near touch [length units].
 const CLOSE: f32 = 0.01;
-/// Of the contacts of fast bodies, those that are further than discrete physics looks.
+/// Share of the contacts of fast bodies that discrete physics would not find yet.
 const AHEAD: f32 = 0.5;
 /// A step [s].
 const STEP: f32 = 1.0 / 60.0;
-/// Buffers that grow as they are needed end about so much larger than needed.
+/// Buffers that grow on demand end about this factor larger than needed.
 const SLACK: f32 = 1.12;
 
 /// A shape that may move.
@@ -94,7 +95,7 @@ fn shapes(scene: &Scene) -> Vec<Shape> {
     scene.bodies.iter().map(|body| &body.desc).enumerate().flat_map(of_body).collect()
 }
 
-/// Of contacts with all their points the class by points, one less.
+/// Index of the class of a contact with all its points: their number minus one.
 fn full(a: Kind, b: Kind) -> usize {
     match (a.min(b), a.max(b)) {
         (Kind::Sphere, _) => 0,
@@ -138,7 +139,7 @@ fn at_start(scene: &Scene, settings: &Settings) -> Crowd {
             crowd.pairs += 1;
             let of_mesh = [a.kind, b.kind].iter().any(|&k| k == Kind::Mesh || k == Kind::HeightField);
             *if of_mesh { &mut crowd.of_meshes } else { &mut crowd.fresh } += 1;
-            // The box of a mesh says little.
+            // The box of a mesh is too coarse.
             if !of_mesh && meet(close) {
                 let one_is_static = !(a.moves && b.moves);
                 crowd.contacts[usize::from(one_is_static)][full(a.kind, b.kind)] += 1;
@@ -232,7 +233,8 @@ fn once_down(scene: &Scene, settings: &Settings) -> Crowd {
     }
 }
 
-/// The share of contacts that only continuous collision makes: of bodies that are fast to begin with.
+/// The share of contacts that exist for continuous collision only: those of bodies that are fast at the
+/// start.
 fn ahead(scene: &Scene, settings: &Settings) -> f32 {
     let dynamic = scene.bodies.iter().map(|body| &body.desc).filter(|desc| desc.kind == BodyKind::Dynamic);
     let is_fast = |desc: &&BodyDesc| {
@@ -243,7 +245,7 @@ fn ahead(scene: &Scene, settings: &Settings) -> f32 {
     AHEAD * fast as f32 / all.max(1) as f32
 }
 
-/// Bodies that hang together by joints: of each the lowest index of all.
+/// For each body the lowest index among the bodies that joints connect it to.
 fn islands(scene: &Scene) -> Vec<usize> {
     let mut parent: Vec<usize> = (0..scene.bodies.len()).collect();
     let root = |parent: &mut Vec<usize>, mut i: usize| {
@@ -279,7 +281,7 @@ fn hanging(scene: &Scene) -> Vec<bool> {
     of.iter().map(|&root| held[root]).collect()
 }
 
-/// Bodies in trees of joints that no other tree is like: such a tree has a lane for itself.
+/// Bodies in joint trees of unique shape: such a tree has a lane of its own.
 fn branches(scene: &Scene) -> usize {
     let of = islands(scene);
     let (mut bodies, mut joints) = (vec![0usize; of.len()], vec![0usize; of.len()]);
@@ -290,12 +292,12 @@ fn branches(scene: &Scene) -> usize {
             .find(|&i| scene.bodies.get(i).is_some_and(|body| body.desc.kind == BodyKind::Dynamic));
         dynamic.into_iter().for_each(|i| joints[of[i]] += 1);
     }
-    // Without a loop, and hanging on one thing at most.
+    // No loop, and attached to one fixed body at most.
     let is_tree = |&i: &usize| joints[i] > 0 && joints[i] <= bodies[i];
     let sizes: Vec<usize> = (0..of.len()).filter(is_tree).map(|i| bodies[i]).collect();
     let alone = |&&size: &&usize| sizes.iter().filter(|&&other| other == size).count() == 1;
     if sizes.len() > MANY { 0 } else { sizes.iter().filter(alone).sum() }
 }
 
-/// With more trees than that there are some that are alike.
+/// With more trees than this, some have the same shape.
 const MANY: usize = 64;

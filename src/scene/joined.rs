@@ -5,7 +5,7 @@ use crate::handle::BodyHandle;
 use crate::joint::{Frame, JointDesc, Skeleton};
 use glam::{DVec3, Quat, Vec3};
 
-/// Stands in where a joint's bodies are told by their indices.
+/// A placeholder where a joint's bodies are given by their indices.
 const NOBODY: BodyHandle = BodyHandle { slot: 0, generation: 0 };
 
 /// Joins two bodies of a scene at a point, with frames whose axes are those of a rotation.

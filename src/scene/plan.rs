@@ -8,16 +8,17 @@ use crate::world::World;
 
 /// Bytes that a world with a budget will hold at most while a scene runs in it.
 ///
-/// What has an entry for each body, shape or joint is exact: it is what [`World::add_bodies`] asks for. Pairs, contacts and
-/// their rows are an estimate: as many as there are where the scene begins, or, if that is more, as many as there usually
-/// are where so many bodies come down on so much ground (docs/memory.md says how well that hits).
+/// Buffers with an entry for each body, shape or joint are exact: they are what [`World::add_bodies`]
+/// reserves. Pairs, contacts and their rows are an estimate: their number at the start of the scene, or, if
+/// that is more, the usual number where so many bodies come down on so much ground (docs/memory.md says how
+/// good it is).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Plan {
     bytes: Amounts,
 }
 
 impl Plan {
-    /// The plan of a scene in a world with these settings, of which the budget does not matter.
+    /// The plan of a scene in a world with these settings; their budget does not matter.
     pub fn of(scene: &Scene, settings: &Settings) -> Plan {
         let handles: Vec<BodyHandle> =
             (0..scene.bodies.len() as u32).map(|slot| BodyHandle { slot, generation: 1 }).collect();

@@ -24,8 +24,8 @@ impl Recorder {
         }
     }
 
-    /// Adds a frame at `time` [s]; `pose` gives position and rotation of a body by its index in the scene. A frame
-    /// that is not later than the last one is left out.
+    /// Adds a frame at `time` [s]; `pose` gives position and rotation of a body by its index in the scene. A
+    /// frame that is not later than the last one is left out.
     pub fn record(&mut self, time: f32, mut pose: impl FnMut(usize) -> (DVec3, Quat)) {
         if self.times.last().is_some_and(|&last| time <= last) || !time.is_finite() {
             return;

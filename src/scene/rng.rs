@@ -1,4 +1,4 @@
-//! Seeded chance: the same numbers on every machine.
+//! Seeded random numbers, the same on every machine.
 
 use glam::{Quat, Vec3};
 use std::f32::consts::TAU;
@@ -7,7 +7,7 @@ use std::f32::consts::TAU;
 #[derive(Clone, Debug)]
 pub(crate) struct Rng(u64);
 
-/// Of the state, from one number to the next.
+/// Increment of the state from one number to the next.
 const STEP: u64 = 0x9E37_79B9_7F4A_7C15;
 
 impl Rng {
@@ -15,7 +15,7 @@ impl Rng {
         Rng(seed)
     }
 
-    /// Seeded with 0, after so many numbers.
+    /// The generator with seed 0 after `count` numbers.
     #[cfg(feature = "lab")]
     pub(crate) fn after(count: u64) -> Self {
         Rng(count.wrapping_mul(STEP))
@@ -29,12 +29,12 @@ impl Rng {
         z ^ (z >> 31)
     }
 
-    /// Even in `low..high`.
+    /// Uniform in `low..high`.
     pub(crate) fn range(&mut self, low: f32, high: f32) -> f32 {
         low + (high - low) * ((self.next() >> 40) as f32 / (1u64 << 24) as f32)
     }
 
-    /// Even on the unit sphere.
+    /// Uniform on the unit sphere.
     pub(crate) fn direction(&mut self) -> Vec3 {
         let (y, angle) = (self.range(-1.0, 1.0), self.range(0.0, TAU));
         let ring = (1.0 - y * y).max(0.0).sqrt();
@@ -45,14 +45,14 @@ impl Rng {
         self.small_rotation(TAU)
     }
 
-    /// About an even axis, by an angle even in `0..limit`.
+    /// About a uniform axis, by an angle uniform in `0..limit`.
     pub(crate) fn small_rotation(&mut self, limit: f32) -> Quat {
         let axis = self.direction();
         axis_angle(axis, self.range(0.0, limit))
     }
 }
 
-/// As glam's, with sine and cosine that are the same on every machine.
+/// As glam's `from_axis_angle`, with sine and cosine that are the same on every machine.
 pub(crate) fn axis_angle(axis: Vec3, angle: f32) -> Quat {
     let v = axis * libm::sinf(angle * 0.5);
     Quat::from_xyzw(v.x, v.y, v.z, libm::cosf(angle * 0.5))

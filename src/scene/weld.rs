@@ -1,5 +1,5 @@
-//! One vertex per place. Viewers want a vertex per normal and texture coordinate, contacts want to know which
-//! triangles share an edge.
+//! One vertex per position. Viewers want a vertex per normal and texture coordinate, contacts want to know
+//! which triangles share an edge.
 
 use glam::Vec3;
 use std::collections::BTreeMap;

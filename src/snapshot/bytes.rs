@@ -17,15 +17,17 @@ fn whole(halves: [u32; 2]) -> u64 {
 }
 
 impl Snapshot {
-    /// The state as bytes: for a world that has the same bodies, shapes and joints, made by the same calls in the same order.
+    /// The state as bytes: for a world that has the same bodies, shapes and joints, made by the same calls in
+    /// the same order.
     pub fn to_bytes(&self) -> Vec<u8> {
         self.write(false)
     }
 
-    /// The state and what snapshots share, as bytes: for any world that has the same hulls, meshes and height fields on some of
-    /// its shapes. All other bodies, shapes and joints of that world go when it is restored.
+    /// The state and what snapshots share, as bytes: for any world that has the same hulls, meshes and height
+    /// fields on some of its shapes. All other bodies, shapes and joints of that world go when it is
+    /// restored.
     ///
-    /// A snapshot that came from [`Snapshot::to_bytes`] has no more than its state.
+    /// A snapshot that came from [`Snapshot::to_bytes`] has its state only.
     pub fn to_whole_bytes(&self) -> Vec<u8> {
         self.write(self.parts.iter().all(Option::is_some))
     }
@@ -62,8 +64,8 @@ impl Snapshot {
         all.iter().flat_map(|word| word.to_le_bytes()).collect()
     }
 
-    /// A snapshot out of bytes that [`Snapshot::to_bytes`] or [`Snapshot::to_whole_bytes`] made. Whether it fits a world is
-    /// seen by [`World::restore`](crate::World::restore), which checks every number of it.
+    /// A snapshot from bytes of [`Snapshot::to_bytes`] or [`Snapshot::to_whole_bytes`]. Whether it fits a
+    /// world is checked by [`World::restore`](crate::World::restore), which checks every number of it.
     ///
     /// # Errors
     /// If the bytes are cut off, were changed, or are of another version.

@@ -1,4 +1,5 @@
-//! Whether a state from outside can be one of a world: every index in range, every number one that a step can begin with.
+//! Checks that a state from outside is valid for a world: every index in range, every number one that a step
+//! can begin with.
 
 use super::part::{BodyRecord, Records, read_pose};
 use super::view::{BALL, BODY, FORCE, PUSH, REST, RESTS, View};
@@ -52,7 +53,7 @@ pub(super) fn check(view: &View<'_>, records: &Records) -> Result<(), Error> {
     for body in records.moving.iter().filter(|body| body.body.kind == BodyKind::Dynamic) {
         pushed[body.slot as usize] = !body.body.traits.disabled;
     }
-    // Of what could move and doesn't the rest is disabled.
+    // Movable bodies that are neither awake nor asleep are disabled.
     let asleep: Vec<u32> =
         view.slots[movers..].iter().copied().filter(|&slot| pushed[slot as usize]).collect();
     view.sleep.check(&asleep, view.counts.kept as usize)?;
@@ -68,7 +69,8 @@ pub(super) fn check(view: &View<'_>, records: &Records) -> Result<(), Error> {
         } else {
             one.dynamic || other.dynamic
         };
-        // Who is awake has its pairs in the list, and who sleeps with its island, among whom or with what is static.
+        // Pairs of awake bodies are in the list; pairs of sleeping bodies are with their island, and are
+        // among its bodies or with static ones.
         let any_awake = awake[one.body as usize] || awake[other.body as usize];
         let placed = if i < listed {
             any_awake || one.sensor != other.sensor
@@ -78,7 +80,7 @@ pub(super) fn check(view: &View<'_>, records: &Records) -> Result<(), Error> {
         };
         (one.kind, a) < (other.kind, b) && one.body != other.body && there && collide && placed
     })?;
-    // What is joined sleeps together.
+    // Joined bodies sleep together.
     let torn = |[a, b]: [u32; 2]| {
         pushed[a as usize] && pushed[b as usize] && island_of[a as usize] != island_of[b as usize]
     };
@@ -101,7 +103,7 @@ fn check_bodies(view: &View<'_>, records: &Records) -> Result<Vec<u32>, Error> {
     let (awake, movers) = (counts.parts[0] as usize, counts.movers() as usize);
     let (mut colliders, mut sleepers) = (Vec::new(), 0);
     for (i, &slot) in view.slots.iter().enumerate() {
-        // Each once: those that were found are taken.
+        // Each occurs once: found entries are removed.
         let body = by_slot.get_mut(slot as usize).and_then(Option::take).ok_or_else(no)?;
         let fits = if body.body.traits.disabled {
             i >= movers

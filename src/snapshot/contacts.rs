@@ -1,8 +1,8 @@
-//! Pairs and their contacts, written so that each takes no more words than it has to say.
+//! Pairs and their contacts, in as few words as each needs.
 //!
-//! A pair is its two colliders, in one word if there are few enough of them, and a byte of flags. A contact is a word of flags,
-//! which say what follows: what is zero, a normal along an axis, or was never going to be read is left out, and no bit of
-//! anything else is.
+//! A pair is its two colliders, in one word if there are few enough of them, and a byte of flags. A contact
+//! is a word of flags, which say what follows: zeros, normals along an axis, and numbers that will not be
+//! read are left out; everything else is kept to the bit.
 
 use super::words::{Packer, Reader, all_loads, broken, byte, record, words};
 use crate::broad_phase::Pair;
@@ -15,7 +15,7 @@ use glam::Vec3;
 /// Flags of a pair. Bits 2 to 7 are free for more.
 const FAST: u8 = 1;
 const TOUCHED: u8 = 1 << 1;
-/// Listeners know that the two touch.
+/// The begin of the touch was reported as an event.
 const HEARD: u8 = 1 << 2;
 
 /// Flags of a contact, above the number of its points.
@@ -35,9 +35,9 @@ const FOUND: u32 = 1 << 11;
 const MOVED: u32 = 1 << 12;
 /// Two bits: how keys are written.
 const KEYS: u32 = 13;
-/// Four bits: which points bear something.
+/// Four bits: which points have an impulse.
 const LOADED: u32 = 15;
-/// Lasting force and load by statics.
+/// Lasting force and static load.
 const LASTS: u32 = 1 << 19;
 /// How the points share that force, if not evenly.
 const SHARES: u32 = 1 << 20;
@@ -81,7 +81,8 @@ pub(super) fn save_pairs<'a, I: Iterator<Item = &'a Pair>>(
     count as u32
 }
 
-/// Whether the next step may keep the contacts of a pair as they are, by the first of them; see `recycle` in `collide.rs`.
+/// Whether the next step may keep the contacts of a pair as they are, by the first of them; see `recycle` in
+/// `collide.rs`.
 fn may_be_kept(first: &Contact, hot: &[Hot]) -> bool {
     let rolls = |c: u32| matches!(hot[c as usize].kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder);
     first.fraction == 0.0 && first.count > 0 && (first.count >= 3 || !(rolls(first.a) || rolls(first.b)))
@@ -133,10 +134,12 @@ fn axis(code: u32) -> Vec3 {
     normal
 }
 
-/// Words of one contact, in place: numbers of words that are known when this is built are written without a call.
+/// The words of one contact, in an array of fixed size: a constant number of words is copied without a call.
 struct Line {
     all: [u32; MOST],
     len: usize,
+    /// The first word: what follows.
+    flags: u32,
 }
 
 impl Line {
@@ -145,88 +148,97 @@ impl Line {
         self.all[self.len..][..N].copy_from_slice(&words);
         self.len += N;
     }
+
+    #[inline(always)]
+    fn flag(&mut self, bit: u32, set: bool) {
+        self.flags |= if set { bit } else { 0 };
+    }
+
+    /// The keys of points, in as few words as the widest needs.
+    #[inline(always)]
+    fn put_keys(&mut self, points: &[Point]) {
+        let widest = points.iter().fold(0, |all, p| all | p.key);
+        let how = match (widest, points.len()) {
+            (..=0xff, ..=1) => KEY_IN_FLAGS,
+            (..=0xff, _) => KEYS_OF_8,
+            (..=0xffff, _) => KEYS_OF_16,
+            _ => KEYS_OF_32,
+        };
+        self.flag(how << KEYS, true);
+        match how {
+            KEY_IN_FLAGS => self.flag(points.first().map_or(0, |p| p.key) << KEY, true),
+            KEYS_OF_8 => self.put([points.iter().rev().fold(0, |all, p| all << 8 | p.key)]),
+            KEYS_OF_16 => {
+                for two in points.chunks(2) {
+                    self.put([two[0].key | two.get(1).map_or(0, |p| p.key) << 16]);
+                }
+            }
+            _ => points.iter().for_each(|p| self.put([p.key])),
+        }
+    }
 }
 
 fn save_contact(contact: &Contact, kept: bool, out: &mut Vec<u32>) {
-    let mut line = Line { all: [0; MOST], len: 1 };
+    let mut line = Line { all: [0; MOST], len: 1, flags: u32::from(contact.count) };
     let points = contact.points();
-    let mut flags = u32::from(contact.count);
-    let mut flag = |bit: u32, set: bool| flags |= if set { bit } else { 0 };
-    flag(PUSHED, contact.pushed);
-    flag(MORE, contact.next != NONE);
+    line.flag(PUSHED, contact.pushed);
+    line.flag(MORE, contact.next != NONE);
     let fraction = contact.fraction.to_bits();
-    flag(FRACTION, fraction != 0);
+    line.flag(FRACTION, fraction != 0);
     if fraction != 0 {
         line.put([fraction]);
     }
     let axis = axis_of(contact.normal);
-    flag(axis << NORMAL, true);
+    line.flag(axis << NORMAL, true);
     if axis == 0 {
         line.put(words::<3>(contact.normal));
     }
-    let rub = words::<4>(contact.friction.extend(contact.twist).to_array());
-    flag(RUBS, !is_zero(rub));
-    if !is_zero(rub) {
-        line.put(rub);
+    let friction = words::<4>(contact.friction.extend(contact.twist).to_array());
+    line.flag(RUBS, !is_zero(friction));
+    if !is_zero(friction) {
+        line.put(friction);
     }
     let lasts = contact.lasting_force != 0.0 || contact.static_load != UNKNOWN_LOAD;
-    flag(LASTS, lasts);
+    line.flag(LASTS, lasts);
     if lasts {
         line.put([contact.lasting_force, contact.rest, contact.static_load].map(f32::to_bits));
     }
     let even = contact.even_share();
     let shares = lasts && points.iter().any(|p| p.share != even);
-    flag(SHARES, shares);
+    line.flag(SHARES, shares);
     if shares {
         points.iter().for_each(|p| line.put([p.share.to_bits()]));
     }
-    // What has lasting loads is asked how far it moved.
+    // A contact with lasting loads needs its pose at detection, to measure how far it moved.
     let found = kept || lasts;
-    flag(FOUND, found);
+    line.flag(FOUND, found);
     if found {
         line.put(words::<3>(contact.found_at.position));
         line.put(words::<4>(contact.found_at.rotation.to_array()));
         line.put(words::<4>(contact.frame.to_array()));
     }
     let moved = found && points.iter().any(|p| p.found.to_bits() != p.separation.to_bits());
-    flag(MOVED, moved);
-    let widest = points.iter().fold(0, |all, p| all | p.key);
-    let how = match (widest, points.len()) {
-        (..=0xff, ..=1) => KEY_IN_FLAGS,
-        (..=0xff, _) => KEYS_OF_8,
-        (..=0xffff, _) => KEYS_OF_16,
-        _ => KEYS_OF_32,
-    };
-    flag(how << KEYS, true);
-    match how {
-        KEY_IN_FLAGS => flag(points.first().map_or(0, |p| p.key) << KEY, true),
-        KEYS_OF_8 => line.put([points.iter().rev().fold(0, |all, p| all << 8 | p.key)]),
-        KEYS_OF_16 => {
-            for two in points.chunks(2) {
-                line.put([two[0].key | two.get(1).map_or(0, |p| p.key) << 16]);
-            }
-        }
-        _ => points.iter().for_each(|p| line.put([p.key])),
-    }
+    line.flag(MOVED, moved);
+    line.put_keys(points);
     for (i, p) in points.iter().enumerate() {
         line.put(words::<4>(p.position.extend(p.separation).to_array()));
         if moved {
             line.put([p.found.to_bits()]);
         }
         let impulse = p.impulse.to_bits();
-        flag(1 << (LOADED as usize + i), impulse != 0);
+        line.flag(1 << (LOADED as usize + i), impulse != 0);
         if impulse != 0 {
             line.put([impulse]);
         }
     }
     let means = words::<4>(contact.mean_friction.to_array());
     let has_means = !is_zero(means) || points.iter().any(|p| p.mean_force != 0.0);
-    flag(MEANS, has_means);
+    line.flag(MEANS, has_means);
     if has_means {
         line.put(means);
         points.iter().for_each(|p| line.put([p.mean_force.to_bits()]));
     }
-    line.all[0] = flags;
+    line.all[0] = line.flags;
     out.extend_from_slice(&line.all[..line.len]);
 }
 
@@ -324,7 +336,7 @@ fn check_contact(contact: &Contact) -> Result<(), Error> {
     all_loads(&words::<4>(contact.friction.extend(contact.twist).to_array()))?;
     all_loads(&words::<4>(contact.mean_friction.to_array()))?;
     all_loads(&[contact.lasting_force, contact.rest, contact.static_load].map(f32::to_bits))?;
-    // Points of a plane are as far from its origin as what lies on it.
+    // Points on a plane may be as far from its origin as the bodies on it.
     let near = |v: Vec3| v.abs().max_element() <= 4.0 * limits::MAX_POSITION as f32;
     let unit = |square: f32| (0.9..1.1).contains(&square);
     let point = |p: &Point| {

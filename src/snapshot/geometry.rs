@@ -1,4 +1,5 @@
-//! Geometry by reference: what is a few numbers is written, what is shared is named by its place in a table.
+//! Geometry by reference: shapes of a few numbers are written, shared geometry is named by its index in a
+//! table.
 
 use super::words::{broken, hash, words};
 use crate::error::Error;
@@ -9,9 +10,9 @@ use std::sync::Arc;
 /// A hull, a mesh or a height field of a part.
 #[derive(Clone, Debug)]
 pub(crate) enum Known {
-    /// It is here.
+    /// The geometry itself.
     Here(Geometry),
-    /// The world that is restored has it: this is the print of its content.
+    /// The fingerprint of geometry that the restored world has to have.
     Print(u64),
 }
 
@@ -55,7 +56,7 @@ pub(super) fn code_of(geometry: &Geometry, table: &mut Table) -> (u32, [u32; 4])
     };
     let Some(address) = address(geometry) else { return (code, geometry.size().map(f32::to_bits)) };
     let next = table.known.len() as u32;
-    // Only whether it is the same matters of an address: places are in the order of the first use.
+    // Addresses are compared for identity only: indices are in the order of first use.
     let place = *table.places.entry(address).or_insert(next);
     if place == next {
         table.known.push(Known::Here(geometry.clone()));
@@ -105,7 +106,7 @@ fn print_of(geometry: &Geometry) -> u64 {
     hash(&all).wrapping_add(kind)
 }
 
-/// The geometry of a table; what is only named is looked for in the world.
+/// The geometry of a table; fingerprints are looked up in the world.
 pub(super) fn resolve(table: &[Known], world: &World) -> Result<Vec<Geometry>, Error> {
     let mut own: Option<Vec<(u64, Geometry)>> = None;
     let mut find = |print: u64| {

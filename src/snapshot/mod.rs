@@ -1,8 +1,9 @@
-//! Snapshots of a world: restored, it goes on to the same bits.
+//! Snapshots of a world, from which it continues to the same bits.
 //!
-//! What changes in every step is written into one buffer ([`save`], [`contacts`]); what seldom does is written once and shared
-//! ([`part`]). Reading ([`view`]) comes before checking ([`check`], for bytes from outside), and both before the world is
-//! touched ([`restore`]). `docs/decisions/snapshots.md` says of each thing in a world whether it is saved, and why.
+//! State that changes in every step is written into one buffer ([`save`], [`contacts`]); state that seldom
+//! changes is written once and shared ([`part`]). Reading ([`view`]) comes before checking ([`check`], for
+//! bytes from outside), and both before the world is touched ([`restore`]). `docs/decisions/snapshots.md`
+//! says of each thing in a world whether it is saved, and why.
 
 mod bytes;
 mod check;
@@ -22,18 +23,19 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 /// The state of a world at one time, for [`World::restore`].
 ///
-/// A snapshot keeps what the future of the world depends on, to the bit: poses, velocities, forces to come, pairs with their
-/// contacts and impulses, joints, who sleeps, settings but for threads and budget. What bodies, shapes and joints there are is
-/// shared by all snapshots between which none came, went or was changed, and geometry is shared with the world.
+/// A snapshot keeps everything that the future of the world depends on, to the bit: poses, velocities,
+/// pending forces, pairs with their contacts and impulses, joints, sleep, and settings except threads and
+/// budget. The list of bodies, shapes and joints is shared by all snapshots between which it did not change,
+/// and geometry is shared with the world.
 ///
 /// The buffer is used again by the next [`World::snapshot`] into it.
 #[derive(Clone, Debug, Default)]
 pub struct Snapshot {
     words: Vec<u32>,
     parts: [Option<Arc<Part>>; 2],
-    /// Where it came from bytes: the prints of its parts, which the world that is restored has to have.
+    /// For a snapshot from bytes, the fingerprints of its parts, which the restored world has to have.
     foreign: Option<[[u64; 2]; 2]>,
-    /// Which arrangement of joints belongs to it.
+    /// The arrangement of joints that belongs to it.
     arrangement: u64,
 }
 
@@ -43,19 +45,20 @@ impl Snapshot {
         Snapshot::default()
     }
 
-    /// Bytes of the state: what a snapshot takes if nothing came, went or was changed since the one before. What snapshots share
-    /// is not counted.
+    /// Bytes of the state: the size of a snapshot if no body, shape or joint was added, removed or changed
+    /// since the previous one. Shared parts are not counted.
     pub fn size(&self) -> usize {
         self.words.len() * size_of::<u32>()
     }
 
-    /// Bytes of what snapshots share until bodies, shapes or joints come, go or are changed.
+    /// Bytes of the parts that snapshots share until bodies, shapes or joints are added, removed or changed.
     pub fn shared_size(&self) -> usize {
         self.parts.iter().flatten().map(|part| part.words.len() * size_of::<u32>()).sum()
     }
 }
 
-/// How often what snapshots share was changed, and the parts that the last snapshot wrote, as long as one has them.
+/// How often the shared parts were changed, and the parts of the last snapshot, as long as a snapshot holds
+/// them.
 #[derive(Debug, Default)]
 pub(crate) struct Revisions {
     pub(crate) fixed: u64,
@@ -64,13 +67,13 @@ pub(crate) struct Revisions {
 }
 
 impl World {
-    /// Writes the state of the world into a snapshot. Allocates nothing once the snapshot's buffer is large enough, unless
-    /// bodies, shapes or joints came, went or were changed since the last one. Of a world that a panic left half stepped there is
-    /// none: it is empty, and can't be restored.
+    /// Writes the state of the world into a snapshot. Allocates nothing once the snapshot's buffer is large
+    /// enough, unless bodies, shapes or joints were added, removed or changed since the last one. A world
+    /// that a panic left half stepped has no snapshot: it is empty, and can't be restored.
     pub fn snapshot(&self, into: &mut Snapshot) {
         into.foreign = None;
         if self.stage.is_some() {
-            // What is half done is no state.
+            // A half finished step is not a valid state.
             into.words.clear();
             into.parts = [None, None];
             return;
@@ -80,15 +83,17 @@ impl World {
         save::save(self, &mut into.words);
     }
 
-    /// Makes the world what it was at the time of a snapshot: its next steps give the bits that they gave then, whatever the
-    /// number of threads. Bodies, shapes and joints that were added since are gone, those that were removed are back, with
-    /// the same handles. The snapshot may be of another world.
+    /// Restores the world to the time of a snapshot: its next steps give the same bits as then, whatever the
+    /// number of threads. Bodies, shapes and joints that were added since are removed, those that were
+    /// removed are back, with the same handles. The snapshot may be of another world.
     ///
     /// [`Settings::threads`](crate::Settings::threads), [`Settings::budget`](crate::Settings::budget) and
-    /// [`World::report`] stay as they are. A world that a panic left half stepped ([`Error::Poisoned`]) is whole again.
+    /// [`World::report`] stay as they are. A world that a panic left half stepped ([`Error::Poisoned`]) is
+    /// valid again.
     ///
     /// # Errors
-    /// If the world is being recorded, or its budget does not allow what the snapshot needs; and for snapshots from bytes: if they are broken, or the world lacks what they refer to.
+    /// If the world is being recorded, or its budget does not allow what the snapshot needs; and for
+    /// snapshots from bytes: if they are broken, or the world lacks what they refer to.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
         #[cfg(feature = "replay")]
         if self.tape.is_some() {

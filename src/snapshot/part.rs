@@ -1,8 +1,8 @@
-//! What seldom changes of a world: which bodies, shapes and joints there are, and what they are. It is written once and then
-//! shared by all snapshots until something of it changes; geometry is shared with the world itself.
+//! The state of a world that seldom changes: its bodies, shapes and joints. It is written once and then
+//! shared by all snapshots until it changes; geometry is shared with the world itself.
 //!
-//! There are two parts, so that a bullet that comes or goes does not have the level written anew: *fixed* is what is static,
-//! with its tree; *moving* is all else, with joints and the lists of free handles.
+//! There are two parts, so that the level is not written anew when a bullet is added or removed: *fixed* has
+//! static bodies, with their tree; *moving* has everything else, with joints and the lists of free handles.
 
 use super::geometry::{Known, Table, code_of, geometry_of};
 use super::settings::mode_of;
@@ -38,8 +38,8 @@ impl Part {
         Part { words, geometry, prints: OnceLock::new() }
     }
 
-    /// Numbers that differ if the part does: one of its content, and one of the tree of what is static, which also tells in
-    /// which order things were added between steps.
+    /// Fingerprints of the part: one of its content, and one of the tree of static shapes, which also depends
+    /// on the order in which they were added between steps.
     pub(super) fn prints(&self) -> [u64; 2] {
         *self.prints.get_or_init(|| {
             let content = (self.words.first().copied().unwrap_or(0) as usize).min(self.words.len());
@@ -49,7 +49,7 @@ impl Part {
         })
     }
 
-    /// What is static, once all of it is in its tree.
+    /// The part of static bodies once all of them are in the tree.
     pub(super) fn settled(&self, world: &World) -> Part {
         let content = (self.words.first().copied().unwrap_or(0) as usize).min(self.words.len());
         let mut words = self.words[..content].to_vec();
@@ -170,8 +170,8 @@ pub(super) struct ColliderRecord {
 }
 
 impl ColliderRecord {
-    /// Whether pose and box of what is static follow from its body, but for what rounding makes of a shape when others that come
-    /// and go move the centre of mass. What is disabled has no box.
+    /// Whether pose and box of a static shape follow from its body. They may differ by rounding, after other
+    /// shapes came and went and moved the centre of mass. Disabled shapes have no box.
     fn is_placed(&self, body: &Pose, disabled: bool) -> bool {
         let c = &self.collider;
         let position = body.position + (body.rotation * c.position).as_dvec3();
@@ -195,13 +195,13 @@ pub(super) struct FreeSlots {
 /// All of both parts.
 #[derive(Debug)]
 pub(super) struct Records {
-    /// Those that move, in the order of their slots; and those that don't, in that of their columns.
+    /// Movable bodies in the order of their slots, and static ones in the order of their columns.
     pub(super) moving: Vec<BodyRecord>,
     pub(super) fixed: Vec<BodyRecord>,
     pub(super) bodies: FreeSlots,
     pub(super) colliders: FreeSlots,
     pub(super) joints: JointRecords,
-    /// Of what is static: what waits for its tree, and the tree.
+    /// Static shapes that are not in the tree yet, and the tree.
     pub(super) new: Vec<u32>,
     pub(super) tree: Vec<u32>,
 }
@@ -261,7 +261,7 @@ fn read_free(from: &mut Reader<'_>) -> Result<FreeSlots, Error> {
     Ok(FreeSlots { count: count as usize, free: free.collect() })
 }
 
-/// A pose that is one.
+/// Reads a pose and checks that it is valid.
 pub(super) fn read_pose(from: &mut Reader<'_>) -> Result<Pose, Error> {
     let position = DVec3::from_array(from.record::<[f64; 3], 6>()?);
     let rotation = Quat::from_array(from.finite::<[f32; 4], 4>()?);

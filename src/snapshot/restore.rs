@@ -1,4 +1,5 @@
-//! Makes a world what it was: first all is read, and what came from outside is checked; then nothing can fail any more.
+//! Restores a world: first everything is read, and bytes from outside are checked; after that nothing can
+//! fail.
 
 use super::Snapshot;
 use super::check::check;
@@ -30,7 +31,7 @@ pub(super) fn restore(world: &mut World, snapshot: &Snapshot) -> Result<(), Erro
     };
     let brings = brought(&view, records.as_ref());
     if poisoned {
-        // Whatever the step had in hand is lost, once it is known that there is place for a whole world.
+        // The broken step's data is dropped, once it is known that there is memory for a whole world.
         let mut whole = World::new(world.settings.clone())?;
         whole.make_place_to_restore(&brings)?;
         whole.report = std::mem::take(&mut world.report);
@@ -55,7 +56,7 @@ pub(super) fn restore(world: &mut World, snapshot: &Snapshot) -> Result<(), Erro
     Ok(())
 }
 
-/// The parts that a snapshot needs, and whether what is static has to be put into its tree for that.
+/// The parts that a snapshot needs, and whether static shapes have to be put into their tree for that.
 fn parts_of(world: &World, snapshot: &Snapshot) -> Result<([Arc<Part>; 2], bool), Error> {
     if let [Some(fixed), Some(moving)] = &snapshot.parts {
         return Ok(([fixed.clone(), moving.clone()], false));
@@ -81,7 +82,7 @@ fn parts_of(world: &World, snapshot: &Snapshot) -> Result<([Arc<Part>; 2], bool)
     Ok(([Arc::new(settled), moving], true))
 }
 
-/// What it brings that takes memory.
+/// The memory that the snapshot needs.
 fn brought<'a>(view: &'a View<'_>, records: Option<&'a Records>) -> Brings<'a> {
     let counts = &view.counts;
     let new = records.map(|records| {
@@ -125,7 +126,7 @@ fn read_pairs(world: &mut World, view: &View<'_>) {
     broad.restore_pairs(view.counts.kept as usize);
 }
 
-/// Puts in place all that snapshots share.
+/// Installs the parts that snapshots share.
 fn install(world: &mut World, records: Records) {
     let Records { moving, fixed, bodies, colliders, joints, new, tree } = records;
     world.clear_colliders(colliders.count);
@@ -141,7 +142,7 @@ fn install(world: &mut World, records: Records) {
             (c.collider.body, c.collider.place) = (index, place as u32);
             world.put_collider(c.index, &c.collider, c.pose);
             if disabled {
-                // It is not there.
+                // It is disabled.
             } else if is_static {
                 world.broad.restore_static(c.index, &c.bounds);
             } else {
@@ -164,7 +165,7 @@ fn install(world: &mut World, records: Records) {
     world.revisions.moving += 1;
 }
 
-/// Takes the state; what snapshots share is in place.
+/// Applies the state; the shared parts are installed.
 fn apply(world: &mut World, view: &View<'_>) {
     let counts = &view.counts;
     let World { bodies, colliders, broad, joints, sleep, buffers, events, .. } = world;
@@ -172,7 +173,7 @@ fn apply(world: &mut World, view: &View<'_>) {
     world.origin = view.origin.into();
     (buffers.last_h, buffers.evenness, buffers.solver.usual_h) = (view.last_h, view.evenness, view.usual_h);
     (buffers.statics.wait, buffers.statics.pending) = (view.wait, view.pending);
-    // Events are of a step that was not.
+    // Events belong to a step that was undone.
     events.forget();
 
     bodies.line_up(view.slots, |own, index| own.as_slice().iter().for_each(|&c| colliders.follow(c, index)));
@@ -218,7 +219,7 @@ fn apply(world: &mut World, view: &View<'_>) {
     let own = bodies.colliders[..all].iter().flat_map(|own| own.as_slice()).copied();
     broad.restore(&view.broad, own);
     if !counts.has(RESTS) && counts.kept == 0 && counts.parts[2] == 0 && sleep.count() == 0 {
-        // Where nothing may sleep there is nothing of it.
+        // If sleeping is off, there is no state of it.
         *sleep = Sleep::default();
     }
     sleep.restore(&view.sleep);
@@ -233,7 +234,7 @@ fn pose_of(words: &[u32]) -> Pose {
     }
 }
 
-/// Gives a column so many values: first those that there are, then others.
+/// Resizes a column to `len` values: first those in `values`, then `other`.
 fn fill<T: Clone>(column: &mut Vec<T>, len: usize, other: T, values: impl Iterator<Item = T>) {
     column.clear();
     if len > 0 {

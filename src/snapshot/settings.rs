@@ -1,4 +1,5 @@
-//! Settings are part of a run: all that bits depend on is kept. Threads and the budget are the machine's, and stay.
+//! Settings: all that results depend on are kept. Threads and the budget belong to the machine and stay as
+//! they are.
 
 use super::words::{Reader, broken};
 use crate::config::{Continuous, ContinuousMethod, FrictionCone, FrictionModel, Settings};

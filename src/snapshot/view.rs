@@ -23,17 +23,17 @@ pub(super) const MAGIC: u32 = u32::from_le_bytes(*b"BSNP");
 pub(super) struct Head {
     pub(super) magic: u32,
     pub(super) version: u32,
-    /// Of the state, this head included.
+    /// Words of the state, this head included.
     pub(super) words: u32,
-    /// Whether the parts follow. Filled in, as all below, when bytes are made.
+    /// Whether the parts follow. This and the fields below are filled in when bytes are made.
     pub(super) whole: u32,
-    /// Prints of the parts.
+    /// Fingerprints of the parts.
     pub(super) prints: [[[u32; 2]; 2]; 2],
-    /// Of all words, with zeros in this place.
+    /// Checksum of all words, computed with zeros in this place.
     pub(super) checksum: [u32; 2],
 }
 
-/// How much there is of everything.
+/// Number of entries of each column.
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct Counts {
@@ -45,7 +45,7 @@ pub(super) struct Counts {
     pub(super) columns: u32,
     /// Bodies with a force.
     pub(super) forces: u32,
-    /// Bodies that the guard looked at, and those that are known to be clear of what is static.
+    /// Bodies that the guard checked, and those that are known to be clear of static shapes.
     pub(super) guarded: u32,
     pub(super) clear: u32,
     pub(super) broad: Lists,
@@ -66,7 +66,8 @@ pub(super) const RESTS: u32 = 4;
 
 pub(super) const HEAD: usize = size_of::<Head>() / 4;
 pub(super) const COUNTS: usize = size_of::<Counts>() / 4;
-/// Pose and velocity of a body; force and torque with the body; where it is clear.
+/// Words of a body's pose and velocity; of a force and torque with its body; of the position at which a body
+/// is clear.
 pub(super) const BODY: usize = 16;
 pub(super) const PUSH: usize = 7;
 pub(super) const BALL: usize = 7;
@@ -82,10 +83,11 @@ pub(super) struct View<'a> {
     /// See [`Statics`](crate::statics::Statics).
     pub(super) wait: u32,
     pub(super) pending: bool,
-    /// Of each body that moves or sleeps, in order.
+    /// Slot of each awake or sleeping body, in order.
     pub(super) slots: &'a [u32],
     pub(super) bodies: &'a [u32],
-    /// Of each body that moves, if bodies may sleep: since when it rests; and, if there is restitution, its way.
+    /// For each moving body, if bodies may sleep, how long it has rested; and, if there is restitution, its
+    /// path.
     pub(super) rest: &'a [u32],
     pub(super) forces: &'a [u32],
     /// A bit for each guarded body.
@@ -111,7 +113,7 @@ impl Counts {
 }
 
 impl<'a> View<'a> {
-    /// Finds the columns. `own`: the settings of the world that is restored, which keep what a snapshot doesn't have.
+    /// Finds the columns. `own`: the settings of the restored world, for those that a snapshot does not have.
     pub(super) fn read(words: &'a [u32], own: &Settings) -> Result<View<'a>, Error> {
         let mut from = Reader(words);
         let head: Head = from.record::<_, HEAD>()?;
@@ -126,7 +128,7 @@ impl<'a> View<'a> {
         let evenness = f32::from_bits(from.one()?);
         let statics = from.one()?;
         limits::position(origin.into())?;
-        // Of a substep, of which a step has 64 at most; zero before the first.
+        // Length of a substep, of which a step has 64 at most; zero before the first step.
         let is_length = |h: &f32| *h == 0.0 || (limits::MIN_STEP / 64.0..=limits::MAX_STEP).contains(h);
         if statics >> 1 > LONGEST_WAIT
             || ![last_h, usual_h].iter().all(is_length)

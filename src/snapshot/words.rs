@@ -1,9 +1,10 @@
-//! Words of 32 bits, one after another: every number of a snapshot is one or a few, so that they can be copied as they are.
+//! Words of 32 bits, one after another: every number of a snapshot takes one or a few, so that they can be
+//! copied as they are.
 
 use crate::error::Error;
 use bytemuck::{NoUninit, Pod, Zeroable};
 
-/// Why words are refused.
+/// The error for broken words.
 pub(crate) fn broken(what: &'static str) -> Error {
     Error::BrokenSnapshot { what }
 }
@@ -89,7 +90,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Refuses what is no number.
+/// Refuses words that are not finite numbers.
 pub(crate) fn all_finite(words: &[u32]) -> Result<(), Error> {
     if words.iter().all(|&w| f32::from_bits(w).is_finite()) {
         Ok(())
@@ -104,8 +105,8 @@ pub(crate) fn all_loads(words: &[u32]) -> Result<(), Error> {
     if sound { Ok(()) } else { Err(broken("a load")) }
 }
 
-/// A number that differs, as good as surely, if a word does: a product of 128 bits folded for each two words, as wyhash has it
-/// (Wang Yi, *Modern Non-Cryptographic Hash Function*, 2019). In four lanes that don't wait for each other.
+/// A hash of words: a folded product of 128 bits for each two words, as in wyhash (Wang Yi, *Modern
+/// Non-Cryptographic Hash Function*, 2019), in four independent lanes.
 pub(crate) fn hash(words: &[u32]) -> u64 {
     const KEYS: [u64; 4] =
         [0xa076_1d64_78bd_642f, 0xe703_7ed1_a0b4_28db, 0x8ebc_6af0_9c88_c6e3, 0x5899_65cc_7537_4cc3];

@@ -1,4 +1,4 @@
-//! Files with a line of JSON for each result, which are added to while a run goes on: the last line may be half written.
+//! Files with a line of JSON for each result, to which a run appends: the last line may be incomplete.
 
 use anyhow::Context;
 use serde::Serialize;
@@ -6,13 +6,14 @@ use std::fs::{File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
-/// What is written in full: all up to the last end of a line.
+/// The complete lines.
 pub(crate) fn whole(bytes: &[u8]) -> &[u8] {
     let end = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |last| last + 1);
     &bytes[..end]
 }
 
-/// Opens a file to add to, or makes one. A line that was half written is cut off, or what is added would be its end.
+/// Opens a file to add to, or makes one. An incomplete last line is removed, or the next line would be
+/// appended to it.
 pub(crate) fn open(path: &Path) -> anyhow::Result<File> {
     let about = || format!("can't write results to {}", path.display());
     let mut options = OpenOptions::new();
@@ -25,7 +26,7 @@ pub(crate) fn open(path: &Path) -> anyhow::Result<File> {
     Ok(file)
 }
 
-/// Adds a line in one write, so that it is there or not.
+/// Adds a line in one write, so that it is written whole or not at all.
 pub(crate) fn put(out: &mut impl Write, result: &impl Serialize) -> anyhow::Result<()> {
     let mut line = serde_json::to_string(result)?;
     line.push('\n');

@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 use std::io::Write;
 use std::path::Path;
 
-/// What `trade` chooses, and so what its files always have.
+/// The settings that `trade` chooses, which its files always have.
 const CHOSEN: [&str; 8] = [
     "substeps",
     "iterations",
@@ -20,12 +20,12 @@ const CHOSEN: [&str; 8] = [
     "recycling",
     "joint_trees",
 ];
-/// What is the scene's or the machine's and in no file that `trade` writes.
+/// Settings of the scene or the machine, which no file of `trade` has.
 const LEFT_OUT: [&str; 3] = ["gravity", "threads", "budget"];
 /// Bytes of the largest file that is read.
 const LARGEST: u64 = 1 << 20;
 
-/// What a file says. What it leaves out is as usual.
+/// The contents of a file; missing settings have their defaults.
 #[derive(Clone, Debug)]
 pub(crate) struct SettingsFile {
     /// Length of a step [s].
@@ -54,7 +54,7 @@ impl SettingsFile {
         };
         let dt = fields.remove("dt").map(|dt| seconds(&dt)).transpose()?;
         let solver = fields.remove("solver").map(|name| method(&name)).transpose()?;
-        // For whoever reads the file.
+        // This field is for human readers.
         fields.remove("about");
         let known = object(&Settings::default())?;
         if let Some(name) = fields.keys().find(|name| !known.contains_key(*name)) {
@@ -89,7 +89,7 @@ fn object(settings: &Settings) -> anyhow::Result<Map<String, Value>> {
     }
 }
 
-/// All that a file has of settings: what `trade` chooses, and what else is not as usual.
+/// The settings of a file: those that `trade` chooses, and others that differ from the default.
 pub(crate) fn fields(
     hz: u32,
     settings: &Settings,
@@ -109,7 +109,7 @@ pub(crate) fn fields(
     Ok(fields)
 }
 
-/// Writes a file; `about` says in words where it is from.
+/// Writes a file; `about` describes its origin.
 pub(crate) fn write(path: &Path, fields: &Map<String, Value>, about: &str) -> anyhow::Result<()> {
     let mut fields = fields.clone();
     fields.insert("about".into(), json!(about));

@@ -1,8 +1,8 @@
-//! The threads that a step may use.
+//! The thread pool that steps may use.
 
 use anyhow::Context;
 
-/// Runs something where a step finds so many threads.
+/// Runs `f` in a pool of `threads` threads.
 pub(crate) fn with_threads<R: Send>(
     threads: usize,
     f: impl FnOnce() -> anyhow::Result<R> + Send,

@@ -1,4 +1,5 @@
-//! Balls in a row: which laws of impact hold between more than two bodies, and whether their impacts come to an end.
+//! Balls in a row: which laws of impact hold between more than two bodies, and whether their impacts come to
+//! an end.
 
 use super::rig::{Rig, dynamic, shape, smooth};
 use super::{Case, Outcome, Setting};
@@ -10,7 +11,8 @@ use crate::lab::WorldMethod;
 use crate::shape::Geometry;
 use glam::Vec3;
 
-const CRADLE: &str = "one after another: the last leaves with v, all others stand; for methods that solve all impacts at once: \
+const CRADLE: &str = "one after another: the last leaves with v, all others stand; for methods that solve \
+    all impacts at once: \
      (1 - e (n - 1)) v / n of the first, (1 + e) v / n of each other";
 const GALPERIN: &str = "floor(pi 10^N) impacts for masses of 1 : 100^N";
 
@@ -73,7 +75,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "collapse-wall",
-        about: "two balls run into a wall one behind the other, e = 0.15: what speed is left between them, as a share",
+        about: "two balls run into a wall one behind the other, e = 0.15: what speed is left between them, \
+            as a share",
         formula: "0: for e < 3 - 2 sqrt 2 = 0.1716 their endless impacts take all of it",
         unit: "",
         bar: 0.01,
@@ -98,7 +101,7 @@ fn ball(density: f64, e: f64, x: f64, speed: f64) -> BodyDesc {
     body.moving(Vec3::X * speed as f32, Vec3::ZERO)
 }
 
-/// In no gravity, and with the slightest approach bouncing.
+/// A world without gravity, in which the slightest approach bounces.
 fn empty(setting: &Setting) -> Result<Rig, Error> {
     let settings = Settings { restitution_threshold: 0.0, ..Setting::settings(Vec3::ZERO) };
     Rig::with(setting, settings)
@@ -140,7 +143,7 @@ fn galperin(setting: &Setting, ratio: f64, want: f64) -> Result<Outcome, Error> 
     rig.add(&ball(1000.0 * ratio, 1.0, 4.0, -1.0))?;
     let (mut count, mut before) = (0, 0.0);
     rig.until(30.0, |rig| {
-        // Of methods that know no impacts within a step, steps in which its speed changes.
+        // For methods without impacts within a step, the steps in which its speed changes are counted.
         let now = rig.velocity(light)?.x;
         let changed = u32::from(now != before);
         count += if setting.method.is_none() { rig.world.report().impacts } else { changed };

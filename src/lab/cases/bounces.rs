@@ -61,9 +61,9 @@ pub(super) const CASES: &[Case] = &[
 
 const RADIUS: f64 = 0.1;
 
-/// A ball of some restitution, 1 m above the floor.
+/// A ball with restitution `e`, 1 m above the floor.
 fn dropped(setting: &Setting, e: f64) -> Result<(Rig, BodyHandle), Error> {
-    // Bounces until gravity of a substep stops it.
+    // It bounces until gravity over a substep stops it.
     let settings = Settings { restitution_threshold: 0.02, ..Setting::settings(DOWN) };
     let mut rig = Rig::with(setting, settings)?;
     rig.floor(surface(0.0, e))?;
@@ -72,7 +72,8 @@ fn dropped(setting: &Setting, e: f64) -> Result<(Rig, BodyHandle), Error> {
     Ok((rig, ball))
 }
 
-/// Steps to the end of the step of the next impact; when that was, going back from there, and the speed just after it.
+/// Steps to the end of the step with the next impact. Returns the time of the impact, extrapolated back from
+/// there, and the speed just after it.
 fn impact(rig: &mut Rig, ball: BodyHandle) -> Result<(f64, f64), Error> {
     let mut falls = rig.velocity(ball)?.y <= 0.0;
     rig.until(rig.time + 3.0, |rig| {

@@ -10,7 +10,8 @@ use glam::{DVec3, Vec3};
 pub(super) const CASES: &[Case] = &[
     Case {
         name: "spinning-disc",
-        about: "a disc that spins flat on the floor: the time until it stops, from its spin at a quarter and three quarters of it",
+        about: "a disc that spins flat on the floor: the time until it stops, from its spin at a quarter \
+            and three quarters of it",
         formula: "t = w R / (2 mu g), borne by points of its rim",
         unit: "s",
         bar: 0.02,

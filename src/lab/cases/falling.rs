@@ -53,7 +53,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "folded-chain",
-        about: "a chain of 101 links hangs folded by both ends, and one is let go: the time to its lowest point over that of free fall",
+        about: "a chain of 101 links hangs folded by both ends, and one is let go: the time to its lowest \
+            point over that of free fall",
         formula: "0.847213085 for a fine chain that keeps its energy",
         unit: "",
         bar: 0.02,
@@ -68,7 +69,7 @@ fn free_fall(setting: &Setting) -> Result<Outcome, Error> {
     Ok(Outcome::of(0.5 * G * rig.time * rig.time, -rig.place(body)?.y))
 }
 
-/// Only its lower end, a small sphere, is there to touch: what carries it passes through that end.
+/// The only shape is a small sphere at its lower end, so that the supporting force passes through that end.
 fn falling_rod(setting: &Setting, aside: bool) -> Result<Outcome, Error> {
     const LENGTH: f64 = 1.0;
     const END: f64 = 0.02;
@@ -132,7 +133,7 @@ fn chain(setting: &Setting) -> Result<Outcome, Error> {
             std::cmp::Ordering::Equal => DVec3::X,
             std::cmp::Ordering::Greater => DVec3::Y,
         };
-        // A link's own y points on along the chain.
+        // A link's own y axis points forward along the chain.
         let turn = if way.x > 0.0 {
             tilted(DVec3::Z, -std::f64::consts::FRAC_PI_2)
         } else if way.y < 0.0 {

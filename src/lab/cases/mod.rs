@@ -1,8 +1,9 @@
-//! Cases of mechanics whose answer is known in closed form, each run in a world and compared with its formula.
+//! Cases of mechanics whose answer is known in closed form, each run in a world and compared with its
+//! formula.
 //!
-//! A [`Case`] builds its bodies through the public interface, steps the world by a [`Setting`], measures one number and tells
-//! it beside the exact one. `cargo backstop cases` prints the errors of all; `docs/cases.md` has the table and what falls
-//! short of its bar.
+//! A [`Case`] builds its bodies through the public interface, steps the world by a [`Setting`], and measures
+//! one number, which it returns beside the exact one. `cargo backstop cases` prints all errors;
+//! `docs/cases.md` has the table and the cases that miss their bar.
 //!
 //! ```
 //! use backstop::lab::cases::{Case, Setting};
@@ -35,7 +36,7 @@ use crate::lab::{WorldMethod, WorldSolver};
 use crate::world::World;
 use glam::Vec3;
 
-/// One case: what is built, what is known of it, and how near one has to come.
+/// One case: what is built, the exact answer, and the error that is accepted.
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
     /// Lower case, with hyphens.
@@ -46,8 +47,8 @@ pub struct Case {
     pub formula: &'static str,
     /// Unit of the measured number.
     pub unit: &'static str,
-    /// The greatest error that a good engine has at 60 Hz with 4 to 8 substeps; a share of the exact answer, unless the
-    /// answer is zero, and the error in `unit`.
+    /// The greatest error that a good engine has at 60 Hz with 4 to 8 substeps, relative to the exact answer;
+    /// if that is zero, in `unit`.
     pub bar: f64,
     measure: fn(&Setting) -> Result<Outcome, Error>,
 }
@@ -91,9 +92,9 @@ impl Case {
 pub struct Setting {
     /// Length of a step [s].
     pub dt: f32,
-    /// Of the engine's solver; methods of the lab solve a step as one.
+    /// Substeps of the engine's solver; methods of the lab solve a step as one.
     pub substeps: u32,
-    /// Of each substep.
+    /// Iterations of each substep.
     pub iterations: u32,
     /// Where friction acts.
     pub friction: FrictionModel,
@@ -102,12 +103,12 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// The one at which the bars are meant: 60 Hz, and what [`Settings`] has by default.
+    /// The setting for which the bars hold: 60 Hz, and the defaults of [`Settings`].
     pub const REFERENCE: Setting =
         Setting { dt: 1.0 / 60.0, substeps: 4, iterations: 1, friction: FrictionModel::Patch, method: None };
 
-    /// The settings of the table: the reference, then one thing changed in each; the steps are halved twice. Methods of the lab
-    /// know no substeps.
+    /// The settings of the table: the reference, then one thing changed in each; the steps are halved twice.
+    /// Methods of the lab know no substeps.
     pub fn usual(method: Option<WorldMethod>) -> Vec<Setting> {
         let reference = Setting { method, ..Setting::REFERENCE };
         let mut settings = vec![
@@ -123,12 +124,13 @@ impl Setting {
         settings
     }
 
-    /// Of the method: `backstop` is the engine's own solver.
+    /// Name of the method: `backstop` is the engine's own solver.
     pub fn method_name(&self) -> &'static str {
         self.method.map_or("backstop", |method| method.name())
     }
 
-    /// Rate, and substeps and iterations of the engine's solver, as `60 Hz 4x1`; with `point` if friction acts at points.
+    /// Rate, and substeps and iterations of the engine's solver, as `60 Hz 4x1`; with `point` if friction
+    /// acts at points.
     pub fn name(&self) -> String {
         let passes = if self.method.is_none() {
             format!(" {}x{}", self.substeps, self.iterations)
@@ -139,7 +141,7 @@ impl Setting {
         format!("{:.0} Hz{passes}{point}", 1.0 / self.dt)
     }
 
-    /// An empty world that is stepped so.
+    /// An empty world with these settings.
     fn world(&self, settings: Settings) -> Result<World, Error> {
         let Setting { substeps, iterations, friction: friction_model, .. } = *self;
         let mut world = World::new(Settings { substeps, iterations, friction_model, ..settings })?;
@@ -147,7 +149,7 @@ impl Setting {
         Ok(world)
     }
 
-    /// With gravity alone set [m/s²].
+    /// The defaults with this gravity [m/s²].
     fn settings(gravity: Vec3) -> Settings {
         Settings { gravity, ..Settings::default() }
     }
@@ -156,16 +158,16 @@ impl Setting {
 /// The exact answer and the measured one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
-    /// By the formula, for what was really built.
+    /// The formula's value for what was actually built.
     pub expected: f64,
-    /// Not a number if what was to be measured never happened.
+    /// NaN if what was to be measured never happened.
     pub measured: f64,
-    /// What the difference is divided by.
+    /// The divisor of the difference.
     pub scale: f64,
 }
 
 impl Outcome {
-    /// An error that counts as a share of the exact answer.
+    /// An outcome whose error is relative to the exact answer.
     fn of(expected: f64, measured: f64) -> Outcome {
         Outcome { expected, measured, scale: expected.abs() }
     }
@@ -175,7 +177,7 @@ impl Outcome {
         Outcome { expected: 0.0, measured, scale: 1.0 }
     }
 
-    /// How far the measured answer is off; infinite if there is none.
+    /// The error of the measured answer; infinite if there is none.
     pub fn error(&self) -> f64 {
         let error = (self.measured - self.expected).abs() / self.scale;
         if error.is_nan() { f64::INFINITY } else { error }

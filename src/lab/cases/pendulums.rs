@@ -36,7 +36,7 @@ pub(super) const CASES: &[Case] = &[
 ];
 
 const LENGTH: f64 = 1.0;
-/// Of 1 kg, about its own centre [kg m²].
+/// Moment of inertia of the 1 kg mass about its own centre [kg m²].
 const INERTIA: f64 = 0.02;
 
 fn pendulum(setting: &Setting, degrees: f64) -> Result<(Rig, BodyHandle), Error> {

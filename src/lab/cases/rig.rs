@@ -19,7 +19,7 @@ pub(super) struct Rig {
     pub(super) world: World,
     /// Length of a step [s].
     pub(super) dt: f32,
-    /// Since the start [s].
+    /// Time since the start [s].
     pub(super) time: f64,
 }
 
@@ -28,7 +28,7 @@ impl Rig {
         Rig::with(setting, Setting::settings(gravity))
     }
 
-    /// With settings of the case's own beside those of the setting.
+    /// A world with the case's own settings, overridden by those of `setting`.
     pub(super) fn with(setting: &Setting, settings: Settings) -> Result<Rig, Error> {
         Ok(Rig { world: setting.world(settings)?, dt: setting.dt, time: 0.0 })
     }
@@ -48,7 +48,7 @@ impl Rig {
         Ok(())
     }
 
-    /// Steps until so much time has passed in all [s], to the nearest step.
+    /// Steps until `time` [s] since the start, to the nearest step.
     pub(super) fn run_to(&mut self, time: f64) -> Result<(), Error> {
         while self.time + 0.5 * f64::from(self.dt) < time {
             self.step()?;
@@ -56,7 +56,7 @@ impl Rig {
         Ok(())
     }
 
-    /// Steps until something is the case, and whether it was before `time` [s].
+    /// Steps until a condition holds; returns whether that was before `time` [s].
     pub(super) fn until(
         &mut self,
         time: f64,
@@ -71,7 +71,7 @@ impl Rig {
         Ok(false)
     }
 
-    /// Centre of mass [m].
+    /// Position of the centre of mass [m].
     pub(super) fn place(&self, body: BodyHandle) -> Result<DVec3, Error> {
         self.world.centre_of_mass(body)
     }
@@ -80,18 +80,19 @@ impl Rig {
         Ok(self.world.rotation(body)?.as_dquat().normalize())
     }
 
-    /// Of the centre of mass [m/s].
+    /// Velocity of the centre of mass [m/s].
     pub(super) fn velocity(&self, body: BodyHandle) -> Result<DVec3, Error> {
         Ok(self.world.linear_velocity(body)?.as_dvec3())
     }
 
-    /// About the world's axes [rad/s].
+    /// Angular velocity about the world's axes [rad/s].
     pub(super) fn spin(&self, body: BodyHandle) -> Result<DVec3, Error> {
         Ok(self.world.angular_velocity(body)?.as_dvec3())
     }
 }
 
-/// Coulomb's coefficient and Newton's restitution of a surface. Of two the smoother counts.
+/// A surface with Coulomb's coefficient of friction and Newton's restitution. Of two surfaces the one with
+/// less friction counts.
 pub(super) fn surface(friction: f64, restitution: f64) -> Material {
     let material = Material::default().with_friction(friction as f32).with_restitution(restitution as f32);
     Material { friction_combine: Combine::Minimum, ..material }
@@ -110,14 +111,14 @@ pub(super) fn dynamic(geometry: Geometry, material: Material, at: Vec3) -> BodyD
     BodyDesc::dynamic().at(at).with_shape(shape(geometry, material))
 }
 
-/// A body whose mass [kg] and principal moments [kg m²] are given, so far without a shape.
+/// A body with given mass [kg] and principal moments [kg m²], still without a shape.
 pub(super) fn lump(mass: f64, inertia: DVec3) -> BodyDesc {
     let inertia = Mat3::from_diagonal(inertia.as_vec3());
     let mass = MassProperties { mass: mass as f32, center: Vec3::ZERO, inertia };
     BodyDesc { mass: Some(mass), ..BodyDesc::dynamic() }
 }
 
-/// A thin rod along y of 1 kg, so far without a shape.
+/// A thin rod of 1 kg along y, still without a shape.
 pub(super) fn rod(length: f64) -> BodyDesc {
     let across = length * length / 12.0;
     lump(1.0, DVec3::new(across, 1e-3 * across, across))
@@ -135,8 +136,8 @@ pub(super) fn tilted(axis: DVec3, angle: f64) -> Quat {
     turned(axis, angle).as_quat().normalize()
 }
 
-/// How much longer a pendulum that swings out to `angle` [rad] takes than one of small swings, K(sin(angle / 2)) 2 / pi, by
-/// the arithmetic-geometric mean.
+/// Ratio of the period of a pendulum with amplitude `angle` [rad] to that of small swings, K(sin(angle / 2))
+/// 2 / pi, by the arithmetic-geometric mean.
 pub(super) fn stretch(angle: f64) -> f64 {
     1.0 / agm(1.0, libm::cos(0.5 * angle))
 }

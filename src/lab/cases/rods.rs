@@ -1,4 +1,5 @@
-//! Free rods that are struck. A small sphere is the shape of the place where, so that the impulse goes through that very point.
+//! Free rods that are struck. The shape is a small sphere at the point of impact, so that the impulse passes
+//! through that very point.
 
 use super::rig::{Rig, dynamic, rod, shape, smooth, tilted};
 use super::{Case, Outcome, Setting};
@@ -42,7 +43,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "percussion",
-        about: "a rod is hit at two thirds of its length from one end: the speed of that end, as a share of the ball's",
+        about: "a rod is hit at two thirds of its length from one end: the speed of that end, as a share of \
+            the ball's",
         formula: "0",
         unit: "",
         bar: 1e-5,
@@ -65,7 +67,7 @@ fn touched_at(at: f64, e: f64) -> crate::body::BodyDesc {
 fn rod_end(setting: &Setting, degrees: f64, spin: bool) -> Result<Outcome, Error> {
     let mut rig = Rig::new(setting, Vec3::ZERO)?;
     rig.floor(smooth(E))?;
-    // The upper end in its own frame is lowered to so many degrees below the level.
+    // The end that is up in its own frame is lowered to `degrees` below the horizontal.
     let turn = tilted(DVec3::Z, -(90.0 + degrees).to_radians());
     let (sin, cos) = libm::sincos(degrees.to_radians());
     let at = DVec3::Y * (0.5 * LENGTH * sin + POINT + 0.31);
@@ -80,7 +82,7 @@ fn rod_end(setting: &Setting, degrees: f64, spin: bool) -> Result<Outcome, Error
     })
 }
 
-/// Steps to the end of the step in which it is struck.
+/// Steps to the end of the step with the impact.
 fn struck(rig: &mut Rig, body: BodyHandle, speed: f64) -> Result<(), Error> {
     rig.until(2.0, |rig| Ok(rig.velocity(body)?.y != speed)).map(drop)
 }
@@ -95,7 +97,7 @@ fn percussion(setting: &Setting) -> Result<Outcome, Error> {
     rig.add(&ball.moving(Vec3::Y * SPEED as f32, Vec3::ZERO))?;
     struck(&mut rig, body, 0.0)?;
     let end = rig.velocity(body)?.y - 0.5 * LENGTH * rig.spin(body)?.z;
-    // What was never struck stands still by no merit.
+    // A body that was never struck proves nothing by standing still.
     let measured = if rig.velocity(body)?.y > 0.0 { end / SPEED } else { f64::NAN };
     Ok(Outcome::zero(measured))
 }

@@ -1,4 +1,4 @@
-//! What rolls, or comes to.
+//! Bodies that roll, or begin to.
 
 use super::rig::{DOWN, G, Rig, dynamic, shape, smooth, stretch, surface, tilted};
 use super::watch::{Passages, Turns, threshold};
@@ -86,7 +86,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "bowl-rolling",
-        about: "a ball rolls to and fro in a round valley of half degrees, 20 degrees to each side: the period",
+        about: "a ball rolls to and fro in a round valley of half degrees, 20 degrees to each side: the \
+            period",
         formula: "T = 2 pi sqrt(7 (R - r) / (5 g)) K",
         unit: "s",
         bar: 0.01,
@@ -106,7 +107,7 @@ const RADIUS: f64 = 0.5;
 const BALL: Geometry = Geometry::Sphere { radius: RADIUS as f32 };
 const MU: f64 = 0.3;
 
-/// On a floor, thrown along x with a spin about z.
+/// A ball on a floor, thrown along x with a spin about z.
 fn thrown(setting: &Setting, speed: f64, spin: f64) -> Result<(Rig, BodyHandle), Error> {
     let mut rig = Rig::new(setting, DOWN)?;
     rig.floor(surface(MU, 0.0))?;
@@ -123,7 +124,7 @@ fn slip_speed(setting: &Setting) -> Result<Outcome, Error> {
     Ok(Outcome::of(SPEED * 5.0 / 7.0, rig.velocity(ball)?.x))
 }
 
-/// Until it rolls [s].
+/// Time until it rolls [s].
 const SLIPS: f64 = 2.0 * SPEED / (7.0 * MU * G);
 
 fn slip_time(setting: &Setting) -> Result<Outcome, Error> {
@@ -145,7 +146,7 @@ fn slip_distance(setting: &Setting) -> Result<Outcome, Error> {
 
 fn backspin(setting: &Setting) -> Result<Outcome, Error> {
     let speed = 2.0;
-    // What rolls along x turns about -z.
+    // A ball that rolls along x rotates about -z.
     let (mut rig, ball) = thrown(setting, speed, 4.0 * speed / RADIUS)?;
     rig.run_to(3.0)?;
     Ok(Outcome::of((5.0 - 2.0 * 4.0) * speed / 7.0, rig.velocity(ball)?.x))
@@ -160,7 +161,7 @@ enum Roller {
 
 const SLOPE: f64 = 20.0;
 
-/// At rest on a slope down along x.
+/// A body at rest on a slope that descends along x.
 fn on_slope(
     setting: &Setting,
     roller: Roller,
@@ -178,7 +179,7 @@ fn on_slope(
         }
     };
     if let Roller::Hoop = roller {
-        // All the mass at the radius, and as wide as the cylinder.
+        // All mass is at the radius, over the width of the cylinder.
         let inertia = Mat3::from_diagonal(Vec3::new(0.16, 0.25, 0.16));
         body.mass = Some(MassProperties { mass: 1.0, center: Vec3::ZERO, inertia });
     }
@@ -216,7 +217,8 @@ fn turntable(setting: &Setting) -> Result<Outcome, Error> {
     let mut rig = Rig::new(setting, DOWN)?;
     let table = BodyDesc::kinematic().with_shape(shape(Geometry::Plane, surface(1.0, 0.0)));
     rig.add(&table.moving(Vec3::ZERO, Vec3::Y * RATE as f32))?;
-    // On its circle about the axis already, turning so that it does not slip: v - w x r = the table's velocity there.
+    // It starts on its circle about the axis with the spin of rolling: v - w x r = the table's velocity
+    // there.
     let speed = 1.0;
     let at = DVec3::new(speed / (RATE * 2.0 / 7.0), 0.1, 0.0);
     let velocity = DVec3::NEG_Z * speed;
@@ -233,7 +235,7 @@ fn turntable(setting: &Setting) -> Result<Outcome, Error> {
     Ok(Outcome::of(RATE * 2.0 / 7.0, turns.gone / (rig.time - f64::from(rig.dt))))
 }
 
-/// A ball in a valley along z, whose round floor is of strips of half a degree.
+/// A ball in a valley along z, whose round floor consists of strips of half a degree.
 fn valley(setting: &Setting, material: Material, heavier: f64) -> Result<Outcome, Error> {
     const SMALL: f64 = 0.2;
     // The centre of the ball is 1 m from the valley's axis.

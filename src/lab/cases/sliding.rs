@@ -1,4 +1,4 @@
-//! What slides on a floor or a slope.
+//! Bodies that slide on a floor or a slope.
 
 use super::rig::{DOWN, G, Rig, dynamic, rod, shape, surface, tilted};
 use super::watch::threshold;
@@ -78,7 +78,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "painleve-rod",
-        about: "a rod slides with its end ahead at 60 degrees and mu = 2, where rigid sliding has no solution: energy that it gains",
+        about: "a rod slides with its end ahead at 60 degrees and mu = 2, where rigid sliding has no \
+            solution: energy that it gains",
         formula: "0: none may be gained; 1 + 3 cos² th - 3 mu sin th cos th < 0",
         unit: "of E",
         bar: 1e-3,
@@ -167,14 +168,14 @@ fn incline_tips(setting: &Setting) -> Result<Outcome, Error> {
     Ok(Outcome::of(want, found))
 }
 
-/// The greatest energy on the way, over that of the start.
+/// The greatest energy during the motion, relative to that at the start.
 fn painleve(setting: &Setting) -> Result<Outcome, Error> {
     const LENGTH: f64 = 1.0;
     const END: f32 = 0.01;
     let mut rig = Rig::new(setting, DOWN)?;
     let material = surface(2.0, 0.0);
     rig.floor(material)?;
-    // The lower end is ahead: the rod leans back by 30 degrees from upright.
+    // The lower end leads: the rod leans back by 30 degrees from upright.
     let lean = tilted(DVec3::Z, 30f64.to_radians());
     let ends = [-0.5 * LENGTH, 0.5 * LENGTH].map(|y| {
         let mut end = shape(Geometry::Sphere { radius: END }, material);

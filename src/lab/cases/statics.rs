@@ -1,4 +1,4 @@
-//! What holds up to some friction or height, and no further.
+//! Structures that hold up to a certain friction or height.
 
 use super::rig::{DOWN, G, Rig, dynamic, shape, smooth, surface, tilted};
 use super::watch::threshold;
@@ -12,7 +12,8 @@ use std::sync::Arc;
 pub(super) const CASES: &[Case] = &[
     Case {
         name: "boxcar",
-        about: "a box 0.6 m wide on mu = 0.5 is pushed by a force that grows: the height of the push from which on it tips",
+        about: "a box 0.6 m wide on mu = 0.5 is pushed by a force that grows: the height of the push from \
+            which on it tips",
         formula: "y = w / (2 mu)",
         unit: "m",
         bar: 0.02,
@@ -20,7 +21,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "cards",
-        about: "two cards lean against each other, 20 degrees from upright: the friction of the floor that they need",
+        about: "two cards lean against each other, 20 degrees from upright: the friction of the floor that \
+            they need",
         formula: "mu = tan(th) / 2, for cards with round ends of radius r (L / 2) sin th / (L cos th + r)",
         unit: "",
         bar: 0.05,
@@ -36,7 +38,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "wedge",
-        about: "a wedge of half angle 15 degrees between jaws that press: the friction from which on it stays",
+        about: "a wedge of half angle 15 degrees between jaws that press: the friction from which on it \
+            stays",
         formula: "mu = tan al",
         unit: "",
         bar: 0.05,
@@ -55,7 +58,7 @@ fn boxcar(setting: &Setting) -> Result<Outcome, Error> {
             rig.add(&dynamic(Geometry::Box { half_extents: half }, surface(MU, 0.0), Vec3::Y * half.y))?;
         let grip = MU * f64::from(rig.world.mass(body)?) * G;
         while rig.time < 10.0 {
-            // From 0 to twice what makes it slide.
+            // The force rises from 0 to twice the limit of friction.
             let force = grip * rig.time / 5.0;
             let torque = -force * (height - f64::from(half.y));
             rig.world.add_force(body, Vec3::X * force as f32, Vec3::Z * torque as f32)?;
@@ -72,7 +75,7 @@ fn boxcar(setting: &Setting) -> Result<Outcome, Error> {
     Ok(Outcome::of(want, found))
 }
 
-/// Of a card and of the ladder, between the centres of their round ends [m].
+/// Length of a card and of the ladder, between the centres of their round ends [m].
 const LENGTH: f64 = 1.0;
 const RADIUS: f64 = 0.02;
 
@@ -82,7 +85,7 @@ fn leaning(foot: f64, lean: f64, friction: f64) -> BodyDesc {
     let at = Vec3::new((foot + 0.5 * LENGTH * sin) as f32, (RADIUS + 0.5 * LENGTH * cos) as f32, 0.0);
     let capsule = Geometry::capsule(0.5 * LENGTH as f32, RADIUS as f32);
     let body = dynamic(capsule, surface(friction, 0.0), at).rotated(tilted(DVec3::Z, -lean));
-    // All of it happens in a plane.
+    // The problem is planar.
     BodyDesc { lock_translation: [false, false, true], lock_rotation: [true, true, false], ..body }
 }
 
@@ -119,11 +122,12 @@ fn ladder(setting: &Setting) -> Result<Outcome, Error> {
     Ok(Outcome::of(want, found))
 }
 
-/// Between two jaws that slide along x and are pressed together by 100 kN, in no gravity; they weigh as much as stone.
+/// A wedge between two jaws that slide along x and are pressed together by 100 kN, without gravity; the jaws
+/// have the density of stone.
 fn wedge(setting: &Setting) -> Result<Outcome, Error> {
     let angle = 15f64.to_radians();
     let want = libm::tan(angle);
-    // Half the width at the middle, and half the height.
+    // Half width at mid-height, and half height.
     let (middle, high) = (0.3, 0.3);
     let corners: Vec<Vec3> = (0..8)
         .map(|i| {
@@ -138,7 +142,7 @@ fn wedge(setting: &Setting) -> Result<Outcome, Error> {
         let material = surface(friction, 0.0);
         let wedge = rig.add(&dynamic(Geometry::Hull(hull.clone()), material, Vec3::ZERO))?;
         let jaws = [-1.0, 1.0].map(|side| {
-            // The inner face touches the wedge's: its normal is turned by the angle.
+            // The inner face touches the wedge's, so its normal is rotated by the angle.
             let turn = tilted(DVec3::Z, -side * angle);
             let at = Vec3::X * (side * middle) as f32 + turn * (Vec3::X * (0.1 * side) as f32);
             let jaw = dynamic(Geometry::cuboid(0.1, 0.2, 0.3), material, at).rotated(turn);

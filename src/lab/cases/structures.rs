@@ -12,7 +12,8 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 const OVERHANG: &str = "H_n / 2 lengths, H_n = 1 + 1/2 + ... + 1/n";
-const OVERHANG_ABOUT: &str = "so many blocks, each as far out over the next as it can be: the overhang from which on they fall, in lengths";
+const OVERHANG_ABOUT: &str = "so many blocks, each as far out over the next as it can be: the overhang from \
+    which on they fall, in lengths";
 const STACK: &str = "0";
 
 const fn overhang_of(name: &'static str, measure: fn(&Setting) -> Result<Outcome, Error>) -> Case {
@@ -59,7 +60,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "domino-push",
-        about: "a row of dominoes pushed hard and gently: their speeds beyond the tenth stone over each other",
+        about: "a row of dominoes pushed hard and gently: their speeds beyond the tenth stone over each \
+            other",
         formula: "1",
         unit: "",
         bar: 0.05,
@@ -67,7 +69,8 @@ pub(super) const CASES: &[Case] = &[
     },
 ];
 
-/// The table ends at x = 0; block `i` from the top stands out over the next by 1 / (2 i) of its length, times a factor.
+/// The table ends at x = 0; block `i` from the top overhangs the next by 1 / (2 i) of its length, times a
+/// factor.
 fn overhang(setting: &Setting, count: u32) -> Result<Outcome, Error> {
     let half = Vec3::new(0.5, 0.05, 0.3);
     let found = threshold([0.7, 1.2], 8, |factor| {
@@ -94,7 +97,7 @@ fn arch(setting: &Setting) -> Result<Outcome, Error> {
     const STONES: u32 = 16;
     let found = threshold([0.07, 0.16], 7, |thickness| {
         let mut rig = Rig::new(setting, DOWN)?;
-        // No joint slips.
+        // Friction is high enough that no block slips.
         let material = surface(2.0, 0.0);
         rig.floor(material)?;
         let mut crown = None;
@@ -142,7 +145,8 @@ fn stack(setting: &Setting, ratio: f64) -> Result<Outcome, Error> {
     Ok(Outcome::zero(1.5 - lowest))
 }
 
-/// Speed of the fall between the tenth and the twentieth of 25 stones, the first of which starts with a spin [m/s].
+/// Speed of the fall between the tenth and the twentieth of 25 stones, the first of which starts with a spin
+/// [m/s].
 fn dominoes(setting: &Setting, height: f64, spin: f64) -> Result<f64, Error> {
     let mut rig = Rig::new(setting, DOWN)?;
     let material = surface(0.4, 0.0);
@@ -154,7 +158,7 @@ fn dominoes(setting: &Setting, height: f64, spin: f64) -> Result<f64, Error> {
         let at = DVec3::new(f64::from(i) * pitch, half.y, 0.0);
         let mut stone = dynamic(Geometry::Box { half_extents: half.as_vec3() }, material, at.as_vec3());
         if i == 0 {
-            // About its lower edge ahead.
+            // Rotation about its lower front edge.
             let turn = DVec3::NEG_Z * spin;
             let arm = DVec3::new(-half.x, half.y, 0.0);
             stone = stone.moving(turn.cross(arm).as_vec3(), turn.as_vec3());

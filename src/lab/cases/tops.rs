@@ -1,4 +1,4 @@
-//! Tops and what tumbles: free rotation, and a top on its point.
+//! Free rotation of tumbling bodies, and tops on their points.
 
 use super::rig::{DOWN, G, Rig, elliptic_k, lump, turned};
 use super::watch::{Passages, Turns, threshold};
@@ -116,7 +116,8 @@ fn free_top(setting: &Setting, space: bool) -> Result<Outcome, Error> {
     Ok(Outcome::of(want, turns.gone.abs() / (rig.time - start)))
 }
 
-/// Of the heavy top of 1 kg: from its point to its centre [m], and moments about the point [kg m²].
+/// The heavy top of 1 kg: distance from its point to its centre [m], and moments of inertia about the point
+/// [kg m²].
 const ARM: f64 = 0.5;
 const ACROSS: f64 = 0.3;
 const ALONG: f64 = 0.1;
@@ -137,7 +138,7 @@ fn top(setting: &Setting, lean: f64, spin: DVec3) -> Result<(Rig, BodyHandle), E
     Ok((rig, body))
 }
 
-/// Of a top that leans so: its axis.
+/// Axis of a top that leans by this angle.
 fn axis_at(lean: f64) -> DVec3 {
     turned(DVec3::Z, -lean) * DVec3::Y
 }
@@ -162,8 +163,9 @@ fn heavy_top(setting: &Setting, sign: f64) -> Result<Outcome, Error> {
     Ok(Outcome::of(want, turns.gone / (rig.time - start)))
 }
 
-/// f(u) = (u0 - u) (b (1 - u²) - a² (u0 - u)) for the axis let go at rest at u0 = cos th, a = I3 w3 / I1, b = 2 m g l / I1. Its
-/// roots are u0, u1 below it, and u2 > 1; with u = (u0 + u1) / 2 + (u0 - u1) / 2 sin x the integral has no more singularity.
+/// f(u) = (u0 - u) (b (1 - u²) - a² (u0 - u)) for the axis released at rest at u0 = cos th, a = I3 w3 / I1, b
+/// = 2 m g l / I1. Its roots are u0, u1 below it, and u2 > 1; with u = (u0 + u1) / 2 + (u0 - u1) / 2 sin x
+/// the integral has no more singularity.
 fn nutation_period() -> f64 {
     let (a, b, u0) = (ALONG * SPIN / ACROSS, 2.0 * G * ARM / ACROSS, libm::cos(LEAN));
     // b u² - a² u + a² u0 - b = 0.
@@ -183,7 +185,7 @@ fn nutation_period() -> f64 {
 
 fn nutation(setting: &Setting) -> Result<Outcome, Error> {
     let (mut rig, top) = top(setting, LEAN, axis_at(LEAN) * SPIN)?;
-    // It leans most, and least again, when the rate of its lean passes zero.
+    // Its lean is extreme when the rate of lean passes zero.
     let mut passages = Passages::default();
     rig.until(5.0, |rig| {
         let axis = rig.turn(top)? * DVec3::Y;
@@ -214,7 +216,7 @@ enum Racket {
 }
 
 fn racket(setting: &Setting, what: Racket) -> Result<Outcome, Error> {
-    // Of x, y and z; by size: y, x, z.
+    // Moments about x, y and z; in ascending order: y, x, z.
     let inertia = DVec3::new(17.0 / 1200.0, 1.0 / 240.0, 1.0 / 60.0);
     let spin = DVec3::new(10.0, 0.1, 0.0);
     let mut rig = Rig::new(setting, Vec3::ZERO)?;
@@ -234,7 +236,7 @@ fn racket(setting: &Setting, what: Racket) -> Result<Outcome, Error> {
     })
 }
 
-/// Of the middle component of the spin (Landau and Lifshitz, *Mechanics*, 37).
+/// Period of the spin's component along the middle axis (Landau and Lifshitz, *Mechanics*, 37).
 fn racket_period(inertia: DVec3, spin: DVec3) -> f64 {
     let (twice, momentum) = (spin.dot(inertia * spin), (inertia * spin).length_squared());
     let [i1, i2, i3] = [inertia.y, inertia.x, inertia.z];
@@ -252,10 +254,11 @@ fn the_periods_are_those_of_the_literature() {
     let inertia = DVec3::new(17.0 / 1200.0, 1.0 / 240.0, 1.0 / 60.0);
     assert!((racket_period(inertia, DVec3::new(10.0, 0.1, 0.0)) - 3.86563793).abs() < 1e-7);
     assert!((racket_period(inertia, DVec3::new(10.0, 0.01, 0.0)) - 5.40081053).abs() < 1e-7);
-    // By series and by quadrature the same: T/T0 of 90 and 170 degrees.
+    // T/T0 for 90 and 170 degrees, as series and quadrature both give it.
     assert!((super::rig::stretch(0.5 * PI) - 1.18034060).abs() < 1e-8);
     assert!((super::rig::stretch(170.0 * PI / 180.0) - 2.43936272).abs() < 1e-8);
-    // A fast top nutates at a = I3 w3 / I1, slower by the share b cos th / a² with b = 2 m g l / I1, to the second order.
+    // A fast top nutates at a = I3 w3 / I1, slower by the share b cos th / a² with b = 2 m g l / I1, to the
+    // second order.
     let (a, b) = (ALONG * SPIN / ACROSS, 2.0 * G * ARM / ACROSS);
     let slower = b * libm::cos(LEAN) / (a * a);
     assert!((nutation_period() * a / TAU - 1.0 - slower).abs() < 2.0 * (b / (a * a)).powi(2));

@@ -1,9 +1,9 @@
-//! What measures: passages through zero, angles that go round, and thresholds by bisection.
+//! Measuring instruments: zero crossings, angles over several turns, and thresholds by bisection.
 
 use crate::error::Error;
 use std::f64::consts::TAU;
 
-/// When a number passed zero, between steps by a straight line.
+/// Times at which a number passed zero, linearly interpolated between steps.
 #[derive(Default)]
 pub(super) struct Passages {
     before: Option<(f64, f64)>,
@@ -20,7 +20,7 @@ impl Passages {
         self.before = Some((time, value));
     }
 
-    /// From a passage to the next but one of those after the first; not a number before there are three.
+    /// Time from the first crossing to the third; NaN if there are fewer.
     pub(super) fn period(&self) -> f64 {
         match self.times[..] {
             [first, _, third, ..] => third - first,
@@ -29,11 +29,11 @@ impl Passages {
     }
 }
 
-/// An angle that goes round and round [rad]; less than half a turn from look to look.
+/// An angle summed over many turns [rad]; between two measurements it changes by less than half a turn.
 #[derive(Default)]
 pub(super) struct Turns {
     before: Option<f64>,
-    /// In all.
+    /// The sum.
     pub(super) gone: f64,
 }
 
@@ -47,8 +47,8 @@ impl Turns {
     }
 }
 
-/// Up to which value something does not happen and from which on it does, between `low` and `high`, by so many halvings;
-/// not a number if it happens at the one or does not at the other.
+/// The value between `low` and `high` from which on something happens, by repeated bisection; NaN if it
+/// happens at `low` already, or not even at `high`.
 pub(super) fn threshold(
     [low, high]: [f64; 2],
     halvings: u32,

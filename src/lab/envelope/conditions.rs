@@ -1,25 +1,25 @@
-//! What a trial is run under, and the axes along which that goes to extremes.
+//! The conditions of a trial, and the axes along which they go to extremes.
 
 use crate::scene::rng::Rng;
 use std::fmt;
 
-/// How long the steps of a run are.
+/// The lengths of the steps of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rhythm {
-    /// All alike, so many a second.
+    /// Equal steps, this many per second.
     Even(f32),
     /// Any length between these [s], by a seeded draw.
     Random(f32, f32),
-    /// 60 a second, and once a second one of 0.25 s.
+    /// 60 steps a second, and once a second one of 0.25 s.
     Hitches,
 }
 
 impl Rhythm {
-    /// Length of the step with such a number [s].
+    /// Length of step `step` [s].
     pub fn dt(self, step: u64) -> f32 {
         match self {
             Rhythm::Even(hertz) => 1.0 / hertz,
-            // Any step's length without those before it.
+            // The length of any step is known without those before it.
             Rhythm::Random(least, most) => Rng::after(step).range(least, most),
             Rhythm::Hitches => [1.0 / 60.0, 0.25][usize::from(step % 46 == 45)],
         }
@@ -47,25 +47,25 @@ pub enum Flaw {
 /// What one cell of the envelope is run under.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Conditions {
-    /// From the world's origin along x, and most of it along z [m].
+    /// Distance from the world's origin along x, and 0.7 times as much along z [m].
     pub distance: f64,
     /// Length unit of scene and world [m].
     pub size: f32,
-    /// Between the heaviest and the lightest body that touch or are joined.
+    /// Mass ratio of the heaviest and the lightest body that touch or are joined.
     pub mass_ratio: f32,
-    /// Between the largest and the smallest moment of inertia of a body.
+    /// Ratio of the largest and the smallest moment of inertia of a body.
     pub slenderness: f32,
-    /// Of the steps.
+    /// Lengths of the steps.
     pub rhythm: Rhythm,
-    /// Instead of the trial's own [length units / s].
+    /// Speed instead of the trial's own [length units / s].
     pub speed: Option<f32>,
-    /// Instead of the trial's own [rad/s].
+    /// Spin instead of the trial's own [rad/s].
     pub spin: Option<f32>,
-    /// Gravity, in that of the earth.
+    /// Gravity in multiples of the earth's.
     pub gravity: f32,
     /// Bodies that one body carries.
     pub carried: usize,
-    /// Of the ground or the bodies.
+    /// Degeneracy of the ground or the bodies.
     pub flaw: Flaw,
 }
 
@@ -86,7 +86,7 @@ impl Default for Conditions {
     }
 }
 
-/// What goes to extremes while all else is ordinary.
+/// The condition that goes to extremes while all others are ordinary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Axis {
     /// Nothing: the ordinary case.
@@ -146,7 +146,7 @@ impl Axis {
         }
     }
 
-    /// Its points, with their labels, from the mildest to the wildest.
+    /// Its points with their labels, from the mildest to the most extreme.
     pub fn points(self) -> Vec<(String, Conditions)> {
         let of = |values: &[f32], unit: &str, set: fn(&mut Conditions, f32)| {
             let point = |&value: &f32| {

@@ -1,4 +1,5 @@
-//! What is judged: figures of a run out of the states of its bodies alone, so that any engine can be judged by them.
+//! How a run is judged: by figures computed from the states of its bodies alone, so that any engine can be
+//! judged by them.
 
 use super::reach::reach;
 use crate::body::{BodyDesc, BodyKind};
@@ -6,21 +7,21 @@ use crate::scene::{Scene, SceneJoint};
 use crate::shape::MassProperties;
 use glam::{DVec3, Quat, Vec3};
 
-/// A body as an engine has it.
+/// The state of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
-    /// Of its origin [m].
+    /// Position of its origin [m].
     pub position: DVec3,
-    /// How its axes are turned.
+    /// Its rotation.
     pub rotation: Quat,
     /// Velocity of its centre of mass [m/s].
     pub linear: Vec3,
-    /// About the world's axes [rad/s].
+    /// Angular velocity about the world's axes [rad/s].
     pub angular: Vec3,
 }
 
 impl State {
-    /// As a description has it.
+    /// The initial state by a description.
     pub(super) fn of(desc: &BodyDesc) -> State {
         State {
             position: desc.position,
@@ -61,7 +62,8 @@ impl Verdict {
     }
 }
 
-/// A half-space that bodies stay out of: its boundary passes through a point, and its normal points to where they may be.
+/// The boundary of a half-space that bodies must stay out of: a plane through a point, whose normal points to
+/// the allowed side.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Boundary {
     pub(super) point: DVec3,
@@ -71,21 +73,21 @@ pub(super) struct Boundary {
 /// A figure, without unit.
 #[derive(Clone, Debug)]
 pub(super) enum Measure {
-    /// The furthest that a body is from where it started, in the end.
+    /// The greatest distance of a body from its start, at the end.
     Moved { unit: f64 },
     /// The deepest point of a body beyond a boundary, in the second half of the run.
     Depth { unit: f64 },
-    /// Bodies whose centre of mass is, or was, beyond a boundary.
+    /// Bodies whose centre of mass was beyond a boundary at any time.
     Through,
-    /// The furthest that a joint's two anchors were apart.
+    /// The greatest distance between a joint's two anchors.
     Apart { unit: f64 },
-    /// The most energy beyond that of the start [J].
+    /// The greatest energy in excess of that at the start [J].
     Gain { unit: f64 },
-    /// Energy that is missing in the end [J].
+    /// Energy lost at the end [J].
     Loss { unit: f64 },
-    /// By how much the speed of a body differs from that of the start, in the end.
+    /// Difference of a body's speed at the end from that at the start.
     Speed { body: usize },
-    /// The same of its spin.
+    /// Difference of its spin.
     Spin { body: usize },
 }
 
@@ -104,7 +106,7 @@ impl Measure {
     }
 }
 
-/// A measure with the bounds of its figure: up to the first it is stable, up to the second degraded.
+/// A measure with two bounds: up to the first the run is stable, up to the second degraded.
 #[derive(Clone, Debug)]
 pub(super) struct Gauge {
     pub(super) measure: Measure,
@@ -117,9 +119,9 @@ pub(super) struct Gauge {
 pub struct Figure {
     /// What was measured: `moved`, `depth`, `through`, `apart`, `gain`, `loss`, `speed`, `spin`, or `finite`.
     pub measure: &'static str,
-    /// Without unit; 1 of `finite` is a state that is not.
+    /// Value without unit; for `finite`, 1 means that a state was not finite.
     pub value: f64,
-    /// By the measure's bounds.
+    /// Verdict by the measure's bounds.
     pub verdict: Verdict,
 }
 
@@ -132,10 +134,10 @@ pub struct Watch {
     gravity: Vec3,
     boundaries: Vec<Boundary>,
     gauges: Vec<Gauge>,
-    /// Of each gauge.
+    /// The value of each gauge.
     values: Vec<f64>,
     energy: f64,
-    /// After which depth counts [s].
+    /// Time after which depth counts [s].
     settled: f64,
     finite: bool,
 }
@@ -160,7 +162,8 @@ impl Watch {
         watch
     }
 
-    /// Looks at the bodies, in the order of the scene, at a time from the start [s]. The last look counts as the end.
+    /// Observes the bodies, in the order of the scene, at a time since the start [s]. The last observation
+    /// counts as the end.
     pub fn see(&mut self, time: f64, states: &[State]) {
         self.finite &= states.iter().all(State::is_finite);
         if !self.finite {
@@ -171,7 +174,7 @@ impl Watch {
         }
     }
 
-    /// Whether all states were finite so far: if not, there is no point in going on.
+    /// Whether all states were finite so far; if not, there is no point in going on.
     pub fn is_finite(&self) -> bool {
         self.finite
     }
@@ -182,7 +185,7 @@ impl Watch {
             return vec![Figure { measure: "finite", value: 1.0, verdict: Verdict::Lost }];
         }
         let mut figures: Vec<_> = self.gauges.iter().zip(&self.values).map(figure).collect();
-        // How near to the end of its verdict's range tells the worst of several alike.
+        // Among equal verdicts, the figure closest to the end of its range is the worst.
         figures.sort_by(|a, b| b.1.total_cmp(&a.1));
         figures.into_iter().map(|(figure, _)| figure).collect()
     }
@@ -233,11 +236,11 @@ impl Watch {
         self.boundaries.iter().map(beyond).fold(0.0, f64::max)
     }
 
-    /// Kinetic and potential [J].
+    /// Kinetic and potential energy [J].
     fn energy_of(&self, states: &[State]) -> f64 {
         let one = |(i, mass): (usize, &MassProperties)| {
             let state = &states[i];
-            // Heights from where it started: far from the origin nothing else would be exact.
+            // Heights are relative to the start: far from the origin nothing else would be exact.
             let way = state.position - self.bodies[i].position
                 + (state.rotation * mass.center - self.bodies[i].rotation * mass.center).as_dvec3();
             let spin = (state.rotation.inverse() * state.angular).as_dvec3();
@@ -255,7 +258,7 @@ fn above(boundary: &Boundary, position: DVec3) -> f64 {
     (position - boundary.point).dot(boundary.normal.as_dvec3())
 }
 
-/// A figure, and how far it is on from stable (below 1) over degraded (below 2) to lost.
+/// A figure and its rank: stable below 1, degraded below 2, else lost.
 fn figure((gauge, &value): (&Gauge, &f64)) -> (Figure, f64) {
     let [stable, degraded] = gauge.bounds;
     let (verdict, badness) = match value {

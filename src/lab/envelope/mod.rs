@@ -1,8 +1,10 @@
-//! The envelope: small scenes under extreme conditions, each run for a minute and judged by what became of its bodies.
+//! The envelope: small scenes under extreme conditions, each run for a minute and judged by what became of
+//! its bodies.
 //!
-//! A [`Cell`] is one [`Trial`] at one point of one [`Axis`], all else being ordinary. It is a job of its own: it runs
-//! alone and tells its [`Figure`]s, the worst first. What judges, [`Watch`], sees only poses and velocities, so another
-//! engine that runs the same [`Cell::scene`] with the same steps is judged alike. `docs/envelope.md` has the map.
+//! A [`Cell`] is one [`Trial`] at one point of one [`Axis`], all else being ordinary. It runs independently
+//! of others and yields its [`Figure`]s, the worst first. [`Watch`], which judges it, sees only poses and
+//! velocities, so another engine that runs the same [`Cell::scene`] with the same steps is judged alike.
+//! `docs/envelope.md` has the map.
 
 mod conditions;
 mod measures;
@@ -32,7 +34,7 @@ pub struct Cell {
     pub axis: Axis,
     /// How extreme, in words.
     pub label: String,
-    /// The same for the program.
+    /// The conditions themselves.
     pub conditions: Conditions,
 }
 
@@ -65,8 +67,8 @@ impl Cell {
         Watch::new(&scene, boundaries, gauges, seconds)
     }
 
-    /// Runs it and tells its figures, the worst first; the judge looks ten times a second. `settings` are those of the
-    /// world, but for gravity and length unit.
+    /// Runs it and returns its figures, the worst first; states are observed ten times a second. `settings`
+    /// are the world's, except for gravity and length unit.
     ///
     /// # Errors
     /// If the world refuses a setting or a body, or a step fails.
@@ -80,7 +82,8 @@ impl Cell {
         let (mut time, mut looked) = (0.0, 0.0);
         let mut states = Vec::new();
         for step in 0.. {
-            // Half a millisecond: steps that add up to a look are not late for it by their rounding.
+            // Half a millisecond of tolerance, so that steps whose rounded sum falls just short are not
+            // observed one step late.
             if time >= seconds - 5e-4 || !watch.is_finite() {
                 break;
             }

@@ -1,10 +1,11 @@
-//! How far bodies reach, for measures that know nothing of an engine.
+//! Extents of bodies, for measures that are independent of an engine.
 
 use crate::body::BodyDesc;
 use crate::shape::Geometry;
 use glam::{Quat, Vec3};
 
-/// How far a body reaches from its origin along a direction of unit length [m]; zero for what has no extent of its own.
+/// How far a body reaches from its origin along a direction of unit length [m]; zero for shapes without an
+/// extent of their own.
 pub(super) fn reach(body: &BodyDesc, rotation: Quat, direction: Vec3) -> f64 {
     let own = rotation.inverse() * direction;
     let of = |shape: &crate::shape::ShapeDesc| {

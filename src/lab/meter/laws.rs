@@ -1,22 +1,23 @@
-//! What is left of the laws after a step.
+//! Errors of the laws after a step.
 
 use super::Measures;
 use crate::lab::problem::{Law, Residual, project_cone, project_disc};
 use crate::lab::system::{JointRow, System, SystemLaw};
 
-/// Slower than this nothing slides [m/s].
+/// Points that are slower than this do not count as sliding [m/s].
 const STICK: f64 = 1e-3;
-/// Velocities that impulses had to answer count as no less than this [m/s]: rounding is no error.
+/// Lower bound of the velocities that errors are relative to [m/s], so that rounding is not taken for an
+/// error.
 const FLOOR: f64 = 1e-4;
 
-/// A step after it: velocities of rows where bodies are at its end, and how far what has one end is from it.
+/// A step after it is done: velocities of rows at the final poses, and gaps of one-sided laws.
 pub(super) struct Found<'a> {
     system: &'a System,
     /// Velocities of rows at the end.
     u: Vec<f64>,
     /// Velocities of rows with gravity and forces applied, before any impulse.
     free: Vec<f64>,
-    /// Gaps at the end, by laws, and by how much what is rigid in a joint is off.
+    /// Gaps at the end, by laws; for rigid directions of joints, their errors.
     gap: Vec<f64>,
     off: Vec<f64>,
     /// Diagonal of W, by rows.
@@ -39,7 +40,7 @@ impl<'a> Found<'a> {
             if let Some(gap) = law.gap {
                 found.gap[i] = gap + system.speed(&system.rows[law.first], |body| body.moved);
             }
-            // Directions of joints turn, and what they hold is held where the bodies are.
+            // Directions of joints rotate with the bodies: they are taken at the final poses.
             if let Some(joint) = i.checked_sub(contacts).and_then(|i| joints.get(i)) {
                 found.u[law.first] = system.speed(&joint.row, |body| body.end) + system.rows[law.first].bias;
                 found.off[i] = joint.error.abs();
@@ -78,7 +79,7 @@ impl<'a> Found<'a> {
         if !contact {
             let angle = self.system.rows[law.first].angle;
             let most = if angle { &mut out.joint_angle } else { &mut out.joint_length };
-            // The directions of a lock follow each other.
+            // The rows of a lock are in sequence.
             *most = most.max(self.off_of_lock(i, law));
             return;
         }
@@ -99,7 +100,7 @@ impl<'a> Found<'a> {
         out.parting = out.parting.max(load * speed);
     }
 
-    /// How far the lock that a law belongs to is off: its directions together.
+    /// Error of the lock that a law belongs to, over all of its directions.
     fn off_of_lock(&self, i: usize, law: &SystemLaw) -> f64 {
         let angle = self.system.rows[law.first].angle;
         let same = |j: usize| {
@@ -111,8 +112,8 @@ impl<'a> Found<'a> {
         (first..=last).map(|j| self.off[j] * self.off[j]).sum::<f64>().sqrt()
     }
 
-    /// The speed at which a point is to part because it bounced: within what gravity does to it in the step, which is not known
-    /// to the time of the impact.
+    /// The speed at which a point has to separate after a bounce. It is known only up to what gravity adds
+    /// within the step, since the time of the impact is not known.
     fn bounce(&self, law: &SystemLaw, start: f64) -> f64 {
         let system = self.system;
         let row = &system.rows[law.first];
@@ -126,8 +127,8 @@ impl<'a> Found<'a> {
         self.u[law.first].clamp(wanted - pull, wanted + pull)
     }
 
-    /// What the law asks to be at least zero of a row with one end: its velocity where it touches or bears load, else that at
-    /// which it would have closed.
+    /// The quantity of a one-sided row that must not be negative: its velocity if it touches or bears load,
+    /// else its velocity relative to that at which the gap would have closed.
     fn target(&self, i: usize, law: &SystemLaw, start: f64) -> f64 {
         let (gap, speed) = (self.gap[i], self.u[law.first]);
         let bounce = self.bounce(law, start);
@@ -136,14 +137,14 @@ impl<'a> Found<'a> {
         }
         let loaded = self.system.rows[law.first].impulse > 0.0;
         match law.potential {
-            // What it went on average, at most to where it touches.
+            // Its mean velocity, at most as far as to the touch.
             true => gap / self.system.dt,
             false if loaded || gap <= 0.0 => speed,
             false => speed.max(0.0) + gap / self.system.dt,
         }
     }
 
-    /// The error of a law, and the velocity that impulses had to answer [m/s].
+    /// The error of a law, and the velocity that impulses had to stop [m/s].
     fn error(&self, i: usize, law: &SystemLaw) -> (f64, f64) {
         let (first, rows) = (law.first, &self.system.rows);
         let r = |k: usize| rows[first + k].impulse;
@@ -151,7 +152,7 @@ impl<'a> Found<'a> {
         if s <= 0.0 {
             return (0.0, 0.0);
         }
-        // A point that nothing had to stop asks for no answer.
+        // A point that nothing had to stop needs no impulse.
         let asked = |start: f64, load: f64| {
             let free = self.free[first] + start.max(0.0) / self.system.dt;
             if free > 0.0 && load == 0.0 { 0.0 } else { free }
@@ -199,8 +200,8 @@ impl<'a> Found<'a> {
         }
     }
 
-    /// Length at which an angular velocity of a row counts as a velocity [m]: the radius of gyration of the lighter body about
-    /// the row's direction, from what moves it.
+    /// Length that turns an angular velocity of a row into a velocity [m]: the radius of gyration of the
+    /// lighter body about the row's direction, from the body's inverse mass and inertia.
     fn gyration(&self, row: usize) -> f64 {
         let one = &self.system.rows[row];
         let lightest = one
@@ -225,7 +226,7 @@ impl<'a> Found<'a> {
         };
         let (r, u) = ([rows[at].impulse, rows[at + 1].impulse], [self.u[at], self.u[at + 1]]);
         let (push, slip) = (r[0].hypot(r[1]), u[0].hypot(u[1]));
-        // What changes no velocity worth speaking of has no cone.
+        // Impulses too small to change a velocity noticeably are not checked.
         if push * self.scale[at] > STICK {
             out.cone = out.cone.max(if most > 0.0 { push / most - 1.0 } else { 1.0 });
             if slip > STICK {

@@ -1,5 +1,5 @@
-//! How accurately a step was solved: what is left of the laws of contact, friction and joints after it, how deep bodies overlap,
-//! and whether energy and momentum add up.
+//! How accurately a step was solved: the errors of the laws of contact, friction and joints after it, how
+//! deep bodies overlap, and whether energy and momentum are balanced.
 //!
 //! ```
 //! use backstop::{BodyDesc, Geometry, ShapeDesc, World, Settings};
@@ -29,50 +29,54 @@ use super::world_solver::{Last, SolverReport, WorldSolver};
 use crate::handle::BodyHandle;
 use crate::world::World;
 
-/// What of a step is measured, of all bodies or of an island. Zero is exact for all of it but the counts and the energies;
-/// `docs/accuracy.md` says what scenes reach.
+/// The measures of a step, for all bodies or for an island. Zero is exact for all but counts and energies;
+/// `docs/accuracy.md` has the values that scenes reach.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measures {
-    /// The natural-map residual of the impulses of the step and the velocities at its end: `worst` is the velocity of the law
-    /// that is obeyed worst [m/s], `relative` the norm of all errors over that of the velocities without impulses. Good: `worst`
-    /// below the slop per step, 0.05 of gravity times the step; `relative` below 1e-2. An angular error counts as that of a point
-    /// at the radius of gyration. Springs and drives that yield are left out.
+    /// The natural-map residual of the impulses of the step and the velocities at its end: `worst` is the
+    /// velocity of the law that is obeyed worst [m/s], `relative` the norm of all errors over that of the
+    /// velocities without impulses. Good: `worst` below the slop per step, 0.05 of gravity times the step;
+    /// `relative` below 1e-2. An angular error counts as that of a point at the radius of gyration. Springs
+    /// and drives that yield are left out.
     pub residual: Residual,
-    /// To what the worst law belongs.
+    /// The owner of the worst law.
     pub worst: Option<Owner>,
     /// Fastest approach at the end of the step of points that touched at its start or bear load [m/s].
     pub approach: f64,
-    /// The most that a point pushes while it parts, impulse times speed [J].
+    /// The greatest impulse times separating speed of a point: what pushes must not separate [J].
     pub parting: f64,
-    /// The most that friction exceeds its cone by, as a share of it. The engine's own solver keeps it to rounding, 1e-6.
+    /// The most by which friction exceeds its cone, as a share of it. The engine's own solver keeps it to
+    /// rounding, 1e-6.
     pub cone: f64,
-    /// How far friction of what slides is from pointing against the slip: 1 + cosine of the angle between both, 2 where it points
-    /// along it. Good: below 1e-2.
+    /// Misalignment of sliding friction, which has to point against the slip: 1 + cosine of the angle between
+    /// both, 2 if friction points along the slip. Good: below 1e-2.
     pub slip_angle: f64,
-    /// Deepest overlap at the start of the step, as collision detection found it: what the step before left [m]. Good: about the
-    /// slop.
+    /// Deepest overlap at the start of the step, as collision detection found it: what the step before left
+    /// [m]. Good: about the slop.
     pub penetration: f64,
     /// The sum of the squares of all overlaps [m²].
     pub penetration_squares: f64,
-    /// The deepest overlap as a share of the size of the thinner shape, from its middle to its surface. Good: below 1e-2.
+    /// The deepest overlap as a share of the size of the thinner shape, from its middle to its surface. Good:
+    /// below 1e-2.
     pub penetration_share: f64,
-    /// The most that something rigid in a joint is off at the end of the step: its lengths [m].
+    /// The greatest error of rigid directions of joints at the end of the step: lengths [m].
     pub joint_length: f64,
-    /// The same of its angles [rad].
+    /// The same for angles [rad].
     pub joint_angle: f64,
     /// Kinetic and potential energy before the step [J].
     pub energy_before: f64,
     /// The same after it [J].
     pub energy_after: f64,
-    /// Work of motors, drives, springs, kinematic bodies, moving surfaces and the caller's forces [J], by the mean of the
-    /// velocities before and after.
+    /// Work of motors, drives, springs, kinematic bodies, moving surfaces and the caller's forces [J], by the
+    /// mean of the velocities before and after.
     pub work: f64,
-    /// Momentum that is neither gravity's, nor the forces', nor that of impulses [N s]: of what takes no impulse from rows.
+    /// Change of momentum that neither gravity, nor forces, nor impulses of rows explain [N s].
     pub momentum: f64,
-    /// The same of angular momentum about the centre of mass [N m s].
+    /// The same for angular momentum about the centre of mass [N m s].
     pub angular_momentum: f64,
-    /// The greatest change of a body's velocity that none of those explains [m/s]: directions that turned within the step, rows
-    /// of trees that count bodies as heavier. The other numbers are no more certain than this.
+    /// The greatest change of a body's velocity that none of those explains [m/s]: by directions that rotated
+    /// within the step, and by rows of trees that count bodies as heavier. The other measures are no more
+    /// certain than this.
     pub unexplained: f64,
     /// Laws that were measured.
     pub laws: usize,
@@ -80,13 +84,14 @@ pub struct Measures {
     pub points: [usize; 2],
     /// Laws that were left out: springs and drives that yield.
     pub soft: usize,
-    /// Laws that were left out because a body bounced and had more than one contact: impacts are solved one by one, each at its
-    /// time, and no law of the whole step says what is left after several.
+    /// Laws that were left out because a body bounced and had more than one contact: impacts are solved one
+    /// by one, each at its time, and no law of the whole step says what is left after several.
     pub bouncing: usize,
 }
 
 impl Measures {
-    /// Energy that came from nowhere [J]; negative is what impacts and friction took. Good: at most rounding.
+    /// Energy gained without a cause [J]; negative if impacts and friction dissipated it. Good: at most
+    /// rounding.
     pub fn gained(&self) -> f64 {
         self.energy_after - self.energy_before - self.work
     }
@@ -106,7 +111,7 @@ pub struct IslandAccuracy {
 pub struct Accuracy {
     /// Everything together.
     pub whole: Measures,
-    /// Of each island that has contacts or joints, in the order of their first bodies.
+    /// The measures of each island that has contacts or joints, in the order of their first bodies.
     pub islands: Vec<IslandAccuracy>,
     /// Contacts that bounced: their impulses are shared out evenly among their points.
     pub bounced: usize,
@@ -120,7 +125,7 @@ pub(crate) struct Meter {
     energy: Vec<f64>,
     forces: Vec<Velocity>,
     accuracy: Option<Accuracy>,
-    /// Whether it measures, or only solves.
+    /// Whether it measures; else it only solves.
     measures: bool,
     solver: Option<Box<Solving>>,
 }
@@ -134,7 +139,7 @@ struct Solving {
 }
 
 impl Meter {
-    /// What another one remembered is forgotten.
+    /// Forgets what the previous method remembered.
     pub(super) fn set_solver(&mut self, solver: Option<WorldSolver>) {
         let with =
             |solver| Box::new(Solving { solver, report: SolverReport::default(), last: Last::default() });
@@ -145,7 +150,7 @@ impl Meter {
         self.solver.as_deref().map(|solving| (&solving.solver, &solving.report))
     }
 
-    /// Whether it is there for nothing.
+    /// Whether it neither measures nor solves.
     pub(super) fn is_idle(&self) -> bool {
         !self.measures && self.solver.is_none()
     }
@@ -173,8 +178,8 @@ impl crate::solver::Witness for Meter {
 }
 
 impl World {
-    /// Measures the accuracy of each step from now on, or no longer. It changes no result; a step that is measured allocates, and
-    /// takes a multiple of its time.
+    /// Measures the accuracy of each step from now on, or no longer. It changes no result; a step that is
+    /// measured allocates, and takes a multiple of its time.
     pub fn measure_accuracy(&mut self, on: bool) {
         if !on && self.meter.is_none() {
             return;

@@ -19,12 +19,12 @@ pub(super) fn energies(world: &World) -> Vec<f64> {
     (0..bodies.dynamic()).map(of).collect()
 }
 
-/// What of a step's energy and momentum comes from where.
+/// The balance of a step's energy and momentum.
 pub(super) struct Balance<'a> {
     system: &'a System,
-    /// Of each body before and after [J].
+    /// Energy of each body before and after the step [J].
     energies: [&'a [f64]; 2],
-    /// Work of the caller's forces on each body, and of each law that drives [J].
+    /// Work of the caller's forces on each body, and of each driving law [J].
     forces: Vec<f64>,
     drives: Vec<f64>,
     /// Changes of velocity that nothing explains.
@@ -36,7 +36,8 @@ fn mean([v, w]: Velocity, [x, y]: Velocity) -> Velocity {
 }
 
 impl<'a> Balance<'a> {
-    /// `joints`: the rows of joints at the end of the step. `forces`: those of the caller on each body, if there are any.
+    /// `joints`: the rows of joints at the end of the step. `forces`: the caller's on each body, if there are
+    /// any.
     pub(super) fn new(
         system: &'a System,
         joints: &[JointRow],
@@ -62,7 +63,7 @@ impl<'a> Balance<'a> {
         Balance { system, energies, forces, drives: drives.collect(), rest }
     }
 
-    /// Of some bodies and the laws between them.
+    /// Writes the measures of some bodies and the laws between them.
     pub(super) fn measure(&self, laws: &[usize], bodies: &[usize], out: &mut Measures) {
         let sum = |of: &[f64], which: &[usize]| which.iter().filter_map(|&i| of.get(i)).sum::<f64>();
         let [before, after] = self.energies.map(|of| sum(of, bodies));
@@ -75,7 +76,7 @@ impl<'a> Balance<'a> {
             if !body.dynamic {
                 continue;
             }
-            // Radius of gyration: what turns counts as its points move.
+            // Radius of gyration: rotation counts by the velocity of a body's points.
             let turning = body.inverse_inertia.determinant();
             let inverse_mass = body.inverse_mass.max_element();
             let reach = (inverse(turning.cbrt()) * inverse_mass).sqrt();
@@ -91,7 +92,8 @@ impl<'a> Balance<'a> {
     }
 }
 
-/// How fast a row moves, of what drives; of others what the caller moves of them, against the impulse.
+/// The speed at which a row does work: that of the row if it drives, else that of what the caller moves,
+/// against the impulse.
 fn driven(system: &System, drives: bool, row: &SystemRow) -> f64 {
     if drives {
         return system.speed(row, |body| mean(body.start, body.end));
@@ -99,7 +101,8 @@ fn driven(system: &System, drives: bool, row: &SystemRow) -> f64 {
     -system.speed(row, |body| if body.dynamic { Velocity::default() } else { body.end }) - row.bias
 }
 
-/// What the impulses of the step do to velocities, where rows of joints have turned by half of what they turn in the step.
+/// Changes of velocities by the impulses of the step, with the rows of joints rotated by half of their
+/// rotation in the step.
 fn changes(system: &System, joints: &[JointRow]) -> Vec<Velocity> {
     let mut changes = system.velocity_changes(&system.impulses());
     let laws = system.laws[system.contacts()..].iter().zip(joints);

@@ -1,24 +1,26 @@
-//! The problem of one contact alone, solved exactly: three rows with Coulomb's law, or two with friction of a given size.
+//! The problem of one contact alone, solved exactly: three rows with Coulomb's law, or two with friction of a
+//! given size.
 //!
-//! Where the point slides, `u_t = -k r_t` with some `k >= 0`, so that `(S + k I) r_t = -c`, with S the tangents' block and, of a
-//! contact, the normal row eliminated by `u_n = 0`. What is left is one equation for k: that `|r_t|` is as long as friction may be.
-//! (Bonnefon and Daviet 2011 bring it to a polynomial of degree four; Bertails-Descoubes et al. 2011 compare solvers of it.)
+//! Where the point slides, `u_t = -k r_t` with some `k >= 0`, so that `(S + k I) r_t = -c`, with S the
+//! tangents' block and, of a contact, the normal row eliminated by `u_n = 0`. What is left is one equation
+//! for k: that `|r_t|` is as long as friction may be. (Bonnefon and Daviet 2011 bring it to a polynomial of
+//! degree four; Bertails-Descoubes et al. 2011 compare solvers of it.)
 
-/// A block of three rows, normal first, made ready.
+/// A prepared block of three rows, normal first.
 #[derive(Clone, Debug)]
 pub(super) struct ContactBlock {
     w: [[f64; 3]; 3],
     mu: f64,
-    /// Added to the diagonal where the block is not positive definite [1/kg]: the impulses then move towards those of the
-    /// block alone, and still rest where they solve it.
+    /// Added to the diagonal if the block is not positive definite [1/kg]: the impulses then move towards the
+    /// solution of the block, and still are at rest at that solution.
     proximal: f64,
     inverse: [[f64; 3]; 3],
-    /// Of the tangents, with the normal row eliminated.
+    /// The block of the tangents, with the normal row eliminated.
     schur: [[f64; 2]; 2],
 }
 
 impl ContactBlock {
-    /// `scale` [1/kg] says how great the block's numbers are where its diagonal does not.
+    /// `scale` [1/kg]: the magnitude of the block's numbers if its diagonal is zero.
     pub(super) fn new(w: [[f64; 3]; 3], mu: f64, scale: f64) -> ContactBlock {
         let trace = w[0][0].max(0.0) + w[1][1].max(0.0) + w[2][2].max(0.0);
         let least = 1e-6 * if trace > 0.0 { trace } else { scale };
@@ -29,13 +31,13 @@ impl ContactBlock {
             }
             proximal = if proximal == 0.0 { least } else { 4.0 * proximal };
         }
-        // Numbers near the end of their range: nothing but the diagonal.
+        // Numbers close to overflow: only a diagonal is kept.
         let w = [[scale, 0.0, 0.0], [0.0, scale, 0.0], [0.0, 0.0, scale]];
         let inverse = w.map(|row| row.map(|x| if x > 0.0 { 1.0 / x } else { 0.0 }));
         ContactBlock { w, mu, proximal: 0.0, inverse, schur: [[scale, 0.0], [0.0, scale]] }
     }
 
-    /// None, unless the symmetric part of what is left of the tangents has no eigenvalue below `least`.
+    /// None if the symmetric part of the reduced block of the tangents has an eigenvalue below `least`.
     fn with_proximal(w: [[f64; 3]; 3], mu: f64, proximal: f64, least: f64) -> Option<ContactBlock> {
         let mut m = w;
         (0..3).for_each(|i| m[i][i] += proximal);
@@ -50,7 +52,8 @@ impl ContactBlock {
         Some(ContactBlock { w, mu, proximal, inverse, schur })
     }
 
-    /// The impulses that solve it while the others stay, from `old` ones with which its velocities are `u`.
+    /// The impulses that solve it while all others stay. `old`: its present impulses, with which its
+    /// velocities are `u`.
     pub(super) fn solve(&self, old: [f64; 3], u: [f64; 3]) -> [f64; 3] {
         let b = [0, 1, 2].map(|i| u[i] - dot3(self.w[i], old) - self.proximal * old[i]);
         if b[0] >= 0.0 {
@@ -75,14 +78,15 @@ impl ContactBlock {
     }
 }
 
-/// How long the friction may be [N s]: `base + slope . r_t`.
+/// The bound of friction [N s]: `base + slope . r_t`.
 #[derive(Clone, Copy)]
 struct Radius {
     base: f64,
     slope: [f64; 2],
 }
 
-/// Friction of at most `radius` on two rows with the block `w`, by the same law; `old` and `u` as for a contact.
+/// Friction of at most `radius` on two rows with the block `w`, by the same law; `old` and `u` as for a
+/// contact.
 pub(super) fn solve_disc(w: [[f64; 2]; 2], radius: f64, old: [f64; 2], u: [f64; 2]) -> [f64; 2] {
     if radius <= 0.0 {
         return [0.0; 2];
@@ -96,8 +100,8 @@ pub(super) fn solve_disc(w: [[f64; 2]; 2], radius: f64, old: [f64; 2], u: [f64; 
     if share < 1.0 { x.map(|x| x * share) } else { x }
 }
 
-/// The tangential impulses `-(s + k I)^-1 c` with that `k >= 0` for which they are as long as `radius` says: Newton's method on
-/// `radius / length - 1`, which is nearly linear in k, kept in a bracket by bisection.
+/// The tangential impulses `-(s + k I)^-1 c` with that `k >= 0` for which they are as long as `radius` says:
+/// Newton's method on `radius / length - 1`, which is nearly linear in k, kept in a bracket by bisection.
 fn slide(s: [[f64; 2]; 2], c: [f64; 2], radius: Radius) -> [f64; 2] {
     let at = |k: f64| {
         let shifted = [[s[0][0] + k, s[0][1]], [s[1][0], s[1][1] + k]];
@@ -181,14 +185,12 @@ mod tests {
         problem.residual(&r).relative
     }
 
-    /// Blocks `A Aᵀ + d I` of random A, well and badly conditioned, and q from all around: the residual of the law is rounding.
+    /// Blocks `A Aᵀ + d I` of random A, well and badly conditioned, and q from all around: the residual of
+    /// the law is rounding.
     #[test]
     fn a_contact_alone_is_solved_to_rounding() {
-        let mut state = 1_u64;
-        let mut random = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        };
+        let mut random = crate::random::Random(1);
+        let mut random = || random.signed_f64();
         let mut worst = 0.0_f64;
         for trial in 0..20_000 {
             let a = [[(); 3]; 3].map(|row| row.map(|()| random()));

@@ -1,7 +1,8 @@
 //! Cholesky's factor of a sparse symmetric matrix within its envelope.
 //!
-//! Each row of the factor is stored from its first entry to the diagonal; Cuthill and McKee's order, reversed, keeps these short for
-//! matrices of contacts, where bodies touch their neighbours only. A full matrix has a full triangle, at the cost of a dense factor.
+//! Each row of the factor is stored from its first entry to the diagonal; Cuthill and McKee's order,
+//! reversed, keeps these short for matrices of contacts, where bodies touch their neighbours only. A full
+//! matrix has a full triangle, at the cost of a dense factor.
 
 use crate::lab::problem::Matrix;
 
@@ -22,7 +23,8 @@ pub(super) struct Envelope {
 }
 
 impl Envelope {
-    /// Of a matrix whose entries count as symmetric; none if the factor would have more than [`LARGEST`] numbers.
+    /// The layout of a factor; the pattern of `matrix` counts as symmetric. None if the factor would have
+    /// more than [`LARGEST`] numbers.
     pub(super) fn new(matrix: &Matrix) -> Option<Envelope> {
         let neighbours = neighbours(matrix);
         let order = reverse_cuthill_mckee(&neighbours);
@@ -39,7 +41,8 @@ impl Envelope {
         (size <= LARGEST).then(|| Envelope { order, place, first, start, factor: vec![0.0; size] })
     }
 
-    /// Factors `D (A + Aᵀ)/2 D + shift I`, with `scale` as the diagonal D; whether it is positive definite.
+    /// Factors `D (A + Aᵀ)/2 D + shift I`, with `scale` as the diagonal D; false if it is not positive
+    /// definite.
     pub(super) fn factorise(&mut self, matrix: &Matrix, scale: &[f64], shift: f64) -> bool {
         self.factor.fill(0.0);
         for row in 0..matrix.size() {
@@ -88,7 +91,7 @@ impl Envelope {
     }
 }
 
-/// In four sums, which the machine can add up at once, always in the same order.
+/// Four partial sums, which the processor can add in parallel; the order is always the same.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 4];
     let (fours, fours_b) = (a.chunks_exact(4), b.chunks_exact(4));
@@ -115,7 +118,8 @@ fn neighbours(matrix: &Matrix) -> Vec<Vec<usize>> {
     neighbours
 }
 
-/// Breadth first from a row at the edge, of each part of the graph, those with few neighbours before others; then backwards.
+/// Breadth-first search in each component of the graph from a row at its edge, rows with few neighbours
+/// first; then reversed.
 fn reverse_cuthill_mckee(neighbours: &[Vec<usize>]) -> Vec<usize> {
     let mut order = Vec::with_capacity(neighbours.len());
     let mut seen = vec![false; neighbours.len()];
@@ -124,7 +128,8 @@ fn reverse_cuthill_mckee(neighbours: &[Vec<usize>]) -> Vec<usize> {
             continue;
         }
         let begin = order.len();
-        // The last row that is reached lies at an edge; twice, as the way there may have been short.
+        // The last row reached lies at an edge. The search is repeated from there, as the first path may have
+        // been short.
         let mut from = start;
         for _ in 0..3 {
             for row in order.drain(begin..) {
@@ -169,7 +174,7 @@ mod tests {
         });
         let matrix = Matrix::from_entries(n, entries);
         let mut envelope = Envelope::new(&matrix).unwrap();
-        // A ring that is laid flat reaches two rows back.
+        // Each row of a flattened ring reaches two rows back.
         assert!(envelope.factor.len() <= 3 * n, "{}", envelope.factor.len());
         assert!(envelope.factorise(&matrix, &vec![2.0; n], 0.5));
         let x: Vec<f64> = (0..n).map(|i| (i * i % 11) as f64 - 5.0).collect();

@@ -1,8 +1,10 @@
-//! A problem in the forms that exact methods solve: with bounds on every row, or as a linear complementarity problem.
+//! A problem in the forms that exact methods solve: with bounds on every row, or as a linear complementarity
+//! problem.
 //!
-//! Friction is no bound, so it is approximated: in the boxed form by bounds `±mu N` with the normal impulses `N` of the round
-//! before, in the other by a pyramid of four sides with a slack that is the speed of slip (Stewart and Trinkle 1996). Both have two
-//! axes in each tangent plane; either is exact for a contact that slides along an axis, which is why [`super::rounds`] turns them.
+//! Friction is no bound, so it is approximated: in the boxed form by bounds `±mu N` with the normal impulses
+//! `N` of the round before, in the other by a pyramid of four sides with a slack that is the speed of slip
+//! (Stewart and Trinkle 1996). Both have two axes in each tangent plane; either is exact for a contact that
+//! slides along an axis, which is why [`super::rounds`] turns them.
 
 use super::linear::solve;
 use super::tableau::Tableau;
@@ -38,7 +40,7 @@ impl Boxed {
         nearest_within(0.0, self.lo[i], self.hi[i]).clamp(-f64::MAX, f64::MAX)
     }
 
-    /// What turns an impulse of a row into a velocity.
+    /// The factor from an impulse of a row to a velocity.
     pub(super) fn scale(&self, i: usize) -> f64 {
         let diagonal = self.m[(i, i)];
         if diagonal > 0.0 {
@@ -58,7 +60,8 @@ impl Boxed {
         errors.fold(0.0, |most: f64, e| if e.is_nan() { f64::INFINITY } else { most.max(e) })
     }
 
-    /// The values of all rows where those of `free` have `w = 0` and the others have the values given; none if singular.
+    /// The values of all rows where those of `free` have `w = 0` and the others have the values given; none
+    /// if singular.
     pub(super) fn with_free(&self, free: &[usize], x: &[f64]) -> Option<Vec<f64>> {
         let mut x = x.to_vec();
         free.iter().for_each(|&i| x[i] = 0.0);
@@ -69,7 +72,7 @@ impl Boxed {
         Some(x)
     }
 
-    /// x computed at once with the sides that a point suggests; none if singular.
+    /// x computed exactly for the sides that a point suggests; none if singular.
     pub(super) fn snapped(&self, x: &[f64]) -> Option<Vec<f64>> {
         let (w, mut at, mut free) = (self.w(x), x.to_vec(), Vec::new());
         for i in 0..x.len() {
@@ -83,7 +86,8 @@ impl Boxed {
         Some((0..x.len()).map(|i| nearest_within(x[i], self.lo[i], self.hi[i])).collect())
     }
 
-    /// With `eps` on the diagonal, and q such that what was a solution at `x` remains one: a proximal step.
+    /// The problem of a proximal step: `eps` is added to the diagonal, and q adjusted so that `x` remains a
+    /// solution if it is one.
     pub(super) fn proximal(&self, eps: f64, x: &[f64]) -> Boxed {
         let mut near = self.clone();
         for (i, x) in x.iter().enumerate() {
@@ -145,7 +149,7 @@ pub(super) fn groups(problem: &Problem) -> Vec<Group> {
     problem.laws().filter_map(group).collect()
 }
 
-/// The bounds of each row: of normals and rows with bounds; friction's are zero.
+/// The bounds of each row; those of friction rows are zero.
 fn bounds(problem: &Problem) -> (Vec<f64>, Vec<f64>) {
     let (mut lo, mut hi) = (vec![0.0; problem.rows()], vec![0.0; problem.rows()]);
     for (row, law) in problem.laws() {
@@ -158,7 +162,8 @@ fn bounds(problem: &Problem) -> (Vec<f64>, Vec<f64>) {
     (lo, hi)
 }
 
-/// The boxed form, with the bounds of friction that the normal impulses of `r` give. Tangents are those of the groups' axes.
+/// The boxed form, with the bounds of friction that the normal impulses of `r` give. Tangents are along the
+/// groups' axes.
 pub(super) fn boxed(problem: &Problem, groups: &[Group], r: &[f64]) -> Boxed {
     let (mut m, mut q) = (problem.w().dense(), problem.q().to_vec());
     let (mut lo, mut hi) = bounds(problem);
@@ -208,7 +213,7 @@ pub(super) struct Lcp {
     pub(super) q: Vec<f64>,
 }
 
-/// A linear complementarity problem that stands for another one, and the way back.
+/// A linear complementarity problem that is equivalent to another problem, and the way back.
 pub(super) struct Reduced {
     pub(super) lcp: Lcp,
     /// `x = at + sum of columns z`: entries (row, factor) of the columns.
@@ -227,15 +232,16 @@ enum Extra {
     Slack(Vec<usize>, usize, Range<usize>, f64),
 }
 
-/// As a linear complementarity problem: rows without bounds are solved for (those that are redundant are split into two signs),
-/// finite bounds on both sides become two pairs, friction a pyramid with a slack, all sides of it along the axes of the groups.
+/// As a linear complementarity problem: rows without bounds are solved for (those that are redundant are
+/// split into two signs), finite bounds on both sides become two pairs, and friction a pyramid with a slack
+/// whose sides are along the axes of the groups.
 pub(super) fn pyramid(problem: &Problem, groups: &[Group]) -> Reduced {
     let (lo, hi) = bounds(problem);
     let boxed = Boxed { m: problem.w().dense(), q: problem.q().to_vec(), lo, hi };
     reduce(&boxed, groups)
 }
 
-/// [`pyramid`] of a boxed form: the bounds of rows in `groups` are not looked at.
+/// [`pyramid`] of a boxed form; the bounds of rows in `groups` are ignored.
 pub(super) fn reduce(boxed: &Boxed, groups: &[Group]) -> Reduced {
     let n = boxed.rows();
     let mut solved = Tableau::new(&boxed.m, &boxed.q);
@@ -303,7 +309,7 @@ fn assemble(solved: &Tableau, columns: &[Vec<(usize, f64)>], at: &[f64], extras:
                     (m[(pair, *slack)], m[(*slack, pair)]) = (1.0, -1.0);
                 }
                 for normal in normals.clone() {
-                    // A normal that is solved for depends on all others.
+                    // A normal that was eliminated depends on all others.
                     if solved.basic[normal] {
                         q[*slack] += factor * constant[normal];
                         for (b, right) in columns.iter().enumerate() {

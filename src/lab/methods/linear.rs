@@ -3,8 +3,8 @@
 use super::forms::times;
 use nalgebra::{DMatrix, DVector};
 
-/// The solution of `M x = right` by LU with partial pivoting and one step of refinement; none if M is singular, which is to say
-/// that what comes out does not solve the system.
+/// The solution of `M x = right` by LU with partial pivoting and one step of refinement; none if M is
+/// singular, that is, if the result does not solve the system.
 pub(super) fn solve(m: &DMatrix<f64>, right: &[f64]) -> Option<Vec<f64>> {
     if right.is_empty() {
         return Some(Vec::new());
@@ -18,7 +18,7 @@ pub(super) fn solve(m: &DMatrix<f64>, right: &[f64]) -> Option<Vec<f64>> {
     let rest = times(m, x.as_slice(), &minus);
     let (most, of) = (greatest(&rest), greatest(right));
     let size = greatest(x.as_slice()) * greatest(m.as_slice());
-    // A wrong solution is told from a right one by what it leaves; of a nearly singular system it is a huge one.
+    // A wrong solution is recognised by its residual, which for a nearly singular system is huge.
     let fits = most <= 1e-9 * of.max(f64::MIN_POSITIVE) || most <= 1e-13 * size && size <= 1e12 * of;
     (x.iter().all(|x| x.is_finite()) && fits).then(|| x.as_slice().to_vec())
 }

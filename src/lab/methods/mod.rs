@@ -1,82 +1,53 @@
-//! Methods of solving a [`Problem`], a file each: direct ones that pivot, Newton's, and iterations that project. [`Method::ALL`]
-//! names them.
+//! Methods of solving a [`Problem`], a file each. [`Method::ALL`] names them.
+//!
+//! [`pivoting`] and [`newton`] have the exact methods, [`projected`] the iterations. Exact methods share the
+//! forms into which they bring a problem ([`forms`]), the rounds that lead from these to the exact cone
+//! ([`rounds`]) and the bookkeeping of a run ([`run`]).
 
-mod admm;
-mod apgd;
-mod block_pivoting;
-mod certificate;
 mod cone;
-mod cone_newton;
-mod dantzig;
-mod dictionary;
 mod envelope;
-#[cfg(test)]
-mod exact_tests;
 mod forms;
-mod gs_cone;
-mod jacobi;
-mod keller;
-mod lemke;
 mod linear;
-mod murty;
-mod newton_fb;
-mod newton_min;
-mod nncg;
-mod path;
-mod pgs;
-mod principal;
-mod prox;
-mod psor;
+mod newton;
+mod pivoting;
+mod projected;
 mod registry;
 mod rounds;
 mod run;
-mod sweep;
 mod tableau;
 #[cfg(test)]
 mod tests;
 
-pub use admm::admm;
-pub use apgd::apgd;
-pub use block_pivoting::block_pivoting;
-pub use dantzig::dantzig;
-pub use gs_cone::gs_cone;
-pub use jacobi::jacobi;
-pub use keller::keller;
-pub use lemke::lemke;
-pub use murty::murty;
-pub use newton_fb::newton_fb;
-pub use newton_min::newton_min;
-pub use nncg::nncg;
-pub use path::path;
-pub use pgs::pgs;
-pub use prox::prox;
-pub use psor::psor;
+pub use newton::{newton_fb, newton_min};
+pub use pivoting::{block_pivoting, dantzig, keller, lemke, murty, path};
+pub use projected::{admm, apgd, gs_cone, jacobi, nncg, pgs, prox, psor};
 pub use registry::Method;
 
 use crate::lab::problem::Problem;
 
-/// How it ended.
+/// How a method ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
     /// Every law holds to the tolerance.
     Solved,
-    /// A pivoting method ran along a ray: for a copositive-plus matrix there is no solution, for others it says nothing.
+    /// A pivoting method ran along a ray: for a copositive-plus matrix this means that there is no solution,
+    /// for others it means nothing.
     Ray,
-    /// There is none: it was proved.
+    /// It was proved that there is no solution.
     NoSolution,
     /// Iterations or pivots ran out, or it stagnated, before the tolerance was met.
     Limit,
 }
 
-/// With what friction a [`Law::Contact`](crate::lab::problem::Law::Contact) is solved.
+/// The model of friction with which a [`Law::Contact`](crate::lab::problem::Law::Contact) is solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Friction {
-    /// The exact cone, where a method can; else what it says.
+    /// The exact cone if the method supports it, else the method's own model.
     #[default]
     Cone,
     /// An inscribed pyramid of four sides, with its slack (Stewart and Trinkle 1996).
     Pyramid,
-    /// A box whose size is that of the normal impulse of the round before.
+    /// A box whose size follows from the normal impulse of the previous round.
     Box,
 }
 
@@ -87,7 +58,7 @@ pub struct Effort {
     pub tolerance: f64,
     /// The most sweeps, iterations or pivots. Default 10,000.
     pub iterations: u32,
-    /// Of the method, where it has a choice.
+    /// The model of friction, if the method has a choice.
     pub friction: Friction,
     /// Impulses to start from; none: zero.
     pub start: Option<Vec<f64>>,
@@ -116,9 +87,9 @@ impl Default for Effort {
 /// What a method found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
-    /// How it ended.
+    /// How a method ended.
     pub status: Status,
-    /// Impulses [N s], as many as rows: the best that was seen.
+    /// Impulses [N s], one a row: the best that were found.
     pub r: Vec<f64>,
     /// Sweeps or iterations.
     pub iterations: u32,

@@ -9,13 +9,13 @@ pub struct Method {
     pub name: &'static str,
     /// What it does, and where it comes from.
     pub about: &'static str,
-    /// Which laws its answers obey exactly, and what becomes of the others.
+    /// Which laws its solutions obey exactly, and how the others are treated.
     pub laws: &'static str,
     /// The method.
     pub solve: Solve,
 }
 
-/// Of the exact methods.
+/// The laws of the exact methods.
 const EXACT: &str = "bounds, cone and patches; pyramid and box if asked for; dense, for some hundred rows";
 
 impl Method {
@@ -47,7 +47,8 @@ impl Method {
         },
         Method {
             name: "block-pivoting",
-            about: "all violated rows at once, by the least index where that stalls (J\u{fa}dice and Pires 1994)",
+            about: "all violated rows at once, by the least index where that stalls (J\u{fa}dice and Pires \
+                1994)",
             laws: EXACT,
             solve: super::block_pivoting,
         },
@@ -59,7 +60,8 @@ impl Method {
         },
         Method {
             name: "newton-fb",
-            about: "Newton's method on Fischer and Burmeister's function, for contacts on Alart and Curnier's (1991)",
+            about: "Newton's method on Fischer and Burmeister's function, for contacts on Alart and \
+                Curnier's (1991)",
             laws: EXACT,
             solve: super::newton_fb,
         },
@@ -119,7 +121,7 @@ impl Method {
         },
     ];
 
-    /// The one of that name.
+    /// The method with that name.
     pub fn by_name(name: &str) -> Option<&'static Method> {
         Method::ALL.iter().find(|method| method.name == name)
     }

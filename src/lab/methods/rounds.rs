@@ -1,8 +1,11 @@
-//! From a method for one of the [`super::forms`] to the exact cone: rounds with friction's bounds and axes of the round before.
+//! Leads from a method for one of the [`super::forms`] to the exact cone, by rounds: each takes the bounds
+//! and axes of friction from the previous one.
 
 use super::forms::{Boxed, Group, Lcp, boxed, from_axes, pyramid, reduce, to_axes};
+use super::newton::cone_newton;
+use super::pivoting::certificate;
 use super::run::Run;
-use super::{Friction, Status, certificate, cone_newton};
+use super::{Friction, Status};
 
 /// What a method for one form found.
 pub(super) struct Outcome {
@@ -24,7 +27,7 @@ enum Core {
 
 /// Rounds of bounds and axes.
 const ROUNDS: u32 = 12;
-/// Slower than this share of q is no slip whose direction means anything.
+/// Slip slower than this share of q has no meaningful direction.
 const STILL: f64 = 1e-9;
 
 impl Core {
@@ -51,9 +54,9 @@ impl Core {
         }
     }
 
-    /// [`Core::on_box`]; if that fails, as singular principal minors make many methods do, proximal rounds: `M + eps D` has none, and
-    /// each round takes the solution of the one before as its centre, so that for a positive semidefinite M the limit solves the
-    /// problem itself (Rockafellar 1976).
+    /// [`Core::on_box`]; if that fails, which singular principal minors cause in many methods, proximal
+    /// rounds: `M + eps D` has no such minors, and each round takes the previous solution as its centre, so
+    /// that for a positive semidefinite M the limit solves the problem itself (Rockafellar 1976).
     fn regular(self, boxed: &Boxed, start: Option<&[f64]>, limit: u32) -> Outcome {
         let mut best = self.on_box(boxed, start, limit);
         let mut least = boxed.error(&best.x);
@@ -131,7 +134,7 @@ fn by_rounds(run: &mut Run, mut groups: Vec<Group>, core: Core, with_pyramid: bo
         };
         run.pivots += outcome.pivots;
         run.iterations += 1;
-        // Of the relaxation, not of the problem: that it has no solution proves nothing.
+        // That the relaxation has no solution proves nothing about the problem.
         run.status = if outcome.status == Status::Ray { Status::Ray } else { Status::Limit };
         if run.consider(&next) || with_pyramid && !refine {
             return;
@@ -171,7 +174,7 @@ fn without_friction(run: &mut Run, core: Core) {
     }
 }
 
-/// Turns the first axis of each group to the direction of slip, or of friction where it sticks.
+/// Rotates the first axis of each group into the direction of slip, or of friction if it sticks.
 fn turn(run: &Run, groups: &mut [Group], r: &[f64]) {
     let u = run.problem.velocities(r);
     for group in groups {

@@ -1,4 +1,4 @@
-//! What every exact method shares: a problem of numbers near one, and the best impulses that were seen.
+//! What every exact method shares: a problem scaled to numbers near one, and the best impulses so far.
 
 use super::{Effort, Solution, Status};
 use crate::lab::problem::{Law, Matrix, Problem};
@@ -11,14 +11,14 @@ pub(super) struct Run {
     /// The problem with W and q divided by powers of two, so that their greatest numbers are in [1, 2).
     pub(super) problem: Problem,
     pub(super) tolerance: f64,
-    /// The best impulses that were seen, and their residual.
+    /// The best impulses so far, and their residual.
     pub(super) best: Vec<f64>,
     pub(super) residual: f64,
-    /// What may be spent in iterations, or in pivots.
+    /// The limit of iterations, or of pivots.
     pub(super) limit: u32,
     pub(super) iterations: u32,
     pub(super) pivots: u32,
-    /// How it ends unless the residual says that it is solved.
+    /// The status at the end unless the residual says that it is solved.
     pub(super) status: Status,
     /// Whether impulses to start from were given.
     pub(super) warm: bool,
@@ -28,7 +28,7 @@ impl Run {
     /// Keeps impulses that are better than the best. True once the tolerance is met.
     pub(super) fn consider(&mut self, r: &[f64]) -> bool {
         if r.len() == self.best.len() && r.iter().all(|x| x.is_finite()) {
-            // Impulses so great that rounding hides the velocities prove nothing.
+            // If impulses are so great that rounding hides the velocities, the residual proves nothing.
             let residual = self.problem.residual(r).relative.max(noise(&self.problem, r));
             if residual < self.residual {
                 self.residual = residual;
@@ -53,8 +53,9 @@ impl Run {
     }
 }
 
-/// Lets `method` work on each part of the problem that no entry of W and no friction joins to another, scaled, and tells what it
-/// found for the problem as it was. Each part may spend the whole effort; pivots are those of all, iterations the most of any.
+/// Lets `method` solve each independent part of the problem (parts that no entry of W and no friction
+/// couples), scaled, and returns the solution of the original problem. Each part may spend the whole effort;
+/// pivots are summed, iterations are the maximum.
 pub(super) fn run(problem: &Problem, effort: &Effort, method: impl Fn(&mut Run)) -> Solution {
     let size = norm(problem.q());
     let parts = parts(problem);
@@ -64,7 +65,8 @@ pub(super) fn run(problem: &Problem, effort: &Effort, method: impl Fn(&mut Run))
     let (mut status, mut iterations, mut pivots) = (Status::Solved, 0, 0);
     for rows in &parts {
         let part = if parts.len() == 1 { problem.clone() } else { restricted(problem, rows) };
-        // Of one tolerance for all: parts that are nearly at rest needn't be more exact than the others.
+        // The share of a common tolerance: parts that are nearly at rest needn't be more exact than the
+        // others.
         let fair = (size / norm(part.q()).max(f64::MIN_POSITIVE) / share).max(1.0);
         let tolerance = effort.tolerance * if parts.len() == 1 { 1.0 } else { 0.7 * fair };
         let start = start.map(|start| rows.iter().map(|&i| start[i]).collect::<Vec<f64>>());
@@ -102,7 +104,7 @@ fn run_part(
     let near_one = scaled(problem, by_w, by_q).unwrap_or_else(|| problem.clone());
     let mut run = Run {
         problem: near_one,
-        // A tolerance of one would be met by no impulse at all.
+        // A tolerance of one would be met by zero impulses.
         tolerance: tolerance.min(0.5),
         best: vec![0.0; rows],
         residual: f64::INFINITY,
@@ -119,7 +121,7 @@ fn run_part(
     if run.warm {
         run.residual = f64::INFINITY;
         run.consider(&start);
-        // From a start that is far worse than nothing rounding lets no method come back.
+        // From a start far worse than zero no method recovers, because of rounding.
         run.warm = run.residual <= 1e3 * cold.max(run.tolerance);
         if !run.warm {
             run.best.fill(0.0);
@@ -139,7 +141,7 @@ fn run_part(
     run
 }
 
-/// What rounding makes of the velocities `W r`, relative to q. Infinite if it can't be told.
+/// The rounding error of the velocities `W r`, relative to q; infinite if unknown.
 fn noise(problem: &Problem, r: &[f64]) -> f64 {
     let rows = (0..r.len()).map(|i| problem.w().row(i).map(|(j, w)| (w * r[j]).abs()).sum::<f64>());
     let size = rows.fold(0.0_f64, f64::hypot);

@@ -1,12 +1,13 @@
 //! Principal pivots: `w = M x + q` with some pairs exchanged.
 
-use super::linear::greatest;
+use crate::lab::methods::linear::greatest;
 use nalgebra::{DMatrix, DVector};
 
 /// A pivot counts as zero below this share of the greatest entry of its column.
 pub(super) const SMALL: f64 = 1e-11;
 
-/// A principal pivot transform: for each pair (x_i, w_i) one is basic and depends on all that are not, `basic = T nonbasic + b`.
+/// A principal pivot transform: for each pair (x_i, w_i) one is basic and depends on all that are not,
+/// `basic = T nonbasic + b`.
 #[derive(Clone, Debug)]
 pub(super) struct Tableau {
     pub(super) t: DMatrix<f64>,
@@ -106,7 +107,8 @@ impl Tableau {
         true
     }
 
-    /// Makes the x of these pairs basic, greatest pivot first, as long as there is one; what is redundant stays out.
+    /// Makes the x of these pairs basic, greatest pivot first, as long as there is a pivot; redundant ones
+    /// stay nonbasic.
     pub(super) fn pivot_all(&mut self, pairs: &[usize]) {
         let mut left: Vec<usize> = pairs.iter().copied().filter(|&k| !self.basic[k]).collect();
         let first = self.size;
@@ -121,7 +123,7 @@ impl Tableau {
                 self.pivot(left.swap_remove(at));
                 continue;
             }
-            // No diagonal is left: two at once, as in an indefinite matrix.
+            // No diagonal pivot is left: exchange two pairs at once, as an indefinite matrix needs.
             let pairs = (0..left.len()).flat_map(|a| (0..a).map(move |b| (a, b)));
             let found = pairs.filter(|&(a, b)| {
                 let (r, s) = (left[a], left[b]);

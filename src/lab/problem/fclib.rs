@@ -1,14 +1,15 @@
 //! Reads contact problems of FCLIB, the frictional contact library, from HDF5.
 //!
-//! A local problem gives W and q. A global one gives the mass matrix M of the bodies, forces f, and H that turns velocities of
-//! bodies to those of contacts, and G to those of joints: `M v = f + H r + G l`, `u = Hᵀ v + w`, `0 = Gᵀ v + b`. With v
-//! eliminated it is `W = [H G]ᵀ M⁻¹ [H G]`, of which the rows of joints are [`Law::LOCKED`].
+//! A local problem gives W and q. A global one gives the mass matrix M of the bodies, forces f, and H that
+//! turns velocities of bodies to those of contacts, and G to those of joints: `M v = f + H r + G l`,
+//! `u = Hᵀ v + w`, `0 = Gᵀ v + b`. With v eliminated it is `W = [H G]ᵀ M⁻¹ [H G]`, of which the rows of
+//! joints are [`Law::LOCKED`].
 
 use super::{File, Form, Law, Matrix, Problem};
 use hdf5_pure::{File as Hdf5, Group};
 use nalgebra::{DMatrix, DVector};
 
-/// Why a file is no problem of FCLIB.
+/// Why a file could not be read as a problem of FCLIB.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct FclibError(String);
@@ -17,7 +18,7 @@ fn error<T>(what: impl Into<String>) -> Result<T, FclibError> {
     Err(FclibError(what.into()))
 }
 
-/// More velocities that the mass matrix couples than this are refused: it is inverted densely.
+/// The most velocities that the mass matrix may couple, as each coupled block is inverted densely.
 const COUPLED: usize = 3000;
 
 /// Reads the bytes of an FCLIB file, with `fclib_local` or `fclib_global`.
@@ -124,7 +125,7 @@ fn eliminate(
         }
         let force = DVector::from_iterator(size, velocities.iter().map(|&v| f[v]));
         let free = part.tr_mul(&factor.solve(&force));
-        // L⁻¹ H: its square is symmetric to the last bit.
+        // By way of L⁻¹ H, whose Gram matrix is symmetric to the last bit.
         let root = factor.l_dirty().solve_lower_triangular(&part).expect("a Cholesky factor is regular");
         for (a, &i) in columns.iter().enumerate() {
             q[i] += free[a];
@@ -201,7 +202,8 @@ impl Sparse {
     }
 }
 
-/// Each entry of a compressed matrix as its line (column or row, whichever is compressed) and its place in that.
+/// Each entry of a compressed matrix as its major index (column or row, whichever is compressed) and its
+/// minor one.
 fn compressed<'a>(
     pointer: &'a [usize],
     lines: usize,

@@ -1,4 +1,4 @@
-//! Files are written here as FCLIB lays them out.
+//! Files written in FCLIB's layout, read back.
 
 use super::*;
 use hdf5_pure::FileBuilder;
@@ -107,7 +107,7 @@ fn what_is_wrong_is_said() {
     let whole = local(UNIT);
     assert!(read_fclib(whole.clone()).is_ok());
     for end in (0..whole.len()).step_by(7) {
-        // Cut off, it may still be whole but for what nobody reads.
+        // A truncated file may still be complete except for data that is not read.
         let _ = read_fclib(whole[..end].to_vec());
     }
 }

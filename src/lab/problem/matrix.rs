@@ -12,11 +12,11 @@ pub struct Matrix {
 }
 
 impl Matrix {
-    /// From entries (row, column, value) in any order; those of one place are added up, and those that are zero left out. Panics
-    /// if a place is outside.
+    /// From entries (row, column, value) in any order; entries at the same place are added up, and zeros are
+    /// left out. Panics if an index is out of range.
     pub fn from_entries(size: usize, entries: impl IntoIterator<Item = (usize, usize, f64)>) -> Matrix {
         let mut entries: Vec<_> = entries.into_iter().filter(|entry| entry.2 != 0.0).collect();
-        // Stable: what is added up is so in the order given.
+        // A stable sort, so that entries are added up in the order given.
         entries.sort_by_key(|&(row, column, _)| (row, column));
         let mut matrix = Matrix { start: vec![0; size + 1], ..Matrix::default() };
         let mut last = None;
@@ -37,7 +37,7 @@ impl Matrix {
         matrix
     }
 
-    /// Without entries that are zero.
+    /// A dense matrix without its zeros.
     pub fn from_dense(dense: &DMatrix<f64>) -> Matrix {
         let size = dense.nrows();
         let entries = (0..size).flat_map(|i| (0..size).map(move |j| (i, j, dense[(i, j)])));
@@ -72,7 +72,7 @@ impl Matrix {
         self.row(i).map(|(j, value)| value * x[j]).sum()
     }
 
-    /// With all zeros in place.
+    /// As a dense matrix.
     pub fn dense(&self) -> DMatrix<f64> {
         let mut dense = DMatrix::zeros(self.size(), self.size());
         for i in 0..self.size() {

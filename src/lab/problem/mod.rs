@@ -1,9 +1,9 @@
-//! One problem statement for all methods of contact resolution: find impulses `r` and velocities `u = W r + q` such that each
-//! [`Law`] holds between its rows of both.
+//! One problem statement for all methods of contact resolution: find impulses `r` and velocities
+//! `u = W r + q` such that each [`Law`] holds between its rows of both.
 //!
-//! `W = J M⁻¹ Jᵀ` says how fast each constraint moves per unit of impulse on each other one; `q` is what they would do with no
-//! impulse at all, with gap, restitution and stabilisation added to it. A linear complementarity problem is a [`Problem`] all of
-//! whose laws are [`Law::AT_LEAST_ZERO`]; then `W` may be any square matrix.
+//! `W = J M⁻¹ Jᵀ` says how fast each constraint moves per unit of impulse on each other one; `q` is their
+//! velocity without impulses, plus terms for gap, restitution and stabilisation. A linear complementarity
+//! problem is a [`Problem`] all of whose laws are [`Law::AT_LEAST_ZERO`]; then `W` may be any square matrix.
 
 #[cfg(feature = "hdf5")]
 mod fclib;
@@ -25,7 +25,8 @@ use crate::error::Error;
 /// What has to hold between impulse and velocity of one or more rows in sequence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Law {
-    /// One row, `min <= r <= max` [N s]: `u = 0` between the bounds, `u >= 0` at `min`, `u <= 0` at `max`. Both infinite: a joint.
+    /// One row, `min <= r <= max` [N s]: `u = 0` between the bounds, `u >= 0` at `min`, `u <= 0` at `max`.
+    /// Both infinite: a joint.
     Bounds {
         /// The least impulse; may be -inf.
         min: f64,
@@ -38,8 +39,9 @@ pub enum Law {
         /// Coefficient of friction, at least 0.
         mu: f64,
     },
-    /// Two tangent rows and one of twist that share the friction of several normals, as the engine's friction patches do:
-    /// `|r_t| <= mu N` against `u_t`, `|r_s| <= mu arm N` against `u_s`, where `N` is the sum of the normal impulses.
+    /// Two tangent rows and one of twist that share the friction of several normals, as the engine's friction
+    /// patches do: `|r_t| <= mu N` against `u_t`, `|r_s| <= mu arm N` against `u_s`, where `N` is the sum of
+    /// the normal impulses.
     Patch {
         /// Coefficient of friction, at least 0.
         mu: f64,
@@ -53,7 +55,8 @@ pub enum Law {
 }
 
 impl Law {
-    /// `0 <= r`, `0 <= u`, `r u = 0`: a contact without friction, or a row of a linear complementarity problem.
+    /// `0 <= r`, `0 <= u`, `r u = 0`: a contact without friction, or a row of a linear complementarity
+    /// problem.
     pub const AT_LEAST_ZERO: Law = Law::Bounds { min: 0.0, max: f64::INFINITY };
     /// `u = 0`, whatever it takes.
     pub const LOCKED: Law = Law::Bounds { min: f64::NEG_INFINITY, max: f64::INFINITY };
@@ -67,7 +70,7 @@ impl Law {
     }
 }
 
-/// Impulses `r` are looked for that, with `u = W r + q`, obey every law.
+/// The problem of finding impulses `r` that obey every law with `u = W r + q`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problem {
     /// Laws in the order of their rows.
@@ -81,8 +84,8 @@ pub struct Problem {
 }
 
 impl Problem {
-    /// Refused unless all numbers but infinite bounds are finite, sizes agree, `min <= max`, `mu` and `arm` are not negative and
-    /// the normals of a patch are rows of their own before it.
+    /// Refused unless all numbers but infinite bounds are finite, sizes agree, `min <= max`, `mu` and `arm`
+    /// are not negative and the normals of a patch are rows of their own before it.
     pub fn new(laws: Vec<Law>, w: Matrix, q: Vec<f64>) -> Result<Problem, Error> {
         let mut starts = Vec::with_capacity(laws.len());
         let mut rows = 0;
@@ -138,7 +141,7 @@ impl Problem {
         &self.q
     }
 
-    /// `u = W r + q`. Panics if `r` has not as many rows.
+    /// `u = W r + q`. Panics if `r` has another number of rows.
     pub fn velocities(&self, r: &[f64]) -> Vec<f64> {
         (0..self.rows()).map(|i| self.w.dot(i, r) + self.q[i]).collect()
     }

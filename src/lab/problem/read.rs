@@ -1,16 +1,17 @@
 //! Reads problems from text: linear complementarity problems and contact problems as Siconos writes them.
 //!
-//! Both begin with sizes and the matrix W, then q, and for contacts the coefficients of friction; whatever follows is free
-//! text. A matrix is dense (storage 0) or made of blocks (storage 1), and either way goes column by column.
+//! Both begin with sizes and the matrix W, then q, and for contacts the coefficients of friction; any text
+//! may follow. A matrix is dense (storage 0) or made of blocks (storage 1), and either way goes column by
+//! column.
 
 use super::{Law, Matrix, Problem};
 use std::fmt::Display;
 
-/// Why text is no problem.
+/// Why a text could not be read as a problem.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("line {line}: {what}")]
 pub struct ReadError {
-    /// Of the text, from 1.
+    /// Line of the text, from 1.
     pub line: usize,
     /// What is wrong there.
     pub what: String,
@@ -21,7 +22,7 @@ pub struct ReadError {
 pub enum Form {
     /// A linear complementarity problem.
     Complementarity,
-    /// Contacts in a plane: one tangent. In the problem each has a second tangent, on which nothing acts.
+    /// Contacts in a plane: one tangent. Each gets a second tangent in the problem, on which nothing acts.
     PlaneContacts,
     /// Contacts in space.
     Contacts,
@@ -32,12 +33,12 @@ pub enum Form {
 pub struct File {
     /// What is to be solved.
     pub problem: Problem,
-    /// How the file put it.
+    /// The kind of problem in the file.
     pub form: Form,
 }
 
 impl File {
-    /// Numbers of the problem's rows without those that the file does not have.
+    /// The values of those rows that the file has.
     pub fn unknowns(&self, r: &[f64]) -> Vec<f64> {
         match self.form {
             Form::PlaneContacts => r.chunks(3).flat_map(|contact| &contact[..2]).copied().collect(),
@@ -65,7 +66,8 @@ impl File {
         }
         let place = |row: usize| row / 2 * 3 + row % 2;
         let own = (0..rows).flat_map(|i| w.row(i).map(move |(j, value)| (place(i), place(j), value)));
-        // As heavy as along the first tangent, so that the contact has a regular block: no impulse comes of it.
+        // The second tangent gets the mass of the first, so that the contact's block is regular; its impulse
+        // is zero.
         let second = (0..mu.len()).map(|c| (3 * c + 2, 3 * c + 2, w.at(2 * c + 1, 2 * c + 1)));
         let w = Matrix::from_entries(3 * mu.len(), own.chain(second));
         let q = q.chunks(2).flat_map(|contact| [contact[0], contact[1], 0.0]).collect();
@@ -73,8 +75,8 @@ impl File {
     }
 }
 
-/// Reads a linear complementarity problem or a contact problem: whichever the sizes at the beginning say. Nothing is allocated
-/// that the text is too short for.
+/// Reads a linear complementarity problem or a contact problem: whichever the sizes at the beginning say. A
+/// text that is too short for its sizes is refused before anything is allocated.
 pub fn read_problem(text: &str) -> Result<File, ReadError> {
     let mut words = Words::new(text);
     let first = words.clone().sizes()?;
@@ -192,7 +194,7 @@ fn read_ends(words: &mut Words, count: usize, size: usize) -> Result<Vec<usize>,
     Ok(ends)
 }
 
-/// The words of a text, which know where they are.
+/// The words of a text with their lines.
 #[derive(Clone)]
 struct Words<'a> {
     /// What is not read yet.
@@ -270,7 +272,7 @@ impl<'a> Words<'a> {
     }
 }
 
-/// The beginning of a word, for a message.
+/// The beginning of a word, for an error message.
 fn shown(word: &str) -> String {
     word.chars().take(20).collect()
 }

@@ -1,4 +1,4 @@
-//! The examples are small enough to be checked by eye.
+//! Small examples that can be checked by eye.
 
 use super::*;
 use crate::lab::problem::write_problem;
@@ -88,7 +88,7 @@ fn what_is_wrong_is_said_with_its_line() {
 fn no_beginning_of_a_text_panics() {
     let text =
         "2 2 1 4 4 3 2 2  2 4  2 4  3 3  0 2 3  0 1 1  0 1 2 3 4  1 5 6 7 8  2 9 10 11 12  1 2 3 4  0.1 0.2";
-    // The last number may lose digits and still be one.
+    // The last number may lose digits and still be a number.
     let shortest = text.len() - 2;
     assert!((0..=text.len()).all(|end| read_problem(&text[..end]).is_ok() == (end >= shortest)));
 }

@@ -1,4 +1,4 @@
-//! How far impulses are from a solution: the natural map, zero at a solution and nowhere else.
+//! The distance of impulses from a solution: the natural map, which is zero at solutions only.
 
 use super::{Law, Problem};
 
@@ -15,9 +15,10 @@ pub struct Residual {
 }
 
 impl Problem {
-    /// The natural-map residual of impulses `r`: for each law `e = s (r - P(r - u / s))`, a velocity, where `P` projects onto the
-    /// impulses that the law allows, `s` is the law's entry on the diagonal of W, and for Coulomb's law `u` has `mu |u_t|` added to
-    /// its normal part (De Saxcé). Infinite if any number is not finite.
+    /// The natural-map residual of impulses `r`: for each law `e = s (r - P(r - u / s))`, a velocity, where
+    /// `P` projects onto the impulses that the law allows, `s` is the law's entry on the diagonal of W, and
+    /// for Coulomb's law `u` has `mu |u_t|` added to its normal part (De Saxcé). Infinite if any number is
+    /// not finite.
     pub fn residual(&self, r: &[f64]) -> Residual {
         self.residual_at(r, &self.velocities(r))
     }
@@ -27,7 +28,7 @@ impl Problem {
         if r.iter().chain(u).any(|x| !x.is_finite()) {
             return Residual { relative: f64::INFINITY, worst: f64::INFINITY };
         }
-        // `hypot` squares nothing that is too great for it.
+        // `hypot` does not overflow.
         let (mut sum, mut worst) = (0.0_f64, 0.0_f64);
         for (first, law) in self.laws() {
             let rows = first..first + law.rows();
@@ -42,8 +43,8 @@ impl Problem {
         Residual { relative: sum / scale.max(FLOOR), worst }
     }
 
-    /// What turns an impulse of a row into a velocity [1/kg]: its diagonal, or where that is not positive the greatest entry of the
-    /// row, or one.
+    /// The factor from an impulse of a row to a velocity [1/kg]: its diagonal entry if positive, else the
+    /// greatest entry of the row, else one.
     pub fn scale(&self, row: usize) -> f64 {
         let diagonal = self.w().at(row, row);
         if diagonal > 0.0 {
@@ -53,12 +54,13 @@ impl Problem {
         if most > 0.0 { most } else { 1.0 }
     }
 
-    /// The error of one law [m/s]; `u` is that of its rows.
+    /// The error of one law [m/s]; `u` are the velocities of its rows.
     pub fn law_error(&self, first: usize, law: Law, r: &[f64], u: &[f64]) -> f64 {
         match law {
             Law::Bounds { min, max } => {
                 let s = self.scale(first);
-                // Which is r - (r - u / s).clamp(min, max), but doesn't lose u beside a great r.
+                // This equals r - (r - u / s).clamp(min, max), but does not lose u to rounding beside a great
+                // r.
                 s * nearest_within(u[0] / s, r[first] - max, r[first] - min).abs()
             }
             Law::Contact { mu } => {
@@ -83,7 +85,7 @@ impl Problem {
     }
 }
 
-/// The nearest number in a range: `f64::clamp` without its panic at limits that are no numbers, which come of numbers too great.
+/// The nearest number in a range: `f64::clamp` without its panic for NaN limits, which overflows cause.
 pub(crate) fn nearest_within(x: f64, min: f64, max: f64) -> f64 {
     x.max(min).min(max)
 }
@@ -117,7 +119,8 @@ mod tests {
     use super::super::Matrix;
     use super::*;
 
-    /// A ball of 2 kg that falls at 3 m/s and slides at 4 on a floor with mu = 0.5: 6 N s stop it, 3 N s brake it, to 2.5 m/s.
+    /// A ball of 2 kg that falls at 3 m/s and slides at 4 on a floor with mu = 0.5: 6 N s stop it, 3 N s
+    /// brake it, to 2.5 m/s.
     #[test]
     fn the_impulse_of_a_sliding_ball_has_no_residual() {
         let w = Matrix::from_entries(3, (0..3).map(|i| (i, i, 0.5)));

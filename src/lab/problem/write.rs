@@ -4,8 +4,9 @@ use super::{Law, Matrix, Problem};
 use crate::error::Error;
 use std::fmt::Write;
 
-/// The text of a linear complementarity problem, or of a contact problem: storage by blocks if most blocks are empty, else dense.
-/// Refused where the format has no law for a row: bounds other than [`Law::AT_LEAST_ZERO`], patches, or both kinds together.
+/// The text of a linear complementarity problem, or of a contact problem: storage by blocks if most blocks
+/// are empty, else dense. Refuses laws that the format does not have: bounds other than
+/// [`Law::AT_LEAST_ZERO`], patches, or both kinds together.
 pub fn write_problem(problem: &Problem) -> Result<String, Error> {
     let mu = problem.laws().map(|(_, law)| match law {
         Law::Contact { mu } => Some(mu),

@@ -63,8 +63,8 @@ fn of(points: &[Point], kept: &[usize]) -> Vec<Point> {
     kept.iter().map(|&i| points[i]).collect()
 }
 
-/// Without friction a wrench that points of a face can push with, the corners of its hull can: the motion is the same to what
-/// the solver leaves.
+/// Without friction, any wrench of points of a face can come from the corners of its hull: motion is the same
+/// to the solver's tolerance.
 #[test]
 fn the_whole_hull_moves_a_body_as_all_points_do() {
     for (name, points, corners) in shapes() {
@@ -77,7 +77,7 @@ fn the_whole_hull_moves_a_body_as_all_points_do() {
     }
 }
 
-/// What falls flat and straight stops on four points of any of them.
+/// A body that falls flat without rotation stops on four points of any shape.
 #[test]
 fn four_points_bear_what_falls_flat() {
     for (name, points, corners) in shapes() {
@@ -88,8 +88,9 @@ fn four_points_bear_what_falls_flat() {
     }
 }
 
-/// The table of `docs/methods.md`. What has four corners moves the same without friction. Of six, eight or 32 corners the four that are
-/// left span less, and a body that tips over what is gone tips earlier: the bound is what was measured for the hexagon of two rings, 0.34.
+/// The table of `docs/methods.md`. Shapes with four corners move the same without friction. For six, eight or
+/// 32 corners the remaining four span less, and a body that tips over a removed corner tips earlier: the
+/// bound is the value measured for the hexagon of two rings, 0.34.
 #[test]
 fn four_points_move_a_body_nearly_as_all_do() {
     for (name, points, corners) in shapes() {
@@ -127,7 +128,7 @@ fn normals_that_differ_are_clusters_of_their_own() {
     assert_eq!(kept.iter().filter(|&&i| i >= 12).count(), 4, "{kept:?}");
 }
 
-/// The deepest is kept, in the middle too; few points, equal ones and none are no trouble.
+/// The deepest point is kept, even in the middle; few, equal or no points are handled.
 #[test]
 fn the_deepest_point_is_kept() {
     let mut points = face(ring(9, 0.5));

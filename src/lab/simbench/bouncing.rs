@@ -1,5 +1,5 @@
-//! The bouncing test: 7 x 7 balls, far from each other, fall by 4.9 m without friction and bounce with restitution 1. Their energy,
-//! kinetic and potential, should stay what it was: 49 m g H = 24 035 J.
+//! The bouncing test: 7 x 7 balls, far from each other, fall by 4.9 m without friction and bounce with
+//! restitution 1. Their energy, kinetic and potential, should stay what it was: 49 m g H = 24 035 J.
 
 use super::{Outcome, Run, Setting, sphere_density};
 use crate::body::BodyDesc;
@@ -12,7 +12,7 @@ use std::ops::ControlFlow;
 const MASS: f32 = 10.0;
 /// [m]
 const RADIUS: f32 = 0.1;
-/// Of the centres [m].
+/// Height of the centres [m].
 const HEIGHT: f64 = 5.0;
 /// Balls along a side.
 const SIDE: u32 = 7;

@@ -1,8 +1,9 @@
-//! Four tests of SimBenchmark (ETH Zürich, <https://leggedrobotics.github.io/SimBenchmark/>), rebuilt from the description: the same
-//! scenes, the same metrics, and the numbers that were published for other engines ([`Test::published`]). `docs/simbench.md` says
-//! where each number comes from and what was found.
+//! Four tests of SimBenchmark (ETH Zürich, <https://leggedrobotics.github.io/SimBenchmark/>), rebuilt from
+//! the description: the same scenes, the same metrics, and the numbers that were published for other engines
+//! ([`Test::published`]). `docs/simbench.md` says where each number comes from and what was found.
 //!
-//! As there, a metric is taken before each step, at the times 0, `dt`, 2 `dt` and so on, and averaged over the run.
+//! As there, a metric is taken before each step, at the times 0, `dt`, 2 `dt` and so on, and averaged over
+//! the run.
 //!
 //! ```
 //! use backstop::lab::simbench::{Setting, Test};
@@ -39,7 +40,8 @@ const MAX_STEPS: f32 = 1e7;
 /// Which test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Test {
-    /// A box with 25 balls on it is pushed over the ground; the metric is the squared error of velocities [m²/s²].
+    /// A box with 25 balls on it is pushed over the ground; the metric is the squared error of velocities
+    /// [m²/s²].
     Rolling,
     /// 49 balls bounce with restitution 1; the metric is the squared error of their energy [J²].
     Bouncing,
@@ -53,7 +55,7 @@ impl Test {
     /// All of them.
     pub const ALL: [Test; 4] = [Test::Rolling, Test::Bouncing, Test::Spheres, Test::Tower];
 
-    /// As SimBenchmark calls it.
+    /// SimBenchmark's name.
     pub fn name(self) -> &'static str {
         match self {
             Test::Rolling => "rolling",
@@ -63,7 +65,7 @@ impl Test {
         }
     }
 
-    /// The one of that name.
+    /// The test with that name.
     pub fn named(name: &str) -> Option<Test> {
         Test::ALL.into_iter().find(|one| one.name() == name)
     }
@@ -78,7 +80,7 @@ impl Test {
         }
     }
 
-    /// The step that SimBenchmark takes if it is not what is varied [s].
+    /// SimBenchmark's step, where it does not vary it [s].
     pub fn dt(self) -> f32 {
         if self == Test::Rolling { 0.001 } else { 0.01 }
     }
@@ -93,7 +95,7 @@ impl Test {
         }
     }
 
-    /// The settings that make its curve: steps of different length, or different effort where that is what SimBenchmark varies.
+    /// The settings of its curve: different step lengths, or different effort if SimBenchmark varies that.
     pub fn curve(self) -> Vec<Setting> {
         let with = |dt, substeps, iterations| Setting { dt, substeps, iterations, ..Setting::default() };
         let steps = |dts: &[f32]| dts.iter().map(|&dt| with(dt, 4, 1)).collect();
@@ -156,14 +158,14 @@ impl Default for Setting {
     }
 }
 
-/// What came of a run.
+/// The result of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
     /// SimBenchmark's metric, in [`Test::unit`].
     pub metric: f64,
-    /// The same without unit: rolling: root of the mean squared error over that of the velocities; bouncing: the same of the energy;
-    /// 666: root of the mean squared penetration of a ball over its radius; kapla: the furthest that a brick is from its place at the
-    /// end, over its height.
+    /// The same without unit: rolling: root of the mean squared error over that of the velocities; bouncing:
+    /// the same of the energy; 666: root of the mean squared penetration of a ball over its radius; kapla:
+    /// the furthest that a brick is from its place at the end, over its height.
     pub relative: f64,
     /// Whether the tower fell.
     pub fell: bool,
@@ -171,7 +173,7 @@ pub struct Outcome {
     pub step_time: f64,
     /// Steps that were taken.
     pub steps: u32,
-    /// Islands that the solver of the setting left to the engine's own, counted in every step.
+    /// Islands that the setting's solver left to the engine's own, summed over all steps.
     pub left: usize,
 }
 
@@ -185,7 +187,7 @@ struct Run {
 }
 
 impl Run {
-    /// Of bodies of a typical length [m].
+    /// A world for bodies with this typical length [m].
     fn new(setting: &Setting, seconds: f32, length_unit: f32) -> Result<Run, Error> {
         let world = World::new(Settings {
             length_unit,

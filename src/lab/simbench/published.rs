@@ -1,5 +1,6 @@
-//! Numbers that SimBenchmark published: the files `data/TEST/sample.csv` of <https://github.com/leggedrobotics/SimBenchmark> (September
-//! 2021), which its pages show as plots. Measured there on an Intel Core i7-7700HQ.
+//! Numbers that SimBenchmark published: the files `data/TEST/sample.csv` of
+//! <https://github.com/leggedrobotics/SimBenchmark> (September 2021), which its pages show as plots. Measured
+//! there on an Intel Core i7-7700HQ.
 
 use super::Test;
 
@@ -8,13 +9,13 @@ use super::Test;
 pub struct Published {
     /// Its name.
     pub engine: &'static str,
-    /// Of those that it has.
+    /// Which of the engine's solvers.
     pub solver: &'static str,
-    /// Whether it took errors back (ERP).
+    /// Whether it corrected errors (ERP).
     pub error_reduction: bool,
     /// Length of a step [s].
     pub dt: f64,
-    /// Of the solver, where SimBenchmark varies them.
+    /// Iterations of the solver, where SimBenchmark varies them.
     pub iterations: Option<u32>,
     /// The test's metric.
     pub metric: f64,
@@ -126,7 +127,8 @@ const SPHERES: &[Published] = &[
     row("DART", "Dantzig", false, 0.1, None, 6.83924, 2.75566),
 ];
 
-/// `data/kapla/sample.csv`, steps of 0.01 s; 600 s is the end of the test. Of MuJoCo the tolerance with which it stood longest.
+/// `data/kapla/sample.csv`, steps of 0.01 s; 600 s is the end of the test. MuJoCo is listed with the
+/// tolerance with which the tower stood longest.
 #[rustfmt::skip]
 const TOWER: &[Published] = &[
     row("RaiSim", "bisection", false, 0.01, Some(10), 0.25, 0.0345781),

@@ -1,14 +1,16 @@
-//! The rolling test: a box on the ground, 25 balls on the box, and a force on the box that is oblique to both axes.
+//! The rolling test: a box on the ground, 25 balls on the box, and a force on the box that is oblique to both
+//! axes.
 //!
-//! The box (mass M, pushed by F, friction mu1 with the ground) slides, and the n balls (mass m, radius r) roll on it without slip.
-//! The only horizontal force on a ball is the friction f of its contact: m a_ball = f, and about its centre 2/5 m r² alpha = f r. Its
-//! lowest point therefore accelerates by a_ball + r alpha = f/m + 5/2 f/m = 7/2 f/m, which has to be the acceleration a of the box:
-//! f = 2/7 m a. For the box F - mu1 (M + n m) g - n f = M a, so
+//! The box (mass M, pushed by F, friction mu1 with the ground) slides, and the n balls (mass m, radius r)
+//! roll on it without slip. The only horizontal force on a ball is the friction f of its contact: m a_ball =
+//! f, and about its centre 2/5 m r² alpha = f r. Its lowest point therefore accelerates by a_ball + r alpha =
+//! f/m + 5/2 f/m = 7/2 f/m, which has to be the acceleration a of the box: f = 2/7 m a. For the box F - mu1
+//! (M + n m) g - n f = M a, so
 //!
 //! a = (F - mu1 (M + n m) g) / (M + 2/7 n m), and a_ball = 2/7 a.
 //!
-//! With SimBenchmark's numbers a = 0.7385 m/s². A pyramid of friction along the axes can bear F: its components, 75 N and 130 N, are
-//! both below mu1 (M + n m) g = 137.3 N, and nothing moves.
+//! With SimBenchmark's numbers a = 0.7385 m/s². A pyramid of friction along the axes can bear F: its
+//! components, 75 N and 130 N, are both below mu1 (M + n m) g = 137.3 N, and nothing moves.
 
 use super::{Outcome, Run, Setting, sphere_density};
 use crate::body::BodyDesc;
@@ -27,7 +29,7 @@ const SIDE: u32 = 5;
 const FORCE: f32 = 150.0;
 /// Overlap that each body starts with [m].
 const PENETRATION: f64 = 2e-5;
-/// Of ground, box and balls: friction of a pair is the product, 0.4 and 0.8.
+/// Friction of ground, box and balls; that of a pair is the product, 0.4 and 0.8.
 const FRICTION: [f32; 3] = [0.5, 0.8, 1.0];
 /// 60 degrees from the first axis. The page says "in the xy direction"; this is what the program does.
 const DIRECTION: Vec3 = Vec3::new(0.5, 0.0, 0.866_025_4);
@@ -36,7 +38,7 @@ const BOX: [f32; 2] = [20.0, 1.0];
 /// [m]
 const RADIUS: f32 = 0.5;
 
-/// Of the box and of a ball by the laws of Coulomb and of rolling without slip [m/s²].
+/// Accelerations of the box and of a ball by Coulomb's law and rolling without slip [m/s²].
 pub fn accelerations() -> (f64, f64) {
     let (m, mass, n) = (f64::from(BALL_MASS), f64::from(BOX_MASS), f64::from(SIDE * SIDE));
     let friction = 0.4 * (mass + n * m) * 9.81;
@@ -64,7 +66,7 @@ pub(super) fn run(setting: &Setting, seconds: f32) -> Result<Outcome, Error> {
         let ball = run.world.add_body(&BodyDesc::dynamic().at(at).with_shape(shape.clone()))?;
         first.get_or_insert(ball);
     }
-    // As there, the first ball stands for all.
+    // As in SimBenchmark, the first ball represents all.
     let rolls = first.unwrap_or(pushed);
     let (a, a_ball) = accelerations();
     let (mut errors, mut expected) = (0.0, 0.0);

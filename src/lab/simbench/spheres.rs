@@ -1,6 +1,7 @@
-//! The 666 test: a cube of 6 x 6 x 6 balls with gaps of a tenth of their radius, each a little out of place, falls by 1 mm and collapses,
-//! without friction and restitution. Nothing should overlap; the metric is the sum of squared overlaps over all pairs, and over
-//! balls and the ground. SimBenchmark's random numbers are those of its own generator, so that single balls go other ways here.
+//! The 666 test: a cube of 6 x 6 x 6 balls with gaps of a tenth of their radius, each slightly displaced,
+//! falls by 1 mm and collapses, without friction and restitution. Nothing should overlap; the metric is the
+//! sum of squared overlaps over all pairs, and over balls and the ground. SimBenchmark's random numbers are
+//! those of its own generator, so individual balls take other paths here.
 
 use super::{Outcome, Run, Setting, sphere_density};
 use crate::body::BodyDesc;
@@ -16,9 +17,9 @@ const MASS: f32 = 10.0;
 const RADIUS: f32 = 0.1;
 /// From centre to centre [m].
 const PITCH: f64 = 0.21;
-/// Of the lowest centres [m].
+/// Height of the lowest centres [m].
 const HEIGHT: f64 = 0.101;
-/// How far a ball is out of place at most, along each axis [m].
+/// Greatest displacement of a ball along each axis [m].
 const PERTURBATION: f64 = 0.001;
 /// Balls along an edge.
 const SIDE: u32 = 6;
@@ -53,7 +54,7 @@ pub(super) fn run(setting: &Setting, seconds: f32) -> Result<Outcome, Error> {
     Ok(run.outcome(mean, relative, false))
 }
 
-/// Over all pairs of balls, and over balls and the ground [m²].
+/// Sum of squared overlaps over all pairs of balls, and over balls and the ground [m²].
 fn squared_overlaps(places: &[DVec3]) -> f64 {
     let radius = f64::from(RADIUS);
     let mut sum = 0.0;

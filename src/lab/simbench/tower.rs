@@ -1,6 +1,7 @@
-//! The Kapla test: six storeys of bricks of 10 kg, each of eight beams across and nine bricks along that lie on the ends of the beams.
-//! Statics lets it stand: the bricks of a storey bear on halves of the beams' heads only, and the outermost beams are held by what
-//! lies on them. It counts as fallen when the last brick is below where the storey under it began.
+//! The Kapla test: six storeys of bricks of 10 kg, each of eight beams across and nine bricks along that lie
+//! on the ends of the beams. Statics lets it stand: the bricks of a storey bear on halves of the beams' heads
+//! only, and the outermost beams are held by what lies on them. It counts as fallen when the last brick is
+//! below where the storey under it began.
 
 use super::{Outcome, Run, Setting};
 use crate::body::BodyDesc;
@@ -19,7 +20,7 @@ const MASS: f32 = 10.0;
 const THIN: f32 = 0.05;
 const LONG: f32 = 0.2;
 const HIGH: f32 = 0.1;
-/// Not given there: each engine had its default.
+/// Not specified by SimBenchmark: each engine had its default.
 const FRICTION: f32 = 0.8;
 
 pub(super) fn run(setting: &Setting, seconds: f32) -> Result<Outcome, Error> {
@@ -72,7 +73,7 @@ fn build(run: &mut Run, material: Material) -> Result<Vec<(BodyHandle, DVec3)>, 
         for i in 0..pairs {
             add(&wall, (2.0 * f64::from(i) + 0.5) * long, 1.5 * high, -0.5 * long)?;
         }
-        // The other side is half a period on, and closed at both ends.
+        // The other side is shifted by half a period, and closed at both ends.
         for i in 0..pairs - 1 {
             add(&wall, (2.0 * f64::from(i) + 1.5) * long, 1.5 * high, 0.5 * long)?;
         }

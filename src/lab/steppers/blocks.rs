@@ -1,4 +1,4 @@
-//! Laws of an island in blocks: the contacts of two bodies together, each joint, and how a block is solved by itself.
+//! Laws of an island in blocks: all contacts of two bodies, and each joint; and how a single block is solved.
 
 use super::moving::Moving;
 use crate::lab::methods::{Effort, gs_cone};
@@ -6,7 +6,8 @@ use crate::lab::problem::{Law, Matrix, Problem};
 use crate::lab::system::{Owner, System, SystemIsland, SystemLaw};
 use std::collections::BTreeMap;
 
-/// Laws that are solved together. A box that falls flat on four points turns if these are solved one after the other.
+/// Laws that are solved together. A box that falls flat on four points turns if these are solved one after
+/// the other.
 #[derive(Clone, Debug)]
 pub(super) struct Block {
     /// Indices of laws in the system, in ascending order.
@@ -17,7 +18,8 @@ pub(super) struct Block {
 }
 
 impl Block {
-    /// The blocks of an island by their bodies, so that the order of contacts doesn't matter; joints come after them.
+    /// The blocks of an island by their bodies, so that the order of contacts doesn't matter; joints come
+    /// after them.
     pub(super) fn all(system: &System, island: &SystemIsland) -> Vec<Block> {
         let mut blocks: BTreeMap<(usize, [Option<usize>; 2]), Block> = BTreeMap::new();
         let mut joints = Vec::new();
@@ -43,12 +45,13 @@ impl Block {
         blocks
     }
 
-    /// Its normals, of laws that have a gap.
+    /// Its normals: those of laws that have a gap.
     pub(super) fn normals<'a>(&'a self, system: &'a System) -> impl Iterator<Item = &'a SystemLaw> + 'a {
         self.laws.iter().map(|&i| &system.laws[i]).filter(|law| law.gap.is_some())
     }
 
-    /// The greatest speed at which points of it approach that `counts` says to look at, as a negative number; zero if none does.
+    /// The least velocity among its points that `counts` selects: negative for the fastest approach, zero if
+    /// none approaches.
     pub(super) fn approach(&self, moving: &Moving<'_>, counts: impl Fn(&SystemLaw) -> bool) -> f64 {
         let normals = self.normals(moving.system).filter(|law| counts(law));
         normals.map(|law| moving.speed(law.first)).fold(0.0, f64::min)
@@ -60,8 +63,9 @@ pub(super) fn rows_of(system: &System, laws: &[usize]) -> Vec<usize> {
     own.flat_map(|law| law.first..law.first + law.law.rows()).collect()
 }
 
-/// Impulses of some laws, in ascending order, by which they hold beside what moves the bodies now. `held`: what a row has been
-/// given already, and may be taken back. `offsets`: what is added to the velocity of each law's first row.
+/// Impulses with which some laws, in ascending order, hold at the present velocities of the bodies. `held`:
+/// the impulse that a row already has, which may be taken back. `offsets`: added to the velocity of each
+/// law's first row.
 pub(super) fn solve_block(
     moving: &Moving<'_>,
     laws: &[usize],
@@ -79,7 +83,7 @@ pub(super) fn solve_block(
     }
     let w = Matrix::from_entries(rows.len(), entries);
     let start: Vec<f64> = rows.iter().map(|&row| held(row)).collect();
-    // Velocities have in them what rows were given, but not what springs yield by it.
+    // Velocities include the effect of earlier impulses on bodies, but not on the yielding of springs.
     let without = |(i, &row): (usize, &usize)| {
         moving.speed(row) - w.dot(i, &start) + system.rows[row].compliance * start[i]
     };

@@ -1,10 +1,12 @@
-//! Impacts, contacts and shock propagation, after Guendelman, Bridson and Fedkiw, *Nonconvex rigid bodies with stacking* (2003).
+//! Impacts, contacts and shock propagation, after Guendelman, Bridson and Fedkiw, *Nonconvex rigid bodies
+//! with stacking* (2003).
 //!
-//! Impacts are swept a few times with their restitution, at the velocities of the start of the step. Bodies take gravity and forces.
-//! Contacts are swept with a restitution that rises from -0.9 to 0, so that approach is slowed down bit by bit and loads spread
-//! before anything stops. What still approaches after that is seen to from the ground up: level by level of the
-//! graph of who stands on whom, and whatever is lower than the level that is being solved counts as infinitely heavy. That gives no
-//! impulse to the lower body, so momentum isn't kept: it is the price of stacks that stand after a sweep or two.
+//! Impacts are swept a few times with their restitution, at the velocities of the start of the step. Bodies
+//! take gravity and forces. Contacts are swept with a restitution that rises from -0.9 to 0, so that approach
+//! is slowed down bit by bit and loads spread before anything stops. Remaining approach is resolved from the
+//! ground up, level by level of the graph of which body stands on which; bodies below the level being solved
+//! count as infinitely heavy. Lower bodies get no impulse, so momentum is not conserved: the price for stacks
+//! that stand after a sweep or two.
 
 use super::blocks::Block;
 use super::moving::Moving;
@@ -21,7 +23,8 @@ const CONTACTS: u32 = 10;
 /// Sweeps over a level.
 const LEVEL: u32 = 10;
 
-/// Impacts, contacts with rising restitution, and shock propagation from the ground up, which does not keep momentum.
+/// Impacts, contacts with rising restitution, and shock propagation from the ground up, which does not keep
+/// momentum.
 pub fn guendelman(step: &Step<'_>, effort: &Effort) -> Resolution {
     let system = step.system;
     let mut impulses = vec![0.0; system.rows.len()];
@@ -60,7 +63,7 @@ pub fn guendelman(step: &Step<'_>, effort: &Effort) -> Resolution {
     resolution(step, &moving, &impulses, IMPACTS + CONTACTS + deepest as u32)
 }
 
-/// Blocks, the fastest approach first; equals by their bodies.
+/// Blocks by approach, the fastest first; ties are broken by their bodies.
 fn by_approach(moving: &Moving<'_>, blocks: &[Block]) -> Vec<usize> {
     let mut order: Vec<(f64, usize)> =
         blocks.iter().enumerate().map(|(i, block)| (approach(moving, block), i)).collect();
@@ -68,21 +71,22 @@ fn by_approach(moving: &Moving<'_>, blocks: &[Block]) -> Vec<usize> {
     order.into_iter().map(|(_, i)| i).collect()
 }
 
-/// Takes all but a share of what some laws' velocities lack.
+/// Removes the approach of some laws up to the share `left`.
 fn slow(moving: &mut Moving<'_>, laws: &[usize], left: f64, offsets: &[f64], impulses: &mut [f64]) {
     let system = moving.system;
     let offset = |i: usize| {
         let law = &system.laws[i];
         let lacks = (moving.speed(law.first) + offsets[i]).min(0.0);
-        // Of joints nothing is left.
+        // Joints keep no share of their error.
         offsets[i] - if law.gap.is_some() { left * lacks } else { 0.0 }
     };
     let offsets: Vec<f64> = laws.iter().map(|&i| offset(i)).collect();
     give(moving, laws, |_| 0.0, &offsets, impulses);
 }
 
-/// How many bodies stand between each and what nothing moves, counted along contacts and joints; what hangs on nothing has the
-/// greatest number there is. Of two bodies that touch, the one that gravity lets press on the other is the higher.
+/// Level of each body: the number of bodies between it and an immovable one, along contacts and joints; the
+/// maximum for bodies without support. Of two touching bodies, the one that gravity presses onto the other is
+/// the higher.
 fn levels(system: &System, step: &Step<'_>, blocks: &[Block]) -> Vec<usize> {
     let mut levels: Vec<usize> =
         system.bodies.iter().map(|body| if body.dynamic { usize::MAX } else { 0 }).collect();
@@ -92,7 +96,7 @@ fn levels(system: &System, step: &Step<'_>, blocks: &[Block]) -> Vec<usize> {
         let Some(lower) = lower.filter(|&lower| system.bodies[lower].dynamic) else { return true };
         (system.bodies[upper].centre - system.bodies[lower].centre).dot(fall) <= 0.0
     };
-    // Each round settles a level at least.
+    // Each round completes at least one level.
     for _ in 0..=step.island.bodies.len() {
         let mut changed = false;
         for block in blocks {

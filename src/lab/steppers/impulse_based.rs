@@ -1,14 +1,16 @@
-//! Every contact a train of collisions (Mirtich and Canny, *Impulse-based simulation of rigid bodies*, 1995).
+//! Every contact is a train of collisions (Mirtich and Canny, *Impulse-based simulation of rigid bodies*,
+//! 1995).
 //!
-//! Between collisions bodies fly: points close by their speed and by what gravity and forces give. The first that arrives
-//! collides, by itself: its impulse grows until the points part as fast as restitution says, and friction works against the slip of
-//! the moment or holds it (Routh 1860; Keller 1986). What rests is a train of micro-collisions, which never part slower
-//! than for [`HOPS`] hops a step. Colliding, resting, sliding and rolling are one thing then, and a stack is a storm of events:
-//! when there have been as many as iterations are allowed, the rest of the step is left to sequential impulses.
+//! Between collisions bodies fly freely. The point that closes first collides, alone: its impulse grows until
+//! it separates at the speed of restitution, and friction acts against the present slip or stops it (Routh
+//! 1860; Keller 1986). A resting contact is a train of micro-collisions, which separate fast enough for no
+//! more than [`HOPS`] hops a step. Colliding, resting, sliding and rolling are then treated alike, but a
+//! stack causes a great many events: once there have been as many as iterations are allowed, the rest of the
+//! step is left to sequential impulses.
 //!
-//! Bodies go where they flew, so overlap does not grow; what there is of it stays.
+//! Bodies end where they flew, so overlap does not grow, but existing overlap stays.
 //!
-//! There are no joints in it: an island with any is left to the fast path.
+//! It supports no joints: an island with joints is left to the fast path.
 
 use super::blocks::Block;
 use super::moving::Moving;
@@ -23,8 +25,8 @@ const HOPS: f64 = 4.0;
 /// Parts of a collision over which its slip is followed.
 const PARTS: u32 = 64;
 
-/// Every contact a train of collisions with friction, by the time at which they happen. Islands with joints are refused
-/// ([`Status::NoSolution`]).
+/// Treats every contact as a train of collisions with friction, in the order of time. Islands with joints are
+/// refused ([`Status::NoSolution`]).
 pub fn impulse_based(step: &Step<'_>, effort: &Effort) -> Resolution {
     let (points, of) = step.system.with_points(step.island);
     let mut moving = Moving::new(&points, |body| body.start);
@@ -78,7 +80,8 @@ impl Flight<'_> {
         Flight { points, fall: fall.collect() }
     }
 
-    /// Lets points collide in the order of time; says how often, and how much of the step is left when that became too much [s].
+    /// Lets points collide in the order of time. Returns the number of collisions, and the rest of the step
+    /// when there were too many [s].
     fn fly(&self, moving: &mut Moving<'_>, impulses: &mut [f64], most: u32) -> (u32, f64) {
         let laws = &self.points.laws;
         let mut gaps: Vec<f64> = laws.iter().map(|law| law.gap.unwrap_or(f64::INFINITY).max(0.0)).collect();
@@ -130,7 +133,7 @@ impl Flight<'_> {
     }
 }
 
-/// When a point that flies closes [s]: a gap [m], its speed, and its acceleration.
+/// The time at which a gap closes [s], by its size [m], speed and acceleration.
 fn arrival(gap: f64, speed: f64, fall: f64) -> f64 {
     if gap <= 0.0 && speed < 0.0 {
         return 0.0;
@@ -147,23 +150,23 @@ fn arrival(gap: f64, speed: f64, fall: f64) -> f64 {
     } else {
         f64::INFINITY
     };
-    // What stands on a point neither falls nor flies.
+    // A resting point neither falls nor flies.
     time.max(0.0)
 }
 
-/// Impulse of a collision with restitution by Poisson's law, along which the slip is followed. `k`: how velocities change per
-/// impulse, normal first.
+/// Impulse of a collision with restitution by Poisson's law, along which the slip is followed. `k`: how
+/// velocities change per impulse, normal first.
 fn keller(k: [[f64; 3]; 3], mut u: [f64; 3], mu: f64, restitution: f64) -> [f64; 3] {
     let mut p = [0.0; 3];
     let mut part = -u[0] / k[0][0] / f64::from(PARTS);
     let mut compressed = None;
-    // Friction may make compression longer than it would be without, but not for ever unless it wedges.
+    // Friction may prolong compression, but not without end unless it wedges.
     for _ in 0..40 * PARTS {
         let dp = along(&k, &u, mu, part);
         let gain: f64 = (0..3).map(|j| k[0][j] * dp[j]).sum();
         let mut share = 1.0;
         match compressed {
-            // To the end of compression and no further.
+            // This part ends with the compression.
             None if u[0] + gain >= 0.0 => share = if gain > 0.0 { (-u[0] / gain).max(0.0) } else { 1.0 },
             Some(most) if p[0] + dp[0] >= most => share = ((most - p[0]) / dp[0]).max(0.0),
             _ => {}
@@ -187,9 +190,9 @@ fn keller(k: [[f64; 3]; 3], mut u: [f64; 3], mu: f64, restitution: f64) -> [f64;
     p
 }
 
-/// An impulse whose normal part is `part`, with friction against the slip, or as much as holds it.
+/// An impulse with the normal part `part`, and friction against the slip or enough to stop it.
 fn along(k: &[[f64; 3]; 3], u: &[f64; 3], mu: f64, part: f64) -> [f64; 3] {
-    // What ends the slip together with the part.
+    // Friction that stops the slip at the end of this part.
     let slip = [1, 2].map(|i| u[i] + k[i][0] * part);
     let det = k[1][1] * k[2][2] - k[1][2] * k[2][1];
     let hold =
@@ -199,12 +202,12 @@ fn along(k: &[[f64; 3]; 3], u: &[f64; 3], mu: f64, part: f64) -> [f64; 3] {
         return [part, hold[0], hold[1]];
     }
     let speed = u[1].hypot(u[2]);
-    // At rest the slip goes where nothing holds it.
+    // If there is no slip yet, friction opposes the direction in which it would begin.
     let against = if speed > 1e-12 { [-u[1] / speed, -u[2] / speed] } else { hold.map(|x| x / size) };
     [part, most * against[0], most * against[1]]
 }
 
-/// Impulse after which points part at a speed, with friction as for a stop.
+/// Impulse after which the point separates at a given speed, with friction as for a stop.
 fn stop(law: Law, k: &[[f64; 3]; 3], u: [f64; 3], part: f64) -> [f64; 3] {
     let rows = law.rows();
     let entries = (0..rows).flat_map(|i| (0..rows).map(move |j| (i, j)));

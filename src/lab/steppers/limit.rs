@@ -1,4 +1,4 @@
-//! How stiff a penalty may be: a ball on a plane, over frequency and step.
+//! The stability limit of penalty methods: a ball on a plane, by frequency and step.
 
 use super::Stepper;
 use crate::body::BodyDesc;
@@ -13,11 +13,12 @@ use std::f64::consts::TAU;
 /// Steps that the ball is watched for.
 const STEPS: u32 = 400;
 
-/// Whether a ball stays at the depth at which the spring of a penalty method bears it, if it starts a tenth off. `frequency` of the
-/// spring [Hz], `damping` its ratio, `dt` the step [s].
+/// Whether a ball stays at the depth at which the spring of a penalty method carries it, if it starts a tenth
+/// of that away. `frequency` of the spring [Hz], `damping` its ratio, `dt` the step [s].
 ///
-/// The explicit form, whose positions follow the new velocities, has `x' = x + dt v'`, `v' = v - dt (ω² x + 2 ζ ω v)`. Its eigenvalues
-/// are within the unit circle for `(ω dt)² + 4 ζ ω dt < 4` (Jury): see [`limit`].
+/// The explicit form, whose positions follow the new velocities, has `x' = x + dt v'`,
+/// `v' = v - dt (ω² x + 2 ζ ω v)`. Its eigenvalues are within the unit circle for `(ω dt)² + 4 ζ ω dt < 4`
+/// (Jury): see [`limit`].
 ///
 /// # Errors
 /// If a number is not positive, or the spring bears the ball deeper than its radius of 0.5 m.
@@ -47,7 +48,7 @@ pub fn is_stable(stepper: &'static Stepper, frequency: f64, damping: f64, dt: f3
         world.step(dt)?;
         farthest = farthest.max((world.position(ball)?.y - (0.5 - depth)).abs());
     }
-    // What oscillates without growing reaches what it started with, or what one step adds to that.
+    // An oscillation that does not grow stays within its initial amplitude plus what one step adds.
     Ok(farthest < 0.3 * depth)
 }
 

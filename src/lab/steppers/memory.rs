@@ -1,8 +1,9 @@
-//! Direction memory: the face that was entered is the one to leave by.
+//! Direction memory: a body leaves by the face through which it entered.
 //!
-//! Overlap is measured the shortest way out. A body that a soft spring lets in beyond the middle is nearest to the other side, and
-//! from then on the spring pushes it through: the flip. So the direction of a contact is kept from step to step for as long as the two
-//! bodies touch, and where detection turns it round, the depth is what is left of the whole way through.
+//! Overlap is measured along the shortest way out. Once a soft spring lets a body in beyond the middle, the
+//! other side is nearer, and the spring pushes the body through. So the direction of a contact is kept from
+//! step to step as long as the two bodies touch; if detection reverses it, the depth is measured to the face
+//! of entry.
 
 use crate::handle::BodyHandle;
 use crate::lab::problem::Law;
@@ -13,11 +14,11 @@ use glam::DVec3;
 #[derive(Clone, Copy, Debug)]
 struct Entry {
     bodies: [BodyHandle; 2],
-    /// Of the first row, from the first body to the second.
+    /// Direction of the first row, from the first body to the second.
     normal: DVec3,
     /// Deepest point [m].
     depth: f64,
-    /// The whole way through, once the direction was turned round [m].
+    /// The length of the whole way through, known once detection reversed the direction [m].
     width: Option<f64>,
 }
 
@@ -28,7 +29,7 @@ pub(in crate::lab) struct Memory {
 }
 
 impl Memory {
-    /// Turns contacts back that detection has turned round, and keeps the directions of this step.
+    /// Restores the direction of contacts that detection reversed, and keeps the directions of this step.
     pub(in crate::lab) fn apply(&mut self, system: &mut System) {
         let mut now: Vec<Entry> = Vec::new();
         for i in 0..system.contacts() {
@@ -44,7 +45,7 @@ impl Memory {
                 }
                 continue;
             };
-            // How far it came since then, by its speed.
+            // Its progress since the previous step, by its speed.
             let speed = -system.speed(&system.rows[law.first], |body| body.start);
             let width = last.width.unwrap_or(last.depth - speed * system.dt - gap);
             system.laws[i].gap = Some(-(width + gap).max(0.0));

@@ -1,5 +1,5 @@
-//! Methods that go through a step in time, a file each: they need its gaps, its bodies and the velocities at its start, not only
-//! the problem of its end. [`Stepper::ALL`] names them.
+//! Methods that follow a step in time, a file each: they need gaps, bodies and the velocities at the start of
+//! the step, not only the problem of its end. [`Stepper::ALL`] names them.
 
 mod blocks;
 mod guendelman;
@@ -29,22 +29,22 @@ pub struct Step<'a> {
     pub system: &'a System,
     /// Which of them are to be solved.
     pub island: &'a SystemIsland,
-    /// What the end of the step is to be like, with the rows of the island in the order of its laws.
+    /// The problem of the end of the step, with the rows of the island in the order of its laws.
     pub problem: &'a Problem,
-    /// What the problem asks about overlap.
+    /// The stabilisation in the problem.
     pub stabilisation: Stabilisation,
 }
 
-/// What a method came to.
+/// The result of a method.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Resolution {
-    /// How it ended, with the impulses of the whole step by the rows of the problem. Its residual is that of the problem, which
-    /// asks for another law of impacts than most of these methods have.
+    /// How it ended, with the impulses of the whole step by the rows of the problem. Its residual is that of
+    /// the problem, which asks for another law of impacts than most of these methods have.
     pub solution: Solution,
-    /// Velocities of the island's bodies at the end of the step. They may be others than the impulses explain: what shock
-    /// propagation holds takes no impulse.
+    /// Velocities of the island's bodies at the end of the step. They may differ from what the impulses
+    /// explain: bodies that shock propagation holds take no impulse.
     pub end: Vec<Velocity>,
-    /// Their mean velocities over the step, of a method that knows them; else bodies go with those at its end.
+    /// Their mean velocities over the step, if the method knows them; else bodies move with those at its end.
     pub moving: Option<Vec<Velocity>>,
 }
 
@@ -58,7 +58,7 @@ pub struct Stepper {
     pub name: &'static str,
     /// What it does, and where it comes from.
     pub about: &'static str,
-    /// Whether it sees to overlap by itself.
+    /// Whether it corrects overlap itself.
     pub pushes: bool,
     /// The method.
     pub resolve: Resolve,
@@ -69,19 +69,22 @@ impl Stepper {
     pub const ALL: &'static [Stepper] = &[
         Stepper {
             name: "sequential",
-            about: "impacts one pair after the other, the fastest first, counted; then sequential impulses (Moore and Wilhelms 1988)",
+            about: "impacts one pair after the other, the fastest first, counted; then sequential impulses \
+                (Moore and Wilhelms 1988)",
             pushes: false,
             resolve: sequential,
         },
         Stepper {
             name: "guendelman",
-            about: "impacts, then contacts with rising restitution, then shock propagation (Guendelman, Bridson and Fedkiw 2003)",
+            about: "impacts, then contacts with rising restitution, then shock propagation (Guendelman, \
+                Bridson and Fedkiw 2003)",
             pushes: false,
             resolve: guendelman,
         },
         Stepper {
             name: "impulse-based",
-            about: "every contact a train of collisions with friction, by the time at which they happen (Mirtich and Canny 1995)",
+            about: "every contact a train of collisions with friction, by the time at which they happen \
+                (Mirtich and Canny 1995)",
             pushes: true,
             resolve: impulse_based,
         },

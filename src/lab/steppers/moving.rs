@@ -3,12 +3,12 @@
 use crate::lab::system::{System, SystemBody, SystemRow, Velocity};
 use glam::DVec3;
 
-/// Velocities of all bodies, and which of them nothing moves for now.
+/// Velocities of all bodies, and which of them are held for now.
 pub(super) struct Moving<'a> {
     pub(super) system: &'a System,
     pub(super) velocity: Vec<Velocity>,
     pub(super) frozen: Vec<bool>,
-    /// Where [`Moving::fly`] has brought them [m], [rad].
+    /// Displacements by [`Moving::fly`] [m], [rad].
     pub(super) way: Vec<Velocity>,
 }
 
@@ -61,7 +61,7 @@ impl<'a> Moving<'a> {
         sum
     }
 
-    /// All velocities take what gravity and forces give over the step.
+    /// Applies gravity and forces of the whole step to all velocities.
     pub(super) fn pull(&mut self) {
         for (velocity, body) in self.velocity.iter_mut().zip(&self.system.bodies) {
             for (k, velocity) in velocity.iter_mut().enumerate() {
@@ -82,7 +82,7 @@ impl<'a> Moving<'a> {
         }
     }
 
-    /// Of some bodies.
+    /// Velocities of some bodies.
     pub(super) fn of(&self, bodies: &[usize]) -> Vec<Velocity> {
         bodies.iter().map(|&i| self.velocity[i]).collect()
     }

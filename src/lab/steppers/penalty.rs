@@ -1,10 +1,10 @@
 //! Penalty methods: a spring and a damper at every point that overlaps, and in every joint.
 //!
-//! A point of depth d that approaches at speed s is pushed by `k d + c s`, never pulled; friction is a damper as strong as the cone
-//! lets it be. Springs have a frequency, not a stiffness: `k = m ω²`, `c = 2 m ω ζ` with the effective mass m of the row, which
-//! makes one number fit all sizes. The explicit form takes forces at the start of the step, and is stable up to `ω dt` of 2 for
-//! one point without damping, less where points share bodies; the implicit one takes them at the end, as a system
-//! of all points, and is stable for any.
+//! A point of depth d that approaches at speed s is pushed by `k d + c s`, never pulled; friction is a damper
+//! as strong as the cone lets it be. Springs have a frequency, not a stiffness: `k = m ω²`, `c = 2 m ω ζ`
+//! with the effective mass m of the row, so that one number suits all sizes. The explicit form takes forces
+//! at the start of the step, and is stable up to `ω dt` of 2 for one point without damping, less where points
+//! share bodies; the implicit one takes them at the end, as a system of all points, and is stable for any.
 
 use super::moving::Moving;
 use super::sequential::resolution;
@@ -13,7 +13,8 @@ use crate::lab::methods::{Effort, Solution, Status, gs_cone};
 use crate::lab::problem::{Law, Matrix, Problem, project_disc};
 use crate::lab::system::System;
 
-/// Springs and dampers with the forces of the start of the step; [`limit`](super::limit) says how stiff they may be.
+/// Springs and dampers with the forces of the start of the step; [`limit`](super::limit) says how stiff they
+/// may be.
 pub fn penalty(step: &Step<'_>, effort: &Effort) -> Resolution {
     let system = step.system;
     let mut impulses = vec![0.0; system.rows.len()];
@@ -22,7 +23,7 @@ pub fn penalty(step: &Step<'_>, effort: &Effort) -> Resolution {
     for &i in &step.island.laws {
         let law = &system.laws[i];
         let mass = |row: usize| effective_mass(system, row);
-        // What damps at most stops.
+        // The strongest damping that does not reverse the slip.
         let brake =
             |row: usize, most: f64| (-speed(row) * mass(row) * (system.dt * c).min(1.0)).clamp(-most, most);
         let push = || {
@@ -73,7 +74,7 @@ pub fn penalty_implicit(step: &Step<'_>, effort: &Effort) -> Resolution {
         if law.yields || law.drives || matches!(law.law, Law::Patch { .. }) {
             continue;
         }
-        // r = -dt (k (gap + dt u) + c u), as a velocity that the row yields by and one that it is asked for.
+        // r = -dt (k (gap + dt u) + c u), as a compliance and a target velocity of the row.
         let mass = effective_mass(system, law.first);
         let d = mass * (system.dt * k + c);
         let free = system.speed(row, |body| body.free) + row.bias;

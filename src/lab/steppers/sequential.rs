@@ -1,13 +1,15 @@
 //! Impulses one after the other.
 //!
-//! First impacts, at the velocities of the start of the step: the two bodies that approach each other fastest bounce, by Newton's law
-//! at all points between them at once, until nobody approaches. Equally fast ones go by the order of their bodies, so that the
-//! order of contacts changes nothing. With low restitution the sequence may have no end (McNamara and Young 1992): each pair is
-//! counted, loses half of its restitution each [`CALM`] impacts and all of it after four times as many, and when a pair has
-//! had [`MOST`] impacts, those that still approach are brought to rest together.
+//! First impacts, at the velocities of the start of the step: the two bodies with the fastest approach
+//! bounce, by Newton's law at all points between them at once, until no bodies approach. Ties are broken by
+//! the order of bodies, so that the order of contacts changes nothing. With low restitution the sequence may
+//! have no end (McNamara and Young 1992): each pair is counted, loses half of its restitution each [`CALM`]
+//! impacts and all of it after four times as many, and when a pair has had [`MOST`] impacts, those that still
+//! approach are brought to rest together.
 //!
-//! Then bodies take gravity and forces, and sequential impulses without restitution go on until the greatest change of a velocity by an
-//! impulse is below the tolerance, or the sweeps run out (Catto 2005): the fastest approach first in each sweep.
+//! Then bodies take gravity and forces, and sequential impulses without restitution go on until the greatest
+//! change of a velocity by an impulse is below the tolerance, or the sweeps run out (Catto 2005): the fastest
+//! approach first in each sweep.
 
 use super::blocks::{Block, rows_of, solve_block};
 use super::moving::Moving;
@@ -19,10 +21,11 @@ use crate::lab::system::{System, SystemLaw};
 const CALM: u32 = 32;
 /// Impacts of a pair after which all that approach are brought to rest together.
 const MOST: u32 = 256;
-/// A share of the fastest approach at the start: what is slower doesn't approach.
+/// Share of the fastest initial approach below which an approach counts as none.
 const NOTHING: f64 = 1e-12;
 
-/// Impacts one pair after the other, the fastest first and counted, at the velocities of the start; then sequential impulses.
+/// Impacts one pair after the other, the fastest first and counted, at the velocities of the start; then
+/// sequential impulses.
 pub fn sequential(step: &Step<'_>, effort: &Effort) -> Resolution {
     let system = step.system;
     let mut impulses = vec![0.0; system.rows.len()];
@@ -40,18 +43,18 @@ pub(super) fn strikes(system: &System, law: &SystemLaw, speed: f64) -> bool {
     law.gap.is_some_and(|gap| gap.max(0.0) + speed * system.dt <= 0.0)
 }
 
-/// Lets the fastest pairs bounce first, until nobody approaches; says how many impacts there were.
+/// Lets pairs bounce, the fastest first, until none approaches; returns the number of impacts.
 fn collide(moving: &mut Moving<'_>, blocks: &[Block], most: u32, impulses: &mut [f64]) -> u32 {
     let contacts: Vec<&Block> = blocks.iter().filter(|block| block.contact).collect();
     let joints = joints_of(blocks);
     let fastest = contacts.iter().map(|block| approach(moving, block)).fold(0.0, f64::min);
-    // Where nothing bounces, contacts see to the rest.
+    // If nothing bounces, contacts handle the rest.
     if !contacts.iter().any(|block| bounces(moving, block)) {
         return 0;
     }
     let mut counts = vec![0_u32; contacts.len()];
     for impact in 0..most {
-        // The first of equals is that of the first bodies.
+        // Among equals, that of the first bodies.
         let speeds = contacts.iter().map(|block| approach(moving, block)).enumerate();
         let (i, speed) = speeds.fold((0, 0.0), |best, one| if one.1 < best.1 { one } else { best });
         if speed >= fastest * NOTHING {
@@ -107,7 +110,7 @@ pub(super) fn bounce(
             Some(_) if strikes(system, law, speed) && -speed > system.threshold => {
                 share * law.restitution * speed
             }
-            // Further off than it may come in this step.
+            // The point is further away than it may move in this step.
             Some(_) if gap > 0.0 => gap / system.dt,
             _ => 0.0,
         }
@@ -116,8 +119,8 @@ pub(super) fn bounce(
     give(moving, &laws, |_| 0.0, &offsets, impulses);
 }
 
-/// Solves some laws together and gives their rows what that says; says by how much the velocity of a row changed by its own
-/// impulse, at most [m/s]. `held` and `offsets`: as for [`solve_block`].
+/// Solves some laws together and applies the impulses; returns the greatest change of a row's velocity by its
+/// own impulse [m/s]. `held` and `offsets`: as for [`solve_block`].
 pub(super) fn give(
     moving: &mut Moving<'_>,
     laws: &[usize],
@@ -137,7 +140,8 @@ pub(super) fn give(
     most
 }
 
-/// Sequential impulses without restitution; says after how many sweeps. `before`: impulses that are not to be taken back.
+/// Sequential impulses without restitution; returns the number of sweeps. `before`: impulses that are not to
+/// be taken back.
 pub(super) fn settle(
     step: &Step<'_>,
     moving: &mut Moving<'_>,
@@ -175,7 +179,7 @@ pub(super) fn settle(
     effort.iterations
 }
 
-/// What is asked of the first row of each law beside its free velocity, without restitution: by laws of the system.
+/// The offset of each law's first row beside its free velocity, without restitution, by laws of the system.
 pub(super) fn offsets(step: &Step<'_>) -> Vec<f64> {
     step.system.laws.iter().map(|law| step.system.target(law, step.stabilisation)).collect()
 }

@@ -1,4 +1,4 @@
-//! What the laws of impacts say, and that the order of contacts says nothing.
+//! The laws of impact hold, and the order of contacts does not matter.
 
 use super::*;
 use crate::body::BodyDesc;
@@ -8,9 +8,10 @@ use crate::shape::{Geometry, Material, ShapeDesc};
 use crate::world::World;
 use glam::{DVec3, Vec3};
 
-/// Balls of 1 m that touch, the outer ones on their way to the others: frictionless, in the plane, without gravity.
+/// Balls of 1 m that touch, the outer ones on their way to the others: frictionless, in the plane, without
+/// gravity.
 fn huddle(restitution: f32) -> System {
-    // All that meets bounces, however slow.
+    // Every impact bounces, however slow.
     let settings = Settings { gravity: Vec3::ZERO, restitution_threshold: 0.0, ..Settings::default() };
     let mut world = World::new(settings).unwrap();
     let material = Material::default().with_friction(0.0).with_restitution(restitution);
@@ -46,7 +47,8 @@ fn end(system: &System, resolve: Resolve) -> Vec<Velocity> {
     resolve(&step, &Effort::default()).end
 }
 
-/// Equally fast impacts go by their bodies, so that the result is the same to rounding, 1e-12 of speeds of a few m/s.
+/// Ties between impacts are broken by their bodies, so the result is the same to rounding: 1e-12 at speeds of
+/// a few m/s.
 #[test]
 fn the_order_of_contacts_does_not_matter() {
     for restitution in [0.0, 0.5, 1.0] {
@@ -61,8 +63,8 @@ fn the_order_of_contacts_does_not_matter() {
     }
 }
 
-/// Momentum is kept, and what bounces fully keeps its energy, by the sequence of impacts (no two at once share a body that a third
-/// one needs, so each is a bounce of two bodies).
+/// Momentum is kept, and what bounces fully keeps its energy, by the sequence of impacts (no two at once
+/// share a body that a third one needs, so each is a bounce of two bodies).
 #[test]
 fn a_sequence_of_impacts_keeps_momentum_and_energy() {
     let system = huddle(1.0);

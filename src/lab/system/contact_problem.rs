@@ -1,11 +1,12 @@
-//! A system in the form that collections of contact problems have: points with Coulomb's cone, three rows each, and nothing else.
+//! A system in the form that collections of contact problems have: points with Coulomb's cone, three rows
+//! each, and nothing else.
 
 use super::*;
 use crate::error::Error;
 use crate::lab::problem::{Matrix, Problem};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-/// What became of rows that are no contacts.
+/// How rows that are not contacts were treated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Reduction {
     /// Eliminated: locks, springs without a bound on their force, and ends of ranges that bear load.
@@ -16,14 +17,14 @@ pub struct Reduction {
     pub open: usize,
 }
 
-/// Share of the greatest eigenvalue of what joints hold below which a direction is one that others hold already.
+/// Eigenvalues below this share of the greatest one belong to redundant directions of joints.
 const GONE: f64 = 1e-10;
 
 impl System {
-    /// The problem of the step with contacts only. Friction of a patch is Coulomb's at each of its points, with the patch's
-    /// coefficient and without its row against twist, which the points bear by their arms; points that do not touch yet have
-    /// none. Joints are eliminated (a Schur complement, exact for what is locked and for springs):
-    /// `W - W_cj W_jj⁻¹ W_jc`.
+    /// The problem of the step with contacts only. Friction of a patch is Coulomb's at each of its points,
+    /// with the patch's coefficient and without its row against twist, which the points resist by their arms;
+    /// points that do not touch yet have no friction. Joints are eliminated (a Schur complement, exact for
+    /// what is locked and for springs): `W - W_cj W_jj⁻¹ W_jc`.
     ///
     /// # Errors
     /// If a number is not finite.
@@ -43,7 +44,8 @@ impl System {
         let mut told = Reduction::default();
         for law in &self.laws[self.contacts..] {
             let row = &self.rows[law.first];
-            let bounded = matches!(law.law, Law::Bounds { min, max } if law.drives && (min.is_finite() || max.is_finite()));
+            let is_bounded = |min: f64, max: f64| min.is_finite() || max.is_finite();
+            let bounded = law.drives && matches!(law.law, Law::Bounds { min, max } if is_bounded(min, max));
             if bounded {
                 told.held += 1;
                 points.push_velocities(row, row.impulse);
@@ -58,8 +60,8 @@ impl System {
         Ok((points.without_joints()?, told))
     }
 
-    /// The contacts of an island with Coulomb's cone at each of their points, and of each point the row of its normal here, and
-    /// the first of its friction. Joints are left out.
+    /// The contacts of an island with Coulomb's cone at each point, and for each point the rows of its normal
+    /// and of the first of its friction in this system. Joints are left out.
     pub(in crate::lab) fn with_points(&self, island: &SystemIsland) -> (System, Vec<(usize, Option<usize>)>) {
         let mut points = System {
             dt: self.dt,
@@ -132,7 +134,7 @@ impl System {
         out.push(SystemLaw { law: Law::Contact { mu }, ..*law }, &rows);
     }
 
-    /// An impulse that is known changes the velocities that others start from.
+    /// Adds the effect of a known impulse to the free velocities.
     fn push_velocities(&mut self, row: &SystemRow, impulse: f64) {
         for (side, body) in row.bodies.iter().enumerate() {
             if let Some(body) = *body {
@@ -143,7 +145,7 @@ impl System {
         }
     }
 
-    /// The problem of what comes before the rows of joints, with these solved for.
+    /// The problem of the rows before those of joints, with the latter eliminated.
     fn without_joints(&self) -> Result<Problem, Error> {
         let whole = self.problem(Stabilisation::Rest)?;
         let kept = self.laws.get(self.contacts).map_or(self.rows.len(), |law| law.first);
@@ -155,7 +157,7 @@ impl System {
         let count = self.rows.len() - kept;
         let own = SymmetricEigen::new(dense.view((kept, kept), (count, count)).into_owned());
         let least = GONE * own.eigenvalues.amax();
-        // Of what is held twice the least impulses.
+        // The pseudo-inverse: for redundant directions, the least impulses.
         let inverse = own.eigenvalues.map(|x| if x > least { 1.0 / x } else { 0.0 });
         let across: DMatrix<f64> = dense.view((kept, 0), (count, kept)).into_owned();
         let seen = own.eigenvectors.transpose() * across;

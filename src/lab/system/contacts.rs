@@ -43,7 +43,7 @@ impl System {
             angle: false,
         };
         let friction = lane.friction.filter(|f| f.coefficient > 0.0);
-        // What rows are warm-started with is that of a substep.
+        // Warm starting impulses are those of a substep.
         let substeps = f64::from(world.settings.substeps);
         let tangents = |f: &FrictionLane| {
             let t = [f.tangent, lane.normal.cross(f.tangent)].map(|t| t.as_dvec3());
@@ -59,7 +59,7 @@ impl System {
         };
         let gap = |i: usize| Some(f64::from(lane.points()[i].separation));
         if let (Some(f), [_]) = (&friction, lane.points()) {
-            // A point has no lever against twist, so it is Coulomb's cone exactly.
+            // A single point has no arm against twist, so this is exactly Coulomb's cone.
             let [t, s] = tangents(f);
             let mu = f.coefficient.into();
             self.push(SystemLaw { law: Law::Contact { mu }, gap: gap(0), ..law }, &[normal(0), t, s]);

@@ -27,7 +27,7 @@ impl Frames {
         self.axes[frame].col(axis as usize)
     }
 
-    /// The shorter way round.
+    /// The shorter of both rotations.
     fn short(&self) -> DQuat {
         if self.relative.w < 0.0 { -self.relative } else { self.relative }
     }

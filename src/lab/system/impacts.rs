@@ -1,13 +1,14 @@
-//! A system for methods that solve a step: points that may touch within it rub when they do.
+//! A system for methods that solve a step as one: potential points have friction.
 
 use super::*;
 
 impl System {
-    /// The same with Coulomb's cone at each point that doesn't touch yet, and of each row the one here, if there is one.
+    /// The same system with Coulomb's cone at each point that does not touch yet, and for each of its rows
+    /// the row in this system, if there is one.
     ///
-    /// The fast path has no friction there while it solves, and sees to the friction of what touched afterwards. A method that solves a
-    /// step as one has no afterwards: what it stops at the end of the step touches, and an impact without friction would slide on
-    /// as on ice.
+    /// The fast path solves these points without friction and applies the friction of those that touched
+    /// afterwards. A method that solves a step as one has no afterwards: points that it stops at the end of
+    /// the step touch, and impacts without friction would slide as on ice.
     pub(in crate::lab) fn with_impacts(&self) -> (System, Vec<Option<usize>>) {
         let mut out = System {
             dt: self.dt,
@@ -19,7 +20,7 @@ impl System {
             contacts: self.contacts,
         };
         let mut of = Vec::with_capacity(self.rows.len());
-        // Where rows of the system have gone, for patches to find their normals.
+        // New index of each row, by which patches find their normals.
         let mut place = vec![0; self.rows.len()];
         for law in &self.laws {
             let own = law.first..law.first + law.law.rows();

@@ -23,9 +23,9 @@ pub(in crate::lab) struct JointRow {
     pub(super) direction: [DVec3; 2],
     pub(in crate::lab) row: SystemRow,
     law: Law,
-    /// To the end of a range.
+    /// Distance to the end of a range.
     pub(in crate::lab) gap: Option<f64>,
-    /// By how much what is rigid is off [m] or [rad].
+    /// Error of a rigid direction [m] or [rad].
     pub(in crate::lab) error: f64,
     yields: bool,
     drives: bool,
@@ -55,8 +55,8 @@ impl System {
     }
 }
 
-/// Calls `f` with each row of the joints that act on a body which is awake, where the bodies are now: as many, and in the same
-/// order, wherever they are.
+/// Calls `f` with each row of the joints of awake bodies, at the present poses. Their number and order do not
+/// depend on the poses.
 pub(in crate::lab) fn each_joint_row(world: &World, f: &mut dyn FnMut(&JointRow)) {
     let (joints, bodies) = (&world.joints, &world.bodies);
     let place = |joint: u32| {
@@ -187,7 +187,7 @@ impl Joined {
         let at = &self.at;
         let (direction, mut value) = self.measure(row);
         if row.motion == Motion::Angular && matches!(row.axes, Axes::One(_)) {
-            // A turn more or less is the same: the one that is nearest to what is asked for.
+            // Angles are periodic: take the turn that is nearest to the target.
             let middle = match row.kind {
                 RowKind::Limit { min, max } | RowKind::Yielding { min, max, .. } => 0.5 * (min + max),
                 RowKind::Drive { position, .. } => position,
@@ -254,8 +254,8 @@ impl Joined {
         }
     }
 
-    /// Of a spring and a damper over the whole step: speed asked for per displacement, what they yield per impulse, and the speed
-    /// asked for beside that.
+    /// Implicit coefficients of a spring and a damper over the whole step: target speed per displacement,
+    /// compliance, and the additional target speed.
     fn implicit(&self, row: &JointRow, spring: Spring, target: f64) -> [f64; 3] {
         let (k, c, per_mass) = spring.coefficients();
         let (mut k, mut c) = (f64::from(k), f64::from(c));

@@ -1,12 +1,13 @@
 //! The rows of a step as one system: bodies, J, laws, and what the engine's own solver gave each row.
 //!
-//! Contacts are read from the batches that the solver works on, so their normals, arms and coefficients are the ones it used.
-//! Joints are measured anew in `f64` where the bodies are, by the same measures: their batches hold blocks with directions
-//! eliminated, trees hold nothing but recursions, and a row as J is in neither. Impulses are those of the batches, of trees and cut
-//! loops too, summed over the substeps of the step (`Sums`).
+//! Contacts are read from the batches that the solver works on, so their normals, arms and coefficients are
+//! the ones it used. Joints are evaluated anew in `f64` at the bodies' poses, by the same measures: their
+//! batches hold blocks with directions eliminated and trees hold recursions only, so neither has rows of J.
+//! Impulses are those of the batches, of trees and cut loops too, summed over the substeps of the step
+//! (`Sums`).
 //!
-//! The system is that of the whole step with directions as they are at its start. Its unknowns are therefore impulses of the step,
-//! and `u` is the velocity at its end.
+//! The system is that of the whole step with directions as they are at its start. Its unknowns are therefore
+//! impulses of the step, and `u` is the velocity at its end.
 
 mod contact_problem;
 mod contacts;
@@ -41,9 +42,9 @@ pub struct SystemBody {
     pub body: BodyHandle,
     /// Whether impulses move it; kinematic bodies go where the caller wants.
     pub dynamic: bool,
-    /// By axis of the world, zero along those that are locked [1/kg].
+    /// Inverse mass by axis of the world, zero along locked ones [1/kg].
     pub inverse_mass: DVec3,
-    /// In the world's axes [1/(kg m²)].
+    /// Inverse inertia in the world's axes [1/(kg m²)].
     pub inverse_inertia: DMat3,
     /// Its centre of mass at the start of the step [m].
     pub centre: DVec3,
@@ -51,10 +52,10 @@ pub struct SystemBody {
     pub start: Velocity,
     /// The same with gravity and forces of the whole step applied, before any row acted.
     pub free: Velocity,
-    /// At the end of the step.
+    /// Velocity at the end of the step.
     pub end: Velocity,
-    /// What changed its velocity beside gravity, forces and rows: friction of impacts, impacts as far as rows do not have them, and
-    /// limits; less what gravity and forces did not do.
+    /// Changes of its velocity by anything but gravity, forces and rows: friction of impacts, impacts as far
+    /// as they are not in rows, and limits, minus the part of gravity and forces that was not applied.
     pub given: Velocity,
     /// Displacement [m] and rotation vector [rad] of the step.
     pub moved: Velocity,
@@ -63,15 +64,15 @@ pub struct SystemBody {
 /// A direction in which two bodies move past each other. `u = Σ linear · v + angular · w` over both bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SystemRow {
-    /// Indices of the bodies; none for what stands still.
+    /// Indices of the bodies; none for static ones.
     pub bodies: [Option<usize>; 2],
     /// J of the linear velocities.
     pub linear: [DVec3; 2],
     /// J of the angular velocities [m], or without a unit where the row is an angular one.
     pub angular: [DVec3; 2],
-    /// Added to the velocity: motion of surfaces, less the speed that a motor is asked for [m/s] or [rad/s].
+    /// Added to the velocity: motion of surfaces, minus the target speed of a motor [m/s] or [rad/s].
     pub bias: f64,
-    /// Velocity by which it yields per impulse [1/kg] or [1/(kg m²)]; zero of what is rigid.
+    /// Compliance: velocity per impulse [1/kg] or [1/(kg m²)]; zero for rigid rows.
     pub compliance: f64,
     /// What the engine's solver gave it over the step [N s] or [N m s].
     pub impulse: f64,
@@ -97,21 +98,22 @@ pub struct SystemLaw {
     pub first: usize,
     /// What it belongs to.
     pub owner: Owner,
-    /// Of what has one end only, at the start of the step: how far it is from that [m] or [rad], negative beyond.
+    /// For one-sided laws, the gap at the start of the step [m] or [rad], negative in overlap.
     pub gap: Option<f64>,
-    /// Of what is locked, by how much it is off along its row at the start of the step [m] or [rad].
+    /// For locks, the error along its row at the start of the step [m] or [rad].
     pub off: f64,
-    /// Whether the solver took it for one that does not touch yet.
+    /// Whether the solver treated it as a potential contact point.
     pub potential: bool,
-    /// Of such a point the coefficient of friction that it will have when it touches, and where it is from the centres of mass [m].
+    /// For such a point, its coefficient of friction once it touches, and its arms from the centres of mass
+    /// [m].
     pub impact: Option<(f64, [DVec3; 2])>,
     /// Coefficient of restitution.
     pub restitution: f64,
-    /// A body of it bounced in the step, and had other contacts too.
+    /// Whether one of its bodies bounced in the step and had other contacts too.
     pub bouncing: bool,
-    /// A spring, or a drive that yields.
+    /// Whether it is a spring or a yielding drive.
     pub yields: bool,
-    /// A drive.
+    /// Whether it is a drive.
     pub drives: bool,
     /// Size of the smaller of two shapes, from its middle to its surface [m].
     pub size: f64,
@@ -131,7 +133,7 @@ pub struct SystemIsland {
 pub struct System {
     /// Length of the step [s].
     pub dt: f64,
-    /// Approach speed from which on what has restitution bounces [m/s].
+    /// Approach speed above which contacts with restitution bounce [m/s].
     pub threshold: f64,
     /// Dynamic bodies, then kinematic ones.
     pub bodies: Vec<SystemBody>,
@@ -146,7 +148,7 @@ pub struct System {
 }
 
 impl System {
-    /// Of rows that are prepared and not yet solved. `dt`: of the step [s].
+    /// Assembles the system from rows that are prepared and not yet solved. `dt`: length of the step [s].
     pub(crate) fn assemble(world: &mut World, dt: f32) -> System {
         let mut system = System {
             dt: dt.into(),
@@ -213,7 +215,7 @@ impl System {
         (dense < self.bodies.len()).then_some(dense)
     }
 
-    /// Velocity of a row where each body has what `of` says, without the row's bias.
+    /// Velocity of a row, without its bias, with the body velocities given by `of`.
     pub fn speed(&self, row: &SystemRow, of: impl Fn(&SystemBody) -> Velocity) -> f64 {
         let side = |i: usize| {
             row.bodies[i].map_or(0.0, |body| {
@@ -224,7 +226,8 @@ impl System {
         side(0) + side(1)
     }
 
-    /// By how much impulses of all rows change the velocity of each body: `M⁻¹ Jᵀ r`. Panics if `r` has not as many rows.
+    /// By how much impulses of all rows change the velocity of each body: `M⁻¹ Jᵀ r`. Panics if `r` has
+    /// another number of rows.
     pub fn velocity_changes(&self, r: &[f64]) -> Vec<Velocity> {
         assert_eq!(r.len(), self.rows.len(), "an impulse for each row");
         let mut push = vec![[DVec3::ZERO; 2]; self.bodies.len()];
@@ -241,7 +244,8 @@ impl System {
         self.bodies.iter().zip(push).map(moved).collect()
     }
 
-    /// Velocities of the bodies of an island at the end of the step if its rows get the impulses `r`, in the order of its laws.
+    /// Velocities of the bodies of an island at the end of the step if its rows get the impulses `r`, in the
+    /// order of its laws.
     pub(super) fn velocities_with(&self, island: &SystemIsland, r: &[f64]) -> Vec<Velocity> {
         let place = |body: usize| island.bodies.binary_search(&body).ok();
         let mut push = vec![[DVec3::ZERO; 2]; island.bodies.len()];
@@ -264,9 +268,10 @@ impl System {
         island.bodies.iter().zip(push).map(moved).collect()
     }
 
-    /// Whether the bodies of an island have more kinetic energy with velocities `end` than they would without any row, although
-    /// nothing in it can give any: no bounce, drive, spring, moving surface or kinematic body. A solution can't (it is the nearest to the
-    /// free velocities, by energy, of all that the rows allow, and rest is allowed); impulses that are off may.
+    /// Whether the bodies of an island have more kinetic energy with velocities `end` than they would without
+    /// any row, although nothing in it can supply any: no bounce, drive, spring, moving surface or kinematic
+    /// body. A solution never does (it is the nearest to the free velocities, in the energy norm, of all that
+    /// the rows allow, and rest is allowed); wrong impulses may.
     pub(super) fn gains(&self, island: &SystemIsland, end: &[Velocity]) -> bool {
         let gives = |&i: &usize| {
             let law = &self.laws[i];
@@ -279,7 +284,7 @@ impl System {
             return false;
         }
         let energy = |body: &SystemBody, [v, w]: Velocity| {
-            // Along what is locked there is none.
+            // Locked axes have no mass.
             let inverse = body.inverse_mass.max_element();
             let linear = if inverse > 0.0 { v.length_squared() / inverse } else { 0.0 };
             let turning = body.inverse_inertia.determinant();
@@ -297,7 +302,7 @@ impl System {
     }
 }
 
-/// Share of its energy that an island may gain by how exact its solution is.
+/// Share of its energy that an island may gain by the inexactness of its solution.
 const GAIN: f64 = 1e-3;
 
 /// A record in `f64`.

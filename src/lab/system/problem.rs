@@ -4,13 +4,13 @@ use super::*;
 use crate::error::Error;
 use crate::lab::problem::{Matrix, Problem};
 
-/// What is done about overlap, beside keeping it from growing.
+/// What is done about overlap, beyond not letting it grow.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Stabilisation {
-    /// Nothing: no row asks for more than that its points part no faster than at zero.
+    /// Nothing: no row demands a separating velocity.
     #[default]
     Rest,
-    /// What is deeper than `slop` is pushed apart by that share of it per second, no faster than `most`.
+    /// Overlap beyond `slop` is pushed apart by this share per second, no faster than `most`.
     Push {
         /// [1/s]
         rate: f64,
@@ -18,15 +18,15 @@ pub enum Stabilisation {
         slop: f64,
         /// [m/s]
         most: f64,
-        /// Share of the errors of what is locked in joints that is taken back per second, with no limit [1/s].
+        /// Share of the errors of joint locks that is corrected per second, with no limit [1/s].
         joint_rate: f64,
     },
 }
 
 impl System {
-    /// The problem of the whole step, with q for a method to solve: velocities with gravity and forces applied, of what is apart
-    /// the speed that would close the gap within the step, of what closes faster than the threshold its speed after the bounce, and
-    /// what springs pull.
+    /// The problem of the whole step, with q for a method to solve: velocities with gravity and forces
+    /// applied, plus for open gaps the speed that would close them within the step, for approaches above the
+    /// threshold the speed after the bounce, and the pull of springs.
     ///
     /// # Errors
     /// If a number is not finite.
@@ -35,10 +35,11 @@ impl System {
         self.problem_of(&all, stabilisation)
     }
 
-    /// The problem of some laws, in ascending order: those of an island for instance. Other rows are left out.
+    /// The problem of some laws, in ascending order: those of an island for instance. Other rows are left
+    /// out.
     ///
     /// # Errors
-    /// If a number is not finite, or a patch is there without its normals.
+    /// If a number is not finite, or a patch is among the laws without its normals.
     pub fn problem_of(&self, laws: &[usize], stabilisation: Stabilisation) -> Result<Problem, Error> {
         let mut place = vec![usize::MAX; self.rows.len()];
         let (mut rows, mut kept) = (Vec::new(), Vec::new());
@@ -63,7 +64,7 @@ impl System {
         Problem::new(kept, self.matrix(&rows), q)
     }
 
-    /// Whether a stabilisation asks for more than rest does in an island.
+    /// Whether a stabilisation changes the problem of an island.
     pub(in crate::lab) fn needs_push(&self, island: &SystemIsland, stabilisation: Stabilisation) -> bool {
         let mut laws = island.laws.iter().map(|&i| &self.laws[i]);
         laws.any(|law| self.offset(law, stabilisation) != self.offset(law, Stabilisation::Rest))
@@ -78,8 +79,9 @@ impl System {
         }
     }
 
-    /// Of a point that bounces within the step: its velocity at the end of the step, and the mean of that over the step. It closes at
-    /// the pace of its start with gravity and forces, parts with `e` times the speed that it has then, and is pulled on for the rest.
+    /// For a point that bounces within the step, its velocity at the end of the step and the mean over the
+    /// step. It closes with its initial velocity, gravity and forces, separates at `e` times its closing
+    /// speed, and is accelerated for the rest of the step.
     pub(in crate::lab) fn bounce(&self, law: &SystemLaw) -> Option<[f64; 2]> {
         let gap = law.gap?;
         let row = &self.rows[law.first];
@@ -89,12 +91,13 @@ impl System {
         }
         let pull = (self.speed(row, |body| body.free) + row.bias - start) / self.dt;
         let gap = gap.max(0.0);
-        // The first root of gap + start t + pull t² / 2; a pull away that turns it back before it closes has none.
+        // The first root of gap + start t + pull t² / 2; there is none if an acceleration away reverses it
+        // before it closes.
         let root = (start * start - 2.0 * pull * gap).max(0.0).sqrt();
         let time = (2.0 * gap / (root - start)).min(self.dt);
         let left = self.dt - time;
         let part = -law.restitution * (start + pull * time);
-        // What would come down again within the step has come to rest.
+        // A point that would come down again within the step is at rest.
         let end = (part + pull * left).max(0.0);
         let way = (part * left + 0.5 * pull * left * left).max(0.0) - gap;
         Some([end, way / self.dt])

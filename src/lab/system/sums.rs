@@ -5,18 +5,19 @@ use super::*;
 use crate::constraint::{ContactLane, JointViews};
 use crate::solver::Witness;
 
-/// Impulses that the solver gave, and velocities that it changed by something else.
+/// Impulses of the solver, and changes of velocities by other causes.
 #[derive(Debug, Default)]
 pub(in crate::lab) struct Sums {
-    /// Of the rows of contacts, in the order of the system.
+    /// Impulses of contact rows, in the order of the system.
     contacts: Vec<f64>,
-    /// Normal impulses of what bounced, by contacts.
+    /// Normal impulses of bounces, by contacts.
     impacts: Vec<f64>,
     locks: Vec<DVec3>,
-    /// Of other rows of joints: at both ends, and as force and torque on the second body at its point.
+    /// Impulses of other rows of joints: at both ends, and as force and torque on the second body at its
+    /// point.
     rows: Vec<([f64; 2], [DVec3; 2])>,
     given: Vec<Velocity>,
-    /// By gravity and forces. What stands after a bounce has none.
+    /// Changes by gravity and forces; a body that stops after a bounce has none.
     pulled: Vec<Velocity>,
     before: Vec<Record>,
 }
@@ -51,11 +52,12 @@ impl Sums {
         bounced
     }
 
-    /// Impulses of what bounced. Which of a contact's points did is not told: each has its share.
+    /// Adds the impulses of bounces. It is not known which of a contact's points bounced, so each gets an
+    /// equal share.
     fn give_impacts(&self, world: &mut World, system: &mut System) {
         let mut rows = std::mem::take(&mut world.buffers.rows);
         let mut row = 0;
-        // Of each body: contacts, and those that bounced.
+        // For each body, the number of contacts and of those that bounced.
         let mut counts = vec![[0; 2]; system.bodies.len()];
         // SAFETY: between stages there is no other thread.
         unsafe {
@@ -93,7 +95,7 @@ impl Sums {
                     _ => lower - upper,
                 };
                 system.rows[row].impulse = impulse;
-                // What guides it bears the rest.
+                // The guiding rows bear the rest.
                 let rest = &mut rests[one.joint as usize];
                 let sign = if end == 1 { -1.0 } else { 1.0 };
                 if !std::mem::replace(&mut seen[i], true) {
@@ -119,7 +121,8 @@ impl Sums {
 }
 
 impl System {
-    /// Adds an impulse of an impact to a row, and takes it off what is not explained by rows.
+    /// Adds an impulse of an impact to a row, and removes its effect from the changes that rows do not
+    /// explain.
     fn give_impact(&mut self, row: usize, impulse: f64) {
         let row = &mut self.rows[row];
         row.impulse += impulse;

@@ -147,8 +147,8 @@ impl Default for Cell {
 }
 
 impl Cell {
-    /// What a reference of so many steps per second is computed with: Coulomb's cone at every point, contacts found anew in each
-    /// step, eight iterations.
+    /// What a reference of so many steps per second is computed with: Coulomb's cone at every point, contacts
+    /// found anew in each step, eight iterations.
     pub fn reference(hz: u32) -> Cell {
         Cell {
             hz,
@@ -190,7 +190,7 @@ impl Cell {
         }
     }
 
-    /// All of it in a line; what is as usual of recycling and joints goes without saying.
+    /// All of it in a line; recycling and joints are mentioned only if they differ from the default.
     pub fn name(&self) -> String {
         let Cell { hz, substeps, iterations, friction, continuous, recycling, joint_trees, solver } = self;
         let recycling = if *recycling { "" } else { ", no recycling" };

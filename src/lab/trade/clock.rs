@@ -1,8 +1,8 @@
-//! Time that this thread works.
+//! Time for which this thread works.
 
 use std::time::Instant;
 
-/// A start.
+/// A clock, by the time of its start.
 pub(super) struct Clock {
     processor: Option<u64>,
     wall: Instant,
@@ -13,8 +13,8 @@ impl Clock {
         Clock { processor: processor_time(), wall: Instant::now() }
     }
 
-    /// Since the start [us]: time on a processor where the system tells it (Linux does), so that others who use the machine count
-    /// as little as they can; else wall time.
+    /// Time since the start [us]: processor time if the system provides it (Linux does), so that other load
+    /// on the machine matters as little as possible; else wall time.
     pub(super) fn stop(&self) -> f64 {
         match (self.processor, processor_time()) {
             (Some(start), Some(end)) if end > start => (end - start) as f64 * 1e-3,
@@ -23,11 +23,11 @@ impl Clock {
     }
 }
 
-/// That this thread ever had [ns].
+/// Total processor time of this thread [ns].
 fn processor_time() -> Option<u64> {
-    // Linux brings its account up to date where it chooses a thread to run.
+    // Linux updates the account when it schedules a thread.
     std::thread::yield_now();
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    // A kernel that keeps no account says zero.
+    // A kernel that keeps no account reports zero.
     text.split_whitespace().next()?.parse().ok().filter(|&time| time > 0)
 }

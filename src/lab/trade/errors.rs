@@ -1,23 +1,23 @@
-//! What is wrong with a run.
+//! The errors of a run.
 
-/// By what a run is judged. Zero is exact for each.
+/// A measure of a run's error. Zero is exact for each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Measure {
-    /// Distance of centres of mass from the reference, relative to the width of each body: the mean over bodies and over the time in
-    /// which trajectories can be compared.
+    /// Distance of centres of mass from the reference, relative to the width of each body: the mean over
+    /// bodies and over the time in which trajectories can be compared.
     #[default]
     Trajectory,
     /// Angle between rotations and those of the reference [rad], the same mean.
     Rotation,
     /// The deepest overlap of the whole run [m].
     Penetration,
-    /// By how much the law that is obeyed worst is missed [m/s]: the mean over all steps.
+    /// The error of the worst law [m/s]: the mean over all steps.
     Residual,
-    /// The most that something rigid in a joint is off in the whole run [m].
+    /// The greatest error of rigid directions of joints in the whole run [m].
     Joint,
-    /// Difference of the energy of all bodies from the reference's: the mean over the whole run, relative to the greatest kinetic
-    /// energy of the reference.
+    /// Difference of the energy of all bodies from the reference's: the mean over the whole run, relative to
+    /// the greatest kinetic energy of the reference.
     Energy,
 }
 
@@ -44,7 +44,7 @@ impl Measure {
         }
     }
 
-    /// Its unit; of what is relative, what it is relative to.
+    /// Its unit; for relative measures, the reference quantity.
     pub fn unit(self) -> &'static str {
         match self {
             Measure::Trajectory => "body widths",
@@ -56,15 +56,15 @@ impl Measure {
     }
 }
 
-/// All that is wrong with a run, each to seven digits; infinite if the run came to numbers that are none.
+/// All errors of a run, each to seven digits; infinite if the run produced numbers that are not finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Errors([f64; Measure::ALL.len()]);
 
 impl Errors {
-    /// Nothing is known of any.
+    /// The errors of a failed run.
     pub const LOST: Errors = Errors([f64::INFINITY; Measure::ALL.len()]);
 
-    /// In the order of [`Measure::ALL`]. What is no number is infinite.
+    /// Errors in the order of [`Measure::ALL`]; NaN becomes infinite.
     pub fn new(values: [f64; Measure::ALL.len()]) -> Errors {
         Errors(values.map(rounded))
     }
@@ -75,7 +75,7 @@ impl Errors {
     }
 }
 
-/// To seven digits: few enough that text has them exactly, and whatever reads it.
+/// Rounds to seven digits: few enough to be exact in text, whatever reads it.
 fn rounded(value: f64) -> f64 {
     if value.is_nan() {
         return f64::INFINITY;

@@ -1,9 +1,9 @@
-//! Which of many settings are worth anything.
+//! The Pareto front of many settings.
 
 use std::cmp::Ordering;
 
-/// Of points of cost and error those than which no other is cheaper without a greater error: the cheapest first. Of several alike
-/// the first; what is not finite is on no front.
+/// The Pareto front of points (cost, error): points for which no other is cheaper without a greater error,
+/// the cheapest first. Of equal points only the first is included; points that are not finite are never.
 pub fn front(points: &[[f64; 2]]) -> Vec<usize> {
     let mut all: Vec<usize> = (0..points.len()).filter(|&i| is_finite(&points[i])).collect();
     all.sort_by(|&i, &j| by_cost(&points[i], &points[j]).then(i.cmp(&j)));
@@ -59,11 +59,12 @@ mod tests {
         assert!(front(&[]).is_empty());
     }
 
-    /// The definition itself: somebody is as cheap and as good, and better in one of both, or the same and earlier.
+    /// By the definition: a point is dominated if another is no worse in both and better in one, or equal and
+    /// earlier.
     #[test]
     fn the_front_is_that_of_its_definition() {
-        let mut random = crate::scene::rng::Rng::new(5);
-        // Few values, so that many are alike.
+        let mut random = crate::random::Random(5);
+        // Few values, so that many points are equal.
         let mut value = || f64::from((random.range(0.0, 8.0)).floor());
         let points: Vec<[f64; 2]> = (0..60).map(|_| [value(), value()]).collect();
         let dominates = |j: usize, i: usize| {

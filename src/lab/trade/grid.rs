@@ -24,8 +24,8 @@ pub struct Grid {
     pub recycling: Vec<bool>,
     /// Whether trees of joints are solved exactly.
     pub joint_trees: Vec<bool>,
-    /// Methods of the lab, by their names, that solve steps beside the engine's own solver. They know no substeps and iterations:
-    /// each is combined with the rates and friction alone.
+    /// Methods of the lab, by their names, that solve steps beside the engine's own solver. They know no
+    /// substeps and iterations: each is combined with the rates and friction alone.
     #[cfg_attr(feature = "serde", serde(default))]
     pub solvers: Vec<String>,
 }
@@ -34,8 +34,8 @@ pub struct Grid {
 const FEWEST_FRAMES: u32 = 10;
 
 impl Grid {
-    /// Of a scene with or without joints. Conservative advancement, which is slow, the talk's method and boxes of
-    /// friction are left out.
+    /// The full grid for a scene with or without joints. Conservative advancement, which is slow, the talk's
+    /// method and boxes of friction are left out.
     pub fn full(joints: bool) -> Grid {
         use ContinuousMode::{Discrete, LinearCast, Segment, Speculative, Volume};
         Grid {
@@ -112,11 +112,12 @@ impl Grid {
         pairs.filter(|(s, i)| s.saturating_mul(*i) <= self.most_passes)
     }
 
-    /// Times per second at which every cell has a pose: the greatest common divisor of the rates of its cells.
+    /// Times per second at which every cell has a pose: the greatest common divisor of the rates of its
+    /// cells.
     ///
     /// # Errors
-    /// If a number is out of range, an axis has no value, or the rates have so little in common that trajectories would be compared
-    /// less than ten times a second.
+    /// If a number is out of range, an axis has no value, or the rates have so little in common that
+    /// trajectories would be compared less than ten times a second.
     pub fn frame_rate(&self) -> Result<u32, Error> {
         let empty =
             [self.friction.len(), self.continuous.len(), self.recycling.len(), self.joint_trees.len()]
@@ -155,7 +156,7 @@ fn divisor(a: u32, b: u32) -> u32 {
     if b == 0 { a } else { divisor(b, a % b) }
 }
 
-/// What a value of a grid is of.
+/// An axis of the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axis {
     /// Steps per second.
@@ -226,7 +227,7 @@ mod tests {
         assert_eq!(cells[0], Cell::default());
         assert!(cells.iter().enumerate().all(|(i, cell)| !cells[..i].contains(cell)));
         assert_eq!(Grid::quick(true).cells().len(), 2 * cells.len());
-        // Without the default in it there is one more.
+        // If the default is not in the grid, there is one more cell.
         assert_eq!(Grid { hz: vec![120], ..grid }.cells().len(), 6 * 2 * 2 + 1);
     }
 

@@ -1,7 +1,8 @@
-//! The trade of speed for accuracy, measured: a scene is run over a grid of settings, and each [`Cell`] of it is compared with a
-//! finely resolved [`Reference`] of the same scene. `docs/trade.md` says what the errors mean and what the shipped scenes say.
+//! The trade of speed for accuracy, measured: a scene is run over a grid of settings, and each [`Cell`] of it
+//! is compared with a finely resolved [`Reference`] of the same scene. `docs/trade.md` says what the errors
+//! mean and what the shipped scenes say.
 //!
-//! Errors are the same to the bit wherever a cell is measured; what it costs is the machine's.
+//! Errors are the same to the bit on every machine; costs are the machine's.
 //!
 //! ```
 //! use backstop::lab::trade::{Cell, Measure, Reference, Span, Track};

@@ -1,4 +1,4 @@
-//! A finely resolved run of a scene, and how far others are from it.
+//! A finely resolved run of a scene, and the errors of other runs relative to it.
 
 use super::clock::Clock;
 use super::{Cell, Errors, Measure};
@@ -11,11 +11,11 @@ use crate::scene::Scene;
 use crate::world::World;
 use glam::{DQuat, DVec3};
 
-/// Widths of a body by which the two finest runs may part, in the mean over bodies, before trajectories are no longer compared:
-/// beyond that what is measured is how chaotic the scene is.
+/// Mean distance of bodies between the two finest runs, in widths of a body, up to which trajectories are
+/// compared: beyond it the chaos of the scene would be measured.
 const PARTED: f64 = 0.01;
 
-/// Errors below this say nothing, whatever the unit: velocities have the seven digits of `f32`.
+/// Errors below this are meaningless, whatever the unit: velocities have the seven digits of `f32`.
 const ROUNDING: f64 = f32::EPSILON as f64;
 
 /// The time that is simulated, in frames.
@@ -23,7 +23,7 @@ const ROUNDING: f64 = f32::EPSILON as f64;
 pub struct Span {
     /// Frames per second: times at which runs are compared.
     pub frame_rate: u32,
-    /// How many.
+    /// Number of frames.
     pub frames: u32,
 }
 
@@ -74,7 +74,7 @@ impl Run {
         self.dynamic.iter().map(pose).collect()
     }
 
-    /// Of all bodies that can be pushed [J].
+    /// Kinetic energy of all dynamic bodies [J].
     fn kinetic_energy(&self) -> f64 {
         let bodies = &self.world.bodies;
         let of = |i: usize| {
@@ -86,15 +86,15 @@ impl Run {
         bodies.all_dynamic().map(of).sum()
     }
 
-    /// The width of each body [m]: the side of a cube with its mass and its mean moment of inertia, m a² / 6. It needs no shape, and
-    /// a ball counts as 0.77 of its diameter.
+    /// The width of each body [m]: the side of a cube with its mass and its mean moment of inertia, m a² / 6.
+    /// It needs no shape, and a ball counts as 0.77 of its diameter.
     fn widths(&self) -> Result<Vec<f64>, Error> {
         let bodies = &self.world.bodies;
         let of = |&body: &BodyHandle| {
             let i = self.world.index(body)?;
             let mean = f64::from(bodies.mass[i].inertia.element_sum()) / 3.0;
             let width = (6.0 * mean / f64::from(bodies.cold[i].mass)).sqrt();
-            // What has no extent, or can't turn, counts as a metre.
+            // Bodies that have no extent or can't rotate count as one metre wide.
             Ok(if width.is_finite() && width > 0.0 { width } else { 1.0 })
         };
         self.dynamic.iter().map(of).collect()
@@ -107,7 +107,7 @@ pub struct Track {
     span: Span,
     frames: Vec<Frame>,
     widths: Vec<f64>,
-    /// What differences of energy are relative to [J].
+    /// The energy that differences are relative to [J].
     scale: f64,
     hash: u64,
 }
@@ -119,10 +119,11 @@ struct Frame {
 }
 
 impl Track {
-    /// Runs a scene. Sleeping is off, or whatever is slow would count as exact.
+    /// Runs a scene. Sleeping is off: a slow body that fell asleep would count as exact.
     ///
     /// # Errors
-    /// If the world refuses the settings or the scene, or the rate of the cell is no multiple of the frame rate.
+    /// If the world refuses the settings or the scene, or the rate of the cell is no multiple of the frame
+    /// rate.
     pub fn of(scene: &Scene, span: Span, cell: &Cell) -> Result<Track, Error> {
         let mut run = Run::start(scene, (&cell.settings(scene), cell.world_solver()), cell.hz, span)?;
         let widths = run.widths()?;
@@ -135,7 +136,7 @@ impl Track {
             kinetic = kinetic.max(run.kinetic_energy());
             frames.push(Frame { poses: run.poses()?, energy: run.world.energy() });
         }
-        // Where nothing moves, the energy that would lift every body by its width.
+        // If nothing moves, the energy that would lift every body by its width.
         let gravity = f64::from(scene.gravity.length());
         let bodies = &run.world.bodies;
         let lift: f64 = run.dynamic.iter().zip(&widths).try_fold(0.0, |sum, (&body, width)| {
@@ -146,7 +147,8 @@ impl Track {
         Ok(Track { span, frames, widths, scale, hash: run.world.hash() })
     }
 
-    /// Of all poses and velocities at the end: differs if any differs in a bit, so that it tells versions of scene and engine apart.
+    /// Hash of all poses and velocities at the end. It differs if any bit differs, so it tells versions of
+    /// scene and engine apart.
     pub fn hash(&self) -> u64 {
         self.hash
     }
@@ -179,7 +181,7 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// Of a run and another that is half as fine, of the same scene and span.
+    /// A reference from the finest run and another of half the resolution, of the same scene and span.
     pub fn new(fine: Track, half: &Track) -> Reference {
         let frames = fine.frames.len().min(half.frames.len());
         let apart: Vec<[f64; 2]> = (0..frames).map(|i| fine.difference(i, &half.frames[i].poses)).collect();
@@ -191,7 +193,7 @@ impl Reference {
             (Measure::Rotation, mean(&apart[..horizon], 1)),
             (Measure::Energy, energy / frames.max(1) as f64),
         ] {
-            // Not `max`, which would hide what is no number.
+            // Not `max`, which would hide NaN.
             if apart > ROUNDING || apart.is_nan() {
                 values[measure as usize] = apart;
             }
@@ -199,22 +201,24 @@ impl Reference {
         Reference { fine, horizon, uncertainty: Errors::new(values) }
     }
 
-    /// The time up to which the two finest runs agree to a hundredth of a body's width, in the mean over bodies [s].
+    /// The time up to which the two finest runs agree to a hundredth of a body's width, in the mean over
+    /// bodies [s].
     pub fn horizon(&self) -> f64 {
         self.horizon as f64 / f64::from(self.fine.span.frame_rate)
     }
 
-    /// The errors that the half as fine run has, or rounding, if that is more: errors below these say nothing.
+    /// The errors of the run of half the resolution, or rounding if that is more: errors below these are
+    /// meaningless.
     pub fn uncertainty(&self) -> &Errors {
         &self.uncertainty
     }
 
-    /// Of the finest run, see [`Track::hash`].
+    /// Hash of the finest run, see [`Track::hash`].
     pub fn hash(&self) -> u64 {
         self.fine.hash
     }
 
-    /// Runs the scene with other settings and so many steps per second, and tells what is wrong with the run.
+    /// Runs the scene with other settings and `hz` steps per second, and returns the errors of the run.
     ///
     /// # Errors
     /// If the world refuses the settings or the scene, or the rate is no multiple of the frame rate.
@@ -263,8 +267,8 @@ fn mean(values: &[[f64; 2]], of: usize) -> f64 {
     values.iter().map(|value| value[of]).sum::<f64>() / values.len().max(1) as f64
 }
 
-/// Runs the scene unmeasured, and tells what a sixtieth of a second of it took [us]: processor time of the thread where the system
-/// tells it, else wall time.
+/// Runs the scene without measuring errors, and returns the time that a simulated sixtieth of a second took
+/// [us]: processor time of the thread if the system provides it, else wall time.
 ///
 /// # Errors
 /// As of [`Reference::measure`].

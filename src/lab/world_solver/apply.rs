@@ -1,4 +1,4 @@
-//! Islands solved anew, and what comes of it written where the fast path left its own.
+//! Solves islands anew and replaces the results of the fast path.
 
 use super::{Guess, SolverReport, WorldMethod, WorldSolver};
 use crate::handle::JointHandle;
@@ -9,21 +9,21 @@ use crate::lanes::Record;
 use crate::world::World;
 use std::collections::BTreeMap;
 
-/// Impulses of the step before.
+/// What is remembered from the previous step.
 #[derive(Debug, Default)]
 pub(in crate::lab) struct Last {
-    /// Of the rows of contacts, as they are prepared.
+    /// Impulses of contact rows, in the order of the prepared rows.
     contacts: Vec<f64>,
-    /// Of the rows of joints.
+    /// Impulses of joint rows.
     joints: BTreeMap<JointRowKey, f64>,
-    /// Length of the step that they are of [s].
+    /// Length of the previous step [s].
     dt: f64,
-    /// Of penalty methods.
+    /// The directions in which bodies entered each other, for penalty methods.
     directions: Memory,
 }
 
 impl Last {
-    /// What rows of contacts are warm-started with.
+    /// Takes the warm starting impulses of contact rows.
     pub(in crate::lab) fn take(&mut self, system: &System) {
         let rows = system.contact_rows();
         self.contacts = system.rows[..rows].iter().map(|row| row.impulse).collect();
@@ -35,7 +35,7 @@ impl Last {
         start.resize(system.rows.len(), 0.0);
         let warm = if self.dt > 0.0 { system.dt / self.dt } else { 0.0 };
         for (key, row) in joint_rows(system) {
-            // What is new starts from zero.
+            // New rows start from zero.
             start[row] = self.joints.get(&key).copied().unwrap_or(0.0) * warm;
         }
         start
@@ -47,7 +47,8 @@ impl Last {
     }
 }
 
-/// A joint by its slot and generation, and which of its rows: a joint has as many, in the same order, in every step.
+/// A joint by its slot and generation, and which of its rows: a joint has as many, in the same order, in
+/// every step.
 type JointRowKey = (u32, u32, u32);
 
 /// Each row of a joint, and its place in the system. Locks of all joints come before their other rows.
@@ -61,7 +62,7 @@ fn joint_rows(system: &System) -> impl Iterator<Item = (JointRowKey, usize)> + '
     })
 }
 
-/// Velocities for the end of the step, and those that bodies go with meanwhile.
+/// Velocities for the end of the step, and those with which bodies move within it.
 struct Found {
     impulses: Vec<f64>,
     end: Vec<Velocity>,
@@ -69,7 +70,7 @@ struct Found {
 }
 
 impl WorldSolver {
-    /// Solves the islands of a system whose rows have the fast path's impulses, and replaces what that left of them.
+    /// Solves the islands of a system whose rows have the fast path's impulses, and replaces its results.
     pub(in crate::lab) fn apply(
         &self,
         world: &mut World,
@@ -158,12 +159,12 @@ impl WorldSolver {
         Some(Found { impulses: solution.r, end, moving })
     }
 
-    /// Whether the method sees to overlap by itself.
+    /// Whether the method corrects overlap itself.
     fn pushes_itself(&self) -> bool {
         matches!(self.method, WorldMethod::Step(stepper) if stepper.pushes)
     }
 
-    /// None if it comes to nothing that may be taken.
+    /// The solution of an island; none if it is not acceptable.
     fn solve(
         &self,
         system: &System,
@@ -171,7 +172,7 @@ impl WorldSolver {
         stabilisation: Stabilisation,
         effort: &Effort,
     ) -> Option<Resolution> {
-        // Numbers that are none are the fast path's business.
+        // A problem with NaN is left to the fast path.
         let problem = system.problem_of(&island.laws, stabilisation).ok()?;
         let found = match self.method {
             WorldMethod::Problem(method) => {
@@ -187,13 +188,13 @@ impl WorldSolver {
         let good = match (self.method, solution.status) {
             (WorldMethod::Step(_), Status::Solved | Status::Limit) | (_, Status::Solved) => true,
             (_, Status::Limit) => solution.residual <= self.most_residual,
-            // There may be none of these laws, and what the method came to is no answer.
+            // The laws may have no solution, so the impulses are not one.
             (_, Status::Ray | Status::NoSolution) => false,
         };
         let sound = solution.r.iter().all(|r| r.is_finite())
             && is_finite(end)
             && moving.as_ref().is_none_or(|moving| is_finite(moving));
-        // What pushes overlap apart has to give energy, and so has a penalty.
+        // Pushing overlap apart adds energy, and so does a penalty method.
         let is_passive =
             stabilisation == Stabilisation::Rest && matches!(self.method, WorldMethod::Problem(_));
         let gains = || is_passive && system.gains(island, end);
@@ -202,7 +203,7 @@ impl WorldSolver {
 }
 
 impl Found {
-    /// Bodies go on with it.
+    /// Writes the solution into world and system.
     fn put(self, world: &mut World, system: &mut System, island: &SystemIsland) {
         for law in &island.laws {
             system.laws[*law].bouncing = false;
@@ -211,7 +212,7 @@ impl Found {
         let explained = system.velocities_with(island, &impulses);
         let ends = self.end.iter().zip(&self.moving).zip(explained);
         for (&i, ((end, moving), explained)) in island.bodies.iter().zip(ends) {
-            // By friction of what touched only now.
+            // By friction of points that touched within this step.
             system.bodies[i].given = [0, 1].map(|k| end[k] - explained[k]);
             let way = moving.map(|v| v * system.dt);
             world.buffers.solver.delta[i] = record(&way, 1.0);
@@ -229,7 +230,7 @@ fn rows_of<'a>(system: &'a System, island: &'a SystemIsland) -> impl Iterator<It
     })
 }
 
-/// What can be stored: a speed beyond it is no better than none.
+/// Whether all velocities are within the range that can be stored.
 fn is_finite(velocities: &[Velocity]) -> bool {
     let most = f64::from(crate::limits::MAX_LEFT_SPEED);
     velocities.iter().flatten().all(|v| v.is_finite() && v.abs().max_element() <= most)
@@ -239,7 +240,7 @@ fn record([linear, angular]: &Velocity, touched: f32) -> Record {
     Record { linear: linear.as_vec3(), pad0: touched, angular: angular.as_vec3(), pad1: 0.0 }
 }
 
-/// Contacts bear what the method found, from step to step and for who listens to them. A substep has its share.
+/// Writes the method's impulses into contacts, for warm starting and for events; a substep has its share.
 fn put_impulses(world: &mut World, system: &System, replaced: &[bool]) {
     let share = 1.0 / f64::from(world.settings.substeps);
     let mut rows = std::mem::take(&mut world.buffers.rows);

@@ -1,14 +1,15 @@
-//! A method of the lab as the solver of a world: of all its islands, of those up to a size, or of those that hold some body, so that a
-//! game can have one precious mechanism solved exactly and leave the rest to the fast path.
+//! A method of the lab as the solver of a world: of all its islands, of those up to a size, or of those that
+//! hold some body, so that a game can have one important mechanism solved exactly and leave the rest to the
+//! fast path.
 //!
-//! The fast path solves every step first. Then each island that is chosen is solved again from the velocities of the start of the
-//! step, as one step without substeps: once for its velocities, and once more with overlap and joint errors taken back for the
-//! displacements only, so that taking them back gives no energy. Where that fails ([`WorldSolver::most_residual`]), or the island
-//! has more rows than [`WorldSolver::most_rows`], it keeps what the fast path found: that is the fallback, and
-//! [`SolverReport`] counts it. A bounce is Newton's law, at the time in the step at which a point would close. Steppers let bodies bounce
-//! at the start of the step.
+//! The fast path solves every step first. Then each island that is chosen is solved again from the velocities
+//! of the start of the step, as one step without substeps: once for its velocities, and once more with
+//! overlap and joint errors corrected, for the displacements only, so that the correction adds no energy. If
+//! that fails ([`WorldSolver::most_residual`]), or the island has more rows than [`WorldSolver::most_rows`],
+//! it keeps the fast path's result, and [`SolverReport`] counts that. A bounce is Newton's law, at the time
+//! in the step at which a point would close. Steppers let bodies bounce at the start of the step.
 //!
-//! A step allocates, and takes a multiple of its time. It is no part of a world's snapshots and recordings.
+//! A step allocates, and takes a multiple of its time. It is not part of a world's snapshots and recordings.
 //!
 //! ```
 //! use backstop::lab::WorldSolver;
@@ -42,7 +43,7 @@ pub(super) use apply::Last;
 pub enum WorldMethod {
     /// One that solves the problem of a step.
     Problem(&'static Method),
-    /// One that goes through the step in time.
+    /// One that follows the step in time.
     Step(&'static Stepper),
 }
 
@@ -79,7 +80,7 @@ impl From<&'static Stepper> for WorldMethod {
     }
 }
 
-/// The impulses that a method starts from: how much warm starting is worth to it.
+/// The impulses that a method starts from: how it is warm-started.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Guess {
     /// None.
@@ -96,7 +97,7 @@ pub enum Guess {
 pub struct WorldSolver {
     /// The method.
     pub method: WorldMethod,
-    /// What it may spend on an island in a step; its start is replaced by `guess`. Default tolerance: 1e-8.
+    /// Its limits for an island in a step; the start is replaced by `guess`. Default tolerance: 1e-8.
     pub effort: Effort,
     /// What it starts from.
     pub guess: Guess,
@@ -104,10 +105,11 @@ pub struct WorldSolver {
     pub most_rows: usize,
     /// Only islands with one of these bodies are solved; none: all are.
     pub only: Vec<BodyHandle>,
-    /// An island that it leaves with a greater unit-free natural-map residual keeps what the fast path found. Default 1e-2;
-    /// infinite: whatever it finds is taken, as long as it is finite and gives no energy where nothing can.
+    /// An island whose solution has a greater unit-free natural-map residual keeps the fast path's result.
+    /// Default 1e-2; if infinite, every solution is taken that is finite and adds no energy where nothing can
+    /// supply any.
     pub most_residual: f64,
-    /// The share of overlap beyond the slop that is taken back per step. Default 0.2.
+    /// The share of overlap beyond the slop that is corrected per step. Default 0.2.
     pub overlap_share: f64,
     /// The same of joint errors. Default 0.5.
     pub joint_share: f64,
@@ -148,7 +150,7 @@ pub struct SolverReport {
     pub too_large: usize,
     /// Those whose solution was not good enough: the fast path's was kept.
     pub refused: usize,
-    /// Those whose displacements took no overlap back, because that had no solution.
+    /// Those whose overlap was not corrected, because that had no solution.
     pub not_pushed: usize,
     /// Rows of those that it solved.
     pub rows: usize,
@@ -161,8 +163,8 @@ pub struct SolverReport {
 }
 
 impl World {
-    /// Has a method of the lab solve the steps from now on; none: the fast path alone, as it is without. See
-    /// [`WorldSolver`] for which islands it solves and what becomes of the others.
+    /// Lets a method of the lab solve the steps from now on; none: the fast path alone. See [`WorldSolver`]
+    /// for which islands it solves and what becomes of the others.
     pub fn solve_with(&mut self, solver: Option<WorldSolver>) {
         if solver.is_some() || self.meter.is_some() {
             let meter = self.meter.get_or_insert_with(Box::default);

@@ -1,11 +1,13 @@
 //! Many rays at once.
 //!
-//! Rays that are next to each other in the batch go through the trees together, up to 64 in a stream (`shape/stream.rs`);
-//! where neighbours have nothing in common each goes alone, as it would one by one. What it is to meet a shape is computed
-//! as for one ray and what comes first does not depend on the way there, so a batch has the bits of one by one.
+//! Rays that are next to each other in the batch go through the trees together, up to 64 in a stream
+//! (`shape/stream.rs`); where neighbours have nothing in common, each is cast alone. Hits are computed as for
+//! a single ray, and the first hit does not depend on the order of the search, so a batch has the bits of
+//! single casts.
 //!
-//! Sorting the rays of a batch into streams, by octant and by place on a Morton curve (256 at a time), gained nothing that
-//! could be told from noise: who has many rays has them in some order, and those without one part after a few levels.
+//! Sorting the rays of a batch into streams, by octant and by place on a Morton curve (256 at a time), gained
+//! nothing above the noise: many rays usually come in some order, and unordered ones diverge after a few
+//! levels.
 
 mod stream;
 #[cfg(test)]
@@ -18,19 +20,22 @@ use crate::shape::RAYS;
 use crate::world::World;
 use stream::RayStream;
 
-/// Fewer go one by one: it takes some microseconds to set up streams, and in calls of 16 that costs more than it gains.
+/// Smaller batches are cast one by one: setting up streams takes some microseconds, and in calls of 16 that
+/// costs more than it gains.
 const FEWEST: usize = 32;
 
-/// How far neighbours may be from each other, at the start and at the end together, as a share of their length. Long rays
-/// from anywhere to anywhere (2.1 to 3.2) are slower in streams, by a tenth to a fifth: they want another order of nodes
-/// each. Rays from one place all around (1.3) are not, a fan has 0.02, a camera 0.1 (benches/queries.rs).
+/// How far neighbours may be from each other, at the start and at the end together, as a share of their
+/// length. Long rays from anywhere to anywhere (2.1 to 3.2) are slower in streams, by a tenth to a fifth:
+/// they want another order of nodes each. Rays from one place all around (1.3) are not, a fan has 0.02, a
+/// camera 0.1 (benches/queries.rs).
 const APART: f32 = 1.5;
 
 impl World {
-    /// [`World::cast_ray`] for many rays: the answer to `rays[i]` goes to `hits[i]`, the same bits as one by one.
+    /// [`World::cast_ray`] for many rays: the answer to `rays[i]` goes to `hits[i]`, the same bits as one by
+    /// one.
     ///
-    /// Faster than one by one where neighbours in the slice go about the same way, as those of a camera or a sensor do;
-    /// others are cast one by one. Uses about 64 kB of the stack.
+    /// Faster than one by one where neighbours in the slice go about the same way, as those of a camera or a
+    /// sensor do; others are cast one by one. Uses about 64 kB of the stack.
     ///
     /// # Errors
     /// There are not as many places for hits as rays, or a number of any ray is not finite or beyond 1e15, or
@@ -47,7 +52,7 @@ impl World {
         }
         rays.iter().try_for_each(Ray::validate)?;
         self.current()?;
-        // The streams are large: they are set up once, where they stay, and not for those who need none.
+        // The streams are large, so they are set up once, in place, and only if they are needed.
         let alike = |rays: &[Ray]| rays.len() >= FEWEST && are_alike(rays);
         if rays.chunks(RAYS).any(alike) {
             let mut stream = RayStream::new();
@@ -77,7 +82,7 @@ impl World {
     }
 }
 
-/// Whether rays stay near enough to their neighbours to be better off together, wherever they go: a fourth of them tells.
+/// Whether rays stay near enough to their neighbours to be faster together, judged by a fourth of them.
 fn are_alike(rays: &[Ray]) -> bool {
     let (mut apart, mut long) = (0.0, 0.0);
     for pair in rays.windows(2).step_by(4) {

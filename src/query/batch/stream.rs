@@ -10,7 +10,7 @@ use crate::shape::{Geometry, RAYS, Slabs, Stream, TriangleRays, Walk};
 use crate::world::World;
 use glam::{DVec3, Vec3};
 
-/// Up to so many rays go through triangles one by one.
+/// Up to this many rays are tested against triangles one by one.
 const FEW: u32 = 2;
 
 /// Up to [`RAYS`] rays on their way. It is set up once for all of a batch.
@@ -24,7 +24,7 @@ pub(super) struct RayStream {
 /// What each ray met first so far: the collider, and how.
 struct First([Option<(u32, Met)>; RAYS]);
 
-/// The rays that are among the triangles of one shape, in its frame.
+/// The rays that are tested against the triangles of one shape, in its frame.
 struct Among {
     rays: TriangleRays,
     ways: [(Way, DVec3, DVec3); RAYS],
@@ -88,7 +88,7 @@ impl RayStream {
 }
 
 impl First {
-    /// Of shapes at the same fraction the lower index is the first.
+    /// Among shapes at the same fraction the lower index is the first.
     #[inline]
     fn take(&mut self, i: usize, index: u32, met: &Met, stream: &mut Stream) {
         let first = &mut self.0[i];

@@ -1,4 +1,4 @@
-//! Streams of rays that would not be put in one: from anywhere to anywhere.
+//! Streams of incoherent rays, from anywhere to anywhere, which a batch would cast one by one.
 
 use super::stream::RayStream;
 use crate::narrow_phase::fixtures::Random;

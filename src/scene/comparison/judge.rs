@@ -1,4 +1,4 @@
-//! Who did what in a step, for all methods by the same measures.
+//! Judges each method's step by the same measures.
 
 use super::measure::{Moving, apart, ghosts, joints_of, moving, opening};
 use super::truth::Truth;
@@ -6,7 +6,7 @@ use super::{DT, Entrant, METHODS, REFERENCE, Scene, Verdict};
 use crate::body::BodyKind;
 use glam::Vec3;
 
-/// Momentum or spin that changes by more than this share is an impact.
+/// A change of momentum or spin by more than this share is an impact.
 const IMPACT: f64 = 0.01;
 
 /// Watches all worlds of a contest.
@@ -14,7 +14,7 @@ const IMPACT: f64 = 0.01;
 pub(super) struct Judge {
     truth: Truth,
     gravity: Vec3,
-    /// Indices in the scene of what is dynamic, and their spins at the start.
+    /// Indices of dynamic bodies in the scene, and their spins at the start.
     dynamic: Vec<usize>,
     spins: Vec<Vec3>,
     joints: Vec<([usize; 2], [Vec3; 2])>,
@@ -22,21 +22,21 @@ pub(super) struct Judge {
     watched: Vec<Watched>,
 }
 
-/// Bodies that hang together, or one alone.
+/// Bodies connected by joints, or a single body.
 #[derive(Debug, Default)]
 struct Group {
     bodies: Vec<usize>,
-    /// In the reference's world before the step.
+    /// Its motion in the reference's world before the step.
     before: Moving,
-    /// The step of its first impact there, and how it moved before that.
+    /// The step of its first impact there, and its motion before that.
     impact: Option<(u32, Moving)>,
-    /// Distance to the reference's place at the end of that step, of those that did not get through; and the share of energy
-    /// that was lost one step later; by method.
+    /// By method: the distance to the reference at the end of that step, for groups that did not get through,
+    /// and the share of energy lost one step later.
     distance: [Option<f64>; METHODS.len()],
     lost: [Option<f64>; METHODS.len()],
 }
 
-/// What was seen of a method.
+/// The record of a method.
 #[derive(Debug)]
 struct Watched {
     through: Vec<bool>,
@@ -134,12 +134,12 @@ fn is_impact(before: &Moving, now: &Moving, gravity: Vec3) -> bool {
     let fall = gravity.as_dvec3() * (before.mass * f64::from(DT));
     let pushed = (now.momentum - before.momentum - fall).length();
     let turned = (now.spin - before.spin).length();
-    // Of what hardly moves a small share would be nothing.
+    // For slow groups, a share of their own momentum would be too sensitive.
     let slow = 0.1 * before.mass;
     pushed > IMPACT * (before.momentum.length() + slow) || turned > IMPACT * (before.spin.length() + slow)
 }
 
-/// Bodies that joints lead to from each other.
+/// The groups of dynamic bodies that joints connect.
 fn groups(scene: &Scene, dynamic: &[usize]) -> Vec<Group> {
     let mut first: Vec<usize> = (0..scene.bodies.len()).collect();
     loop {

@@ -1,4 +1,4 @@
-//! What of a world is measured: ghosts of a step, joints that are open, and how bodies that hang together move.
+//! Measures of a world: ghosts of a step, openings of joints, and the motion of groups of bodies.
 
 use super::{Entrant, Scene};
 use crate::narrow_phase::{
@@ -10,8 +10,8 @@ use crate::time_of_impact::Way;
 use crate::world::World;
 use glam::{DQuat, DVec3, Vec3};
 
-/// Pairs that were pushed apart in the last step before they touched, and did not come near each other in it: neither if
-/// both had gone on freely, nor on the ways that they took, nor if one did this and one that.
+/// Number of ghosts in the last step: pairs that were pushed apart before they touched, and did not come near
+/// each other on any combination of their free paths and the paths that they took.
 pub(super) fn ghosts(world: &World) -> u32 {
     let pushed = world.broad.pairs.iter().filter(|pair| world.contacts.count_pushed(pair.contact) > 0);
     let apart = pushed.filter(|pair| {
@@ -22,7 +22,7 @@ pub(super) fn ghosts(world: &World) -> u32 {
     apart.count() as u32
 }
 
-/// The free way of a collider's body in the last step, and the one that it took.
+/// The free path of a collider's body in the last step, and the path that it took.
 fn ways(world: &World, collider: u32) -> [BodyPath; 2] {
     let shape = &world.colliders.all[collider as usize];
     let body = shape.body as usize;
@@ -54,7 +54,7 @@ fn meet(world: &World, (a, path_a): (u32, &BodyPath), (b, path_b): (u32, &BodyPa
     }
 }
 
-/// The furthest that a joint of the scene is open [m].
+/// The greatest distance between the two anchors of a joint [m].
 pub(super) fn opening(scene_joints: &[([usize; 2], [Vec3; 2])], entrant: &Entrant) -> f64 {
     let world = &entrant.world;
     let end = |body: usize, at: Vec3| {
@@ -76,16 +76,16 @@ pub(super) fn joints_of(scene: &Scene) -> Vec<([usize; 2], [Vec3; 2])> {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Moving {
     pub(super) mass: f64,
-    /// [kg m/s]
+    /// Momentum [kg m/s].
     pub(super) momentum: DVec3,
-    /// About the centre of mass [kg m²/s].
+    /// Angular momentum about the centre of mass [kg m²/s].
     pub(super) spin: DVec3,
-    /// Kinetic, and with what gravity may still give [J].
+    /// Kinetic energy, and its sum with the potential energy [J].
     pub(super) kinetic: f64,
     pub(super) energy: f64,
 }
 
-/// Of the bodies with these indices in the scene.
+/// Motion of the bodies with these indices in the scene.
 pub(super) fn moving(entrant: &Entrant, group: &[usize]) -> Moving {
     let world = &entrant.world;
     let mut all = Moving::default();
@@ -112,14 +112,14 @@ pub(super) fn moving(entrant: &Entrant, group: &[usize]) -> Moving {
     all
 }
 
-/// How far the bodies of a group are in the mean from where another world has them: the furthest point of each [m].
+/// Mean distance of a group's bodies between two worlds, for the furthest point of each [m].
 pub(super) fn apart(one: &Entrant, other: &Entrant, group: &[usize]) -> f64 {
     let of = |body: usize| {
         let (i, k) = (one.world.index(one.bodies[body]).ok()?, other.world.index(other.bodies[body]).ok()?);
         let (p, q) = (&one.world.bodies.pose[i], &other.world.bodies.pose[k]);
         let hot = |&c: &u32| &one.world.colliders.hot[c as usize];
         let own = one.world.bodies.colliders[i].as_slice().iter().map(hot);
-        // A ball looks the same however it is turned.
+        // The rotation of a ball does not matter.
         let reach = own.fold(0.0_f32, |r, hot| {
             r.max(hot.lever + if hot.kind == Kind::Sphere { 0.0 } else { hot.radius })
         });

@@ -1,5 +1,5 @@
-//! Methods of continuous collision side by side: six scenes, each run under every method in the same process, frame by
-//! frame in turn, and judged by the same measures.
+//! Methods of continuous collision side by side: six scenes, each run under every method in the same process,
+//! frame by frame in turn, and judged by the same measures.
 //!
 //! [`Contest`] runs one scene; `docs/continuous.md` says what the measures mean and what came out.
 
@@ -22,7 +22,7 @@ use truth::Truth;
 /// A method as a world's settings choose it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Method {
-    /// In tables.
+    /// Its name in tables.
     pub name: &'static str,
     /// [`Settings::continuous`].
     pub continuous: Continuous,
@@ -72,30 +72,30 @@ pub(crate) struct Entrant {
     pub(crate) bodies: Vec<BodyHandle>,
 }
 
-/// How a method did on a scene.
+/// The results of a method on a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Verdict {
     /// Bodies that got through something, or that nothing stopped where something was.
     pub tunnelled: u32,
-    /// Contacts that pushed in a step in which the two were never within 5 mm of each other, on their free ways or on
-    /// those they took.
+    /// Contacts that pushed in a step although the two bodies were never within 5 mm of each other, neither
+    /// on their free paths nor on those that they took.
     pub ghosts: u32,
-    /// Share of its kinetic energy that a body, or joined bodies together, had lost one step after their first impact; the
-    /// mean.
+    /// Share of its kinetic energy that a body, or joined bodies together, had lost one step after their
+    /// first impact; the mean.
     pub energy_lost: f64,
-    /// The mean of what that is off the reference's, either way.
+    /// The mean absolute difference of that from the reference's.
     pub energy_error: f64,
-    /// How far a body that did not get through was, at the end of the step of its first impact, from where the reference
-    /// has it: its furthest point, in the mean [m]; 0 if all got through.
+    /// For bodies that did not get through, the mean distance of the furthest point from the reference's, at
+    /// the end of the step of the first impact [m]; 0 if all got through.
     pub distance_lost: f64,
     /// The worst of those [m].
     pub distance_worst: f64,
-    /// The furthest that a joint was open at the end of a step [m].
+    /// The greatest opening of a joint at the end of a step [m].
     pub joint_opening: f64,
     /// First impacts that energy and distance are the means of.
     pub impacts: u32,
-    /// The most bytes reserved at any time, and of those what only continuous collision takes.
+    /// The most bytes reserved at any time; `continuous_bytes` is the part of continuous collision.
     pub bytes: usize,
     /// See `bytes`.
     pub continuous_bytes: usize,
@@ -124,7 +124,8 @@ impl Contest {
         self.steps
     }
 
-    /// Steps every world in turn, a different one first each time, and judges what they did. Returns how long each took [us].
+    /// Steps every world in turn, a different one first each time, and judges what they did. Returns how long
+    /// each took [us].
     ///
     /// # Errors
     /// None that these scenes should give.
@@ -140,7 +141,7 @@ impl Contest {
         Ok(times)
     }
 
-    /// How the methods did up to here.
+    /// The results of the methods so far.
     pub fn verdicts(&self) -> [Verdict; METHODS.len()] {
         let mut verdicts = self.judge.verdicts();
         for (verdict, entrant) in verdicts.iter_mut().zip(&self.entrants) {

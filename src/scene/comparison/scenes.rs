@@ -1,7 +1,8 @@
-//! The scenes that methods of continuous collision are compared on, beside [`talk`](super::super::builtin::talk).
+//! The scenes that methods of continuous collision are compared on, beside
+//! [`talk`](super::super::builtin::talk).
 //!
-//! Each is short: from the free flight to a few frames after the first impacts, so that what a method does is still what the
-//! scene asked of it and not what came of earlier differences. Steps are of 1/60 s.
+//! Each is short: from the free flight to a few frames after the first impacts, so that all methods still
+//! face the same situation and earlier differences do not matter. Steps are of 1/60 s.
 
 use super::super::Scene;
 use super::super::builtin::{dynamic, fixed};
@@ -21,7 +22,8 @@ fn bouncy(mut desc: BodyDesc, restitution: f32) -> BodyDesc {
     desc
 }
 
-/// Sixty bodies of 12 to 20 cm thrown at 60 to 300 m/s through eight rows of posts, which are 4 cm thick and 30 cm apart.
+/// Sixty bodies of 12 to 20 cm thrown at 60 to 300 m/s through eight rows of posts, which are 4 cm thick and
+/// 30 cm apart.
 pub(crate) fn posts() -> Scene {
     let mut scene = Scene::new("posts");
     scene.steps = 30;
@@ -55,8 +57,8 @@ pub(crate) const TURNS: [f32; 16] =
 /// Where the post stands on a blade's circle [m], its radius and half the blade's thickness.
 const POST: [f32; 3] = [0.8, 0.02, 0.005];
 
-/// Sixteen blades of 2 m by 1 cm that spin about their middle at 1 to 200 turns a second, each with a post in its way, in
-/// zero gravity.
+/// Sixteen blades of 2 m by 1 cm that spin about their middle at 1 to 200 turns a second, each with a post in
+/// its way, in zero gravity.
 pub(crate) fn blades() -> Scene {
     let mut scene = Scene::new("blades");
     (scene.gravity, scene.steps) = (Vec3::ZERO, 40);
@@ -76,16 +78,16 @@ fn post_angles() -> impl Iterator<Item = f32> {
     std::iter::repeat_with(move || rng.range(0.3, PI - 0.3))
 }
 
-/// When each blade of [`blades`] strikes its post [s]: the flat side meets the round post where the post's axis is the two
-/// radii in front of it.
+/// When each blade of [`blades`] strikes its post [s]: the flat side meets the round post where the post's
+/// axis is the two radii in front of it.
 pub(crate) fn blade_times() -> [f32; TURNS.len()] {
     let ahead = libm::asinf((POST[1] + POST[2]) / POST[0]);
     let mut angles = post_angles();
     TURNS.map(|turns| (angles.next().unwrap_or(PI) - ahead) / (turns * TAU))
 }
 
-/// Thirty-two balls at 100 to 250 m/s, each on its way to a static ball that throws it aside, onto a wall of 1 cm: in front of
-/// it, or, for every other one, beside its way, where it would never have come.
+/// Thirty-two balls at 100 to 250 m/s, each flying at a static ball that deflects it onto a wall of 1 cm: for
+/// every other ball the wall is beside its path, where it would never have come undeflected.
 pub(crate) fn deflector() -> Scene {
     let mut scene = Scene::new("deflector");
     (scene.gravity, scene.steps) = (Vec3::ZERO, 12);
@@ -108,8 +110,8 @@ pub(crate) fn deflector() -> Scene {
     scene
 }
 
-/// Twelve groups of two to six bodies of 20 to 30 cm that fly at each other at 50 to 200 m/s and meet within one step, in
-/// zero gravity.
+/// Twelve groups of two to six bodies of 20 to 30 cm that fly at each other at 50 to 200 m/s and meet within
+/// one step, in zero gravity.
 pub(crate) fn head_on() -> Scene {
     let mut scene = Scene::new("head_on");
     (scene.gravity, scene.steps) = (Vec3::ZERO, 12);

@@ -1,4 +1,4 @@
-//! What is known of a scene without running it: who has got through.
+//! Ground truth of a scene: which bodies have got through.
 
 use super::scenes::{DT, RAGDOLL_WALL, blade_times};
 use super::{Entrant, Scene, builtin};
@@ -9,27 +9,27 @@ use crate::shape::Geometry;
 use crate::world::World;
 use glam::{DVec3, Quat, Vec3};
 
-/// By what it is known that a body got through.
+/// The criterion by which a body got through.
 #[derive(Debug)]
 pub(super) enum Truth {
     /// Its centre is below the ground.
     Above(Terrain),
     /// Its centre is behind a wall: by body.
     Before(Vec<Wall>),
-    /// It spins as if nothing had been there although its post stood in its way: by step, counted from 1.
+    /// It spins undisturbed although its post stood in its way; by step, counted from 1.
     Blades(Vec<u32>),
-    /// In a step that changed nothing of its velocity its centre went into or through the shape of another that was not
-    /// pushed either: both ways were straight. Or it ends within another's shape.
+    /// Its centre went into or through the shape of another body in a step in which neither was pushed, so
+    /// that both paths were straight; or it ends within another's shape.
     Way,
 }
 
-/// A wall that nothing is to get behind.
+/// A wall that no body may get behind.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wall {
     middle: DVec3,
-    /// Unit, from its front to its back.
+    /// Unit vector from its front to its back.
     behind: DVec3,
-    /// What is further off its middle went around it [m].
+    /// A body further from its middle than this went around it [m].
     half: f64,
 }
 
@@ -51,8 +51,8 @@ impl Truth {
         }
     }
 
-    /// Adds the bodies that have got through by the end of a step to `through`, by their indices among those that are
-    /// dynamic. `spins`: of each at the start of the scene.
+    /// Adds the bodies that have got through by the end of a step to `through`, by their indices among
+    /// dynamic bodies. `spins`: the spin of each at the start of the scene.
     pub(super) fn look(
         &self,
         step: u32,
@@ -125,7 +125,8 @@ fn is_inside(world: &World, i: usize) -> bool {
     })
 }
 
-/// Whether the straight way of a body's centre in the last step enters another's shape, which went straight too.
+/// Whether the straight way of a body's centre in the last step enters another's shape, which went straight
+/// too.
 fn goes_through(world: &World, i: usize) -> bool {
     let colliders = &world.colliders;
     let Some(&own) = world.bodies.colliders[i].as_slice().first() else { return false };
@@ -138,7 +139,7 @@ fn goes_through(world: &World, i: usize) -> bool {
         let start = back * (from - old.position).as_vec3();
         let new = pose.position + (pose.rotation * shape.position).as_dvec3();
         let end = back * (to - new).as_vec3();
-        // However another turned on its way, the ball within it was there.
+        // However the other body rotated on its way, its inscribed ball was there.
         let size = if body < world.bodies.movers() { shape.inner_radius } else { shape.radius };
         body != i
             && nearest(start, end) <= size

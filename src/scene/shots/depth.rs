@@ -5,12 +5,13 @@ use crate::narrow_phase::Support;
 use crate::shape::ShapeDesc;
 use glam::{DQuat, DVec3};
 
-/// Places a side that the slope of bumpy ground is looked at below a body.
+/// Sample points per side for the slope of bumpy ground below a body.
 const PLACES: i32 = 3;
 
 impl Targets {
-    /// Distance of the deepest point of a body beyond the surface of a target [m]; negative if all of it is in front. Of bumpy
-    /// ground a lower bound: the body's furthest points against the slopes below it are looked at.
+    /// Distance of the deepest point of a body beyond the surface of a target [m]; negative if all of it is
+    /// in front. For bumpy ground a lower bound: the body's furthest points against the slopes below it are
+    /// examined.
     pub(super) fn depth_of(&self, target: usize, shapes: &[ShapeDesc], at: DVec3, rotation: DQuat) -> f64 {
         let deepest = |into: DVec3| furthest(shapes, at, rotation, into);
         if Self::is_corner(target) {
@@ -70,7 +71,8 @@ mod tests {
     use crate::shape::Geometry;
     use glam::{Quat, Vec3};
 
-    /// By hand: a cube on its corner is deep by half its diagonal less the height of its centre; a ball by its radius.
+    /// By hand: a cube on its corner is deep by half its diagonal less the height of its centre; a ball by
+    /// its radius.
     #[test]
     fn the_deepest_point_is_that_of_the_shape() {
         let targets = Targets::new().unwrap();
@@ -83,7 +85,8 @@ mod tests {
             rotation: Quat::from_rotation_z(0.3),
             ..ShapeDesc::new(Geometry::Sphere { radius: 0.5 })
         }];
-        // The front of that box is at 0.01 m; turned by a quarter about z the ball is a metre above the origin.
+        // The front of that box is at 0.01 m; turned by a quarter about z the ball is a metre above the
+        // origin.
         let up = DQuat::from_rotation_z(std::f64::consts::FRAC_PI_2);
         let depth = targets.depth_of(2, &ball, DVec3::new(0.0, -0.6, 0.0), up);
         assert!((depth - (0.01 + 0.5 - 0.4)).abs() < 1e-6, "{depth}");
@@ -91,8 +94,8 @@ mod tests {
         assert!((depth - 0.3).abs() < 1e-6, "{depth}");
     }
 
-    /// On a slope of 45 degrees and less a ball is as deep as its radius less the distance of its centre from the ground, which
-    /// is at least the height times the cosine of the steepest slope.
+    /// On a slope of 45 degrees and less a ball is as deep as its radius less the distance of its centre from
+    /// the ground, which is at least the height times the cosine of the steepest slope.
     #[test]
     fn bumpy_ground_is_measured_along_its_slope() {
         let targets = Targets::new().unwrap();

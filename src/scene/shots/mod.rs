@@ -1,15 +1,18 @@
 //! Seeded shots at static targets, to measure tunnelling.
 //!
-//! A [`Shot`] is a world of its own: one dynamic body, one target, a velocity, and how time is stepped. It is through
-//! if the body's centre of mass is on the wrong side of the target at the end of any step. How deep the deepest point of what
-//! stays is beyond the surface is measured after each step, and how the guard had to help. Everything follows from
-//! seed and number of the shot, so one that gets through can be run again alone, under any mode, in a test.
+//! A [`Shot`] is a world of its own: one dynamic body, one target, a velocity, and how time is stepped. The
+//! shot got through if the body's centre of mass is on the wrong side of the target at the end of any step.
+//! Otherwise the depth of its deepest point beyond the surface is measured after each step, and the work of
+//! the guard is counted. Everything follows from seed and number of the shot, so one that gets through can be
+//! run again alone, under any mode, in a test.
 
 mod body;
 mod depth;
 mod moving;
 mod tally;
 mod target;
+#[cfg(test)]
+mod tests;
 
 pub use body::SHAPES;
 pub use moving::{MOVING_TARGETS, MovingShot};
@@ -37,7 +40,7 @@ const SOLVERS: [(u32, u32); 3] = [(1, 1), (1, 8), (4, 1)];
 const MOST_STEPS: usize = 60;
 /// Steps within which a shot reaches its target, unless gravity alone brings it there.
 const MOST_FLIGHT: f32 = 20.0;
-/// What is watched after the impact, on top of the time of flight [s].
+/// Time that is simulated after the impact, on top of the time of flight [s].
 const AFTER: f32 = 0.5;
 
 /// One body on its way to a target.
@@ -66,7 +69,7 @@ pub enum Outcome {
     Lost(usize),
 }
 
-/// What was seen of a shot.
+/// The result of a shot.
 #[derive(Clone, Copy, Debug)]
 pub struct Flight {
     /// How it ended.
@@ -83,7 +86,7 @@ pub struct Flight {
     pub size: f32,
     /// Radius of the ball that fits into the body: its smallest half width [m].
     pub half_width: f32,
-    /// By how much its energy ended above what it began with, as a share of that; zero if it lost.
+    /// Its gain of energy as a share of the initial energy; zero if it lost energy.
     pub gained: f32,
     /// Whether the guard cut its path at least once.
     pub cut: bool,
@@ -93,7 +96,7 @@ pub struct Flight {
     pub settled: bool,
 }
 
-/// What is deeper than this after more than [`STUCK_STEPS`] steps in a row is stuck [m].
+/// A body that is deeper than this after more than [`STUCK_STEPS`] steps in a row is stuck [m].
 pub const STUCK: f32 = 0.02;
 /// See [`STUCK`].
 pub const STUCK_STEPS: u32 = 3;
@@ -143,7 +146,7 @@ impl Shot {
         let away = reach + speed * steps[0] * rng.range(0.0, 2.5);
         let start = targets.start(target, aim, direction, away, reach);
 
-        // As long as the longest of the ways that it may take to the surface.
+        // At least as long as the longest path that it may take to the surface.
         let flight = (start.distance(aim) / speed).max(1.5 * reach / (steep * speed));
         let body = BodyDesc { shapes, ..BodyDesc::dynamic() }
             .at(start)
@@ -245,13 +248,13 @@ impl Shot {
 /// A shot under each of [`MODES`].
 #[derive(Clone, Copy, Debug)]
 pub struct Flights {
-    /// As the engine is.
+    /// With the guard.
     pub guarded: [Flight; 3],
     /// How it ends without the guard.
     pub unguarded: [Outcome; 3],
 }
 
-/// Chance of a shot: far apart in the generator's sequence, whatever the seed.
+/// The generator of a shot: the states of different shots are far apart, whatever the seed.
 fn generator(seed: u64, number: u64) -> Rng {
     Rng::new(Rng::new(seed ^ number.wrapping_mul(0xD134_2543_DE82_EF95)).next())
 }
@@ -279,60 +282,7 @@ fn pick(rng: &mut Rng, count: usize) -> usize {
     (rng.next() >> 33) as usize % count
 }
 
-/// Even in the logarithm.
+/// Uniform in the logarithm.
 fn log_range(rng: &mut Rng, low: f32, high: f32) -> f32 {
     low * libm::expf(rng.range(0.0, libm::logf(high / low)))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn shots_start_on_the_right_side_and_clear_of_their_target() {
-        let targets = Targets::new().unwrap();
-        for number in 0..3000 {
-            let shot = Shot::new(&targets, 7, number);
-            shot.body.validate().unwrap();
-            let clear = targets.clearance(shot.target, shot.body.position);
-            let reach = f64::from(body::reach(&shot.body.shapes));
-            assert!(clear >= 0.99 * reach, "{number}: {clear} m is less than its reach of {reach} m");
-            assert!(!shot.steps.is_empty() && shot.steps.len() <= MOST_STEPS);
-            let speed = shot.body.linear_velocity.length();
-            assert!((9.99..2001.0).contains(&speed));
-        }
-    }
-
-    #[test]
-    fn a_shot_follows_from_seed_and_number() {
-        let targets = Targets::new().unwrap();
-        let text = |seed, number| format!("{:?}", Shot::new(&targets, seed, number));
-        assert_eq!(text(1, 41), text(1, 41));
-        assert_ne!(text(1, 41), text(2, 41));
-    }
-
-    #[test]
-    fn bodies_fly_from_the_right_side_to_the_wrong_one_if_nothing_is_there() {
-        // The same flight without a target: most cross where they were aimed at. What remains is slow or grazing and
-        // ends before, or leaves over the edge.
-        let targets = Targets::new().unwrap();
-        let mut crossed = 0;
-        for number in 0..1000 {
-            let shot = Shot::new(&targets, 3, number);
-            let mut p = shot.body.position;
-            let v = shot.body.linear_velocity.as_dvec3();
-            for &dt in &shot.steps {
-                let next = p + v * f64::from(dt);
-                match targets.side(shot.target, p, next) {
-                    Side::Wrong => {
-                        crossed += 1;
-                        break;
-                    }
-                    Side::Right => p = next,
-                    _ => break,
-                }
-            }
-        }
-        assert!(crossed > 900, "{crossed} of 1000");
-    }
 }

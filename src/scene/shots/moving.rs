@@ -1,4 +1,5 @@
-//! Seeded shots at bodies that can move themselves, where no static geometry is: free plates, doors, stacks and crowds.
+//! Seeded shots at bodies that can move themselves, where no static geometry is: free plates, doors, stacks
+//! and crowds.
 
 use super::{MODES, generator, log_range, pick, step_lengths, until};
 use crate::body::{BodyDesc, BodyKind};
@@ -20,9 +21,9 @@ const BRICK: Vec3 = Vec3::new(0.05, 0.1, 0.2);
 const CUBE: f32 = 0.1;
 /// Share of a box's half widths within which a centre has got through its surface for good.
 const INNER: f64 = 0.5;
-/// Other shots than at what stands still, with the same seed.
+/// Makes the shots differ from those at static targets with the same seed.
 const OWN: u64 = 0x5EED;
-/// What is watched after the impact [s].
+/// Time that is simulated after the impact [s].
 const AFTER: f32 = 0.2;
 /// Steps at most.
 const MOST_STEPS: usize = 30;
@@ -41,7 +42,8 @@ pub struct MovingShot {
 }
 
 impl MovingShot {
-    /// The shot of that number: a bullet of 5 mm to 5 cm at 50 to 1,000 m/s, on its way along -x within 45 degrees.
+    /// The shot of that number: a bullet of 5 mm to 5 cm at 50 to 1,000 m/s, on its way along -x within 45
+    /// degrees.
     pub fn new(seed: u64, number: u64) -> MovingShot {
         let mut rng = generator(seed ^ OWN, number);
         let target = (number % MOVING_TARGETS.len() as u64) as usize;
@@ -71,8 +73,9 @@ impl MovingShot {
         MovingShot { target, steps: until(steps, away / speed + AFTER), bullet, boxes }
     }
 
-    /// Runs it, with the guard or without. Says whether the bullet's centre got into the middle of any box, which is halfway
-    /// through it: within half of its half widths, on the straight way from step to step as the box sees it.
+    /// Runs it, with the guard or without. Says whether the bullet's centre got into the middle of any box,
+    /// which is halfway through it: within half of its half widths, on the straight way from step to step as
+    /// the box sees it.
     ///
     /// # Errors
     /// None that a shot of [`MovingShot::new`] should give.

@@ -7,7 +7,7 @@ use super::{Flight, Flights, GAIN, MODES, Outcome, SHAPES, Shot, TARGETS};
 pub struct Through {
     /// How many were run.
     pub shots: u64,
-    /// As the engine is.
+    /// With the guard.
     pub guarded: [u64; 3],
     /// Without the guard.
     pub unguarded: [u64; 3],
@@ -52,10 +52,11 @@ pub struct Count {
     pub gained: [u64; 3],
 }
 
-/// How deep shots were that met their target and stayed on its right side.
+/// Depths of shots that met their target and stayed on its right side.
 #[derive(Clone, Debug, Default)]
 pub struct Depths {
-    /// Of each shot its deepest point after any step [m], and as a share of the body's smallest half width.
+    /// The deepest point of each shot after any step [m], and the same as a share of the body's smallest half
+    /// width.
     deepest: Vec<(f32, f32)>,
     /// How many were too deep after the step of the impact ([`Flight::is_over`]).
     pub over: u64,

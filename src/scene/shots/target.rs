@@ -1,4 +1,4 @@
-//! What is shot at, and which side of it a point is on.
+//! The targets, and which side of them a point is on.
 
 use super::super::rng::Rng;
 use super::super::weld::Welded;
@@ -14,17 +14,17 @@ use std::sync::Arc;
 pub const TARGETS: [&str; 6] =
     ["mesh", "bumpy_mesh", "box_20mm", "box_2mm", "corner_of_boxes", "corner_of_mesh"];
 
-/// Flat targets span x and z in ± this, corners all three axes from 0 to this [m]: what is shot flies up to 100 m in a
-/// step, and has to meet the target, not its edge.
+/// Flat targets span x and z in ± this, corners all three axes from 0 to this [m]: what is shot flies up to
+/// 100 m in a step, and has to meet the target, not its edge.
 const HALF: f32 = 100.0;
 /// Starts are this far inside the edge at least [m].
 const INSIDE: f32 = 5.0;
-/// A crossing nearer than this to the edge is not held against the engine [m].
+/// A crossing nearer to the edge than this does not count [m].
 const EDGE: f32 = 0.5;
 /// Half the thickness of the walls of a corner of boxes [m].
 const WALL: f32 = 0.01;
 
-/// Where a flight has got to.
+/// Where a body is relative to the target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Side {
     /// In front of the target.
@@ -33,7 +33,7 @@ pub(super) enum Side {
     Wrong,
     /// It left over the edge: nothing is known from here on.
     Beyond,
-    /// Not a number.
+    /// Its position is not a number.
     Nowhere,
 }
 
@@ -87,8 +87,8 @@ impl Targets {
         target >= 4
     }
 
-    /// Height of what can be hit above or below a point; for corners the distance of the walls' front from their
-    /// middle.
+    /// Height of what can be hit above or below a point; for corners the distance of the walls' front from
+    /// their middle.
     pub(super) fn front(&self, target: usize, x: f32, z: f32) -> f32 {
         match TARGETS[target] {
             "bumpy_mesh" => self.bumps.height(x, z),
@@ -119,8 +119,8 @@ impl Targets {
         if Self::is_corner(target) { -direction.abs() } else { direction }
     }
 
-    /// Where a body that reaches so far around its origin starts: `away` from the aim if there is room, and clear of
-    /// the target.
+    /// Where a body that reaches so far around its origin starts: `away` from the aim if there is room, and
+    /// clear of the target.
     pub(super) fn start(&self, target: usize, aim: Vec3, direction: Vec3, away: f32, reach: f32) -> Vec3 {
         let most = HALF - INSIDE;
         let axes: &[usize] = if Self::is_corner(target) { &[0, 1, 2] } else { &[0, 2] };
@@ -148,7 +148,8 @@ impl Targets {
         if TARGETS[target] == "bumpy_mesh" { above * std::f64::consts::FRAC_1_SQRT_2 } else { above }
     }
 
-    /// How far a point is in front of the surface that must not be crossed: a mesh, or the middle of a wall [m].
+    /// How far a point is in front of the surface that must not be crossed: a mesh, or the middle of a wall
+    /// [m].
     fn depth(&self, target: usize, axis: usize, p: DVec3) -> f64 {
         match TARGETS[target] {
             "bumpy_mesh" => p.y - f64::from(self.bumps.height(p.x as f32, p.z as f32)),
@@ -156,7 +157,7 @@ impl Targets {
         }
     }
 
-    /// What came of a step that took a centre of mass from `before`, in front of the target, to `now`.
+    /// The side that a centre of mass is on after a step from `before`, in front of the target, to `now`.
     pub(super) fn side(&self, target: usize, before: DVec3, now: DVec3) -> Side {
         if !now.is_finite() {
             return Side::Nowhere;

@@ -1,4 +1,5 @@
-//! Options of what measures: stability, extremes, methods of the lab, cases and what others measured.
+//! Options of commands that measure: stability, extremes, methods of the lab, cases and published
+//! measurements.
 
 use super::values::*;
 use backstop::lab::WorldMethod;
@@ -11,14 +12,15 @@ use std::path::PathBuf;
 
 #[derive(Args, Debug)]
 pub(crate) struct StabilityOptions {
-    /// tower, pyramid, wall, high_wall, barrels, coins, light, crib, edge or layers, with a size (`tower_30`) or without; or a
-    /// scene, as for `run` [default: the whole set of structures and settings that have to be stable].
+    /// tower, pyramid, wall, high_wall, barrels, coins, light, crib, edge or layers, with a size (`tower_30`)
+    /// or without; or a scene, as for `run` [default: the whole set of structures and settings that have to
+    /// be stable].
     #[arg(value_name = "SCENE")]
     pub(crate) scene: Option<String>,
     /// Boxes, rows or levels; for `light` how many times lighter the lower box is.
     #[arg(long, value_name = "N")]
     pub(crate) size: Option<usize>,
-    /// Of the set only structures whose names begin so.
+    /// Only structures of the set whose names begin like this.
     #[arg(long, value_name = "NAME", conflicts_with = "scene")]
     pub(crate) only: Option<String>,
     /// Steps per second; of the set several [default: 60, of the set 30,60,120].
@@ -70,11 +72,12 @@ pub(crate) struct ExtremesOptions {
     /// Cells that run at once.
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = threads)]
     pub(crate) jobs: usize,
-    /// Keep each cell's figures in this file as it ends, and leave out those that are in it already, of the same build.
+    /// Keep each cell's figures in this file as it ends, and leave out those that are in it already, of the
+    /// same build.
     #[arg(long, value_name = "FILE")]
     pub(crate) results: Option<PathBuf>,
-    /// Show another engine's results, of a file in the same format, beside these; it is an error if a cell is lost here and
-    /// stable there.
+    /// Show another engine's results, of a file in the same format, beside these; it is an error if a cell is
+    /// lost here and stable there.
     #[arg(long, value_name = "FILE")]
     pub(crate) beside: Vec<PathBuf>,
     /// It is an error if a cell is worse than in this file of results.
@@ -115,8 +118,8 @@ pub(crate) struct MethodsOptions {
 
 #[derive(Args, Debug)]
 pub(crate) struct SolveOptions {
-    /// A .dat file of Siconos, with a linear complementarity problem or a contact problem; with the feature hdf5 also an .hdf5
-    /// file of FCLIB.
+    /// A .dat file of Siconos, with a linear complementarity problem or a contact problem; with the feature
+    /// hdf5 also an .hdf5 file of FCLIB.
     #[arg(value_name = "FILE", required_unless_present = "list")]
     pub(crate) file: Option<PathBuf>,
     /// By which method (--list names them).
@@ -144,8 +147,8 @@ pub(crate) struct SolveOptions {
 
 #[derive(Args, Debug)]
 pub(crate) struct TossOptions {
-    /// A folder of CSV files, one a toss: t_s, px_m, py_m, pz_m, qw, qx, qy, qz, vx_m_s, vy_m_s, vz_m_s, wbx_rad_s, wby_rad_s,
-    /// wbz_rad_s.
+    /// A folder of CSV files, one a toss: t_s, px_m, py_m, pz_m, qw, qx, qy, qz, vx_m_s, vy_m_s, vz_m_s,
+    /// wbx_rad_s, wby_rad_s, wbz_rad_s.
     #[arg(value_name = "DIR")]
     pub(crate) folder: PathBuf,
     /// Steps between two samples.
@@ -182,8 +185,8 @@ pub(crate) struct CaseOptions {
     /// Only cases with this in their names; may be given several times.
     #[arg(long = "case", value_name = "NAME")]
     pub(crate) cases: Vec<String>,
-    /// What solves the steps: backstop or a method of the lab (`solve --list`); may be given several times [default:
-    /// backstop, gs-cone, admm and sequential].
+    /// What solves the steps: backstop or a method of the lab (`solve --list`); may be given several times
+    /// [default: backstop, gs-cone, admm and sequential].
     #[arg(long = "method", value_name = "NAME", value_parser = any_method)]
     pub(crate) methods: Vec<AnyMethod>,
     /// Rates of the steps, with commas between them [default: six settings, see docs/cases.md].
@@ -217,7 +220,8 @@ pub(crate) struct SimbenchOptions {
     /// Only this test: rolling, bouncing, 666 or kapla; may be given again.
     #[arg(long, value_name = "NAME", value_parser = simbench_test)]
     pub(crate) test: Vec<Test>,
-    /// Solve steps by this method of the lab instead (docs/methods.md); may be given again [default: the engine's own].
+    /// Solve steps by this method of the lab instead (docs/methods.md); may be given again [default: the
+    /// engine's own].
     #[arg(long, value_name = "NAME", value_parser = world_method)]
     pub(crate) method: Vec<WorldMethod>,
     /// The most rows of an island that a method solves; larger ones are left to the engine's own.

@@ -1,12 +1,14 @@
 //! The command line.
 
 mod lab;
+#[cfg(test)]
+mod tests;
 mod values;
 
 pub(crate) use lab::*;
 pub(crate) use values::*;
 
-use crate::trade::TradeOptions;
+use crate::commands::trade::TradeOptions;
 use crate::view::Look;
 use backstop::glam::{DVec3, Vec3};
 use backstop::lab::WorldMethod;
@@ -40,16 +42,19 @@ pub(crate) enum Command {
     Trade(Box<TradeOptions>),
     /// Run small scenes under extreme conditions and map what holds (docs/envelope.md).
     Extremes(ExtremesOptions),
-    /// Run cases of mechanics whose answer is known, by several methods and settings, and print what each is off by
-    /// (docs/cases.md).
+    /// Run cases of mechanics whose answer is known, by several methods and settings, and print what each is
+    /// off by (docs/cases.md).
     Cases(CaseOptions),
     /// Compare measured tosses of a cube with the same tosses simulated (docs/tosses.md).
     Tosses(TossOptions),
-    /// Run four tests of SimBenchmark beside the numbers that it published for other engines (docs/simbench.md).
+    /// Run four tests of SimBenchmark beside the numbers that it published for other engines
+    /// (docs/simbench.md).
     Simbench(SimbenchOptions),
-    /// Solve a linear complementarity or contact problem out of a file by one of many methods (docs/methods.md).
+    /// Solve a linear complementarity or contact problem out of a file by one of many methods
+    /// (docs/methods.md).
     Solve(SolveOptions),
-    /// Run a pyramid, an arch, a card house and a chain under every method of contact resolution (docs/methods.md).
+    /// Run a pyramid, an arch, a card house and a chain under every method of contact resolution
+    /// (docs/methods.md).
     Methods(MethodsOptions),
     /// Play a recorded run again, compare every step, and name the first that goes another way.
     Replay(ReplayOptions),
@@ -79,14 +84,15 @@ pub(crate) fn limits(none: bool) -> LoadLimits {
 
 #[derive(Args, Debug)]
 pub(crate) struct RunOptions {
-    /// A .gltf or .glb file, with physics or as static ground; an .obj file as static ground; or the name of a
-    /// builtin scene (`cargo backstop scenes list`).
+    /// A .gltf or .glb file, with physics or as static ground; an .obj file as static ground; or the name of
+    /// a builtin scene (`cargo backstop scenes list`).
     #[arg(value_name = "FILE")]
     pub(crate) scene: String,
     /// Steps to run [default: as many as make 10 s, or what the builtin scene asks for].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) steps: Option<u32>,
-    /// Take the settings of this file, as `trade --out` writes it; options given beside it count more (docs/trade.md).
+    /// Take the settings of this file, as `trade --out` writes it; options given beside it count more
+    /// (docs/trade.md).
     #[arg(long, value_name = "FILE")]
     pub(crate) settings: Option<PathBuf>,
     /// Length of a step in seconds: a number or a fraction [default: 1/60].
@@ -105,8 +111,8 @@ pub(crate) struct RunOptions {
     /// [default: segment].
     #[arg(long, value_name = "MODE", value_parser = continuous)]
     pub(crate) continuous: Option<Continuous>,
-    /// By which method: one-pass, speculative, talk, linear-cast or conservative-advancement (docs/continuous.md)
-    /// [default: one-pass].
+    /// By which method: one-pass, speculative, talk, linear-cast or conservative-advancement
+    /// (docs/continuous.md) [default: one-pass].
     #[arg(long, value_name = "NAME", value_parser = method)]
     pub(crate) method: Option<ContinuousMethod>,
     /// Let bodies at rest fall asleep.
@@ -121,8 +127,8 @@ pub(crate) struct RunOptions {
     /// Seed of the rain.
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub(crate) seed: u64,
-    /// Bytes that the world may reserve: a number, or one with KiB, MiB or GiB. Contacts beyond are left out [default: no
-    /// limit].
+    /// Bytes that the world may reserve: a number, or one with KiB, MiB or GiB. Contacts beyond are left out
+    /// [default: no limit].
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     pub(crate) budget: Option<usize>,
     /// Write the scene with its motion as a glTF animation.
@@ -131,7 +137,8 @@ pub(crate) struct RunOptions {
     /// Write a page with charts: index.html and its pictures.
     #[arg(long, value_name = "DIR")]
     pub(crate) report: Option<PathBuf>,
-    /// Show the scene in a window until it is closed; without a display, write pictures to SCENE-frames/ instead.
+    /// Show the scene in a window until it is closed; without a display, write pictures to SCENE-frames/
+    /// instead.
     #[arg(long, conflicts_with_all = ["out", "report", "json", "frames"])]
     pub(crate) view: bool,
     /// Write pictures of the scene as PNG files.
@@ -154,7 +161,8 @@ pub(crate) struct RunOptions {
     /// Write the contact problem of one step, counted from 1, as text (docs/accuracy.md).
     #[arg(long, value_names = ["STEP", "FILE.dat"], num_args = 2, conflicts_with = "view")]
     pub(crate) export_problem: Option<Vec<String>>,
-    /// Read a file however much it asks for: by default more than any game's scene has is refused (`LoadLimits`).
+    /// Read a file however much it asks for: by default more than any game's scene has is refused
+    /// (`LoadLimits`).
     #[arg(long)]
     pub(crate) no_limits: bool,
     /// Print one JSON document instead of the summary (docs/json.md).
@@ -166,7 +174,7 @@ pub(crate) struct RunOptions {
 }
 
 impl RunOptions {
-    /// Of which step the problem is written, and where to.
+    /// The step whose problem is written, and the file.
     pub(crate) fn export(&self) -> anyhow::Result<Option<(u32, PathBuf)>> {
         let Some([step, path]) = self.export_problem.as_deref() else { return Ok(None) };
         match step.parse() {
@@ -196,10 +204,12 @@ pub(crate) struct PlanOptions {
     /// Seed of the rain.
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub(crate) seed: u64,
-    /// A budget to try: bytes, or a number with KiB, MiB or GiB. Says whether the scene fits and what is shed.
+    /// A budget to try: bytes, or a number with KiB, MiB or GiB. Says whether the scene fits and what is
+    /// shed.
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     pub(crate) budget: Option<usize>,
-    /// Read a file however much it asks for: by default more than any game's scene has is refused (`LoadLimits`).
+    /// Read a file however much it asks for: by default more than any game's scene has is refused
+    /// (`LoadLimits`).
     #[arg(long)]
     pub(crate) no_limits: bool,
     /// Print one JSON document instead of the table (docs/json.md).
@@ -210,7 +220,7 @@ pub(crate) struct PlanOptions {
     pub(crate) quiet: bool,
 }
 
-/// Of the window and of pictures.
+/// Options of the window and of pictures.
 #[derive(Args, Debug)]
 pub(crate) struct PictureOptions {
     /// A picture every so many steps.
@@ -219,8 +229,9 @@ pub(crate) struct PictureOptions {
     /// Pixels across and down.
     #[arg(long, value_name = "WxH", default_value = "960x540", value_parser = size)]
     pub(crate) size: (usize, usize),
-    /// What is shown, with commas: shapes, contacts, normals, impulses, joints, aabbs, fat-aabbs, motion, centres,
-    /// colours, wireframe, grid, walls [default: shapes,contacts,joints, and the grid where there is no ground].
+    /// What is shown, with commas: shapes, contacts, normals, impulses, joints, aabbs, fat-aabbs, motion,
+    /// centres, colours, wireframe, grid, walls [default: shapes,contacts,joints, and the grid where there is
+    /// no ground].
     #[arg(long, value_name = "LIST", value_parser = Look::parse)]
     pub(crate) show: Option<Look>,
     /// Where the eye is [default: where it sees most of what moves].
@@ -257,7 +268,8 @@ pub(crate) struct ProfileOptions {
     /// What is compared with discrete: segment or volume.
     #[arg(long, value_name = "MODE", default_value = "segment", value_parser = continuous)]
     pub(crate) continuous: Continuous,
-    /// By which method: one-pass, speculative, talk, linear-cast or conservative-advancement (docs/continuous.md).
+    /// By which method: one-pass, speculative, talk, linear-cast or conservative-advancement
+    /// (docs/continuous.md).
     #[arg(long, value_name = "NAME", default_value = "one-pass", value_parser = method)]
     pub(crate) method: ContinuousMethod,
     /// Leave out the comparison of methods on their six scenes (`compare`).
@@ -272,7 +284,8 @@ pub(crate) struct ProfileOptions {
     /// Write all frames as a table.
     #[arg(long, value_name = "FILE.csv")]
     pub(crate) csv: Option<PathBuf>,
-    /// Read a file however much it asks for: by default more than any game's scene has is refused (`LoadLimits`).
+    /// Read a file however much it asks for: by default more than any game's scene has is refused
+    /// (`LoadLimits`).
     #[arg(long)]
     pub(crate) no_limits: bool,
     /// Print one JSON document instead of the summary (docs/json.md).
@@ -291,7 +304,8 @@ pub(crate) struct ReplayOptions {
     /// Threads that work on a step, whatever their number was.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = threads)]
     pub(crate) threads: usize,
-    /// Read a file however much it asks for: by default more than any game's scene has is refused (`LoadLimits`).
+    /// Read a file however much it asks for: by default more than any game's scene has is refused
+    /// (`LoadLimits`).
     #[arg(long)]
     pub(crate) no_limits: bool,
     /// Print one JSON document instead of the summary (docs/json.md).
@@ -307,7 +321,8 @@ pub(crate) struct ShotOptions {
     /// How many; each is run under all three modes.
     #[arg(long, value_name = "N", default_value_t = 10_000)]
     pub(crate) count: u64,
-    /// How many more are shot at bodies that can move: plates, doors, stacks and crowds [default: a tenth of `--count`].
+    /// How many more are shot at bodies that can move: plates, doors, stacks and crowds [default: a tenth of
+    /// `--count`].
     #[arg(long, value_name = "N")]
     pub(crate) moving: Option<u64>,
     /// Which: the same seed gives the same shots.
@@ -344,37 +359,4 @@ pub(crate) struct CompareOptions {
     /// Print one JSON document instead of tables (docs/json.md).
     #[arg(long)]
     pub(crate) json: bool,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_command_line_is_consistent() {
-        use clap::CommandFactory;
-        Options::command().debug_assert();
-    }
-
-    #[test]
-    fn numbers_are_read_as_people_write_them() {
-        assert_eq!(seconds("1/60").unwrap(), 1.0 / 60.0);
-        assert_eq!(seconds("0.02").unwrap(), 0.02);
-        assert!(seconds("0").is_err() && seconds("1/0").is_err() && seconds("x").is_err());
-        assert_eq!(gravity("1.62").unwrap(), Vec3::new(0.0, -1.62, 0.0));
-        assert_eq!(gravity("1,-2,0.5").unwrap(), Vec3::new(1.0, -2.0, 0.5));
-        assert_eq!(bytes("4096").unwrap(), 4096);
-        assert_eq!(bytes("1.5 KiB").unwrap(), 1536);
-        assert_eq!(bytes("12MiB").unwrap(), 12 << 20);
-        assert!(bytes("12MB").is_err() && bytes("-1KiB").is_err() && bytes("1.5").is_err());
-        assert_eq!(size("64x48").unwrap(), (64, 48));
-        assert!(size("64").is_err() && size("0x9").is_err() && size("9x99999").is_err());
-        assert_eq!(place("1,-2,0.5").unwrap(), DVec3::new(1.0, -2.0, 0.5));
-        assert!(place("1,2").is_err());
-        let look = Look::parse("shapes, motion").unwrap();
-        assert!(look.draw.shapes && look.draw.motion && !look.draw.contacts && !look.grid);
-        assert!(Look::parse("shape").is_err());
-        assert!(Look::NAMES.iter().all(|name| Look::nothing().switch(name).is_some()));
-        assert!(gravity("1,2").is_err() && gravity("inf").is_err());
-    }
 }

@@ -1,4 +1,4 @@
-//! Values of options out of their text.
+//! Parsers of option values.
 
 use backstop::glam::{DVec3, Vec3};
 use backstop::lab::WorldMethod;
@@ -45,7 +45,7 @@ pub(crate) fn structure(text: &str) -> Result<Structure, String> {
 pub(crate) struct AnyMethod(pub(crate) Option<WorldMethod>);
 
 impl AnyMethod {
-    /// What the engine's own is called.
+    /// Name of the engine's own solver.
     pub(crate) const OWN: &str = "backstop";
 
     pub(crate) fn name(self) -> &'static str {
@@ -105,7 +105,7 @@ pub(crate) fn seconds(text: &str) -> Result<f32, String> {
         Some((over, under)) => number(over)? / number(under)?,
         None => number(text)?,
     };
-    // A step of more than a second is no simulation, one below a microsecond never gets anywhere.
+    // A step of more than a second is useless, one below a microsecond never gets anywhere.
     if (1e-6..=1.0).contains(&value) { Ok(value) } else { Err("must be in 0.000001..=1".into()) }
 }
 
@@ -119,7 +119,7 @@ pub(crate) fn threads(text: &str) -> Result<usize, String> {
 pub(crate) fn gravity(text: &str) -> Result<Vec3, String> {
     let parts: Vec<f32> = text.split(',').map(number).collect::<Result<_, _>>()?;
     match parts[..] {
-        // The strength of the pull, whichever sign one gives it.
+        // A single number is the strength of gravity, whatever its sign.
         [down] => Ok(Vec3::new(0.0, -down.abs(), 0.0)),
         [x, y, z] => Ok(Vec3::new(x, y, z)),
         _ => Err("wants one number or three, with commas between them".into()),

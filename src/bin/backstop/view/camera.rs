@@ -1,12 +1,12 @@
-//! Where the eye is and what it sees: it goes around a point that it looks at.
+//! A camera that orbits a target point.
 
 use super::canvas::Spot;
 use backstop::glam::{DVec3, Mat3, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI};
 
-/// Half of the angle that is seen from top to bottom [rad].
+/// Half of the vertical field of view [rad].
 const HALF_ANGLE: f32 = 0.38;
-/// What is nearer is not seen, as a share of the distance to what is looked at.
+/// Near plane as a share of the distance to the target.
 const NEAR: f64 = 1e-3;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,14 +15,14 @@ pub(crate) struct Camera {
     pub(crate) target: DVec3,
     /// From there to the eye [m].
     pub(crate) distance: f64,
-    /// About the upright axis, from z towards x [rad].
+    /// Angle about the upright axis, from z towards x [rad].
     pub(crate) yaw: f32,
-    /// How far the eye is above what it looks at [rad].
+    /// Angle of the eye above the target [rad].
     pub(crate) pitch: f32,
 }
 
 impl Camera {
-    /// Sees all of a ball, from above and aside.
+    /// A camera that sees all of a ball, obliquely from above.
     pub(crate) fn around(target: DVec3, radius: f64) -> Camera {
         let distance = radius.max(0.1) / f64::from(libm::sinf(HALF_ANGLE));
         Camera { target, distance, yaw: 0.6, pitch: 0.35 }
@@ -37,9 +37,9 @@ impl Camera {
         camera.turned(0.0, 0.0)
     }
 
-    /// Goes around what it looks at [rad].
+    /// Orbits the target by these angles [rad].
     pub(crate) fn turned(self, yaw: f32, pitch: f32) -> Camera {
-        // Straight up and down there is no right and left.
+        // Straight up and down, right and left would be undefined.
         let most = FRAC_PI_2 - 0.01;
         let yaw = (self.yaw + yaw) % (2.0 * PI);
         Camera { yaw, pitch: (self.pitch + pitch).clamp(-most, most), ..self }
@@ -50,7 +50,7 @@ impl Camera {
         Camera { distance: (self.distance * factor).clamp(1e-2, 1e7), ..self }
     }
 
-    /// Goes right and up, by shares of what is seen from top to bottom.
+    /// Moves right and up, by shares of the visible height.
     pub(crate) fn shifted(self, right: f32, up: f32) -> Camera {
         let axes = self.axes();
         let seen = self.distance * 2.0 * f64::from(libm::tanf(HALF_ANGLE));
@@ -71,7 +71,7 @@ impl Camera {
         Mat3::from_cols(right, right.cross(ahead), ahead)
     }
 
-    /// For a picture of so many pixels.
+    /// The view for a picture of this size in pixels.
     pub(crate) fn view(&self, width: f32, height: f32) -> View {
         View {
             eye: self.eye(),
@@ -95,13 +95,13 @@ pub(crate) struct View {
 }
 
 impl View {
-    /// A point as the eye has it: right, up, ahead [m].
+    /// A point in the eye's frame: right, up, ahead [m].
     pub(crate) fn see(&self, point: DVec3) -> Vec3 {
-        // The difference first: from there on f32 will do, wherever in the world this is.
+        // The difference is taken in f64; after that f32 suffices, anywhere in the world.
         self.back * (point - self.eye).as_vec3()
     }
 
-    /// A direction of the world as the eye has it.
+    /// A direction of the world in the eye's frame.
     pub(crate) fn direction(&self, v: Vec3) -> Vec3 {
         self.back * v
     }

@@ -1,7 +1,7 @@
 //! A picture with depth: flat triangles, lines, discs.
 //!
-//! Our own, because it is small and needs nothing of the machine: the same picture comes out with and without a display
-//! or a graphics driver.
+//! A software rasteriser, because it is small and independent of the machine: pictures are the same with and
+//! without a display or a graphics driver.
 
 use backstop::glam::Vec3;
 
@@ -16,7 +16,7 @@ pub(crate) struct Spot {
     pub(crate) nearness: f32,
 }
 
-/// What of a line or disc shows that is behind something.
+/// How lines and discs are drawn where they are hidden.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Behind {
     Hidden,
@@ -33,7 +33,7 @@ pub(crate) struct Canvas {
     nearness: Vec<f32>,
 }
 
-/// How much nearer lines are than they are, as a share: edges of a solid are not to drown in it.
+/// Factor by which lines are drawn nearer, so that edges of a solid are not hidden by it.
 const LIFT: f32 = 1.002;
 
 impl Canvas {
@@ -210,7 +210,7 @@ pub(crate) fn unpack(pixel: u32) -> Rgb {
     [pixel >> 16, pixel >> 8, pixel].map(|c| (c & 255) as f32 / 255.0)
 }
 
-/// A colour in the light: what faces up and a little to one side is brightest.
+/// A shaded colour: faces that look up and a little to one side are brightest.
 pub(crate) fn lit(colour: Rgb, normal: Vec3) -> Rgb {
     const LIGHT: Vec3 = Vec3::new(0.40, 0.82, 0.41);
     let light = 0.42 + 0.58 * (0.5 + 0.5 * normal.dot(LIGHT));

@@ -20,7 +20,7 @@ pub(crate) struct Frames {
 impl Frames {
     /// Makes the folder if it is not there.
     pub(crate) fn new(folder: PathBuf, every: u32, viewer: Viewer) -> anyhow::Result<Frames> {
-        crate::output::make_folder(&folder)?;
+        crate::report::output::make_folder(&folder)?;
         Ok(Frames { folder, every: every.max(1), count: 0, viewer })
     }
 

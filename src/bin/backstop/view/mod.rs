@@ -1,7 +1,8 @@
 //! Pictures of a scene: in a window, or as PNG files where there is no display.
 //!
-//! Both show what `World::draw` draws, on a canvas of our own. The window is minifb's, which shows a buffer of pixels and
-//! hands on keys: on Linux it loads X11 when it runs and builds without it. PNG is written by the crate of that name.
+//! Both show what `World::draw` draws, on a canvas of our own. The window is minifb's, which shows a buffer
+//! of pixels and hands on keys: on Linux it loads X11 when it runs and builds without it. PNG is written by
+//! the crate of that name.
 
 mod camera;
 mod canvas;
@@ -118,7 +119,7 @@ impl Viewer {
         }
     }
 
-    /// Draws a world; says what came of it, row by row from the top, each pixel as 0x00RRGGBB.
+    /// Draws a world; returns the picture, row by row from the top, each pixel as 0x00RRGGBB.
     pub(crate) fn picture(&mut self, world: &World) -> Vec<u32> {
         self.canvas.clear([0.17, 0.19, 0.23], [0.27, 0.29, 0.33]);
         let (width, height, _) = self.canvas.drawn();
@@ -126,7 +127,7 @@ impl Viewer {
         let (canvas, models) = (&mut self.canvas, &mut self.models);
         let mut painter =
             Painter { canvas, view, models, wireframe: self.look.wireframe, walls: self.look.walls };
-        // Solids first: they hide lines, lines hide nothing.
+        // Solids first: they hide lines, but lines hide nothing.
         let DrawOptions { shapes, .. } = self.look.draw;
         world.draw(&DrawOptions { shapes, ..DrawOptions::nothing() }, &mut painter);
         if self.look.grid {
@@ -137,7 +138,8 @@ impl Viewer {
     }
 }
 
-/// From where most of what moves in a scene is seen, also when it has fallen to the ground at height zero.
+/// A camera that sees most moving bodies of a scene, even after they have fallen to the ground at height
+/// zero.
 pub(crate) fn camera_for(scene: &Scene, eye: Option<DVec3>, target: Option<DVec3>) -> anyhow::Result<Camera> {
     let moves = |kind| kind != BodyKind::Static;
     let moving = scene.bodies.iter().filter(|body| moves(body.desc.kind));
@@ -148,7 +150,7 @@ pub(crate) fn camera_for(scene: &Scene, eye: Option<DVec3>, target: Option<DVec3
     if scene.gravity.y < 0.0 && places.iter().all(|p| p.y > 0.0) {
         places.extend(places.clone().iter().map(|p| DVec3::new(p.x, 0.0, p.z)));
     }
-    // By the mean: a ball that comes from far away is no reason to go far away.
+    // By the mean, so that a single ball from far away does not move the camera far away.
     let share = 1.0 / places.len().max(1) as f64;
     let middle = places.iter().sum::<DVec3>() * share;
     let spread = (places.iter().map(|p| p.distance_squared(middle)).sum::<f64>() * share).sqrt();

@@ -8,7 +8,7 @@ use backstop::{BodyKind, Geometry};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Which shapes have the same triangles.
+/// Key of shapes with the same triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Form {
     Sphere(u32),
@@ -123,7 +123,7 @@ impl DebugDraw for Painter<'_> {
                 self.view.triangle(seen, &mut |spots| canvas.triangle(spots, lit));
             }
         }
-        // Where many triangles are small their edges must not be all that is seen.
+        // If triangles are small, their edges must not dominate.
         let dark = if is_closed(shape.geometry) { 0.55 } else { 0.8 };
         let colour = if self.wireframe { colour } else { colour.map(|c| c * dark) };
         for &(from, to) in &model.lines {
@@ -150,12 +150,12 @@ impl DebugDraw for Painter<'_> {
     }
 }
 
-/// Whether nobody sees its triangles from behind.
+/// Whether its triangles are never seen from behind.
 fn is_closed(geometry: &Geometry) -> bool {
     !matches!(geometry, Geometry::Plane | Geometry::Mesh(_) | Geometry::HeightField(_))
 }
 
-/// What moves has a colour by its form, to tell bodies apart.
+/// Moving bodies are coloured by their shape, to tell them apart.
 fn colour_of(shape: &DrawnShape<'_>) -> Rgb {
     if shape.kind != BodyKind::Dynamic {
         return shape.ink.colour.to_array();

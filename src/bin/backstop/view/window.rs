@@ -35,7 +35,7 @@ const SWITCHES: [(Key, &str); 14] = [
     (Key::T, "walls"),
 ];
 
-/// Steps that are caught up with at once, at most: what is slower than real time is shown slower.
+/// The most steps to catch up at once: a run slower than real time is shown slower.
 const CATCH_UP: u32 = 4;
 
 /// An open window.

@@ -16,12 +16,12 @@ fn together(unit: f32) -> Gauge {
     Gauge { measure: Measure::Apart { unit: f64::from(unit) }, bounds: [0.01, 0.1] }
 }
 
-/// What nothing drives may gain a hundredth of the energy that it has, and is lost at a tenth.
+/// A mechanism without drives may gain a hundredth of its energy, and is lost at a tenth.
 fn gains(unit: f64) -> Gauge {
     Gauge { measure: Measure::Gain { unit }, bounds: [0.01, 0.1] }
 }
 
-/// A rotation by an angle about z, which is what hinges here turn about: their x.
+/// A rotation by an angle about z, the axis of all hinges here (x of their frames).
 fn about_z(angle: f32) -> Quat {
     Quat::from_xyzw(0.0, 0.0, libm::sinf(0.5 * angle), libm::cosf(0.5 * angle))
 }
@@ -76,7 +76,7 @@ pub(super) fn chain(c: &Conditions) -> Setup {
 /// A figure thrown at the floor, head first.
 pub(super) fn ragdoll(c: &Conditions) -> Setup {
     let mut scene = Scene::new("ragdoll");
-    // Limbs fly off no faster than they spin, for a minute at most.
+    // The floor is large enough for limbs that fly off no faster than they spin, for a minute at most.
     let fastest = c.speed.unwrap_or(5.0).max(c.spin.unwrap_or(0.0));
     let boundaries = floor(&mut scene, (66.0 * fastest + 20.0) * c.size, c.size);
     let mut figure = Skeleton { friction: 0.0, ..Skeleton::humanoid() };
@@ -110,20 +110,21 @@ pub(super) fn hinge(c: &Conditions) -> Setup {
     let turn = about_z(2.0 * FRAC_PI_6);
     let rod = Geometry::cuboid(thick * c.size, 0.5 * c.size, thick * c.size);
     let arm = turn * Vec3::new(0.0, -0.5 * c.size, 0.0);
-    // Without an own speed the spin is none: a pendulum.
+    // Without a spin of its own it is a pendulum.
     let spin = Vec3::Z * c.spin.unwrap_or(0.0);
     let mut body = dynamic(rod, arm).rotated(turn).moving(spin.cross(arm), spin);
     weight(&mut body, c.mass_ratio);
     let rod = scene.add("rod", body);
     join(&mut scene, [post, rod], DVec3::ZERO, x_to_z(), JointDesc::hinge);
     let mass = mass_of(&scene.bodies[rod].desc).mass;
-    // From there to the lowest: half of the way from level.
+    // Potential energy from there to the lowest point: half of that from the horizontal.
     let energy = f64::from(mass * 9.81 * c.gravity * 0.25 * c.size) + kinetic(&scene);
     let loss = Gauge { measure: Measure::Loss { unit: energy }, bounds: [0.02, 0.5] };
     Setup { scene, boundaries: Vec::new(), gauges: vec![together(c.size), gains(energy), loss] }
 }
 
-/// A disc that spins on a tilted hinge through its centre; a slender one is a rod that spins about its length.
+/// A disc that spins on a tilted hinge through its centre; a slender one is a rod that spins about its
+/// length.
 pub(super) fn rotor(c: &Conditions) -> Setup {
     let mut scene = Scene::new("rotor");
     let tilt = Quat::from_xyzw(libm::sinf(0.25), 0.0, 0.0, libm::cosf(0.25));

@@ -1,4 +1,4 @@
-//! What is run: a scene under conditions, and what is judged of it.
+//! The trials: a scene under conditions, and the measures by which it is judged.
 
 mod jointed;
 mod moving;
@@ -12,7 +12,7 @@ use crate::scene::builtin::fixed;
 use crate::shape::Geometry;
 use glam::{DVec3, Vec3};
 
-/// What a game has in its scenes, each a small scene of its own.
+/// Typical contents of games, each a small scene of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Trial {
     /// Ten boxes on each other; with a ratio of masses the topmost is the heavy one.
@@ -84,7 +84,7 @@ impl Trial {
         }
     }
 
-    /// Whether an axis says anything of it.
+    /// Whether an axis applies to it.
     pub fn has(self, axis: Axis) -> bool {
         use Trial::*;
         match axis {
@@ -99,18 +99,18 @@ impl Trial {
         }
     }
 
-    /// Whether all of its lengths are in the range of what a shape may have ([`crate::limits`]).
+    /// Whether all of its lengths are within [`crate::limits`].
     pub(super) fn allows(self, conditions: &Conditions) -> bool {
-        // Walls of half a micrometre.
+        // Below that, walls would be half a micrometre thick.
         self != Trial::Bullets || conditions.size >= 0.01
     }
 
-    /// What is run under some conditions.
+    /// The scene under some conditions.
     pub fn scene(self, conditions: &Conditions) -> Scene {
         self.setup(conditions).scene
     }
 
-    /// The scene and what is judged of it.
+    /// The scene and its measures.
     pub(super) fn setup(self, conditions: &Conditions) -> Setup {
         let build = match self {
             Trial::Stack => standing::stack,
@@ -130,7 +130,7 @@ impl Trial {
         };
         let mut setup = build(conditions);
         setup.scene.gravity *= conditions.gravity;
-        // To the metre, so that a shift moves no body against another by a rounding.
+        // Whole metres, so that rounding of the shift moves no body relative to another.
         let away = DVec3::new(conditions.distance, 0.0, (0.7 * conditions.distance).round());
         setup.scene.bodies.iter_mut().for_each(|body| body.desc.position += away);
         setup.boundaries.iter_mut().for_each(|boundary| boundary.point += away);
@@ -138,7 +138,7 @@ impl Trial {
     }
 }
 
-/// A scene and what is judged of it.
+/// A scene and its measures.
 #[derive(Clone, Debug)]
 pub(super) struct Setup {
     pub(super) scene: Scene,
@@ -146,9 +146,10 @@ pub(super) struct Setup {
     pub(super) gauges: Vec<Gauge>,
 }
 
-/// Adds a floor whose top is at height 0. `half`: of its sides; `size`: the length unit.
+/// Adds a floor whose top is at height 0. `half`: half its side length; `size`: the length unit.
 fn floor(scene: &mut Scene, half: f32, size: f32) -> Vec<Boundary> {
-    // Were it as thick as it is long, the heights of its faces would be rounded by what a ball rolls in a minute.
+    // If it were as thick as it is long, rounding of the heights of its faces would be as large as what the
+    // ball trial measures.
     let thick = half.min(1e3 * size).max(0.01 * half);
     scene.add("floor", fixed(Geometry::cuboid(half, thick, half), Vec3::new(0.0, -thick, 0.0)));
     vec![Boundary { point: DVec3::ZERO, normal: Vec3::Y }]

@@ -11,12 +11,12 @@ use crate::shape::{ConvexHull, Geometry, TriangleMesh};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
-/// Nobody may get through.
+/// No body may get through.
 fn inside() -> Gauge {
     Gauge { measure: Measure::Through, bounds: [0.0, 0.0] }
 }
 
-/// Overlap with walls and floor, in parts of a body.
+/// Overlap with walls and floor, relative to the size of a body.
 fn shallow(unit: f32, stable: f64) -> Gauge {
     Gauge { measure: Measure::Depth { unit: f64::from(unit) }, bounds: [stable, 0.5] }
 }
@@ -34,7 +34,7 @@ fn room(scene: &mut Scene, half: f32, thick: f32) -> Vec<Boundary> {
     boundaries
 }
 
-/// One of five shapes that fits into a ball of a radius.
+/// One of five shapes, within a ball of radius `radius`.
 fn mixed(i: usize, radius: f32, rng: &mut Rng) -> Geometry {
     match i % 5 {
         0 => Geometry::Sphere { radius },
@@ -45,7 +45,8 @@ fn mixed(i: usize, radius: f32, rng: &mut Rng) -> Geometry {
     }
 }
 
-/// Sixty bodies of five shapes in a closed room, where they fall into a pile; with a speed, each its own way.
+/// Sixty bodies of five shapes in a closed room, where they fall into a pile; if a speed is given, each
+/// starts in a direction of its own.
 pub(super) fn pile(c: &Conditions) -> Setup {
     let mut scene = Scene::new("pile");
     let boundaries = room(&mut scene, 2.5 * c.size, 0.25 * c.size);
@@ -87,7 +88,7 @@ pub(super) fn bullets(c: &Conditions) -> Setup {
     Setup { scene, boundaries, gauges: vec![inside(), shallow(RADIUS * c.size, 0.1)] }
 }
 
-/// A ball that rolls, without anything to slow it.
+/// A ball that rolls with nothing to slow it.
 pub(super) fn ball(c: &Conditions) -> Setup {
     let mut scene = Scene::new("ball");
     let speed = c.speed.unwrap_or(5.0) * c.size;
@@ -120,7 +121,7 @@ pub(super) fn tumbling(c: &Conditions) -> Setup {
     Setup { scene, boundaries: Vec::new(), gauges }
 }
 
-/// Bodies of five shapes that fall on triangles, which, or the bodies, are degenerate.
+/// Bodies of five shapes that fall on triangles; either the triangles or the bodies are degenerate.
 pub(super) fn shards(c: &Conditions) -> Setup {
     let mut scene = Scene::new("shards");
     scene.add("ground", fixed(Geometry::Mesh(Arc::new(ground(c))), Vec3::ZERO));

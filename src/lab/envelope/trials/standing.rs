@@ -1,4 +1,4 @@
-//! Structures that should stay as they were put up.
+//! Structures that should stay as they were built.
 
 use super::super::conditions::Conditions;
 use super::super::measures::{Gauge, Measure};
@@ -10,7 +10,7 @@ use glam::{Quat, Vec3};
 use std::f32::consts::PI;
 use std::sync::Arc;
 
-/// What stands may give way by a twentieth of its parts, and has fallen if one is half its size away.
+/// Parts of a structure may move by a twentieth of their size; it has fallen if one moves by half of it.
 fn stands(unit: f32) -> Vec<Gauge> {
     vec![Gauge { measure: Measure::Moved { unit: f64::from(unit) }, bounds: [0.05, 0.5] }]
 }
@@ -78,7 +78,7 @@ pub(super) fn card_house(c: &Conditions) -> Setup {
         }
         base += 2.0 * middle;
         for i in 1..storey {
-            // As long as tips are apart, less a gap so that neighbours don't meet.
+            // As long as the distance of the tips, less a gap so that neighbours don't touch.
             card([0.5 * APART - 0.002, THICK], [0.5 * (tip(i - 1) + tip(i)), base + THICK], 0.0);
         }
         base += 2.0 * THICK;
@@ -94,7 +94,8 @@ pub(super) fn arch(c: &Conditions) -> Setup {
     let mut scene = Scene::new("arch");
     let boundaries = floor(&mut scene, 20.0 * c.size, c.size);
     let half = 0.5 * PI / WEDGES as f32;
-    // Lying along x: its faces are at half an angle to either side, and the centre of its mass near the origin.
+    // A wedge along x: its faces are at half an angle to either side, and its centre of mass is near the
+    // origin.
     let middle = 0.5 * (INNER + OUTER);
     let mut corners = Vec::new();
     for (radius, side, z) in [INNER, OUTER]

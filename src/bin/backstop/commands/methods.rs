@@ -1,0 +1,88 @@
+//! `methods`: the same structures under every method of contact resolution.
+
+use crate::args::{AnyMethod, MethodsOptions};
+use crate::report::output;
+use anyhow::Context;
+use backstop::lab::structures::{Outcome, Structure};
+use backstop::lab::{WorldMethod, WorldSolver};
+use serde::Serialize;
+use std::fmt::Write;
+
+#[derive(Serialize)]
+struct Row {
+    structure: &'static str,
+    method: &'static str,
+    time_us: f64,
+    /// Residual [m/s].
+    residual: f64,
+    drift_m: f64,
+    joint_error_m: f64,
+    gained_j: f64,
+    refused: usize,
+}
+
+pub(crate) fn methods(options: &MethodsOptions) -> anyhow::Result<()> {
+    let structures =
+        if options.structure.is_empty() { Structure::ALL.to_vec() } else { options.structure.clone() };
+    let all = || WorldMethod::names().map(WorldMethod::by_name).map(AnyMethod);
+    let methods: Vec<AnyMethod> = if options.method.is_empty() {
+        std::iter::once(AnyMethod(None)).chain(all()).collect()
+    } else {
+        options.method.clone()
+    };
+    let bar = output::progress(!options.json, (structures.len() * methods.len()) as u64, "runs");
+    let mut rows = Vec::new();
+    for &structure in &structures {
+        for &method in &methods {
+            let name = method.name();
+            let solver = method.0.map(|method| {
+                let mut solver = WorldSolver {
+                    most_rows: usize::MAX,
+                    most_residual: f64::INFINITY,
+                    ..WorldSolver::new(method)
+                };
+                (solver.effort.iterations, solver.effort.tolerance) = (options.iterations, options.tolerance);
+                solver
+            });
+            let found = structure
+                .run(solver, options.dt, options.seconds)
+                .with_context(|| format!("can't run {} by {name}", structure.name()))?;
+            let Outcome { time, residual, drift, joint_error, gained, refused } = found;
+            rows.push(Row {
+                structure: structure.name(),
+                method: name,
+                time_us: time * 1e6,
+                residual,
+                drift_m: drift,
+                joint_error_m: joint_error,
+                gained_j: gained,
+                refused,
+            });
+            bar.inc(1);
+        }
+    }
+    bar.finish_and_clear();
+    if options.json { output::print_json(&rows) } else { output::print(&text(&rows)) }
+}
+
+fn text(rows: &[Row]) -> String {
+    let mut text = String::from(
+        "structure   method            time a step  residual m/s     drift m  joints off m    gained J  \
+         refused\n",
+    );
+    for row in rows {
+        let _ = writeln!(
+            text,
+            "{:<11} {:<17} {:>11}  {:>12.1e}  {:>10.1e}  {:>12.1e}  {:>10.1e}  {:>7}",
+            row.structure,
+            row.method,
+            output::micros(row.time_us),
+            row.residual,
+            row.drift_m,
+            row.joint_error_m,
+            row.gained_j,
+            row.refused
+        );
+    }
+    text
+}

@@ -1,0 +1,278 @@
+//! `run`: runs a scene from a file and writes its results.
+
+use crate::args::{self, RunOptions};
+use crate::report::accuracy::{self, Course};
+use crate::report::document::Document;
+use crate::report::trace::{SolverSum, Trace};
+use crate::report::{output, page, summary};
+use crate::settings_file::SettingsFile;
+use crate::threads::with_threads;
+use crate::view::{self, Frames, Look, Opened, Viewer};
+use anyhow::{Context, bail};
+use backstop::lab::WorldSolver;
+use backstop::lab::system::System;
+use backstop::scene::{self, AtomicFile, Recorder, Scene};
+use backstop::{BodyHandle, Budget, Settings, World};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Simulated time of scenes from files, unless steps are given [s].
+const SECONDS: f32 = 10.0;
+/// Length of the steps in which builtin scenes are counted [s].
+const SCENE_STEP: f32 = 1.0 / 60.0;
+/// Frames of a film, at most [1/s]: viewers interpolate.
+const FRAME_RATE: f32 = 60.0;
+
+pub(crate) fn run(options: &RunOptions) -> anyhow::Result<()> {
+    // Checked first, so that it fails before the work is done.
+    let export_to = options.export()?.map(|(_, path)| path);
+    for file in [&options.out, &options.record, &export_to].into_iter().flatten() {
+        output::make_folder_of(file)?;
+    }
+    options.report.as_deref().map_or(Ok(()), output::make_folder)?;
+    let page = options.report.as_ref().map(|folder| folder.join("index.html"));
+    let outputs = [options.out.as_deref(), options.record.as_deref(), page.as_deref(), export_to.as_deref()];
+    let inputs = std::iter::once(Path::new(&options.scene)).chain(options.settings.as_deref());
+    output::refuse_inputs(&outputs, inputs)?;
+    let file = options.settings.as_deref().map(SettingsFile::read).transpose()?;
+    let mut scene = scene::open_limited(&options.scene, &args::limits(options.no_limits))?;
+    output::refuse_inputs(&outputs, scene.parts.iter().map(PathBuf::as_path))?;
+    // Rain comes from above, that is, against gravity.
+    let of_file = file.as_ref().filter(|file| file.has_gravity).map(|file| file.world.gravity);
+    scene.gravity = options.gravity.or(of_file).unwrap_or(scene.gravity);
+    let chosen = Chosen::new(options, &scene, file);
+    if chosen.solver.is_some() && options.record.is_some() {
+        bail!("a run that a method of the lab solves can't be recorded: a recording has no word for it");
+    }
+    if options.drop > 0 {
+        scene.rain(options.drop, options.seed);
+    }
+    if !options.quiet {
+        output::notes(&scene);
+        if scene.bodies.iter().all(|b| b.desc.kind == backstop::BodyKind::Static) {
+            eprintln!("note: nothing moves in this scene; --drop 100 rains bodies onto it");
+        }
+    }
+    let mut folder = options.frames.clone();
+    if options.view {
+        match Opened::new(&scene.name, options.pictures.size) {
+            Ok(window) => {
+                let viewer = viewer(options, &scene, 1)?;
+                let start = || Ok(world(&chosen, &scene)?.0);
+                return view::show(window, viewer, &scene.name, chosen.dt, &start);
+            }
+            Err(reason) => {
+                let instead = PathBuf::from(format!("{}-frames", scene.name));
+                if !options.quiet {
+                    eprintln!("note: no window ({reason}); pictures go to {}/", instead.display());
+                }
+                folder = Some(instead);
+            }
+        }
+    }
+    let frames = match folder {
+        Some(folder) => {
+            Some(Frames::new(folder, options.pictures.every, viewer(options, &scene, view::SCALE)?)?)
+        }
+        None => None,
+    };
+    let ran = with_threads(chosen.settings.threads, || simulate(options, &chosen, &scene, frames))?;
+    write(options, chosen.dt, &scene, &ran)
+}
+
+/// `scale`: pixels drawn for each that is shown, each way.
+fn viewer(options: &RunOptions, scene: &Scene, scale: usize) -> anyhow::Result<Viewer> {
+    let pictures = &options.pictures;
+    let camera = view::camera_for(scene, pictures.eye, pictures.look_at)?;
+    let look = pictures.show.clone().unwrap_or_else(|| Look::of(scene));
+    Ok(Viewer::new(camera, look, pictures.size, scale))
+}
+
+fn world(chosen: &Chosen, scene: &Scene) -> anyhow::Result<(World, Vec<BodyHandle>)> {
+    let mut world = World::new(chosen.settings.clone()).context("these settings are refused")?;
+    world.solve_with(chosen.solver.clone());
+    let added = scene.add_to(&mut world).with_context(|| format!("scene {} is refused", scene.name))?;
+    Ok((world, added.bodies))
+}
+
+/// A scene after its last step.
+struct Ran {
+    world: World,
+    handles: Vec<BodyHandle>,
+    trace: Trace,
+    film: Option<Recorder>,
+    frames: Option<Frames>,
+    /// The exported problem: its file, and a description.
+    exported: Option<(PathBuf, String)>,
+}
+
+fn simulate(
+    options: &RunOptions,
+    chosen: &Chosen,
+    scene: &Scene,
+    mut frames: Option<Frames>,
+) -> anyhow::Result<Ran> {
+    let dt = chosen.dt;
+    let mut world = World::new(chosen.settings.clone()).context("these settings are refused")?;
+    let mut recording = None;
+    if let Some(path) = &options.record {
+        let about = || format!("can't record into {}", path.display());
+        let file = AtomicFile::create(path).with_context(about)?;
+        world.start_recording(file.writer().with_context(about)?).with_context(about)?;
+        recording = Some(file);
+    }
+    let added = scene.add_to(&mut world).with_context(|| format!("scene {} is refused", scene.name))?;
+    let handles = added.bodies;
+    for (body, handle) in scene.bodies.iter().zip(&handles) {
+        world.name_recorded(*handle, &body.name);
+    }
+
+    let steps = options.steps.unwrap_or_else(|| default_steps(scene, dt));
+    let every = ((1.0 / FRAME_RATE) / dt).round().max(1.0) as u32;
+    let mut film = options.out.as_ref().map(|_| Recorder::new(scene));
+    let accuracy = options.accuracy.then(Course::default);
+    let sum = |solver: &WorldSolver| SolverSum { method: solver.method.name(), ..SolverSum::default() };
+    let solver = chosen.solver.as_ref().map(sum);
+    let mut trace =
+        Trace { reports: Vec::with_capacity(steps as usize), energy: Vec::new(), accuracy, solver };
+    world.solve_with(chosen.solver.clone());
+    world.measure_accuracy(options.accuracy);
+    let export_to = options.export()?;
+    if let Some((at, _)) = &export_to
+        && *at > steps
+    {
+        bail!("--export-problem wants step {at} of {steps}");
+    }
+    let mut exported = None;
+    record(&mut film, &world, &handles, 0.0);
+    frames.iter_mut().try_for_each(|frames| frames.take(&world, 0))?;
+    let bar = output::progress(!options.quiet, steps.into(), "steps");
+    for step in 1..=steps {
+        let exports = export_to.as_ref().is_some_and(|(at, _)| *at == step);
+        if exports {
+            world.measure_accuracy(true);
+        }
+        let report = *world.step(dt)?;
+        if let (Some(sum), Some(report)) = (&mut trace.solver, world.solver_report()) {
+            sum.add(report);
+        }
+        if let Some(course) = &mut trace.accuracy {
+            course.add(&world, scene, &handles);
+        }
+        if exports && let (Some((_, path)), Some(system)) = (&export_to, world.system()) {
+            exported = Some(export(system, path)?);
+            world.measure_accuracy(options.accuracy);
+        }
+        trace.reports.push(report);
+        if options.report.is_some() {
+            trace.energy.push(world.energy());
+        }
+        if step % every == 0 || step == steps {
+            record(&mut film, &world, &handles, step as f32 * dt);
+        }
+        frames.iter_mut().try_for_each(|frames| frames.take(&world, step))?;
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    if let (Some(path), Some(file)) = (&options.record, recording) {
+        let about = || format!("can't record into {}", path.display());
+        world.stop_recording().with_context(about)?;
+        file.commit().with_context(about)?;
+    }
+    Ok(Ran { world, handles, trace, film, frames, exported })
+}
+
+/// Writes the contact problem of the last step; returns the file and a description.
+fn export(system: &System, path: &Path) -> anyhow::Result<(PathBuf, String)> {
+    let (text, about) = accuracy::export(system).context("the problem of the step can't be written")?;
+    let wrote = || format!("can't write {}", path.display());
+    let mut file = AtomicFile::create(path).with_context(wrote)?;
+    file.write_all(text.as_bytes()).with_context(wrote)?;
+    file.commit().with_context(wrote)?;
+    Ok((path.to_path_buf(), about))
+}
+
+/// Settings of the world and the length of a step: from the command line, else from the file, else the
+/// defaults.
+struct Chosen {
+    dt: f32,
+    settings: Settings,
+    solver: Option<WorldSolver>,
+}
+
+impl Chosen {
+    fn new(options: &RunOptions, scene: &Scene, file: Option<SettingsFile>) -> Chosen {
+        let of_file = file.as_ref().and_then(|file| file.solver);
+        let solver = options.solver.or(of_file);
+        let solver =
+            solver.map(|method| WorldSolver { most_rows: options.solver_rows, ..WorldSolver::new(method) });
+        let (dt, base) = file.map_or((None, Settings::default()), |file| (file.dt, file.world));
+        let settings = Settings {
+            gravity: scene.gravity,
+            substeps: options.substeps.unwrap_or(base.substeps),
+            iterations: options.iterations.unwrap_or(base.iterations),
+            threads: options.threads.unwrap_or(base.threads),
+            continuous: options.continuous.unwrap_or(base.continuous),
+            method: options.method.unwrap_or(base.method),
+            sleeping: options.sleep || base.sleeping,
+            budget: options.budget.map_or(base.budget, Budget::total),
+            ..base
+        };
+        Chosen { dt: options.dt.or(dt).unwrap_or(SCENE_STEP), settings, solver }
+    }
+}
+
+pub(crate) fn default_steps(scene: &Scene, dt: f32) -> u32 {
+    let seconds = if scene.source.is_some() { SECONDS } else { scene.steps as f32 * SCENE_STEP };
+    (seconds / dt).round().max(1.0) as u32
+}
+
+fn record(film: &mut Option<Recorder>, world: &World, handles: &[BodyHandle], time: f32) {
+    if let Some(film) = film {
+        film.record(time, |i| {
+            // Handles are fresh: nothing was removed.
+            let pose = |h| Ok::<_, backstop::Error>((world.position(h)?, world.rotation(h)?));
+            pose(handles[i]).unwrap_or_default()
+        });
+    }
+}
+
+fn write(options: &RunOptions, dt: f32, scene: &Scene, ran: &Ran) -> anyhow::Result<()> {
+    let Ran { world, handles, trace, film, frames, exported } = ran;
+    let mut written = Vec::new();
+    if let (Some(path), Some(film)) = (&options.out, film) {
+        scene::write_animation(scene, film, path)?;
+        written.push(path.clone());
+    }
+    written.extend(frames.iter().map(|frames| frames.folder().to_path_buf()));
+    written.extend(options.record.clone());
+    if let Some((path, about)) = exported {
+        if !options.quiet {
+            eprintln!("note: {}: {about}", path.display());
+        }
+        written.push(path.clone());
+    }
+    let document = Document::new(options, dt, scene, world, handles, trace)?;
+    if let Some(folder) = &options.report {
+        written.push(page::write(folder, &document, trace)?);
+    }
+    if options.json {
+        output::print_json(&document)?;
+    } else if !options.quiet {
+        output::print(&summary::text(&document, trace, &written))?;
+    }
+    let lost: Vec<&str> = document
+        .bodies
+        .iter()
+        .filter(|b| !b.position.iter().all(|x| x.is_finite()))
+        .map(|b| b.name.as_str())
+        .collect();
+    if let Some(first) = lost.first() {
+        bail!(
+            "{} of {} bodies have no finite position, {first} among them",
+            lost.len(),
+            document.bodies.len()
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,141 @@
+//! `solve`: a problem of contact resolution out of a file, by one of the lab's methods.
+
+use crate::args::SolveOptions;
+use crate::report::output;
+use anyhow::{Context, bail};
+use backstop::lab::methods::{Effort, Method, Solution, Status};
+use backstop::lab::problem::{File, Form, read_problem};
+use serde::Serialize;
+use std::fmt::Write;
+use std::io::Read;
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+/// Exit code of a run that did not solve the problem.
+const UNSOLVED: u8 = 3;
+/// The first bytes of an HDF5 file.
+const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
+/// Bytes of the largest file that is read.
+const LARGEST: u64 = 1 << 30;
+
+/// What is printed; docs/json.md says what its fields mean.
+#[derive(Debug, Serialize)]
+struct Document {
+    status: &'static str,
+    iterations: u32,
+    pivots: u32,
+    residual: f64,
+    time_us: f64,
+    solution: Vec<f64>,
+}
+
+pub(crate) fn solve(options: &SolveOptions) -> anyhow::Result<ExitCode> {
+    if options.list {
+        output::print(&list())?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    let path = options.file.as_deref().context("a file is needed")?;
+    let method = options.method.context("a method is needed")?;
+    let file = read(path).with_context(|| format!("can't read {}", path.display()))?;
+    let effort = Effort {
+        tolerance: options.tolerance,
+        iterations: options.iterations,
+        friction: options.friction,
+        start: None,
+        relaxation: options.relaxation,
+        ..Effort::default()
+    };
+    let (found, times) = timed(|| (method.solve)(&file.problem, &effort));
+    let document = Document {
+        status: match found.status {
+            Status::Solved => "solved",
+            Status::Ray => "ray",
+            Status::NoSolution => "no_solution",
+            Status::Limit => "limit",
+        },
+        iterations: found.iterations,
+        pivots: found.pivots,
+        residual: found.residual,
+        time_us: times[times.len() / 2],
+        solution: file.unknowns(&found.r),
+    };
+    if options.json {
+        output::print_json(&document)?;
+    } else {
+        output::print(&text(&document, file.form, method.name, times.len()))?;
+    }
+    let solved = found.status == Status::Solved;
+    Ok(if solved { ExitCode::SUCCESS } else { ExitCode::from(UNSOLVED) })
+}
+
+/// The solution, and the times of some runs in ascending order [us]: up to five, as many as begin within half
+/// a second.
+fn timed(run: impl Fn() -> Solution) -> (Solution, Vec<f64>) {
+    let begin = Instant::now();
+    let mut times = Vec::new();
+    loop {
+        let start = Instant::now();
+        let found = run();
+        times.push(start.elapsed().as_secs_f64() * 1e6);
+        if times.len() == 5 || begin.elapsed() > Duration::from_millis(500) {
+            times.sort_by(f64::total_cmp);
+            return (found, times);
+        }
+    }
+}
+
+fn read(path: &Path) -> anyhow::Result<File> {
+    let mut bytes = Vec::new();
+    std::fs::File::open(path)?.take(LARGEST + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > LARGEST {
+        bail!("it has more than {LARGEST} bytes");
+    }
+    if bytes.starts_with(HDF5) {
+        return read_hdf5(bytes);
+    }
+    // Text after the numbers need not be UTF-8.
+    Ok(read_problem(&String::from_utf8_lossy(&bytes))?)
+}
+
+#[cfg(feature = "hdf5")]
+fn read_hdf5(bytes: Vec<u8>) -> anyhow::Result<File> {
+    Ok(backstop::lab::problem::read_fclib(bytes)?)
+}
+
+#[cfg(not(feature = "hdf5"))]
+fn read_hdf5(_: Vec<u8>) -> anyhow::Result<File> {
+    bail!("it is HDF5, for which backstop has to be built with the feature `hdf5` (--features cli,hdf5)")
+}
+
+fn text(document: &Document, form: Form, method: &str, runs: usize) -> String {
+    let Document { status, iterations, pivots, residual, time_us, solution } = document;
+    let mut text = format!("{method}: {}\n", status.replace('_', " "));
+    let _ = writeln!(text, "residual    {residual:.3e}");
+    let _ = writeln!(text, "iterations  {}", output::count((*iterations).into()));
+    let _ = writeln!(text, "pivots      {}", output::count((*pivots).into()));
+    let runs = if runs == 1 { "one run".into() } else { format!("median of {runs} runs") };
+    let _ = writeln!(text, "time        {} ({runs})", output::micros(*time_us));
+    let (title, width) = match form {
+        Form::Complementarity => ("z", 1),
+        Form::PlaneContacts => ("impulses of each contact: normal, tangent", 2),
+        Form::Contacts => ("impulses of each contact: normal, two tangents", 3),
+    };
+    let _ = writeln!(text, "{title}");
+    for (number, contact) in solution.chunks(width).enumerate() {
+        let _ = write!(text, "{number:>6}");
+        contact.iter().for_each(|x| {
+            let _ = write!(text, " {x:>23.15e}");
+        });
+        text.push('\n');
+    }
+    text
+}
+
+fn list() -> String {
+    let mut text = String::new();
+    for Method { name, about, laws, .. } in Method::ALL {
+        let _ = writeln!(text, "{name:<16}{about}\n{:<16}exact for {laws}", "");
+    }
+    text
+}

@@ -1,0 +1,280 @@
+//! `stability`: whether rest is stable, for one structure or for the set that every step has to keep.
+
+use crate::args::StabilityOptions;
+use crate::report::output;
+use anyhow::{Context, bail};
+use backstop::lab::{Mode, Probe, Rest, Stability, Verdict, find_rest, growth, stability};
+use backstop::scene::{Scene, Standing, open};
+use backstop::{FrictionModel, Settings, World};
+use serde_json::{Value, json};
+use std::collections::HashMap;
+use std::fmt::Write;
+
+/// One world at rest, and what was found about it.
+struct Found {
+    name: String,
+    hertz: f32,
+    settings: Settings,
+    rest: Rest,
+    stability: Stability,
+    /// Growth rate by the divergence of two worlds [1/s].
+    parting: Option<f64>,
+    /// Index in the scene.
+    numbers: HashMap<backstop::BodyHandle, usize>,
+}
+
+impl Found {
+    /// The verdict in a word; only the last one is good.
+    fn verdict(&self) -> &'static str {
+        let unit = f64::from(self.settings.length_unit);
+        match self.stability.verdict() {
+            // Half a box is more than springs of a reasonable stiffness yield.
+            _ if self.rest.moved > 0.5 * unit => "FELL",
+            _ if self.rest.speed > RESTLESS * unit => "RESTLESS",
+            Verdict::Unstable => "UNSTABLE",
+            Verdict::Unclear => "UNCLEAR",
+            Verdict::Stable => STABLE,
+        }
+    }
+}
+
+const STABLE: &str = "stable";
+/// Bodies that move faster are not at rest [m/s per length unit].
+const RESTLESS: f64 = 1e-4;
+
+pub(crate) fn stability_of(options: &StabilityOptions) -> anyhow::Result<()> {
+    match &options.scene {
+        Some(scene) => one(options, scene),
+        None => set(options),
+    }
+}
+
+fn settings_of(options: &StabilityOptions) -> Settings {
+    let mut settings = Settings {
+        friction_model: options.friction_model.unwrap_or_default(),
+        length_unit: options.scale,
+        ..Settings::default()
+    };
+    settings.substeps = options.substeps.unwrap_or(settings.substeps);
+    settings.iterations = options.iterations.unwrap_or(settings.iterations);
+    settings
+}
+
+fn scene_of(name: &str, options: &StabilityOptions) -> anyhow::Result<Scene> {
+    match Standing::named(name, options.size) {
+        Some(structure) => Ok(structure.scene(options.scale, options.density)),
+        None => Ok(open(name)?),
+    }
+}
+
+fn find(scene: &Scene, settings: Settings, hertz: f32, options: &StabilityOptions) -> anyhow::Result<Found> {
+    let about = || format!("can't probe {}", scene.name);
+    let mut world =
+        World::new(Settings { gravity: scene.gravity, ..settings.clone() }).with_context(about)?;
+    let bodies = scene.add_to(&mut world).with_context(about)?.bodies;
+    let defaults = Probe::new(1.0 / hertz);
+    let probe = Probe {
+        horizon: options.horizon.unwrap_or(defaults.horizon),
+        displacement: options.displacement.unwrap_or(defaults.displacement),
+        dimension: options.dimension.unwrap_or(defaults.dimension),
+        ..defaults
+    };
+    let rest = find_rest(&mut world, probe.dt, options.settle).with_context(about)?;
+    let stability = stability(&world, &probe).with_context(about)?;
+    let parting = match options.scene.is_some() {
+        true => Some(growth(&world, &probe, 10.0).with_context(about)?),
+        false => None,
+    };
+    let numbers = bodies.into_iter().enumerate().map(|(i, body)| (body, i)).collect();
+    Ok(Found { name: scene.name.clone(), hertz, settings, rest, stability, parting, numbers })
+}
+
+fn one(options: &StabilityOptions, name: &str) -> anyhow::Result<()> {
+    let scene = scene_of(name, options)?;
+    let hertz = options.hz.first().copied().unwrap_or(60.0);
+    let found = find(&scene, settings_of(options), hertz, options)?;
+    if options.json {
+        output::print_json(&document(&found))?;
+    } else {
+        output::print(&text(&found))?;
+    }
+    verdict(usize::from(found.verdict() != STABLE), 1)
+}
+
+/// Both the exit code and the last line say whether everything stands.
+fn verdict(unstable: usize, all: usize) -> anyhow::Result<()> {
+    match unstable {
+        0 => Ok(()),
+        _ => bail!("{unstable} of {all} not stable at rest"),
+    }
+}
+
+fn model_name(model: FrictionModel) -> &'static str {
+    match model {
+        FrictionModel::Patch => "patch",
+        FrictionModel::Point => "point",
+    }
+}
+
+/// The main direction of a mode, in words.
+fn whereabouts(mode: &Mode) -> &'static str {
+    let [across, along, turning] = mode.shares;
+    match () {
+        () if across >= along.max(turning) => "sideways",
+        () if along >= turning => "up and down",
+        () => "turning",
+    }
+}
+
+fn text(found: &Found) -> String {
+    let (s, settings) = (&found.stability, &found.settings);
+    let mut text = format!(
+        "{} at {} Hz, {} substeps, {} iterations, friction per {}\n",
+        found.name,
+        found.hertz,
+        settings.substeps,
+        settings.iterations,
+        model_name(settings.friction_model)
+    );
+    let mut line = |label: &str, value: String| _ = writeln!(text, "  {label:<34}{value}");
+    line("speed at rest", format!("{:.1e} m/s", found.rest.speed));
+    line("unknowns", s.unknowns.to_string());
+    line("spectral radius per step", format!("1 {:+.1e} (noise {:.1e})", s.radius - 1.0, s.noise));
+    line("growth", format!("{:.4} / s", s.growth));
+    if let Some(parting) = found.parting {
+        line("growth of two worlds' parting", format!("{parting:.4} / s"));
+    }
+    line("points that let go or took hold", s.changed.to_string());
+    line("verdict", found.verdict().into());
+    text += "  modes: modulus per step, growth, frequency, residual, where, and the bodies it moves most\n";
+    for mode in &s.modes {
+        _ = write!(
+            text,
+            "    1 {:+.1e}  {:7.3} / s  {:6.2} Hz  {:.0e}  {:<11}",
+            mode.modulus - 1.0,
+            mode.growth,
+            mode.frequency,
+            mode.residual,
+            whereabouts(mode)
+        );
+        for body in mode.bodies.iter().take(3) {
+            let [x, y, z] = body.linear.to_array();
+            let number = found.numbers.get(&body.body).copied().unwrap_or_default();
+            _ = write!(text, "  {number} ({x:+.2} {y:+.2} {z:+.2})");
+        }
+        text.push('\n');
+    }
+    text
+}
+
+fn document(found: &Found) -> Value {
+    let (s, settings) = (&found.stability, &found.settings);
+    let mode = |mode: &Mode| {
+        let body = |b: &backstop::lab::ModeBody| {
+            json!({
+                "body": found.numbers.get(&b.body),
+                "linear": b.linear.to_array(),
+                "angular": b.angular.to_array(),
+            })
+        };
+        json!({
+            "modulus": mode.modulus,
+            "growth": mode.growth,
+            "frequency": mode.frequency,
+            "residual": mode.residual,
+            "shares": { "across": mode.shares[0], "along": mode.shares[1], "turning": mode.shares[2] },
+            "bodies": mode.bodies.iter().map(body).collect::<Vec<_>>(),
+        })
+    };
+    json!({
+        "scene": found.name,
+        "hertz": found.hertz,
+        "substeps": settings.substeps,
+        "iterations": settings.iterations,
+        "friction_model": model_name(settings.friction_model),
+        "speed": found.rest.speed,
+        "unknowns": s.unknowns,
+        "steps": s.steps,
+        "radius": s.radius,
+        "noise": s.noise,
+        "growth": s.growth,
+        "parting": found.parting,
+        "changed": s.changed,
+        "moved": found.rest.moved,
+        "verdict": found.verdict(),
+        "modes": s.modes.iter().map(mode).collect::<Vec<_>>(),
+    })
+}
+
+/// The structures that have to stand: towers, pyramids, a wall, a box on a light one.
+const SET: [&str; 12] = [
+    "tower_2",
+    "tower_3",
+    "tower_5",
+    "tower_10",
+    "tower_20",
+    "tower_30",
+    "tower_40",
+    "pyramid_5",
+    "pyramid_10",
+    "pyramid_15",
+    "wall_10",
+    "light_1000",
+];
+/// Substeps and iterations.
+const EFFORTS: [(u32, u32); 7] = [(1, 1), (2, 1), (4, 1), (8, 1), (1, 2), (1, 4), (1, 8)];
+
+fn set(options: &StabilityOptions) -> anyhow::Result<()> {
+    let hertz = if options.hz.is_empty() { vec![30.0, 60.0, 120.0] } else { options.hz.clone() };
+    let wanted = |(s, i): (u32, u32)| {
+        options.substeps.is_none_or(|n| n == s) && options.iterations.is_none_or(|n| n == i)
+    };
+    let efforts: Vec<_> = EFFORTS.into_iter().filter(|&e| wanted(e)).collect();
+    let models = match options.friction_model {
+        Some(model) => vec![model],
+        None => vec![FrictionModel::Patch, FrictionModel::Point],
+    };
+    if efforts.is_empty() {
+        bail!("the set has no such number of substeps and iterations");
+    }
+    let names =
+        SET.iter().filter(|name| options.only.as_ref().is_none_or(|only| name.starts_with(only.as_str())));
+    let (mut unstable, mut all, mut documents) = (0, 0, Vec::new());
+    if !options.json {
+        output::print(
+            "scene         Hz  substeps iterations friction  at rest m/s    radius - 1     noise   \
+             growth/s\n",
+        )?;
+    }
+    for name in names {
+        let scene = scene_of(name, options)?;
+        for &hz in &hertz {
+            for &(substeps, iterations) in &efforts {
+                for &friction_model in &models {
+                    let settings = Settings { substeps, iterations, friction_model, ..settings_of(options) };
+                    let found = find(&scene, settings, hz, options)?;
+                    let s = &found.stability;
+                    (unstable, all) = (unstable + usize::from(found.verdict() != STABLE), all + 1);
+                    if options.json {
+                        documents.push(document(&found));
+                        continue;
+                    }
+                    output::print(&format!(
+                        "{name:<11}{hz:>5}{substeps:>10}{iterations:>11} \
+                         {:<9}{:>11.1e}{:>14.1e}{:>10.1e}{:>11.4}  {}\n",
+                        model_name(friction_model),
+                        found.rest.speed,
+                        s.radius - 1.0,
+                        s.noise,
+                        s.growth,
+                        found.verdict()
+                    ))?;
+                }
+            }
+        }
+    }
+    if options.json {
+        output::print_json(&documents)?;
+    }
+    verdict(unstable, all)
+}

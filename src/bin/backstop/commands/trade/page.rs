@@ -1,0 +1,73 @@
+//! `--report`: a page with curves and tables.
+
+use super::charts;
+use super::outcome::{Outcome, Row};
+use super::text::{self, number};
+use crate::report::html::{self, escape, figure, put, table};
+use anyhow::anyhow;
+use backstop::lab::trade::{Axis, Measure};
+use std::fmt::Write;
+use std::path::Path;
+
+/// Writes the page and its pictures into a folder.
+pub(super) fn write(folder: &Path, outcome: &Outcome) -> anyhow::Result<()> {
+    let save = |name: &str, svg: Result<String, Box<dyn std::error::Error>>| {
+        let svg = svg.map_err(|e| anyhow!("can't draw {name}: {e}"))?;
+        put(&folder.join(name), &svg)
+    };
+    let mut page = html::head(&format!("backstop: the trade of {}", outcome.header.scene));
+    for line in text::about(outcome).lines() {
+        let _ = writeln!(page, "<p>{}</p>", escape(line));
+    }
+    save("front.svg", crate::report::charts::svg(|area| charts::front(area, outcome)))?;
+    figure(
+        &mut page,
+        "front.svg",
+        "Each setting is a point. The line joins those than which no other is both cheaper and more \
+         accurate; the diamond is the default setting, the circle what was picked.",
+    );
+    rows(&mut page, "The front", &outcome.front);
+    rows(&mut page, "The default setting", std::slice::from_ref(&outcome.default));
+    if let Some(picked) = &outcome.picked {
+        rows(&mut page, &format!("Picked: {}", outcome.rule), std::slice::from_ref(picked));
+    }
+    for (at, axis) in Axis::ALL.into_iter().enumerate() {
+        let values: Vec<_> = outcome.axes.iter().filter(|value| value.axis == axis).collect();
+        if values.is_empty() {
+            continue;
+        }
+        let name = format!("{}.svg", axis.name().replace(' ', "-"));
+        let names: Vec<&str> = values.iter().map(|value| value.value.as_str()).collect();
+        save(&name, crate::report::charts::svg(|area| charts::axis(area, outcome, at, axis, &names)))?;
+        let _ = writeln!(page, "<h2>{}</h2>", escape(axis.name()));
+        figure(&mut page, &name, "The front of the settings that have each value, all else being free.");
+        let list: Vec<Vec<String>> = values
+            .iter()
+            .map(|value| {
+                let ratio = value.cheapest_ratio.map_or("none".into(), |ratio| format!("{ratio:.2}"));
+                vec![value.value.clone(), value.on_front.to_string(), number(value.least_error), ratio]
+            })
+            .collect();
+        table(
+            &mut page,
+            &["value", "on the front", "least error", "cheapest as good as the pick, of default"],
+            1,
+            &list,
+        );
+    }
+    rows(&mut page, "All settings", &outcome.cells);
+    put(&folder.join("index.html"), &(page + html::TAIL))
+}
+
+fn rows(page: &mut String, title: &str, rows: &[Row]) {
+    let _ = writeln!(page, "<h2>{}</h2>", escape(title));
+    let units = Measure::ALL.map(|measure| format!("{} [{}]", measure.name(), measure.unit()));
+    let mut headings = vec!["setting", "cost", "of default", "error"];
+    headings.extend(units.iter().map(String::as_str));
+    let row = |row: &Row| {
+        let finite = |error: f64| number(Some(error).filter(|error| error.is_finite()));
+        let others = Measure::ALL.map(|measure| finite(row.errors.of(measure)));
+        std::iter::once(row.name.clone()).chain(text::cells(row)).chain(others).collect()
+    };
+    table(page, &headings, 1, &rows.iter().map(row).collect::<Vec<_>>());
+}

@@ -1,0 +1,128 @@
+//! Output to the terminal, and checks of output files.
+
+use anyhow::{Context, anyhow};
+use backstop::Escaped;
+use backstop::scene::{Scene, refuse_input};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::{ErrorKind, IsTerminal, Write};
+use std::path::Path;
+use std::time::Duration;
+
+/// Prints a scene's notes, escaped because they quote its file.
+pub(crate) fn notes(scene: &Scene) {
+    scene.notes.iter().for_each(|note| eprintln!("note: {}", Escaped(note)));
+}
+
+/// Text with its line breaks, but with all other control characters escaped, as names from files may have
+/// them.
+fn escaped_lines(text: &str) -> String {
+    text.split_inclusive('\n')
+        .map(|line| match line.strip_suffix('\n') {
+            Some(line) => format!("{}\n", Escaped(line)),
+            None => Escaped(line).to_string(),
+        })
+        .collect()
+}
+
+/// Writes to standard output. A reader that stops early (`| head`) is not an error.
+pub(crate) fn print(text: &str) -> anyhow::Result<()> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(escaped_lines(text).as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(error).context("can't write to standard output")
+        }
+        _ => Ok(()),
+    }
+}
+
+/// A value as one JSON document.
+pub(crate) fn print_json(value: &impl serde::Serialize) -> anyhow::Result<()> {
+    let mut text = serde_json::to_string_pretty(value).context("can't write JSON")?;
+    text.push('\n');
+    print(&text)
+}
+
+/// Makes a folder if it is not there.
+pub(crate) fn make_folder(folder: &Path) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder).with_context(|| format!("can't make {}", folder.display()))
+}
+
+/// Makes the folder that a file will be in.
+pub(crate) fn make_folder_of(file: &Path) -> anyhow::Result<()> {
+    file.parent().filter(|folder| !folder.as_os_str().is_empty()).map_or(Ok(()), make_folder)
+}
+
+/// Refuses outputs that would replace an input, or one another, before any work is done.
+pub(crate) fn refuse_inputs<'a>(
+    outputs: &[Option<&Path>],
+    inputs: impl IntoIterator<Item = &'a Path> + Clone,
+) -> anyhow::Result<()> {
+    let outputs: Vec<&Path> = outputs.iter().copied().flatten().collect();
+    for (i, output) in outputs.iter().enumerate() {
+        let about = || format!("can't write {}", output.display());
+        for input in inputs.clone() {
+            refuse_input(output, input).with_context(about)?;
+        }
+        if outputs[..i].contains(output) {
+            return Err(anyhow!("two outputs have this name")).with_context(about);
+        }
+    }
+    Ok(())
+}
+
+/// A progress bar on standard error, if that is a terminal.
+pub(crate) fn progress(wanted: bool, count: u64, what: &'static str) -> ProgressBar {
+    if !wanted || !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{bar:32} {pos}/{len} {msg}, {eta} left")
+        .unwrap_or_else(|_| ProgressStyle::default_bar());
+    let bar = ProgressBar::new(count).with_style(style).with_message(what);
+    // Keeps moving while a single step takes long.
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
+}
+
+/// A number with its thousands separated.
+pub(crate) fn count(n: u64) -> String {
+    let digits = n.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push(' ');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// How many threads.
+pub(crate) fn count_threads(n: usize) -> String {
+    if n == 1 { "1 thread".into() } else { format!("{n} threads") }
+}
+
+/// Bytes in a suitable unit.
+pub(crate) fn bytes(n: usize) -> String {
+    match n as f64 {
+        b if b < 1024.0 => format!("{b} B"),
+        b if b < 1024.0 * 1024.0 => format!("{:.1} KiB", b / 1024.0),
+        b => format!("{:.1} MiB", b / (1024.0 * 1024.0)),
+    }
+}
+
+/// A time in a suitable unit.
+pub(crate) fn micros(us: f64) -> String {
+    if us < 1000.0 { format!("{us:.1} µs") } else { format!("{:.2} ms", us / 1000.0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn amounts_are_readable() {
+        assert_eq!(["7", "1 000", "1 234 567"], [7, 1000, 1_234_567].map(count).each_ref().map(|s| &s[..]));
+        assert_eq!(bytes(1536), "1.5 KiB");
+        assert_eq!(micros(2500.0), "2.50 ms");
+    }
+}
