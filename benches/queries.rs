@@ -9,7 +9,10 @@
 //! Of the meshes both know the same 100,000 triangles; the 10,000 bodies are boxes, balls, capsules and cylinders.
 #![allow(clippy::disallowed_methods, reason = "the other library is the other library's matter")]
 
-use backstop::glam::{DVec3, Quat, Vec3};
+#[path = "../tests/common/random.rs"]
+mod random;
+
+use backstop::glam::{DVec3, Vec3};
 use backstop::{
     BodyDesc, Geometry, HeightField, QueryFilter, Ray, RayHit, Settings, ShapeCast, ShapeDesc, TriangleMesh,
     World,
@@ -19,30 +22,12 @@ use parry3d::math::{Pose, Rotation, Vector};
 use parry3d::partitioning::{Bvh, BvhBuildStrategy};
 use parry3d::query::{Ray as ParryRay, RayCast, ShapeCastOptions, cast_shapes};
 use parry3d::shape::{SharedShape, TriMesh};
+use random::Random;
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
 
 const ROUNDS: usize = 15;
-
-struct Random(u64);
-impl Random {
-    fn unit(&mut self) -> f32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 40) as f32 / (1u64 << 24) as f32
-    }
-    fn range(&mut self, low: f32, high: f32) -> f32 {
-        low + (high - low) * self.unit()
-    }
-    fn cube(&mut self) -> Vec3 {
-        let mut r = || self.unit() * 2.0 - 1.0;
-        Vec3::new(r(), r(), r())
-    }
-    fn rotation(&mut self) -> Quat {
-        let (v, w) = (self.cube(), self.unit() + 0.01);
-        Quat::from_xyzw(v.x, v.y, v.z, w).normalize()
-    }
-}
 
 fn vector(v: Vec3) -> Vector {
     Vector::from(v.to_array())

@@ -5,12 +5,15 @@
 
 #[path = "common/counting.rs"]
 mod counting;
+#[path = "common/random.rs"]
+mod random;
 
 use backstop::glam::DVec3;
 use backstop::scene::{Resolver, Scene, SceneError, load, load_with};
 use backstop::{BodyDesc, Geometry, LimitExceeded, LoadLimits, Settings, ShapeDesc, World};
 use base64::Engine;
 use counting::most_bytes;
+use random::Random;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -29,12 +32,8 @@ fn data(bytes: &[u8]) -> Value {
 
 /// Points in a cube from a simple generator, as a file has them.
 fn points(count: usize) -> Vec<u8> {
-    let mut seed = 1u64;
-    let number = |_| {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((seed >> 40) as f32 / (1 << 24) as f32).to_le_bytes()
-    };
-    (0..3 * count).flat_map(number).collect()
+    let mut random = Random(1);
+    (0..3 * count).flat_map(|_| random.unit().to_le_bytes()).collect()
 }
 
 /// A file with a mesh of so many triangles of random corners, and nodes.

@@ -10,6 +10,7 @@ use backstop::{
 use std::sync::Arc;
 
 pub(crate) mod piles;
+pub(crate) mod random;
 pub(crate) mod snapshots;
 
 /// Standard gravity of every world here [m/s²].

@@ -2,6 +2,7 @@
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 
+use crate::common::random::Random;
 use crate::common::{self, G};
 use backstop::glam::{DVec3, Mat3, Quat, Vec3};
 use backstop::{
@@ -214,16 +215,6 @@ fn handles_go_stale_with_the_joint_with_either_body_and_when_it_breaks() {
         assert_eq!(world.joint_bodies(keep), Ok([ground, c]), "{way}");
         common::steps(&mut world, 2, DT);
         assert!(common::all_finite(&world), "{way}");
-    }
-}
-
-/// Numbers out of a multiplicative generator.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) as usize % n
     }
 }
 

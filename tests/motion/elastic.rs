@@ -6,6 +6,7 @@
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 
+use crate::common::random::Random;
 use crate::common::{self, Floor, dynamic, shape, steps};
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{BodyDesc, BodyHandle, Geometry, Material, Settings, World};
@@ -86,20 +87,17 @@ fn what_strikes_something_fixed_keeps_its_energy() {
 }
 
 /// A closed box with balls in it; returns these.
-fn gas(world: &mut World, half: f32, speed: f32, mut seed: u32) -> Vec<BodyHandle> {
+fn gas(world: &mut World, half: f32, speed: f32, seed: u64) -> Vec<BodyHandle> {
     let e = bouncy(1.0, 0.0);
     for way in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z] {
         let extent = Vec3::splat(half + 1.0) * (Vec3::ONE - way.abs()) + way.abs() * 0.5;
         let wall = shape(Geometry::Box { half_extents: extent }, e);
         world.add_body(&BodyDesc::fixed().at(way * (half + 0.5)).with_shape(wall)).unwrap();
     }
-    let mut random = || {
-        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (seed >> 8) as f32 / 16_777_216.0 - 0.5
-    };
+    let mut random = Random(seed);
     let mut add = |i: i32| {
         let at = Vec3::new((i / 16) as f32, (i / 4 % 4) as f32, (i % 4) as f32) * 0.7 - Vec3::splat(1.05);
-        let v = Vec3::new(random(), random(), random()).normalize() * speed;
+        let v = random.cube().normalize() * speed;
         world.add_body(&ball(0.2, 1000.0, e, at, v)).unwrap()
     };
     (0..50).map(&mut add).collect()
@@ -274,16 +272,11 @@ fn what_whirls_keeps_its_energy_over_ten_bounces() {
         for hz in RATES {
             for substeps in [1, 2, 4, 8] {
                 for seed in 0..20 {
-                    let mut random = 7919 * seed + 17;
-                    let mut random = || {
-                        random = 1_664_525_u32.wrapping_mul(random).wrapping_add(1_013_904_223);
-                        (random >> 8) as f32 / 8_388_608.0 - 1.0
-                    };
-                    let [x, y, z, w] = std::array::from_fn(|_| random());
-                    let spin = 20.0 * Vec3::from_array(std::array::from_fn(|_| random()));
+                    let mut random = Random(seed);
+                    let (turned, spin) = (random.rotation(), 20.0 * random.cube());
                     let body = dynamic(geometry.clone(), bouncy(1.0, 0.0), Vec3::new(0.2, 2.0, 0.1));
                     let mut body = body.moving(Vec3::ZERO, spin);
-                    body.rotation = Quat::from_xyzw(x, y, z, w).normalize();
+                    body.rotation = turned;
                     let (kept, most) = bounce_on(floor, &body, (hz, substeps));
                     let case = format!("{geometry:?} on {floor:?} at {hz} Hz, {substeps} substeps, {seed}");
                     let (least, limit) = if hz == 30.0 { (0.97, 1.015) } else { (0.98, 1.005) };

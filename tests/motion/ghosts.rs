@@ -5,40 +5,13 @@
 //! flyer, in every orientation that it takes while it passes, wholly before it. Both follow from support points.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
+use crate::common::random::Random;
 use backstop::glam::{DQuat, DVec3, Quat, Vec3};
 use backstop::{BodyDesc, Continuous, ConvexHull, Geometry, Settings, ShapeDesc, TriangleMesh, World};
 use std::sync::Arc;
 
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-    fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1u64 << 53) as f64
-    }
-    fn range(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-    fn direction(&mut self) -> DVec3 {
-        loop {
-            let v = DVec3::new(self.range(-1.0, 1.0), self.range(-1.0, 1.0), self.range(-1.0, 1.0));
-            if (0.01..1.0).contains(&v.length_squared()) {
-                return v.normalize();
-            }
-        }
-    }
-    fn rotation(&mut self) -> DQuat {
-        DQuat::from_axis_angle(self.direction(), self.range(0.0, 6.3))
-    }
-    fn pick<T: Copy>(&mut self, from: &[T]) -> T {
-        from[self.next() as usize % from.len()]
-    }
+fn rotation(rng: &mut Random) -> DQuat {
+    DQuat::from_axis_angle(rng.direction64(), rng.range64(0.0, 6.3))
 }
 
 /// A shape, and the points (with a radius around them) whose hull it is.
@@ -95,7 +68,8 @@ fn form(kind: usize, (thin, long): (f64, f64), rng: &mut Random) -> Form {
         2 => solid(Geometry::cuboid(t, l, t), corners(thin, long, thin)),
         3 => solid(Geometry::cylinder(l, t), rim(long, thin)),
         4 => {
-            let points: Vec<Vec3> = (0..16).map(|_| rng.direction().as_vec3() * Vec3::new(t, l, t)).collect();
+            let points: Vec<Vec3> =
+                (0..16).map(|_| rng.direction64().as_vec3() * Vec3::new(t, l, t)).collect();
             let hull = ConvexHull::new(&points).unwrap();
             let seen = hull.vertices().iter().chain(&points).map(|p| p.as_dvec3()).collect();
             solid(Geometry::Hull(Arc::new(hull)), seen)
@@ -125,17 +99,17 @@ fn world(continuous: Continuous) -> World {
 fn flight(seed: u64, speeds: &[f64]) -> Flight {
     let rng = &mut Random(seed);
     let kind = seed as usize % 5;
-    let long = 0.02 * 15f64.powf(rng.unit());
-    let thin = long * rng.range(0.1, 1.0);
+    let long = 0.02 * 15f64.powf(rng.range64(0.0, 1.0));
+    let thin = long * rng.range64(0.1, 1.0);
     let flyer = form(kind, (thin, long), rng);
-    let dt = rng.pick(&[1.0 / 240.0, 1.0 / 120.0, 1.0 / 60.0, 1.0 / 30.0, 1.0 / 20.0]);
-    let speed = rng.pick(speeds);
-    let way = rng.direction();
-    let spin = if rng.next() & 1 == 0 { DVec3::ZERO } else { rng.direction() * rng.range(0.0, 60.0) };
+    let dt = rng.of(&[1.0 / 240.0, 1.0 / 120.0, 1.0 / 60.0, 1.0 / 30.0, 1.0 / 20.0]);
+    let speed = rng.of(speeds);
+    let way = rng.direction64();
+    let spin = if rng.bits() & 1 == 0 { DVec3::ZERO } else { rng.direction64() * rng.range64(0.0, 60.0) };
     let velocity = way * speed;
     let body = BodyDesc::dynamic()
         .with_shape(ShapeDesc::new(flyer.geometry.clone()))
-        .rotated(rng.rotation().as_quat())
+        .rotated(rotation(rng).as_quat())
         .moving(velocity.as_vec3(), spin.as_vec3());
 
     let length = (3.0 * speed * f64::from(dt) + 1.0).min(120.0 * speed * f64::from(dt));
@@ -164,21 +138,21 @@ fn flight(seed: u64, speeds: &[f64]) -> Flight {
 
     let mut posts = Vec::new();
     for _ in 0..6 {
-        let kind = rng.pick(&[1, 2, 2, 3, 4, 5, 5]);
-        let long = rng.range(0.1, 1.0);
-        let thin = long * rng.range(0.1, 1.0);
+        let kind = rng.of(&[1, 2, 2, 3, 4, 5, 5]);
+        let long = rng.range64(0.1, 1.0);
+        let thin = long * rng.range64(0.1, 1.0);
         let post = form(kind, (thin, long), rng);
-        let turned = rng.rotation().as_quat();
+        let turned = rotation(rng).as_quat();
         // The plane: through the flight, and perpendicular to `up`.
         let up = way.any_orthonormal_vector();
-        let up = DQuat::from_axis_angle(way, rng.range(0.0, 6.3)) * up;
-        let at = rng.range(0.0, length);
+        let up = DQuat::from_axis_angle(way, rng.range64(0.0, 6.3)) * up;
+        let at = rng.range64(0.0, length);
         let near = flyer.reach() + post.reach() * 2.0 + 0.01;
         let passing = seen.iter().filter(|(p, _)| (p.dot(way) - at).abs() < near);
         let lowest =
             passing.map(|(p, q)| *p + flyer.support(*q, -up)).min_by(|a, b| a.dot(up).total_cmp(&b.dot(up)));
         let Some(lowest) = lowest else { continue };
-        let gap = rng.pick(&[0.001, 0.001, 0.002, 0.005, 0.01, 0.05, 0.2]) + 2e-5;
+        let gap = rng.of(&[0.001, 0.001, 0.002, 0.005, 0.01, 0.05, 0.2]) + 2e-5;
         let top = post.support(turned.as_dquat().normalize(), up);
         // Sideways as the lowest point passes, so that this is the distance, not just a bound.
         let side = way.cross(up);

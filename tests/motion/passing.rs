@@ -1,25 +1,10 @@
 //! What a body meets that the planes of the step's start don't show: a plate that turns under it, and a wall behind which its end
 //! is while its centre is in front.
 
+use crate::common::random::Random;
 use backstop::glam::{Quat, Vec3};
 use backstop::{BodyDesc, BodyHandle, Geometry, Settings, ShapeDesc, TriangleMesh, World};
 use std::sync::Arc;
-
-/// A linear congruential generator (Knuth's MMIX constants).
-struct Random(u64);
-
-impl Random {
-    fn range(&mut self, from: f32, to: f32) -> f32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        from + (to - from) * ((self.0 >> 40) as f32 / (1 << 24) as f32)
-    }
-
-    fn direction(&mut self) -> Vec3 {
-        let (y, turn) = (self.range(-1.0, 1.0), self.range(0.0, std::f32::consts::TAU));
-        let flat = (1.0 - y * y).sqrt();
-        Vec3::new(flat * libm::cosf(turn), y, flat * libm::sinf(turn))
-    }
-}
 
 /// A plate of 4 m by 4 m that turns freely, and a ball of about its mass that slides along it.
 struct Plate {

@@ -6,6 +6,7 @@
 //! hundredths of a millimetre. The bounds are ten to a hundred times that.
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 use crate::common;
+use crate::common::random::Random;
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::Standing;
@@ -227,10 +228,7 @@ fn what_stands_does_so_at_steps_that_alternate() {
 
 /// Between two lengths [s], the same in every run.
 fn random_step(step: u32, least: f32, most: f32) -> f32 {
-    let mut bits = (step + 1).wrapping_mul(0x9E37_79B9);
-    bits = (bits ^ bits >> 16).wrapping_mul(0x85EB_CA6B);
-    bits = (bits ^ bits >> 13).wrapping_mul(0xC2B2_AE35);
-    least + (most - least) * ((bits ^ bits >> 16) >> 8) as f32 / (1 << 24) as f32
+    Random(u64::from(step)).range(least, most)
 }
 
 /// Springs follow the usual substep; since they bear no part of a known load, what stands does not.

@@ -1,6 +1,7 @@
 //! What slides over a flat mesh feels no edge in it, at any speed; a wall in the same mesh stops it.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
+use crate::common::random::Random;
 use backstop::glam::{DVec3, Quat, Vec2, Vec3};
 use backstop::{
     BodyDesc, Combine, ConvexHull, Geometry, HeightField, Material, Settings, ShapeDesc, TriangleMesh, World,
@@ -49,11 +50,8 @@ fn round_forms() -> Vec<(&'static str, Geometry, Quat, f64)> {
 
 /// A strip of `nx` by `nz` cells from -LONG to LONG and -WIDE to WIDE, shaken sideways by a share of a cell.
 fn strip(nx: usize, nz: usize, shake: f32, height: impl Fn(f32, f32) -> f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
-    let mut state = 7u64;
-    let mut random = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 40) as f32 / (1u64 << 24) as f32 - 0.5
-    };
+    let mut random = Random(7);
+    let mut random = || random.range(-0.5, 0.5);
     let (dx, dz) = (2.0 * LONG / nx as f32, 2.0 * WIDE / nz as f32);
     let mut vertices = Vec::new();
     for i in 0..=nx {

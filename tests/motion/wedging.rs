@@ -1,5 +1,6 @@
 //! What lands hard on rough ground gets off it again: thin plates and lopsided shapes do not stay stuck in it.
 
+use crate::common::random::Random;
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::Terrain;
 use backstop::{BodyDesc, BodyHandle, Filter, Geometry, Settings, ShapeDesc, TriangleMesh, World};
@@ -9,26 +10,6 @@ const STEPS: usize = 500;
 /// The last of them, in which nothing may need to be held any more.
 const LAST: usize = 100;
 const BODIES: usize = 400;
-
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn range(&mut self, low: f32, high: f32) -> f32 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        low + (high - low) * (((z ^ (z >> 31)) >> 40) as f32 / (1u64 << 24) as f32)
-    }
-    fn direction(&mut self) -> Vec3 {
-        loop {
-            let v = Vec3::new(self.range(-1.0, 1.0), self.range(-1.0, 1.0), self.range(-1.0, 1.0));
-            if (0.1..1.0).contains(&v.length()) {
-                return v.normalize();
-            }
-        }
-    }
-}
 
 /// Thrown at 20 to 60 m/s, spinning: the centre of mass of every one stays above the ground, and once they have come to
 /// rest the guard has nothing left to do. A plate of 2 cm overlaps the ground by its whole thickness as soon as it is

@@ -3,8 +3,9 @@
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 
+use crate::common::random::Random;
 use crate::common::{self, Floor};
-use backstop::glam::{DVec3, EulerRot, Quat, Vec2, Vec3};
+use backstop::glam::{DVec3, Quat, Vec2, Vec3};
 use backstop::scene::Terrain;
 use backstop::{
     BodyDesc, BodyHandle, Error, Geometry, HeightField, Material, Mover, MoverReport, MoverSettings,
@@ -490,21 +491,6 @@ fn nothing_is_too_fast_for_it() {
     }
 }
 
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 40) as f32 / (1u64 << 24) as f32
-    }
-    fn signed(&mut self) -> f32 {
-        2.0 * self.unit() - 1.0
-    }
-    fn turn(&mut self) -> Quat {
-        Quat::from_euler(EulerRot::YXZ, 6.3 * self.unit(), 6.3 * self.unit(), 6.3 * self.unit())
-    }
-}
-
 #[test]
 fn edges_inside_a_mesh_are_not_felt() {
     // Level, with small triangles: the height stays as it is, and nothing is run into.
@@ -587,7 +573,7 @@ fn crowd(random: &mut Random, moving: bool) -> World {
             3 => Geometry::cylinder(y, x),
             _ => common::flat_mesh(2, 0.5 * x),
         };
-        let turn = random.turn();
+        let turn = random.rotation();
         if moving && i % 2 == 0 {
             let velocity = Vec3::new(random.signed(), 0.3 * random.signed(), random.signed()) * 2.0;
             let body = BodyDesc::kinematic().at(at).rotated(turn).with_shape(ShapeDesc::new(geometry));

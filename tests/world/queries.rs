@@ -4,6 +4,7 @@
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 use crate::common;
+use crate::common::random::Random;
 
 use backstop::glam::{DVec3, Quat, Vec2, Vec3};
 use backstop::{
@@ -443,41 +444,22 @@ fn what_sleeps_is_seen_as_well() {
     assert_eq!(lines, [vec![floor], vec![floor], vec![balls[1], floor], vec![balls[2], floor]]);
 }
 
-/// SplitMix64.
-struct Random(u64);
-impl Random {
-    fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-    fn range(&mut self, low: f32, high: f32) -> f32 {
-        low + (high - low) * ((self.bits() >> 40) as f32 / (1u64 << 24) as f32)
-    }
-    fn cube(&mut self) -> Vec3 {
-        Vec3::new(self.range(-1.0, 1.0), self.range(-1.0, 1.0), self.range(-1.0, 1.0))
-    }
-    fn rotation(&mut self) -> Quat {
-        let (v, w) = (self.cube(), self.range(0.01, 1.0));
-        Quat::from_xyzw(v.x, v.y, v.z, w).normalize()
-    }
-    /// On a grid of 1/64 m, which numbers of 1e6 m still know.
-    fn on_grid(&mut self, size: f32) -> DVec3 {
-        (self.cube() * size * 64.0).round().as_dvec3() / 64.0
-    }
-    fn convex(&mut self, kind: usize) -> Geometry {
-        let mut size = || self.range(0.2, 1.0);
-        let (x, y, z) = (size(), size(), size());
-        match kind % 5 {
-            0 => ball(x),
-            1 => Geometry::capsule(x, y),
-            2 => Geometry::cuboid(x, y, z),
-            3 => Geometry::cylinder(x, y),
-            _ => {
-                let points: Vec<Vec3> = (0..20).map(|_| self.cube()).collect();
-                Geometry::Hull(Arc::new(ConvexHull::new(&points).unwrap()))
-            }
+/// On a grid of 1/64 m, which numbers of 1e6 m still know.
+fn on_grid(random: &mut Random, size: f32) -> DVec3 {
+    (random.cube() * size * 64.0).round().as_dvec3() / 64.0
+}
+
+fn convex(random: &mut Random, kind: usize) -> Geometry {
+    let mut size = || random.range(0.2, 1.0);
+    let (x, y, z) = (size(), size(), size());
+    match kind % 5 {
+        0 => ball(x),
+        1 => Geometry::capsule(x, y),
+        2 => Geometry::cuboid(x, y, z),
+        3 => Geometry::cylinder(x, y),
+        _ => {
+            let points: Vec<Vec3> = (0..20).map(|_| random.cube()).collect();
+            Geometry::Hull(Arc::new(ConvexHull::new(&points).unwrap()))
         }
     }
 }
@@ -489,8 +471,8 @@ fn crowd(centre: DVec3, seed: u64, order: &[usize]) -> World {
     let mut descs: Vec<BodyDesc> = (0..order.len() - 1)
         .map(|i| {
             let kind = [BodyDesc::dynamic(), BodyDesc::fixed(), BodyDesc::kinematic()][i % 3].clone();
-            let at = centre + random.on_grid(20.0);
-            let (turned, shape) = (random.rotation(), random.convex(i));
+            let at = centre + on_grid(&mut random, 20.0);
+            let (turned, shape) = (random.rotation(), convex(&mut random, i));
             kind.at(at).rotated(turned).with_shape(ShapeDesc::new(shape))
         })
         .collect();
@@ -528,13 +510,13 @@ fn answers(world: &World, centre: DVec3, seed: u64, count: usize) -> Vec<Answer>
         }));
     };
     for i in 0..count {
-        let (from, path) = (random.on_grid(25.0), random.cube() * 40.0);
+        let (from, path) = (on_grid(&mut random, 25.0), random.cube() * 40.0);
         let at = centre + from;
         let hit = world.cast_ray(&Ray::new(at, path), &ALL()).unwrap();
         add(hit.map(|h| (h.body, h.triangle, h.fraction, h.normal)));
         let found = world.closest_point(at, 9.0, &ALL()).unwrap();
         add(found.map(|f| (f.body, f.triangle, f.distance, f.normal)));
-        let (shape, turned) = (random.convex(i), random.rotation());
+        let (shape, turned) = (convex(&mut random, i), random.rotation());
         let cast = ShapeCast::new(&shape, at, path).rotated(turned);
         let hit = world.cast_shape(&cast, &ALL()).unwrap();
         add(hit.map(|h| (h.body, h.triangle, h.fraction, h.normal)));
@@ -661,9 +643,9 @@ fn crowd_and_meshes(centre: DVec3) -> World {
 fn bundles(centre: DVec3) -> Vec<Vec<Ray>> {
     let mut random = Random(12);
     let scattered: Vec<Ray> =
-        (0..700).map(|_| Ray::new(centre + random.on_grid(25.0), random.cube() * 40.0)).collect();
+        (0..700).map(|_| Ray::new(centre + on_grid(&mut random, 25.0), random.cube() * 40.0)).collect();
     let mut camera = |down: f32, wide: f32, far: f32| -> Vec<Ray> {
-        let eye = centre + random.on_grid(8.0) + DVec3::Y * 5.0;
+        let eye = centre + on_grid(&mut random, 8.0) + DVec3::Y * 5.0;
         let place = |i: i32| ((i as f32 + 0.5) / 16.0 - 1.0) * wide;
         let way = |i: i32| Vec3::new(place(i % 32), down, place(i / 32) + 0.3);
         (0..32 * 32).map(|i| Ray::new(eye, way(i) * far)).collect()
@@ -878,7 +860,7 @@ fn another_library_says_the_same() {
     let mesh = Geometry::Mesh(Arc::new(TriangleMesh::new(vertices, triangles.collect()).unwrap()));
     let (mut rays, mut casts, mut overlaps, mut odd) = (0, 0, 0, 0);
     for i in 0..6000 {
-        let geometry = if i % 6 == 5 { mesh.clone() } else { random.convex(i % 6) };
+        let geometry = if i % 6 == 5 { mesh.clone() } else { convex(&mut random, i % 6) };
         let other = in_parry(&geometry);
         let turned = random.rotation();
         let mut world = world();
@@ -909,7 +891,7 @@ fn another_library_says_the_same() {
         let theirs = asked.distance_to_point(&pose, vector(from), true);
         assert!((found.distance - theirs).abs() < 1e-3, "{i}: {found:?} {theirs}");
 
-        let shape = random.convex(i / 6);
+        let shape = convex(&mut random, i / 6);
         let (moving, turn) = (in_parry(&shape), random.rotation());
         let start = Pose::from_parts(vector(from), Rotation::from_array(turn.to_array()));
         let ours = world.overlap_any(&shape, from.as_dvec3(), turn, &ALL()).unwrap();

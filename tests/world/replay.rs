@@ -1,6 +1,7 @@
 //! What was recorded plays again to the bit, at any number of threads, and what is not a recording is refused.
 #![cfg(feature = "replay")]
 use crate::common;
+use crate::common::random::Random;
 
 use backstop::glam::{DVec3, Mat3, Quat, Vec2, Vec3};
 use backstop::replay::{Played, Progress, Recorded, RecordingBuffer, Replay, ReplayError, Stage};
@@ -90,36 +91,6 @@ fn recording_changes_nothing() {
     assert_eq!(world.hash(), hash);
 }
 
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-    fn below(&mut self, n: usize) -> usize {
-        (self.next() % n as u64) as usize
-    }
-    fn unit(&mut self) -> f32 {
-        (self.next() >> 40) as f32 / (1u64 << 24) as f32
-    }
-    fn cube(&mut self) -> Vec3 {
-        Vec3::new(self.unit(), self.unit(), self.unit()) * 2.0 - 1.0
-    }
-    fn rotation(&mut self) -> Quat {
-        Quat::from_vec4((self.cube() + Vec3::splat(1e-3)).extend(self.unit())).normalize()
-    }
-    fn yes(&mut self) -> bool {
-        self.next() & 1 == 0
-    }
-    fn of<T: Copy>(&mut self, list: &[T]) -> T {
-        list[self.below(list.len())]
-    }
-}
-
 /// Hooks that nobody could guess: what they say depends on how often they were asked.
 #[derive(Default)]
 struct Moody(AtomicU32);
@@ -196,7 +167,7 @@ impl Churn {
         shape.rotation = if convex { r.rotation() } else { Quat::IDENTITY };
         shape.material.restitution = if r.below(4) == 0 { 0.5 } else { 0.0 };
         shape.sensor = convex && r.below(8) == 0;
-        (shape.events, shape.hooks, shape.user_data) = (r.below(3) == 0, r.below(3) == 0, r.next());
+        (shape.events, shape.hooks, shape.user_data) = (r.below(3) == 0, r.below(3) == 0, r.bits());
         shape
     }
 
@@ -212,9 +183,9 @@ impl Churn {
             .at((r.cube() * 4.0 + Vec3::Y * 5.0).as_dvec3())
             .rotated(if kind == BodyKind::Static { Quat::IDENTITY } else { r.rotation() })
             .moving(r.cube() * 10.0, r.cube() * 5.0);
-        (desc.shapes, desc.user_data, desc.can_sleep) = (shapes, r.next(), r.below(10) > 0);
+        (desc.shapes, desc.user_data, desc.can_sleep) = (shapes, r.bits(), r.below(10) > 0);
         if r.below(6) == 0 {
-            desc.lock_rotation = [r.yes(), r.yes(), r.yes()];
+            desc.lock_rotation = [r.chance(0.5), r.chance(0.5), r.chance(0.5)];
         }
         if kind == BodyKind::Static {
             desc.position.y -= 6.0;
@@ -231,7 +202,7 @@ impl Churn {
 
     fn settings(&mut self) -> Settings {
         let r = &mut self.random;
-        let order = if r.yes() { Order::default() } else { Order::default().reversed() };
+        let order = if r.chance(0.5) { Order::default() } else { Order::default().reversed() };
         Settings {
             substeps: 1 + r.below(5) as u32,
             iterations: 1 + r.below(3) as u32,
@@ -262,7 +233,7 @@ impl Churn {
             2 => JointDesc::distance(pair, frames, 0.0, 3.0),
             _ => JointDesc::fixed(pair, frames),
         };
-        joint.breaking(if r.yes() { 2000.0 } else { f32::INFINITY }, f32::INFINITY)
+        joint.breaking(if r.chance(0.5) { 2000.0 } else { f32::INFINITY }, f32::INFINITY)
     }
 
     /// One call, refused or not.
@@ -278,7 +249,7 @@ impl Churn {
         let joint = self.joints.get(self.random.below(self.joints.len().max(1))).copied();
         let above = self.random.of(&[None, Some(RowGroup::Contacts), Some(RowGroup::StaticContacts)]);
         let (v, w, q) = (self.random.cube(), self.random.cube(), self.random.rotation());
-        let (yes, also) = (self.random.yes(), self.random.yes());
+        let (yes, also) = (self.random.chance(0.5), self.random.chance(0.5));
         let world = &mut self.world;
         // Errors are for calls that make no sense, and are not in the recording.
         let _ = match what {

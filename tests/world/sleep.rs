@@ -1,6 +1,7 @@
 //! What is at rest sleeps, in islands; what touches it, moves it or takes its support away wakes it.
 
 use crate::common;
+use crate::common::random::Random;
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::builtin;
@@ -330,11 +331,8 @@ fn sleep_does_not_depend_on_threads() {
 #[test]
 fn bodies_come_and_go_while_others_sleep() {
     let mut world = floor();
-    let mut x = 7u32;
-    let mut below = |n: usize| {
-        x = x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (x >> 8) as usize % n
-    };
+    let mut random = Random(7);
+    let mut below = |n: usize| random.below(n);
     let mut bodies: Vec<BodyHandle> = Vec::new();
     let (mut most, mut slept, mut woke) = (0, 0, 0);
     for round in 0..3000 {

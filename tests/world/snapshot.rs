@@ -2,6 +2,7 @@
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 use crate::common;
+use crate::common::random::Random;
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::{Scene, builtin};
@@ -165,25 +166,6 @@ fn another_number_of_threads_goes_on_to_the_same_bits() {
     }
 }
 
-/// Pseudo-random numbers, the same each time.
-struct Rng(u64);
-
-impl Rng {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        self.0 >> 33
-    }
-    fn below(&mut self, n: usize) -> usize {
-        self.next() as usize % n.max(1)
-    }
-    fn unit(&mut self) -> f32 {
-        self.next() as f32 / (1u64 << 31) as f32
-    }
-    fn vec(&mut self) -> Vec3 {
-        Vec3::new(self.unit() - 0.5, self.unit() - 0.5, self.unit() - 0.5) * 2.0
-    }
-}
-
 /// A world and what a game remembers of it: part of what is rolled back.
 #[derive(Default)]
 struct Game {
@@ -199,14 +181,14 @@ impl Game {
         game.world.add_body(&common::Floor::Mesh.desc(Material::default())).unwrap();
         let wall = ShapeDesc::new(Geometry::cuboid(0.2, 1.0, 4.0));
         game.bodies.push(game.world.add_body(&BodyDesc::fixed().at(Vec3::X * 4.0).with_shape(wall)).unwrap());
-        let mut rng = Rng(7);
+        let mut rng = Random(7);
         for _ in 0..40 {
             game.add(&mut rng);
         }
         game
     }
 
-    fn geometry(rng: &mut Rng) -> Geometry {
+    fn geometry(rng: &mut Random) -> Geometry {
         match rng.below(5) {
             0 => Geometry::Sphere { radius: 0.2 + 0.2 * rng.unit() },
             1 => Geometry::capsule(0.2, 0.15 + 0.1 * rng.unit()),
@@ -215,17 +197,17 @@ impl Game {
         }
     }
 
-    fn add(&mut self, rng: &mut Rng) {
+    fn add(&mut self, rng: &mut Random) {
         let mut shape = ShapeDesc::new(Game::geometry(rng));
         shape.material.restitution = if rng.below(4) == 0 { 0.6 } else { 0.0 };
-        let at = rng.vec() * 3.0 + Vec3::Y * 4.0;
+        let at = rng.cube() * 3.0 + Vec3::Y * 4.0;
         let desc = match rng.below(12) {
-            0 => BodyDesc::kinematic().at(at).with_shape(shape).moving(rng.vec(), rng.vec()),
+            0 => BodyDesc::kinematic().at(at).with_shape(shape).moving(rng.cube(), rng.cube()),
             1 => BodyDesc::fixed().at(at - Vec3::Y * 3.5).with_shape(shape),
-            2 => BodyDesc::dynamic().at(at).with_shape(shape).moving(rng.vec() * 300.0, rng.vec() * 20.0),
+            2 => BodyDesc::dynamic().at(at).with_shape(shape).moving(rng.cube() * 300.0, rng.cube() * 20.0),
             3 => {
                 let mut second = ShapeDesc::new(Game::geometry(rng));
-                second.position = rng.vec() * 0.3;
+                second.position = rng.cube() * 0.3;
                 BodyDesc::dynamic().at(at).with_shape(shape).with_shape(second)
             }
             _ => BodyDesc::dynamic().at(at).with_shape(shape),
@@ -233,12 +215,12 @@ impl Game {
         self.bodies.push(self.world.add_body(&desc).unwrap());
     }
 
-    fn some(&self, rng: &mut Rng) -> BodyHandle {
+    fn some(&self, rng: &mut Random) -> BodyHandle {
         self.bodies[rng.below(self.bodies.len())]
     }
 
     /// Any call that a game may make. What is refused must be refused again.
-    fn call(&mut self, rng: &mut Rng) {
+    fn call(&mut self, rng: &mut Random) {
         let body = self.some(rng);
         let world = &mut self.world;
         match rng.below(24) {
@@ -250,7 +232,7 @@ impl Game {
             }
             5 => {
                 let other = self.bodies[rng.below(self.bodies.len())];
-                let frames = [Frame::at(rng.vec() * 0.4), Frame::at(rng.vec() * 0.4)];
+                let frames = [Frame::at(rng.cube() * 0.4), Frame::at(rng.cube() * 0.4)];
                 let desc = match rng.below(4) {
                     0 => JointDesc::ball([body, other], frames),
                     1 => JointDesc::hinge([body, other], frames).breaking(3000.0, 3000.0),
@@ -271,12 +253,12 @@ impl Game {
             }
             8 => {
                 // What joints have thrown beyond all speeds takes none.
-                let _ = world.apply_impulse(body, rng.vec() * 100.0, DVec3::Y);
+                let _ = world.apply_impulse(body, rng.cube() * 100.0, DVec3::Y);
             }
-            9 => world.add_force(body, rng.vec() * 500.0, rng.vec()).unwrap(),
-            10 => world.set_velocity(body, rng.vec() * 5.0, rng.vec()).unwrap(),
+            9 => world.add_force(body, rng.cube() * 500.0, rng.cube()).unwrap(),
+            10 => world.set_velocity(body, rng.cube() * 5.0, rng.cube()).unwrap(),
             11 => {
-                let at = (rng.vec() * 3.0 + Vec3::Y * 2.0).as_dvec3();
+                let at = (rng.cube() * 3.0 + Vec3::Y * 2.0).as_dvec3();
                 world.set_pose(body, at, Quat::IDENTITY).unwrap();
             }
             12 => world.wake(body).unwrap(),
@@ -321,13 +303,13 @@ impl Game {
                     .unwrap();
             }
             22 => world.raise_body(body, None).unwrap(),
-            _ => world.set_origin(rng.vec().as_dvec3()).unwrap(),
+            _ => world.set_origin(rng.cube().as_dvec3()).unwrap(),
         }
         let world = &self.world;
         self.joints.retain(|&joint| world.contains_joint(joint));
     }
 
-    fn frame(&mut self, rng: &mut Rng) -> u64 {
+    fn frame(&mut self, rng: &mut Random) -> u64 {
         for _ in 0..rng.below(4) {
             self.call(rng);
         }
@@ -345,18 +327,18 @@ fn random_calls(seed: u64, frames: usize, sleeping: bool) {
     let mut saved = Vec::new();
     let mut hashes = Vec::new();
     for &input in &inputs {
-        let mut rng = Rng(input);
+        let mut rng = Random(input);
         // Between the calls of a frame, not only before them.
         for _ in 0..rng.below(3) {
             game.call(&mut rng);
         }
         let mut snapshot = Snapshot::new();
         game.world.snapshot(&mut snapshot);
-        saved.push((snapshot, game.bodies.clone(), game.joints.clone(), Rng(rng.0)));
+        saved.push((snapshot, game.bodies.clone(), game.joints.clone(), rng.clone()));
         hashes.push(game.frame(&mut rng));
     }
     let mut other = Game::new(sleeping, 1);
-    let mut rng = Rng(seed);
+    let mut rng = Random(seed);
     for round in 0..12 {
         let game = if round % 3 == 2 { &mut other } else { &mut game };
         let from = rng.below(frames);
@@ -370,10 +352,10 @@ fn random_calls(seed: u64, frames: usize, sleeping: bool) {
             game.world.restore(&Snapshot::from_bytes(&bytes).unwrap()).unwrap();
         }
         (game.bodies, game.joints) = (bodies.clone(), joints.clone());
-        let mut state = Rng(state.0);
+        let mut state = state.clone();
         for frame in from..frames.min(from + 25) {
             if frame > from {
-                state = Rng(inputs[frame]);
+                state = Random(inputs[frame]);
                 for _ in 0..state.below(3) {
                     game.call(&mut state);
                 }
@@ -492,7 +474,7 @@ fn a_snapshot_of_another_world_is_refused_and_changes_nothing() {
 #[test]
 fn any_bytes_are_refused_or_can_be_stepped_on() {
     let mut game = Game::new(true, 1);
-    let mut rng = Rng(3);
+    let mut rng = Random(3);
     for _ in 0..150 {
         game.frame(&mut rng);
     }
@@ -508,7 +490,7 @@ fn any_bytes_are_refused_or_can_be_stepped_on() {
                     if round % 2 == 0 { rng.below(bytes.len()) } else { rng.below(bytes.len().min(400)) };
                 match rng.below(4) {
                     0 => bytes[place] ^= 1 << rng.below(8),
-                    1 => bytes[place] = rng.next() as u8,
+                    1 => bytes[place] = rng.bits() as u8,
                     2 => bytes[place] = 0xff,
                     _ if round % 7 == 0 => bytes.truncate(place),
                     _ => bytes[place] = bytes[place].wrapping_add(1),

@@ -2,6 +2,7 @@
 //! world can be stepped on, without a panic and with numbers only.
 
 use crate::common;
+use crate::common::random::Random;
 
 use backstop::glam::{DVec3, Quat, Vec2, Vec3};
 use backstop::{
@@ -13,19 +14,6 @@ use std::sync::Arc;
 const DT: f32 = 1.0 / 60.0;
 /// Words of the head, of which the last two are the checksum.
 const HEAD: usize = 14;
-
-/// Pseudo-random numbers, the same each time.
-struct Rng(u64);
-
-impl Rng {
-    fn next(&mut self) -> u32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 32) as u32
-    }
-    fn below(&mut self, n: usize) -> usize {
-        self.next() as usize % n
-    }
-}
 
 /// What the worlds are made of, built once.
 struct Shared {
@@ -116,7 +104,7 @@ fn words_of(bytes: &[u8]) -> Vec<u32> {
 }
 
 /// Flips a bit, puts in a number, moves or copies a word, scales a float.
-fn change(rng: &mut Rng, words: &mut [u32]) {
+fn change(rng: &mut Random, words: &mut [u32]) {
     const SPECIAL: [u32; 18] = [
         0,
         1,
@@ -143,7 +131,7 @@ fn change(rng: &mut Rng, words: &mut [u32]) {
         let (at, other) = (HEAD + rng.below(end - HEAD), HEAD + rng.below(words.len() - HEAD));
         match rng.below(10) {
             0 | 1 => words[at] ^= 1 << rng.below(32),
-            2 => words[at] = rng.next(),
+            2 => words[at] = rng.bits() as u32,
             3 | 4 => words[at] = SPECIAL[rng.below(SPECIAL.len())],
             5 => words[at] = words[at].wrapping_add(1),
             6 => words[at] = words[at].wrapping_sub(1),
@@ -188,8 +176,7 @@ fn try_all(seed: u64, count: usize) -> usize {
         .collect();
     let mut taken = 0;
     for round in 0..count {
-        let mut rng = Rng(seed.wrapping_add(round as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
-        rng.next();
+        let mut rng = Random(seed.wrapping_add(round as u64));
         let (which, whole) = (rng.below(3), usize::from(rng.below(3) > 0));
         let (world, good, words) = &mut worlds[which];
         let mut words = words[whole].clone();
