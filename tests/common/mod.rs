@@ -9,6 +9,7 @@ use backstop::{
 };
 use std::sync::Arc;
 
+pub(crate) mod data;
 pub(crate) mod piles;
 pub(crate) mod random;
 pub(crate) mod snapshots;

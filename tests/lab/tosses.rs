@@ -1,5 +1,6 @@
 //! Measured tosses of a cube (`tosses` of `$BACKSTOP_DATA`) beside the same tosses simulated, and one toss by hand.
 
+use crate::common::data::data;
 use backstop::Settings;
 use backstop::glam::{DQuat, DVec3};
 use backstop::lab::tosses::{Cube, Deviation, Sample, deviation};
@@ -47,14 +48,8 @@ fn what_is_no_toss_is_refused() {
 /// default by 12.7 % and 20.2 degrees, so the rotation is held to what was measured here (docs/tosses.md).
 #[test]
 fn measured_tosses_are_followed_as_closely_as_by_others() {
-    let Some(data) = std::env::var_os("BACKSTOP_DATA") else {
-        println!("skipped: BACKSTOP_DATA is not set");
-        return;
-    };
-    let mut files: Vec<_> = std::fs::read_dir(std::path::Path::new(&data).join("tosses"))
-        .unwrap()
-        .map(|file| file.unwrap().path())
-        .collect();
+    let Some(folder) = data("tosses") else { return };
+    let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().path()).collect();
     files.sort();
     let all: Vec<Deviation> = files
         .iter()
