@@ -1,12 +1,13 @@
-//! Whether what stands stays standing: how far the top of a structure has gone, and how fast its bodies are, every 5 s.
+//! Whether what stands stays standing: how far the top of a structure has gone, and how fast its bodies are,
+//! every 5 s.
 //!
 //!     cargo run --release --example rest -- tower 30 120 --hz 60 --substeps 4
 //!
-//! Structure, size and seconds, then `--hz`, `--substeps`, `--iterations`, `--friction patch|point`, `--scale` [m], `--gravity` [m/s²],
-//! `--density` [kg/m³], `--steps even|alternating|hitches|random|wild`. What is put up less well: `--gap`, by which bodies are
-//! higher, as a share of their height; `--aside`, the furthest that each stands off to a side, in units of length; `--kick`, the
-//! fastest that each is pushed to a side after 5 s [m/s]. Without arguments a tower of five stands for 20 s and the example
-//! asserts that.
+//! Structure, size and seconds, then `--hz`, `--substeps`, `--iterations`, `--friction patch|point`,
+//! `--scale` [m], `--gravity` [m/s²], `--density` [kg/m³], `--steps even|alternating|hitches|random|wild`.
+//! What is put up less well: `--gap`, by which bodies are higher, as a share of their height; `--aside`, the
+//! furthest that each stands off to a side, in units of length; `--kick`, the fastest that each is pushed to
+//! a side after 5 s [m/s]. Without arguments a tower of five stands for 20 s and the example asserts that.
 
 #[path = "../tests/common/random.rs"]
 mod random;

@@ -1,6 +1,7 @@
-//! A small world with everything in it, for as long as you like: bodies come and go, sleep and wake, explode, are joined,
-//! switched off and carried about, and the ground is rebuilt, all by a seeded draw. Two worlds do the same on one thread and on
-//! two; they must have the same hash at every look, lose nobody, stay finite, and take no more memory than they did early on.
+//! A small world with everything in it, for as long as you like: bodies come and go, sleep and wake, explode,
+//! are joined, switched off and carried about, and the ground is rebuilt, all by a seeded draw. Two worlds do
+//! the same on one thread and on two; they must have the same hash at every look, lose nobody, stay finite,
+//! and take no more memory than they did early on.
 //!
 //!     cargo run --release --example soak -- 1000000
 //!
@@ -145,8 +146,8 @@ impl Soak {
         Ok(())
     }
 
-    /// Puts back who is not in the room, and counts them: whoever was added or switched on in a wall or in the ground may leave by
-    /// the nearest side; no one else may.
+    /// Puts back who is not in the room, and counts them: whoever was added or switched on in a wall or in
+    /// the ground may leave by the nearest side; no one else may.
     fn look(&mut self) -> Result<(), Error> {
         for i in 0..self.bodies.len() {
             let body = self.bodies[i];

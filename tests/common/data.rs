@@ -1,4 +1,5 @@
-//! Scenes, meshes and measurements that are too large for the repository, and lie beside it (`BACKSTOP_DATA`).
+//! Scenes, meshes and measurements that are too large for the repository, and lie beside it
+//! (`BACKSTOP_DATA`).
 #![allow(dead_code, reason = "each test uses a part of it")]
 
 use std::io::Write;
@@ -18,7 +19,8 @@ pub(crate) fn data(folder: &str) -> Option<PathBuf> {
     Some(path)
 }
 
-/// Says that a test, or a part of it, is skipped. Written past what the harness captures, or nobody would see it.
+/// Says that a test, or a part of it, is skipped. Written past what the harness captures, or nobody would see
+/// it.
 pub(crate) fn skipped(why: &str) {
     let test = std::thread::current();
     let _ = writeln!(std::io::stderr(), "SKIPPED: {}: {why}", test.name().unwrap_or("a test"));

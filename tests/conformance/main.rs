@@ -1,5 +1,6 @@
-//! Scene files do what their names say: the conformance files of the glTF physics extensions if they are at hand
-//! (`BACKSTOP_DATA`), files of the same families written here, and samples and level meshes under a rain of bodies.
+//! Scene files do what their names say: the conformance files of the glTF physics extensions if they are at
+//! hand (`BACKSTOP_DATA`), files of the same families written here, and samples and level meshes under a rain
+//! of bodies.
 #![cfg(feature = "gltf")]
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 #[path = "../common/data.rs"]

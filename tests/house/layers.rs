@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// From the ground up. A module uses those of layers before its own.
 ///
-/// Within `stages` the order counts: each may use those before it. Within the others any may use any, as long as
-/// there is no cycle.
+/// Within `stages` the order counts: each may use those before it. Within the others any may use any, as long
+/// as there is no cycle.
 const LAYERS: &[(&str, &[&str])] = &[
     ("foundation", &["lanes", "memory", "threads", "error", "limits", "load_limits", "handle", "config"]),
     ("data", &["shape", "body", "joint"]),
@@ -31,8 +31,8 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("on a world", &["query", "character", "snapshot", "replay", "debug", "scene", "lab", "bench"]),
 ];
 
-/// In the order of a step, but that events are before constraints, which hooks may edit, and faults before the solver,
-/// which begins again where there are any.
+/// In the order of a step, but that events are before constraints, which hooks may edit, and faults before
+/// the solver, which begins again where there are any.
 const STAGES: &str = "stages";
 
 /// What every unit test may use; no part of the library.

@@ -1,9 +1,9 @@
-//! What swings and spins on joints gains nothing, and loses nothing: pendulums, tops, rotors and trees of bodies against the
-//! conservation of energy and the precession of the heavy top.
+//! What swings and spins on joints gains nothing, and loses nothing: pendulums, tops, rotors and trees of
+//! bodies against the conservation of energy and the precession of the heavy top.
 //!
-//! Joints once started each substep with the impulses of the one before, at arms that had turned since: a pendulum gained
-//! 36 % of its energy in a minute. Gyroscopic torque was that of each body for itself, once a step: a rotor at 300 rad/s kept a
-//! third of its spin.
+//! Joints once started each substep with the impulses of the one before, at arms that had turned since: a
+//! pendulum gained 36 % of its energy in a minute. Gyroscopic torque was that of each body for itself, once a
+//! step: a rotor at 300 rad/s kept a third of its spin.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 
@@ -96,8 +96,9 @@ fn a_box_that_spins_beside_its_centre_keeps_its_energy() {
     }
 }
 
-/// The heavy symmetric top in steady precession: with moments I3 about its axis and I1 across it at the point it stands on,
-/// W = (I3 w - sqrt((I3 w)^2 - 4 I1 m g l cos t)) / (2 I1 cos t) (Goldstein, *Classical Mechanics*, 5.7).
+/// The heavy symmetric top in steady precession: with moments I3 about its axis and I1 across it at the point
+/// it stands on, W = (I3 w - sqrt((I3 w)^2 - 4 I1 m g l cos t)) / (2 I1 cos t) (Goldstein, *Classical
+/// Mechanics*, 5.7).
 #[test]
 fn a_top_precesses_as_theory_says() {
     let (mass, radius, length, tilt) = (2.0_f64, 0.2_f64, 0.2_f64, 0.5_f64);
@@ -223,8 +224,9 @@ fn whirl(of: impl Fn(Pace) -> bool) {
     }
 }
 
-/// What touches something is solved in another way. A ball on a lever that passes just above a box, in each swing, has a contact with it
-/// that does nothing: its energy does not jump where one way takes over from the other.
+/// What touches something is solved in another way. A ball on a lever that passes just above a box, in each
+/// swing, has a contact with it that does nothing: its energy does not jump where one way takes over from the
+/// other.
 #[test]
 fn a_tree_that_nearly_touches_goes_on_as_it_was() {
     let pace = PACES[0];

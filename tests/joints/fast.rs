@@ -1,9 +1,10 @@
 //! Joints of what is hit hard or spins fast: nothing goes to infinity, and joints give no energy.
 //!
-//! Two balls on arms of a metre, one of them hit: a wheel's joint went to NaN from 200 m/s, a slider's from 300 m/s, and a
-//! distance threw them at a hundred times their speed from 150 m/s. Two bodies on a ball joint that whirl at 15 to 24 rad/s
-//! gained up to 35 times their energy in two seconds. A step without a motor can't add energy, whatever the step is long: that is
-//! the expected value of all that follows, with 1 % for rounding and for velocities that are half a substep late under gravity.
+//! Two balls on arms of a metre, one of them hit: a wheel's joint went to NaN from 200 m/s, a slider's from
+//! 300 m/s, and a distance threw them at a hundred times their speed from 150 m/s. Two bodies on a ball joint
+//! that whirl at 15 to 24 rad/s gained up to 35 times their energy in two seconds. A step without a motor
+//! can't add energy, whatever the step is long: that is the expected value of all that follows, with 1 % for
+//! rounding and for velocities that are half a substep late under gravity.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 use crate::common;
@@ -234,7 +235,8 @@ impl Case {
         self.world.add_joint(&desc).unwrap();
     }
 
-    /// The most that was gained in two seconds, as a share of what there was. Whatever a step is asked for, all stays finite.
+    /// The most that was gained in two seconds, as a share of what there was. Whatever a step is asked for,
+    /// all stays finite.
     fn gained(&mut self) -> f64 {
         let start = self.world.energy();
         (0..(2.0 / self.dt) as u32).fold(0.0, |most: f64, step| {
@@ -293,8 +295,8 @@ fn sweep(seeds: std::ops::Range<u64>) -> usize {
     gained.count()
 }
 
-/// Of nets of any joints one in fifty still gains, by stiff springs and by axes that are locked one by one (docs/joints.md); before
-/// energy was looked at it was one in five. All stay finite.
+/// Of nets of any joints one in fifty still gains, by stiff springs and by axes that are locked one by one
+/// (docs/joints.md); before energy was looked at it was one in five. All stay finite.
 #[test]
 fn nets_of_all_kinds_stay_finite_and_few_gain() {
     let gained = sweep(0..60);

@@ -1,6 +1,7 @@
-//! Linear complementarity problems of others (`lcp` of `$BACKSTOP_DATA`) by every exact method. The answers are unique where they are
-//! stated as such: CPS are examples of Cottle, Pang and Stone, *The Linear Complementarity Problem* (1992), `exp_murty` is Murty's
-//! problem that takes 2ⁿ - 1 pivots by the least index; the others are checked by `w = M z + q` itself.
+//! Linear complementarity problems of others (`lcp` of `$BACKSTOP_DATA`) by every exact method. The answers
+//! are unique where they are stated as such: CPS are examples of Cottle, Pang and Stone, *The Linear
+//! Complementarity Problem* (1992), `exp_murty` is Murty's problem that takes 2ⁿ - 1 pivots by the least
+//! index; the others are checked by `w = M z + q` itself.
 
 use crate::common::data::data;
 use backstop::lab::methods::{Effort, Method, Status};
@@ -49,8 +50,8 @@ fn exact_methods_solve_the_problems_of_others_to_ten_digits() {
     }
 }
 
-/// `z >= 0` with `w = M z + q >= 0` can't be where `q` is negative and no column of M can raise it: none of them claims a solution,
-/// and those that can prove it do.
+/// `z >= 0` with `w = M z + q >= 0` can't be where `q` is negative and no column of M can raise it: none of
+/// them claims a solution, and those that can prove it do.
 #[test]
 fn a_problem_without_a_solution_is_not_solved() {
     use backstop::lab::problem::{Matrix, Problem};

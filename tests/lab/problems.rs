@@ -1,6 +1,6 @@
-//! The iterative methods on frictional contact problems and linear complementarity problems that others collected (Siconos and
-//! FCLIB): how far each is after so many sweeps from zero. They lie outside of this repository; where `BACKSTOP_DATA` is not
-//! set, the tests say that they skip.
+//! The iterative methods on frictional contact problems and linear complementarity problems that others
+//! collected (Siconos and FCLIB): how far each is after so many sweeps from zero. They lie outside of this
+//! repository; where `BACKSTOP_DATA` is not set, the tests say that they skip.
 
 use crate::common::data::data;
 use backstop::lab::methods::{Effort, Method, Status};

@@ -37,8 +37,62 @@ fn any_body(random: &mut Random) -> BodyDesc {
     desc.moving(random.cube() * 5.0, random.cube() * 5.0)
 }
 
-/// 40,000 random calls, a step after every twenty: nothing panics, everything stays a number, handles name what they
-/// named, and memory does not grow once the world no longer does.
+/// Changes one thing about a body that the world has.
+fn change(world: &mut World, body: BodyHandle, what: usize, random: &mut Random) {
+    match what {
+        6 => {
+            let at = (random.cube() * 6.0 + Vec3::Y * 7.0).as_dvec3();
+            world.set_pose(body, at, random.rotation()).unwrap();
+        }
+        7 => world.set_velocity(body, random.cube() * 50.0, random.cube() * 50.0).unwrap(),
+        8 => world.add_force(body, random.cube() * 1e4, random.cube() * 1e3).unwrap(),
+        9 => {
+            let at = world.position(body).unwrap() + random.cube().as_dvec3();
+            world.apply_impulse(body, random.cube() * 1e3, at).unwrap();
+        }
+        10 => {
+            let part = shape(any_geometry(random), Material::default());
+            if world.shapes(body).unwrap().count() < 5 {
+                world.add_shape(body, &part).unwrap();
+            }
+        }
+        11 => {
+            let part = world.shapes(body).unwrap().last();
+            // The last shape of a dynamic body stays.
+            if let Some(part) = part {
+                let last = world.shapes(body).unwrap().count() == 1;
+                let removed = world.remove_shape(part);
+                assert!(removed.is_ok() || last && removed == Err(Error::NoMass), "{removed:?}");
+            }
+        }
+        12 => {
+            let part = world.shapes(body).unwrap().next();
+            if let Some(part) = part {
+                let material = Material::default().with_friction(random.range(0.0, 2.0));
+                world.set_material(part, material.with_restitution(random.range(0.0, 1.0))).unwrap();
+                let mask = random.bits() & 7;
+                world.set_filter(part, Filter { mask, ..Filter::default() }).unwrap();
+            }
+        }
+        13 => {
+            let inertia = Mat3::from_diagonal(Vec3::new(20.0, 25.0, 30.0));
+            let mass = MassProperties { mass: 100.0, center: random.cube() * 0.2, inertia };
+            world.set_mass(body, mass).unwrap();
+        }
+        14 => {
+            let mode = [Continuous::Discrete, Continuous::Segment, Continuous::Volume][random.below(3)];
+            world.set_continuous(body, mode).unwrap();
+            world.set_gravity_scale(body, random.range(-1.0, 2.0)).unwrap();
+        }
+        _ => {
+            let at = world.position(body).unwrap() + (random.cube() * 0.2).as_dvec3();
+            world.move_kinematic(body, at, random.rotation(), DT).unwrap();
+        }
+    }
+}
+
+/// 80,000 random calls, a step after every twenty: nothing panics, everything stays a number, handles name
+/// what they named, and memory does not grow once the world no longer does.
 #[test]
 fn a_world_survives_any_sequence_of_calls() {
     let mut world = World::new(Settings::default()).unwrap();
@@ -61,57 +115,7 @@ fn a_world_survives_any_sequence_of_calls() {
                 assert_eq!(world.remove_body(body), Err(Error::StaleBody));
                 dead.push(body);
             }
-            (6, Some(i)) => {
-                let at = (random.cube() * 6.0 + Vec3::Y * 7.0).as_dvec3();
-                world.set_pose(live[i].0, at, random.rotation()).unwrap();
-            }
-            (7, Some(i)) => {
-                world.set_velocity(live[i].0, random.cube() * 50.0, random.cube() * 50.0).unwrap()
-            }
-            (8, Some(i)) => world.add_force(live[i].0, random.cube() * 1e4, random.cube() * 1e3).unwrap(),
-            (9, Some(i)) => {
-                let at = world.position(live[i].0).unwrap() + random.cube().as_dvec3();
-                world.apply_impulse(live[i].0, random.cube() * 1e3, at).unwrap();
-            }
-            (10, Some(i)) => {
-                let part = shape(any_geometry(&mut random), Material::default());
-                let body = live[i].0;
-                if world.shapes(body).unwrap().count() < 5 {
-                    world.add_shape(body, &part).unwrap();
-                }
-            }
-            (11, Some(i)) => {
-                let part = world.shapes(live[i].0).unwrap().last();
-                // The last shape of a dynamic body stays.
-                if let Some(part) = part {
-                    let last = world.shapes(live[i].0).unwrap().count() == 1;
-                    let removed = world.remove_shape(part);
-                    assert!(removed.is_ok() || last && removed == Err(Error::NoMass), "{removed:?}");
-                }
-            }
-            (12, Some(i)) => {
-                let part = world.shapes(live[i].0).unwrap().next();
-                if let Some(part) = part {
-                    let material = Material::default().with_friction(random.range(0.0, 2.0));
-                    world.set_material(part, material.with_restitution(random.range(0.0, 1.0))).unwrap();
-                    let mask = random.bits() & 7;
-                    world.set_filter(part, Filter { mask, ..Filter::default() }).unwrap();
-                }
-            }
-            (13, Some(i)) => {
-                let inertia = Mat3::from_diagonal(Vec3::new(20.0, 25.0, 30.0));
-                let mass = MassProperties { mass: 100.0, center: random.cube() * 0.2, inertia };
-                world.set_mass(live[i].0, mass).unwrap();
-            }
-            (14, Some(i)) => {
-                let mode = [Continuous::Discrete, Continuous::Segment, Continuous::Volume][random.below(3)];
-                world.set_continuous(live[i].0, mode).unwrap();
-                world.set_gravity_scale(live[i].0, random.range(-1.0, 2.0)).unwrap();
-            }
-            (_, Some(i)) => {
-                let at = world.position(live[i].0).unwrap() + (random.cube() * 0.2).as_dvec3();
-                world.move_kinematic(live[i].0, at, random.rotation(), DT).unwrap();
-            }
+            (what, Some(i)) => change(&mut world, live[i].0, what, &mut random),
             _ => {}
         }
         if call % 20 == 19 {
@@ -300,8 +304,8 @@ fn a_static_body_can_be_moved() {
     assert!(world.position(body).unwrap().y < -6.0);
 }
 
-/// The list of a body with many shapes was gone through for each that was taken off it. Expected: the same shapes are left
-/// whatever the order, each where it was, and a snapshot knows them.
+/// The list of a body with many shapes was gone through for each that was taken off it. Expected: the same
+/// shapes are left whatever the order, each where it was, and a snapshot knows them.
 #[test]
 fn shapes_are_taken_off_a_body_in_any_order() {
     let mut world = World::new(Settings::default()).unwrap();

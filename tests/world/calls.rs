@@ -1,7 +1,8 @@
 //! Whatever a game calls, in whatever order, a step neither panics nor leaves what is no number.
 //!
-//! Seeded sequences of calls over small crowded worlds in which much sleeps, with all kinds of bodies, shapes, joints, sensors,
-//! listeners and hooks. The first findings were pairs of what sleeps with what is kinematic and at rest.
+//! Seeded sequences of calls over small crowded worlds in which much sleeps, with all kinds of bodies,
+//! shapes, joints, sensors, listeners and hooks. The first findings were pairs of what sleeps with what is
+//! kinematic and at rest.
 
 use crate::common;
 use crate::common::random::Random;

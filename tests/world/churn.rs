@@ -1,5 +1,6 @@
-//! A hundred thousand random changes against what must hold whatever happens: handles name what is there, queries see that
-//! and nothing else, every begin has its end, sleep and snapshots lose nothing, and memory comes back.
+//! A hundred thousand random changes against what must hold whatever happens: handles name what is there,
+//! queries see that and nothing else, every begin has its end, sleep and snapshots lose nothing, and memory
+//! comes back.
 
 use crate::common::random::Random;
 use backstop::glam::{Quat, Vec3};
@@ -255,7 +256,7 @@ fn a_hundred_thousand_changes_lose_nothing() {
     }
     println!("{} calls; live bytes when empty: {live:?}; at most {slept} asleep", churn.calls);
     assert!(slept > 5);
-    // Columns are as long as the most that there ever was at once, which one quarter has more of than another; what leaked
-    // would be more with each.
+    // Columns are as long as the most that there ever was at once, which one quarter has more of than
+    // another; what leaked would be more with each.
     assert!(live[3] <= live[..3].iter().copied().max().unwrap_or(0), "{live:?}");
 }
