@@ -9,8 +9,6 @@
 //! Same pairs in the same order whatever the number of threads: searches run in blocks, and blocks are merged in
 //! order.
 
-#[cfg(feature = "internals")]
-pub(crate) mod bench;
 mod bounds;
 mod build;
 mod bvh;
@@ -25,8 +23,6 @@ mod segment;
 mod stream;
 #[cfg(test)]
 mod tests;
-#[cfg(test)]
-mod timing;
 
 pub(crate) use bounds::aabb_of;
 
@@ -45,6 +41,13 @@ use proxy::{Proxy, Role};
 pub(crate) use save::{Lists, SavedBroad, tree_words};
 use segment::Path;
 use std::sync::Mutex;
+
+/// What `bench` times beside what other stages use.
+#[cfg(feature = "internals")]
+pub(crate) mod kernels {
+    pub(crate) use super::bvh::{Node, Tree};
+    pub(crate) use super::segment::Path;
+}
 
 /// Boxes with a coordinate beyond this are taken for unbounded; motions are cut to it [m]. Products of two lengths
 /// stay far from overflow.

@@ -2,8 +2,6 @@
 
 mod admit;
 mod ahead;
-#[cfg(feature = "internals")]
-pub(crate) mod bench;
 mod bins;
 mod box_apart;
 mod box_box;
@@ -71,6 +69,19 @@ pub(crate) use motion::{BodyPath, Motion};
 pub(crate) use simplex::{Simplex, from_triangle, off_triangle};
 pub(crate) use support::{Pose as SupportPose, Support};
 pub(crate) use weight::{Scale, Threshold, Weight};
+
+/// What `bench` times beside what other stages use.
+#[cfg(feature = "internals")]
+pub(crate) mod kernels {
+    pub(crate) use super::box_box::box_box;
+    pub(crate) use super::capsule_box::{capsule_box, tapered_capsule_box};
+    pub(crate) use super::capsule_capsule::{capsule_capsule, tapered_capsule_capsule};
+    pub(crate) use super::fixtures::{Random, collider};
+    pub(crate) use super::lanes_io::{ManifoldLanes, PairLanes};
+    pub(crate) use super::sphere_box::sphere_box;
+    pub(crate) use super::sphere_capsule::sphere_capsule;
+    pub(crate) use super::sphere_sphere::sphere_sphere;
+}
 
 /// Pose of shape `b` in the frame of shape `a`.
 #[derive(Clone, Copy, Debug)]

@@ -668,16 +668,4 @@ mod tests {
         );
         assert!(live <= reserved && each < 24.0, "{each}");
     }
-
-    #[test]
-    #[ignore = "a measurement"]
-    fn how_long_a_build_takes() {
-        let (vertices, triangles) = grid(224, 0.5, bumpy);
-        for _ in 0..5 {
-            let (vertices, triangles) = (vertices.clone(), triangles.clone());
-            let start = std::time::Instant::now();
-            let mesh = TriangleMesh::new(vertices, triangles).unwrap();
-            println!("{:.1} ms for {}", start.elapsed().as_secs_f64() * 1e3, mesh.triangle_count());
-        }
-    }
 }

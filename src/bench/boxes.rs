@@ -1,9 +1,8 @@
-//! Tests of boxes, to be timed: see [`crate::bench`].
+//! Tests of boxes, to be timed.
 
-use super::bvh::Tree;
-use super::segment::Path;
-use super::{Aabb, Mover};
-use crate::bench::Kernel;
+use super::Kernel;
+use crate::broad_phase::kernels::{Node, Path, Tree};
+use crate::broad_phase::{Aabb, Mover};
 use crate::config::Continuous;
 use crate::lanes::{Lanes, Mask, Vec3, f32x4, f32x8};
 use glam::vec3;
@@ -77,7 +76,7 @@ fn segment_walk(name: &str, leaves: u32) -> Kernel {
     let mut stack = Vec::new();
     let tested = Cell::new(0usize);
     let lanes = path.lanes::<f32x4>();
-    let count = |node: &super::bvh::Node| {
+    let count = |node: &Node| {
         tested.set(tested.get() + 4);
         lanes.hits(node.min, node.max).bits()
     };
@@ -100,7 +99,7 @@ fn box_walk(name: &str, leaves: u32) -> Kernel {
     let tested = Cell::new(0usize);
     for b in &asked {
         let (min, max) = (Vec3::splat(b.min), Vec3::splat(b.max));
-        let count = |node: &super::bvh::Node| {
+        let count = |node: &Node| {
             tested.set(tested.get() + 4);
             node.overlaps(&min, &max)
         };

@@ -1,22 +1,15 @@
-//! Pairs of shapes near each other, to be timed: see [`crate::bench`]. An element is a pair.
+//! Pairs of shapes near each other, to be timed. An element is a pair.
 
-use super::box_box::box_box;
-use super::capsule_box::capsule_box;
-use super::capsule_capsule::capsule_capsule;
-use super::cast::{cast_convex, tolerance};
-use super::convex::collide_convex;
-use super::fixtures::{Random, collider};
-use super::lanes_io::{ManifoldLanes, PairLanes};
-use super::mesh::{MeshScratch, collide_mesh};
-use super::mesh_reach::Reach;
-use super::motion::{BodyPath, Motion};
-use super::sphere_box::sphere_box;
-use super::sphere_capsule::sphere_capsule;
-use super::sphere_sphere::sphere_sphere;
-use super::support::Support;
-use super::{RawManifold, Relative};
-use crate::bench::Kernel;
+use super::Kernel;
 use crate::lanes::f32x8;
+use crate::narrow_phase::kernels::{
+    ManifoldLanes, PairLanes, Random, box_box, capsule_box, capsule_capsule, collider, sphere_box,
+    sphere_capsule, sphere_sphere, tapered_capsule_box, tapered_capsule_capsule,
+};
+use crate::narrow_phase::{
+    BodyPath, MeshScratch, Motion, RawManifold, Reach, Relative, Support, cast_convex, collide_convex,
+    collide_mesh, tolerance,
+};
 use crate::scene::Terrain;
 use crate::shape::{Collider, ConvexHull, Geometry, Kind, TriangleMesh};
 use glam::{Quat, Vec3};
@@ -33,6 +26,10 @@ fn sphere() -> Collider {
 }
 fn capsule() -> Collider {
     collider(Geometry::capsule(0.3, 0.25))
+}
+/// With a wide end and a narrow one.
+fn tapered() -> Collider {
+    collider(Geometry::Capsule { half_height: 0.3, radius_bottom: 0.3, radius_top: 0.2 })
 }
 fn cuboid() -> Collider {
     collider(Geometry::cuboid(0.4, 0.3, 0.5))
@@ -83,7 +80,9 @@ pub fn lanes() -> Vec<Kernel> {
         of("sphere capsule", sphere(), capsule(), sphere_capsule),
         of("sphere box", sphere(), cuboid(), sphere_box),
         of("capsule capsule", capsule(), capsule(), capsule_capsule),
+        of("capsule capsule, tapered", tapered(), tapered(), tapered_capsule_capsule),
         of("capsule box", capsule(), cuboid(), capsule_box),
+        of("capsule box, tapered", tapered(), cuboid(), tapered_capsule_box),
         of("box box", cuboid(), cuboid(), box_box),
         in_lanes("box box, stacked", cuboid(), cuboid(), stacked(), box_box),
     ]
@@ -178,9 +177,17 @@ fn on_ground(name: &str, shape: Collider, ground: Collider, terrain: &Terrain) -
     })
 }
 
+fn alike() -> [(&'static str, Collider, Collider); 3] {
+    [
+        ("box box", cuboid(), cuboid()),
+        ("cylinder cylinder", cylinder(), cylinder()),
+        ("hull hull", hull(), hull()),
+    ]
+}
+
 /// GJK from nothing, without a hint, for shapes that are apart or just touch.
 pub fn distance() -> Vec<Kernel> {
-    [("box box", cuboid(), cuboid()), ("hull hull", hull(), hull())]
+    alike()
         .into_iter()
         .map(|(name, a, b)| {
             let mut poses = poses(&a, &b);
@@ -188,16 +195,19 @@ pub fn distance() -> Vec<Kernel> {
             Kernel::new(name, poses.len(), move || {
                 let (Some(a), Some(b)) = (Support::of(&a), Support::of(&b)) else { return };
                 for rel in &poses {
-                    black_box(super::gjk::distance(&a, &b, rel, Vec3::ZERO));
+                    black_box(crate::narrow_phase::distance(&a, &b, rel, Vec3::ZERO));
                 }
             })
         })
         .collect()
 }
 
-/// A spinning box flies 3 m at another one that spins, and may miss it.
-pub fn cast() -> Kernel {
-    let (a, b) = (cuboid(), cuboid());
+/// A spinning shape flies 3 m at another one that spins, and may miss it.
+pub fn cast() -> Vec<Kernel> {
+    alike().into_iter().map(|(name, a, b)| flight(name, a, b)).collect()
+}
+
+fn flight(name: &str, a: Collider, b: Collider) -> Kernel {
     let mut random = Random(9);
     let motions: Vec<Motion> = (0..PAIRS)
         .map(|_| {
@@ -213,7 +223,7 @@ pub fn cast() -> Kernel {
         })
         .collect();
     let tolerance = tolerance(&a, &b, 1.0);
-    Kernel::new("box box", motions.len(), move || {
+    Kernel::new(name, motions.len(), move || {
         for motion in &motions {
             black_box(cast_convex(&a, &b, motion, tolerance));
         }

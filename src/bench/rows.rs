@@ -1,11 +1,6 @@
-//! Pieces of the engine, ready to be timed one at a time by `benches/kernels.rs`. Not part of the interface: behind
-//! the feature `internals`, and free to change in any version.
-//!
-//! A stage that keeps its parts to itself has its own `bench.rs`; here is what only takes several stages together.
+//! Contact rows and the records of bodies that they read and write, to be timed.
 
-pub use crate::broad_phase::bench::kernels as broad_phase;
-pub use crate::narrow_phase::bench::{cast, convex, distance, lanes, mesh};
-
+use super::Kernel;
 use crate::constraint::contact_row::{Motion, Pass, Softness, solve};
 use crate::constraint::{Batch, BatchRef, FrictionRow, Group, PrepareInput, PrepareScratch, Rows, prepare};
 use crate::lanes::{Record, Vec3, f32x8, gather, scatter};
@@ -14,23 +9,6 @@ use crate::scene::builtin;
 use crate::threads::{Crew, Shared};
 use crate::{Settings, World};
 use std::hint::black_box;
-
-/// One thing to time.
-pub struct Kernel {
-    /// What is timed, within its group.
-    pub name: String,
-    /// How many boxes, pairs or contacts one run goes through.
-    pub elements: u64,
-    /// One run.
-    pub run: Box<dyn FnMut()>,
-}
-
-impl Kernel {
-    /// A run of `elements` pieces.
-    pub fn new(name: impl Into<String>, elements: usize, run: impl FnMut() + 'static) -> Self {
-        Kernel { name: name.into(), elements: elements as u64, run: Box::new(run) }
-    }
-}
 
 /// Eight records to lanes and back. There are 512 of them, so they stay in L1, and no two of a batch are neighbours.
 pub fn records() -> Kernel {
