@@ -73,8 +73,8 @@ impl Crowd {
         let rules = Rules { may_collide: &|_, _| true, order: &|i, j| (i.min(j), i.max(j)), missing: &|_| 0 };
         self.broad.start_movers();
         self.broad.place_movers(&self.movers, MARGIN);
-        let room = (&mut Rooms::ENDLESS.clone(), &mut |_| 0);
-        self.broad.update_within(&Crew::alone(), &rules, &mut self.removed, room);
+        let mut room = Rooms::ENDLESS.clone();
+        self.broad.update_within(&Crew::alone(), &rules, &mut self.removed, (&mut room, &mut |_| 0));
     }
 }
 

@@ -255,30 +255,35 @@ fn a_tree_that_nearly_touches_goes_on_as_it_was() {
     assert!(jump < 0.005 && whole.abs() < 0.01, "{whole}, {jump} in a step");
 }
 
+fn cube(random: &mut Random) -> Vec3 {
+    Vec3::new(random.congruential(), random.congruential(), random.congruential()) * 2.0 - 1.0
+}
+
 /// A tree of 2 to 12 boxes on balls, hinges and welds, and what its energy is measured by.
 fn random_tree(seed: u64, gravity: f64, spin: f32, pace: Pace) -> (World, f64) {
     let mut random = Random(seed * 7919 + 13);
+    (0..8).for_each(|_| _ = random.congruential());
     let mut world = world(gravity, pace);
-    let count = 2 + (random.unit() * 11.0) as usize;
-    let whole = random.cube().normalize_or(Vec3::Y) * spin * random.unit();
+    let count = 2 + (random.congruential() * 11.0) as usize;
+    let whole = cube(&mut random).normalize_or(Vec3::Y) * spin * random.congruential();
     let (mut places, mut bodies, mut weight): (Vec<Vec3>, Vec<BodyHandle>, f32) = (vec![], vec![], 0.0);
     for i in 0..count {
-        let parent = (random.unit() * i as f32) as usize;
-        let way = random.cube().normalize_or(Vec3::X) * (0.4 + 0.6 * random.unit());
+        let parent = (random.congruential() * i as f32) as usize;
+        let way = cube(&mut random).normalize_or(Vec3::X) * (0.4 + 0.6 * random.congruential());
         let at = places.get(parent).map_or(Vec3::ZERO, |&from| from + way);
-        let (mass, e) = (0.5 + 4.0 * random.unit(), (random.cube() + 1.0) * 0.15 + 0.1);
+        let (mass, e) = (0.5 + 4.0 * random.congruential(), (cube(&mut random) + 1.0) * 0.15 + 0.1);
         let squares = e * e;
         let inertia = (Vec3::splat(squares.element_sum()) - squares) * (mass / 3.0);
-        let desc = lump(mass, inertia).at(at).moving(whole.cross(at), whole + random.cube() * spin * 0.3);
-        let rotation = Quat::from_scaled_axis(random.cube() * 2.0);
+        let desc = lump(mass, inertia).at(at).moving(whole.cross(at), whole + cube(&mut random) * spin * 0.3);
+        let rotation = Quat::from_scaled_axis(cube(&mut random) * 2.0);
         let body = world.add_body(&BodyDesc { rotation, ..desc }).unwrap();
         if let Some(&from) = places.get(parent) {
-            let make = match random.unit() {
+            let make = match random.congruential() {
                 x if x < 0.5 => JointDesc::ball,
                 x if x < 0.85 => JointDesc::hinge,
                 _ => JointDesc::fixed,
             };
-            let turn = Quat::from_scaled_axis(random.cube() * 2.0);
+            let turn = Quat::from_scaled_axis(cube(&mut random) * 2.0);
             join(&mut world, [bodies[parent], body], 0.5 * (from + at), turn, make);
         }
         places.push(at);

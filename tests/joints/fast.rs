@@ -154,7 +154,7 @@ impl Case {
             name: format!("seed {seed}: {dt} s, {substeps} x {iterations}, gravity {}", gravity.y),
             scale: 0.0,
         };
-        let ratio = if rng.chance(0.5) { 1.0 } else { rng.log_range(1.0, 1e4) };
+        let ratio = if rng.chance(0.5) { 1.0 } else { log_range(rng, 1.0, 1e4) };
         let mut at = Vec::new();
         if rng.chance(0.35) {
             case.bodies.push(case.world.add_body(&BodyDesc::fixed()).unwrap());
@@ -165,8 +165,8 @@ impl Case {
         for _ in 0..2 + rng.below(4) {
             let place = if at.is_empty() { Vec3::ZERO } else { at[rng.below(at.len())] };
             let (own, place) =
-                (rng.log_range(1.0, ratio + 1e-3), place + rng.direction() * rng.range(0.3, 2.0));
-            let desc = lump(rng, own).at(place).rotated(rng.rotation());
+                (log_range(rng, 1.0, ratio + 1e-3), place + direction(rng) * rng.range(0.3, 2.0));
+            let desc = lump(rng, own).at(place).rotated(rotation(rng));
             case.bodies.push(case.world.add_body(&desc).unwrap());
             at.push(place);
             mass += own;
@@ -181,14 +181,14 @@ impl Case {
                 case.join(rng, pair, &at, only);
             }
         }
-        let (speed, spin, how) = (rng.log_range(1.0, 1000.0), rng.log_range(1.0, 1000.0), rng.below(3));
-        let axis = rng.direction() * spin;
+        let (speed, spin, how) = (log_range(rng, 1.0, 1000.0), log_range(rng, 1.0, 1000.0), rng.below(3));
+        let axis = direction(rng) * spin;
         for i in first..at.len() {
             let (v, w) = match how {
                 0 => (axis.cross(at[i] - at[first]), axis),
                 1 if i > first => (Vec3::ZERO, Vec3::ZERO),
-                1 => (rng.direction() * speed, Vec3::ZERO),
-                _ => (rng.direction() * speed, rng.direction() * spin),
+                1 => (direction(rng) * speed, Vec3::ZERO),
+                _ => (direction(rng) * speed, direction(rng) * spin),
             };
             case.scale -= case.world.energy();
             case.world.set_velocity(case.bodies[i], v, w).unwrap();
@@ -203,9 +203,9 @@ impl Case {
     fn join(&mut self, rng: &mut Random, [i, j]: [usize; 2], at: &[Vec3], only: Option<usize>) {
         let pair = if rng.chance(0.5) { [i, j] } else { [j, i] }.map(|i| self.bodies[i]);
         let point = at[i].lerp(at[j], rng.range(-0.2, 1.2)) + rng.cube() * 0.3;
-        let mut frames = self.world.frames_at(pair, point.as_dvec3(), rng.rotation()).unwrap();
-        let damping = if rng.chance(0.5) { 0.0 } else { rng.log_range(0.1, 1e4) };
-        let spring = Spring::Coefficients { stiffness: rng.log_range(1.0, 1e5), damping };
+        let mut frames = self.world.frames_at(pair, point.as_dvec3(), rotation(rng)).unwrap();
+        let damping = if rng.chance(0.5) { 0.0 } else { log_range(rng, 0.1, 1e4) };
+        let spring = Spring::Coefficients { stiffness: log_range(rng, 1.0, 1e5), damping };
         let (one, round) = (Axes::One(Axis::X), Axes::Around(Axis::X));
         let range = Limit::new(Motion::Angular, one, -rng.range(0.0, 2.0), rng.range(0.0, 2.0));
         let cone = Limit::new(Motion::Angular, round, 0.0, rng.range(0.1, 2.0));
@@ -218,7 +218,7 @@ impl Case {
             3 => JointDesc::slider(pair, frames),
             4 => {
                 let (min, max) = [(0.0, 0.5), (0.2, 0.5), (0.5, 0.5), (0.5, 3.0)][rng.below(4)];
-                frames[1].position += frames[1].rotation * (rng.direction() * rng.range(min, max));
+                frames[1].position += frames[1].rotation * (direction(rng) * rng.range(min, max));
                 JointDesc::distance(pair, frames, min, max)
             }
             5 => JointDesc::wheel(pair, frames, 0.2, spring),
@@ -248,6 +248,20 @@ impl Case {
     }
 }
 
+/// What counts above belongs to these nets, so they are drawn as they always were: not by the common methods.
+fn rotation(rng: &mut Random) -> Quat {
+    Quat::from_vec4(rng.cube().extend(rng.signed())).normalize()
+}
+
+fn direction(rng: &mut Random) -> Vec3 {
+    rotation(rng) * Vec3::X
+}
+
+/// As often in each power of ten.
+fn log_range(rng: &mut Random, low: f32, high: f32) -> f32 {
+    low * (high / low).powf(rng.unit())
+}
+
 /// A box without a shape: nothing collides.
 fn lump(rng: &mut Random, mass: f32) -> BodyDesc {
     let half = Vec3::new(rng.range(0.1, 0.5), rng.range(0.1, 0.5), rng.range(0.1, 0.5));
@@ -266,7 +280,7 @@ fn some_axes(rng: &mut Random, mut desc: JointDesc) -> JointDesc {
             match rng.below(5) {
                 0 | 1 => desc = desc.with_limit(Limit::lock(motion, Axes::One(axis))),
                 2 => desc = desc.with_limit(range),
-                3 => desc = desc.with_drive(Drive::friction(motion, axis, rng.log_range(0.1, 1e4))),
+                3 => desc = desc.with_drive(Drive::friction(motion, axis, log_range(rng, 0.1, 1e4))),
                 _ => {}
             }
         }

@@ -55,14 +55,6 @@ fn a_distance_limit_holds_at_both_ends() {
     }
 }
 
-/// A mass on an arm of half a metre along `arm`, turned by a rotation about the joint.
-fn armed(world: &mut World, arm: Vec3, turn: Quat) -> ([BodyHandle; 2], [Frame; 2]) {
-    let ground = ground(world);
-    let at = (turn * arm * 0.5).as_dvec3();
-    let mass = world.add_body(&lump(2.0, Vec3::splat(0.2)).at(at).rotated(turn)).unwrap();
-    ([ground, mass], [Frame::default(), Frame::at(arm * -0.5)])
-}
-
 #[test]
 fn a_twist_limit_holds_at_both_ends() {
     for (pull, end) in [(-1.0, 0.9), (1.0, -0.4)] {

@@ -2,23 +2,6 @@
 
 use super::*;
 
-/// Hooks that nobody could guess: what they say depends on how often they were asked.
-#[derive(Default)]
-struct Moody(AtomicU32);
-
-impl ContactHooks for Moody {
-    fn contact(&self, contact: &mut ContactHook<'_>) {
-        match self.0.fetch_add(7, Ordering::Relaxed) % 11 {
-            0 => contact.veto(),
-            1 => contact.set_friction(0.1, 0.05).unwrap(),
-            2 => contact.set_restitution(0.7).unwrap(),
-            3 => contact.set_surface_velocity(0, Vec3::X).unwrap(),
-            4 => contact.set_surface_velocity(1, Vec3::new(0.0, 0.3, -1.0)).unwrap(),
-            _ => {}
-        }
-    }
-}
-
 /// All that a caller can do, at random.
 struct Churn {
     random: Random,

@@ -24,6 +24,23 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 const DT: f32 = 1.0 / 60.0;
 
+/// Hooks that nobody could guess: what they say depends on how often they were asked.
+#[derive(Default)]
+struct Moody(AtomicU32);
+
+impl ContactHooks for Moody {
+    fn contact(&self, contact: &mut ContactHook<'_>) {
+        match self.0.fetch_add(7, Ordering::Relaxed) % 11 {
+            0 => contact.veto(),
+            1 => contact.set_friction(0.1, 0.05).unwrap(),
+            2 => contact.set_restitution(0.7).unwrap(),
+            3 => contact.set_surface_velocity(0, Vec3::X).unwrap(),
+            4 => contact.set_surface_velocity(1, Vec3::new(0.0, 0.3, -1.0)).unwrap(),
+            _ => {}
+        }
+    }
+}
+
 /// A world that is being recorded, and where.
 fn recorded(settings: Settings) -> (World, RecordingBuffer) {
     let buffer = RecordingBuffer::default();
