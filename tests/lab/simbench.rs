@@ -1,5 +1,5 @@
-//! Four tests of SimBenchmark (docs/simbench.md): each metric held to the analytic value, or to the best number
-//! that was published (`data/TEST/sample.csv` of <https://github.com/leggedrobotics/SimBenchmark>).
+//! Four tests of SimBenchmark (docs/simbench.md): each metric held to the analytic value, or to the best
+//! number that was published (`data/TEST/sample.csv` of <https://github.com/leggedrobotics/SimBenchmark>).
 
 use backstop::FrictionCone;
 use backstop::lab::simbench::{Setting, Test, accelerations};
