@@ -9,9 +9,10 @@
 //!   states, and never each other in a circle. Unit tests may use all; `lib.rs` names all; the command uses
 //!   the library from outside.
 //! - No line is longer than 110 columns; what is in strings doesn't count, nor a line with a URL in it.
-//! - Numbers that were chosen are in `src/config/tuning.rs`, and limits of what a caller may say in `src/limits.rs`:
-//!   elsewhere `const NAME: f32` and `f64` are for what follows from the format of numbers, and a comment right above
-//!   says so: `// Rounding: ...`. Unit tests, `bench/`, `lab/`, `scene/` and `bin/` may have others.
+//! - Numbers that were chosen are in `src/config/tuning.rs`, and limits of what a caller may say in
+//!   `src/limits.rs`: elsewhere `const NAME: f32` and `f64` are for what follows from the format of numbers,
+//!   and a comment right above says so: `// Rounding: ...`. Unit tests, `bench/`, `lab/`, `scene/` and `bin/`
+//!   may have others.
 
 mod layers;
 mod source;

@@ -108,7 +108,7 @@ impl Churn {
                     body
                 },
             );
-        Churn { world, model, random: Random(1), fixed, saved: None, calls: 0 }
+        Churn { world, model, random: Random(7), fixed, saved: None, calls: 0 }
     }
 
     fn some(&mut self) -> Option<BodyHandle> {
