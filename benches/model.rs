@@ -1,8 +1,10 @@
-//! What parts of the engine cost a scene that needs them, and save one that doesn't: `cargo bench --bench model [FILTER]`.
+//! What parts of the engine cost a scene that needs them, and save one that doesn't: `cargo bench --bench
+//! model [FILTER]`.
 //!
-//! The same pyramid of 1,830 boxes with a part and without it, step by step in turn, so that whatever else the machine does
-//! falls on both: it stands without friction too, so both have the same contacts. Printed are medians of the step and of
-//! its rows, the median of what a turn saved, and the difference of reserved bytes.
+//! The same pyramid of 1,830 boxes with a part and without it, step by step in turn, so that whatever else
+//! the machine does falls on both: it stands without friction too, so both have the same contacts. Printed
+//! are medians of the step and of its rows, the median of what a turn saved, and the difference of reserved
+//! bytes.
 #![allow(missing_docs, reason = "not an interface")]
 
 use backstop::scene::{Scene, builtin};

@@ -1,15 +1,20 @@
 //! Queries beside those of parry3d, in turn within one run: `cargo bench --bench queries [FILTER]`.
 //!
-//! Both answer the same questions on the same shapes, on one thread, each with trees of its own. Of each a round takes
-//! the time of all queries; printed are medians over the rounds in ns a query, and the median of the ratios of rounds
-//! (parry's time over ours: above one, ours is faster). Both compute the normal. Parry's single-precision world has no
-//! far-away positions, filters or handles to answer with. Lines with `batch` are `World::cast_rays` beside
-//! `World::cast_ray` (the time of one by one over that of the batch: above one, the batch is faster).
+//! Both answer the same questions on the same shapes, on one thread, each with trees of its own. Of each a
+//! round takes the time of all queries; printed are medians over the rounds in ns a query, and the median of
+//! the ratios of rounds (parry's time over ours: above one, ours is faster). Both compute the normal. Parry's
+//! single-precision world has no far-away positions, filters or handles to answer with. Lines with `batch`
+//! are `World::cast_rays` beside `World::cast_ray` (the time of one by one over that of the batch: above one,
+//! the batch is faster).
 //!
-//! Of the meshes both know the same 100,000 triangles; the 10,000 bodies are boxes, balls, capsules and cylinders.
+//! Of the meshes both know the same 100,000 triangles; the 10,000 bodies are boxes, balls, capsules and
+//! cylinders.
 #![allow(clippy::disallowed_methods, reason = "the other library is the other library's matter")]
 
-use backstop::glam::{DVec3, Quat, Vec3};
+#[path = "../tests/common/random.rs"]
+mod random;
+
+use backstop::glam::{DVec3, Vec3};
 use backstop::{
     BodyDesc, Geometry, HeightField, QueryFilter, Ray, RayHit, Settings, ShapeCast, ShapeDesc, TriangleMesh,
     World,
@@ -19,30 +24,12 @@ use parry3d::math::{Pose, Rotation, Vector};
 use parry3d::partitioning::{Bvh, BvhBuildStrategy};
 use parry3d::query::{Ray as ParryRay, RayCast, ShapeCastOptions, cast_shapes};
 use parry3d::shape::{SharedShape, TriMesh};
+use random::Random;
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
 
 const ROUNDS: usize = 15;
-
-struct Random(u64);
-impl Random {
-    fn unit(&mut self) -> f32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 40) as f32 / (1u64 << 24) as f32
-    }
-    fn range(&mut self, low: f32, high: f32) -> f32 {
-        low + (high - low) * self.unit()
-    }
-    fn cube(&mut self) -> Vec3 {
-        let mut r = || self.unit() * 2.0 - 1.0;
-        Vec3::new(r(), r(), r())
-    }
-    fn rotation(&mut self) -> Quat {
-        let (v, w) = (self.cube(), self.unit() + 0.01);
-        Quat::from_xyzw(v.x, v.y, v.z, w).normalize()
-    }
-}
 
 fn vector(v: Vec3) -> Vector {
     Vector::from(v.to_array())
@@ -174,8 +161,8 @@ fn compare_rays(name: &str, world: &World, rays: &[Ray], theirs: impl Fn(&ParryR
     batch(name, world, rays);
 }
 
-/// Rays in calls of 1024 beside the same rays one by one, call by call, each first as often as the other. Of each call
-/// the least time of all rounds counts: a busy machine adds to times and never takes from them.
+/// Rays in calls of 1024 beside the same rays one by one, call by call, each first as often as the other. Of
+/// each call the least time of all rounds counts: a busy machine adds to times and never takes from them.
 fn batch(name: &str, world: &World, rays: &[Ray]) {
     batch_of(1024, &format!("{name}, batch"), world, rays);
 }
@@ -222,7 +209,8 @@ fn is_wanted(name: &str) -> bool {
     name.contains(&std::env::args().skip(1).find(|a| !a.starts_with('-')).unwrap_or_default())
 }
 
-/// What cameras of 32 by 32 pixels see, one after the other; `wide` is half the width of the picture at the distance 1.
+/// What cameras of 32 by 32 pixels see, one after the other; `wide` is half the width of the picture at the
+/// distance 1.
 fn cameras(at: impl Fn(&mut Random) -> (Vec3, Vec3), wide: f32, far: f32) -> Vec<Ray> {
     let mut random = Random(5);
     let mut rays = Vec::new();
@@ -285,9 +273,12 @@ fn compare_casts(
     beside(name, ways.len(), ours, other);
 }
 
-/// 10,000 bodies, in a cube or spread over a plain.
-fn bodies(name: &str, extent: Vec3, kind: impl Fn() -> BodyDesc) {
-    let mut random = Random(3);
+/// 10,000 bodies and what they are to the other library, in a cube or spread over a plain.
+fn crowd(
+    extent: Vec3,
+    kind: impl Fn() -> BodyDesc,
+    random: &mut Random,
+) -> (World, Vec<(Pose, SharedShape)>) {
     let mut world = World::new(Settings::default()).expect("default settings");
     let mut theirs: Vec<(Pose, SharedShape)> = Vec::new();
     for i in 0..10_000 {
@@ -304,6 +295,12 @@ fn bodies(name: &str, extent: Vec3, kind: impl Fn() -> BodyDesc) {
         let rotation = Rotation::from_array(turned.to_array());
         theirs.push((Pose::from_parts(vector(at), rotation), shape));
     }
+    (world, theirs)
+}
+
+fn bodies(name: &str, extent: Vec3, kind: impl Fn() -> BodyDesc) {
+    let mut random = Random(3);
+    let (world, theirs) = crowd(extent, kind, &mut random);
     let boxes: Vec<Aabb> = theirs.iter().map(|(pose, shape)| shape.compute_aabb(pose)).collect();
     let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
     let rays: Vec<Ray> = (0..20_000)

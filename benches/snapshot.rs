@@ -1,7 +1,7 @@
 //! Snapshots: `cargo bench --bench snapshot [FILTER]`, for example `snapshot/pile`. Prints bytes too.
 //!
-//! `save` and `restore` go to and fro between two moments eight steps apart, as a rollback does; `rollback` restores the earlier
-//! one and takes the eight steps, with a snapshot after each; `steps` are those alone.
+//! `save` and `restore` go to and fro between two moments eight steps apart, as a rollback does; `rollback`
+//! restores the earlier one and takes the eight steps, with a snapshot after each; `steps` are those alone.
 #![allow(missing_docs, reason = "criterion's macros make public functions")]
 
 use backstop::scene::{Scene, builtin};

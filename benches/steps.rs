@@ -1,7 +1,7 @@
 //! Whole scenes by thread count: `cargo bench --bench steps [FILTER]`, for example `steps/pile/2`.
 //!
-//! A scene that stays as it is runs on and is timed step by step. One whose point is soon over (bullets) is built anew
-//! for each sample, and a sample is a window of its steps: criterion prints steps as elements.
+//! A scene that stays as it is runs on and is timed step by step. One whose point is soon over (bullets) is
+//! built anew for each sample, and a sample is a window of its steps: criterion prints steps as elements.
 #![allow(missing_docs, reason = "criterion's macros make public functions")]
 
 use backstop::scene::{Scene, builtin};

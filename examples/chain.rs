@@ -1,9 +1,11 @@
-//! What each setting reaches, and in which time: twenty links with a ball a thousand times as heavy at their end.
+//! What each setting reaches, and in which time: twenty links with a ball a thousand times as heavy at their
+//! end.
 //!
 //!     cargo run --release --example chain
 //!
-//! Prints a table: time of a step, and the widest joint within 5 s, hanging still and swinging down from level. Hung up
-//! seven times at the same point, the chain has more loops than are cut, and is solved row by row.
+//! Prints a table: time of a step, and the widest joint within 5 s, hanging still and swinging down from
+//! level. Hung up seven times at the same point, the chain has more loops than are cut, and is solved row by
+//! row.
 
 use backstop::scene::builtin;
 use backstop::{Error, Settings, World};

@@ -1,4 +1,5 @@
-//! Who collides with whom, and who sees whom: categories and groups, a query's own predicate, and a hook's veto.
+//! Who collides with whom, and who sees whom: categories and groups, a query's own predicate, and a hook's
+//! veto.
 //!
 //!     cargo run --example filter
 
@@ -37,7 +38,8 @@ fn ball(world: &mut World, x: f64, row: f64, filter: Filter, team: u64) -> Resul
 fn main() -> Result<(), Error> {
     let mut world = World::new(Settings { gravity: Vec3::ZERO, ..Settings::default() })?;
     let plain = Filter::default();
-    // A wall at x = 0 across the first two rows. A ghost is of its own category and has walls not in its mask.
+    // A wall at x = 0 across the first two rows. A ghost is of its own category and has walls not in its
+    // mask.
     let wall = ShapeDesc {
         filter: Filter { category: WALL, ..plain },
         ..ShapeDesc::new(Geometry::cuboid(0.1, 2.0, 3.0))

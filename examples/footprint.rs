@@ -1,13 +1,15 @@
-//! How much memory a world takes, as the system counts it, beside what the engine reports: bytes a body of a pile of 4,096,
-//! and a small scene on a mesh of 100,352 triangles.
+//! How much memory a world takes, as the system counts it, beside what the engine reports: bytes a body of a
+//! pile of 4,096, and a small scene on a mesh of 100,352 triangles.
 //!
 //!     cargo run --release --example footprint
 //!
-//! What counts is memory of the process's own (`Anonymous` in `/proc/self/smaps_rollup`). Pages of the program's file, which
-//! the first steps of any world bring in, are told apart: they are there once, and the system may drop them at any time.
+//! What counts is memory of the process's own (`Anonymous` in `/proc/self/smaps_rollup`). Pages of the
+//! program's file, which the first steps of any world bring in, are told apart: they are there once, and the
+//! system may drop them at any time.
 //!
-//! The scene's description is built before the world and kept until the end. So what grows from there on is the world: its
-//! buffers and what the allocator adds. A mesh is part of both (an `Arc`), and was there already.
+//! The scene's description is built before the world and kept until the end. So what grows from there on is
+//! the world: its buffers and what the allocator adds. A mesh is part of both (an `Arc`), and was there
+//! already.
 
 use backstop::scene::builtin;
 use backstop::{Category, Settings, World};

@@ -2,9 +2,9 @@
 //!
 //!     cargo run --release --example orders
 //!
-//! A figure of 86 kg is pushed at 1 m/s, by its hips, against a mesh without thickness, by motors of 1 to 10 kN. Draws
-//! `docs/images/orders.svg`: the worst moment of a run of each order, and for all runs how far a joint opened against how
-//! far something got into the wall.
+//! A figure of 86 kg is pushed at 1 m/s, by its hips, against a mesh without thickness, by motors of 1 to 10
+//! kN. Draws `docs/images/orders.svg`: the worst moment of a run of each order, and for all runs how far a
+//! joint opened against how far something got into the wall.
 
 use backstop::RowGroup::{
     Contacts, JointLimits, Joints, PotentialContacts, PotentialStaticContacts, SoftJoints, StaticContacts,

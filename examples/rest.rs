@@ -1,16 +1,21 @@
-//! Whether what stands stays standing: how far the top of a structure has gone, and how fast its bodies are, every 5 s.
+//! Whether what stands stays standing: how far the top of a structure has gone, and how fast its bodies are,
+//! every 5 s.
 //!
 //!     cargo run --release --example rest -- tower 30 120 --hz 60 --substeps 4
 //!
-//! Structure, size and seconds, then `--hz`, `--substeps`, `--iterations`, `--friction patch|point`, `--scale` [m], `--gravity` [m/s²],
-//! `--density` [kg/m³], `--steps even|alternating|hitches|random|wild`. What is put up less well: `--gap`, by which bodies are
-//! higher, as a share of their height; `--aside`, the furthest that each stands off to a side, in units of length; `--kick`, the
-//! fastest that each is pushed to a side after 5 s [m/s]. Without arguments a tower of five stands for 20 s and the example
-//! asserts that.
+//! Structure, size and seconds, then `--hz`, `--substeps`, `--iterations`, `--friction patch|point`,
+//! `--scale` [m], `--gravity` [m/s²], `--density` [kg/m³], `--steps even|alternating|hitches|random|wild`.
+//! What is put up less well: `--gap`, by which bodies are higher, as a share of their height; `--aside`, the
+//! furthest that each stands off to a side, in units of length; `--kick`, the fastest that each is pushed to
+//! a side after 5 s [m/s]. Without arguments a tower of five stands for 20 s and the example asserts that.
+
+#[path = "../tests/common/random.rs"]
+mod random;
 
 use backstop::glam::{DVec3, Vec3};
 use backstop::scene::Standing;
 use backstop::{BodyHandle, Error, FrictionModel, Settings, World};
+use random::Random;
 
 /// Root of the mean square, and the greatest, of the speeds [m/s].
 fn speeds(world: &World, bodies: &[BodyHandle]) -> Result<[f64; 2], Error> {
@@ -42,18 +47,9 @@ impl Steps {
             Steps::Even(hz) => 1.0 / hz,
             Steps::Alternating => [1.0 / 30.0, 1.0 / 144.0][step as usize % 2],
             Steps::Hitches => [1.0 / 60.0, 0.25][usize::from(step % 46 == 45)],
-            Steps::Random(least, most) => least + (most - least) * random(step),
+            Steps::Random(least, most) => Random(u64::from(step)).range(least, most),
         }
     }
-}
-
-/// From 0 to 1: the same in every run.
-fn random(number: u32) -> f32 {
-    let mut bits = (number + 1).wrapping_mul(0x9E37_79B9);
-    bits = (bits ^ bits >> 16).wrapping_mul(0x85EB_CA6B);
-    bits = (bits ^ bits >> 13).wrapping_mul(0xC2B2_AE35);
-    bits ^= bits >> 16;
-    (bits >> 8) as f32 / (1 << 24) as f32
 }
 
 /// How a structure is put up badly, and disturbed.
@@ -70,7 +66,7 @@ struct Upset {
 impl Upset {
     /// To a side, by no more than one along either axis.
     fn sideways(number: usize) -> Vec3 {
-        let one = |axis: usize| 2.0 * random((2 * number + axis) as u32) - 1.0;
+        let one = |axis: usize| Random((2 * number + axis) as u64).signed();
         Vec3::new(one(0), 0.0, one(1))
     }
 

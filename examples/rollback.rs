@@ -1,5 +1,6 @@
-//! Rollback as a networked game does it: eight frames are predicted with a guess at what the other player does, then that comes
-//! in, and they are done again. The bits at the end are those of a machine that knew all along.
+//! Rollback as a networked game does it: eight frames are predicted with a guess at what the other player
+//! does, then that comes in, and they are done again. The bits at the end are those of a machine that knew
+//! all along.
 //!
 //!     cargo run --release --example rollback
 

@@ -1,16 +1,21 @@
-//! A small world with everything in it, for as long as you like: bodies come and go, sleep and wake, explode, are joined,
-//! switched off and carried about, and the ground is rebuilt, all by a seeded draw. Two worlds do the same on one thread and on
-//! two; they must have the same hash at every look, lose nobody, stay finite, and take no more memory than they did early on.
+//! A small world with everything in it, for as long as you like: bodies come and go, sleep and wake, explode,
+//! are joined, switched off and carried about, and the ground is rebuilt, all by a seeded draw. Two worlds do
+//! the same on one thread and on two; they must have the same hash at every look, lose nobody, stay finite,
+//! and take no more memory than they did early on.
 //!
 //!     cargo run --release --example soak -- 1000000
 //!
 //! Without arguments 2,000 steps.
+
+#[path = "../tests/common/random.rs"]
+mod random;
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
     BodyDesc, BodyHandle, Error, Frame, Geometry, JointDesc, JointHandle, Settings, ShapeDesc, TriangleMesh,
     World,
 };
+use random::Random;
 use std::sync::Arc;
 
 /// Half of the room [m], and the thickness of its walls.
@@ -21,26 +26,6 @@ const BODIES: std::ops::Range<usize> = 140..200;
 const DT: f32 = 1.0 / 60.0;
 /// Steps between two looks at everything.
 const LOOK: u64 = 500;
-
-/// SplitMix64 (Steele, Lea and Flood, *Fast splittable pseudorandom number generators*, 2014).
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) % n as u64) as usize
-    }
-    /// From -1 to 1.
-    fn unit(&mut self) -> f32 {
-        self.below(1 << 16) as f32 / (1 << 15) as f32 - 1.0
-    }
-    fn vec(&mut self) -> Vec3 {
-        Vec3::new(self.unit(), self.unit(), self.unit())
-    }
-}
 
 struct Soak {
     world: World,
@@ -75,17 +60,17 @@ impl Soak {
 
     fn add(&mut self) -> Result<(), Error> {
         let random = &mut self.random;
-        let size = 0.25 + 0.1 * random.unit();
+        let size = 0.25 + 0.1 * random.signed();
         let geometry = match random.below(4) {
             0 => Geometry::Sphere { radius: size },
             1 => Geometry::capsule(size, 0.5 * size),
             2 => Geometry::cuboid(size, 0.6 * size, 0.3 * size),
             _ => Geometry::cylinder(0.5 * size, 0.5 * size),
         };
-        let at = random.vec() * (0.8 * ROOM);
+        let at = random.cube() * (0.8 * ROOM);
         let body = BodyDesc::dynamic()
             .at(DVec3::new(at.x.into(), f64::from(at.y.abs()), at.z.into()))
-            .moving(random.vec() * 30.0, random.vec() * 20.0)
+            .moving(random.cube() * 30.0, random.cube() * 20.0)
             .with_shape(ShapeDesc::new(geometry));
         self.bodies.push(self.world.add_body(&body)?);
         Ok(())
@@ -133,11 +118,11 @@ impl Soak {
                 self.world.set_enabled(body, !enabled)?;
             }
             10 => {
-                let velocity = self.random.vec() * Vec3::new(2.0, 0.5, 2.0);
+                let velocity = self.random.cube() * Vec3::new(2.0, 0.5, 2.0);
                 let at = self.world.position(self.lift)?.as_vec3();
                 // Back to the middle if it strays.
                 let velocity = if at.length() > 0.5 * ROOM { -at * 0.3 } else { velocity };
-                self.world.set_velocity(self.lift, velocity, Vec3::Y * self.random.unit())?;
+                self.world.set_velocity(self.lift, velocity, Vec3::Y * self.random.signed())?;
             }
             11 if self.random.below(50) == 0 => {
                 self.world.remove_body(self.ground)?;
@@ -161,8 +146,8 @@ impl Soak {
         Ok(())
     }
 
-    /// Puts back who is not in the room, and counts them: whoever was added or switched on in a wall or in the ground may leave by
-    /// the nearest side; no one else may.
+    /// Puts back who is not in the room, and counts them: whoever was added or switched on in a wall or in
+    /// the ground may leave by the nearest side; no one else may.
     fn look(&mut self) -> Result<(), Error> {
         for i in 0..self.bodies.len() {
             let body = self.bodies[i];
@@ -185,7 +170,7 @@ fn ground(random: &mut Random) -> Result<BodyDesc, Error> {
         let side = |n: u32| (n as f32 / CELLS as f32 - 0.5) * 2.0 * ROOM;
         vertices.push(Vec3::new(
             side(i % (CELLS + 1)),
-            0.4 * random.unit() - ROOM + 0.6,
+            0.4 * random.signed() - ROOM + 0.6,
             side(i / (CELLS + 1)),
         ));
     }

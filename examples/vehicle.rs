@@ -1,4 +1,5 @@
-//! A car of bodies and joints, with springs, steering and an engine at all wheels: on a plain, and over hills.
+//! A car of bodies and joints, with springs, steering and an engine at all wheels: on a plain, and over
+//! hills.
 //!
 //!     cargo run --release --example vehicle
 
@@ -59,7 +60,8 @@ impl Car {
                 car.engine.push(world.add_joint(&wheel)?);
                 continue;
             }
-            // In front a knuckle between the two slides on the spring and turns about it; the wheel spins on the knuckle.
+            // In front a knuckle between the two slides on the spring and turns about it; the wheel spins on
+            // the knuckle.
             let mass = MassProperties::of(&Geometry::cuboid(0.1, 0.1, 0.1), 1.0).scaled_to(15.0);
             let knuckle = world.add_body(&BodyDesc { mass: Some(mass), ..BodyDesc::dynamic().at(hub) })?;
             let frames = world.frames_at([chassis, knuckle], hub, Quat::IDENTITY)?;
@@ -72,8 +74,8 @@ impl Car {
         Ok(car)
     }
 
-    /// Engine and steering: a speed to reach [m/s] with at most so much torque at each wheel [N m], and an angle to
-    /// the left [rad].
+    /// Engine and steering: a speed to reach [m/s] with at most so much torque at each wheel [N m], and an
+    /// angle to the left [rad].
     pub(crate) fn drive(&self, world: &mut World, speed: f32, torque: f32, angle: f32) -> Result<(), Error> {
         let motor = Drive::motor(Motion::Angular, Axis::X, speed / RADIUS, torque);
         for (i, &joint) in self.engine.iter().enumerate() {
@@ -122,7 +124,8 @@ fn steered(angle: f32) -> (Vec<Limit>, Vec<Drive>) {
     (limits, drives)
 }
 
-/// Drives for some seconds, with a torque at each wheel [N m]; returns speed [m/s], distance as the crow flies [m], and the share of steps with all wheels down.
+/// Drives for some seconds, with a torque at each wheel [N m]; returns speed [m/s], distance as the crow
+/// flies [m], and the share of steps with all wheels down.
 pub(crate) fn run(
     world: &mut World,
     car: &Car,

@@ -24,7 +24,8 @@ static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
 thread_local! {
-    /// Not the thread that runs the tests: it allocates when it prints, and it prints that a test takes more than a minute.
+    /// Not the thread that runs the tests: it allocates when it prints, and it prints that a test takes more
+    /// than a minute.
     static COUNTED: Cell<bool> = const { Cell::new(false) };
 }
 
@@ -146,8 +147,8 @@ fn steps_that_allocate(scene: &Scene, steps: u32) -> Vec<u32> {
     (0..steps).filter(allocates).collect()
 }
 
-/// A pile that has 70 % of what it wants beyond its bodies' own bytes: which contacts stay is settled anew in each step, and takes no
-/// memory.
+/// A pile that has 70 % of what it wants beyond its bodies' own bytes: which contacts stay is settled anew in
+/// each step, and takes no memory.
 #[test]
 fn a_pile_that_sheds_contacts_allocates_nothing() {
     let _alone = one_at_a_time();
@@ -168,8 +169,8 @@ fn a_pile_that_sheds_contacts_allocates_nothing() {
 fn a_scene_past_its_densest_moment_allocates_nothing() {
     let _alone = one_at_a_time();
     for (scene, densest) in [
-        // The bodies hit the ground up to frame 33, jump on from hill to hill, and lie in the valleys in the end: there
-        // each touches the most triangles, the last of them at about 880.
+        // The bodies hit the ground up to frame 33, jump on from hill to hill, and lie in the valleys in the
+        // end: there each touches the most triangles, the last of them at about 880.
         (builtin::talk(), 900),
         // They skid, and gather where they stop: the most lie on the mesh at about 260.
         (builtin::bullets(false), 300),
@@ -367,16 +368,17 @@ fn two_threads_allocate_nothing() {
     assert_eq!(pool.install(|| resting(2)), 0);
 }
 
-/// What comes from outside of a pool is rayon's to keep, and it allocates for that (docs/memory.md): a box for each helper, and a
-/// block for each 63 jobs, whoever hands them in. Nothing else is allocated, and nothing by the engine.
+/// What comes from outside of a pool is rayon's to keep, and it allocates for that (docs/memory.md): a box
+/// for each helper, and a block for each 63 jobs, whoever hands them in. Nothing else is allocated, and
+/// nothing by the engine.
 #[cfg(feature = "parallel")]
 #[test]
 fn outside_of_the_pool_a_step_allocates_a_box_for_each_helper() {
     let _alone = one_at_a_time();
     const HELPERS: usize = 3;
     pool(1 + HELPERS).build_global().unwrap();
-    // All threads of the pool but one are taken. The one takes what comes from outside in its order, so that all helpers of a step
-    // have left when a `join` after it returns, and the next step calls them anew.
+    // All threads of the pool but one are taken. The one takes what comes from outside in its order, so that
+    // all helpers of a step have left when a `join` after it returns, and the next step calls them anew.
     let taken: Vec<_> = (0..HELPERS)
         .map(|_| {
             let (arrived, is_there) = std::sync::mpsc::channel();

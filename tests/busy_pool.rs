@@ -41,9 +41,9 @@ impl Taken {
     }
 }
 
-/// Runs `steps`, some 120 of them, and fails if they need a thread that is taken. As they would wait for ever then, another thread
-/// takes as many steps alone, thirty times over, and releases the pool if they are not done by that: so the limit is one of work
-/// and not of time.
+/// Runs `steps`, some 120 of them, and fails if they need a thread that is taken. As they would wait for ever
+/// then, another thread takes as many steps alone, thirty times over, and releases the pool if they are not
+/// done by that: so the limit is one of work and not of time.
 fn without_the_pool<R>(taken: &Taken, steps: impl FnOnce() -> R) -> R {
     let done = AtomicBool::new(false);
     let (result, waited) = std::thread::scope(|scope| {
@@ -66,8 +66,8 @@ fn without_the_pool<R>(taken: &Taken, steps: impl FnOnce() -> R) -> R {
     result
 }
 
-/// All threads of the global pool are taken until the steps are done. A caller that is moved into the pool, or that waits for
-/// helpers who have not begun, needs one of them.
+/// All threads of the global pool are taken until the steps are done. A caller that is moved into the pool,
+/// or that waits for helpers who have not begun, needs one of them.
 #[test]
 fn a_step_ends_while_the_pool_is_taken() {
     rayon::ThreadPoolBuilder::new().num_threads(2).build_global().unwrap();
@@ -82,7 +82,8 @@ fn a_step_ends_while_the_pool_is_taken() {
         common::steps(&mut gone, 60, 1.0 / 60.0);
     });
     assert_eq!(world_of_two.hash(), alone.hash());
-    // Those that were asked for come now, when there is nothing to do any more: for a world that is gone, and for one that goes on.
+    // Those that were asked for come now, when there is nothing to do any more: for a world that is gone, and
+    // for one that goes on.
     taken.release();
     common::steps(&mut world_of_two, 60, 1.0 / 60.0);
     common::steps(&mut alone, 60, 1.0 / 60.0);

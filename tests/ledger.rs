@@ -1,7 +1,7 @@
 //! The report knows every byte that a world holds: the sum of its categories is what the allocator counted.
 //!
-//! What lies in the `World` itself (`size_of::<World>()`) is the caller's, on his stack or wherever he puts it, and neither in
-//! the report nor on the heap.
+//! What lies in the `World` itself (`size_of::<World>()`) is the caller's, on his stack or wherever he puts
+//! it, and neither in the report nor on the heap.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 mod common;
@@ -189,7 +189,8 @@ fn of_ragdolls_that_lose_limbs() {
     ledger.end();
 }
 
-/// Elastic shapes with forces on them, raised, listened to, in sensors, with hooks, asked about, asleep and awake.
+/// Elastic shapes with forces on them, raised, listened to, in sensors, with hooks, asked about, asleep and
+/// awake.
 #[test]
 fn of_all_that_a_world_can_do() {
     let settings = Settings { sleeping: true, sleep_time: 0.1, ..Settings::default() };
@@ -263,7 +264,8 @@ fn of_a_world_that_goes_back() {
     ledger.steps(40);
 }
 
-/// What threads of a pool ask for is on their own counters: a world is counted when it goes, which one thread does.
+/// What threads of a pool ask for is on their own counters: a world is counted when it goes, which one thread
+/// does.
 #[cfg(feature = "parallel")]
 #[test]
 fn at_two_threads() {

@@ -1,16 +1,19 @@
-//! Files of a few bytes that ask for gigabytes. A scene of 810 KB took 6.2 GB, one of 931 KB 2.1 GB and a minute, one of 597
-//! bytes half a gigabyte. Here they are built, and the bytes that loading them takes are counted: what is alike is built once,
-//! and what is too much is refused by the name of its limit.
+//! Files of a few bytes that ask for gigabytes. A scene of 810 KB took 6.2 GB, one of 931 KB 2.1 GB and a
+//! minute, one of 597 bytes half a gigabyte. Here they are built, and the bytes that loading them takes are
+//! counted: what is alike is built once, and what is too much is refused by the name of its limit.
 #![cfg(feature = "cli")]
 
 #[path = "common/counting.rs"]
 mod counting;
+#[path = "common/random.rs"]
+mod random;
 
 use backstop::glam::DVec3;
 use backstop::scene::{Resolver, Scene, SceneError, load, load_with};
 use backstop::{BodyDesc, Geometry, LimitExceeded, LoadLimits, Settings, ShapeDesc, World};
 use base64::Engine;
 use counting::most_bytes;
+use random::Random;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -29,12 +32,8 @@ fn data(bytes: &[u8]) -> Value {
 
 /// Points in a cube from a simple generator, as a file has them.
 fn points(count: usize) -> Vec<u8> {
-    let mut seed = 1u64;
-    let number = |_| {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((seed >> 40) as f32 / (1 << 24) as f32).to_le_bytes()
-    };
-    (0..3 * count).flat_map(number).collect()
+    let mut random = Random(1);
+    (0..3 * count).flat_map(|_| random.unit().to_le_bytes()).collect()
 }
 
 /// A file with a mesh of so many triangles of random corners, and nodes.
@@ -104,7 +103,8 @@ fn colliders_of_one_mesh_and_scale_share_it() {
     assert!(most < 40 * length, "{most} of {length}");
 }
 
-/// A hull was built anew for each body. Expected: one, also where the mesh is the body's own because it moves.
+/// A hull was built anew for each body. Expected: one, also where the mesh is the body's own because it
+/// moves.
 #[test]
 fn bodies_of_one_hull_share_it() {
     for geometry in [json!({ "node": 0, "convexHull": true }), json!({ "node": 0 })] {
@@ -119,7 +119,8 @@ fn bodies_of_one_hull_share_it() {
     }
 }
 
-/// What moves below a geometry's node is left out, unless it is the collider's own node. So nodes that look alike are not.
+/// What moves below a geometry's node is left out, unless it is the collider's own node. So nodes that look
+/// alike are not.
 #[test]
 fn a_geometry_depends_on_who_asks_only_where_he_is_below() {
     let body = physics(json!({ "collider": { "geometry": { "node": 0 } }, "motion": {} }));
@@ -139,7 +140,8 @@ fn a_geometry_depends_on_who_asks_only_where_he_is_below() {
     assert!(low(0).z >= 5.0 && low(0).y < 1.0 && low(1).y >= 9.0 && low(1).z < 1.0, "{} {}", low(0), low(1));
 }
 
-/// All instances of a file without physics are one mesh. Expected: with more than the limit allows none of it is made.
+/// All instances of a file without physics are one mesh. Expected: with more than the limit allows none of it
+/// is made.
 #[test]
 fn instances_are_counted_before_they_are_made() {
     let nodes = (0..500).map(|i| json!({ "mesh": 0, "translation": [2 * i, 0, 0] })).collect::<Vec<_>>();
@@ -161,8 +163,8 @@ fn instances_are_counted_before_they_are_made() {
     assert!(most < 20 * length, "{most} of {length}");
 }
 
-/// Zeros that are not in the file took 545 MB for 597 bytes. Expected: what is not there takes no memory, and more than the
-/// limit is refused.
+/// Zeros that are not in the file took 545 MB for 597 bytes. Expected: what is not there takes no memory, and
+/// more than the limit is refused.
 #[test]
 fn a_sparse_accessor_takes_what_is_in_the_file() {
     let mut bytes: Vec<u8> = [0u32, 1, 2].iter().flat_map(|i| i.to_le_bytes()).collect();
@@ -190,7 +192,8 @@ fn a_sparse_accessor_takes_what_is_in_the_file() {
     assert!(most < 200_000, "{most} bytes");
 }
 
-/// Every buffer without a uri was a copy of the whole binary chunk. Expected: by glTF 2.0, 3.6.1.2, only the first is in it.
+/// Every buffer without a uri was a copy of the whole binary chunk. Expected: by glTF 2.0, 3.6.1.2, only the
+/// first is in it.
 #[test]
 fn the_binary_chunk_is_taken_once() {
     let mut text = json!({ "asset": { "version": "2.0" },
@@ -294,7 +297,8 @@ fn files_beside_a_scene_count_as_often_as_they_are_named() {
     assert!(matches!(load_with(&path, give, &limits), Err(SceneError::Body { .. })));
 }
 
-/// A mesh of an extent of 1e-45 m kept `run` and `plan` busy for ever, through a file of 1.6 KB. Expected: an answer.
+/// A mesh of an extent of 1e-45 m kept `run` and `plan` busy for ever, through a file of 1.6 KB. Expected: an
+/// answer.
 #[test]
 fn a_file_with_a_mesh_of_hardly_any_extent_is_loaded() {
     for tiny in [1e-45f32, 1e-43, 1e-40] {

@@ -1,8 +1,8 @@
 //! Every stage through the unsafe code that threads share, in worlds so small that Miri can run them.
 //!
-//! Blocks are as small as can be under Miri, so two threads share what is one block elsewhere. What it looks for are
-//! two threads at the same element, and references to what another thread writes. The same worlds, several times over
-//! so that threads are worth it, must give the same bits in any build.
+//! Blocks are as small as can be under Miri, so two threads share what is one block elsewhere. What it looks
+//! for are two threads at the same element, and references to what another thread writes. The same worlds,
+//! several times over so that threads are worth it, must give the same bits in any build.
 
 mod common;
 
@@ -131,7 +131,8 @@ fn one_of_each_shape_on_triangles() {
     alone_and_shared(&settings(), &scene);
 }
 
-/// Sixty metres a second, spinning, at a plate of 2 cm, at triangles and at each other; one in the mode `Volume`.
+/// Sixty metres a second, spinning, at a plate of 2 cm, at triangles and at each other; one in the mode
+/// `Volume`.
 #[test]
 fn bullets() {
     let plate = fixed(Geometry::cuboid(1.0, 0.01, 1.0), Vec3::X * 4.0);
@@ -153,8 +154,8 @@ fn bullets() {
     alone_and_shared(&settings(), &scene);
 }
 
-/// Balls and tilted cubes that bounce, on triangles and on cubes which stand and bounce too: rows of what an impact takes over are
-/// put out of action in their lanes.
+/// Balls and tilted cubes that bounce, on triangles and on cubes which stand and bounce too: rows of what an
+/// impact takes over are put out of action in their lanes.
 #[test]
 fn elastic_bodies() {
     let bouncy = |mut desc: BodyDesc| {

@@ -1,11 +1,12 @@
-//! A model check of the block scheduler: loom runs each case below in every order of events that the memory model allows, up to
-//! a bound of preemptions where it is said, and keeps track of who may read and write what. The file that is checked is the
-//! engine's own, with loom's atomics in the place of the standard library's.
+//! A model check of the block scheduler: loom runs each case below in every order of events that the memory
+//! model allows, up to a bound of preemptions where it is said, and keeps track of who may read and write
+//! what. The file that is checked is the engine's own, with loom's atomics in the place of the standard
+//! library's.
 //!
-//! Each block writes a cell of its own without synchronisation, and the caller reads all cells when `run` has returned. So loom
-//! reports a block that is not done by then, or done twice, or whose writes the caller need not see; and, as the work pointer
-//! is such a cell too, a helper that reads it while the caller may write. A thread that waits for ever exceeds loom's limit of
-//! events, which is a failure too.
+//! Each block writes a cell of its own without synchronisation, and the caller reads all cells when `run` has
+//! returned. So loom reports a block that is not done by then, or done twice, or whose writes the caller need
+//! not see; and, as the work pointer is such a cell too, a helper that reads it while the caller may write. A
+//! thread that waits for ever exceeds loom's limit of events, which is a failure too.
 
 #![cfg(test)]
 
@@ -21,8 +22,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-/// Checks `case` with so many preemptions at most, of threads that did not wait, or `LOOM_MAX_PREEMPTIONS`; prints the number of its
-/// executions.
+/// Checks `case` with so many preemptions at most, of threads that did not wait, or `LOOM_MAX_PREEMPTIONS`;
+/// prints the number of its executions.
 fn check(name: &str, preemptions: usize, case: impl Fn() + Send + Sync + 'static) {
     let executions = Arc::new(AtomicUsize::new(0));
     let counted = executions.clone();
@@ -124,7 +125,8 @@ fn two_steps_whose_helpers_come_late() {
     });
 }
 
-/// On a thread of the pool the stage lies on the caller's stack, and whoever arrived has left before `join` looks for it.
+/// On a thread of the pool the stage lies on the caller's stack, and whoever arrived has left before `join`
+/// looks for it.
 #[test]
 fn a_step_on_a_thread_of_the_pool() {
     check("on a thread of the pool, one helper", 3, || {
@@ -138,8 +140,8 @@ fn a_step_on_a_thread_of_the_pool() {
     });
 }
 
-/// Whoever runs the block that panics, the caller hears of it, no other block runs twice or late, and the next step, after the
-/// world was restored, knows nothing of it.
+/// Whoever runs the block that panics, the caller hears of it, no other block runs twice or late, and the
+/// next step, after the world was restored, knows nothing of it.
 #[test]
 fn a_panic_reaches_the_caller() {
     for bad in [vec![0], vec![1], vec![0, 1]] {

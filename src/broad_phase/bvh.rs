@@ -19,9 +19,9 @@ pub(super) const LEAF: u32 = 1 << 31;
 /// Four boxes and what is in them; 128 bytes, two cache lines.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
-pub(super) struct Node {
-    pub(super) min: Vec3<f32x4>,
-    pub(super) max: Vec3<f32x4>,
+pub(crate) struct Node {
+    pub(crate) min: Vec3<f32x4>,
+    pub(crate) max: Vec3<f32x4>,
     /// By lane: a node, a leaf (see [`LEAF`]) or [`NONE`], whose box is inert.
     child: [u32; 4],
     /// Place in the parent, or [`NONE`] for the root.
@@ -77,7 +77,7 @@ impl Node {
 
     /// Which of the four boxes touch this one.
     #[inline(always)]
-    pub(super) fn overlaps(&self, min: &Vec3<f32x4>, max: &Vec3<f32x4>) -> u32 {
+    pub(crate) fn overlaps(&self, min: &Vec3<f32x4>, max: &Vec3<f32x4>) -> u32 {
         (self.min.x.le(max.x)
             & self.min.y.le(max.y)
             & self.min.z.le(max.z)
@@ -98,7 +98,7 @@ pub(super) struct Item {
 
 /// The tree. Its boxes are exact unions of its leaves' after [`Tree::refit`], and contain them at any time.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Tree {
+pub(crate) struct Tree {
     nodes: Vec<Node>,
     leaves: usize,
     /// Half the area of all inner boxes right after the last build [m²].
@@ -126,7 +126,7 @@ impl Tree {
 
     /// Adds leaves: one by one if they are few, in a new tree otherwise. `place` is told where each leaf is,
     /// old ones that moved included. Returns whether the tree was built anew.
-    pub(super) fn add(
+    pub(crate) fn add(
         &mut self,
         colliders: &[u32],
         bounds: impl Fn(u32) -> Aabb,
@@ -309,7 +309,7 @@ impl Tree {
     /// long: each node then waits for the one before, where a guess lets the processor run ahead
     /// (`timing.rs`, 4096 walks).
     #[inline(always)]
-    pub(super) fn visit(&self, stack: &mut Vec<u32>, test: impl Fn(&Node) -> u32, mut f: impl FnMut(u32)) {
+    pub(crate) fn visit(&self, stack: &mut Vec<u32>, test: impl Fn(&Node) -> u32, mut f: impl FnMut(u32)) {
         if self.leaves == 0 {
             return;
         }
@@ -336,7 +336,7 @@ impl Tree {
 
     /// [`Tree::visit`] with all leaves whose boxes touch this one.
     #[inline(always)]
-    pub(super) fn visit_box(&self, stack: &mut Vec<u32>, bounds: &Aabb, f: impl FnMut(u32)) {
+    pub(crate) fn visit_box(&self, stack: &mut Vec<u32>, bounds: &Aabb, f: impl FnMut(u32)) {
         let (min, max) = (Vec3::splat(bounds.min), Vec3::splat(bounds.max));
         self.visit(stack, |node| node.overlaps(&min, &max), f);
     }

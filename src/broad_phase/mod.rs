@@ -11,8 +11,6 @@
 //! in order.
 
 mod aabb;
-#[cfg(feature = "internals")]
-pub(crate) mod bench;
 mod bounds;
 mod build;
 mod bvh;
@@ -27,8 +25,6 @@ mod segment;
 mod stream;
 #[cfg(test)]
 mod tests;
-#[cfg(test)]
-mod timing;
 
 pub(crate) use aabb::Aabb;
 use aabb::LARGEST;
@@ -49,6 +45,13 @@ use proxy::{Proxy, Role};
 pub(crate) use save::{Lists, SavedBroad, tree_words};
 use segment::Path;
 use std::sync::Mutex;
+
+/// What `bench` times beside what other stages use.
+#[cfg(feature = "internals")]
+pub(crate) mod kernels {
+    pub(crate) use super::bvh::{Node, Tree};
+    pub(crate) use super::segment::Path;
+}
 
 /// A collider that may move in this step.
 #[derive(Clone, Copy, Debug)]

@@ -41,7 +41,7 @@ const LONG: f32 = 8.0;
 
 /// The segment that a fast mover moves along within the step.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Path {
+pub(crate) struct Path {
     pub(super) collider: u32,
     /// Middle of its box at the start of the step [m].
     start: glam::Vec3,
@@ -67,7 +67,7 @@ pub(super) struct Segment {
 
 impl Path {
     /// The mover's box must be bounded (see [`LARGEST`]).
-    pub(super) fn new(mover: &Mover, margin: f32) -> Path {
+    pub(crate) fn new(mover: &Mover, margin: f32) -> Path {
         let Aabb { min, max } = mover.aabb;
         let start = min * 0.5 + max * 0.5;
         let reach = glam::Vec3::splat(mover.spin + margin);
@@ -122,7 +122,7 @@ impl Path {
 
     /// For the boxes of a tree's nodes.
     #[inline]
-    pub(super) fn lanes<L: Lanes>(&self) -> PathLanes<L> {
+    pub(crate) fn lanes<L: Lanes>(&self) -> PathLanes<L> {
         self.segment().lanes()
     }
 
@@ -162,7 +162,7 @@ impl Segment {
 
 /// A path in all lanes, ready for boxes by their corners.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PathLanes<L> {
+pub(crate) struct PathLanes<L> {
     middle: Vec3<L>,
     half: Vec3<L>,
     /// Amount by which boxes are inflated: half extents, spin, margin, rounding [m].
@@ -185,7 +185,7 @@ impl<L: Lanes> PathLanes<L> {
 
     /// Which boxes the path touches. An inert box has min = inf, max = -inf.
     #[inline(always)]
-    pub(super) fn hits(&self, min: Vec3<L>, max: Vec3<L>) -> L::Mask {
+    pub(crate) fn hits(&self, min: Vec3<L>, max: Vec3<L>) -> L::Mask {
         // The corners first, relative to the path: far from the origin their middle would lose what matters.
         let (low, high) = (min - self.middle, max - self.middle);
         let offset = (low + high) * L::splat(0.5);

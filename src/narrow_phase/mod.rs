@@ -1,7 +1,5 @@
 //! Pairs in, manifolds out.
 
-#[cfg(feature = "internals")]
-pub(crate) mod bench;
 mod bins;
 mod cast;
 mod collide;
@@ -30,6 +28,19 @@ pub(crate) use convex::simplex::{Simplex, from_triangle, off_triangle};
 pub(crate) use convex::support::{Pose as SupportPose, Support};
 pub(crate) use mesh::reach::Reach;
 pub(crate) use mesh::{MeshScratch, collide_mesh};
+
+/// What `bench` times beside what other stages use.
+#[cfg(feature = "internals")]
+pub(crate) mod kernels {
+    pub(crate) use super::pairs::box_box::box_box;
+    pub(crate) use super::pairs::capsule_box::{capsule_box, tapered_capsule_box};
+    pub(crate) use super::pairs::capsule_capsule::{capsule_capsule, tapered_capsule_capsule};
+    pub(crate) use super::fixtures::{Random, collider};
+    pub(crate) use super::pairs::lanes_io::{ManifoldLanes, PairLanes};
+    pub(crate) use super::pairs::sphere_box::sphere_box;
+    pub(crate) use super::pairs::sphere_capsule::sphere_capsule;
+    pub(crate) use super::pairs::sphere_sphere::sphere_sphere;
+}
 
 /// Pose of shape `b` in the frame of shape `a`.
 #[derive(Clone, Copy, Debug)]

@@ -1,5 +1,5 @@
-//! `cargo backstop trade` keeps its promises: errors that are the same however a sweep is cut up or stopped, and a pick that keeps
-//! its tolerance when it is run again.
+//! `cargo backstop trade` keeps its promises: errors that are the same however a sweep is cut up or stopped,
+//! and a pick that keeps its tolerance when it is run again.
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::{Scene, SceneJoint, write_scene};
 use backstop::{Axes, Axis, BodyDesc, Frame, Geometry, Limit, Motion, ShapeDesc};
@@ -214,8 +214,8 @@ fn ground(name: &str) -> Scene {
     scene
 }
 
-/// Three scenes that nothing was tuned for. Expected: the setting that is picked has an error within the tolerance, it has the very
-/// same error when its file is measured again, and `run` takes it.
+/// Three scenes that nothing was tuned for. Expected: the setting that is picked has an error within the
+/// tolerance, it has the very same error when its file is measured again, and `run` takes it.
 #[test]
 fn what_is_picked_keeps_its_tolerance_when_it_is_run_again() {
     for (scene, tolerance) in [(seesaw(), 0.05), (dominoes(), 0.05), (links(), 0.01)] {

@@ -9,7 +9,9 @@ use backstop::{
 };
 use std::sync::Arc;
 
+pub(crate) mod data;
 pub(crate) mod piles;
+pub(crate) mod random;
 pub(crate) mod snapshots;
 
 /// Standard gravity of every world here [m/s²].
@@ -124,8 +126,8 @@ impl Hung<'_> {
     }
 }
 
-/// Every kind of joint, by every kernel that there is for them: eight trees alike and one unlike, a loop of points with a
-/// hinge and a weld, and single rows. Returns the bodies, the post first.
+/// Every kind of joint, by every kernel that there is for them: eight trees alike and one unlike, a loop of
+/// points with a hinge and a weld, and single rows. Returns the bodies, the post first.
 pub(crate) fn joints_of_every_kind(world: &mut World, post: Vec3) -> Vec<BodyHandle> {
     use {Axes::*, Axis::*, Motion::*};
     let bodies = vec![world.add_body(&BodyDesc::fixed().at(post)).unwrap()];
@@ -164,8 +166,8 @@ pub(crate) fn joints_of_every_kind(world: &mut World, post: Vec3) -> Vec<BodyHan
     hung.bodies
 }
 
-/// A ball on so many welds, hinges and motors that some of each find no colour, of which there are 31. Returns the bodies,
-/// what it hangs on first.
+/// A ball on so many welds, hinges and motors that some of each find no colour, of which there are 31.
+/// Returns the bodies, what it hangs on first.
 pub(crate) fn joints_without_colour(world: &mut World, post: Vec3) -> Vec<BodyHandle> {
     let bodies = vec![world.add_body(&BodyDesc::fixed().at(post)).unwrap()];
     let mut hung = Hung { world, post, bodies };

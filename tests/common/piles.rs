@@ -1,5 +1,6 @@
 //! Piles within a budget: what they want, and how deep bodies lie in each other when they get less.
 
+use super::random::Random;
 use backstop::glam::{EulerRot, Quat, Vec3};
 use backstop::{
     BodyDesc, BodyKind, Budget, Category, Geometry, QueryFilter, Settings, ShapeCast, ShapeDesc, Snapshot,
@@ -67,12 +68,8 @@ impl Pile {
             bodies.push(wall(out, 0.0, Vec3::new(0.5, 20.0, half + 1.0), 20.0));
             bodies.push(wall(0.0, out, Vec3::new(half, 20.0, 0.5), 20.0));
         }
-        // Knuth's MMIX generator, even in -1..1.
-        let mut state = self.seed;
-        let mut random = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 40) as f32 / (1u64 << 23) as f32 - 1.0
-        };
+        let mut random = Random(self.seed);
+        let mut random = || random.signed();
         for i in 0..self.bodies {
             let (x, z, layer) = (i % across, i / across % across, i / across / across);
             let h = 0.5 * SIZE;

@@ -23,8 +23,8 @@ fn a_filter_lets_one_ball_through() {
     }
 }
 
-/// Dumbbells of two cubes, 3 m high: only one cube of each may touch the ground, the lower one of the first, the
-/// upper one of the second (which is turned upside down, so the ground reaches into it).
+/// Dumbbells of two cubes, 3 m high: only one cube of each may touch the ground, the lower one of the first,
+/// the upper one of the second (which is turned upside down, so the ground reaches into it).
 #[test]
 fn a_compound_is_filtered_by_part() {
     let Some(path) = file("CollisionFilter_02") else { return };
@@ -37,8 +37,8 @@ fn a_compound_is_filtered_by_part() {
     }
 }
 
-/// Balls of restitution 0 and 1, on ground of 0.5; the ground's rule, average, goes before theirs, maximum: 0.25 and
-/// 0.75. They fall 4 m and rise to e² of it.
+/// Balls of restitution 0 and 1, on ground of 0.5; the ground's rule, average, goes before theirs, maximum:
+/// 0.25 and 0.75. They fall 4 m and rise to e² of it.
 #[test]
 fn restitution_combines_by_the_stronger_rule() {
     let Some(path) = file("Materials_00") else { return };
@@ -52,8 +52,8 @@ fn restitution_combines_by_the_stronger_rule() {
     }
 }
 
-/// Highest point of each body between its first and its second bounce. A step may end on the surface, at rest, and the
-/// next one bounce.
+/// Highest point of each body between its first and its second bounce. A step may end on the surface, at
+/// rest, and the next one bounce.
 pub(super) fn rebounds(run: &mut Run, bodies: &[usize], dt: f32) -> Vec<f64> {
     let mut top = vec![0.0f64; bodies.len()];
     let mut bounces = vec![0; bodies.len()];
@@ -74,8 +74,8 @@ pub(super) fn rebounds(run: &mut Run, bodies: &[usize], dt: f32) -> Vec<f64> {
     top
 }
 
-/// Plates on a slope of 45°, in average with the ground's default of 0.6: friction 0.3 slides with g (sin - 0.3 cos),
-/// friction 5.3 holds.
+/// Plates on a slope of 45°, in average with the ground's default of 0.6: friction 0.3 slides with g (sin -
+/// 0.3 cos), friction 5.3 holds.
 #[test]
 fn a_plate_slides_and_a_plate_sticks() {
     let Some(path) = file("Materials_02") else { return };
@@ -127,8 +127,8 @@ fn it_spins_about_its_nodes_axis() {
     }
 }
 
-/// Cubes at 5 m/s hit cubes of 1 kg at rest, without restitution: 1 kg ends at 2.5 m/s with the other, 100 kg hardly
-/// slow down. The momentum stays.
+/// Cubes at 5 m/s hit cubes of 1 kg at rest, without restitution: 1 kg ends at 2.5 m/s with the other, 100 kg
+/// hardly slow down. The momentum stays.
 #[test]
 fn masses_share_their_momentum() {
     let Some(path) = file("MotionProperties_06") else { return };

@@ -1,5 +1,5 @@
-//! Joints keep their limits and reach their targets, by the metrics of `KHR_physics_rigid_bodies`, appendix "Joint Limit
-//! Metrics".
+//! Joints keep their limits and reach their targets, by the metrics of `KHR_physics_rigid_bodies`, appendix
+//! "Joint Limit Metrics".
 
 use super::*;
 use backstop::{Axes, Axis, Limit, Motion};
@@ -31,8 +31,8 @@ fn metric(limit: &Limit, frames: Frames) -> f64 {
     }
 }
 
-/// Two single axes that can't turn leave an axis to turn about. Past a half turn about that the metrics of the two jump
-/// between zero and a whole turn, so this looks at the cone that they are together.
+/// Two single axes that can't turn leave an axis to turn about. Past a half turn about that the metrics of
+/// the two jump between zero and a whole turn, so this looks at the cone that they are together.
 fn with_hinges(limits: &[Limit]) -> Vec<Limit> {
     let lock = |axis| Limit::lock(Motion::Angular, Axes::One(axis));
     let free = |axis: &Axis| !limits.contains(&lock(*axis));
@@ -49,7 +49,8 @@ struct Worst {
     angular: f64,
 }
 
-/// Steps a scene; returns how far each joint's limits were left after any step. `look` sees the frames of the first.
+/// Steps a scene; returns how far each joint's limits were left after any step. `look` sees the frames of the
+/// first.
 fn worst(
     scene: &Scene,
     run: &mut Run,
@@ -81,9 +82,9 @@ fn worst(
     worst
 }
 
-/// Runs a file at every step, and asserts its limits. What is joined accelerates like what falls, so a limit may be left
-/// by as far as that is in one step, g dt² / 2: 5.5, 1.4 and 0.09 mm, and as many milliradians an arm of 1 m away. Then
-/// `check` gets the step, the world, and where the connected node was after each step.
+/// Runs a file at every step, and asserts its limits. What is joined accelerates like what falls, so a limit
+/// may be left by as far as that is in one step, g dt² / 2: 5.5, 1.4 and 0.09 mm, and as many milliradians an
+/// arm of 1 m away. Then `check` gets the step, the world, and where the connected node was after each step.
 fn keeps_its_limits(number: u32, check: impl Fn(f32, &Run, &[(DVec3, DQuat)])) {
     let Some(folder) = data("gltf/tests") else { return };
     let scene = load(folder.join(format!("RigidBodies_Joint_{number:02}.gltf"))).unwrap();
@@ -102,8 +103,8 @@ fn fixed() {
     keeps_its_limits(0, |dt, run, _| assert!(run.body(1).at_rest(), "{dt}: {:?}", run.body(1)));
 }
 
-/// A cube on a hinge along its edge, let go with its centre half a right angle off the lowest point: it swings through a
-/// right angle about x or z, and neither wins nor loses height.
+/// A cube on a hinge along its edge, let go with its centre half a right angle off the lowest point: it
+/// swings through a right angle about x or z, and neither wins nor loses height.
 #[test]
 fn hinges() {
     for (number, axis) in [(2, DVec3::X), (4, DVec3::Z)] {
@@ -119,8 +120,8 @@ fn hinges() {
     }
 }
 
-/// Slides down a line at 45 degrees from its upper end, until it meets the cube that the line goes through: this joint
-/// lets the two collide.
+/// Slides down a line at 45 degrees from its upper end, until it meets the cube that the line goes through:
+/// this joint lets the two collide.
 #[test]
 fn a_slider_that_collides() {
     keeps_its_limits(6, |dt, run, path| {
@@ -130,8 +131,8 @@ fn a_slider_that_collides() {
     });
 }
 
-/// Held 1 m along x, free to turn about it; its centre of mass is level with the axis, 25 cm off, when it is let go, so
-/// it swings through a half turn.
+/// Held 1 m along x, free to turn about it; its centre of mass is level with the axis, 25 cm off, when it is
+/// let go, so it swings through a half turn.
 #[test]
 fn a_hinge_at_a_distance() {
     keeps_its_limits(8, |dt, _, path| {
@@ -142,8 +143,8 @@ fn a_hinge_at_a_distance() {
     });
 }
 
-/// Pulled to 2 m, k = 100 and c = 1 per unit of mass: it comes to rest g / k below, and what it swings about that
-/// dies away with e^(-c t / 2).
+/// Pulled to 2 m, k = 100 and c = 1 per unit of mass: it comes to rest g / k below, and what it swings about
+/// that dies away with e^(-c t / 2).
 #[test]
 fn a_drive_reaches_its_target() {
     keeps_its_limits(10, |dt, _, path| {
@@ -157,9 +158,10 @@ fn a_drive_reaches_its_target() {
 
 /// All limits, and what the drives of a motor and a spring are to do.
 ///
-/// The bounds are what was measured, and a fifth more: 0.9 m/s dt and 2.6 rad/s dt at most. The latter is a ball with one angle
-/// locked and another limited, in the step in which it swings into its limit: two rows that know only of each other's bodies.
-/// Before its tree kept its energy it was 1.8, three times in the run instead of once.
+/// The bounds are what was measured, and a fifth more: 0.9 m/s dt and 2.6 rad/s dt at most. The latter is a
+/// ball with one angle locked and another limited, in the step in which it swings into its limit: two rows
+/// that know only of each other's bodies. Before its tree kept its energy it was 1.8, three times in the run
+/// instead of once.
 fn sample_keeps_its_limits(collide: bool) {
     let Some(folder) = data("gltf/samples") else { return };
     let mut scene = load(folder.join("JointTypes.glb")).unwrap();
@@ -179,7 +181,8 @@ fn sample_keeps_its_limits(collide: bool) {
         // Joint node on the static body, so that the drive's speed is the other's.
         let motor = named("Cube.017").angular;
         near3(motor, Vec3::NEG_Z * 1.57, 0.05, "the motor's speed");
-        // k = 10 N/m for 1 kg can't lift it to the target of 1.2 m above the other: g / k less, still swinging.
+        // k = 10 N/m for 1 kg can't lift it to the target of 1.2 m above the other: g / k less, still
+        // swinging.
         let lift = named("Cube.019").position.y - 0.253_732_68 - (2.965_963_6 + 0.25);
         assert!((lift - (1.2 - 0.981)).abs() < 0.22, "{dt}: {lift}");
     }

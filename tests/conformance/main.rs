@@ -1,7 +1,11 @@
-//! Scene files do what their names say: the conformance files of the glTF physics extensions if they are at hand
-//! (`BACKSTOP_DATA`), files of the same families written here, and samples and level meshes under a rain of bodies.
+//! Scene files do what their names say: the conformance files of the glTF physics extensions if they are at
+//! hand (`BACKSTOP_DATA`), files of the same families written here, and samples and level meshes under a rain
+//! of bodies.
 #![cfg(feature = "gltf")]
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
+#[path = "../common/data.rs"]
+mod data;
+
 mod files;
 mod filters;
 mod joints;
@@ -15,6 +19,7 @@ mod samples;
 use backstop::glam::{DQuat, DVec3, Quat, Vec3};
 use backstop::scene::{Added, Scene, load};
 use backstop::{BodyHandle, BodyKind, Geometry, JointHandle, Settings, World};
+use data::data;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -23,17 +28,6 @@ const STEPS: [f32; 3] = [1.0 / 30.0, 1.0 / 60.0, 1.0 / 240.0];
 
 /// What counts as rest: linear [m/s] and angular [rad/s] speed.
 const REST: (f32, f32) = (0.02, 0.05);
-
-/// A folder of the data beside the project; says so if there is none.
-fn data(folder: &str) -> Option<PathBuf> {
-    match std::env::var_os("BACKSTOP_DATA") {
-        Some(root) => Some(PathBuf::from(root).join(folder)),
-        None => {
-            println!("skipped: BACKSTOP_DATA is not set");
-            None
-        }
-    }
-}
 
 /// The files of a family, in order.
 fn family(folder: &Path, name: &str) -> Vec<PathBuf> {

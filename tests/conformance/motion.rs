@@ -84,7 +84,10 @@ fn mass_centre_and_inertia_are_as_given() {
 /// The same mass with ten times the inertia turns ten times less for the same hit off the centre.
 #[test]
 fn inertia_resists_a_hit_off_the_centre() {
-    let body = |x: f32, z: f32, motion: Value| json!({ "translation": [x, 0.0, z], "extensions": physics(json!({ "motion": motion, "collider": { "geometry": { "shape": 0 } } })) });
+    let body = |x: f32, z: f32, motion: Value| {
+        let moving = physics(json!({ "motion": motion, "collider": { "geometry": { "shape": 0 } } }));
+        json!({ "translation": [x, 0.0, z], "extensions": moving })
+    };
     let still = |inertia: f32| json!({ "mass": 1.0, "inertiaDiagonal": [inertia, inertia, inertia], "gravityFactor": 0.0 });
     let bullet = json!({ "mass": 0.01, "linearVelocity": [5.0, 0.0, 0.0], "gravityFactor": 0.0 });
     let nodes = json!([
@@ -105,7 +108,10 @@ fn inertia_resists_a_hit_off_the_centre() {
 /// Zero stands for infinity: of mass alone (the inertia then is infinite too), and of both.
 #[test]
 fn infinite_mass_keeps_its_velocity() {
-    let body = |x: f32, z: f32, motion: Value| json!({ "translation": [x, 0.0, z], "extensions": physics(json!({ "motion": motion, "collider": { "geometry": { "shape": 0 } } })) });
+    let body = |x: f32, z: f32, motion: Value| {
+        let moving = physics(json!({ "motion": motion, "collider": { "geometry": { "shape": 0 } } }));
+        json!({ "translation": [x, 0.0, z], "extensions": moving })
+    };
     let pushes = [
         json!({ "mass": 0.0, "linearVelocity": [2.0, 0.0, 0.0], "gravityFactor": 0.0 }),
         json!({ "mass": 0.0, "inertiaDiagonal": [0.0, 0.0, 0.0], "linearVelocity": [2.0, 0.0, 0.0], "gravityFactor": 0.0 }),
@@ -190,8 +196,9 @@ fn a_turntable_carries_what_lies_on_it() {
         near3(table.angular, Vec3::Y * 0.5, 1e-6, "table");
         assert!(table.rotation.dot(Quat::from_rotation_y(5.0)).abs() > 1.0 - 1e-5, "{table:?}");
         near3(cube.angular, Vec3::Y * 0.5, 0.01, "cube");
-        // Between the circle, which is exact, and steps that lead along the tangent, by (w dt)² / 2 of the radius each.
-        // Measured: 82 mm beyond the circle at 30 Hz, of 84 along the tangent, and none at 240 Hz, of 10; why is not known.
+        // Between the circle, which is exact, and steps that lead along the tangent, by (w dt)² / 2 of the
+        // radius each. Measured: 82 mm beyond the circle at 30 Hz, of 84 along the tangent, and none at 240
+        // Hz, of 10; why is not known.
         let most = 2.0 * (0.5f64 * 0.5 * 0.5 * dt as f64 * 10.0).exp();
         let off = cube.position.x.hypot(cube.position.z) - 2.0;
         assert!(
@@ -204,7 +211,10 @@ fn a_turntable_carries_what_lies_on_it() {
 /// Descendants without motion of their own belong to the body; one with its own doesn't follow.
 #[test]
 fn a_compound_is_its_descendants() {
-    let part = |y: f32, children: Value| json!({ "translation": [0.0, y, 0.0], "children": children, "extensions": physics(json!({ "collider": { "geometry": { "shape": 0 } } })) });
+    let part = |y: f32, children: Value| {
+        let still = physics(json!({ "collider": { "geometry": { "shape": 0 } } }));
+        json!({ "translation": [0.0, y, 0.0], "children": children, "extensions": still })
+    };
     let nodes = json!([
         { "extensions": physics(json!({ "motion": { "linearVelocity": [1.0, 0.0, 0.0], "gravityFactor": 0.0 } })), "children": [1] },
         part(1.0, json!([2, 3])),

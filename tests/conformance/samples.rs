@@ -21,8 +21,8 @@ fn named(scene: &Scene, run: &Run, name: &str) -> Is {
     run.body(scene.bodies.iter().position(|b| b.name == name).unwrap())
 }
 
-/// Green cubes rest on green ones, blue ones fall past green ones to the ground, and the compound hangs by its green
-/// part. Ground: half of 0.3035 m; static cubes: at 2.2043 m, sides 1 m.
+/// Green cubes rest on green ones, blue ones fall past green ones to the ground, and the compound hangs by
+/// its green part. Ground: half of 0.3035 m; static cubes: at 2.2043 m, sides 1 m.
 #[test]
 fn filtering() {
     for dt in STEPS {
@@ -43,8 +43,8 @@ fn filtering() {
     }
 }
 
-/// A ramp with every shape on it. What is angular comes to rest in it; what is round rolls, to and fro or out over the
-/// rim at z = -3.7 m (1.1 m high), and may then fall.
+/// A ramp with every shape on it. What is angular comes to rest in it; what is round rolls, to and fro or out
+/// over the rim at z = -3.7 m (1.1 m high), and may then fall.
 #[test]
 fn shape_types() {
     for dt in STEPS {

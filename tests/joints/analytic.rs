@@ -29,7 +29,8 @@ fn gap(world: &World, joint: JointHandle) -> f64 {
     (b - a).length()
 }
 
-/// Period of a pendulum over that of small swings, by the arithmetic-geometric mean: 1 / agm(1, cos(angle / 2)).
+/// Period of a pendulum over that of small swings, by the arithmetic-geometric mean: 1 / agm(1, cos(angle /
+/// 2)).
 fn stretched(angle: f64) -> f64 {
     let (mut a, mut g) = (1.0, (angle / 2.0).cos());
     for _ in 0..30 {
@@ -38,7 +39,8 @@ fn stretched(angle: f64) -> f64 {
     1.0 / a
 }
 
-/// A sphere on a massless rod of 1 m: T = 2 pi sqrt(I / (m g l)), stretched for wide swings, for I about the pivot.
+/// A sphere on a massless rod of 1 m: T = 2 pi sqrt(I / (m g l)), stretched for wide swings, for I about the
+/// pivot.
 #[test]
 fn a_pendulum_swings_with_its_period() {
     assert!((stretched(150_f64.to_radians()) - 1.762_203_73).abs() < 1e-8, "METHODS: T / T0 at 150 degrees");
@@ -126,8 +128,9 @@ fn a_chain_bears_a_ball_a_thousand_times_as_heavy_as_its_links() {
     }
 }
 
-/// The table of docs/joints.md has 0.5 m for the chain that is solved row by row because of its loops; this one is because of the
-/// setting. Expected: a tenth of that at least, and a hundredth of a millimetre once trees are switched on again.
+/// The table of docs/joints.md has 0.5 m for the chain that is solved row by row because of its loops; this
+/// one is because of the setting. Expected: a tenth of that at least, and a hundredth of a millimetre once
+/// trees are switched on again.
 #[test]
 fn trees_can_be_switched_off_and_on_again() {
     let open = chain_gap(false, 4, 1, false);
@@ -210,8 +213,8 @@ fn a_limit_stops_and_a_rope_holds() {
     assert!(world.linear_velocity(ball).unwrap().length() < 1e-2);
 }
 
-/// Locks of single axes are the one lock that they make together: a motor turns a hinge of such round and round, which
-/// each lock of rotation for itself has no direction for at a half turn.
+/// Locks of single axes are the one lock that they make together: a motor turns a hinge of such round and
+/// round, which each lock of rotation for itself has no direction for at a half turn.
 #[test]
 fn locks_of_single_axes_act_as_one() {
     let one = |motion, axis| Limit::lock(motion, Axes::One(axis));
@@ -250,7 +253,8 @@ fn locks_of_single_axes_act_as_one() {
     }
 }
 
-/// A slider that runs into its end stops: that the joint is off its centre changes nothing, for it can't turn.
+/// A slider that runs into its end stops: that the joint is off its centre changes nothing, for it can't
+/// turn.
 #[test]
 fn a_slider_off_its_centre_stops_at_its_end() {
     for arm in [0.0, 0.3] {

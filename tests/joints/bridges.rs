@@ -4,8 +4,8 @@ use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{BodyDesc, Geometry, JointDesc, Settings, ShapeDesc, World};
 use std::f32::consts::FRAC_PI_2;
 
-/// A bridge of hinged planks, level and straight at the start, between two ends that are nearer by a slack: rms speed of
-/// the planks in a second of each ten, and how far the worst joint is open [lengths of a plank].
+/// A bridge of hinged planks, level and straight at the start, between two ends that are nearer by a slack:
+/// rms speed of the planks in a second of each ten, and how far the worst joint is open [lengths of a plank].
 fn bridge(planks: u32, slack: f64, hertz: u32, substeps: u32, seconds: u32) -> (Vec<f64>, f64) {
     let mut world = World::new(Settings { substeps, sleeping: false, ..Settings::default() }).unwrap();
     let (length, axes) = (0.5, Quat::from_rotation_y(-FRAC_PI_2));
@@ -57,8 +57,8 @@ fn bridge(planks: u32, slack: f64, hertz: u32, substeps: u32, seconds: u32) -> (
     (speeds, open)
 }
 
-/// Hinges without friction take no energy: a bridge that starts next to where it hangs goes on to sway, but no more than it did
-/// at first.
+/// Hinges without friction take no energy: a bridge that starts next to where it hangs goes on to sway, but
+/// no more than it did at first.
 fn check(cases: &[(u32, f64, u32, u32)]) {
     let mut wrong = Vec::new();
     for &(planks, slack, hertz, substeps) in cases {

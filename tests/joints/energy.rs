@@ -1,13 +1,14 @@
-//! What swings and spins on joints gains nothing, and loses nothing: pendulums, tops, rotors and trees of bodies against the
-//! conservation of energy and the precession of the heavy top.
+//! What swings and spins on joints gains nothing, and loses nothing: pendulums, tops, rotors and trees of
+//! bodies against the conservation of energy and the precession of the heavy top.
 //!
-//! Joints once started each substep with the impulses of the one before, at arms that had turned since: a pendulum gained
-//! 36 % of its energy in a minute. Gyroscopic torque was that of each body for itself, once a step: a rotor at 300 rad/s kept a
-//! third of its spin.
+//! Joints once started each substep with the impulses of the one before, at arms that had turned since: a
+//! pendulum gained 36 % of its energy in a minute. Gyroscopic torque was that of each body for itself, once a
+//! step: a rotor at 300 rad/s kept a third of its spin.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 
 use crate::common::G;
+use crate::common::random::Random;
 use backstop::glam::{DVec3, Mat3, Quat, Vec3};
 use backstop::{
     BodyDesc, BodyHandle, Frame, Geometry, JointDesc, JointHandle, MassProperties, Settings, ShapeDesc, World,
@@ -95,8 +96,9 @@ fn a_box_that_spins_beside_its_centre_keeps_its_energy() {
     }
 }
 
-/// The heavy symmetric top in steady precession: with moments I3 about its axis and I1 across it at the point it stands on,
-/// W = (I3 w - sqrt((I3 w)^2 - 4 I1 m g l cos t)) / (2 I1 cos t) (Goldstein, *Classical Mechanics*, 5.7).
+/// The heavy symmetric top in steady precession: with moments I3 about its axis and I1 across it at the point
+/// it stands on, W = (I3 w - sqrt((I3 w)^2 - 4 I1 m g l cos t)) / (2 I1 cos t) (Goldstein, *Classical
+/// Mechanics*, 5.7).
 #[test]
 fn a_top_precesses_as_theory_says() {
     let (mass, radius, length, tilt) = (2.0_f64, 0.2_f64, 0.2_f64, 0.5_f64);
@@ -222,8 +224,9 @@ fn whirl(of: impl Fn(Pace) -> bool) {
     }
 }
 
-/// What touches something is solved in another way. A ball on a lever that passes just above a box, in each swing, has a contact with it
-/// that does nothing: its energy does not jump where one way takes over from the other.
+/// What touches something is solved in another way. A ball on a lever that passes just above a box, in each
+/// swing, has a contact with it that does nothing: its energy does not jump where one way takes over from the
+/// other.
 #[test]
 fn a_tree_that_nearly_touches_goes_on_as_it_was() {
     let pace = PACES[0];
@@ -252,44 +255,35 @@ fn a_tree_that_nearly_touches_goes_on_as_it_was() {
     assert!(jump < 0.005 && whole.abs() < 0.01, "{whole}, {jump} in a step");
 }
 
-struct Random(u64);
-
-impl Random {
-    /// In 0..1.
-    fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 40) as f32 / (1_u32 << 24) as f32
-    }
-    fn vector(&mut self) -> Vec3 {
-        Vec3::new(self.next(), self.next(), self.next()) * 2.0 - 1.0
-    }
+fn cube(random: &mut Random) -> Vec3 {
+    Vec3::new(random.congruential(), random.congruential(), random.congruential()) * 2.0 - 1.0
 }
 
 /// A tree of 2 to 12 boxes on balls, hinges and welds, and what its energy is measured by.
 fn random_tree(seed: u64, gravity: f64, spin: f32, pace: Pace) -> (World, f64) {
     let mut random = Random(seed * 7919 + 13);
-    (0..8).for_each(|_| _ = random.next());
+    (0..8).for_each(|_| _ = random.congruential());
     let mut world = world(gravity, pace);
-    let count = 2 + (random.next() * 11.0) as usize;
-    let whole = random.vector().normalize_or(Vec3::Y) * spin * random.next();
+    let count = 2 + (random.congruential() * 11.0) as usize;
+    let whole = cube(&mut random).normalize_or(Vec3::Y) * spin * random.congruential();
     let (mut places, mut bodies, mut weight): (Vec<Vec3>, Vec<BodyHandle>, f32) = (vec![], vec![], 0.0);
     for i in 0..count {
-        let parent = (random.next() * i as f32) as usize;
-        let way = random.vector().normalize_or(Vec3::X) * (0.4 + 0.6 * random.next());
+        let parent = (random.congruential() * i as f32) as usize;
+        let way = cube(&mut random).normalize_or(Vec3::X) * (0.4 + 0.6 * random.congruential());
         let at = places.get(parent).map_or(Vec3::ZERO, |&from| from + way);
-        let (mass, e) = (0.5 + 4.0 * random.next(), (random.vector() + 1.0) * 0.15 + 0.1);
+        let (mass, e) = (0.5 + 4.0 * random.congruential(), (cube(&mut random) + 1.0) * 0.15 + 0.1);
         let squares = e * e;
         let inertia = (Vec3::splat(squares.element_sum()) - squares) * (mass / 3.0);
-        let desc = lump(mass, inertia).at(at).moving(whole.cross(at), whole + random.vector() * spin * 0.3);
-        let rotation = Quat::from_scaled_axis(random.vector() * 2.0);
+        let desc = lump(mass, inertia).at(at).moving(whole.cross(at), whole + cube(&mut random) * spin * 0.3);
+        let rotation = Quat::from_scaled_axis(cube(&mut random) * 2.0);
         let body = world.add_body(&BodyDesc { rotation, ..desc }).unwrap();
         if let Some(&from) = places.get(parent) {
-            let make = match random.next() {
+            let make = match random.congruential() {
                 x if x < 0.5 => JointDesc::ball,
                 x if x < 0.85 => JointDesc::hinge,
                 _ => JointDesc::fixed,
             };
-            let turn = Quat::from_scaled_axis(random.vector() * 2.0);
+            let turn = Quat::from_scaled_axis(cube(&mut random) * 2.0);
             join(&mut world, [bodies[parent], body], 0.5 * (from + at), turn, make);
         }
         places.push(at);

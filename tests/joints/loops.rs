@@ -18,8 +18,9 @@ fn widest(world: &World, joints: &[JointHandle]) -> f64 {
     joints.iter().map(gap).fold(0.0, f64::max)
 }
 
-/// A flap of 1 m by 2 m that hangs level on hinges along one edge and falls. By the conservation of energy it comes to the other
-/// side as high as it started, however many hinges hold it: most rows of the others are held by the first.
+/// A flap of 1 m by 2 m that hangs level on hinges along one edge and falls. By the conservation of energy it
+/// comes to the other side as high as it started, however many hinges hold it: most rows of the others are
+/// held by the first.
 #[test]
 fn a_flap_swings_on_one_hinge_as_on_two_or_three() {
     for (hertz, substeps) in [(60, 4), (30, 4), (120, 4), (60, 1), (60, 8)] {
@@ -103,8 +104,8 @@ fn a_frame_of_welds_falls_and_lies_still() {
     }
 }
 
-/// A rope between two hooks of one height hangs in a catenary: of 40 links of 0.1 m over a span of 3 m its lowest point is where
-/// a sinh(s / 2a) = l / 2 puts it, with the sag a (cosh(s / 2a) - 1).
+/// A rope between two hooks of one height hangs in a catenary: of 40 links of 0.1 m over a span of 3 m its
+/// lowest point is where a sinh(s / 2a) = l / 2 puts it, with the sag a (cosh(s / 2a) - 1).
 #[test]
 fn a_rope_between_two_hooks_hangs_in_a_catenary() {
     let (links, length, span) = (40_u32, 4.0_f64, 3.0_f64);

@@ -1,5 +1,5 @@
-//! Motors move what they drive, all of it, from the first step: as the torque allows until they have their speed, then at
-//! that.
+//! Motors move what they drive, all of it, from the first step: as the torque allows until they have their
+//! speed, then at that.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 
@@ -39,9 +39,9 @@ fn hinge(world: &mut World, bodies: [BodyHandle; 2], at: DVec3, motor: Option<(f
 
 const CASES: [(u32, u32); 6] = [(60, 4), (30, 4), (120, 4), (60, 1), (60, 2), (60, 8)];
 
-/// A ball at the end of a massless lever that starts level, and a motor with twice the torque that holds it there. The
-/// ball is never slower than what the torque less the weight gives, I w' = M - m g l cos(angle), and never faster than asked for;
-/// and it is never off the speed asked for once it had it.
+/// A ball at the end of a massless lever that starts level, and a motor with twice the torque that holds it
+/// there. The ball is never slower than what the torque less the weight gives, I w' = M - m g l cos(angle),
+/// and never faster than asked for; and it is never off the speed asked for once it had it.
 #[test]
 fn a_motor_lifts_a_ball_on_a_lever() {
     let mut wrong = Vec::new();
@@ -79,9 +79,10 @@ fn a_motor_lifts_a_ball_on_a_lever() {
     assert!(wrong.is_empty(), "{wrong:?}");
 }
 
-/// An arm of several links, each held straight by a motor at speed zero, lifted by the one at the shoulder with twice the torque
-/// that holds the level arm. The others have ten times what holds their part: twice is not enough while the arm gets faster, as
-/// a rod that is lifted at its end bends back. It turns as one: the links have the speed of the shoulder.
+/// An arm of several links, each held straight by a motor at speed zero, lifted by the one at the shoulder
+/// with twice the torque that holds the level arm. The others have ten times what holds their part: twice is
+/// not enough while the arm gets faster, as a rod that is lifted at its end bends back. It turns as one: the
+/// links have the speed of the shoulder.
 #[test]
 fn motors_lift_an_arm_of_several_links() {
     let mut wrong = Vec::new();
@@ -113,7 +114,8 @@ fn motors_lift_an_arm_of_several_links() {
             let mut worst = 0.0_f32;
             for step in 0..3 * hertz {
                 world.step(dt).unwrap();
-                // Twice the torque: as much again as the weight accelerates it, by at least 3 g / (2 L) of a rod; it has its speed after.
+                // Twice the torque: as much again as the weight accelerates it, by at least 3 g / (2 L) of a
+                // rod; it has its speed after.
                 let started = 3.0 * G as f32 / (2.0 * (links as f32 * length as f32)) * 0.5;
                 for &link in &all {
                     let w = world.angular_velocity(link).unwrap().z;
@@ -130,8 +132,9 @@ fn motors_lift_an_arm_of_several_links() {
     assert!(wrong.is_empty(), "{wrong:?}");
 }
 
-/// A crank and a rocker: crank 0.2 m, coupler 0.6 m, rocker 0.4 m, ground 0.6 m (Grashof: the crank goes round). A motor with plenty
-/// of torque turns the crank at its speed in every step, and the loop stays closed.
+/// A crank and a rocker: crank 0.2 m, coupler 0.6 m, rocker 0.4 m, ground 0.6 m (Grashof: the crank goes
+/// round). A motor with plenty of torque turns the crank at its speed in every step, and the loop stays
+/// closed.
 #[test]
 fn a_motor_turns_a_four_bar_linkage() {
     let mut wrong = Vec::new();

@@ -1,7 +1,8 @@
 //! Ragdolls: nothing pulls them through the ground or a wall, and their joints hold.
 //!
-//! A figure has 11 bodies and 10 joints with limits. Measured in every step are the gaps of all joints, and on which side
-//! the cores of all capsules are: both ends of each, not just its centre, which the guard alone would keep.
+//! A figure has 11 bodies and 10 joints with limits. Measured in every step are the gaps of all joints, and
+//! on which side the cores of all capsules are: both ends of each, not just its centre, which the guard alone
+//! would keep.
 
 use crate::common;
 
@@ -15,8 +16,8 @@ use std::sync::Arc;
 
 /// Substeps and iterations: small steps, and sequential impulses.
 const SOLVERS: [(u32, u32); 2] = [(4, 1), (1, 8)];
-/// What a joint may open by at most, in the frame of an impact or in any other, and at rest [m]. Of other engines, measured with
-/// the same figures, 190 to 500 mm and 3 to 50 mm.
+/// What a joint may open by at most, in the frame of an impact or in any other, and at rest [m]. Of other
+/// engines, measured with the same figures, 190 to 500 mm and 3 to 50 mm.
 const WIDEST: f64 = 0.050;
 const AT_REST: f64 = 0.003;
 
@@ -55,13 +56,14 @@ struct Fall {
     held: u32,
     /// The most energy there was, over that at the start.
     energy: f64,
-    /// The most by which hips move otherwise than their velocity says, in the last step [m/s]: what hangs somewhere, held by
-    /// the guard, falls ever faster without moving.
+    /// The most by which hips move otherwise than their velocity says, in the last step [m/s]: what hangs
+    /// somewhere, held by the guard, falls ever faster without moving.
     hanging: f64,
 }
 
 impl Fall {
-    /// Steps a world for as long as all need to come to rest. `beyond`: how far a figure's point is where it must not be.
+    /// Steps a world for as long as all need to come to rest. `beyond`: how far a figure's point is where it
+    /// must not be.
     fn of(
         world: &mut World,
         ragdolls: &[Ragdoll],

@@ -1,5 +1,5 @@
-//! The car of `examples/vehicle.rs` does what a car does: its springs bear it by Hooke's law, it reaches its speed, goes
-//! where it is steered, and stays on its wheels.
+//! The car of `examples/vehicle.rs` does what a car does: its springs bear it by Hooke's law, it reaches its
+//! speed, goes where it is steered, and stays on its wheels.
 
 #[path = "../../examples/vehicle.rs"]
 #[allow(dead_code, reason = "its `main` is not for tests")]

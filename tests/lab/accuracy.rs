@@ -76,8 +76,8 @@ fn a_box_at_rest_bears_its_weight_and_breaks_no_law() {
     }
 }
 
-/// 1 kg at 3 m/s, 2 cm above the floor: it gets there within the step and stops, for which it takes m (v + g dt) by the law of
-/// momentum; without an impulse it would be at v + g dt less the speed that the gap allows.
+/// 1 kg at 3 m/s, 2 cm above the floor: it gets there within the step and stops, for which it takes m (v + g
+/// dt) by the law of momentum; without an impulse it would be at v + g dt less the speed that the gap allows.
 #[test]
 fn a_ball_that_hits_a_floor_gets_its_momentum() {
     for substeps in [1, 4, 8] {
@@ -112,8 +112,8 @@ fn a_ball_that_bounces_obeys_the_law_of_restitution() {
     assert!(found.whole.residual.worst < 1e-3, "{:?}", found.whole);
     assert!(found.whole.unexplained < 1e-5 && found.whole.bouncing == 0, "{:?}", found.whole);
     let problem = world.system().unwrap().problem(Stabilisation::Rest).unwrap();
-    // It falls 2 cm, parts with half of the speed that it has then, and is slowed down for the rest of the step: q is the speed without
-    // the impact less that.
+    // It falls 2 cm, parts with half of the speed that it has then, and is slowed down for the rest of the
+    // step: q is the speed without the impact less that.
     let (gap, dt) = (0.02, f64::from(DT));
     let fast = (9.0 + 2.0 * G * gap).sqrt();
     let end = 0.5 * fast - G * (dt - (fast - 3.0) / G);
@@ -138,8 +138,8 @@ fn friction(world: &World) -> f64 {
     patches.map(|law| system.rows[law.first].impulse.hypot(system.rows[law.first + 1].impulse)).sum()
 }
 
-/// Coulomb on a ramp of 30 degrees: with mu = 0.4 a box accelerates by g (sin - mu cos), and friction is mu times the load, against
-/// the slip; with mu = 0.7 it stays, and friction is m g sin.
+/// Coulomb on a ramp of 30 degrees: with mu = 0.4 a box accelerates by g (sin - mu cos), and friction is mu
+/// times the load, against the slip; with mu = 0.7 it stays, and friction is m g sin.
 #[test]
 fn friction_on_a_ramp_is_coulombs() {
     let (sine, cosine) = 30f64.to_radians().sin_cos();
@@ -176,8 +176,8 @@ fn spoiled(iterations: u32) -> f64 {
     accuracy(&world).whole.residual.worst
 }
 
-/// A heavy box on light ones falls almost freely after one sweep, at up to g dt = 0.16 m/s. Gauss-Seidel converges to a solution,
-/// of which the springs of contacts give way to a part of the load.
+/// A heavy box on light ones falls almost freely after one sweep, at up to g dt = 0.16 m/s. Gauss-Seidel
+/// converges to a solution, of which the springs of contacts give way to a part of the load.
 #[test]
 fn a_step_that_is_not_solved_shows_and_iterations_mend_it() {
     let found = [1, 4, 32, 256].map(spoiled);
@@ -206,7 +206,8 @@ fn islands_are_what_rows_connect() {
     assert!(whole.residual.worst < 1e-2 && whole.joint_length < 1e-4, "{whole:?}");
 }
 
-/// A door on a hinge with a motor: its work is what the door has afterwards, I w²/2 (I about the hinge), and the joint holds.
+/// A door on a hinge with a motor: its work is what the door has afterwards, I w²/2 (I about the hinge), and
+/// the joint holds.
 #[test]
 fn a_door_with_a_motor_gains_what_the_motor_gives() {
     let mut world = world(Settings { gravity: Vec3::ZERO, ..Settings::default() });
@@ -268,8 +269,8 @@ fn free_fall_keeps_its_energy() {
     }
 }
 
-/// Boxes at 100 m/s that bounce between posts, several times in a step, and stand still for the rest of one: each change of
-/// velocity has its cause all the same.
+/// Boxes at 100 m/s that bounce between posts, several times in a step, and stand still for the rest of one:
+/// each change of velocity has its cause all the same.
 #[test]
 fn impacts_explain_what_they_do() {
     let (mut world, _) =
@@ -285,8 +286,9 @@ fn impacts_explain_what_they_do() {
     assert!(bounced > 10, "{bounced}");
 }
 
-/// Coulomb: friction is no more than its coefficient times the load, in the step of a blow too: a pile falls, and fast bodies
-/// hit a terrain, with either model, at several rates and efforts. Expected: 0, to the rounding of single precision.
+/// Coulomb: friction is no more than its coefficient times the load, in the step of a blow too: a pile falls,
+/// and fast bodies hit a terrain, with either model, at several rates and efforts. Expected: 0, to the
+/// rounding of single precision.
 #[test]
 fn friction_never_exceeds_its_cone() {
     for (hz, substeps, iterations) in [(30.0, 1, 4), (60.0, 4, 1), (120.0, 2, 1)] {
@@ -330,8 +332,8 @@ fn measuring_changes_nothing() {
     assert_eq!(run(true), run(false));
 }
 
-/// Two cubes of 1 kg welded together on a floor: with the weld eliminated, unit impulses at all eight points lift 2 kg at 8 N s,
-/// which is 4 m/s at each of them; and the engine's impulses solve that problem too.
+/// Two cubes of 1 kg welded together on a floor: with the weld eliminated, unit impulses at all eight points
+/// lift 2 kg at 8 N s, which is 4 m/s at each of them; and the engine's impulses solve that problem too.
 #[test]
 fn a_weld_is_eliminated_from_the_contact_problem() {
     let mut world = world(Settings::default());

@@ -1,5 +1,5 @@
-//! Every case of the lab with a known answer, at the reference setting: the error is within the bar, or within what
-//! `docs/cases.md` says that it falls short by.
+//! Every case of the lab with a known answer, at the reference setting: the error is within the bar, or
+//! within what `docs/cases.md` says that it falls short by.
 
 use backstop::lab::cases::{Case, Setting};
 

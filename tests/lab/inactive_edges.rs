@@ -14,8 +14,8 @@ fn grid() -> (Vec<Vec3>, Vec<[u32; 3]>) {
     (vertices, triangles)
 }
 
-/// Bodies that fall, tumble and slide at 10 m/s without friction for two seconds: by how much the velocity along the plane of any of them
-/// changes [m/s]. Nothing on a frictionless plane changes it.
+/// Bodies that fall, tumble and slide at 10 m/s without friction for two seconds: by how much the velocity
+/// along the plane of any of them changes [m/s]. Nothing on a frictionless plane changes it.
 fn swerve(geometry: &Geometry, inactive: bool) -> f64 {
     let (vertices, triangles) = grid();
     let mesh = if inactive {
@@ -44,7 +44,8 @@ fn swerve(geometry: &Geometry, inactive: bool) -> f64 {
     worst
 }
 
-/// With inactive edges the velocity along the plane is kept to a millimetre per second; where every edge counts, some shape trips.
+/// With inactive edges the velocity along the plane is kept to a millimetre per second; where every edge
+/// counts, some shape trips.
 #[test]
 fn inactive_edges_keep_bodies_from_tripping() {
     let shapes = [

@@ -1,7 +1,9 @@
-//! Linear complementarity problems of others (`lcp` of `$BACKSTOP_DATA`) by every exact method. The answers are unique where they are
-//! stated as such: CPS are examples of Cottle, Pang and Stone, *The Linear Complementarity Problem* (1992), `exp_murty` is Murty's
-//! problem that takes 2ⁿ - 1 pivots by the least index; the others are checked by `w = M z + q` itself.
+//! Linear complementarity problems of others (`lcp` of `$BACKSTOP_DATA`) by every exact method. The answers
+//! are unique where they are stated as such: CPS are examples of Cottle, Pang and Stone, *The Linear
+//! Complementarity Problem* (1992), `exp_murty` is Murty's problem that takes 2ⁿ - 1 pivots by the least
+//! index; the others are checked by `w = M z + q` itself.
 
+use crate::common::data::data;
 use backstop::lab::methods::{Effort, Method, Status};
 use backstop::lab::problem::read_problem;
 use std::path::PathBuf;
@@ -19,17 +21,9 @@ const KNOWN: [(&str, &[f64]); 6] = [
     ("lcp_ortiz", &[2.0 / 3.0, 0.0, 1.0 / 3.0, 0.0]),
 ];
 
-fn folder() -> Option<PathBuf> {
-    let folder = std::env::var_os("BACKSTOP_DATA").map(|data| PathBuf::from(data).join("lcp"));
-    if folder.is_none() {
-        println!("skipped: BACKSTOP_DATA is not set");
-    }
-    folder
-}
-
 #[test]
 fn exact_methods_solve_the_problems_of_others_to_ten_digits() {
-    let Some(folder) = folder() else { return };
+    let Some(folder) = data("lcp") else { return };
     let mut files: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|f| f.unwrap().path()).collect();
     files.sort();
     assert!(!files.is_empty());
@@ -56,8 +50,8 @@ fn exact_methods_solve_the_problems_of_others_to_ten_digits() {
     }
 }
 
-/// `z >= 0` with `w = M z + q >= 0` can't be where `q` is negative and no column of M can raise it: none of them claims a solution,
-/// and those that can prove it do.
+/// `z >= 0` with `w = M z + q >= 0` can't be where `q` is negative and no column of M can raise it: none of
+/// them claims a solution, and those that can prove it do.
 #[test]
 fn a_problem_without_a_solution_is_not_solved() {
     use backstop::lab::problem::{Matrix, Problem};

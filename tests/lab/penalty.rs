@@ -6,8 +6,8 @@ use backstop::lab::steppers::Stepper;
 use backstop::lab::steppers::limit::{is_stable, limit};
 use backstop::{BodyDesc, Continuous, Geometry, Material, Settings, ShapeDesc, World};
 
-/// The explicit form is stable up to ω dt = 2 (sqrt(1 + ζ²) - ζ), from the eigenvalues of one step, and the implicit one for any
-/// stiffness. Five per cent to either side of the limit.
+/// The explicit form is stable up to ω dt = 2 (sqrt(1 + ζ²) - ζ), from the eigenvalues of one step, and the
+/// implicit one for any stiffness. Five per cent to either side of the limit.
 #[test]
 fn a_penalty_is_stable_up_to_its_limit() {
     let [explicit, implicit] = ["penalty", "penalty-implicit"].map(|name| Stepper::by_name(name).unwrap());
@@ -19,7 +19,8 @@ fn a_penalty_is_stable_up_to_its_limit() {
                 assert_eq!(found, stable, "damping {damping}, dt {dt}, {share} of the limit");
             }
             for share in [1.0, 3.0, 10.0] {
-                // Stiffer ones bear the ball at a depth of micrometres, which contacts in single precision don't tell.
+                // Stiffer ones bear the ball at a depth of micrometres, which contacts in single precision
+                // don't tell.
                 let frequency = (share * most).min(100.0);
                 assert!(
                     is_stable(implicit, frequency, damping, dt as f32).unwrap(),
@@ -31,8 +32,8 @@ fn a_penalty_is_stable_up_to_its_limit() {
     assert!(is_stable(explicit, 0.1, 0.0, 1.0 / 60.0).is_err(), "a spring that bears the ball 25 m deep");
 }
 
-/// A box of 0.2 m that falls at 5 m/s into a slab of 0.2 m on a spring of 3 Hz: it goes in by 5 / (6 pi) = 0.27 m, beyond the middle,
-/// where the shortest way out is down.
+/// A box of 0.2 m that falls at 5 m/s into a slab of 0.2 m on a spring of 3 Hz: it goes in by 5 / (6 pi) =
+/// 0.27 m, beyond the middle, where the shortest way out is down.
 #[test]
 fn what_went_in_comes_out_where_it_went_in() {
     let end = |direction_memory| {

@@ -1,18 +1,11 @@
-//! The iterative methods on frictional contact problems and linear complementarity problems that others collected (Siconos and
-//! FCLIB): how far each is after so many sweeps from zero. They lie outside of this repository; where `BACKSTOP_DATA` is not
-//! set, the tests say that they skip.
+//! The iterative methods on frictional contact problems and linear complementarity problems that others
+//! collected (Siconos and FCLIB): how far each is after so many sweeps from zero. They lie outside of this
+//! repository; where `BACKSTOP_DATA` is not set, the tests say that they skip.
 
+use crate::common::data::data;
 use backstop::lab::methods::{Effort, Method, Status};
 use backstop::lab::problem::{File, Form, Problem, read_problem, write_problem};
 use std::path::PathBuf;
-
-fn data() -> Option<PathBuf> {
-    let data = std::env::var_os("BACKSTOP_DATA").map(PathBuf::from);
-    if data.is_none() {
-        println!("skipped: BACKSTOP_DATA is not set");
-    }
-    data
-}
 
 fn read(path: PathBuf) -> File {
     let bytes = std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
@@ -21,7 +14,7 @@ fn read(path: PathBuf) -> File {
 }
 
 fn contacts(name: &str) -> Option<Problem> {
-    Some(read(data()?.join("contact_problems").join(name)).problem)
+    Some(read(data("contact_problems")?.join(name)).problem)
 }
 
 fn residual(problem: &Problem, method: &str, sweeps: u32) -> f64 {
@@ -58,8 +51,8 @@ fn exact_blocks_reach_what_they_reach_elsewhere() {
 #[cfg(feature = "hdf5")]
 #[test]
 fn exact_blocks_solve_a_stack_out_of_its_velocities() {
-    let Some(data) = data() else { return };
-    let bytes = std::fs::read(data.join("contact_problems/Box_Stacks-i0122-82-5.hdf5")).expect("a file");
+    let Some(folder) = data("contact_problems") else { return };
+    let bytes = std::fs::read(folder.join("Box_Stacks-i0122-82-5.hdf5")).expect("a file");
     let problem = backstop::lab::problem::read_fclib(bytes).expect("a problem").problem;
     assert_eq!(problem.rows(), 82 * 3);
     // All that is left after 100 sweeps is rounding.
@@ -87,8 +80,8 @@ fn methods_that_accelerate_solve_the_tower() {
 /// To 1e-6, in at most 2000 sweeps.
 #[test]
 fn contact_problems_are_solved_by_all_methods_that_claim_to() {
-    let Some(data) = data() else { return };
-    for entry in std::fs::read_dir(data.join("contact_problems")).expect("a folder") {
+    let Some(folder) = data("contact_problems") else { return };
+    for entry in std::fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("an entry").path();
         if path.extension().is_none_or(|ending| ending != "dat") {
             continue;
@@ -103,7 +96,7 @@ fn contact_problems_are_solved_by_all_methods_that_claim_to() {
 
 #[test]
 fn forms_are_told_from_their_sizes() {
-    let Some(data) = data() else { return };
+    let Some(data) = data(".") else { return };
     for (folder, file, form, rows) in [
         ("lcp", "lcp_CPS_2.dat", Form::Complementarity, 3),
         ("lcp", "lcp_mmc.dat", Form::Complementarity, 26),
@@ -121,7 +114,7 @@ fn forms_are_told_from_their_sizes() {
 
 #[test]
 fn all_files_are_read_and_written_to_the_last_bit() {
-    let Some(data) = data() else { return };
+    let Some(data) = data(".") else { return };
     for folder in ["lcp", "contact_problems"] {
         for entry in std::fs::read_dir(data.join(folder)).expect("a folder") {
             let path = entry.expect("an entry").path();
@@ -137,9 +130,8 @@ fn all_files_are_read_and_written_to_the_last_bit() {
 /// A text cut off anywhere is refused or, in its last number, read: it never panics.
 #[test]
 fn a_file_cut_off_is_refused() {
-    let Some(data) = data() else { return };
-    let text = std::fs::read_to_string(data.join("contact_problems/Confeti-ex13-4contact-Fc3D-SBM.dat"))
-        .expect("text");
+    let Some(folder) = data("contact_problems") else { return };
+    let text = std::fs::read_to_string(folder.join("Confeti-ex13-4contact-Fc3D-SBM.dat")).expect("text");
     for end in (0..text.len() - 150).step_by(13) {
         assert!(read_problem(&text[..end]).is_err(), "{end}");
     }

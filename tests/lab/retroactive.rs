@@ -19,8 +19,8 @@ fn shot(restitution: f32) -> (World, BodyHandle) {
     (world, ball)
 }
 
-/// By itself it ends up in the wall or behind it. With returns it meets the wall within the tolerance, and the step in which it is
-/// stopped may add as much again.
+/// By itself it ends up in the wall or behind it. With returns it meets the wall within the tolerance, and
+/// the step in which it is stopped may add as much again.
 #[test]
 fn a_ball_that_goes_too_far_is_taken_back() {
     let deepest = |retroactive: Option<Retroactive>| {
@@ -42,8 +42,8 @@ fn a_ball_that_goes_too_far_is_taken_back() {
     assert!(most < 2.0 * tolerance && most > -0.01 && undone > 0, "{most}, {undone}");
 }
 
-/// A bounce happens at the wall and keeps the speed, by e = 1. A body that bounces where it stands in overlap waits for the end of its
-/// step, so that it may be late by one: 0.67 m.
+/// A bounce happens at the wall and keeps the speed, by e = 1. A body that bounces where it stands in overlap
+/// waits for the end of its step, so that it may be late by one: 0.67 m.
 #[test]
 fn a_bounce_happens_when_they_meet() {
     let (mut world, ball) = shot(1.0);

@@ -1,5 +1,5 @@
-//! Four tests of SimBenchmark (docs/simbench.md): each metric held to the analytic value, or to the best number that was published
-//! (`data/TEST/sample.csv` of <https://github.com/leggedrobotics/SimBenchmark>).
+//! Four tests of SimBenchmark (docs/simbench.md): each metric held to the analytic value, or to the best
+//! number that was published (`data/TEST/sample.csv` of <https://github.com/leggedrobotics/SimBenchmark>).
 
 use backstop::FrictionCone;
 use backstop::lab::simbench::{Setting, Test, accelerations};
@@ -20,8 +20,9 @@ fn unmoved(dt: f64) -> f64 {
     (a * a + a_ball * a_ball) * dt * dt * (n - 1.0) * (2.0 * n - 1.0) / 6.0
 }
 
-/// ODE and DART have a pyramid of friction, and published 3.14497: nothing moved. By the analytic accelerations that is the same
-/// number, so the scene and the metric are SimBenchmark's; and a pyramid does the same here.
+/// ODE and DART have a pyramid of friction, and published 3.14497: nothing moved. By the analytic
+/// accelerations that is the same number, so the scene and the metric are SimBenchmark's; and a pyramid does
+/// the same here.
 #[test]
 fn a_pyramid_of_friction_bears_the_oblique_force() {
     assert!((unmoved(0.001) - 3.14497).abs() < 1e-5, "{}", unmoved(0.001));
@@ -38,7 +39,8 @@ fn a_box_and_its_balls_go_as_coulombs_law_says() {
     assert!(found.metric < 4.08935e-7, "{found:?}");
 }
 
-/// Energy is constant. The best of SimBenchmark is off by 5.7e-4 of it at steps of 0.01 s (RaiSim, 185.953 J²), and by 9e-3 at 0.04 s.
+/// Energy is constant. The best of SimBenchmark is off by 5.7e-4 of it at steps of 0.01 s (RaiSim, 185.953
+/// J²), and by 9e-3 at 0.04 s.
 #[test]
 fn balls_keep_their_energy_for_20_s() {
     for dt in [0.01, 0.04, 0.1] {
@@ -57,8 +59,8 @@ fn a_collapsing_cube_of_balls_overlaps_less_than_elsewhere() {
     }
 }
 
-/// By statics it stands for ever. With up to 100 iterations none of the others stands for longer than 60 s, and without error
-/// reduction none for longer than 3 s.
+/// By statics it stands for ever. With up to 100 iterations none of the others stands for longer than 60 s,
+/// and without error reduction none for longer than 3 s.
 #[test]
 fn a_tower_of_bricks_stands() {
     let found = Test::Tower.run(&Setting { seconds: Some(5.0), ..at(0.01) }).unwrap();

@@ -1,5 +1,7 @@
-//! Measured tosses of a cube (`tosses` of `$BACKSTOP_DATA`) beside the same tosses simulated, and one toss by hand.
+//! Measured tosses of a cube (`tosses` of `$BACKSTOP_DATA`) beside the same tosses simulated, and one toss by
+//! hand.
 
+use crate::common::data::data;
 use backstop::Settings;
 use backstop::glam::{DQuat, DVec3};
 use backstop::lab::tosses::{Cube, Deviation, Sample, deviation};
@@ -43,18 +45,13 @@ fn what_is_no_toss_is_refused() {
     assert!(deviation(&[flight(0.0), flight(STEP)], &flat, &settings, None, 1).is_err());
 }
 
-/// MuJoCo with stiff contacts and an elliptic cone is off by 13.2 % of the width on these tosses, and by 18.5 degrees; this engine's
-/// default by 12.7 % and 20.2 degrees, so the rotation is held to what was measured here (docs/tosses.md).
+/// MuJoCo with stiff contacts and an elliptic cone is off by 13.2 % of the width on these tosses, and by 18.5
+/// degrees; this engine's default by 12.7 % and 20.2 degrees, so the rotation is held to what was measured
+/// here (docs/tosses.md).
 #[test]
 fn measured_tosses_are_followed_as_closely_as_by_others() {
-    let Some(data) = std::env::var_os("BACKSTOP_DATA") else {
-        println!("skipped: BACKSTOP_DATA is not set");
-        return;
-    };
-    let mut files: Vec<_> = std::fs::read_dir(std::path::Path::new(&data).join("tosses"))
-        .unwrap()
-        .map(|file| file.unwrap().path())
-        .collect();
+    let Some(folder) = data("tosses") else { return };
+    let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().path()).collect();
     files.sort();
     let all: Vec<Deviation> = files
         .iter()

@@ -1,4 +1,5 @@
-//! Methods of the lab as solvers of worlds: what they are exact for, both laws of impacts, and what becomes of what they can't do.
+//! Methods of the lab as solvers of worlds: what they are exact for, both laws of impacts, and what becomes
+//! of what they can't do.
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::lab::{Guess, SolverReport, WorldMethod, WorldSolver};
@@ -9,7 +10,8 @@ use backstop::{
 
 const DT: f32 = 1.0 / 60.0;
 
-/// Boxes of 1 m on a plane, each `ratio` times as heavy as the one below but no heavier than `most` kg, and the lowest of 1 kg.
+/// Boxes of 1 m on a plane, each `ratio` times as heavy as the one below but no heavier than `most` kg, and
+/// the lowest of 1 kg.
 fn stack(count: usize, ratio: f64, most: f64) -> (World, Vec<BodyHandle>) {
     let mut world = World::new(Settings::default()).unwrap();
     world.add_body(&BodyDesc::fixed().with_shape(ShapeDesc::new(Geometry::Plane))).unwrap();
@@ -45,8 +47,8 @@ fn run(world: &mut World, seconds: f32) -> SolverReport {
     sum
 }
 
-/// Ten boxes, each ten times as heavy as the one below, up to 1e5 kg on 1 kg: rest is the solution, and pivoting finds it.
-/// They may be off by the slop, 0.5 mm, and not more.
+/// Ten boxes, each ten times as heavy as the one below, up to 1e5 kg on 1 kg: rest is the solution, and
+/// pivoting finds it. They may be off by the slop, 0.5 mm, and not more.
 #[test]
 fn ten_boxes_each_ten_times_as_heavy_stand_exactly() {
     for name in ["lemke", "block-pivoting"] {
@@ -95,8 +97,9 @@ fn cradle(count: usize, restitution: f32, method: &str) -> Vec<f64> {
     balls.iter().map(|&b| f64::from(world.linear_velocity(b).unwrap().x)).collect()
 }
 
-/// Both laws of a row of balls: all impacts at once (Newton's law at every contact: the first goes back where restitution is high),
-/// and one after the other, which is what nature does. To 1e-6, as velocities are kept in single precision.
+/// Both laws of a row of balls: all impacts at once (Newton's law at every contact: the first goes back where
+/// restitution is high), and one after the other, which is what nature does. To 1e-6, as velocities are kept
+/// in single precision.
 #[test]
 fn a_cradle_follows_either_law() {
     for restitution in [1.0_f32, 0.8, 0.5, 0.0] {
@@ -121,8 +124,8 @@ fn a_cradle_follows_either_law() {
     }
 }
 
-/// Below 7 - 4 sqrt 3 = 0.0718 three balls collide without end (McNamara and Young 1992): the counter ends it, and they go on as
-/// the conservation of momentum says, each no faster than the next.
+/// Below 7 - 4 sqrt 3 = 0.0718 three balls collide without end (McNamara and Young 1992): the counter ends
+/// it, and they go on as the conservation of momentum says, each no faster than the next.
 #[test]
 fn an_inelastic_collapse_ends() {
     for restitution in [0.07, 0.05, 0.01] {
@@ -149,7 +152,8 @@ fn an_inelastic_collapse_ends() {
     }
 }
 
-/// The lecture's loop: two balls on a plane, one on its way to the other. It ends, and no ball is below the plane.
+/// The lecture's loop: two balls on a plane, one on its way to the other. It ends, and no ball is below the
+/// plane.
 #[test]
 fn two_balls_on_a_plane_end() {
     for restitution in [1.0, 0.5, 0.1] {
@@ -180,7 +184,8 @@ fn two_balls_on_a_plane_end() {
     }
 }
 
-/// A box that falls flat onto four points does not turn, whatever the order in which they are solved: by symmetry.
+/// A box that falls flat onto four points does not turn, whatever the order in which they are solved: by
+/// symmetry.
 #[test]
 fn a_box_that_falls_flat_does_not_turn() {
     for method in [
@@ -227,7 +232,8 @@ fn warm_starting_saves_iterations() {
     assert!(last * 3 < zero, "{last} with, {zero} without");
 }
 
-/// So are those of joints: a bar on a hinge that friction holds level, with five locked rows and one of friction.
+/// So are those of joints: a bar on a hinge that friction holds level, with five locked rows and one of
+/// friction.
 #[test]
 fn warm_starting_knows_all_rows_of_a_joint() {
     let iterations = |guess| {
@@ -298,8 +304,8 @@ fn a_world_without_a_method_is_as_before() {
     assert!(WorldSolver::by_name("nothing").is_none());
 }
 
-/// A ball that bounces for 20 s without loss keeps its energy within 1e-2, which engines without times of impact reach at this step
-/// (SimBenchmark's bouncing test), as each bounce is at its time in the step.
+/// A ball that bounces for 20 s without loss keeps its energy within 1e-2, which engines without times of
+/// impact reach at this step (SimBenchmark's bouncing test), as each bounce is at its time in the step.
 #[test]
 fn a_ball_keeps_bouncing() {
     for method in ["gs-cone", "lemke"] {

@@ -28,16 +28,17 @@ fn kept(world: &World, body: BodyHandle, inertia: Vec3) -> (DVec3, f64) {
 }
 
 /// A box of 0.2 x 0.4 x 0.1 m and 1 kg turns about its middle axis and flips. Period of the middle component:
-/// 4 K(k) / om, with om and k from the energy and the momentum (Landau and Lifshitz, *Mechanics*, 37); evaluated:
-/// 3.86563793 s for a start of (0.1, 10, 0) rad/s about the axes by their moments, 5.40081053 s for (0.01, 10, 0).
+/// 4 K(k) / om, with om and k from the energy and the momentum (Landau and Lifshitz, *Mechanics*, 37);
+/// evaluated: 3.86563793 s for a start of (0.1, 10, 0) rad/s about the axes by their moments, 5.40081053 s
+/// for (0.01, 10, 0).
 #[test]
 fn a_tumbling_box_flips_on_time_and_keeps_energy_and_momentum() {
     // The moments of the axes x, y, z; by size: y, x, z.
     let inertia = Vec3::new(17.0 / 1200.0, 1.0 / 240.0, 1.0 / 60.0);
     for (nudge, want) in [(0.1, 3.86563793), (0.01, 5.40081053)] {
-        // The smaller nudge has 3e-7 of the energy: one rounding of the spin to single precision, 6e-8, is a fifth of
-        // that, and the period, which grows with the logarithm, then changes by up to 2 %. (At 1/60 s the integrator's
-        // own 2e-4 hides such a nudge: 7 %.)
+        // The smaller nudge has 3e-7 of the energy: one rounding of the spin to single precision, 6e-8, is a
+        // fifth of that, and the period, which grows with the logarithm, then changes by up to 2 %. (At 1/60
+        // s the integrator's own 2e-4 hides such a nudge: 7 %.)
         let (steps, most): (&[f32], f64) =
             if nudge == 0.1 { (&[1.0 / 60.0, 1.0 / 240.0], 0.01) } else { (&[1.0 / 240.0], 0.02) };
         for &dt in steps {

@@ -364,7 +364,8 @@ fn a_speed_beyond_all_numbers_is_no_panic() {
     }
 }
 
-/// Finite, but what a step made of it was no number, and indices went out of bounds. Expected: the ranges of `limits`.
+/// Finite, but what a step made of it was no number, and indices went out of bounds. Expected: the ranges of
+/// `limits`.
 #[test]
 fn what_is_beyond_any_scene_is_refused_though_it_is_finite() {
     let (mut world, body) = world();

@@ -2,6 +2,7 @@
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 
+use crate::common::random::Random;
 use crate::common::{self, Floor, G, dynamic, shape};
 use backstop::glam::{DVec3, Mat3, Quat, Vec3};
 use backstop::{
@@ -11,70 +12,101 @@ use backstop::{
 
 const DT: f32 = 1.0 / 60.0;
 
-/// A small generator, so that the test is the same everywhere (Steele and Vigna's splitmix64).
-struct Dice(u64);
-
-impl Dice {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ z >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ z >> 31
-    }
-    fn below(&mut self, n: usize) -> usize {
-        (self.next() % n as u64) as usize
-    }
-    fn range(&mut self, low: f32, high: f32) -> f32 {
-        low + (high - low) * (self.next() >> 40) as f32 / (1u64 << 24) as f32
-    }
-    fn vec3(&mut self, size: f32) -> Vec3 {
-        Vec3::new(self.range(-size, size), self.range(-size, size), self.range(-size, size))
-    }
-    fn rotation(&mut self) -> Quat {
-        Quat::from_scaled_axis(self.vec3(3.0))
-    }
-    fn geometry(&mut self) -> Geometry {
-        let (a, b) = (self.range(0.1, 0.5), self.range(0.1, 0.5));
-        match self.below(4) {
-            0 => Geometry::Sphere { radius: a },
-            1 => Geometry::capsule(a, b),
-            2 => Geometry::cuboid(a, b, 0.3),
-            _ => Geometry::cylinder(a, b),
-        }
-    }
-    fn body(&mut self) -> BodyDesc {
-        let at = self.vec3(6.0) + Vec3::Y * 7.0;
-        let kind =
-            [BodyKind::Dynamic, BodyKind::Dynamic, BodyKind::Kinematic, BodyKind::Static][self.below(4)];
-        let mut desc = BodyDesc::new(kind).at(at).rotated(self.rotation());
-        for _ in 0..1 + self.below(3) {
-            let material = Material::default().with_restitution(if self.below(3) == 0 { 0.5 } else { 0.0 });
-            let mut part = shape(self.geometry(), material);
-            part.position = self.vec3(0.3);
-            part.filter.category = 1 << self.below(3);
-            desc.shapes.push(part);
-        }
-        desc.user_data = self.next();
-        desc.moving(self.vec3(5.0), self.vec3(5.0))
+fn any_geometry(random: &mut Random) -> Geometry {
+    let (a, b) = (random.range(0.1, 0.5), random.range(0.1, 0.5));
+    match random.below(4) {
+        0 => Geometry::Sphere { radius: a },
+        1 => Geometry::capsule(a, b),
+        2 => Geometry::cuboid(a, b, 0.3),
+        _ => Geometry::cylinder(a, b),
     }
 }
 
-/// 40,000 random calls, a step after every twenty: nothing panics, everything stays a number, handles name what they
-/// named, and memory does not grow once the world no longer does.
+fn any_body(random: &mut Random) -> BodyDesc {
+    let at = random.cube() * 6.0 + Vec3::Y * 7.0;
+    let kind = [BodyKind::Dynamic, BodyKind::Dynamic, BodyKind::Kinematic, BodyKind::Static][random.below(4)];
+    let mut desc = BodyDesc::new(kind).at(at).rotated(random.rotation());
+    for _ in 0..1 + random.below(3) {
+        let material = Material::default().with_restitution(if random.below(3) == 0 { 0.5 } else { 0.0 });
+        let mut part = shape(any_geometry(random), material);
+        part.position = random.cube() * 0.3;
+        part.filter.category = 1 << random.below(3);
+        desc.shapes.push(part);
+    }
+    desc.user_data = random.bits();
+    desc.moving(random.cube() * 5.0, random.cube() * 5.0)
+}
+
+/// Changes one thing about a body that the world has.
+fn change(world: &mut World, body: BodyHandle, what: usize, random: &mut Random) {
+    match what {
+        6 => {
+            let at = (random.cube() * 6.0 + Vec3::Y * 7.0).as_dvec3();
+            world.set_pose(body, at, random.rotation()).unwrap();
+        }
+        7 => world.set_velocity(body, random.cube() * 50.0, random.cube() * 50.0).unwrap(),
+        8 => world.add_force(body, random.cube() * 1e4, random.cube() * 1e3).unwrap(),
+        9 => {
+            let at = world.position(body).unwrap() + random.cube().as_dvec3();
+            world.apply_impulse(body, random.cube() * 1e3, at).unwrap();
+        }
+        10 => {
+            let part = shape(any_geometry(random), Material::default());
+            if world.shapes(body).unwrap().count() < 5 {
+                world.add_shape(body, &part).unwrap();
+            }
+        }
+        11 => {
+            let part = world.shapes(body).unwrap().last();
+            // The last shape of a dynamic body stays.
+            if let Some(part) = part {
+                let last = world.shapes(body).unwrap().count() == 1;
+                let removed = world.remove_shape(part);
+                assert!(removed.is_ok() || last && removed == Err(Error::NoMass), "{removed:?}");
+            }
+        }
+        12 => {
+            let part = world.shapes(body).unwrap().next();
+            if let Some(part) = part {
+                let material = Material::default().with_friction(random.range(0.0, 2.0));
+                world.set_material(part, material.with_restitution(random.range(0.0, 1.0))).unwrap();
+                let mask = random.bits() & 7;
+                world.set_filter(part, Filter { mask, ..Filter::default() }).unwrap();
+            }
+        }
+        13 => {
+            let inertia = Mat3::from_diagonal(Vec3::new(20.0, 25.0, 30.0));
+            let mass = MassProperties { mass: 100.0, center: random.cube() * 0.2, inertia };
+            world.set_mass(body, mass).unwrap();
+        }
+        14 => {
+            let mode = [Continuous::Discrete, Continuous::Segment, Continuous::Volume][random.below(3)];
+            world.set_continuous(body, mode).unwrap();
+            world.set_gravity_scale(body, random.range(-1.0, 2.0)).unwrap();
+        }
+        _ => {
+            let at = world.position(body).unwrap() + (random.cube() * 0.2).as_dvec3();
+            world.move_kinematic(body, at, random.rotation(), DT).unwrap();
+        }
+    }
+}
+
+/// 80,000 random calls, a step after every twenty: nothing panics, everything stays a number, handles name
+/// what they named, and memory does not grow once the world no longer does.
 #[test]
 fn a_world_survives_any_sequence_of_calls() {
     let mut world = World::new(Settings::default()).unwrap();
     let ground = world.add_body(&Floor::Mesh.desc(Material::default())).unwrap();
-    let mut dice = Dice(7);
+    let mut random = Random(7);
     // Each live body with the number it was given.
     let mut live: Vec<(BodyHandle, u64)> = Vec::new();
     let mut dead: Vec<BodyHandle> = Vec::new();
     let mut totals = Vec::new();
     for call in 0..80_000 {
-        let pick = (!live.is_empty()).then(|| dice.below(live.len()));
-        match (dice.below(16), pick) {
+        let pick = (!live.is_empty()).then(|| random.below(live.len()));
+        match (random.below(16), pick) {
             (0..=2, _) | (_, None) if live.len() < 120 => {
-                let desc = dice.body();
+                let desc = any_body(&mut random);
                 live.push((world.add_body(&desc).unwrap(), desc.user_data));
             }
             (0..=5, Some(i)) => {
@@ -83,59 +115,11 @@ fn a_world_survives_any_sequence_of_calls() {
                 assert_eq!(world.remove_body(body), Err(Error::StaleBody));
                 dead.push(body);
             }
-            (6, Some(i)) => {
-                let at = (dice.vec3(6.0) + Vec3::Y * 7.0).as_dvec3();
-                world.set_pose(live[i].0, at, dice.rotation()).unwrap();
-            }
-            (7, Some(i)) => world.set_velocity(live[i].0, dice.vec3(50.0), dice.vec3(50.0)).unwrap(),
-            (8, Some(i)) => world.add_force(live[i].0, dice.vec3(1e4), dice.vec3(1e3)).unwrap(),
-            (9, Some(i)) => {
-                let at = world.position(live[i].0).unwrap() + dice.vec3(1.0).as_dvec3();
-                world.apply_impulse(live[i].0, dice.vec3(1e3), at).unwrap();
-            }
-            (10, Some(i)) => {
-                let part = shape(dice.geometry(), Material::default());
-                let body = live[i].0;
-                if world.shapes(body).unwrap().count() < 5 {
-                    world.add_shape(body, &part).unwrap();
-                }
-            }
-            (11, Some(i)) => {
-                let part = world.shapes(live[i].0).unwrap().last();
-                // The last shape of a dynamic body stays.
-                if let Some(part) = part {
-                    let last = world.shapes(live[i].0).unwrap().count() == 1;
-                    let removed = world.remove_shape(part);
-                    assert!(removed.is_ok() || last && removed == Err(Error::NoMass), "{removed:?}");
-                }
-            }
-            (12, Some(i)) => {
-                let part = world.shapes(live[i].0).unwrap().next();
-                if let Some(part) = part {
-                    let material = Material::default().with_friction(dice.range(0.0, 2.0));
-                    world.set_material(part, material.with_restitution(dice.range(0.0, 1.0))).unwrap();
-                    let mask = dice.next() & 7;
-                    world.set_filter(part, Filter { mask, ..Filter::default() }).unwrap();
-                }
-            }
-            (13, Some(i)) => {
-                let inertia = Mat3::from_diagonal(Vec3::new(20.0, 25.0, 30.0));
-                let mass = MassProperties { mass: 100.0, center: dice.vec3(0.2), inertia };
-                world.set_mass(live[i].0, mass).unwrap();
-            }
-            (14, Some(i)) => {
-                let mode = [Continuous::Discrete, Continuous::Segment, Continuous::Volume][dice.below(3)];
-                world.set_continuous(live[i].0, mode).unwrap();
-                world.set_gravity_scale(live[i].0, dice.range(-1.0, 2.0)).unwrap();
-            }
-            (_, Some(i)) => {
-                let at = world.position(live[i].0).unwrap() + dice.vec3(0.2).as_dvec3();
-                world.move_kinematic(live[i].0, at, dice.rotation(), DT).unwrap();
-            }
+            (what, Some(i)) => change(&mut world, live[i].0, what, &mut random),
             _ => {}
         }
         if call % 20 == 19 {
-            world.step(dice.range(1.0 / 240.0, 1.0 / 30.0)).unwrap();
+            world.step(random.range(1.0 / 240.0, 1.0 / 30.0)).unwrap();
             assert!(common::all_finite(&world), "call {call}");
             assert_eq!(world.body_count(), live.len() + 1);
             assert!(live.iter().all(|&(b, number)| world.user_data(b) == Ok(number)), "call {call}");
@@ -320,8 +304,8 @@ fn a_static_body_can_be_moved() {
     assert!(world.position(body).unwrap().y < -6.0);
 }
 
-/// The list of a body with many shapes was gone through for each that was taken off it. Expected: the same shapes are left
-/// whatever the order, each where it was, and a snapshot knows them.
+/// The list of a body with many shapes was gone through for each that was taken off it. Expected: the same
+/// shapes are left whatever the order, each where it was, and a snapshot knows them.
 #[test]
 fn shapes_are_taken_off_a_body_in_any_order() {
     let mut world = World::new(Settings::default()).unwrap();

@@ -1,11 +1,13 @@
 //! Whatever a game calls, in whatever order, a step neither panics nor leaves what is no number.
 //!
-//! Seeded sequences of calls over small crowded worlds in which much sleeps, with all kinds of bodies, shapes, joints, sensors,
-//! listeners and hooks. The first findings were pairs of what sleeps with what is kinematic and at rest.
+//! Seeded sequences of calls over small crowded worlds in which much sleeps, with all kinds of bodies,
+//! shapes, joints, sensors, listeners and hooks. The first findings were pairs of what sleeps with what is
+//! kinematic and at rest.
 
 use crate::common;
+use crate::common::random::Random;
 
-use backstop::glam::{Quat, Vec3};
+use backstop::glam::Vec3;
 use backstop::{
     Axis, BodyDesc, BodyHandle, Continuous, ContinuousMethod, Drive, Filter, Frame, FrictionModel, Geometry,
     JointDesc, JointHandle, Limit, Material, Motion, Settings, ShapeDesc, ShapeHandle, Snapshot, World,
@@ -13,33 +15,10 @@ use backstop::{
 
 const DT: f32 = 1.0 / 60.0;
 
-/// Pseudo-random numbers, the same each time.
-struct Rng(u64);
-
-impl Rng {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) as usize % n.max(1)
-    }
-    fn unit(&mut self) -> f32 {
-        self.below(1 << 24) as f32 / (1 << 24) as f32
-    }
-    /// Within one along each axis.
-    fn vec(&mut self) -> Vec3 {
-        Vec3::new(self.unit() - 0.5, self.unit() - 0.5, self.unit() - 0.5) * 2.0
-    }
-    fn of<T: Copy>(&mut self, all: &[T]) -> Option<T> {
-        if all.is_empty() { None } else { Some(all[self.below(all.len())]) }
-    }
-    fn turn(&mut self) -> Quat {
-        Quat::from_xyzw(self.unit() - 0.5, self.unit(), self.unit() - 0.5, 1.0).normalize()
-    }
-}
-
 /// A world and the handles that its game holds; some of them are stale.
 struct Game {
     world: World,
-    rng: Rng,
+    rng: Random,
     bodies: Vec<BodyHandle>,
     shapes: Vec<ShapeHandle>,
     joints: Vec<JointHandle>,
@@ -48,7 +27,7 @@ struct Game {
 
 impl Game {
     fn new(seed: u64) -> Game {
-        let mut rng = Rng(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let mut rng = Random(seed);
         let methods = [
             ContinuousMethod::OnePass,
             ContinuousMethod::OnePass,
@@ -78,7 +57,7 @@ impl Game {
     }
 
     fn shape(&mut self) -> ShapeDesc {
-        let size = |rng: &mut Rng| 0.1 + 0.5 * rng.unit();
+        let size = |rng: &mut Random| 0.1 + 0.5 * rng.unit();
         let rng = &mut self.rng;
         let geometry = match rng.below(6) {
             0 => Geometry::Sphere { radius: 2.0 * size(rng) },
@@ -88,7 +67,7 @@ impl Game {
         };
         let mut shape = ShapeDesc::new(geometry);
         shape.material.restitution = [0.0, 0.0, 0.6, 1.0][rng.below(4)];
-        shape.position = if rng.below(4) == 0 { rng.vec() * 0.3 } else { Vec3::ZERO };
+        shape.position = if rng.below(4) == 0 { rng.cube() * 0.3 } else { Vec3::ZERO };
         shape.events = rng.below(3) == 0;
         shape.hooks = rng.below(4) == 0;
         shape.sensor = rng.below(10) == 0;
@@ -101,10 +80,10 @@ impl Game {
             1 => BodyDesc::fixed(),
             _ => BodyDesc::dynamic(),
         };
-        desc = desc.at(self.rng.vec() * 1.5 + Vec3::Y).rotated(self.rng.turn());
+        desc = desc.at(self.rng.cube() * 1.5 + Vec3::Y).rotated(self.rng.rotation());
         if self.rng.below(3) == 0 {
             let fast = [1.0, 30.0, 1000.0][self.rng.below(3)];
-            desc = desc.moving(self.rng.vec() * fast, self.rng.vec() * 10.0);
+            desc = desc.moving(self.rng.cube() * fast, self.rng.cube() * 10.0);
         }
         desc.lock_rotation[0] = self.rng.below(10) == 0;
         desc.can_sleep = self.rng.below(10) != 0;
@@ -118,8 +97,10 @@ impl Game {
     }
 
     fn add_joint(&mut self) {
-        let (Some(a), Some(b)) = (self.rng.of(&self.bodies), self.rng.of(&self.bodies)) else { return };
-        let frames = [Frame::at(self.rng.vec() * 0.3), Frame::at(self.rng.vec() * 0.3)];
+        let (Some(a), Some(b)) = (self.rng.some_of(&self.bodies), self.rng.some_of(&self.bodies)) else {
+            return;
+        };
+        let frames = [Frame::at(self.rng.cube() * 0.3), Frame::at(self.rng.cube() * 0.3)];
         let limit = Limit::new(Motion::Linear, backstop::Axes::All, 0.0, 0.5);
         let desc = match self.rng.below(6) {
             0 => JointDesc::ball([a, b], frames),
@@ -141,18 +122,18 @@ impl Game {
             0 => world.remove_body(body),
             1..4 => world.send_to_sleep(body),
             4 => world.wake(body),
-            5 => world.set_pose(body, (rng.vec() * 1.5 + Vec3::Y).as_dvec3(), rng.turn()),
+            5 => world.set_pose(body, (rng.cube() * 1.5 + Vec3::Y).as_dvec3(), rng.rotation()),
             6 => {
                 let fast = [0.0, 0.04, 5.0, 1000.0][rng.below(4)];
-                world.set_velocity(body, rng.vec() * fast, rng.vec() * fast)
+                world.set_velocity(body, rng.cube() * fast, rng.cube() * fast)
             }
             7 => world.set_velocity(body, Vec3::ZERO, Vec3::ZERO),
             8 => world.set_enabled(body, rng.below(2) == 0),
-            9 => world.apply_impulse(body, rng.vec() * 1000.0, rng.vec().as_dvec3()),
+            9 => world.apply_impulse(body, rng.cube() * 1000.0, rng.cube().as_dvec3()),
             10 => {
                 // Most are honest.
                 let much = [1e4, 1e4, 1e4, 1e12, 9e17][rng.below(5)];
-                world.add_force(body, rng.vec() * much, rng.vec() * much)
+                world.add_force(body, rng.cube() * much, rng.cube() * much)
             }
             11 => world.set_can_sleep(body, rng.below(2) == 0),
             12 => {
@@ -160,8 +141,8 @@ impl Game {
                 world.set_continuous(body, modes[rng.below(3)])
             }
             _ => {
-                let to = (rng.vec() + Vec3::Y).as_dvec3();
-                world.move_kinematic(body, to, rng.turn(), DT)
+                let to = (rng.cube() + Vec3::Y).as_dvec3();
+                world.move_kinematic(body, to, rng.rotation(), DT)
             }
         }
     }
@@ -182,18 +163,18 @@ impl Game {
             0 if self.bodies.len() < 30 => self.add_body(),
             1 => self.add_joint(),
             2 => {
-                if let Some(joint) = self.rng.of(&self.joints) {
+                if let Some(joint) = self.rng.some_of(&self.joints) {
                     let _ = self.world.remove_joint(joint);
                 }
             }
             3 | 4 => {
-                if let Some(shape) = self.rng.of(&self.shapes) {
+                if let Some(shape) = self.rng.some_of(&self.shapes) {
                     let _ = self.call_on_shape(shape);
                 }
             }
             5 => {
                 let desc = self.shape();
-                if let Some(body) = self.rng.of(&self.bodies) {
+                if let Some(body) = self.rng.some_of(&self.bodies) {
                     self.shapes.extend(self.world.add_shape(body, &desc));
                 }
             }
@@ -220,7 +201,7 @@ impl Game {
                 self.world.restore(&Snapshot::from_bytes(&bytes).unwrap()).unwrap();
             }
             _ => {
-                if let Some(body) = self.rng.of(&self.bodies) {
+                if let Some(body) = self.rng.some_of(&self.bodies) {
                     let _ = self.call_on(body);
                 }
             }

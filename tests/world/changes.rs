@@ -1,4 +1,5 @@
-//! Whatever is changed between steps holds from the next step on: bodies out of the world and back in, many at once.
+//! Whatever is changed between steps holds from the next step on: bodies out of the world and back in, many
+//! at once.
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::{
@@ -111,7 +112,8 @@ fn many_go_at_once_or_none() {
     assert_eq!(world.report().pairs, 0);
 }
 
-/// Settings, gravity, masses, filters and materials in the middle of a run: what the next steps do is by the new ones.
+/// Settings, gravity, masses, filters and materials in the middle of a run: what the next steps do is by the
+/// new ones.
 #[test]
 fn what_is_changed_holds_at_once() {
     let (mut world, _) = floor(true);

@@ -1,6 +1,8 @@
-//! A hundred thousand random changes against what must hold whatever happens: handles name what is there, queries see that
-//! and nothing else, every begin has its end, sleep and snapshots lose nothing, and memory comes back.
+//! A hundred thousand random changes against what must hold whatever happens: handles name what is there,
+//! queries see that and nothing else, every begin has its end, sleep and snapshots lose nothing, and memory
+//! comes back.
 
+use crate::common::random::Random;
 use backstop::glam::{Quat, Vec3};
 use backstop::{
     BodyDesc, BodyHandle, Geometry, JointDesc, JointHandle, QueryFilter, Ray, SensorEvent, Settings,
@@ -9,21 +11,6 @@ use backstop::{
 use std::collections::{BTreeMap, BTreeSet};
 
 const DT: f32 = 1.0 / 60.0;
-
-struct Random(u32);
-
-impl Random {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (self.0 >> 8) as usize % n
-    }
-    fn unit(&mut self) -> f32 {
-        self.below(1 << 16) as f32 / (1 << 15) as f32 - 1.0
-    }
-    fn vec(&mut self) -> Vec3 {
-        Vec3::new(self.unit(), self.unit(), self.unit())
-    }
-}
 
 /// What is known of a world from the calls and from what it said, in the plainest way.
 #[derive(Clone, Default)]
@@ -84,8 +71,8 @@ impl Model {
             assert_eq!(visitors, known.collect::<Vec<_>>());
         }
         // The first hit is the nearest of all, of a shape that is there.
-        let from = (random.vec() * Vec3::new(6.0, 3.0, 6.0) + Vec3::Y * 4.0).as_dvec3();
-        let ray = Ray::new(from, random.vec() * 12.0);
+        let from = (random.cube() * Vec3::new(6.0, 3.0, 6.0) + Vec3::Y * 4.0).as_dvec3();
+        let ray = Ray::new(from, random.cube() * 12.0);
         let (filter, mut all) = (QueryFilter::new(), Vec::new());
         world.cast_ray_all(&ray, &filter, &mut all).unwrap();
         assert_eq!(world.cast_ray(&ray, &filter).unwrap().as_ref(), all.first());
@@ -121,7 +108,7 @@ impl Churn {
                     body
                 },
             );
-        Churn { world, model, random: Random(1), fixed, saved: None, calls: 0 }
+        Churn { world, model, random: Random(7), fixed, saved: None, calls: 0 }
     }
 
     fn some(&mut self) -> Option<BodyHandle> {
@@ -145,8 +132,8 @@ impl Churn {
             1 => BodyDesc::fixed(),
             _ => BodyDesc::dynamic(),
         };
-        let at = r.vec() * Vec3::new(4.0, 1.5, 4.0) + Vec3::Y * 3.0;
-        let desc = desc.at(at.as_dvec3()).moving(r.vec() * 2.0, r.vec()).with_shape(shape);
+        let at = r.cube() * Vec3::new(4.0, 1.5, 4.0) + Vec3::Y * 3.0;
+        let desc = desc.at(at.as_dvec3()).moving(r.cube() * 2.0, r.cube()).with_shape(shape);
         let body = self.world.add_body(&desc).unwrap();
         let shapes = self.world.shapes(body).unwrap().collect();
         self.model.bodies.insert(body, (shapes, true));
@@ -166,7 +153,7 @@ impl Churn {
             return self.add();
         }
         let (Some(body), Some(other)) = (self.some(), self.some()) else { return };
-        let (v, w) = (self.random.vec(), self.random.vec());
+        let (v, w) = (self.random.cube(), self.random.cube());
         let Churn { world, model, .. } = self;
         match what {
             4 | 5 => self.remove(body),
@@ -214,7 +201,7 @@ impl Churn {
                 self.step();
                 let mut snapshot = Snapshot::new();
                 self.world.snapshot(&mut snapshot);
-                self.saved = Some((snapshot, self.model.clone(), Random(self.random.0)));
+                self.saved = Some((snapshot, self.model.clone(), self.random.clone()));
             }
             20 if v.y > 0.9 => {
                 if let Some((snapshot, saved, _)) = &self.saved {
@@ -269,7 +256,7 @@ fn a_hundred_thousand_changes_lose_nothing() {
     }
     println!("{} calls; live bytes when empty: {live:?}; at most {slept} asleep", churn.calls);
     assert!(slept > 5);
-    // Columns are as long as the most that there ever was at once, which one quarter has more of than another; what leaked
-    // would be more with each.
+    // Columns are as long as the most that there ever was at once, which one quarter has more of than
+    // another; what leaked would be more with each.
     assert!(live[3] <= live[..3].iter().copied().max().unwrap_or(0), "{live:?}");
 }

@@ -1,7 +1,8 @@
-//! The same input gives the same bits: at any number of threads, in debug and release, with SSE2 and with AVX2.
+//! The same input gives the same bits: at any number of threads, in debug and release, with SSE2 and with
+//! AVX2.
 //!
-//! The pinned hashes are of poses and velocities. A change of the engine that changes results changes them, and says
-//! so in its commit; a build that differs from another is a bug.
+//! The pinned hashes are of poses and velocities. A change of the engine that changes results changes them,
+//! and says so in its commit; a build that differs from another is a bug.
 
 #![allow(clippy::disallowed_methods, reason = "expected values may use the platform's functions")]
 use crate::common;
@@ -80,8 +81,9 @@ fn any_number_of_threads_gives_the_same_bits() {
     }
 }
 
-/// With friction at every point a slab on sixteen boxes has more points than there are colours. Several of one contact are
-/// then among those that go one by one, and once two threads wrote their impulses back to it at the same time.
+/// With friction at every point a slab on sixteen boxes has more points than there are colours. Several of
+/// one contact are then among those that go one by one, and once two threads wrote their impulses back to it
+/// at the same time.
 #[cfg(feature = "parallel")]
 #[test]
 fn points_without_a_colour_give_the_same_bits() {
@@ -108,7 +110,8 @@ fn points_without_a_colour_give_the_same_bits() {
     assert_eq!(pool.install(|| run(3)), run(1));
 }
 
-/// Ragdolls fall on a mesh and on each other, beside a chain with a heavy ball, and joints of every kind swing above it.
+/// Ragdolls fall on a mesh and on each other, beside a chain with a heavy ball, and joints of every kind
+/// swing above it.
 fn joints_after(steps: u32, threads: usize) -> u64 {
     let mut world = World::new(Settings { threads, ..Settings::default() }).unwrap();
     let (vertices, triangles) = Terrain::bumpy(32, 0.5).mesh();

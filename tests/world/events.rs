@@ -176,8 +176,8 @@ fn what_there_is_no_place_for_is_counted() {
     assert_eq!((world.contact_begins().len(), world.report().events_lost), (3, 7));
 }
 
-/// Two thousand balls at 50 to 500 m/s, each through a hundred sensors of 1 cm, of every convex shape: some cross ninety in a
-/// step.
+/// Two thousand balls at 50 to 500 m/s, each through a hundred sensors of 1 cm, of every convex shape: some
+/// cross ninety in a step.
 #[test]
 fn every_crossing_of_a_sensor_is_reported_once() {
     for threads in [1, 2] {
@@ -378,8 +378,8 @@ impl ContactHooks for Belt {
     }
 }
 
-/// Friction brings a cube to the belt's speed within v / (mu g), and leaves it there, without a turn; as many on a belt as
-/// fill lanes, and on a belt that can move itself.
+/// Friction brings a cube to the belt's speed within v / (mu g), and leaves it there, without a turn; as many
+/// on a belt as fill lanes, and on a belt that can move itself.
 #[test]
 fn a_belt_carries_what_is_on_it() {
     for points in [false, true] {

@@ -1,4 +1,5 @@
-//! What becomes of a body whose motion is no number: it stands where it was, it is named, and the others go on without it.
+//! What becomes of a body whose motion is no number: it stands where it was, it is named, and the others go
+//! on without it.
 
 use crate::common;
 
@@ -25,8 +26,9 @@ fn stacks(settings: Settings) -> (World, Vec<BodyHandle>) {
     (world, bodies)
 }
 
-/// The force is at the limit of what a caller may say: a ton would be out of the world within a step. Expected: it stays exactly
-/// where it was, at rest; the stack on it and those beside it, which it touches, do not notice.
+/// The force is at the limit of what a caller may say: a ton would be out of the world within a step.
+/// Expected: it stays exactly where it was, at rest; the stack on it and those beside it, which it touches,
+/// do not notice.
 #[test]
 fn a_force_beyond_all_bounds_stops_its_body_and_no_other() {
     for (which, force) in [(0, Vec3::X), (1, Vec3::X), (4, Vec3::NEG_Y), (2, Vec3::Y)] {
@@ -59,7 +61,8 @@ fn a_torque_beyond_all_bounds_stops_its_body() {
     assert_eq!((world.position(bodies[8]).unwrap(), world.rotation(bodies[8]).unwrap()), at);
 }
 
-/// Bodies that a fault is joined to: the joint is to what stands still, as to something static, and comes back with it.
+/// Bodies that a fault is joined to: the joint is to what stands still, as to something static, and comes
+/// back with it.
 #[test]
 fn what_is_joined_to_a_fault_hangs_on_what_stands_still() {
     let mut world = World::new(Settings::default()).unwrap();
@@ -79,8 +82,8 @@ fn what_is_joined_to_a_fault_hangs_on_what_stands_still() {
     assert!(world.position(top).unwrap().distance(DVec3::Y) < 1e-2);
 }
 
-/// The lightest body there may be, joined to ones of a ton by joints that can't all hold: whatever comes of it is finite, and
-/// a stack beside it stands.
+/// The lightest body there may be, joined to ones of a ton by joints that can't all hold: whatever comes of
+/// it is finite, and a stack beside it stands.
 #[test]
 fn joints_that_make_no_numbers_stop_what_they_join() {
     let (mut world, bodies) = stacks(Settings::default());
@@ -136,8 +139,8 @@ fn what_a_hook_asks_for_leaves_numbers() {
     }
 }
 
-/// Faults in one world and none in another that lacks the body: what is far from it has the same bits, and so it has at any number
-/// of threads.
+/// Faults in one world and none in another that lacks the body: what is far from it has the same bits, and so
+/// it has at any number of threads.
 #[test]
 fn faults_do_not_depend_on_threads() {
     let run = |threads: usize| {

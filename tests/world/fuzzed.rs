@@ -1,5 +1,5 @@
-//! The bodies of the fuzz targets (fuzz/README.md), on bytes from seeds: a fixed number of runs, the same every time. What fails
-//! is shrunk to few bytes, which belong into `findings`.
+//! The bodies of the fuzz targets (fuzz/README.md), on bytes from seeds: a fixed number of runs, the same
+//! every time. What fails is shrunk to few bytes, which belong into `findings`.
 #![cfg(feature = "cli")]
 
 #[path = "../../fuzz/bodies/mod.rs"]

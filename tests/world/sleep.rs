@@ -1,6 +1,7 @@
 //! What is at rest sleeps, in islands; what touches it, moves it or takes its support away wakes it.
 
 use crate::common;
+use crate::common::random::Random;
 
 use backstop::glam::{DVec3, Quat, Vec3};
 use backstop::scene::builtin;
@@ -330,11 +331,8 @@ fn sleep_does_not_depend_on_threads() {
 #[test]
 fn bodies_come_and_go_while_others_sleep() {
     let mut world = floor();
-    let mut x = 7u32;
-    let mut below = |n: usize| {
-        x = x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (x >> 8) as usize % n
-    };
+    let mut random = Random(7);
+    let mut below = |n: usize| random.below(n);
     let mut bodies: Vec<BodyHandle> = Vec::new();
     let (mut most, mut slept, mut woke) = (0, 0, 0);
     for round in 0..3000 {
@@ -402,8 +400,8 @@ fn sleepers_keep_to_the_budget() {
     assert_eq!(world.asleep(), 60);
 }
 
-/// Sleep that was switched off between two steps is off at once: nobody may be sent to sleep with the columns of the last
-/// step. The step after it once went out of bounds.
+/// Sleep that was switched off between two steps is off at once: nobody may be sent to sleep with the columns
+/// of the last step. The step after it once went out of bounds.
 #[test]
 fn nobody_is_sent_to_sleep_once_it_is_switched_off() {
     let mut world = World::new(Settings { sleeping: true, ..Settings::default() }).unwrap();
@@ -417,9 +415,10 @@ fn nobody_is_sent_to_sleep_once_it_is_switched_off() {
     world.step(1.0 / 60.0).unwrap();
 }
 
-/// An island that sleeps on a kinematic body at rest keeps its pairs with it in the list, and these have nothing that can be
-/// pushed: no rows. They were made all the same, with the index of a sleeper for that of a body that moves; a step panicked unless
-/// the sleeper was the first of all. Expected: the island sleeps on, as it was, and wakes when its support goes.
+/// An island that sleeps on a kinematic body at rest keeps its pairs with it in the list, and these have
+/// nothing that can be pushed: no rows. They were made all the same, with the index of a sleeper for that of
+/// a body that moves; a step panicked unless the sleeper was the first of all. Expected: the island sleeps
+/// on, as it was, and wakes when its support goes.
 #[test]
 fn an_island_sleeps_on_what_is_kinematic_and_at_rest() {
     let round = ShapeDesc::new(Geometry::Sphere { radius: 2.0 });
@@ -442,7 +441,8 @@ fn an_island_sleeps_on_what_is_kinematic_and_at_rest() {
     assert!(!asleep(&world, &boxes));
 }
 
-/// Four cubes side by side on a plate, which they all touch: they fell asleep by themselves, and the next step panicked.
+/// Four cubes side by side on a plate, which they all touch: they fell asleep by themselves, and the next
+/// step panicked.
 #[test]
 fn many_sleep_on_one_plate_and_bear_what_they_bore_when_it_starts() {
     let mut world = World::new(settings()).unwrap();
@@ -458,7 +458,8 @@ fn many_sleep_on_one_plate_and_bear_what_they_bore_when_it_starts() {
     for _ in 0..60 {
         world.step(DT).unwrap();
         for (&body, height) in riders.iter().zip(&heights) {
-            // By less than what tells a contact that kept its impulses from one that begins without: g dt^2 = 2.7 mm.
+            // By less than what tells a contact that kept its impulses from one that begins without: g dt^2 =
+            // 2.7 mm.
             assert!((world.position(body).unwrap().y - height).abs() < 3e-4);
         }
     }

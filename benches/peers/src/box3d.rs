@@ -1,5 +1,5 @@
-//! Box3D through its C interface, at its defaults but for the gravity and the length unit of the scene; nobody sleeps, and the
-//! limit of speeds is lifted. Four substeps, as its documentation has them.
+//! Box3D through its C interface, at its defaults but for the gravity and the length unit of the scene;
+//! nobody sleeps, and the limit of speeds is lifted. Four substeps, as its documentation has them.
 
 use crate::Engine;
 use crate::rapier::{hinges, triangles};
@@ -28,8 +28,8 @@ fn quat(q: Quat) -> b3Quat {
 }
 
 pub(crate) fn build(scene: &Scene, size: f32) -> anyhow::Result<Box<dyn Engine>> {
-    // SAFETY: calls into the C library; every definition starts from its defaults, and every pointer outlives its call. The
-    // length unit is global: one world lives at a time.
+    // SAFETY: calls into the C library; every definition starts from its defaults, and every pointer outlives
+    // its call. The length unit is global: one world lives at a time.
     unsafe {
         b3SetLengthUnitsPerMeter(size);
         let mut def = b3DefaultWorldDef();

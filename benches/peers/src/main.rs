@@ -1,5 +1,6 @@
-//! Runs the cells of backstop's envelope in another engine, at that engine's defaults, and writes results that
-//! `cargo backstop extremes --beside FILE` shows beside its own. The judge is the same, and sees poses and velocities alone.
+//! Runs the cells of backstop's envelope in another engine, at that engine's defaults, and writes results
+//! that `cargo backstop extremes --beside FILE` shows beside its own. The judge is the same, and sees poses
+//! and velocities alone.
 
 mod box3d;
 mod rapier;
@@ -31,7 +32,8 @@ struct Options {
     /// Only cells with this in their names.
     #[arg(long)]
     only: Option<String>,
-    /// Only the cell of this name, here: what a run starts for each cell, as an engine may crash or never come back.
+    /// Only the cell of this name, here: what a run starts for each cell, as an engine may crash or never
+    /// come back.
     #[arg(long, hide = true)]
     cell: Option<String>,
     /// Seconds after which a cell counts as lost.

@@ -1,4 +1,5 @@
-//! Rapier, at its defaults but for the gravity and the length unit of the scene; nobody sleeps, and dynamic bodies are continuous.
+//! Rapier, at its defaults but for the gravity and the length unit of the scene; nobody sleeps, and dynamic
+//! bodies are continuous.
 
 use crate::Engine;
 use anyhow::Context;

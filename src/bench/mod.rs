@@ -1,0 +1,31 @@
+//! Pieces of the engine, ready to be timed one at a time by `benches/kernels.rs`. Not part of the interface: behind
+//! the feature `internals`, and free to change in any version.
+//!
+//! The stages know nothing of it: what they keep to themselves otherwise they give out in a module `kernels`.
+
+mod boxes;
+mod pairs;
+mod rows;
+mod updates;
+
+pub use boxes::kernels as boxes;
+pub use pairs::{cast, convex, distance, lanes, mesh};
+pub use rows::{preparing, records, rows};
+pub use updates::kernels as updates;
+
+/// One thing to time.
+pub struct Kernel {
+    /// What is timed, within its group.
+    pub name: String,
+    /// How many boxes, pairs or contacts one run goes through.
+    pub elements: u64,
+    /// One run.
+    pub run: Box<dyn FnMut()>,
+}
+
+impl Kernel {
+    /// A run of `elements` pieces.
+    pub fn new(name: impl Into<String>, elements: usize, run: impl FnMut() + 'static) -> Self {
+        Kernel { name: name.into(), elements: elements as u64, run: Box::new(run) }
+    }
+}

@@ -1,0 +1,231 @@
+//! Pairs of shapes near each other, to be timed. An element is a pair.
+
+use super::Kernel;
+use crate::lanes::f32x8;
+use crate::narrow_phase::kernels::{
+    ManifoldLanes, PairLanes, Random, box_box, capsule_box, capsule_capsule, collider, sphere_box,
+    sphere_capsule, sphere_sphere, tapered_capsule_box, tapered_capsule_capsule,
+};
+use crate::narrow_phase::{
+    BodyPath, MeshScratch, Motion, RawManifold, Reach, Relative, Support, cast_convex, collide_convex,
+    collide_mesh, tolerance,
+};
+use crate::scene::Terrain;
+use crate::shape::{Collider, ConvexHull, Geometry, Kind, TriangleMesh};
+use glam::{Quat, Vec3};
+use std::hint::black_box;
+use std::sync::Arc;
+
+/// Enough that no branch is learnt by heart, and all of them in L2.
+const PAIRS: usize = 512;
+/// What the step adds to a body's motion [m].
+const MARGIN: f32 = 0.02;
+
+fn sphere() -> Collider {
+    collider(Geometry::Sphere { radius: 0.4 })
+}
+fn capsule() -> Collider {
+    collider(Geometry::capsule(0.3, 0.25))
+}
+/// With a wide end and a narrow one.
+fn tapered() -> Collider {
+    collider(Geometry::Capsule { half_height: 0.3, radius_bottom: 0.3, radius_top: 0.2 })
+}
+fn cuboid() -> Collider {
+    collider(Geometry::cuboid(0.4, 0.3, 0.5))
+}
+fn cylinder() -> Collider {
+    collider(Geometry::cylinder(0.3, 0.35))
+}
+/// Of 24 points on a ball of half a metre.
+fn hull() -> Collider {
+    let mut random = Random(24);
+    let points: Vec<Vec3> = (0..24).map(|_| random.direction() * 0.5).collect();
+    collider(Geometry::Hull(Arc::new(ConvexHull::new(&points).expect("points of a ball span a volume"))))
+}
+
+/// Any rotations, at distances from where the shapes overlap by about half to where they are just out of reach.
+fn poses(a: &Collider, b: &Collider) -> Vec<Relative> {
+    let mut random = Random(7);
+    let (least, most) = (0.5 * (a.radius + b.radius), a.radius + b.radius);
+    (0..PAIRS)
+        .map(|_| Relative {
+            position: random.direction() * random.range(least, most),
+            rotation: random.rotation(),
+        })
+        .collect()
+}
+
+/// Boxes that stand on each other's faces, as in any stack.
+fn stacked() -> Vec<Relative> {
+    let mut random = Random(14);
+    (0..PAIRS)
+        .map(|_| Relative {
+            position: Vec3::new(random.range(-0.4, 0.4), 0.6, random.range(-0.4, 0.4)),
+            rotation: Quat::from_scaled_axis(random.cube() * 1e-3),
+        })
+        .collect()
+}
+
+type LaneKernel = fn(&PairLanes<f32x8>) -> ManifoldLanes<f32x8>;
+
+/// The pairs that go through their kernel in eight lanes; loading them and taking the manifolds out is included.
+pub fn lanes() -> Vec<Kernel> {
+    let of = |name: &str, a: Collider, b: Collider, kernel: LaneKernel| {
+        let poses = poses(&a, &b);
+        in_lanes(name, a, b, poses, kernel)
+    };
+    vec![
+        of("sphere sphere", sphere(), sphere(), sphere_sphere),
+        of("sphere capsule", sphere(), capsule(), sphere_capsule),
+        of("sphere box", sphere(), cuboid(), sphere_box),
+        of("capsule capsule", capsule(), capsule(), capsule_capsule),
+        of("capsule capsule, tapered", tapered(), tapered(), tapered_capsule_capsule),
+        of("capsule box", capsule(), cuboid(), capsule_box),
+        of("capsule box, tapered", tapered(), cuboid(), tapered_capsule_box),
+        of("box box", cuboid(), cuboid(), box_box),
+        in_lanes("box box, stacked", cuboid(), cuboid(), stacked(), box_box),
+    ]
+}
+
+fn in_lanes(name: &str, a: Collider, b: Collider, poses: Vec<Relative>, kernel: LaneKernel) -> Kernel {
+    let mut out = vec![RawManifold::default(); poses.len()];
+    // By a pointer that the optimiser can't see through, as in a bin.
+    let kernel = black_box(kernel);
+    Kernel::new(name, poses.len(), move || {
+        for (poses, out) in poses.chunks(8).zip(out.chunks_mut(8)) {
+            let found = kernel(&PairLanes::from_fn(|i| (poses[i], a.size, b.size, MARGIN)));
+            for (lane, out) in out.iter_mut().enumerate() {
+                *out = found.lane(lane);
+            }
+        }
+        black_box(&mut out);
+    })
+}
+
+/// The pairs that are worked through one by one.
+pub fn convex() -> Vec<Kernel> {
+    vec![
+        one_by_one("capsule hull", capsule(), hull()),
+        one_by_one("box cylinder", cuboid(), cylinder()),
+        one_by_one("cylinder cylinder", cylinder(), cylinder()),
+        one_by_one("cylinder hull", cylinder(), hull()),
+        at_poses("cylinder on box", cuboid(), cylinder(), standing(&cuboid())),
+        at_poses("cylinder on cylinder", cylinder(), cylinder(), standing(&cylinder())),
+        one_by_one("box hull", cuboid(), hull()),
+        one_by_one("hull hull", hull(), hull()),
+    ]
+}
+
+/// Cylinders that stand on what has this shape, a little in it.
+fn standing(ground: &Collider) -> Vec<Relative> {
+    let height = 0.3 + if ground.kind == Kind::Box { ground.size[1] } else { ground.size[0] };
+    let mut random = Random(15);
+    (0..PAIRS)
+        .map(|_| Relative {
+            position: Vec3::new(random.range(-0.2, 0.2), height - 5e-4, random.range(-0.2, 0.2)),
+            rotation: Quat::from_scaled_axis(random.cube() * 1e-4),
+        })
+        .collect()
+}
+
+fn one_by_one(name: &str, a: Collider, b: Collider) -> Kernel {
+    let poses = poses(&a, &b);
+    at_poses(name, a, b, poses)
+}
+
+fn at_poses(name: &str, a: Collider, b: Collider, poses: Vec<Relative>) -> Kernel {
+    Kernel::new(name, poses.len(), move || {
+        for rel in &poses {
+            black_box(collide_convex(&a, &b, rel, MARGIN));
+        }
+    })
+}
+
+/// Shapes on a terrain of 8192 triangles half a metre long.
+pub fn mesh() -> Vec<Kernel> {
+    let terrain = Terrain::bumpy(64, 0.5);
+    let (vertices, triangles) = terrain.mesh();
+    let ground = TriangleMesh::new(vertices, triangles).expect("a terrain has cells");
+    let ground = collider(Geometry::Mesh(Arc::new(ground)));
+    [("sphere mesh", sphere()), ("capsule mesh", capsule()), ("box mesh", cuboid()), ("hull mesh", hull())]
+        .into_iter()
+        .map(|(name, shape)| on_ground(name, shape, ground.clone(), &terrain))
+        .collect()
+}
+
+fn on_ground(name: &str, shape: Collider, ground: Collider, terrain: &Terrain) -> Kernel {
+    let mut random = Random(5);
+    let half = 0.8 * terrain.half();
+    let poses: Vec<Relative> = (0..PAIRS)
+        .map(|_| {
+            let (x, z) = (random.range(-half, half), random.range(-half, half));
+            // About as high as it would rest.
+            let above = random.range(shape.inner_radius, 0.5 * (shape.inner_radius + shape.radius));
+            let at = Vec3::new(x, terrain.height(x, z) + above, z);
+            let back = random.rotation().conjugate();
+            Relative { position: back * -at, rotation: back }
+        })
+        .collect();
+    let (mut scratch, mut out) = (MeshScratch::default(), Vec::new());
+    Kernel::new(name, poses.len(), move || {
+        for rel in &poses {
+            out.clear();
+            collide_mesh(&shape, &ground, rel, Reach::new(MARGIN), &mut scratch, &mut out);
+            black_box(&mut out);
+        }
+    })
+}
+
+fn alike() -> [(&'static str, Collider, Collider); 3] {
+    [
+        ("box box", cuboid(), cuboid()),
+        ("cylinder cylinder", cylinder(), cylinder()),
+        ("hull hull", hull(), hull()),
+    ]
+}
+
+/// GJK from nothing, without a hint, for shapes that are apart or just touch.
+pub fn distance() -> Vec<Kernel> {
+    alike()
+        .into_iter()
+        .map(|(name, a, b)| {
+            let mut poses = poses(&a, &b);
+            poses.iter_mut().for_each(|rel| rel.position *= 1.5);
+            Kernel::new(name, poses.len(), move || {
+                let (Some(a), Some(b)) = (Support::of(&a), Support::of(&b)) else { return };
+                for rel in &poses {
+                    black_box(crate::narrow_phase::distance(&a, &b, rel, Vec3::ZERO));
+                }
+            })
+        })
+        .collect()
+}
+
+/// A spinning shape flies 3 m at another one that spins, and may miss it.
+pub fn cast() -> Vec<Kernel> {
+    alike().into_iter().map(|(name, a, b)| flight(name, a, b)).collect()
+}
+
+fn flight(name: &str, a: Collider, b: Collider) -> Kernel {
+    let mut random = Random(9);
+    let motions: Vec<Motion> = (0..PAIRS)
+        .map(|_| {
+            let mut path = |centre: Vec3, aside: f32| BodyPath {
+                centre: centre.as_dvec3(),
+                rotation: random.rotation(),
+                displacement: -centre
+                    + Vec3::new(0.0, random.range(-aside, aside), random.range(-aside, aside)),
+                spin: random.direction() * random.range(0.0, 2.0),
+            };
+            let (flying, still) = (path(Vec3::new(-3.0, 0.0, 0.0), 1.0), path(Vec3::ZERO, 0.0));
+            Motion::new(&a, &flying, &b, &still)
+        })
+        .collect();
+    let tolerance = tolerance(&a, &b, 1.0);
+    Kernel::new(name, motions.len(), move || {
+        for motion in &motions {
+            black_box(cast_convex(&a, &b, motion, tolerance));
+        }
+    })
+}

@@ -1,0 +1,140 @@
+//! Contact rows and the records of bodies that they read and write, to be timed.
+
+use super::Kernel;
+use crate::constraint::contact::row::{Motion, Pass, Softness, solve};
+use crate::constraint::{Batch, BatchRef, FrictionRow, Group, PrepareInput, PrepareScratch, Rows, prepare};
+use crate::lanes::{Record, Vec3, f32x8, gather, scatter};
+use crate::memory::Rooms;
+use crate::scene::builtin;
+use crate::threads::{Crew, Shared};
+use crate::{Settings, World};
+use std::hint::black_box;
+
+/// Eight records to lanes and back. There are 512 of them, so they stay in L1, and no two of a batch are neighbours.
+pub fn records() -> Kernel {
+    const COUNT: u32 = 512;
+    let mut records = vec![Record { linear: glam::Vec3::ONE, ..Record::default() }; COUNT as usize];
+    // 67 is odd, so each record comes up once in 512.
+    let batches: Vec<[u32; 8]> = (0..COUNT / 8)
+        .map(|batch| std::array::from_fn(|lane| (batch * 8 + lane as u32) * 67 % COUNT))
+        .collect();
+    let step = Vec3::<f32x8>::splat(glam::Vec3::splat(0.001));
+    Kernel::new("gather and scatter of eight", batches.len(), move || {
+        for index in &batches {
+            let (v, w) = gather::<f32x8>(|i| records[i], index);
+            for (&i, record) in index.iter().zip(scatter(v + step, w - step)) {
+                records[i as usize] = record;
+            }
+        }
+        black_box(&mut records);
+    })
+}
+
+/// A wall of boxes after a few steps: its contacts are faces on faces, four points each.
+fn wall() -> World {
+    let scene = builtin::large_pyramid(24);
+    let mut world = World::new(Settings { gravity: scene.gravity, ..Settings::default() })
+        .expect("the default settings are in range");
+    scene.add_to(&mut world).expect("a builtin scene is valid");
+    for _ in 0..8 {
+        world.step(1.0 / 60.0).expect("dt is above zero");
+    }
+    world
+}
+
+/// One pass over the contacts of four points between two bodies that can move: with friction, without, and relaxing.
+/// An element is a contact, so a batch is eight of them.
+pub fn rows() -> Vec<Kernel> {
+    vec![
+        pass::<true>("solve, friction and four normals", false),
+        pass::<false>("solve, four normals", false),
+        pass::<true>("relax, friction and four normals", true),
+    ]
+}
+
+fn pass<const FRICTION: bool>(name: &str, relax: bool) -> Kernel {
+    let mut world = wall();
+    let mut rows = std::mem::take(&mut world.buffers.rows);
+    let rows = rows.views();
+    let mut batches: Vec<(Batch<f32x8, 4, 1>, FrictionRow<f32x8, 1>)> = Vec::new();
+    for stage in rows.stages.iter().filter(|s| s.group == Group::Dynamic && !s.serial) {
+        let of_stage = &rows.schedule[stage.start as usize..stage.end as usize];
+        let both = |of: &BatchRef| {
+            let lanes = &rows.two.lanes;
+            // SAFETY: there is no other thread.
+            unsafe { Some((lanes.p4.read(of.index as usize), *lanes.friction.touching(*of)?)) }
+        };
+        batches.extend(of_stage.iter().filter(|b| b.points == 4).filter_map(both));
+    }
+    let movers = world.bodies.movers();
+    let mut velocity = world.bodies.velocity[..movers].to_vec();
+    let mut delta = vec![Record::default(); movers];
+    let mut base = delta.clone();
+    let h = 1.0 / 240.0;
+    let pass = Pass {
+        inverse_h: 1.0 / h,
+        softness: Softness::new(60.0, 10.0, h),
+        push_speed: 3.0,
+        shift: 0.25,
+        real: crate::step::REAL,
+        friction_box: false,
+        relax,
+        surfaces: &[],
+    };
+    let contacts: u32 = batches.iter().map(|(b, _)| (b.write_a | b.write_b).count_ones()).sum();
+    Kernel::new(name, contacts as usize, move || {
+        let base = Shared::new(&mut base);
+        // As at the start of a substep; without it all would come to rest, and zeros are not what is to be timed.
+        for v in &mut velocity {
+            v.linear.y -= 9.81 * h;
+        }
+        let (velocity, delta) = (Shared::new(&mut velocity), Shared::new(&mut delta));
+        let motion = Motion { velocity: &velocity, delta: &delta, base: &base };
+        for (batch, friction) in &mut batches {
+            // SAFETY: one thread, one batch at a time; the indices are those of the world that the records are from.
+            unsafe { solve::<f32x8, 4, 1, FRICTION>(batch, Some(friction), &motion, &pass) };
+        }
+    })
+}
+
+/// All contacts of a wall sorted, coloured and packed into batches.
+pub fn preparing() -> Kernel {
+    let mut world = wall();
+    let (mut rows, mut scratch) = (Rows::default(), PrepareScratch::default());
+    std::mem::swap(&mut rows, &mut world.buffers.rows);
+    let count = world.broad.pairs.iter().filter(|p| p.contact != crate::narrow_phase::NONE).count();
+    Kernel::new("prepare", count, move || {
+        let forces = &world.buffers.forces;
+        let input = PrepareInput {
+            slop: 0.0005,
+            bodies: &world.bodies,
+            colliders: &world.colliders.all,
+            hot: &world.colliders.hot,
+            poses: &world.colliders.poses,
+            contacts: &world.contacts.all,
+            pairs: &world.broad.pairs,
+            motion: &forces.motion,
+            inverse_inertia: &forces.inverse_inertia,
+            real: crate::step::REAL,
+            near: 0.02,
+            ahead: usize::MAX,
+            lengths: crate::constraint::StepLengths::new(1.0, 1.0, 1.0, 1.0, true),
+            stick: 0.01,
+            order: crate::constraint::Order::default(),
+            seats: &crate::constraint::Seats::default(),
+            tweaks: &[],
+            per_point: false,
+            friction: true,
+            scale: crate::narrow_phase::Scale {
+                hot: &world.colliders.hot,
+                motion: &forces.motion,
+                mass: &world.bodies.mass,
+                dynamic: world.bodies.dynamic(),
+                gain: 1.0,
+                unit: 1.0,
+            },
+        };
+        prepare(&Crew::alone(), &input, &mut rows, &mut scratch, &mut Rooms::ENDLESS.clone());
+        black_box(&mut rows);
+    })
+}

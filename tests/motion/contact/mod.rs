@@ -1,0 +1,9 @@
+//! Contacts: bouncing, friction, sliding, parting, and what extreme masses do.
+
+mod elastic;
+mod extremes;
+mod friction;
+mod impact;
+mod overlap;
+mod restitution;
+mod sliding;

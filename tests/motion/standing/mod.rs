@@ -1,0 +1,6 @@
+//! What stands: rest, stability, and which rows are obeyed best.
+
+mod order;
+mod rest;
+mod stability;
+mod tower;

@@ -1,0 +1,11 @@
+//! Memory: what a world takes, what it will take, and how it keeps to a budget.
+
+mod add;
+mod keeps;
+mod later;
+mod model;
+mod parts;
+mod piles;
+mod plan;
+mod rows;
+mod shedding;

@@ -1,0 +1,377 @@
+//! All that a caller can do, at random, plays again.
+
+use super::*;
+
+/// All that a caller can do, at random.
+struct Churn {
+    random: Random,
+    world: World,
+    bodies: Vec<BodyHandle>,
+    shapes: Vec<ShapeHandle>,
+    joints: Vec<JointHandle>,
+    shared: Vec<Geometry>,
+    hooks: Moody,
+}
+
+fn hull(points: usize, random: &mut Random) -> Arc<ConvexHull> {
+    let points: Vec<Vec3> = (0..points).map(|_| random.cube() * 0.4).collect();
+    Arc::new(ConvexHull::new(&points).unwrap())
+}
+
+impl Churn {
+    fn new(settings: Settings, seed: u64) -> (Churn, RecordingBuffer) {
+        let (world, buffer) = recorded(settings);
+        let mut random = Random(seed);
+        let (vertices, triangles) = Terrain::bumpy(16, 1.0).mesh();
+        let mesh = Arc::new(TriangleMesh::new(vertices, triangles).unwrap());
+        let heights = (0..81).map(|_| random.unit()).collect();
+        let field = Arc::new(HeightField::new(9, 9, Vec2::splat(1.5), heights).unwrap());
+        let (one, other) = (hull(20, &mut random), hull(9, &mut random));
+        // The third has the content of the first and memory of its own.
+        let again = Arc::new((*one).clone());
+        let shared = vec![
+            Geometry::Mesh(mesh),
+            Geometry::HeightField(field),
+            Geometry::Hull(one),
+            Geometry::Hull(other),
+            Geometry::Hull(again),
+        ];
+        let (bodies, shapes, joints) = Default::default();
+        (Churn { random, world, bodies, shapes, joints, shared, hooks: Moody::default() }, buffer)
+    }
+
+    fn geometry(&mut self, convex: bool) -> Geometry {
+        let r = &mut self.random;
+        match r.below(if convex { 7 } else { 10 }) {
+            0 => Geometry::Sphere { radius: 0.2 + 0.3 * r.unit() },
+            1 => Geometry::capsule(0.3, 0.2),
+            2 => Geometry::Capsule { half_height: 0.4, radius_bottom: 0.3, radius_top: 0.1 },
+            3 => Geometry::cuboid(0.2 + 0.3 * r.unit(), 0.3, 0.25),
+            4 => Geometry::Cylinder { half_height: 0.3, radius_bottom: 0.3, radius_top: 0.2 },
+            5 | 6 => self.shared[2 + r.below(3)].clone(),
+            7 => Geometry::Plane,
+            n => self.shared[n - 8].clone(),
+        }
+    }
+
+    fn shape(&mut self, convex: bool) -> ShapeDesc {
+        let mut shape = ShapeDesc::new(self.geometry(convex));
+        let r = &mut self.random;
+        shape.position = r.cube() * 0.1;
+        shape.rotation = if convex { r.rotation() } else { Quat::IDENTITY };
+        shape.material.restitution = if r.below(4) == 0 { 0.5 } else { 0.0 };
+        shape.sensor = convex && r.below(8) == 0;
+        (shape.events, shape.hooks, shape.user_data) = (r.below(3) == 0, r.below(3) == 0, r.bits());
+        shape
+    }
+
+    fn body(&mut self) -> BodyDesc {
+        let kind = match self.random.below(8) {
+            0 => BodyKind::Static,
+            1 => BodyKind::Kinematic,
+            _ => BodyKind::Dynamic,
+        };
+        let shapes = (0..1 + self.random.below(2)).map(|_| self.shape(kind != BodyKind::Static)).collect();
+        let r = &mut self.random;
+        let mut desc = BodyDesc::new(kind)
+            .at((r.cube() * 4.0 + Vec3::Y * 5.0).as_dvec3())
+            .rotated(if kind == BodyKind::Static { Quat::IDENTITY } else { r.rotation() })
+            .moving(r.cube() * 10.0, r.cube() * 5.0);
+        (desc.shapes, desc.user_data, desc.can_sleep) = (shapes, r.bits(), r.below(10) > 0);
+        if r.below(6) == 0 {
+            desc.lock_rotation = [r.chance(0.5), r.chance(0.5), r.chance(0.5)];
+        }
+        if kind == BodyKind::Static {
+            desc.position.y -= 6.0;
+        }
+        desc
+    }
+
+    /// Shapes of new bodies, and bodies that are gone.
+    fn look_up(&mut self) {
+        self.bodies.retain(|&body| self.world.contains(body));
+        self.joints.retain(|&joint| self.world.contains_joint(joint));
+        self.shapes = self.bodies.iter().flat_map(|&b| self.world.shapes(b).unwrap()).collect();
+    }
+
+    fn settings(&mut self) -> Settings {
+        let r = &mut self.random;
+        let order = if r.chance(0.5) { Order::default() } else { Order::default().reversed() };
+        Settings {
+            substeps: 1 + r.below(5) as u32,
+            iterations: 1 + r.below(3) as u32,
+            warm_starting: r.below(4) > 0,
+            recycling: r.below(4) > 0,
+            sleeping: r.below(8) > 0,
+            gravity: Vec3::NEG_Y * (9.0 + r.unit()),
+            continuous: r.of(&[Continuous::Segment, Continuous::Segment, Continuous::Volume]),
+            order,
+            joint_trees: r.below(4) > 0,
+            guard: r.below(4) > 0,
+            ..self.world.settings().clone()
+        }
+    }
+
+    fn joint(&mut self) -> JointDesc {
+        let pair = [self.random.of(&self.bodies), self.random.of(&self.bodies)];
+        let r = &mut self.random;
+        let frames = [Frame::at(r.cube() * 0.3), Frame::at(r.cube() * 0.3)];
+        let joint = match r.below(4) {
+            0 => JointDesc::ball(pair, frames),
+            1 => JointDesc::hinge(pair, frames).with_drive(Drive::motor(
+                Motion::Angular,
+                Axis::X,
+                r.unit() * 3.0,
+                20.0,
+            )),
+            2 => JointDesc::distance(pair, frames, 0.0, 3.0),
+            _ => JointDesc::fixed(pair, frames),
+        };
+        joint.breaking(if r.chance(0.5) { 2000.0 } else { f32::INFINITY }, f32::INFINITY)
+    }
+
+    /// One call, refused or not.
+    fn call(&mut self) {
+        if self.bodies.len() < 20 {
+            let desc = self.body();
+            self.bodies.extend(self.world.add_body(&desc));
+            return self.look_up();
+        }
+        let (body, what) = (self.random.of(&self.bodies), self.random.below(31));
+        let shape = self.shapes.get(self.random.below(self.shapes.len())).copied();
+        let Some(shape) = shape else { return };
+        let joint = self.joints.get(self.random.below(self.joints.len().max(1))).copied();
+        let above = self.random.of(&[None, Some(RowGroup::Contacts), Some(RowGroup::StaticContacts)]);
+        let (v, w, q) = (self.random.cube(), self.random.cube(), self.random.rotation());
+        let (yes, also) = (self.random.chance(0.5), self.random.chance(0.5));
+        let world = &mut self.world;
+        // Errors are for calls that make no sense, and are not in the recording.
+        let _ = match what {
+            0 if self.bodies.len() < 90 => {
+                let descs = [self.body(), self.body()];
+                self.world.add_bodies(&descs).map(|new| self.bodies.extend(new))
+            }
+            1 => world.remove_body(body),
+            2 => {
+                let desc = self.shape(true);
+                self.world.add_shape(body, &desc).map(drop)
+            }
+            3 => world.remove_shape(shape),
+            4 => world.set_material(shape, Material::default().with_friction(v.x.abs())),
+            5 => world.set_filter(shape, Filter { category: 1 + u64::from(yes), ..Filter::default() }),
+            6 => world.set_listening(shape, yes, also),
+            7 => world.set_sensor(shape, yes && also),
+            8 => world.set_pose(body, (v * 4.0 + Vec3::Y * 4.0).as_dvec3(), q),
+            9 => world.set_velocity(body, v * 20.0, w * 10.0),
+            10 => world.move_kinematic(body, (v * 3.0).as_dvec3(), q, DT),
+            11..=13 => world.add_force(body, v * 1e4, w * 100.0),
+            14 => world.apply_impulse(body, v * 500.0, (w * 3.0).as_dvec3()),
+            15 => world.set_gravity_scale(body, v.x),
+            16 => world.set_continuous(body, if yes { Continuous::Volume } else { Continuous::Discrete }),
+            17 => world.raise_body(body, above),
+            18 => {
+                let mass = MassProperties { mass: 50.0, center: v * 0.1, inertia: Mat3::IDENTITY * 5.0 };
+                world.set_mass(body, mass)
+            }
+            19 => {
+                let desc = self.joint();
+                self.world.add_joint(&desc).map(|joint| self.joints.push(joint))
+            }
+            20 => {
+                let descs = [self.joint(), self.joint()];
+                self.world.add_joints(&descs).map(|joints| self.joints.extend(joints))
+            }
+            21 => joint.map_or(Ok(()), |joint| world.remove_joint(joint)),
+            22 => joint.map_or(Ok(()), |joint| {
+                let limit = Limit::new(Motion::Linear, Axes::All, 0.0, 1.0 + v.x.abs());
+                world.set_joint(joint, &[limit], &[])
+            }),
+            23 => joint.map_or(Ok(()), |joint| world.raise_joint(joint, above)),
+            24 => world.wake(body),
+            25 => world.send_to_sleep(body),
+            26 => world.set_can_sleep(body, yes),
+            30 => world.set_enabled(body, yes || also),
+            27 => world.set_origin((v * 1000.0).as_dvec3()),
+            28 => {
+                let settings = self.settings();
+                self.world.set_settings(settings)
+            }
+            _ => {
+                world.name_recorded(body, "one of many");
+                let ray = Ray::new(DVec3::new(0.0, 9.0, 0.0), Vec3::NEG_Y * 20.0);
+                let _ = world.cast_ray(&ray, &QueryFilter::default());
+                Ok(())
+            }
+        };
+        self.look_up();
+    }
+
+    fn step(&mut self) {
+        let dt = self.random.of(&[DT, DT, DT, 1.0 / 120.0, 1.0 / 30.0]);
+        self.world.step_with(dt, &self.hooks).unwrap();
+        self.look_up();
+    }
+
+    /// The bodies stay where numbers make sense.
+    fn run(&mut self, steps: u32, calls_a_step: usize) {
+        Skeleton::humanoid().add_to(&mut self.world, DVec3::Y * 4.0, Quat::IDENTITY, Vec3::X).unwrap();
+        self.bodies = self.world.bodies().collect();
+        self.look_up();
+        for step in 0..steps {
+            // Now and then nothing is called for long enough to fall asleep.
+            if step % 200 < 120 {
+                (0..calls_a_step).for_each(|_| self.call());
+            }
+            self.step();
+            let far = |body: &BodyHandle| {
+                let at = self.world.position(*body).unwrap();
+                (at.length() < 60.0).then_some(()).is_none()
+            };
+            let gone: Vec<BodyHandle> = self.bodies.iter().copied().filter(far).collect();
+            gone.into_iter().for_each(|body| self.world.remove_body(body).unwrap());
+            self.look_up();
+        }
+    }
+}
+
+/// Names of calls that are in any recording of a churn.
+const CALLS: [&str; 35] = [
+    "add_bodies",
+    "add_body",
+    "add_force",
+    "add_joint",
+    "add_joints",
+    "add_shape",
+    "again",
+    "apply_impulse",
+    "height_field",
+    "hull",
+    "mesh",
+    "name_recorded",
+    "raise_body",
+    "raise_joint",
+    "remove_body",
+    "remove_joint",
+    "remove_shape",
+    "send_to_sleep",
+    "set_can_sleep",
+    "set_continuous",
+    "set_enabled",
+    "set_filter",
+    "set_gravity_scale",
+    "set_joint",
+    "set_listening",
+    "set_mass",
+    "set_material",
+    "set_origin",
+    "set_pose",
+    "set_sensor",
+    "set_settings",
+    "set_velocity",
+    "step",
+    "wake",
+    "asked",
+];
+
+#[test]
+fn thousands_of_calls_at_random_play_again() {
+    // What is drawn depends on the world, so no single run need have all of them.
+    let mut drawn = BTreeSet::new();
+    for seed in 1..=3 {
+        let settings = Settings { sleeping: true, ..Settings::default() };
+        let (mut churn, buffer) = Churn::new(settings, seed);
+        churn.run(600, 8);
+        let hash = churn.world.hash();
+        let recorded = churn.world.stop_recording().unwrap();
+        println!(
+            "churn {seed}: {} calls in {} steps, {} bytes a step",
+            recorded.calls,
+            recorded.steps,
+            recorded.bytes / recorded.steps
+        );
+        assert!(recorded.calls > 3000);
+        let played = plays_again(&buffer.bytes(), hash);
+        drawn.extend(played.calls.keys().copied());
+    }
+    assert_eq!(drawn, CALLS.into_iter().filter(|&name| name != "asked").collect());
+}
+
+/// A budget counts all that the world holds: what of it depends on what was asked, and on who shares memory
+/// with whom, has to be the same too.
+#[test]
+fn a_run_within_a_budget_plays_again() {
+    let settings = Settings { sleeping: true, budget: Budget::total(1_400_000), ..Settings::default() };
+    let (mut churn, buffer) = Churn::new(settings, 4);
+    churn.run(600, 6);
+    let (hash, memory) = (churn.world.hash(), churn.world.memory().total());
+    churn.world.stop_recording().unwrap();
+    let played = plays_again(&buffer.bytes(), hash);
+    assert_eq!(played.calls.keys().copied().collect::<BTreeSet<_>>(), CALLS.into_iter().collect());
+    let bytes = buffer.bytes();
+    let mut replay = Replay::open(&bytes[..]).unwrap();
+    replay.run().unwrap();
+    assert_eq!(replay.world().memory().total(), memory);
+}
+
+/// Every public method that changes a world is recorded, or stands here with the reason why it is not.
+#[test]
+fn no_method_is_forgotten() {
+    const OTHERS: [(&str, &str); 10] = [
+        ("remove_bodies", "calls remove_body"),
+        ("restore", "is refused while a run is recorded"),
+        ("move_kinematic", "calls set_velocity"),
+        ("step", "calls step_with"),
+        ("step_with", "step_taped writes it"),
+        ("start_recording", "is not of the run"),
+        ("stop_recording", "is not of the run"),
+        ("name_recorded", "is recorded in replay/tape.rs, by the path of the macro"),
+        ("measure_accuracy", "changes nothing that a run ends with"),
+        ("solve_with", "is the lab's, and a recording has no word for it"),
+    ];
+    let mut found = BTreeSet::new();
+    let mut folders = vec![std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("src")];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            let text = std::fs::read_to_string(&path).unwrap();
+            // What is between `impl World {` and the `}` at the start of a line.
+            for block in text.split("\nimpl World {").skip(1) {
+                let block = &block[..block.find("\n}").unwrap()];
+                for method in block.split("\n    pub fn ").skip(1) {
+                    let (head, body) = method.split_once('{').unwrap();
+                    let name = head.split(['(', '<']).next().unwrap();
+                    if !head.contains("&mut self") {
+                        continue;
+                    }
+                    found.insert(name.to_owned());
+                    let body = &body[..body.find("\n    }").unwrap()];
+                    let camel = |name: &str| -> String {
+                        let part = |p: &str| p[..1].to_uppercase() + &p[1..];
+                        name.split('_').map(part).collect()
+                    };
+                    let call = format!("{}(", camel(name));
+                    let is_recorded = body
+                        .split("record!(self, ")
+                        .skip(1)
+                        .any(|rest| rest[..80.min(rest.len())].contains(&call));
+                    assert!(
+                        is_recorded || OTHERS.iter().any(|other| other.0 == name),
+                        "World::{name} in {} is not recorded: docs/replay.md says how",
+                        path.display()
+                    );
+                }
+            }
+        }
+    }
+    // The parser sees what it has to.
+    for name in
+        CALLS.into_iter().filter(|n| !["again", "height_field", "hull", "mesh", "asked", "step"].contains(n))
+    {
+        assert!(found.contains(name), "{name}");
+    }
+    assert!(found.len() >= CALLS.len() - 5 + 4, "{found:?}");
+}
