@@ -75,25 +75,6 @@ impl Input<'_> {
         !(pushed(pair.a) && pushed(pair.b))
     }
 
-    /// Whether a pair is of something static and a body that joints keep from going where it is predicted to: that the
-    /// predicted path misses what is near says nothing.
-    pub(crate) fn strays(&self, pair: &Pair) -> bool {
-        let [a, b] = [pair.a, pair.b].map(|c| self.hot[c as usize].body);
-        self.is_static(pair) && (self.has_joints)(if (a as usize) < self.dynamic { a } else { b })
-    }
-
-    /// Whether two bodies that both move go further past each other within the step than the planes of its start are good for.
-    pub(crate) fn slides_far(&self, pair: &Pair, approach: &Approach) -> bool {
-        let moves = |c: u32| (self.hot[c as usize].body as usize) < self.motion.len();
-        let inner = |c: u32| self.colliders[c as usize].inner_radius;
-        approach.is_continuous()
-            && self.start == Start::Cast
-            && approach.most() > self.fast
-            && moves(pair.a)
-            && moves(pair.b)
-            && approach.most() > 0.5 * inner(pair.a).max(inner(pair.b))
-    }
-
     /// Whether a pair only says who is in a sensor.
     fn is_sensor(&self, pair: &Pair) -> bool {
         [pair.a, pair.b].iter().any(|&c| self.hot[c as usize].is_sensor())

@@ -11,9 +11,9 @@ mod convex;
 #[cfg_attr(not(test), allow(dead_code, reason = "benches use a part of what tests use"))]
 pub(crate) mod fixtures;
 mod mesh;
+mod pair_policy;
 pub(crate) mod pairs;
 
-pub(crate) use bins::GHOST_GAP;
 pub(crate) use cast::ahead::out_by_the_centre;
 pub(crate) use cast::mesh::{Asked, Cast, Triangles, ask_mesh};
 pub(crate) use cast::motion::{BodyPath, Motion};
@@ -30,6 +30,7 @@ pub(crate) use convex::simplex::{Simplex, from_triangle, off_triangle};
 pub(crate) use convex::support::{Pose as SupportPose, Support};
 pub(crate) use mesh::reach::Reach;
 pub(crate) use mesh::{MeshScratch, collide_mesh};
+pub(crate) use pair_policy::GHOST_GAP;
 
 /// Pose of shape `b` in the frame of shape `a`.
 #[derive(Clone, Copy, Debug)]
