@@ -91,6 +91,26 @@ impl Loop {
     }
 }
 
+/// Takes the points that are nearer than the margin to the reference plane `normal`·x = `offset`.
+struct Sink<'a> {
+    normal: Vec3,
+    offset: f32,
+    margin: f32,
+    cloud: &'a mut Cloud,
+}
+
+impl Sink<'_> {
+    /// `at`: on the incident surface.
+    #[inline(always)]
+    fn add(&mut self, at: Vec3, key: u32) {
+        let separation = self.normal.dot(at) - self.offset;
+        if separation <= self.margin {
+            let position = at - self.normal * (0.5 * separation);
+            self.cloud.push(RawPoint { position, separation, key });
+        }
+    }
+}
+
 /// All points of the incident face (or, with two corners, edge) that are over the face `normal`·x = `offset` and
 /// nearer than the margin, and those of the face under the incident one. All in one frame; the normal points out of
 /// the reference shape; `incident_plane` in the same frame.
@@ -115,15 +135,15 @@ pub(crate) fn clip_face(
         let out = if length > 0.0 { out / length } else { Vec3::ZERO };
         *side = (out, out.dot(reference.at(i)) + tolerance);
     }
-    let sides = &sides[..reference.count];
-    let edges = if incident.count == 2 { 1 } else { incident.count };
-    let mut emit = |at: Vec3, key: u32| {
-        let separation = normal.dot(at) - offset;
-        if separation <= margin {
-            cloud.push(RawPoint { position: at - normal * (0.5 * separation), separation, key });
-        }
-    };
+    let mut sink = Sink { normal, offset, margin, cloud };
+    clip_incident_edges(&sides[..reference.count], incident, &mut sink);
+    add_reference_corners(reference, incident, incident_plane, tolerance, &mut sink);
+}
 
+/// Incident edges within the side planes: an edge's first vertex or where it enters, and where it leaves.
+#[inline(always)]
+fn clip_incident_edges(sides: &[(Vec3, f32)], incident: &Loop, sink: &mut Sink<'_>) {
+    let edges = if incident.count == 2 { 1 } else { incident.count };
     let (zero, one) = (f32x8::zero(), f32x8::one());
     for k in 0..edges.div_ceil(8) {
         let from = incident.eight(k);
@@ -163,25 +183,35 @@ pub(crate) fn clip_face(
             let vertex = usize::from(incident.index[8 * k + i]);
             let crossing = |side: f32| key(CROSSING, vertex, side as usize);
             if enter[i] > 0.0 {
-                emit(p + (q - p) * enter[i], crossing(enter_side[i]));
+                sink.add(p + (q - p) * enter[i], crossing(enter_side[i]));
             } else {
-                emit(p, key(VERTEX, vertex, 0));
+                sink.add(p, key(VERTEX, vertex, 0));
             }
             // Where the edge ends inside, the next one begins.
             if exit[i] < 1.0 {
-                emit(p + (q - p) * exit[i], crossing(exit_side[i]) | 0x2000);
+                sink.add(p + (q - p) * exit[i], crossing(exit_side[i]) | 0x2000);
             } else if incident.count == 2 {
-                emit(q, key(VERTEX, usize::from(incident.index[1]), 0));
+                sink.add(q, key(VERTEX, usize::from(incident.index[1]), 0));
             }
         }
     }
+}
 
-    // Corners of the reference face under the incident face, clearly inside it: on its border they are crossings.
-    let (incident_normal, incident_offset) = incident_plane;
+/// Corners of the reference face under the incident face, clearly inside it: on its border they are crossings.
+#[inline(always)]
+fn add_reference_corners(
+    reference: &Loop,
+    incident: &Loop,
+    (incident_normal, incident_offset): (Vec3, f32),
+    tolerance: f32,
+    sink: &mut Sink<'_>,
+) {
+    let normal = sink.normal;
     let slope = normal.dot(incident_normal);
     if incident.count < 3 || slope > -1e-3 {
         return;
     }
+    let zero = f32x8::zero();
     for k in 0..reference.count.div_ceil(8) {
         let corners = reference.eight(k);
         let mut inside = f32x8::zero().le(zero);
@@ -199,7 +229,7 @@ pub(crate) fn clip_face(
             if bits >> i & 1 != 0 {
                 let corner = reference.at(8 * k + i);
                 let along = (incident_offset - incident_normal.dot(corner)) / slope;
-                emit(corner + normal * along, key(CORNER, usize::from(reference.index[8 * k + i]), 0));
+                sink.add(corner + normal * along, key(CORNER, usize::from(reference.index[8 * k + i]), 0));
             }
         }
     }
