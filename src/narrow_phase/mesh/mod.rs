@@ -36,7 +36,7 @@ use crate::narrow_phase::convex::support::Support;
 use crate::shape::{Collider, Geometry};
 use glam::Vec3;
 use merge::{MOST, Merge};
-use nearby::{Eight, Ground, Nearby};
+use nearby::{Eight, Extent, Ground, Nearby};
 use patch::{Patches, Touch};
 use reach::{Near, Reach, along, around, bounds, side_of};
 use touched::Touched;
@@ -228,30 +228,28 @@ pub(crate) fn collide_mesh(
     out: &mut Vec<RawManifold>,
 ) -> bool {
     let Some(ground) = Ground::of(b) else { return false };
-    let Some((middle, half)) = bounds(a) else { return false };
-    let (pose, side) = (Pose::new(rel.position, rel.rotation), side_of(a));
+    let Some(shape) = Shape::of(a, Pose::new(rel.position, rel.rotation)) else { return false };
     let MeshScratch { nearby, patches, merge, room, shed } = scratch;
     if !nearby.has_place(room) {
         *shed += 1;
         return false;
     }
     patches.clear();
-    let (each, core) = (points_each(a), Core::of(a));
+    let each = points_each(a);
     let Reach { margin, within, way } = reach;
     let mut near = Near::default();
-    let mut extent = along(&pose, around(&pose, (middle, half + Vec3::splat(margin))), way);
+    let mut extent = along(&shape.pose, shape.extent(margin), way);
     if within < margin {
-        let close = around(&pose, (middle, half + Vec3::splat(within.max(0.0))));
+        let close = shape.extent(within.max(0.0));
         nearby.gather(&ground, close, &mut |found| {
             for (eight, lanes) in found.each() {
-                let triangles = Triangles::new(eight, lanes, &pose, side);
-                near.add(&triangles, a, (middle, half), within);
+                near.add(&shape.triangles(eight, lanes), a, (shape.middle, shape.half), within);
             }
         });
         if near.count == 0 {
             return false;
         }
-        extent = near.extent(&pose, close, margin).unwrap_or(extent);
+        extent = near.extent(&shape.pose, close, margin).unwrap_or(extent);
     }
     nearby.gather(&ground, extent, &mut |found| {
         for (eight, lanes) in found.each() {
@@ -260,38 +258,12 @@ pub(crate) fn collide_mesh(
                 *shed += 1;
                 return;
             }
-            let triangles = Triangles::new(eight, lanes, &pose, side);
+            let triangles = shape.triangles(eight, lanes);
             let margins = near.margins(&triangles, reach);
-            match (&a.geometry, &core) {
-                (Geometry::Sphere { radius }, _) => {
-                    sphere::touch(*radius, &triangles, margins, &ground, patches);
-                }
-                (Geometry::Box { half_extents }, _) => {
-                    boxes::touch(*half_extents, &triangles, margins, &ground, patches);
-                }
-                (Geometry::Hull(hull), _) => {
-                    hull::touch((hull, a.radius), (middle, half), &triangles, margins, &ground, patches);
-                }
-                (_, Some(core)) => {
-                    capsule::touch((core, half, a.radius), &triangles, margins, &ground, patches);
-                }
-                _ => cylinder::touch(a, (middle, half), &triangles, margins, &ground, patches),
-            }
+            shape.touch(&triangles, margins, &ground, patches);
         }
     });
-    if let Geometry::Sphere { radius } = a.geometry {
-        sphere::finish(radius, patches);
-    }
-    if let (Some(touch), Some(shape)) = (patches.spare(), Support::of(a)) {
-        let front = touch.front.as_dvec3();
-        let deepest = (shape.support(-front) - front * shape.radius).as_vec3();
-        let separation = touch.front.dot(deepest - touch.corners[0]);
-        let position = deepest - touch.front * (0.5 * separation);
-        patches.points.push(RawPoint { position, separation, key: boxes::key(touch.index, DEEPEST) });
-        patches.add(touch, -touch.front, Some(separation), patches.points.len() - 1);
-    }
-    patches.drop_backs(side);
-    patches.drop_hidden(a.radius);
+    shape.finish(patches);
     if !room.is_endless() {
         let place = out.len() + MOST;
         if !merge.has_place(patches, room) || room.fit(out, place) < place {
@@ -299,8 +271,76 @@ pub(crate) fn collide_mesh(
             return true;
         }
     }
-    merge.manifolds(patches, &pose, a.radius, out);
+    merge.manifolds(patches, &shape.pose, a.radius, out);
     true
+}
+
+/// A convex shape that triangles are held against.
+struct Shape<'a> {
+    collider: &'a Collider,
+    /// Middle and half extents of the box around it.
+    middle: Vec3,
+    half: Vec3,
+    /// The point whose side of a triangle it belongs on.
+    side: Vec3,
+    core: Option<Core>,
+    /// Of the mesh in the shape's frame.
+    pose: Pose,
+}
+
+impl<'a> Shape<'a> {
+    #[inline(always)]
+    fn of(collider: &'a Collider, pose: Pose) -> Option<Shape<'a>> {
+        let (middle, half) = bounds(collider)?;
+        Some(Shape { collider, middle, half, side: side_of(collider), core: Core::of(collider), pose })
+    }
+
+    /// The box of the mesh's frame around all that is nearer than a margin.
+    #[inline(always)]
+    fn extent(&self, margin: f32) -> Extent {
+        around(&self.pose, (self.middle, self.half + Vec3::splat(margin)))
+    }
+
+    #[inline(always)]
+    fn triangles(&self, eight: &Eight, lanes: u32) -> Triangles {
+        Triangles::new(eight, lanes, &self.pose, self.side)
+    }
+
+    /// Adds a patch for every triangle that is nearer than its margin.
+    #[inline(always)]
+    fn touch(&self, triangles: &Triangles, margins: f32x8, ground: &Ground, patches: &mut Patches) {
+        let (a, half, bounds) = (self.collider, self.half, (self.middle, self.half));
+        match (&a.geometry, &self.core) {
+            (Geometry::Sphere { radius }, _) => sphere::touch(*radius, triangles, margins, ground, patches),
+            (Geometry::Box { half_extents }, _) => {
+                boxes::touch(*half_extents, triangles, margins, ground, patches);
+            }
+            (Geometry::Hull(hull), _) => {
+                hull::touch((hull, a.radius), bounds, triangles, margins, ground, patches);
+            }
+            (_, Some(core)) => capsule::touch((core, half, a.radius), triangles, margins, ground, patches),
+            _ => cylinder::touch(a, bounds, triangles, margins, ground, patches),
+        }
+    }
+
+    /// Completes the patches, and drops those that the surface doesn't have.
+    #[inline(always)]
+    fn finish(&self, patches: &mut Patches) {
+        let a = self.collider;
+        if let Geometry::Sphere { radius } = a.geometry {
+            sphere::finish(radius, patches);
+        }
+        if let (Some(touch), Some(shape)) = (patches.spare(), Support::of(a)) {
+            let front = touch.front.as_dvec3();
+            let deepest = (shape.support(-front) - front * shape.radius).as_vec3();
+            let separation = touch.front.dot(deepest - touch.corners[0]);
+            let position = deepest - touch.front * (0.5 * separation);
+            patches.points.push(RawPoint { position, separation, key: boxes::key(touch.index, DEEPEST) });
+            patches.add(touch, -touch.front, Some(separation), patches.points.len() - 1);
+        }
+        patches.drop_backs(self.side);
+        patches.drop_hidden(a.radius);
+    }
 }
 
 /// The most points that a triangle yields.
