@@ -91,6 +91,36 @@ impl Loop {
     }
 }
 
+/// The parts of segments, of their 0..=1, that are inside of some sides; `enter` beyond `exit` where none is (Cyrus and
+/// Beck).
+pub(crate) struct Spans<L> {
+    pub(crate) enter: L,
+    pub(crate) exit: L,
+}
+
+impl<L: Lanes> Spans<L> {
+    /// Of segments that no side has cut yet.
+    #[inline(always)]
+    pub(crate) fn whole() -> Spans<L> {
+        Spans { enter: L::zero(), exit: L::one() }
+    }
+
+    /// Cuts off what is beyond a side, given how far the starts and the ends are. Says where it moves `enter`, and `exit`.
+    #[inline(always)]
+    pub(crate) fn cut(&mut self, start: L, end: L) -> (L::Mask, L::Mask) {
+        let (out0, out1) = (start.gt(L::zero()), end.gt(L::zero()));
+        let both = out0 & out1;
+        let crosses = (out0 | out1) & !both;
+        let t = start / L::select(crosses, start - end, L::one());
+        let later = crosses & out0 & t.gt(self.enter);
+        self.enter = L::select(later, t, self.enter);
+        let sooner = crosses & out1 & t.lt(self.exit);
+        self.exit = L::select(sooner, t, self.exit);
+        self.exit = L::select(both, L::splat(-1.0), self.exit);
+        (later, sooner)
+    }
+}
+
 /// Takes the points that are nearer than the margin to the reference plane `normal`·x = `offset`.
 struct Sink<'a> {
     normal: Vec3,
@@ -144,31 +174,24 @@ pub(crate) fn clip_face(
 #[inline(always)]
 fn clip_incident_edges(sides: &[(Vec3, f32)], incident: &Loop, sink: &mut Sink<'_>) {
     let edges = if incident.count == 2 { 1 } else { incident.count };
-    let (zero, one) = (f32x8::zero(), f32x8::one());
+    let zero = f32x8::zero();
     for k in 0..edges.div_ceil(8) {
         let from = incident.eight(k);
         let to = in_lanes(|i| incident.at(8 * k + i + 1));
-        let (mut enter, mut exit) = (zero, one);
+        let mut span = Spans::whole();
         let (mut enter_side, mut exit_side) = (zero, zero);
         for (j, (out, bound)) in sides.iter().enumerate() {
             let (out, bound) = (LaneVec3::splat(*out), f32x8::splat(*bound));
             let (d0, d1) = (out.dot(from) - bound, out.dot(to) - bound);
-            let (out0, out1) = (d0.gt(zero), d1.gt(zero));
-            if !(out0 | out1).any() {
+            if !(d0.gt(zero) | d1.gt(zero)).any() {
                 continue;
             }
-            let both = out0 & out1;
-            let crosses = (out0 | out1) & !both;
-            let t = d0 / Lanes::select(crosses, d0 - d1, one);
             let side = f32x8::splat(j as f32);
-            let later = crosses & out0 & t.gt(enter);
-            enter = Lanes::select(later, t, enter);
+            let (later, sooner) = span.cut(d0, d1);
             enter_side = Lanes::select(later, side, enter_side);
-            let sooner = crosses & out1 & t.lt(exit);
-            exit = Lanes::select(sooner, t, exit);
             exit_side = Lanes::select(sooner, side, exit_side);
-            exit = Lanes::select(both, f32x8::splat(-1.0), exit);
         }
+        let Spans { enter, exit } = span;
         let inside = enter.le(exit).bits();
         if inside == 0 {
             continue;

@@ -4,6 +4,7 @@
 //! planes, which gives both points of a capsule that lies on it. Where that isn't nearest, the nearest edge is, or one
 //! of its vertices: exactly, over all edges of faces that the core sees.
 
+use super::clip::Spans;
 use super::polytope::Polytope;
 use super::sat::{in_lanes, nearest_on_segments};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
@@ -370,22 +371,15 @@ fn pierces(core: &Core, p: &Polytope, (low, high): (f32, f32), height: impl Fn(f
         // A triangle has no inside: the core has to change sides over it.
         return low <= high && (height(low) < 0.0) != (height(high) < 0.0);
     }
-    let (mut enter, mut exit) = (f32x8::zero(), f32x8::one());
-    let (zero, one) = (f32x8::zero(), f32x8::one());
+    let mut span = Spans::<f32x8>::whole();
     for [nx, ny, nz, offset] in p.normal_chunks {
         let n = LaneVec3::new(f32x8::new(*nx), f32x8::new(*ny), f32x8::new(*nz));
         let d0 = n.dot(LaneVec3::splat(core.start)) - f32x8::new(*offset);
         let d1 = d0 + n.dot(LaneVec3::splat(core.along));
-        let (out0, out1) = (d0.gt(zero), d1.gt(zero));
-        let both = out0 & out1;
-        let crosses = (out0 | out1) & !both;
-        let t = d0 / Lanes::select(crosses, d0 - d1, one);
-        enter = Lanes::select(crosses & out0, Lanes::max(t, enter), enter);
-        exit = Lanes::select(crosses & out1, Lanes::min(t, exit), exit);
-        exit = Lanes::select(both, f32x8::splat(-1.0), exit);
+        span.cut(d0, d1);
     }
-    let enter = enter.to_array().into_iter().fold(0.0, f32::max);
-    enter <= exit.to_array().into_iter().fold(1.0, f32::min)
+    let enter = span.enter.to_array().into_iter().fold(0.0, f32::max);
+    enter <= span.exit.to_array().into_iter().fold(1.0, f32::min)
 }
 
 /// Two spheres or capsules in one frame.

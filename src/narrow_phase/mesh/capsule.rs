@@ -10,6 +10,7 @@ use super::nearby::Ground;
 use super::patch::{Patches, Touch, Verdict};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::RawPoint;
+use crate::narrow_phase::convex::clip::Spans;
 use crate::narrow_phase::convex::round_polytope::{ALONG, Core, part_inside};
 use glam::Vec3;
 
@@ -31,11 +32,11 @@ struct Place<'a> {
 /// where on the edge.
 #[inline(always)]
 fn nearest(core: &Core, triangles: &Triangles) -> ((f32x8, f32x8), [f32x8; 4]) {
-    let (zero, one) = (f32x8::zero(), f32x8::one());
+    let zero = f32x8::zero();
     let (start, along) = (LaneVec3::<f32x8>::splat(core.start), LaneVec3::<f32x8>::splat(core.along));
     let [a, b, c] = triangles.corners;
     let winding = (b - a).cross(c - b);
-    let (mut low, mut high) = (zero, one);
+    let mut over = Spans::whole();
     let (mut least, mut edge) = (f32x8::splat(f32::MAX), zero);
     let (mut on_core, mut on_edge) = (zero, zero);
     for i in 0..3 {
@@ -44,13 +45,7 @@ fn nearest(core: &Core, triangles: &Triangles) -> ((f32x8, f32x8), [f32x8; 4]) {
         let out = e.cross(winding);
         let d0 = out.dot(start - from);
         let d1 = d0 + out.dot(along);
-        let (out0, out1) = (d0.gt(zero), d1.gt(zero));
-        let both = out0 & out1;
-        let crosses = (out0 | out1) & !both;
-        let t = d0 / Lanes::select(crosses, d0 - d1, one);
-        low = Lanes::select(crosses & out0, Lanes::max(t, low), low);
-        high = Lanes::select(crosses & out1, Lanes::min(t, high), high);
-        high = Lanes::select(both, f32x8::splat(-1.0), high);
+        over.cut(d0, d1);
 
         let (s, t) = core.nearest_segment(from, e);
         let apart = (from + e * t - start - along * s).length();
@@ -61,7 +56,7 @@ fn nearest(core: &Core, triangles: &Triangles) -> ((f32x8, f32x8), [f32x8; 4]) {
         on_core = Lanes::select(nearer, s, on_core);
         on_edge = Lanes::select(nearer, t, on_edge);
     }
-    ((low, high), [least, edge, on_core, on_edge])
+    ((over.enter, over.exit), [least, edge, on_core, on_edge])
 }
 
 /// Adds a patch for every triangle that is nearer than its margin.
