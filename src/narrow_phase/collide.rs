@@ -12,7 +12,7 @@ use crate::config::Continuous;
 use crate::lanes::{Lanes, Quat, Record, Vec3, f32x8};
 use crate::memory::{Buffer, Category, Rooms, Slab, bytes_of};
 use crate::narrow_phase::contacts::admit::RowSpace;
-use crate::narrow_phase::contacts::contact::{Contact, Contacts, NONE};
+use crate::narrow_phase::contacts::contact::{Contact, Contacts, NO_CONTACT};
 use crate::narrow_phase::contacts::found::{CLEAR, EMPTIED, Found};
 use crate::narrow_phase::contacts::manifold::MAX_POINTS;
 use crate::narrow_phase::contacts::weight::Scale;
@@ -34,7 +34,7 @@ pub(crate) struct Input<'a> {
     /// Points nearer than this are always looked for [m].
     pub(crate) margin: f32,
     /// A separation up to this is a real contact [m].
-    pub(crate) real: f32,
+    pub(crate) touch_distance: f32,
     /// The length unit [m].
     pub(crate) unit: f32,
     /// Relative motion in a step above which a pair that is apart is cast [m].
@@ -101,10 +101,15 @@ impl Input<'_> {
             // A point of the shape can't get further than across it.
             turn * c.lever + (tilt * c.radius).min(2.0 * c.radius)
         };
-        let way = b.linear - a.linear;
+        let displacement = b.linear - a.linear;
         let own = |c: u32| self.hot[c as usize].mode;
         let mode = self.mode.of(own(pair.a).max(own(pair.b)));
-        Approach { way, length: way.length(), spin: swing(pair.a, &a) + swing(pair.b, &b), mode }
+        Approach {
+            displacement,
+            length: displacement.length(),
+            swing: swing(pair.a, &a) + swing(pair.b, &b),
+            mode,
+        }
     }
 }
 
@@ -112,10 +117,10 @@ impl Input<'_> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Approach {
     /// Predicted displacement of `b`'s body relative to `a`'s, in the world [m].
-    pub(crate) way: glam::Vec3,
+    pub(crate) displacement: glam::Vec3,
     pub(crate) length: f32,
     /// The furthest that turning takes points of the two towards each other [m].
-    pub(crate) spin: f32,
+    pub(crate) swing: f32,
     /// Of the pair: `Discrete` is never cast, `Volume` also keeps what the path misses.
     pub(crate) mode: Continuous,
 }
@@ -126,8 +131,8 @@ impl Approach {
     }
 
     /// The furthest that two points may approach each other [m].
-    pub(crate) fn most(&self) -> f32 {
-        self.length + self.spin
+    pub(crate) fn max_closing(&self) -> f32 {
+        self.length + self.swing
     }
 }
 
@@ -272,7 +277,7 @@ fn place(crew: &Crew<'_>, input: &Input<'_>, pairs: &[Pair], contacts: &mut Cont
                 // SAFETY: block and lane fix `first + i`, which no other block has.
                 unsafe {
                     let idle = pair.is_idle(input.hot, input.dynamic);
-                    *bin_of.get(first + i) = if idle && pair.contact != NONE {
+                    *bin_of.get(first + i) = if idle && pair.contact != NO_CONTACT {
                         KEPT
                     } else if idle {
                         FAR
@@ -292,27 +297,31 @@ fn place(crew: &Crew<'_>, input: &Input<'_>, pairs: &[Pair], contacts: &mut Cont
 
 /// Whether the balls around two shapes without a contact are too far apart for one.
 fn far(input: &Input<'_>, pair: &Pair, now: &Relative) -> bool {
-    if pair.contact != NONE {
+    if pair.contact != NO_CONTACT {
         return false;
     }
     let (a, b) = (&input.hot[pair.a as usize], &input.hot[pair.b as usize]);
     let (reach, approach) = (a.radius + b.radius, input.approach(pair));
     // What no kernel would look at.
-    let closing = if approach.is_continuous() { approach.most() } else { approach.most().min(input.margin) };
+    let closing = if approach.is_continuous() {
+        approach.max_closing()
+    } else {
+        approach.max_closing().min(input.margin)
+    };
     let most = reach + input.margin + closing;
     if now.position.length_squared() > most * most {
         return true;
     }
     // What is apart and fast gets points only of a touch, and balls that pass each other don't touch. Turning moves
     // their centres by no more than their levers.
-    if approach.mode != Continuous::Segment || approach.most() <= input.fast || !reach.is_finite() {
+    if approach.mode != Continuous::Segment || approach.max_closing() <= input.fast || !reach.is_finite() {
         return false;
     }
     let turn = |c: u32| input.motion_of(c).pad1.min(2.0);
     let near = reach + input.margin + a.lever * turn(pair.a) + b.lever * turn(pair.b);
     let pose = |c: u32| &input.poses[c as usize];
     let apart = (pose(pair.b).position - pose(pair.a).position).as_vec3();
-    let way = approach.way;
+    let way = approach.displacement;
     let along = (-apart.dot(way) / way.length_squared().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
     (apart + way * along).length_squared() > near * near
 }
@@ -353,7 +362,7 @@ pub(crate) fn relative_pose(pair: &Pair, poses: &[Pose]) -> Relative {
 /// # Safety
 /// No other thread may look at the contacts of this pair.
 unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'_, Contact>) -> bool {
-    if pair.contact == NONE || input.recycle < 0.0 {
+    if pair.contact == NO_CONTACT || input.recycle < 0.0 {
         return false;
     }
     // SAFETY: by the contract.
@@ -382,7 +391,7 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
     // not apart, whichever way its separations are rounded.
     let (mut nearest, mut bears) = (f32::INFINITY, false);
     let mut slot = pair.contact;
-    while slot != NONE {
+    while slot != NO_CONTACT {
         // SAFETY: by the contract.
         let contact = unsafe { all.read(slot as usize) };
         nearest = nearest.min(contact.nearest(now));
@@ -391,12 +400,12 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
     }
     if nearest > 0.0 && !bears {
         let approach = input.approach(pair);
-        if approach.is_continuous() && approach.most() > nearest {
+        if approach.is_continuous() && approach.max_closing() > nearest {
             return false;
         }
     }
     let mut slot = pair.contact;
-    while slot != NONE {
+    while slot != NO_CONTACT {
         // SAFETY: by the contract.
         let contact = unsafe { all.get(slot as usize) };
         contact.follow(now, input.poses[pair.a as usize].rotation);
@@ -410,14 +419,15 @@ fn is_slow(input: &Input<'_>, pair: &Pair, limit: f32) -> bool {
     let approach = input.approach(pair);
     let [a, b] = [pair.a, pair.b].map(|c| (input.hot[c as usize].body as usize) < input.dynamic);
     let falls = f32::from(u8::from(b)) - f32::from(u8::from(a));
-    (approach.way - input.fall * falls).length() + approach.spin <= limit
+    (approach.displacement - input.fall * falls).length() + approach.swing <= limit
 }
 
 /// Square of how far `b` moved past `a` since their contact was found [m²]. What merely sinks into the other, within a few times
 /// the limit, has the same arms: a stack that lands on itself keeps its contacts, and with them the place to go back to.
 fn moved_past(contact: &Contact, moved: &glam::Vec3, limit: f32) -> f32 {
     let along = contact.normal.dot(*moved);
-    let sinks = contact.count as usize == MAX_POINTS && contact.next == NONE && along.abs() < SINK * limit;
+    let sinks =
+        contact.count as usize == MAX_POINTS && contact.next == NO_CONTACT && along.abs() < SINK * limit;
     if sinks { (*moved - contact.normal * along).length_squared() } else { moved.length_squared() }
 }
 

@@ -45,15 +45,16 @@
 //! decided before, by [`collide`](super::collide).
 
 use super::cast::ahead::{
-    NO_GAP, Shapes, Way, fly_mesh, halfway, hit_mesh, keep_reached, look_ahead, look_ahead_mesh, look_along,
-    look_beside, motion_of, right_way_out, strikes, touches_mesh, would_push,
+    NO_GAP, Shapes, Way, add_manifolds_at_touch, first_touch_in_flight, first_touch_with_mesh, keep_reached,
+    manifold_at_closest_pass, manifold_at_first_touch, manifold_at_half_step, manifold_later_on_path,
+    motion_of, right_way_out, strikes, touches_mesh, would_push,
 };
 use super::cast::gates::{enter_mesh, gate, straight};
-use super::cast::mesh::Cast;
+use super::cast::mesh::CastResult;
 use super::cast::motion::Motion;
 use super::cast::{Touch, tolerance};
 use super::collide::{Approach, Input, Same, Start};
-use super::contacts::contact::{Contact, NONE};
+use super::contacts::contact::{Contact, NO_CONTACT};
 use super::contacts::found::{MeshBlock, Out};
 use super::mesh::collide_mesh;
 use super::mesh::reach::{Reach, extent_of};
@@ -87,7 +88,7 @@ impl PairState<'_> {
     }
 
     fn has_contact(&self) -> bool {
-        self.pair.contact != NONE
+        self.pair.contact != NO_CONTACT
     }
 
     /// Whether the predicted motion says what is touched: what is apart is not left to the planes of the start.
@@ -111,14 +112,14 @@ impl PairState<'_> {
 /// The predicates of convex pairs. `raw`: the manifold of the start, `nearest` the least of its separations [m].
 impl PairState<'_> {
     fn is_fast(&self, nearest: f32) -> bool {
-        nearest > self.input.real && self.approach.most() > self.input.fast
+        nearest > self.input.touch_distance && self.approach.max_closing() > self.input.fast
     }
 
     /// Whether the motion is too short to close the gap across a plane that lies between the two.
     fn stays_apart(&self, raw: &RawManifold, nearest: f32) -> bool {
         let normal = self.input.poses[self.pair.a as usize].rotation * raw.normal;
-        let closing = -normal.dot(self.approach.way);
-        self.approach.mode != Continuous::Volume && closing + self.approach.spin < nearest
+        let closing = -normal.dot(self.approach.displacement);
+        self.approach.mode != Continuous::Volume && closing + self.approach.swing < nearest
     }
 
     /// Whether a plane would push what the predicted motion never brings to it.
@@ -133,10 +134,10 @@ impl PairState<'_> {
         let inner = |c: u32| input.colliders[c as usize].inner_radius;
         approach.is_continuous()
             && input.start == Start::Cast
-            && approach.most() > input.fast
+            && approach.max_closing() > input.fast
             && moves(pair.a)
             && moves(pair.b)
-            && approach.most() > 0.5 * inner(pair.a).max(inner(pair.b))
+            && approach.max_closing() > 0.5 * inner(pair.a).max(inner(pair.b))
     }
 
     /// Whether the contact point moves much faster than the bodies: on a round shape that is large against the other, which
@@ -155,7 +156,7 @@ impl PairState<'_> {
 /// How far from each other the kernel of a convex pair still finds points [m].
 #[inline(always)]
 pub(super) fn margin_of(input: &Input<'_>, approach: &Approach) -> f32 {
-    let most = approach.most();
+    let most = approach.max_closing();
     input.margin + if approach.is_continuous() { most } else { most.min(input.margin) }
 }
 
@@ -187,12 +188,12 @@ pub(super) fn finish_convex(
     }
     if chosen.raw.count > 0
         && state.slides_far()
-        && let Some(later) = look_along(input, pair, (&chosen.raw, chosen.fraction))
+        && let Some(later) = manifold_later_on_path(input, pair, (&chosen.raw, chosen.fraction))
     {
         (chosen.raw, chosen.fraction) = later;
     }
     if chosen.fraction == 0.0 && (1..3).contains(&chosen.raw.count) && state.contact_point_moves() {
-        let middle = halfway(input, pair, input.margin);
+        let middle = manifold_at_half_step(input, pair, input.margin);
         // Unless it would push where nothing is touched.
         if middle.count > 0 && (nearest <= 0.0 || !state.would_push(&middle)) {
             (chosen.raw, chosen.fraction) = (middle, 0.5);
@@ -224,10 +225,10 @@ fn look_on_path(state: &PairState<'_>, raw: &RawManifold, out: &mut Out<'_>) -> 
         gate(input, pair, raw)
     } else {
         out.count_casts(1);
-        look_ahead(input, pair)
+        manifold_at_first_touch(input, pair)
     };
     let is_volume = approach.mode == Continuous::Volume;
-    hit.or_else(|| if is_volume { look_beside(input, pair) } else { None })
+    hit.or_else(|| if is_volume { manifold_at_closest_pass(input, pair) } else { None })
 }
 
 /// Hands the manifold of a convex pair to its contact.
@@ -297,14 +298,14 @@ pub(super) fn finish_mesh(state: &PairState<'_>, contacts: &Shared<'_, Contact>,
     let start = block.count();
     block.mesh.nearby.forget();
     let flight = if look.is_in_flight() {
-        fly_mesh(state.input, look.shapes(), look.way(), &mut block.mesh)
+        first_touch_in_flight(state.input, look.shapes(), look.way(), &mut block.mesh)
     } else {
-        Cast::Near
+        CastResult::Near
     };
     let ahead = match flight {
-        Cast::First(touch) => Some(touch),
-        Cast::Free => None,
-        Cast::Near => look.from_the_start(block, &mut tally),
+        CastResult::First(touch) => Some(touch),
+        CastResult::Free => None,
+        CastResult::Near => look.from_the_start(block, &mut tally),
     };
     tally.casts += u32::from(look.fast);
     if let Some(touch) = ahead {
@@ -313,7 +314,7 @@ pub(super) fn finish_mesh(state: &PairState<'_>, contacts: &Shared<'_, Contact>,
     }
     let found = block.end(index, start);
     out.count_casts(if state.is_gated() { 0 } else { tally.casts });
-    if let Cast::Free = flight {
+    if let CastResult::Free = flight {
         out.clear(index);
     }
     if state.has_contact() {
@@ -332,13 +333,13 @@ pub(super) fn finish_mesh(state: &PairState<'_>, contacts: &Shared<'_, Contact>,
 impl<'a> MeshLook<'a> {
     fn new(state: &'a PairState<'a>) -> MeshLook<'a> {
         let &PairState { input, approach, .. } = state;
-        let ((shape, mesh), most) = (state.shapes(), approach.most());
+        let ((shape, mesh), most) = (state.shapes(), approach.max_closing());
         // Within half the ball that fits into it a body can't get past a triangle, and planes at the start will do.
         let fast =
             state.follows_motion() && !rolls(state, shape) && most > input.fast.max(0.5 * shape.inner_radius);
         // Where the body is, and what it may turn into: what it may reach further away is found by the cast.
         let reach = match (fast, approach.is_continuous()) {
-            (true, _) => approach.spin.min(shape.radius),
+            (true, _) => approach.swing.min(shape.radius),
             (false, true) => most,
             (false, false) => most.min(input.margin),
         };
@@ -383,7 +384,7 @@ fn rolls(state: &PairState<'_>, shape: &Collider) -> bool {
     let approach = state.approach;
     state.has_contact()
         && approach.mode == Continuous::Segment
-        && approach.length.max(approach.spin) < shape.inner_radius
+        && approach.length.max(approach.swing) < shape.inner_radius
 }
 
 /// What is looked for, case by case.
@@ -403,7 +404,7 @@ impl MeshLook<'_> {
         tally.nearest =
             block.raw.iter().flat_map(|m| m.points()).fold(f32::INFINITY, |s, p| s.min(p.separation));
         // What rests on the mesh sinks by what gravity adds in the step, and must not strike the ground that it is on.
-        let resting = if tally.nearest <= input.real { input.margin } else { input.real };
+        let resting = if tally.nearest <= input.touch_distance { input.margin } else { input.touch_distance };
         if self.fast {
             // Manifolds without a near point are guesses; what is really hit comes from the cast.
             block.raw.retain(|m| m.points().iter().any(|p| p.separation <= resting));
@@ -415,7 +416,7 @@ impl MeshLook<'_> {
         } else if self.state.is_gated() {
             enter_mesh(input, self.shapes(), self.way(), resting)
         } else {
-            look_ahead_mesh(input, self.shapes(), self.way(), resting, &mut block.mesh)
+            first_touch_with_mesh(input, self.shapes(), self.way(), resting, &mut block.mesh)
         }
     }
 
@@ -428,8 +429,8 @@ impl MeshLook<'_> {
         // If it is fast, manifolds without a near point would be dropped.
         let all = Reach::new(self.margin).within(if self.fast { input.margin } else { self.margin });
         let along = self.looks_along_motion();
-        let way = input.poses[pair.a as usize].rotation.conjugate() * -approach.way;
-        let reach = if along { Reach { way, ..Reach::new(input.margin + approach.spin) } } else { all };
+        let way = input.poses[pair.a as usize].rotation.conjugate() * -approach.displacement;
+        let reach = if along { Reach { way, ..Reach::new(input.margin + approach.swing) } } else { all };
         collide_mesh(a, b, rel, reach, &mut block.mesh, &mut block.raw);
         if along && strikes(self.motion(), input.margin, &block.raw) {
             // After an impact it may go anywhere.
@@ -444,13 +445,14 @@ impl MeshLook<'_> {
     #[inline(always)]
     fn drop_guesses(&self, block: &mut MeshBlock, tally: &mut Tally) {
         let &PairState { input, approach, .. } = self.state;
-        let apart = tally.nearest > tolerance(self.shape, self.mesh, input.unit).max(NO_GAP * input.real);
+        let apart =
+            tally.nearest > tolerance(self.shape, self.mesh, input.unit).max(NO_GAP * input.touch_distance);
         if !(self.state.follows_motion() && apart && block.raw.iter().any(|m| self.is_guess(m))) {
             return;
         }
         tally.casts += 1;
         let touches = if self.state.is_gated() {
-            approach.spin > input.margin || enter_mesh(input, self.shapes(), self.way(), 0.0).is_some()
+            approach.swing > input.margin || enter_mesh(input, self.shapes(), self.way(), 0.0).is_some()
         } else {
             touches_mesh(input.unit, self.shapes(), self.way(), &mut block.mesh)
         };
@@ -463,9 +465,9 @@ impl MeshLook<'_> {
     fn hit(&self, touch: Touch, block: &mut MeshBlock) {
         let &PairState { input, pair, .. } = self.state;
         if self.state.is_gated() {
-            hit_mesh(input, pair, self.shapes(), &straight(self.motion()), touch, block);
+            add_manifolds_at_touch(input, pair, self.shapes(), &straight(self.motion()), touch, block);
         } else {
-            hit_mesh(input, pair, self.shapes(), self.motion(), touch, block);
+            add_manifolds_at_touch(input, pair, self.shapes(), self.motion(), touch, block);
         }
     }
 }

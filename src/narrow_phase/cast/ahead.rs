@@ -5,7 +5,7 @@
 //! never reaches; and of a mesh only the first obstacle on the path counts.
 
 use super::gates::enter_mesh;
-use super::mesh::{Asked, Cast, ask_mesh};
+use super::mesh::{CastResult, MeshCast, cast_mesh};
 use super::motion::{BodyPath, Motion};
 use super::{Touch, cast_convex, cast_plane, tolerance};
 use crate::body::exp_map;
@@ -23,7 +23,7 @@ use glam::{Quat, Vec3};
 
 /// The manifold of two convex shapes, or of one and a plane, at their first touch within the step, and the fraction
 /// of the step at which that is.
-pub(crate) fn look_ahead(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold, f32)> {
+pub(crate) fn manifold_at_first_touch(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold, f32)> {
     let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
     let motion = motion_of(input, pair);
     let tolerance = tolerance(a, b, input.unit);
@@ -32,12 +32,12 @@ pub(crate) fn look_ahead(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold,
     } else {
         cast_convex(a, b, &motion, tolerance)
     }?;
-    let raw = collide_convex(a, b, &motion.relative(touch.fraction), further(input, pair, &touch));
+    let raw = collide_convex(a, b, &motion.relative(touch.fraction), margin_at_touch(input, pair, &touch));
     Some((carry_back(&raw, &motion, touch.fraction, 0.0), touch.fraction))
 }
 
 /// The manifold of two convex shapes, or of one and a plane, as it will be in the middle of the step.
-pub(crate) fn halfway(input: &Input<'_>, pair: &Pair, margin: f32) -> RawManifold {
+pub(crate) fn manifold_at_half_step(input: &Input<'_>, pair: &Pair, margin: f32) -> RawManifold {
     let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
     let motion = motion_of(input, pair);
     let raw = collide_convex(a, b, &motion.relative(0.5), margin);
@@ -47,7 +47,7 @@ pub(crate) fn halfway(input: &Input<'_>, pair: &Pair, margin: f32) -> RawManifol
 /// Of two bodies that both move far: the manifold at a later pose on their ways than that which `raw` is of, and the fraction of
 /// the step at which it is, if they overlap there by more than the planes of `raw` show. What slides along a plate for metres
 /// meets it where that has turned to by then.
-pub(crate) fn look_along(
+pub(crate) fn manifold_later_on_path(
     input: &Input<'_>,
     pair: &Pair,
     (raw, fraction): (&RawManifold, f32),
@@ -59,11 +59,11 @@ pub(crate) fn look_along(
     if turns(a, motion.a.spin) || turns(b, motion.b.spin) {
         return None;
     }
-    let (mut found, mut most) = (None, input.real);
+    let (mut found, mut most) = (None, input.touch_distance);
     for later in [fraction + 0.5 * (1.0 - fraction), 1.0] {
         // Rows take away what their planes see come.
         let seen =
-            closes(&motion, raw, fraction).fold(0.0_f32, |s, (gap, closed)| s.min(gap - later * closed));
+            closings(&motion, raw, fraction).fold(0.0_f32, |s, (gap, closed)| s.min(gap - later * closed));
         let then = collide_convex(a, b, &motion.relative(later), input.margin);
         let deepest = then.points().iter().fold(0.0_f32, |s, p| s.min(p.separation));
         if seen - deepest > most {
@@ -79,7 +79,7 @@ const EVEN: f32 = 0.7;
 
 /// For the larger search volume: the manifold of two convex shapes that miss each other, where their centres pass. The
 /// path runs along such a plane, not through it, so it pushes only what another impact throws off its path.
-pub(crate) fn look_beside(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold, f32)> {
+pub(crate) fn manifold_at_closest_pass(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold, f32)> {
     let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
     let motion = motion_of(input, pair);
     let (from, way) = (motion.start.as_vec3() + motion.a.lever - motion.b.lever, motion.displacement);
@@ -92,20 +92,23 @@ pub(crate) fn look_beside(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold
     (raw.count > 0 && !pushes(input, &motion, &raw, fraction)).then_some((raw, fraction))
 }
 
-/// Where a shape in flight first touches a mesh or height field; [`Cast::Near`] if it begins close to it.
-pub(crate) fn fly_mesh(
+/// Where a shape in flight first touches a mesh or height field; [`CastResult::Near`] if it begins close to it.
+pub(crate) fn first_touch_in_flight(
     input: &Input<'_>,
     (a, b): Shapes<'_>,
     (rel, motion): Way<'_>,
     scratch: &mut MeshScratch,
-) -> Cast {
-    let asked = Asked { alone: input.margin, ..Asked::first(tolerance(a, b, input.unit), input.real) };
-    ask_mesh(a, b, rel, motion, asked, scratch.nearby())
+) -> CastResult {
+    let cast = MeshCast {
+        alone: input.margin,
+        ..MeshCast::first(tolerance(a, b, input.unit), input.touch_distance)
+    };
+    cast_mesh(a, b, rel, motion, cast, scratch.nearby())
 }
 
 /// Where a shape first touches a mesh or height field, other than what it rests on: that within `resting` [m] at the
 /// start is left to the kernel there, of which `scratch` still knows what it found.
-pub(crate) fn look_ahead_mesh(
+pub(crate) fn first_touch_with_mesh(
     input: &Input<'_>,
     (a, b): Shapes<'_>,
     (rel, motion): Way<'_>,
@@ -114,17 +117,20 @@ pub(crate) fn look_ahead_mesh(
 ) -> Option<Touch> {
     let way = motion.a.rotation.conjugate() * motion.displacement;
     let known = scratch.touched(a, resting, (way, input.margin));
-    let asked =
-        Asked { known, lip: NO_GAP * input.real, ..Asked::first(tolerance(a, b, input.unit), resting) };
-    match ask_mesh(a, b, rel, motion, asked, scratch.nearby()) {
-        Cast::First(touch) => Some(touch),
+    let cast = MeshCast {
+        known,
+        lip: NO_GAP * input.touch_distance,
+        ..MeshCast::first(tolerance(a, b, input.unit), resting)
+    };
+    match cast_mesh(a, b, rel, motion, cast, scratch.nearby()) {
+        CastResult::First(touch) => Some(touch),
         _ => None,
     }
 }
 
 /// Adds the manifolds of a convex shape at its first touch with a mesh or height field, and at the second, to which
 /// it would slide along what it touched first: a body that hits the ground close to a wall meets both in one step.
-pub(crate) fn hit_mesh(
+pub(crate) fn add_manifolds_at_touch(
     input: &Input<'_>,
     pair: &Pair,
     (a, b): Shapes<'_>,
@@ -134,7 +140,7 @@ pub(crate) fn hit_mesh(
 ) {
     let Touch { fraction, normal } = touch;
     out.raw.clear();
-    let margin = further(input, pair, &touch);
+    let margin = margin_at_touch(input, pair, &touch);
     let rel = motion.relative(fraction);
     // Below it is what the rest of its way leads to.
     out.mesh.nearby.expect(extent_of(a, &rel, input.margin, way_left(motion, fraction)));
@@ -144,13 +150,13 @@ pub(crate) fn hit_mesh(
     (0..out.raw.len()).for_each(|i| out.add(carry_back(&out.raw[i], motion, fraction, 0.0), fraction));
 
     let then = motion.after(fraction, normal);
-    let left = then.displacement.length() + (1.0 - fraction) * input.approach(pair).spin;
+    let left = then.displacement.length() + (1.0 - fraction) * input.approach(pair).swing;
     if left <= 0.5 * a.inner_radius {
         return;
     }
     let second = match input.start {
-        Start::Gated => enter_mesh(input, (a, b), (&rel, &then), input.real),
-        _ => look_ahead_mesh(input, (a, b), (&rel, &then), input.real, &mut out.mesh),
+        Start::Gated => enter_mesh(input, (a, b), (&rel, &then), input.touch_distance),
+        _ => first_touch_with_mesh(input, (a, b), (&rel, &then), input.touch_distance, &mut out.mesh),
     };
     let Some(Touch { fraction: further, .. }) = second else {
         return;
@@ -183,11 +189,11 @@ fn way_left(motion: &Motion, fraction: f32) -> Vec3 {
 
 /// The margin at a first touch [m]: what is left of the motion may bring down the rest of a body that touched with a tip.
 /// The plane is one that it did touch, so points far from it are no guess. Motion along it brings nothing down.
-pub(crate) fn further(input: &Input<'_>, pair: &Pair, touch: &Touch) -> f32 {
+pub(crate) fn margin_at_touch(input: &Input<'_>, pair: &Pair, touch: &Touch) -> f32 {
     let radius = |c: u32| input.colliders[c as usize].radius;
     let size = 2.0 * radius(pair.a).min(radius(pair.b));
     let approach = input.approach(pair);
-    let closing = (-approach.way.dot(touch.normal)).max(0.0) + approach.spin;
+    let closing = (-approach.displacement.dot(touch.normal)).max(0.0) + approach.swing;
     input.margin + ((1.0 - touch.fraction) * closing).min(size)
 }
 
@@ -198,8 +204,8 @@ pub(crate) fn touches_mesh(
     (rel, motion): Way<'_>,
     scratch: &mut MeshScratch,
 ) -> bool {
-    let asked = Asked { any: true, ..Asked::first(tolerance(a, b, unit), 0.0) };
-    matches!(ask_mesh(a, b, rel, motion, asked, scratch.nearby()), Cast::First(_))
+    let cast = MeshCast { any: true, ..MeshCast::first(tolerance(a, b, unit), 0.0) };
+    matches!(cast_mesh(a, b, rel, motion, cast, scratch.nearby()), CastResult::First(_))
 }
 
 /// Whether the predicted motion takes any point of a manifold, found at the start of the step, through its plane.
@@ -210,11 +216,11 @@ pub(crate) fn would_push(input: &Input<'_>, motion: &Motion, raw: &RawManifold) 
 fn pushes(input: &Input<'_>, motion: &Motion, raw: &RawManifold, fraction: f32) -> bool {
     let nearly = NEARLY * input.unit;
     // A little early: the solver's path is not quite the predicted one.
-    closes(motion, raw, fraction).any(|(separation, closed)| separation < 1.05 * closed + nearly)
+    closings(motion, raw, fraction).any(|(separation, closed)| separation < 1.05 * closed + nearly)
 }
 
 /// Of each point, its separation and how much of that the motion takes away [m].
-fn closes(motion: &Motion, raw: &RawManifold, fraction: f32) -> impl Iterator<Item = (f32, f32)> {
+fn closings(motion: &Motion, raw: &RawManifold, fraction: f32) -> impl Iterator<Item = (f32, f32)> {
     let (normal, moved) = (motion.a.rotation * raw.normal, motion.displacement * fraction);
     raw.points().iter().map(move |point| {
         let arm = motion.a.lever + motion.a.rotation * point.position;
@@ -224,12 +230,12 @@ fn closes(motion: &Motion, raw: &RawManifold, fraction: f32) -> impl Iterator<It
 
 /// Drops the manifolds that a slow shape is near to neither now nor after its predicted motion.
 pub(crate) fn keep_reached(motion: &Motion, margin: f32, found: &mut Vec<RawManifold>) {
-    found.retain(|m| closes(motion, m, 0.0).any(|(gap, closed)| gap - closed.max(0.0) <= margin));
+    found.retain(|m| closings(motion, m, 0.0).any(|(gap, closed)| gap - closed.max(0.0) <= margin));
 }
 
 /// Whether the predicted motion leads into anything by more than a margin.
 pub(crate) fn strikes(motion: &Motion, margin: f32, found: &[RawManifold]) -> bool {
-    found.iter().any(|m| closes(motion, m, 0.0).any(|(gap, closed)| closed - gap > margin))
+    found.iter().any(|m| closings(motion, m, 0.0).any(|(gap, closed)| closed - gap > margin))
 }
 
 /// A gap up to this share of that of a real contact is none, and what stands out by no more is not felt.

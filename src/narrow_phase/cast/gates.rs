@@ -13,8 +13,8 @@
 //!
 //! All of it is in closed form. Of what turns, only the points' own velocities are known, as far as they are straight.
 
-use super::ahead::{Shapes, Way, carry_back, closing, further, motion_of};
-use super::mesh::Asked;
+use super::ahead::{Shapes, Way, carry_back, closing, margin_at_touch, motion_of};
+use super::mesh::MeshCast;
 use super::motion::{Motion, Turn};
 use super::path::ShapePath;
 use super::sweep::reach;
@@ -57,20 +57,20 @@ pub(crate) fn gate(input: &Input<'_>, pair: &Pair, raw: &RawManifold) -> Option<
     if b.kind == Kind::Plane {
         return Some((*raw, 0.0));
     }
-    let slack = input.margin + approach.spin;
+    let slack = input.margin + approach.swing;
     let Entry { fraction, axis, surely } = enter((a, b), &motion.relative(0.0), (way, slack), raw.normal)?;
     let (until, aside) = (fraction.min(1.0), way - axis * axis.dot(way));
     let same = axis.dot(raw.normal) > SAME_AXIS && aside.length() * until <= input.margin;
     // What only turning brings together has no other moment.
     if same || fraction > 1.0 {
         let mut kept = *raw;
-        if !surely && approach.spin > input.margin {
+        if !surely && approach.swing > input.margin {
             keep_over(&mut kept, (a, b), &turning, input.margin);
         }
         return (kept.count > 0).then_some((kept, 0.0));
     }
     let touch = Touch { fraction, normal: motion.a.rotation * axis };
-    let found = collide_convex(a, b, &motion.relative(fraction), further(input, pair, &touch));
+    let found = collide_convex(a, b, &motion.relative(fraction), margin_at_touch(input, pair, &touch));
     (found.count > 0).then(|| (carry_back(&found, &motion, fraction, 0.0), fraction))
 }
 
@@ -260,8 +260,8 @@ pub(crate) fn enter_mesh(
     if way == Vec3::ZERO {
         return None;
     }
-    let asked = Asked::first(tolerance(a, b, input.unit), resting);
-    let path = ShapePath::new(a, rel, &motion, &asked).in_box();
+    let cast = MeshCast::first(tolerance(a, b, input.unit), resting);
+    let path = ShapePath::new(a, rel, &motion, &cast).in_box();
     let mut first = Search {
         shape: a,
         support: shape,

@@ -32,7 +32,7 @@ pub(crate) trait Triangles {
 
 /// What a cast against triangles does beside finding the first touch.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Asked {
+pub(crate) struct MeshCast {
     /// A touch may be so much early [m].
     pub(crate) tolerance: f32,
     /// What is nearer than this at the start is the business of the kernel at the start, which the caller runs with at
@@ -50,16 +50,16 @@ pub(crate) struct Asked {
     pub(crate) lip: f32,
 }
 
-impl Asked {
+impl MeshCast {
     /// For the first touch, wherever the shape begins.
-    pub(crate) fn first(tolerance: f32, resting: f32) -> Asked {
-        Asked { tolerance, resting, alone: -1.0, any: false, known: Touched::default(), lip: 0.0 }
+    pub(crate) fn first(tolerance: f32, resting: f32) -> MeshCast {
+        MeshCast { tolerance, resting, alone: -1.0, any: false, known: Touched::default(), lip: 0.0 }
     }
 }
 
 /// What a cast found.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Cast {
+pub(crate) enum CastResult {
     /// A triangle may be near at the start: the kernel there has to look first.
     Near,
     /// No triangle is touched.
@@ -67,23 +67,23 @@ pub(crate) enum Cast {
     First(Touch),
 }
 
-/// First touch of a convex shape with a triangle of a mesh or height field, other than what it rests on; see [`Asked`].
+/// First touch of a convex shape with a triangle of a mesh or height field, other than what it rests on; see [`MeshCast`].
 /// `rel`: of the mesh in the shape's frame at the start. `nearby`: where triangles are gathered, if there is place.
-pub(crate) fn ask_mesh(
+pub(crate) fn cast_mesh(
     a: &Collider,
     mesh: &Collider,
     rel: &Relative,
     motion: &Motion,
-    asked: Asked,
+    cast: MeshCast,
     mut nearby: Option<&mut Nearby>,
-) -> Cast {
-    let Some(ground) = Ground::of(mesh) else { return Cast::Free };
-    let Some(shape) = Support::of(a) else { return Cast::Free };
+) -> CastResult {
+    let Some(ground) = Ground::of(mesh) else { return CastResult::Free };
+    let Some(shape) = Support::of(a) else { return CastResult::Free };
     let turns = motion.b.spin != Vec3::ZERO;
-    if turns && asked.alone >= 0.0 {
-        return Cast::Near;
+    if turns && cast.alone >= 0.0 {
+        return CastResult::Near;
     }
-    let path = (!turns).then(|| ShapePath::new(a, rel, motion, &asked));
+    let path = (!turns).then(|| ShapePath::new(a, rel, motion, &cast));
     if let (Some(path), Some(nearby)) = (&path, &mut nearby)
         && let Some(extent) = path.in_box().as_box()
     {
@@ -92,10 +92,10 @@ pub(crate) fn ask_mesh(
             passes = passes && found.each().all(|(eight, lanes)| path.passes(eight, lanes));
         });
         if passes {
-            return Cast::Free;
+            return CastResult::Free;
         }
     }
-    let mut search = Search::new(shape, motion, asked);
+    let mut search = Search::new(shape, motion, cast);
     let path = search.prepare(a, rel, path);
     match (nearby, path.as_box()) {
         (Some(nearby), Some(extent)) => nearby.gather(&ground, extent, &mut |found| {
@@ -137,7 +137,7 @@ triangles!(HeightField);
 struct Search<'a> {
     shape: Support<'a>,
     motion: &'a Motion,
-    asked: Asked,
+    cast: MeshCast,
     /// Once anything is searched exactly.
     exact: Option<Exact<'a>>,
     /// If the mesh doesn't turn.
@@ -165,11 +165,11 @@ struct Exact<'a> {
 const EARLY: f64 = 1e-5;
 
 impl<'a> Search<'a> {
-    fn new(shape: Support<'a>, motion: &'a Motion, asked: Asked) -> Search<'a> {
+    fn new(shape: Support<'a>, motion: &'a Motion, cast: MeshCast) -> Search<'a> {
         Search {
             shape,
             motion,
-            asked,
+            cast,
             exact: None,
             filter: None,
             waiting: Eight::default(),
@@ -184,7 +184,7 @@ impl<'a> Search<'a> {
     /// Makes ready for looks at triangles along the path, which is that of a mesh that doesn't turn; the path that they
     /// are along.
     fn prepare(&mut self, a: &'a Collider, rel: &Relative, path: Option<ShapePath>) -> BoxPath {
-        let (motion, tolerance) = (self.motion, self.asked.tolerance);
+        let (motion, tolerance) = (self.motion, self.cast.tolerance);
         if let Some(path) = path {
             self.filter = Some(MeshSweep::new(a, rel, motion, tolerance));
             return path.in_box();
@@ -197,10 +197,10 @@ impl<'a> Search<'a> {
     }
 
     fn exact(&mut self) -> &mut Exact<'a> {
-        let Search { shape, motion, asked, .. } = self;
+        let Search { shape, motion, cast, .. } = self;
         self.exact.get_or_insert_with(|| {
             let nothing = Support::triangle([Vec3::ZERO; 3]);
-            let sweep = Sweep::new(*shape, Other::Convex(nothing), motion, asked.tolerance);
+            let sweep = Sweep::new(*shape, Other::Convex(nothing), motion, cast.tolerance);
             Exact { start: sweep.placed(0.0), sweep, later: None }
         })
     }
@@ -220,7 +220,7 @@ impl<'a> Search<'a> {
         self.look(&seen, seen.lanes());
     }
 
-    fn finish(&mut self) -> Cast {
+    fn finish(&mut self) -> CastResult {
         if self.limit >= 0.0 && self.waiting.lanes() != 0 {
             self.sift();
         }
@@ -228,9 +228,9 @@ impl<'a> Search<'a> {
             self.settle();
         }
         match self.first {
-            _ if self.near => Cast::Near,
-            Some(touch) => Cast::First(touch),
-            None => Cast::Free,
+            _ if self.near => CastResult::Near,
+            Some(touch) => CastResult::First(touch),
+            None => CastResult::Free,
         }
     }
 
@@ -241,7 +241,7 @@ impl<'a> Search<'a> {
         }
         let mut left = lanes;
         if let Some(filter) = &self.filter {
-            let reached = filter.by_planes(eight, lanes, &self.asked);
+            let reached = filter.by_planes(eight, lanes, &self.cast);
             if reached.near {
                 (self.near, self.limit) = (true, -1.0);
                 return;
@@ -249,7 +249,7 @@ impl<'a> Search<'a> {
             left = reached.lanes;
         }
         for lane in ones(left) {
-            if !self.asked.known.has(eight.index[lane]) {
+            if !self.cast.known.has(eight.index[lane]) {
                 if self.waiting.is_full() {
                     self.sift();
                 }
@@ -262,7 +262,7 @@ impl<'a> Search<'a> {
     fn sift(&mut self) {
         let lanes = self.waiting.lanes();
         let (left, earliest) = match &self.filter {
-            Some(filter) => filter.sift(&self.waiting, lanes, &self.asked),
+            Some(filter) => filter.sift(&self.waiting, lanes, &self.cast),
             None => (lanes, [0.0; 8]),
         };
         for lane in ones(left) {
@@ -289,7 +289,7 @@ impl<'a> Search<'a> {
                 continue;
             };
             self.first = Some(touch);
-            if self.asked.any {
+            if self.cast.any {
                 self.limit = -1.0;
                 break;
             }
@@ -297,7 +297,7 @@ impl<'a> Search<'a> {
             if let Some(filter) = &mut self.filter {
                 filter.end_at(touch.fraction);
                 if left != 0 {
-                    (left, self.earliest) = filter.sift(&self.sifted, left, &self.asked);
+                    (left, self.earliest) = filter.sift(&self.sifted, left, &self.cast);
                 }
             }
         }
@@ -307,7 +307,7 @@ impl<'a> Search<'a> {
     /// When a triangle is touched, if that is before the limit. Not before `earliest`; zero: it may be rested on.
     fn touch(&mut self, corners: [Vec3; 3], earliest: f64) -> Option<Touch> {
         let (motion, limit) = (self.motion, self.limit);
-        let (tolerance, resting) = (f64::from(self.asked.tolerance), f64::from(self.asked.resting));
+        let (tolerance, resting) = (f64::from(self.cast.tolerance), f64::from(self.cast.resting));
         let Exact { sweep, start, later } = self.exact();
         let triangle = Support::triangle(corners);
         let [p, q, r] = corners.map(Vec3::as_dvec3);

@@ -4,7 +4,7 @@
 //! height over a plane changes evenly, so eight triangles are passed over with two heights each, in the mesh's own
 //! frame. Only where that doesn't settle it is a search begun.
 
-use super::mesh::Asked;
+use super::mesh::MeshCast;
 use super::motion::Motion;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::Relative;
@@ -51,7 +51,7 @@ pub(crate) struct ShapePath {
 
 impl ShapePath {
     /// `rel`: of the mesh in the shape's frame at the start.
-    pub(crate) fn new(a: &Collider, rel: &Relative, motion: &Motion, asked: &Asked) -> ShapePath {
+    pub(crate) fn new(a: &Collider, rel: &Relative, motion: &Motion, cast: &MeshCast) -> ShapePath {
         let to_mesh = rel.rotation.conjugate();
         let from = -(to_mesh * rel.position);
         let way = motion.b.rotation.conjugate() * motion.displacement;
@@ -73,9 +73,9 @@ impl ShapePath {
         let radius = a.radius + swing;
         // The tolerance alone may be less than what `f32` resolves in a large mesh.
         let rounding = 2e-6 * (from.length() + way.length() + radius);
-        let clearance = asked.tolerance.max(asked.alone) + rounding;
-        let known = asked.known.seen_from(&Pose::new(rel.position, rel.rotation));
-        ShapePath { from, way, half, radius, clearance, known, lip: asked.lip }
+        let clearance = cast.tolerance.max(cast.alone) + rounding;
+        let known = cast.known.seen_from(&Pose::new(rel.position, rel.rotation));
+        ShapePath { from, way, half, radius, clearance, known, lip: cast.lip }
     }
 
     pub(crate) fn in_box(&self) -> BoxPath {
@@ -126,8 +126,8 @@ mod tests {
             let (mut pa, pb) = (random.body(4.0, [0.0, 0.5, 3.0][i % 3]), random.body(1.0, 0.0));
             pa.displacement = pa.centre.as_vec3() * -0.7 + pb.displacement;
             let motion = Motion::new(&a, &pa, &b, &pb);
-            let asked = Asked::first(tolerance(&a, &b, 1.0), 0.0);
-            let path = ShapePath::new(&a, &motion.relative(0.0), &motion, &asked);
+            let cast = MeshCast::first(tolerance(&a, &b, 1.0), 0.0);
+            let path = ShapePath::new(&a, &motion.relative(0.0), &motion, &cast);
             let shape = Support::of(&a).unwrap();
             let BoxPath { from, to, inflate } = path.in_box();
             for k in 0..=8 {
@@ -146,7 +146,7 @@ mod tests {
                 let mut eight = Eight::default();
                 eight.push(k, triangle);
                 let other = Other::Convex(Support::triangle(triangle));
-                let touch = Sweep::new(shape, other, &motion, asked.tolerance).first_touch(1.0);
+                let touch = Sweep::new(shape, other, &motion, cast.tolerance).first_touch(1.0);
                 let passes = path.passes(&eight, 1);
                 assert!(!(passes && touch.is_some()), "{i} {k} {touch:?} {a:?} {motion:?}");
                 (all, touched, passed) =
@@ -172,8 +172,8 @@ mod tests {
         let motion = Motion::new(&a, &path(Vec3::X * 0.3), &floor, &still);
         let mut known = Touched::default();
         known.add_plane(Vec3::Y, -0.501, Vec3::X, 0.01);
-        let asked = Asked { known, lip: 5e-4, ..Asked::first(1e-4, 0.01) };
-        let path = ShapePath::new(&a, &motion.relative(0.0), &motion, &asked);
+        let cast = MeshCast { known, lip: 5e-4, ..MeshCast::first(1e-4, 0.01) };
+        let path = ShapePath::new(&a, &motion.relative(0.0), &motion, &cast);
         let mut eight = Eight::default();
         let at = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
         eight.push(0, [at(-2.0, 0.0, -2.0), at(-2.0, 0.0, 2.0), at(2.0, 0.0, -2.0)]);

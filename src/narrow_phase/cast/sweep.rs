@@ -6,7 +6,7 @@
 //! and at the end, bound all in between. Half an arc has a quarter of the sagitta: what spins fast is looked at in two
 //! or four parts.
 
-use super::mesh::Asked;
+use super::mesh::MeshCast;
 use super::motion::{Motion, turn};
 use super::spin::Spin;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
@@ -183,10 +183,10 @@ impl<'a> MeshSweep<'a> {
     /// Of eight triangles those whose planes come into reach. What comes no nearer than the tolerance is left out, and so
     /// is what the shape rests on: it is within `resting` of the triangle's plane, and stays so.
     #[inline(always)]
-    pub(crate) fn by_planes(&self, eight: &Eight, lanes: u32, asked: &Asked) -> Reached {
-        let &Asked { resting, alone, .. } = asked;
+    pub(crate) fn by_planes(&self, eight: &Eight, lanes: u32, cast: &MeshCast) -> Reached {
+        let &MeshCast { resting, alone, .. } = cast;
         let triangles = Triangles::new(eight, lanes, &self.pose, Vec3::ZERO);
-        let hidden = asked.known.hides(&triangles.corners, asked.lip);
+        let hidden = cast.known.hides(&triangles.corners, cast.lip);
         // Triangles of no area have no plane.
         let flat = !triangles.valid & lanes;
         if (!hidden).bits() & triangles.valid == 0 && alone < 0.0 {
@@ -233,7 +233,7 @@ impl<'a> MeshSweep<'a> {
     /// Of those that are left, the triangles that may be touched, and the earliest fraction of the step at which they may
     /// be: zero for what may be within the resting distance at the start.
     #[inline(always)]
-    pub(crate) fn sift(&self, eight: &Eight, lanes: u32, asked: &Asked) -> (u32, [f32; 8]) {
+    pub(crate) fn sift(&self, eight: &Eight, lanes: u32, cast: &MeshCast) -> (u32, [f32; 8]) {
         let triangles = Triangles::new(eight, lanes, &self.pose, Vec3::ZERO);
         let flat = !triangles.valid & lanes;
         let mut kept = Kept::new(self.moments().count);
@@ -244,7 +244,7 @@ impl<'a> MeshSweep<'a> {
         }
         let share = f32x8::splat(self.until / self.moments().count as f32);
         let first = Lanes::max(kept.first, kept.leading()) * share;
-        let first = Lanes::select(apart.gt(f32x8::splat(asked.resting)), first, f32x8::zero());
+        let first = Lanes::select(apart.gt(f32x8::splat(cast.resting)), first, f32x8::zero());
         (triangles.valid & !kept.always().bits() | flat, first.to_array())
     }
 

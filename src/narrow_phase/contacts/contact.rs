@@ -18,14 +18,14 @@ pub(crate) const UNKNOWN_LOAD: f32 = -1.0;
 const BAND: f32 = 0.2;
 
 /// The time in which forces follow loads that last [s]: longer than a stack sways to and fro.
-pub(crate) const HOLD: f32 = 2.0;
+pub(crate) const LOAD_TIME: f32 = 2.0;
 
 /// How far springs act over a gap, in slops: an edge of a box that leans in a tall stack still bears something 1 mm above what is
 /// below it, and a spring that ended there would drop it.
 const GAP: f32 = 10.0;
 
 /// No contact.
-pub(crate) const NONE: u32 = u32::MAX;
+pub(crate) const NO_CONTACT: u32 = u32::MAX;
 
 /// A point of a contact.
 #[derive(Clone, Copy, Debug, Default)]
@@ -57,7 +57,7 @@ impl Point {
 pub(crate) struct Contact {
     pub(crate) a: u32,
     pub(crate) b: u32,
-    /// Next contact of the same pair (meshes have several), or [`NONE`].
+    /// Next contact of the same pair (meshes have several), or [`NO_CONTACT`].
     pub(crate) next: u32,
     pub(crate) count: u8,
     /// The solver had to push a potential point of it in this step.
@@ -93,7 +93,7 @@ impl Contact {
         Contact {
             a,
             b,
-            next: NONE,
+            next: NO_CONTACT,
             count: 0,
             pushed: false,
             fraction: 0.0,
@@ -217,7 +217,7 @@ impl Contact {
     /// seconds. Says whether that load is one that statics should look at.
     ///
     /// It follows only a load that is off by more than [`BAND`], and else what statics expects. If it followed every sway, the
-    /// restoring force would lag behind the sway by `0.9 / (omega * HOLD)` and pump it, wherever several manifolds bear a body.
+    /// restoring force would lag behind the sway by `0.9 / (omega * LOAD_TIME)` and pump it, wherever several manifolds bear a body.
     pub(crate) fn bear(&mut self, dt: f32, h: f32) -> bool {
         let load = self.bears() / h;
         let near = |force: f32| (force - load).abs() <= BAND * load;
@@ -230,7 +230,7 @@ impl Contact {
         } else {
             self.lasting_force.max(load * (1.0 - BAND))
         };
-        let share = (dt / HOLD).min(1.0);
+        let share = (dt / LOAD_TIME).min(1.0);
         self.lasting_force += (target - self.lasting_force) * share;
         self.rest -= self.rest * share;
         load > 0.0 && self.is_unknown()
@@ -395,14 +395,14 @@ impl Contacts {
         self.all.missing(contacts) + self.free.missing(contacts)
     }
 
-    /// Puts a contact where [`Contacts::make_place`] made place for it, or returns [`NONE`].
+    /// Puts a contact where [`Contacts::make_place`] made place for it, or returns [`NO_CONTACT`].
     pub(crate) fn insert(&mut self, contact: Contact) -> u32 {
         if let Some(slot) = self.free.pop() {
             self.all[slot as usize] = contact;
             return slot;
         }
         if self.all.len() == self.all.capacity().min(self.free.capacity()) {
-            return NONE;
+            return NO_CONTACT;
         }
         self.all.push(contact);
         self.all.len() as u32 - 1
@@ -410,15 +410,15 @@ impl Contacts {
 
     /// The same while there are fewer than so many.
     pub(crate) fn insert_within(&mut self, contact: Contact, most: usize) -> u32 {
-        if self.live() < most { self.insert(contact) } else { NONE }
+        if self.live() < most { self.insert(contact) } else { NO_CONTACT }
     }
 
     /// Frees a contact and all that follow it.
     pub(crate) fn remove_chain(&mut self, mut slot: u32) {
-        while slot != NONE {
+        while slot != NO_CONTACT {
             let contact = &mut self.all[slot as usize];
             contact.count = 0;
-            let next = std::mem::replace(&mut contact.next, NONE);
+            let next = std::mem::replace(&mut contact.next, NO_CONTACT);
             self.free.push(slot);
             slot = next;
         }
@@ -433,14 +433,14 @@ impl Contacts {
 
     /// How many contacts a chain has.
     pub(crate) fn count(&self, slot: u32) -> usize {
-        let next = |&slot: &u32| Some(self.all[slot as usize].next).filter(|&slot| slot != NONE);
-        std::iter::successors(Some(slot).filter(|&slot| slot != NONE), next).count()
+        let next = |&slot: &u32| Some(self.all[slot as usize].next).filter(|&slot| slot != NO_CONTACT);
+        std::iter::successors(Some(slot).filter(|&slot| slot != NO_CONTACT), next).count()
     }
 
     /// How many contacts of a chain pushed in the last step.
     pub(crate) fn count_pushed(&self, mut slot: u32) -> u32 {
         let mut pushed = 0;
-        while slot != NONE {
+        while slot != NO_CONTACT {
             pushed += u32::from(self.all[slot as usize].pushed);
             slot = self.all[slot as usize].next;
         }

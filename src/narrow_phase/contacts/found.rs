@@ -5,7 +5,7 @@
 //! leaves too little place, what protects from static geometry is kept longest.
 
 use super::admit::{Census, Kind as Taken, Means, RowSpace};
-use super::contact::{Contact, Contacts, NONE};
+use super::contact::{Contact, Contacts, NO_CONTACT};
 use super::weight::{Threshold, Weight};
 use crate::broad_phase::Pair;
 use crate::memory::{Buffer, Buffers, Category, Marks, Room, Rooms, Slab, bytes_of, even_out};
@@ -263,7 +263,7 @@ impl Found {
                 continue;
             }
             let order = &bins.order[block.start as usize..block.end as usize];
-            let new = order.iter().map(|&i| &pairs[i as usize]).filter(|pair| pair.contact == NONE);
+            let new = order.iter().map(|&i| &pairs[i as usize]).filter(|pair| pair.contact == NO_CONTACT);
             if endless {
                 block.place = new.count() as u32;
                 block.quota = [block.place; 2];
@@ -335,7 +335,7 @@ impl Found {
         for block in blocks.iter().filter(|block| block.emptied > 0) {
             let order = &bins.order[block.start as usize..block.end as usize];
             for &index in order.iter().filter(|&&i| state[i as usize] == EMPTIED) {
-                let slot = std::mem::replace(&mut pairs[index as usize].contact, NONE);
+                let slot = std::mem::replace(&mut pairs[index as usize].contact, NO_CONTACT);
                 contacts.remove_chain(slot);
             }
         }
@@ -374,9 +374,9 @@ impl Found {
             let frame = input.poses[pair.a as usize].rotation;
             contact.take(&found.raw, relative_pose(pair, input.poses), frame);
             contact.fraction = found.fraction;
-            self.touching |= contact.touches_anew(input.real);
+            self.touching |= contact.touches_anew(input.touch_distance);
             pair.contact = contacts.insert_within(contact, way.most);
-            shed += if pair.contact == NONE { found.raw.count } else { 0 };
+            shed += if pair.contact == NO_CONTACT { found.raw.count } else { 0 };
         }
         if last {
             rooms.within(Category::Scratch, |room| {
@@ -422,9 +422,9 @@ fn make_way(
     for pair in pairs.iter().filter(|pair| !pair.is_idle(input.hot, input.dynamic)) {
         let (is_static, weight) = (input.is_static(pair), weight_of(pair, contacts, input));
         let mut slot = pair.contact;
-        while slot != NONE {
+        while slot != NO_CONTACT {
             let contact = &contacts.all[slot as usize];
-            let taken = Taken::of(contact, is_static, input.real);
+            let taken = Taken::of(contact, is_static, input.touch_distance);
             match weight {
                 Some(weight) => census.add(weight, taken, &cost),
                 None => census.add_fixed(taken, &cost),
@@ -433,12 +433,12 @@ fn make_way(
         }
     }
     for (many, pair) in meshes.iter().flat_map(|block| block.more(pairs, contacts)) {
-        let taken = |raw: &RawManifold| Taken::of_new(raw, input.is_static(pair), input.real);
+        let taken = |raw: &RawManifold| Taken::of_new(raw, input.is_static(pair), input.touch_distance);
         many.iter().for_each(|(raw, _)| census.add_fixed(taken(raw), &cost));
     }
     for found in found_by(blocks, space.slab.alone(place)) {
         let pair = &pairs[found.pair as usize];
-        let taken = Taken::of_new(&found.raw, input.is_static(pair), input.real);
+        let taken = Taken::of_new(&found.raw, input.is_static(pair), input.touch_distance);
         census.add(found.weight(pair, input), taken, &cost);
     }
     let admitted = Means::new(rooms, space, contacts.place()).admit(&census);
@@ -496,7 +496,7 @@ fn found_by<'a>(blocks: &'a [Block], fresh: &'a [Fresh]) -> impl Iterator<Item =
 /// The weight of the contact of a pair, if it has one; none of the contacts with meshes, which go when others are found.
 fn weight_of(pair: &Pair, contacts: &Contacts, input: &Input<'_>) -> Option<Weight> {
     let of_mesh = matches!(input.hot[pair.b as usize].kind, Kind::Mesh | Kind::HeightField);
-    (pair.contact != NONE && !of_mesh).then(|| input.scale.of(&contacts.all[pair.contact as usize]))
+    (pair.contact != NO_CONTACT && !of_mesh).then(|| input.scale.of(&contacts.all[pair.contact as usize]))
 }
 
 /// New contacts that there is place for at a time: enough for all of most steps, and where a whole scene falls onto the
@@ -533,7 +533,7 @@ fn evict(floor: &mut Threshold, pairs: &mut [Pair], contacts: &mut Contacts, inp
             && !floor.keeps(weight)
         {
             shed += u32::from(contacts.all[pair.contact as usize].count);
-            contacts.remove_chain(std::mem::replace(&mut pair.contact, NONE));
+            contacts.remove_chain(std::mem::replace(&mut pair.contact, NO_CONTACT));
         }
     }
     shed
@@ -554,14 +554,14 @@ fn commit_meshes(
         let now = relative_pose(pair, input.poses);
         chain.clear();
         let mut slot = pair.contact;
-        while slot != NONE {
+        while slot != NO_CONTACT {
             // At worst an impulse is not inherited.
             room.push(chain, contacts.all[slot as usize]);
             slot = contacts.all[slot as usize].next;
         }
         contacts.remove_chain(pair.contact);
-        pair.contact = NONE;
-        let mut last = NONE;
+        pair.contact = NO_CONTACT;
+        let mut last = NO_CONTACT;
         for (raw, fraction) in &block.many[start as usize..end as usize] {
             let mut contact = Contact::new(pair.a, pair.b);
             contact.take(raw, now, input.poses[pair.a as usize].rotation);
@@ -574,16 +574,16 @@ fn commit_meshes(
                 (contact.friction, contact.twist) = (old.friction, old.twist);
                 contact.mean_friction = old.mean_friction;
             }
-            *touching |= contact.touches_anew(input.real);
+            *touching |= contact.touches_anew(input.touch_distance);
             let slot = contacts.insert_within(contact, most);
-            if slot == NONE {
+            if slot == NO_CONTACT {
                 shed += raw.count;
-            } else if last == NONE {
+            } else if last == NO_CONTACT {
                 pair.contact = slot;
             } else {
                 contacts.all[last as usize].next = slot;
             }
-            last = if slot == NONE { last } else { slot };
+            last = if slot == NO_CONTACT { last } else { slot };
         }
     }
     block.looked.clear();

@@ -129,7 +129,7 @@ impl Threshold {
         Threshold::new(Weight::COUNT, 0)
     }
 
-    /// Whether the next one, which weighs this much, stays. Asked of each in the same order.
+    /// Whether the next one, which weighs this much, stays. MeshCast of each in the same order.
     pub(crate) fn keeps(&mut self, weight: Weight) -> bool {
         if weight == self.weight {
             let stays = self.left > 0;

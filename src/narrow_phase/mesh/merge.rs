@@ -14,7 +14,7 @@ use crate::narrow_phase::{MAX_POINTS, RawManifold, RawPoint};
 use glam::Vec3;
 
 /// Most manifolds of a pair.
-pub(crate) const MOST: usize = 8;
+pub(crate) const MAX_MANIFOLDS: usize = 8;
 /// Cosine of 2.5 degrees: normals nearer than this are one. Half the angle of a flat edge.
 const SAME: f32 = 0.999;
 /// Cosine under which two normals are never one, even where there are too many: 25 degrees.
@@ -48,22 +48,22 @@ impl Merge {
         size: f32,
         out: &mut Vec<RawManifold>,
     ) {
-        let mut normals = [Vec3::ZERO; MOST];
+        let mut normals = [Vec3::ZERO; MAX_MANIFOLDS];
         let mut count = 0;
         self.place.clear();
         for patch in &patches.patches {
             let nearest = (0..count).map(|i| (normals[i].dot(patch.normal), i));
-            let nearest =
-                nearest.fold((f32::MIN, MOST), |best, this| if this.0 > best.0 { this } else { best });
-            let place = if nearest.0 > SAME || (count == MOST && nearest.0 > RELATED) {
+            let nearest = nearest
+                .fold((f32::MIN, MAX_MANIFOLDS), |best, this| if this.0 > best.0 { this } else { best });
+            let place = if nearest.0 > SAME || (count == MAX_MANIFOLDS && nearest.0 > RELATED) {
                 nearest.1
-            } else if count < MOST {
+            } else if count < MAX_MANIFOLDS {
                 normals[count] = patch.normal;
                 count += 1;
                 count - 1
             } else {
                 // The shallowest of too many different ones.
-                MOST
+                MAX_MANIFOLDS
             };
             self.place.push(place as u8);
         }

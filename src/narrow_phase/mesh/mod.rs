@@ -35,7 +35,7 @@ use crate::narrow_phase::convex::round_polytope::Core;
 use crate::narrow_phase::convex::support::Support;
 use crate::shape::{Collider, Geometry};
 use glam::Vec3;
-use merge::{MOST, Merge};
+use merge::{MAX_MANIFOLDS, Merge};
 use nearby::{Eight, Extent, Ground, Nearby};
 use patch::{Patches, Touch};
 use reach::{Near, Reach, along, around, bounds, side_of};
@@ -217,7 +217,7 @@ impl MeshScratch {
 }
 
 /// All points of a convex shape and a mesh or height field that are nearer than the margin, as up to
-/// [`MOST`](crate::narrow_phase::mesh::merge::MOST) manifolds in the shape's frame, added to `out`; the deepest first. Says whether anything was
+/// [`MAX_MANIFOLDS`](crate::narrow_phase::mesh::merge::MAX_MANIFOLDS) manifolds in the shape's frame, added to `out`; the deepest first. Says whether anything was
 /// near enough to be looked at.
 pub(crate) fn collide_mesh(
     a: &Collider,
@@ -265,7 +265,7 @@ pub(crate) fn collide_mesh(
     });
     shape.finish(patches);
     if !room.is_endless() {
-        let place = out.len() + MOST;
+        let place = out.len() + MAX_MANIFOLDS;
         if !merge.has_place(patches, room) || room.fit(out, place) < place {
             *shed += 1;
             return true;

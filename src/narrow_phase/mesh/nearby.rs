@@ -1,4 +1,4 @@
-//! The triangles near a pair of shapes, brought together once for all that is asked of them within a step.
+//! The triangles near a pair of shapes, brought together once for all that is wanted of them within a step.
 //!
 //! A body that slides along a mesh has its contacts looked for where it is, then its path, and where it hits something
 //! all that again: mostly among the same few triangles. To walk the tree and to bring corners together costs more than
@@ -125,15 +125,15 @@ impl Nearby {
 
     /// Calls `look` with the triangles that meet a box, in one go or, if they are many, in several. There has to be
     /// [place](Self::has_place).
-    pub(crate) fn gather(&mut self, ground: &Ground, asked: Extent, look: &mut dyn FnMut(Found<'_>)) {
-        let inside = |(min, max): Extent| min.cmple(asked.0).all() && max.cmpge(asked.1).all();
+    pub(crate) fn gather(&mut self, ground: &Ground, wanted: Extent, look: &mut dyn FnMut(Found<'_>)) {
+        let inside = |(min, max): Extent| min.cmple(wanted.0).all() && max.cmpge(wanted.1).all();
         if let Some(held) = self.held.filter(|held| inside(*held)) {
-            let within = (held != asked).then_some(asked);
+            let within = (held != wanted).then_some(wanted);
             look(Found { eights: &self.eights[..self.used], within });
             return;
         }
-        let all = self.expected.map_or(asked, |(min, max)| (min.min(asked.0), max.max(asked.1)));
-        let within = (all != asked).then_some(asked);
+        let all = self.expected.map_or(wanted, |(min, max)| (min.min(wanted.0), max.max(wanted.1)));
+        let within = (all != wanted).then_some(wanted);
         let Nearby { eights, used, .. } = self;
         *used = 0;
         let mut complete = true;

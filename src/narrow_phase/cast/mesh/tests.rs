@@ -53,14 +53,14 @@ impl Triangles for Soup {
 }
 
 fn cast(a: &Collider, soup: &Soup, motion: &Motion, tolerance: f32, resting: f32) -> Option<Touch> {
-    let asked = Asked::first(tolerance, resting);
+    let cast = MeshCast::first(tolerance, resting);
     let rel = motion.relative(0.0);
-    let path = (motion.b.spin == Vec3::ZERO).then(|| ShapePath::new(a, &rel, motion, &asked));
-    let mut search = Search::new(Support::of(a)?, motion, asked);
+    let path = (motion.b.spin == Vec3::ZERO).then(|| ShapePath::new(a, &rel, motion, &cast));
+    let mut search = Search::new(Support::of(a)?, motion, cast);
     let path = search.prepare(a, &rel, path);
     search.go_along(soup, &path);
     match search.finish() {
-        Cast::First(touch) => Some(touch),
+        CastResult::First(touch) => Some(touch),
         _ => None,
     }
 }
@@ -143,9 +143,9 @@ fn meshes_and_height_fields_answer_like_their_triangles() {
             // From the tree, gathered, and held from before.
             for gathered in 0..3 {
                 let nearby = (gathered > 0).then_some(&mut nearby);
-                let asked = Asked::first(1e-4, 0.01);
-                let found = ask_mesh(&a, other, &motion.relative(0.0), &motion, asked, nearby);
-                let found = if let Cast::First(touch) = found { Some(touch.fraction) } else { None };
+                let cast = MeshCast::first(1e-4, 0.01);
+                let found = cast_mesh(&a, other, &motion.relative(0.0), &motion, cast, nearby);
+                let found = if let CastResult::First(touch) = found { Some(touch.fraction) } else { None };
                 assert_eq!(found.is_some(), expected.is_some());
                 // Where a search begins depends on what was found before, and so, within the tolerance, does
                 // where it ends.

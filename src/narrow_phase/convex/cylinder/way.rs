@@ -85,7 +85,7 @@ pub(super) struct Way {
     pub(super) face: Option<(FlatFace, bool)>,
 }
 
-const NONE: Way = Way { normal: Vec3::Y, separation: f32::MIN, face: None };
+const NO_CONTACT: Way = Way { normal: Vec3::Y, separation: f32::MIN, face: None };
 
 /// What is tried at once.
 pub(super) struct Candidates {
@@ -137,7 +137,7 @@ impl Both<'_> {
     /// The axes that are tried at once: the best face or cap of either, for each side the way to the middle of the other
     /// shape, and what is across two axes. `None`: one separates by more than the margin.
     pub(super) fn candidates(&self, margin: f32) -> Option<Candidates> {
-        let mut found = Candidates { flat: NONE, best: NONE };
+        let mut found = Candidates { flat: NO_CONTACT, best: NO_CONTACT };
         for on_b in [false, true] {
             let sign = if on_b { -1.0 } else { 1.0 };
             let pose = self.pose_of(on_b);
