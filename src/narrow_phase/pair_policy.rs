@@ -45,7 +45,7 @@
 //! decided before, by [`collide`](super::collide).
 
 use super::cast::ahead::{
-    NO_GAP, Shapes, Way, add_manifolds_at_touch, first_touch_in_flight, first_touch_with_mesh, keep_reached,
+    MeshPair, NO_GAP, add_manifolds_at_touch, first_touch_in_flight, first_touch_with_mesh, keep_reached,
     manifold_at_closest_pass, manifold_at_first_touch, manifold_at_half_step, manifold_later_on_path,
     motion_of, right_way_out, strikes, touches_mesh, would_push,
 };
@@ -82,7 +82,7 @@ pub(super) struct PairState<'a> {
 
 /// The predicates of both tables.
 impl PairState<'_> {
-    fn shapes(&self) -> Shapes<'_> {
+    fn shapes(&self) -> (&Collider, &Collider) {
         let colliders = self.input.colliders;
         (&colliders[self.pair.a as usize], &colliders[self.pair.b as usize])
     }
@@ -188,7 +188,7 @@ pub(super) fn finish_convex(
     }
     if chosen.raw.count > 0
         && state.slides_far()
-        && let Some(later) = manifold_later_on_path(input, pair, (&chosen.raw, chosen.fraction))
+        && let Some(later) = manifold_later_on_path(input, pair, &chosen.raw, chosen.fraction)
     {
         (chosen.raw, chosen.fraction) = later;
     }
@@ -298,7 +298,7 @@ pub(super) fn finish_mesh(state: &PairState<'_>, contacts: &Shared<'_, Contact>,
     let start = block.count();
     block.mesh.nearby.forget();
     let flight = if look.is_in_flight() {
-        first_touch_in_flight(state.input, look.shapes(), look.way(), &mut block.mesh)
+        first_touch_in_flight(state.input, &look.moving(), &mut block.mesh)
     } else {
         CastResult::Near
     };
@@ -365,7 +365,7 @@ impl<'a> MeshLook<'a> {
         would_push(input, self.motion(), raw) && !(near(raw) && self.state.may_leave_predicted_path())
     }
 
-    fn shapes(&self) -> Shapes<'a> {
+    fn shapes(&self) -> (&'a Collider, &'a Collider) {
         (self.shape, self.mesh)
     }
 
@@ -373,8 +373,9 @@ impl<'a> MeshLook<'a> {
         self.motion.get_or_init(|| motion_of(self.state.input, self.state.pair))
     }
 
-    fn way(&self) -> Way<'_> {
-        (self.state.rel, self.motion())
+    fn moving(&self) -> MeshPair<'_> {
+        let MeshLook { state, shape, mesh, .. } = *self;
+        MeshPair { shape, mesh, rel: state.rel, motion: self.motion() }
     }
 }
 
@@ -414,9 +415,9 @@ impl MeshLook<'_> {
         if !self.fast {
             None
         } else if self.state.is_gated() {
-            enter_mesh(input, self.shapes(), self.way(), resting)
+            enter_mesh(input, &self.moving(), resting)
         } else {
-            first_touch_with_mesh(input, self.shapes(), self.way(), resting, &mut block.mesh)
+            first_touch_with_mesh(input, &self.moving(), resting, &mut block.mesh)
         }
     }
 
@@ -452,9 +453,9 @@ impl MeshLook<'_> {
         }
         tally.casts += 1;
         let touches = if self.state.is_gated() {
-            approach.swing > input.margin || enter_mesh(input, self.shapes(), self.way(), 0.0).is_some()
+            approach.swing > input.margin || enter_mesh(input, &self.moving(), 0.0).is_some()
         } else {
-            touches_mesh(input.unit, self.shapes(), self.way(), &mut block.mesh)
+            touches_mesh(input.unit, &self.moving(), &mut block.mesh)
         };
         if !touches {
             block.raw.retain(|m| !self.is_guess(m));

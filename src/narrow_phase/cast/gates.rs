@@ -13,7 +13,7 @@
 //!
 //! All of it is in closed form. Of what turns, only the points' own velocities are known, as far as they are straight.
 
-use super::ahead::{Shapes, Way, carry_back, closing, margin_at_touch, motion_of};
+use super::ahead::{MeshPair, carry_back, closing, margin_at_touch, motion_of};
 use super::mesh::MeshCast;
 use super::motion::{Motion, Turn};
 use super::path::ShapePath;
@@ -35,7 +35,7 @@ use glam::{DMat3, DVec3, Vec3};
 
 /// Cosine of 1.8 degrees: axes nearer than this are one.
 const SAME_AXIS: f32 = 0.9995;
-/// Speed along a unit axis, as a share of the way, that counts as none.
+/// Speed along a unit axis, as a share of the path, that counts as none.
 const STILL: f32 = 1e-6;
 /// Squared sine under which a cross product has no direction.
 const PARALLEL: f64 = 1e-7;
@@ -53,19 +53,19 @@ pub(crate) fn gate(input: &Input<'_>, pair: &Pair, raw: &RawManifold) -> Option<
     let approach = input.approach(pair);
     let turning = motion_of(input, pair);
     let motion = straight(&turning);
-    let way = motion.a.rotation.conjugate() * motion.displacement;
+    let path = motion.a.rotation.conjugate() * motion.displacement;
     if b.kind == Kind::Plane {
         return Some((*raw, 0.0));
     }
     let slack = input.margin + approach.swing;
-    let Entry { fraction, axis, surely } = enter((a, b), &motion.relative(0.0), (way, slack), raw.normal)?;
-    let (until, aside) = (fraction.min(1.0), way - axis * axis.dot(way));
+    let Entry { fraction, axis, surely } = enter(a, b, &motion.relative(0.0), path, slack, raw.normal)?;
+    let (until, aside) = (fraction.min(1.0), path - axis * axis.dot(path));
     let same = axis.dot(raw.normal) > SAME_AXIS && aside.length() * until <= input.margin;
     // What only turning brings together has no other moment.
     if same || fraction > 1.0 {
         let mut kept = *raw;
         if !surely && approach.swing > input.margin {
-            keep_over(&mut kept, (a, b), &turning, input.margin);
+            keep_over(&mut kept, a, b, &turning, input.margin);
         }
         return (kept.count > 0).then_some((kept, 0.0));
     }
@@ -76,7 +76,7 @@ pub(crate) fn gate(input: &Input<'_>, pair: &Pair, raw: &RawManifold) -> Option<
 
 /// Drops the points of a manifold whose own paths, straight on with the turning of the start, cross its plane neither over
 /// the one shape nor over the other.
-fn keep_over(raw: &mut RawManifold, (a, b): Shapes<'_>, motion: &Motion, margin: f32) {
+fn keep_over(raw: &mut RawManifold, a: &Collider, b: &Collider, motion: &Motion, margin: f32) {
     let (Some(shape_a), Some(shape_b)) = (Support::of(a), Support::of(b)) else { return };
     let to_a = motion.a.rotation.conjugate();
     let rel = motion.relative(0.0);
@@ -117,7 +117,7 @@ struct Swept<'a> {
     /// Of the other in the frame of its own, at the start.
     placed: Placed,
     /// Of its own in its frame [m].
-    way: DVec3,
+    path: DVec3,
     /// What passes as near as this is not missed [m].
     slack: f64,
     entered: f64,
@@ -141,14 +141,14 @@ struct Entry {
 
 /// At which fraction of the step two convex shapes have entered each other along all axes. `None` if they miss each other.
 ///
-/// `way`: of a against b, in its own frame [m]. `now`: the normal of the start. `slack`: see [`Swept`].
-fn enter((a, b): Shapes<'_>, rel: &Relative, (way, slack): (Vec3, f32), now: Vec3) -> Option<Entry> {
+/// `path`: of a against b, in its own frame [m]. `now`: the normal of the start. `slack`: see [`Swept`].
+fn enter(a: &Collider, b: &Collider, rel: &Relative, path: Vec3, slack: f32, now: Vec3) -> Option<Entry> {
     let rotation = DMat3::from_quat(rel.rotation.as_dquat().normalize());
     let mut swept = Swept {
         own: Support::of(a)?,
         other: Support::of(b)?,
         placed: Placed { rotation, position: rel.position.as_dvec3() },
-        way: way.as_dvec3(),
+        path: path.as_dvec3(),
         slack: f64::from(slack),
         entered: f64::MIN,
         axis: now.as_dvec3(),
@@ -156,9 +156,9 @@ fn enter((a, b): Shapes<'_>, rel: &Relative, (way, slack): (Vec3, f32), now: Vec
         near: f64::MIN,
         passed: f64::MAX,
     };
-    let (position, way) = (swept.placed.position, swept.way);
+    let (position, path) = (swept.placed.position, swept.path);
     // Balls pass each other along the line on which their centres come nearest.
-    let across = position * way.length_squared() - way * position.dot(way);
+    let across = position * path.length_squared() - path * position.dot(path);
     let mut meets = swept.meets_along(now.as_dvec3()) && swept.meets_along(across);
     meets = meets && faces(a).all(|face| swept.meets_along(face));
     meets = meets && faces(b).all(|face| swept.meets_along(rotation * face));
@@ -169,11 +169,12 @@ fn enter((a, b): Shapes<'_>, rel: &Relative, (way, slack): (Vec3, f32), now: Vec
     }
     // What is round about an edge has all normals across it.
     let round = |shape: &Collider| matches!(shape.kind, Kind::Capsule | Kind::Cylinder);
-    meets = meets && (!round(a) || swept.meets_along(DVec3::Y.cross(way)));
-    meets = meets && (!round(b) || swept.meets_along((rotation * DVec3::Y).cross(way)));
+    meets = meets && (!round(a) || swept.meets_along(DVec3::Y.cross(path)));
+    meets = meets && (!round(b) || swept.meets_along((rotation * DVec3::Y).cross(path)));
     // Boxes have no other axes. Of all others the direction between the nearest points where these are entered is one.
     if meets && (a.kind, b.kind) != (Kind::Box, Kind::Box) {
-        let there = Relative { position: (position - way * swept.entered.clamp(0.0, 1.0)).as_vec3(), ..*rel };
+        let there =
+            Relative { position: (position - path * swept.entered.clamp(0.0, 1.0)).as_vec3(), ..*rel };
         let nearest = distance(&swept.own, &swept.other, &there, swept.axis.as_vec3());
         meets = nearest.overlap || nearest.distance <= 0.0 || swept.meets_along(nearest.normal.as_dvec3());
     }
@@ -201,9 +202,9 @@ impl Swept<'_> {
         // Of the other above its own, and of its own above the other.
         let above = middle - high(&self.other, -seen) - high(&self.own, axis);
         let below = -middle - high(&self.other, seen) - high(&self.own, -axis);
-        let way = self.way.dot(axis);
-        let speed = way.abs();
-        if speed <= f64::from(STILL) * self.way.length() {
+        let along = self.path.dot(axis);
+        let speed = along.abs();
+        if speed <= f64::from(STILL) * self.path.length() {
             if above.max(below) > self.slack {
                 self.near = f64::MAX;
             } else if above.max(below) > 0.0 {
@@ -211,7 +212,7 @@ impl Swept<'_> {
             }
             return;
         }
-        let (gap, other, normal) = if way > 0.0 { (above, below, axis) } else { (below, above, -axis) };
+        let (gap, other, normal) = if along > 0.0 { (above, below, axis) } else { (below, above, -axis) };
         if gap / speed > self.entered {
             (self.entered, self.axis) = (gap / speed, normal);
         }
@@ -248,26 +249,22 @@ fn edges(shape: &Collider) -> &'static [DVec3] {
 
 /// The triangle of a mesh or height field that a convex shape enters first, other than what it is near to at the start: what
 /// is within `resting` [m], or whose plane is and stays so, is left to the manifolds of the start.
-pub(crate) fn enter_mesh(
-    input: &Input<'_>,
-    (a, b): Shapes<'_>,
-    (rel, motion): Way<'_>,
-    resting: f32,
-) -> Option<Touch> {
+pub(crate) fn enter_mesh(input: &Input<'_>, moving: &MeshPair<'_>, resting: f32) -> Option<Touch> {
+    let &MeshPair { shape: a, mesh: b, rel, motion } = moving;
     let (ground, shape) = (Ground::of(b)?, Support::of(a)?);
     let motion = straight(motion);
-    let way = motion.a.rotation.conjugate() * motion.displacement;
-    if way == Vec3::ZERO {
+    let path = motion.a.rotation.conjugate() * motion.displacement;
+    if path == Vec3::ZERO {
         return None;
     }
     let cast = MeshCast::first(tolerance(a, b, input.unit), resting);
-    let path = ShapePath::new(a, rel, &motion, &cast).in_box();
+    let swept = ShapePath::new(a, rel, &motion, &cast).in_box();
     let mut first = Search {
         shape: a,
         support: shape,
         pose: Pose::new(rel.position, rel.rotation),
         side: side_of(a),
-        way,
+        path,
         resting,
         fraction: 1.0,
         normal: None,
@@ -282,8 +279,8 @@ pub(crate) fn enter_mesh(
         first.fraction
     };
     match ground {
-        Ground::Mesh(mesh) => mesh.visit_segment(path.from, path.to, path.inflate, &mut visit),
-        Ground::Field(field) => field.visit_segment(path.from, path.to, path.inflate, &mut visit),
+        Ground::Mesh(mesh) => mesh.visit_segment(swept.from, swept.to, swept.inflate, &mut visit),
+        Ground::Field(field) => field.visit_segment(swept.from, swept.to, swept.inflate, &mut visit),
     }
     first.look(&seen);
     let normal = motion.a.rotation * first.normal?.normalize();
@@ -297,7 +294,7 @@ struct Search<'a> {
     /// Of the mesh in the shape's frame.
     pose: Pose,
     side: Vec3,
-    way: Vec3,
+    path: Vec3,
     resting: f32,
     fraction: f32,
     normal: Option<Vec3>,
@@ -329,7 +326,7 @@ impl Search<'_> {
         self.along(&triangles, down, &mut swept);
         // What it slides along, or rests on.
         let gap = triangles.height - reach(self.shape, down);
-        let end = gap - LaneVec3::splat(self.way).dot(down);
+        let end = gap - LaneVec3::splat(self.path).dot(down);
         let resting = f32x8::splat(self.resting);
         let level = gap.abs().le(resting) & end.ge(-resting);
         let left = |swept: &SweptEight| {
@@ -351,9 +348,9 @@ impl Search<'_> {
             Kind::Capsule | Kind::Cylinder => &own[1..2],
             _ => &[],
         };
-        let way = LaneVec3::splat(self.way);
+        let path = LaneVec3::splat(self.path);
         for edge in [q - p, r - q, p - r] {
-            for axis in crossed.iter().chain([&way]) {
+            for axis in crossed.iter().chain([&path]) {
                 self.along(&triangles, unit(edge.cross(*axis)), &mut swept);
             }
         }
@@ -371,11 +368,11 @@ impl Search<'_> {
         let [p, q, r] = triangles.corners.map(|corner| corner.dot(axis));
         let above = Lanes::min(p, Lanes::min(q, r)) - reach(self.shape, axis);
         let below = -Lanes::max(p, Lanes::max(q, r)) - reach(self.shape, -axis);
-        let way = LaneVec3::splat(self.way).dot(axis);
+        let along = LaneVec3::splat(self.path).dot(axis);
         let (zero, most) = (f32x8::zero(), f32x8::splat(f32::MAX));
-        let still = way.abs().le(f32x8::splat(STILL * self.way.length()));
-        let speed = Lanes::select(still, f32x8::one(), way.abs());
-        let on = way.gt(zero);
+        let still = along.abs().le(f32x8::splat(STILL * self.path.length()));
+        let speed = Lanes::select(still, f32x8::one(), along.abs());
+        let on = along.gt(zero);
         let gap = Lanes::select(on, above, below);
         let other = Lanes::select(on, below, above);
         let apart = Lanes::max(above, below);
@@ -392,12 +389,12 @@ impl Search<'_> {
     fn take(&mut self, corners: [Vec3; 3], entered: f32, axis: Vec3) {
         let (mut entered, mut axis) = (entered, axis);
         if self.shape.kind != Kind::Box {
-            let there = Support::triangle(corners.map(|corner| corner - self.way * entered));
+            let there = Support::triangle(corners.map(|corner| corner - self.path * entered));
             let here = Relative { position: Vec3::ZERO, rotation: glam::Quat::IDENTITY };
             let nearest = distance(&self.support, &there, &here, axis);
             if !nearest.overlap && nearest.distance > 0.0 {
-                let speed = nearest.normal.dot(self.way);
-                // The distance along a straight way is convex: from here on it only grows.
+                let speed = nearest.normal.dot(self.path);
+                // The distance along a straight path is convex: from here on it only grows.
                 if speed <= 0.0 && nearest.distance > self.resting {
                     return;
                 }

@@ -164,7 +164,7 @@ impl std::fmt::Debug for MeshScratch {
 impl MeshScratch {
     /// What of the ground the last shape, which was `a`, is within a distance of [m]; not all of it, if that is much.
     /// `way`: of the shape in its own frame, of which no more than `margin` may lead into a plane [m].
-    pub(crate) fn touched(&self, a: &Collider, within: f32, (way, margin): (Vec3, f32)) -> Touched {
+    pub(crate) fn touched(&self, a: &Collider, within: f32, way: Vec3, margin: f32) -> Touched {
         let Patches { touches, patches, .. } = &self.patches;
         let mut touched = Touched::of(a);
         for patch in patches.iter().filter(|p| p.least <= within) {
