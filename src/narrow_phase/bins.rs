@@ -7,7 +7,7 @@ use crate::broad_phase::Pair;
 use crate::lanes::f32x8;
 use crate::memory::{Buffer, Room, bytes_of};
 use crate::narrow_phase::contacts::contact::Contact;
-use crate::narrow_phase::contacts::found::Out;
+use crate::narrow_phase::contacts::found::BlockOutput;
 use crate::narrow_phase::pairs::box_box::box_box;
 use crate::narrow_phase::pairs::capsule_box::{capsule_box, tapered_capsule_box};
 use crate::narrow_phase::pairs::capsule_capsule::{capsule_capsule, tapered_capsule_capsule};
@@ -173,7 +173,7 @@ pub(crate) fn run_bin(
     input: &Input<'_>,
     pairs: &[Pair],
     contacts: &Shared<'_, Contact>,
-    out: &mut Out<'_>,
+    out: &mut BlockOutput<'_>,
 ) {
     if let Some(kernel) = kernel_of(bin) {
         for eight in order.chunks(8) {

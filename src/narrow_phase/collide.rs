@@ -13,7 +13,7 @@ use crate::lanes::{Lanes, Quat, Record, Vec3, f32x8};
 use crate::memory::{Buffer, Category, Rooms, Slab, bytes_of};
 use crate::narrow_phase::contacts::admit::RowSpace;
 use crate::narrow_phase::contacts::contact::{Contact, Contacts, NO_CONTACT};
-use crate::narrow_phase::contacts::found::{CLEAR, EMPTIED, Found};
+use crate::narrow_phase::contacts::found::{CLEAR, EMPTIED, FoundContacts};
 use crate::narrow_phase::contacts::manifold::MAX_POINTS;
 use crate::narrow_phase::contacts::weight::Scale;
 use crate::shape::{Collider, Hot, Kind};
@@ -142,7 +142,7 @@ pub(crate) struct Scratch {
     /// The bin of each pair, or what becomes of it.
     bin_of: Vec<u8>,
     bins: Bins,
-    found: Found,
+    found: FoundContacts,
 }
 
 impl Scratch {
@@ -242,7 +242,7 @@ fn run_blocks(
     (bins, wave, bin_of): (&mut Bins, std::ops::Range<usize>, &mut [u8]),
     pairs: &[Pair],
     contacts: &mut Contacts,
-    (found, slab): (&mut Found, &mut Slab),
+    (found, slab): (&mut FoundContacts, &mut Slab),
 ) {
     let all = Shared::new(&mut contacts.all);
     let state = Shared::new(bin_of);
@@ -438,19 +438,19 @@ fn rolls(input: &Input<'_>, collider: u32) -> bool {
 
 /// What tells points and contacts that are found again from new ones.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Same {
+pub(crate) struct MatchLimits {
     /// How near two points must be to count as the same [m].
     pub(crate) near: f32,
     /// What moved further past the other since its contact was found last slides or rolls [m].
     pub(crate) slides: f32,
 }
 
-impl Same {
-    pub(crate) fn of(input: &Input<'_>, pair: &Pair) -> Same {
+impl MatchLimits {
+    pub(crate) fn of(input: &Input<'_>, pair: &Pair) -> MatchLimits {
         let radius = |c: u32| input.hot[c as usize].radius;
         let near = 0.1 * radius(pair.a).min(radius(pair.b));
         // What creeps is found again once it has moved by the first of these and not yet by twice that.
         let slides = if input.recycle > 0.0 { near.min(2.0 * input.recycle) } else { near };
-        Same { near, slides }
+        MatchLimits { near, slides }
     }
 }

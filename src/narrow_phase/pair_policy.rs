@@ -53,9 +53,9 @@ use super::cast::gates::{enter_mesh, gate, straight};
 use super::cast::mesh::CastResult;
 use super::cast::motion::Motion;
 use super::cast::{Touch, tolerance};
-use super::collide::{Approach, Input, Same, Start};
+use super::collide::{Approach, Input, MatchLimits, Start};
 use super::contacts::contact::{Contact, NO_CONTACT};
-use super::contacts::found::{MeshBlock, Out};
+use super::contacts::found::{BlockOutput, MeshBlock};
 use super::mesh::collide_mesh;
 use super::mesh::reach::{Reach, extent_of};
 use super::{RawManifold, Relative};
@@ -174,7 +174,7 @@ pub(super) fn finish_convex(
     state: &PairState<'_>,
     raw: RawManifold,
     contacts: &Shared<'_, Contact>,
-    out: &mut Out<'_>,
+    out: &mut BlockOutput<'_>,
 ) {
     let &PairState { input, pair, rel, .. } = state;
     let nearest = raw.points().iter().fold(f32::INFINITY, |s, p| s.min(p.separation));
@@ -204,7 +204,7 @@ pub(super) fn finish_convex(
 
 /// Of a pair that is apart by `nearest` at the start: what the rest of the first table chooses.
 #[inline(always)]
-fn choose_apart(state: &PairState<'_>, nearest: f32, chosen: &mut Chosen, out: &mut Out<'_>) {
+fn choose_apart(state: &PairState<'_>, nearest: f32, chosen: &mut Chosen, out: &mut BlockOutput<'_>) {
     let fast = state.is_fast(nearest);
     let may_leave = nearest <= state.input.margin && state.may_leave_predicted_path();
     if fast && !may_leave && state.stays_apart(&chosen.raw, nearest) {
@@ -219,7 +219,11 @@ fn choose_apart(state: &PairState<'_>, nearest: f32, chosen: &mut Chosen, out: &
 }
 
 /// The manifold of the first touch or, in mode `Volume`, of the closest pass, and the fraction of the step.
-fn look_on_path(state: &PairState<'_>, raw: &RawManifold, out: &mut Out<'_>) -> Option<(RawManifold, f32)> {
+fn look_on_path(
+    state: &PairState<'_>,
+    raw: &RawManifold,
+    out: &mut BlockOutput<'_>,
+) -> Option<(RawManifold, f32)> {
     let &PairState { input, pair, approach, .. } = state;
     let hit = if state.is_gated() {
         gate(input, pair, raw)
@@ -238,7 +242,7 @@ fn store(
     chosen: &Chosen,
     nearest: f32,
     contacts: &Shared<'_, Contact>,
-    out: &mut Out<'_>,
+    out: &mut BlockOutput<'_>,
 ) {
     let &PairState { input, pair, index, rel, .. } = state;
     if !state.has_contact() {
@@ -258,7 +262,7 @@ fn store(
         out.empty(index);
     } else {
         let frame = input.poses[pair.a as usize].rotation;
-        contact.renew(&chosen.raw, (*rel, frame), Same::of(input, pair));
+        contact.renew(&chosen.raw, (*rel, frame), MatchLimits::of(input, pair));
         contact.fraction = chosen.fraction;
     }
 }
@@ -283,7 +287,7 @@ struct Tally {
 }
 
 /// Finds the manifolds of a convex shape and a mesh or height field, by the third table.
-pub(super) fn finish_mesh(state: &PairState<'_>, contacts: &Shared<'_, Contact>, out: &mut Out<'_>) {
+pub(super) fn finish_mesh(state: &PairState<'_>, contacts: &Shared<'_, Contact>, out: &mut BlockOutput<'_>) {
     let &PairState { pair, index, .. } = state;
     let look = MeshLook::new(state);
     let Some(block) = out.mesh.as_deref_mut() else {
@@ -398,8 +402,8 @@ impl MeshLook<'_> {
         if self.fast {
             // The path will be asked for too.
             let motion = self.motion();
-            let way = motion.a.rotation.conjugate() * motion.displacement;
-            block.mesh.nearby.expect(extent_of(self.shape, self.state.rel, self.margin, way));
+            let path = motion.a.rotation.conjugate() * motion.displacement;
+            block.mesh.nearby.expect(extent_of(self.shape, self.state.rel, self.margin, path));
         }
         self.collide(block);
         tally.nearest =
@@ -430,8 +434,8 @@ impl MeshLook<'_> {
         // If it is fast, manifolds without a near point would be dropped.
         let all = Reach::new(self.margin).within(if self.fast { input.margin } else { self.margin });
         let along = self.looks_along_motion();
-        let way = input.poses[pair.a as usize].rotation.conjugate() * -approach.displacement;
-        let reach = if along { Reach { way, ..Reach::new(input.margin + approach.swing) } } else { all };
+        let path = input.poses[pair.a as usize].rotation.conjugate() * -approach.displacement;
+        let reach = if along { Reach { path, ..Reach::new(input.margin + approach.swing) } } else { all };
         collide_mesh(a, b, rel, reach, &mut block.mesh, &mut block.raw);
         if along && strikes(self.motion(), input.margin, &block.raw) {
             // After an impact it may go anywhere.

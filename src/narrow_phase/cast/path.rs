@@ -10,7 +10,7 @@ use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::Relative;
 use crate::narrow_phase::convex::polytope::Pose;
 use crate::narrow_phase::mesh::nearby::{Eight, Extent};
-use crate::narrow_phase::mesh::reach::bounds;
+use crate::narrow_phase::mesh::reach::{Bounds, bounds};
 use crate::narrow_phase::mesh::touched::Touched;
 use crate::shape::{Collider, Kind};
 use glam::{Mat3, Vec3};
@@ -66,7 +66,7 @@ impl ShapePath {
             _ => angle,
         };
         let swing = angle * motion.a.lever.length();
-        let (middle, half) = bounds(a).unwrap_or((Vec3::ZERO, Vec3::splat(a.radius)));
+        let Bounds { middle, half } = bounds(a).unwrap_or(Bounds::of_ball(a.radius));
         let (m, half) = (Mat3::from_quat(to_mesh), half + middle.abs());
         let half = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z;
         let half = (half + Vec3::splat(tilt * a.radius)).min(Vec3::splat(a.radius)) + Vec3::splat(swing);

@@ -14,7 +14,7 @@ use crate::narrow_phase::Relative;
 use crate::narrow_phase::convex::polytope::Pose;
 use crate::narrow_phase::mesh::Triangles;
 use crate::narrow_phase::mesh::nearby::Eight;
-use crate::narrow_phase::mesh::reach::bounds;
+use crate::narrow_phase::mesh::reach::{Bounds, bounds};
 use crate::narrow_phase::mesh::sphere::nearest;
 use crate::shape::{Collider, Geometry};
 use glam::{DQuat, Mat3, Vec3};
@@ -71,8 +71,8 @@ pub(crate) fn reach(shape: &Collider, d: LaneVec3<f32x8>) -> f32x8 {
 /// A shape's motion against a mesh that doesn't turn, in the shape's frame at the start of the step.
 pub(crate) struct MeshSweep<'a> {
     shape: &'a Collider,
-    /// Middle and half extents of the box around the shape.
-    around: (Vec3, Vec3),
+    /// Of the shape.
+    bounds: Bounds,
     /// Of the mesh, at the start.
     pose: Pose,
     /// Fraction of the step at which the motion ends.
@@ -131,7 +131,7 @@ impl<'a> MeshSweep<'a> {
         let slack = 2e-6 * (rel.position.length() + way.length() + shape.radius + lever.length());
         MeshSweep {
             shape,
-            around: bounds(shape).unwrap_or((Vec3::ZERO, Vec3::splat(shape.radius))),
+            bounds: bounds(shape).unwrap_or(Bounds::of_ball(shape.radius)),
             pose: Pose::new(rel.position, rel.rotation),
             until: 1.0,
             moments: OnceCell::new(),
@@ -196,7 +196,7 @@ impl<'a> MeshSweep<'a> {
         let alone = f32x8::splat(alone);
         let mut close = start.le(alone);
         if close.bits() & triangles.valid != 0 {
-            let (_, axis, _) = triangles.separate(self.around.0, self.around.1);
+            let (_, axis, _) = triangles.separate(self.bounds.middle, self.bounds.half);
             close = close & axis.le(alone);
         }
         let mut away = path.least.gt(f32x8::splat(self.least)) | hidden;

@@ -4,7 +4,7 @@ use super::manifold::{MAX_POINTS, RawManifold};
 use crate::limits::MAX_LOAD;
 use crate::memory::{Buffer, Room, bytes_of};
 use crate::narrow_phase::Relative;
-use crate::narrow_phase::collide::Same;
+use crate::narrow_phase::collide::MatchLimits;
 use glam::{Quat, Vec3, Vec4};
 
 /// A kept contact turns with its bodies once they have turned together by more than this [rad]: what rides on a
@@ -115,7 +115,12 @@ impl Contact {
     }
 
     /// Takes a new manifold and keeps the impulses of points that are the same: by key, else by place.
-    pub(crate) fn renew(&mut self, raw: &RawManifold, (found_at, frame): (Relative, Quat), same: Same) {
+    pub(crate) fn renew(
+        &mut self,
+        raw: &RawManifold,
+        (found_at, frame): (Relative, Quat),
+        same: MatchLimits,
+    ) {
         let old = *self;
         self.take(raw, found_at, frame);
         if old.count == 0 || old.normal.dot(raw.normal) < 0.7 {
@@ -161,7 +166,7 @@ impl Contact {
     ///
     /// What of the load was on points that are gone goes to those that are new, each the same share: a shape that
     /// slides over triangles rests on other points from step to step, and would sink each time into what bore it.
-    pub(crate) fn inherit(&mut self, old: &Contact, Same { near, slides }: Same) {
+    pub(crate) fn inherit(&mut self, old: &Contact, MatchLimits { near, slides }: MatchLimits) {
         let moved = self.found_at.position - old.found_at.position;
         let past = moved - self.normal * self.normal.dot(moved);
         if past.length_squared() > slides * slides {

@@ -11,7 +11,7 @@ use crate::broad_phase::Pair;
 use crate::memory::{Buffer, Buffers, Category, Marks, Room, Rooms, Slab, bytes_of, even_out};
 use crate::narrow_phase::RawManifold;
 use crate::narrow_phase::bins::{BLOCK as PAIRS, Bins, Block};
-use crate::narrow_phase::collide::{Input, Same, relative_pose};
+use crate::narrow_phase::collide::{Input, MatchLimits, relative_pose};
 use crate::narrow_phase::mesh::MeshScratch;
 use crate::shape::Kind;
 use crate::threads::Shared;
@@ -98,7 +98,7 @@ impl Buffers for MeshBlock {
 }
 
 /// What a block writes, beside the contacts that its pairs have.
-pub(crate) struct Out<'a> {
+pub(crate) struct BlockOutput<'a> {
     fresh: &'a mut [Fresh],
     pairs: &'a [Pair],
     block: &'a mut Block,
@@ -106,7 +106,7 @@ pub(crate) struct Out<'a> {
     pub(crate) mesh: Option<&'a mut MeshBlock>,
 }
 
-impl Out<'_> {
+impl BlockOutput<'_> {
     /// Gives a pair its first contact.
     pub(crate) fn add(
         &mut self,
@@ -185,25 +185,25 @@ impl Places<'_> {
         block: &'a mut Block,
         state: &'a Shared<'a, u8>,
         pairs: &'a [Pair],
-    ) -> Out<'a> {
+    ) -> BlockOutput<'a> {
         let (start, own) = (block.fresh as usize, block.mesh as usize);
         let is_mesh = block.bin.is_mesh() && own < self.meshes;
         // SAFETY: blocks' places don't overlap, and each mesh block has its own number.
         unsafe {
             let fresh = self.fresh.part(start..start + block.place as usize);
-            Out { fresh, pairs, state, mesh: is_mesh.then(|| self.mesh.get(own)), block }
+            BlockOutput { fresh, pairs, state, mesh: is_mesh.then(|| self.mesh.get(own)), block }
         }
     }
 }
 
 /// State of a pair: its contacts go. No bin has this number or a higher one.
 pub(crate) const EMPTIED: u8 = u8::MAX - 2;
-/// State of a pair once it was looked at: see [`Out::clear`]. No bin has this number.
+/// State of a pair once it was looked at: see [`BlockOutput::clear`]. No bin has this number.
 pub(crate) const CLEAR: u8 = u8::MAX - 3;
 
 /// Buffers of one step.
 #[derive(Debug, Default)]
-pub(crate) struct Found {
+pub(crate) struct FoundContacts {
     /// Without a budget; with one they lie where the rows were, which takes no place of its own.
     fresh: Vec<Fresh>,
     /// How many of them there is place for under a budget.
@@ -217,7 +217,7 @@ pub(crate) struct Found {
     pub(crate) touching: bool,
 }
 
-impl Found {
+impl FoundContacts {
     /// See [`Scratch::missing_to_find`](crate::narrow_phase::Scratch::missing_to_find). What a block of meshes needs beside the triangles
     /// that it holds is taken to be as much again.
     pub(crate) fn missing(&self, of_meshes: usize) -> usize {
@@ -570,7 +570,7 @@ fn commit_meshes(
             let nearest =
                 chain.iter().max_by(|x, y| x.normal.dot(raw.normal).total_cmp(&y.normal.dot(raw.normal)));
             if let Some(old) = nearest.filter(|old| old.normal.dot(raw.normal) > 0.9) {
-                contact.inherit(old, Same::of(input, pair));
+                contact.inherit(old, MatchLimits::of(input, pair));
                 (contact.friction, contact.twist) = (old.friction, old.twist);
                 contact.mean_friction = old.mean_friction;
             }

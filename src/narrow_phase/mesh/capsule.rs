@@ -5,9 +5,10 @@
 
 use super::Triangles;
 use super::boxes::key;
-use super::found::Found;
 use super::nearby::Ground;
 use super::patch::{Patches, Touch, Verdict};
+use super::reach::Bounds;
+use super::triangle_contact::TriangleContact;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::convex::clip::Spans;
@@ -61,7 +62,9 @@ fn nearest(core: &Core, triangles: &Triangles) -> ((f32x8, f32x8), [f32x8; 4]) {
 
 /// Adds a patch for every triangle that is nearer than its margin.
 pub(crate) fn touch(
-    (core, half, size): (&Core, Vec3, f32),
+    core: &Core,
+    half: Vec3,
+    size: f32,
     triangles: &Triangles,
     margins: f32x8,
     ground: &Ground,
@@ -132,8 +135,8 @@ pub(crate) fn touch(
             // The face's own normal already.
             if slope > 0.999_999 { own(points) } else { place.over_face(points) }
         };
-        let found = Found { normal, apart: distance, face, margin: place.margin, verdict };
-        found.add(&touch, (Vec3::ZERO, half), own, over, patches);
+        let found = TriangleContact { normal, apart: distance, face, margin: place.margin, verdict };
+        found.add(&touch, Bounds { middle: Vec3::ZERO, half }, own, over, patches);
     }
 }
 

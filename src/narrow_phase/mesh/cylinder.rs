@@ -5,11 +5,12 @@
 //! along the triangle's normal.
 
 use super::Triangles;
-use super::found::{Found, named, outline};
 use super::hull::inside;
 use super::nearby::Ground;
 use super::patch::{Patches, Verdict};
+use super::reach::Bounds;
 use super::sphere::nearest;
+use super::triangle_contact::{TriangleContact, named, outline};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8, ones};
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::cast::sweep::{nearest_corner, reach};
@@ -17,19 +18,18 @@ use crate::narrow_phase::convex::clip::Cloud;
 use crate::narrow_phase::convex::cylinder::over_triangle;
 use crate::narrow_phase::convex::{PREFERENCE, collide_triangle};
 use crate::shape::Collider;
-use glam::Vec3;
 
-/// Adds a patch for every triangle that is nearer than its margin. `around`: middle and half extents of the box around
-/// the cylinder.
+/// Adds a patch for every triangle that is nearer than its margin. `bounds`: of the
+/// cylinder.
 pub(crate) fn touch(
     a: &Collider,
-    (middle, half): (Vec3, Vec3),
+    bounds: Bounds,
     triangles: &Triangles,
     margins: f32x8,
     ground: &Ground,
     patches: &mut Patches,
 ) {
-    let (_, axis, _) = triangles.separate(middle, half);
+    let (_, axis, _) = triangles.separate(bounds.middle, bounds.half);
     let near = axis.le(margins);
     if near.bits() & triangles.valid == 0 {
         return;
@@ -77,9 +77,9 @@ pub(crate) fn touch(
         } else {
             touch.judge(manifold.normal, apart, face, a.radius)
         };
-        let found = Found { normal: manifold.normal, apart, face, margin, verdict };
+        let found = TriangleContact { normal: manifold.normal, apart, face, margin, verdict };
         let own = |points: &mut Vec<RawPoint>| points.extend(named(&touch, manifold.points()));
-        found.add(&touch, (middle, half), own, over, patches);
+        found.add(&touch, bounds, own, over, patches);
     }
 }
 

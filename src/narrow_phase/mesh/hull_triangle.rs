@@ -3,8 +3,8 @@
 //! As [`convex`](crate::narrow_phase::convex) does it for any two polytopes. That the triangle has three edges and one face saves
 //! what chooses among features there.
 
-use super::found::{named, outline};
 use super::patch::Touch;
+use super::triangle_contact::{named, outline};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::convex::PREFERENCE;
@@ -18,7 +18,7 @@ use glam::Vec3;
 const THROUGH: f32 = 1e-3;
 
 /// How a hull and a triangle are nearest or overlap least.
-pub(crate) struct Way {
+pub(crate) struct ContactAxis {
     /// Unit, from the hull to the triangle.
     pub(crate) normal: Vec3,
     /// How far they are apart along it [m].
@@ -37,7 +37,7 @@ enum Feature {
     Level([usize; 2], [Vec3; 2]),
 }
 
-impl Way {
+impl ContactAxis {
     /// `None` if they are further apart than the margin.
     ///
     /// `by_hull`: answer of [`face_axis`]. `face`: how far they are apart along the triangle's normal, where the hull's
@@ -48,17 +48,17 @@ impl Way {
         by_hull: (f32, usize),
         (face, margin): (f32, f32),
         size: f32,
-    ) -> Option<Way> {
+    ) -> Option<ContactAxis> {
         let tolerance = PREFERENCE.1 * size;
         let clearly = |s: f32| if s < 0.0 { PREFERENCE.0 * s + tolerance } else { s + tolerance };
         let by_face = if face > clearly(by_hull.0) {
-            Way { normal: -touch.front, apart: face, feature: Feature::Triangle }
+            ContactAxis { normal: -touch.front, apart: face, feature: Feature::Triangle }
         } else {
             let normal = hull.planes[by_hull.1].0;
             if by_hull.0 > 0.0 && is_corner_over(hull, by_hull.1, touch) {
-                return Some(Way { normal, apart: by_hull.0, feature: Feature::Hull(by_hull.1) });
+                return Some(ContactAxis { normal, apart: by_hull.0, feature: Feature::Hull(by_hull.1) });
             }
-            Way { normal, apart: by_hull.0, feature: Feature::Hull(by_hull.1) }
+            ContactAxis { normal, apart: by_hull.0, feature: Feature::Hull(by_hull.1) }
         };
         let mut touching = None;
         if by_face.apart <= 0.0 {
@@ -70,7 +70,7 @@ impl Way {
                 return Some(by_face);
             }
             let normal = edge_normal(hull, touch, edges);
-            let by_edges = Way { normal, apart, feature: Feature::Edges(edges) };
+            let by_edges = ContactAxis { normal, apart, feature: Feature::Edges(edges) };
             if apart <= 0.0 {
                 return Some(by_edges);
             }
@@ -83,13 +83,13 @@ impl Way {
             return None;
         }
         if distance <= by_face.apart + tolerance {
-            return Some(Way { feature: Feature::Level(edges, [p, q]), ..by_face });
+            return Some(ContactAxis { feature: Feature::Level(edges, [p, q]), ..by_face });
         }
         // Of two edges that just touch only their cross product has a direction.
         if distance < 1e-5 * size {
             return touching.or(Some(by_face));
         }
-        Some(Way { normal: (q - p) / distance, apart: distance, feature: Feature::Edges(edges) })
+        Some(ContactAxis { normal: (q - p) / distance, apart: distance, feature: Feature::Edges(edges) })
     }
 
     /// Adds the points that are nearer than the margin along the normal. `deepest`: the hull's vertex that is furthest

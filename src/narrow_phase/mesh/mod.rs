@@ -14,7 +14,6 @@
 pub(crate) mod boxes;
 pub(crate) mod capsule;
 pub(crate) mod cylinder;
-pub(crate) mod found;
 pub(crate) mod hull;
 pub(crate) mod hull_face;
 pub(crate) mod hull_triangle;
@@ -24,6 +23,7 @@ pub(crate) mod patch;
 pub(crate) mod reach;
 pub(crate) mod sphere;
 pub(crate) mod touched;
+pub(crate) mod triangle_contact;
 
 use super::{RawManifold, RawPoint, Relative};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
@@ -38,7 +38,7 @@ use glam::Vec3;
 use merge::{MAX_MANIFOLDS, Merge};
 use nearby::{Eight, Extent, Ground, Nearby};
 use patch::{Patches, Touch};
-use reach::{Near, Reach, along, around, bounds, side_of};
+use reach::{Bounds, Near, Reach, along, around, bounds, side_of};
 use touched::Touched;
 
 /// Feature of a triangle's key: the deepest point of the shape, wherever that is.
@@ -163,15 +163,15 @@ impl std::fmt::Debug for MeshScratch {
 
 impl MeshScratch {
     /// What of the ground the last shape, which was `a`, is within a distance of [m]; not all of it, if that is much.
-    /// `way`: of the shape in its own frame, of which no more than `margin` may lead into a plane [m].
-    pub(crate) fn touched(&self, a: &Collider, within: f32, way: Vec3, margin: f32) -> Touched {
+    /// `path`: of the shape in its own frame, of which no more than `margin` may lead into a plane [m].
+    pub(crate) fn touched(&self, a: &Collider, within: f32, path: Vec3, margin: f32) -> Touched {
         let Patches { touches, patches, .. } = &self.patches;
         let mut touched = Touched::of(a);
         for patch in patches.iter().filter(|p| p.least <= within) {
             let touch = &touches[patch.touch as usize];
             touched.add_triangle(touch.index);
             if patch.reach.is_some() {
-                touched.add_plane(touch.front, touch.front.dot(touch.corners[0]), way, margin);
+                touched.add_plane(touch.front, touch.front.dot(touch.corners[0]), path, margin);
             }
         }
         touched
@@ -236,14 +236,14 @@ pub(crate) fn collide_mesh(
     }
     patches.clear();
     let each = points_each(a);
-    let Reach { margin, within, way } = reach;
+    let Reach { margin, within, path } = reach;
     let mut near = Near::default();
-    let mut extent = along(&shape.pose, shape.extent(margin), way);
+    let mut extent = along(&shape.pose, shape.extent(margin), path);
     if within < margin {
         let close = shape.extent(within.max(0.0));
         nearby.gather(&ground, close, &mut |found| {
             for (eight, lanes) in found.each() {
-                near.add(&shape.triangles(eight, lanes), a, (shape.middle, shape.half), within);
+                near.add(&shape.triangles(eight, lanes), a, shape.bounds, within);
             }
         });
         if near.count == 0 {
@@ -278,9 +278,7 @@ pub(crate) fn collide_mesh(
 /// A convex shape that triangles are held against.
 struct Shape<'a> {
     collider: &'a Collider,
-    /// Middle and half extents of the box around it.
-    middle: Vec3,
-    half: Vec3,
+    bounds: Bounds,
     /// The point whose side of a triangle it belongs on.
     side: Vec3,
     core: Option<Core>,
@@ -291,14 +289,14 @@ struct Shape<'a> {
 impl<'a> Shape<'a> {
     #[inline(always)]
     fn of(collider: &'a Collider, pose: Pose) -> Option<Shape<'a>> {
-        let (middle, half) = bounds(collider)?;
-        Some(Shape { collider, middle, half, side: side_of(collider), core: Core::of(collider), pose })
+        let bounds = bounds(collider)?;
+        Some(Shape { collider, bounds, side: side_of(collider), core: Core::of(collider), pose })
     }
 
     /// The box of the mesh's frame around all that is nearer than a margin.
     #[inline(always)]
     fn extent(&self, margin: f32) -> Extent {
-        around(&self.pose, (self.middle, self.half + Vec3::splat(margin)))
+        around(&self.pose, self.bounds.grown(margin))
     }
 
     #[inline(always)]
@@ -309,17 +307,19 @@ impl<'a> Shape<'a> {
     /// Adds a patch for every triangle that is nearer than its margin.
     #[inline(always)]
     fn touch(&self, triangles: &Triangles, margins: f32x8, ground: &Ground, patches: &mut Patches) {
-        let (a, half, bounds) = (self.collider, self.half, (self.middle, self.half));
+        let a = self.collider;
         match (&a.geometry, &self.core) {
             (Geometry::Sphere { radius }, _) => sphere::touch(*radius, triangles, margins, ground, patches),
             (Geometry::Box { half_extents }, _) => {
                 boxes::touch(*half_extents, triangles, margins, ground, patches);
             }
             (Geometry::Hull(hull), _) => {
-                hull::touch((hull, a.radius), bounds, triangles, margins, ground, patches);
+                hull::touch(hull, a.radius, self.bounds, triangles, margins, ground, patches);
             }
-            (_, Some(core)) => capsule::touch((core, half, a.radius), triangles, margins, ground, patches),
-            _ => cylinder::touch(a, bounds, triangles, margins, ground, patches),
+            (_, Some(core)) => {
+                capsule::touch(core, self.bounds.half, a.radius, triangles, margins, ground, patches)
+            }
+            _ => cylinder::touch(a, self.bounds, triangles, margins, ground, patches),
         }
     }
 

@@ -89,7 +89,7 @@ pub(crate) struct Nearby {
 }
 
 /// What was asked for, or a part of it.
-pub(crate) struct Found<'a> {
+pub(crate) struct Gathered<'a> {
     eights: &'a [Eight],
     /// There are triangles which do not meet this, that was asked for.
     within: Option<Extent>,
@@ -125,11 +125,11 @@ impl Nearby {
 
     /// Calls `look` with the triangles that meet a box, in one go or, if they are many, in several. There has to be
     /// [place](Self::has_place).
-    pub(crate) fn gather(&mut self, ground: &Ground, wanted: Extent, look: &mut dyn FnMut(Found<'_>)) {
+    pub(crate) fn gather(&mut self, ground: &Ground, wanted: Extent, look: &mut dyn FnMut(Gathered<'_>)) {
         let inside = |(min, max): Extent| min.cmple(wanted.0).all() && max.cmpge(wanted.1).all();
         if let Some(held) = self.held.filter(|held| inside(*held)) {
             let within = (held != wanted).then_some(wanted);
-            look(Found { eights: &self.eights[..self.used], within });
+            look(Gathered { eights: &self.eights[..self.used], within });
             return;
         }
         let all = self.expected.map_or(wanted, |(min, max)| (min.min(wanted.0), max.max(wanted.1)));
@@ -140,7 +140,7 @@ impl Nearby {
         ground.visit_box(all.0, all.1, &mut |index, corners| {
             if *used == 0 || eights[*used - 1].is_full() {
                 if *used == eights.len() {
-                    look(Found { eights, within });
+                    look(Gathered { eights, within });
                     (*used, complete) = (0, false);
                 }
                 eights[*used].clear();
@@ -150,12 +150,12 @@ impl Nearby {
                 eight.push(index, corners);
             }
         });
-        look(Found { eights: &eights[..*used], within });
+        look(Gathered { eights: &eights[..*used], within });
         self.held = complete.then_some(all);
     }
 }
 
-impl Found<'_> {
+impl Gathered<'_> {
     /// Eights, with a bit for each triangle that was asked for.
     pub(crate) fn each(&self) -> impl Iterator<Item = (&Eight, u32)> {
         self.eights.iter().filter_map(|eight| {

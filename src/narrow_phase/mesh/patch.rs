@@ -74,14 +74,14 @@ impl Touch {
         }
     }
 
-    /// A point of the edge or the corner from which a unit way leads that leans out over it: the middle of the edge, for
+    /// A point of the edge or the corner from which a unit direction leads that leans out over it: the middle of the edge, for
     /// its ends have other neighbours. `None` if it does not lean.
-    fn edge_under(&self, way: Vec3) -> Option<Vec3> {
+    fn edge_under(&self, direction: Vec3) -> Option<Vec3> {
         let lean = [0, 1, 2].map(|i| {
             let out = self.outward(i);
-            out.dot(way) / out.length()
+            out.dot(direction) / out.length()
         });
-        let aside = (way - self.front * self.front.dot(way)).length();
+        let aside = (direction - self.front * self.front.dot(direction)).length();
         if aside < LEAN {
             return None;
         }
@@ -91,7 +91,7 @@ impl Touch {
         // Straight over an edge, or over one of its ends.
         Some(if lean[most] > 0.999 * aside {
             (from + to) * 0.5
-        } else if way.dot(to - from) > 0.0 {
+        } else if direction.dot(to - from) > 0.0 {
             to
         } else {
             from
@@ -113,15 +113,15 @@ impl Touch {
     }
 
     /// Whether the surface goes on over this triangle: the point `at` of another one's edge lies on it, and the
-    /// unit way from there to the shape leans over it.
-    pub(crate) fn continues(&self, at: Vec3, way: Vec3, tolerance: f32) -> bool {
-        if self.front.dot(way) <= 0.0 || self.front.dot(at - self.corners[0]).abs() > tolerance {
+    /// unit direction from there to the shape leans over it.
+    pub(crate) fn continues(&self, at: Vec3, direction: Vec3, tolerance: f32) -> bool {
+        if self.front.dot(direction) <= 0.0 || self.front.dot(at - self.corners[0]).abs() > tolerance {
             return false;
         }
         let mut leans = false;
         for i in 0..3 {
             let out = self.outward(i);
-            let (beyond, lean, length) = (out.dot(at - self.corners[i]), out.dot(way), out.length());
+            let (beyond, lean, length) = (out.dot(at - self.corners[i]), out.dot(direction), out.length());
             if beyond > tolerance * length {
                 return false;
             }
@@ -176,7 +176,7 @@ pub(crate) struct Patch {
     pub(crate) count: u32,
     /// Least separation of its points [m].
     pub(crate) least: f32,
-    /// For a patch by the third rule: the unit way from the triangle to the shape where they are nearest.
+    /// For a patch by the third rule: the unit direction from the triangle to the shape where they are nearest.
     pub(crate) gap: Option<Vec3>,
     /// For a face: how far the shape reaches beyond its plane, negative [m].
     pub(crate) reach: Option<f32>,
@@ -268,25 +268,25 @@ impl Patches {
         self.touches.push(touch);
     }
 
-    /// The same for a patch to which the third rule applies: `way` is unit, from the triangle to the shape where they
+    /// The same for a patch to which the third rule applies: `direction` is unit, from the triangle to the shape where they
     /// are nearest.
-    pub(crate) fn add_in_gap(&mut self, touch: Touch, reach: f32, first: usize, way: Vec3) {
+    pub(crate) fn add_in_gap(&mut self, touch: Touch, reach: f32, first: usize, direction: Vec3) {
         let before = self.patches.len();
         self.add(touch, -touch.front, Some(reach), first);
-        self.patches[before..].iter_mut().for_each(|p| p.gap = Some(way));
+        self.patches[before..].iter_mut().for_each(|p| p.gap = Some(direction));
     }
 
     /// Whether the third rule takes a patch.
     fn is_no_gap(&self, patch: &Patch, size: f32) -> bool {
-        let Some(way) = patch.gap else { return false };
+        let Some(direction) = patch.gap else { return false };
         let own = &self.touches[patch.touch as usize];
-        let Some(at) = own.edge_under(way) else { return false };
+        let Some(at) = own.edge_under(direction) else { return false };
         // The second term is the rounding of coordinates.
         let tolerance = 1e-4 * size + 1e-6 * at.abs().max_element();
         self.touches.iter().enumerate().any(|(i, touch)| {
             i != patch.touch as usize
                 && touch.front.dot(own.front) >= FLAT_COSINE
-                && touch.continues(at, way, tolerance)
+                && touch.continues(at, direction, tolerance)
         })
     }
 

@@ -22,12 +22,12 @@ pub(crate) struct Reach {
     /// further away only those are looked at that are level with a nearer one.
     pub(crate) within: f32,
     /// Where the shape goes, in its own frame [m]: a triangle may be further away by what that takes off its distance.
-    pub(crate) way: Vec3,
+    pub(crate) path: Vec3,
 }
 
 impl Reach {
     pub(crate) fn new(margin: f32) -> Reach {
-        Reach { margin, within: margin, way: Vec3::ZERO }
+        Reach { margin, within: margin, path: Vec3::ZERO }
     }
     pub(crate) fn within(self, within: f32) -> Reach {
         Reach { within, ..self }
@@ -50,15 +50,9 @@ impl Near {
     /// Adds those of eight triangles that may be nearer than `within` [m]: no plane of theirs, nor of the box around the
     /// shape, shows that they are not. Below zero: whose planes the shape is beyond by as much, and which it may touch.
     #[inline(always)]
-    pub(crate) fn add(
-        &mut self,
-        triangles: &Triangles,
-        a: &Collider,
-        (middle, half): (Vec3, Vec3),
-        within: f32,
-    ) {
+    pub(crate) fn add(&mut self, triangles: &Triangles, a: &Collider, bounds: Bounds, within: f32) {
         let limit = f32x8::splat(within);
-        let (_, axis, _) = triangles.separate(middle, half);
+        let (_, axis, _) = triangles.separate(bounds.middle, bounds.half);
         let down = -triangles.front;
         let face = triangles.height - reach(a, down);
         let beside = Lanes::max(limit, f32x8::zero());
@@ -91,10 +85,10 @@ impl Near {
 
     /// How near each of eight triangles has to be to count [m].
     #[inline(always)]
-    pub(crate) fn margins(&self, triangles: &Triangles, Reach { margin, within, way }: Reach) -> f32x8 {
+    pub(crate) fn margins(&self, triangles: &Triangles, Reach { margin, within, path }: Reach) -> f32x8 {
         let (all, near) = (f32x8::splat(margin), f32x8::splat(within));
         if self.count == 0 || self.count > self.fronts.len() {
-            return all + Lanes::max(-triangles.front.dot(LaneVec3::splat(way)), f32x8::zero());
+            return all + Lanes::max(-triangles.front.dot(LaneVec3::splat(path)), f32x8::zero());
         }
         let level = f32x8::splat(LEVEL);
         self.fronts[..self.count].iter().fold(near, |margins, front| {
@@ -103,25 +97,25 @@ impl Near {
     }
 }
 
-/// The box of the mesh's frame around a shape that goes `way` in its own [m], unless that is far: such a box would hold
+/// The box of the mesh's frame around a shape that goes `path` in its own [m], unless that is far: such a box would hold
 /// much that is nowhere near the path.
-pub(crate) fn extent_of(a: &Collider, rel: &Relative, margin: f32, way: Vec3) -> Option<Extent> {
-    let (middle, half) = bounds(a)?;
-    if way.length() > 2.0 * a.radius {
+pub(crate) fn extent_of(a: &Collider, rel: &Relative, margin: f32, path: Vec3) -> Option<Extent> {
+    let bounds = bounds(a)?;
+    if path.length() > 2.0 * a.radius {
         return None;
     }
     let pose = Pose::new(rel.position, rel.rotation);
-    Some(along(&pose, around(&pose, (middle, half + Vec3::splat(margin))), way))
+    Some(along(&pose, around(&pose, bounds.grown(margin)), path))
 }
 
-/// The box around a box of the mesh's frame that goes `way` in the shape's.
-pub(crate) fn along(pose: &Pose, (min, max): Extent, way: Vec3) -> Extent {
-    let way = pose.inverse().direction(way);
-    (min + way.min(Vec3::ZERO), max + way.max(Vec3::ZERO))
+/// The box around a box of the mesh's frame that goes `path` in the shape's.
+pub(crate) fn along(pose: &Pose, (min, max): Extent, path: Vec3) -> Extent {
+    let path = pose.inverse().direction(path);
+    (min + path.min(Vec3::ZERO), max + path.max(Vec3::ZERO))
 }
 
 /// The box of the mesh's frame around one of the shape's.
-pub(crate) fn around(pose: &Pose, (middle, half): (Vec3, Vec3)) -> Extent {
+pub(crate) fn around(pose: &Pose, Bounds { middle, half }: Bounds) -> Extent {
     let middle = pose.inverse().point(middle);
     let m = pose.axes;
     let half = Vec3::new(m.x_axis.abs().dot(half), m.y_axis.abs().dot(half), m.z_axis.abs().dot(half));
@@ -143,9 +137,28 @@ pub(crate) fn side_of(a: &Collider) -> Vec3 {
     }
 }
 
-/// Middle and half extents of the box around a shape in its own frame.
-pub(crate) fn bounds(a: &Collider) -> Option<(Vec3, Vec3)> {
-    let around = |half: Vec3| Some((Vec3::ZERO, half));
+/// The box around a shape, in its own frame [m].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bounds {
+    pub(crate) middle: Vec3,
+    /// Half extents.
+    pub(crate) half: Vec3,
+}
+
+impl Bounds {
+    /// Of a ball around the origin.
+    pub(crate) fn of_ball(radius: f32) -> Bounds {
+        Bounds { middle: Vec3::ZERO, half: Vec3::splat(radius) }
+    }
+    #[inline(always)]
+    pub(crate) fn grown(self, margin: f32) -> Bounds {
+        Bounds { half: self.half + Vec3::splat(margin), ..self }
+    }
+}
+
+/// The box around a convex shape.
+pub(crate) fn bounds(a: &Collider) -> Option<Bounds> {
+    let around = |half: Vec3| Some(Bounds { middle: Vec3::ZERO, half });
     match &a.geometry {
         Geometry::Sphere { radius } => around(Vec3::splat(*radius)),
         Geometry::Capsule { half_height, radius_bottom, radius_top } => {
@@ -157,7 +170,9 @@ pub(crate) fn bounds(a: &Collider) -> Option<(Vec3, Vec3)> {
             around(Vec3::new(r, *half_height, r))
         }
         Geometry::Box { half_extents } => around(*half_extents),
-        Geometry::Hull(hull) => Some(((hull.min + hull.max) * 0.5, (hull.max - hull.min) * 0.5)),
+        Geometry::Hull(hull) => {
+            Some(Bounds { middle: (hull.min + hull.max) * 0.5, half: (hull.max - hull.min) * 0.5 })
+        }
         _ => None,
     }
 }

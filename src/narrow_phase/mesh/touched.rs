@@ -49,11 +49,11 @@ impl Touched {
 
     /// Adds the plane of a face, if there is place and it is not that of another.
     ///
-    /// What comes down on it by more than `margin` along its `way` may strike it with parts that are further above it
+    /// What comes down on it by more than `margin` along its `path` may strike it with parts that are further above it
     /// than those that have a contact: the other end of a rod that lands on one. Then the plane says nothing, unless one
     /// contact is all that there can be.
-    pub(crate) fn add_plane(&mut self, front: Vec3, offset: f32, way: Vec3, margin: f32) {
-        if !self.whole && -way.dot(front) > margin {
+    pub(crate) fn add_plane(&mut self, front: Vec3, offset: f32, path: Vec3, margin: f32) {
+        if !self.whole && -path.dot(front) > margin {
             return;
         }
         if self.planes[..self.plane_count].iter().any(|(other, _)| other.dot(front) > SAME) {
@@ -112,7 +112,7 @@ mod tests {
     use crate::narrow_phase::mesh::Triangles;
     use crate::narrow_phase::mesh::nearby::Eight;
 
-    /// A floor at -1, a step of 0.2 mm and one of 2 mm on it, a wall that the way leads into, and a floor below.
+    /// A floor at -1, a step of 0.2 mm and one of 2 mm on it, a wall that the path leads into, and a floor below.
     #[test]
     fn what_lies_in_a_touched_plane_is_hidden_and_from_a_ball_what_is_below() {
         let mut touched = Touched::default();

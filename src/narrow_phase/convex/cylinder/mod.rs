@@ -1,17 +1,17 @@
 //! Cylinders, frusta and cones against half-spaces, polytopes, capsules and each other, by their exact caps, rims and
 //! sides.
 //!
-//! First the direction of contact ([`way`]), judged by the exact extents of both shapes. Where it is the normal of a flat
+//! First the direction of contact ([`axis`]), judged by the exact extents of both shapes. Where it is the normal of a flat
 //! face the points are the corners of what that face and the one that lies on it both cover ([`disc`]); elsewhere two
 //! lines meet, or the nearest points are all there is.
 
+mod axis;
 mod core;
 mod disc;
 mod frustum;
 mod sample;
 #[cfg(test)]
 mod tests;
-mod way;
 
 use super::clip::{Cloud, EDGES, Loop, Segment, clip_edges, clip_face, key};
 use super::manifold_of;
@@ -19,9 +19,9 @@ use super::polytope::{Pose, Solid, Triangle};
 use super::support::Support;
 use crate::narrow_phase::contacts::manifold::{RawManifold, RawPoint};
 use crate::shape::Collider;
+use axis::{Axis, Body, Both, FlatFace};
 use disc::Face;
 use glam::Vec3;
-use way::{Body, Both, FlatFace, Way};
 
 pub(crate) use core::round_cylinder;
 pub(crate) use frustum::Frustum;
@@ -116,7 +116,7 @@ impl<'a> Contact<'a> {
     /// Apart, a point at the distance of the two shapes along the normal does. In overlap let points on both sides of any
     /// line through the patch be as deep as the deepest, d, and the patch be w wide at least: tilted by θ, the two shapes
     /// are w sin θ + d cos θ in each other, which is no less than d up to a right angle if w is no less than d.
-    fn proves(&self, face: &Way, cloud: &Cloud) -> bool {
+    fn proves(&self, face: &Axis, cloud: &Cloud) -> bool {
         if cloud.least() > face.separation + self.tolerance {
             return false;
         }
@@ -143,9 +143,9 @@ impl<'a> Contact<'a> {
     }
 
     /// The points of a flat face and what of the other shape faces it.
-    fn on_face(&self, way: &Way, cloud: &mut Cloud) {
-        let Some((face, on_b)) = way.face else { return };
-        let n = way.normal;
+    fn on_face(&self, axis: &Axis, cloud: &mut Cloud) {
+        let Some((face, on_b)) = axis.face else { return };
+        let n = axis.normal;
         let (own, other) = (self.both.pose_of(on_b), self.both.pose_of(!on_b));
         let [own_body, other_body] = [on_b, !on_b].map(|k| &self.both.bodies[usize::from(k)]);
         // Out of the other shape, in its own frame.

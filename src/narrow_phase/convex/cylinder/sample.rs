@@ -1,6 +1,6 @@
 //! Two shapes along many directions at once: where a deep overlap may be left by a way that is far from all faces.
 
-use super::way::{Body, Both};
+use super::axis::{Body, Both};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use glam::Vec3;
 

@@ -2,6 +2,7 @@
 
 use super::boxes::key;
 use super::patch::{GAP, Patches, Touch, Verdict};
+use super::reach::Bounds;
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::convex::clip::Loop;
 use crate::narrow_phase::convex::polytope::Pose;
@@ -15,7 +16,7 @@ pub(crate) fn named<'a>(touch: &Touch, points: &'a [RawPoint]) -> impl Iterator<
 }
 
 /// What was found of one triangle that is nearer than the margin.
-pub(crate) struct Found {
+pub(crate) struct TriangleContact {
     /// Unit, from the shape to the triangle.
     pub(crate) normal: Vec3,
     /// Separation along it, and along the triangle's normal, of all of the shape [m].
@@ -25,20 +26,20 @@ pub(crate) struct Found {
     pub(crate) verdict: Verdict,
 }
 
-impl Found {
+impl TriangleContact {
     /// Adds the patch that the surface has there, if it has one.
     ///
     /// `own` adds the points of the shape and the triangle, `over` those of the shape that are over the triangle along
-    /// the triangle's normal. `around`: middle and half extents of the box around the shape.
+    /// the triangle's normal. `bounds`: of the shape.
     pub(crate) fn add(
         &self,
         touch: &Touch,
-        (middle, half): (Vec3, Vec3),
+        Bounds { middle, half }: Bounds,
         own: impl Fn(&mut Vec<RawPoint>),
         over: impl Fn(&mut Vec<RawPoint>),
         patches: &mut Patches,
     ) {
-        let Found { normal, apart, face, margin, verdict } = *self;
+        let TriangleContact { normal, apart, face, margin, verdict } = *self;
         let front = touch.front;
         let first = patches.points.len();
         match verdict {
