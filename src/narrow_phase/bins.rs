@@ -1,4 +1,4 @@
-//! Pairs binned by shape pair, and worked through in lanes.
+//! Bins of pairs with the same two shapes, and the kernels that work through them in lanes.
 
 use super::collide::{Approach, Input, lanes_of, relative_pose, relative_poses};
 use super::convex::collide_convex;
@@ -26,12 +26,13 @@ const KINDS: u8 = 8;
 /// Tapered capsules have kernels, and so bins, of their own.
 const TAPERED_CAPSULES: Bin = Bin(KINDS * KINDS);
 const TAPERED_BOX: Bin = Bin(KINDS * KINDS + 1);
-/// From here on the bins of meshes, then those of height fields, by the kind of the other shape. They have no kernel in
-/// lanes, so a block may have several of them: in a scene of few bodies there are not as many blocks as kinds.
+/// The bins of meshes begin here, then those of height fields, by the kind of the other shape. They have no
+/// kernel in lanes, so a block may contain several of them: in a scene of few bodies there are fewer blocks
+/// than kinds.
 const MESHES: Bin = Bin(KINDS * KINDS + 2);
-/// One bin a pair of kinds, the tapered ones, and those of meshes.
+/// One bin for each pair of kinds, the tapered ones, and those of meshes.
 const COUNT: usize = MESHES.0 as usize + 2 * KINDS as usize;
-/// Pairs a block of one bin: a multiple of eight.
+/// Pairs a block of one bin, a multiple of eight.
 pub(super) const BLOCK: u32 = per_block(64, 8) as u32;
 
 impl Bin {
@@ -56,26 +57,26 @@ impl Bin {
     }
 }
 
-/// Pairs of one bin that are worked through in one go, what place their finds have, and what was counted.
+/// Pairs of one bin that one thread works through, the range of its new contacts, and its counts.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Block {
     pub(crate) bin: Bin,
     /// Range in the order.
     pub(crate) start: u32,
     pub(crate) end: u32,
-    /// Where its new contacts begin, and how many there is place for.
+    /// Start and capacity of its new contacts.
     pub(crate) fresh: u32,
     pub(crate) place: u32,
-    /// How many of those may be, and are, of two bodies that can be pushed, and of others.
+    /// Most and present number of new contacts between two bodies that can be pushed, and of others.
     pub(crate) quota: [u32; 2],
     pub(crate) used: [u32; 2],
-    /// Which of the blocks of mesh pairs it is.
+    /// Its index among the blocks of mesh pairs.
     pub(crate) mesh: u32,
     /// Pairs that lost their contacts.
     pub(crate) emptied: u32,
     pub(crate) casts: u32,
     pub(crate) ghosts: u32,
-    /// Points that there was no place for.
+    /// Points shed for lack of memory.
     pub(crate) shed: u32,
 }
 
@@ -88,7 +89,7 @@ pub(crate) struct Bins {
 }
 
 impl Bins {
-    /// Counting sort of the pairs by bin; those with `skip` or a higher number are left out.
+    /// Sorts the pairs by bin (counting sort); those with `skip` or a higher number are left out.
     pub(crate) fn sort(&mut self, bin_of: &[u8], skip: u8, room: &mut Room) {
         let mut starts = [0u32; COUNT + 1];
         for &bin in bin_of.iter().filter(|&&bin| bin < skip) {
@@ -98,7 +99,8 @@ impl Bins {
             starts[bin + 1] += starts[bin];
         }
         let total = starts[COUNT];
-        // Pairs are only taken in if there is room for all of them here, which must not go to anything else.
+        // The broad phase takes in pairs only if there is memory for all of them here, so it must not be used
+        // for anything else.
         let place = if room.is_endless() { total as usize } else { bin_of.len() };
         room.fit(&mut self.order, place);
         room.fit(&mut self.blocks, Self::most_blocks(place));
@@ -119,18 +121,18 @@ impl Bins {
         }
     }
 
-    /// Bytes that buffers lack for so many pairs.
+    /// Calls `f` with each buffer and the capacity that it needs for so many pairs.
     pub(crate) fn each(&mut self, pairs: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
         f(&mut self.order, pairs);
         f(&mut self.blocks, Self::most_blocks(pairs));
     }
 
-    /// Bytes that it lacks for so many.
+    /// Bytes missing for so many pairs.
     pub(crate) fn missing(&self, pairs: usize) -> usize {
         self.order.missing(pairs) + self.blocks.missing(Self::most_blocks(pairs))
     }
 
-    /// Each bin may end with one that is not full.
+    /// Each bin may end with a block that is not full.
     fn most_blocks(pairs: usize) -> usize {
         pairs / BLOCK as usize + COUNT.min(pairs)
     }

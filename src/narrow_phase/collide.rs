@@ -1,8 +1,8 @@
 //! The narrow phase of a step: pairs in, contacts out.
 //!
-//! Three passes. *Place*: the relative pose of every pair, eight at a time; a pair that hardly moved since its contact
-//! was found keeps it. *Bins*: the others are binned by shape pair and go through their kernel in lanes. *Commit*, by
-//! one thread and in the order of the pairs: contacts come and go.
+//! Three passes. *Place*: the relative pose of every pair, eight at a time; a pair that hardly moved since
+//! its contact was found keeps it. *Bins*: the others are binned by shape pair and go through their kernel in
+//! lanes. *Commit*, by one thread and in the order of the pairs: contacts come and go.
 
 use super::Relative;
 use super::bins::{Bin, Bins, run_bin};
@@ -31,33 +31,35 @@ pub(crate) struct Input<'a> {
     pub(crate) fall: glam::Vec3,
     /// Bodies before this one are dynamic.
     pub(crate) dynamic: usize,
-    /// Points nearer than this are always looked for [m].
+    /// Points nearer than this are always found [m].
     pub(crate) margin: f32,
     /// A separation up to this is a real contact [m].
     pub(crate) touch_distance: f32,
     /// The length unit [m].
     pub(crate) unit: f32,
-    /// Relative motion in a step above which a pair that is apart is cast [m].
+    /// Relative motion in a step above which a pair that is apart counts as fast [m].
     pub(crate) fast: f32,
-    /// How far a pair may move before its contact is looked for again [m]; negative: at once.
+    /// How far a pair may move before its contact is computed anew [m]; negative: always.
     pub(crate) recycle: f32,
     /// The world's; a pair's is in [`Approach::mode`].
     pub(crate) mode: Continuous,
     pub(crate) start: Start,
-    /// What contacts weigh, should there not be enough memory for all.
+    /// Weights of contacts, for when there is not enough memory for all.
     pub(crate) scale: Scale<'a>,
     /// Whether a body has joints.
     pub(crate) has_joints: &'a (dyn Fn(u32) -> bool + Sync),
 }
 
-/// What becomes of the manifold that a pair which is apart, and may close its gap within the step, has at the start of it.
+/// What becomes of a pair's manifold at the start of the step, if the pair is apart then and may close its
+/// gap within the step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Start {
-    /// It is replaced by that of the first touch, which is searched for along the predicted motion.
+    /// It is replaced by the manifold of the first touch along the predicted motion.
     Cast,
-    /// It stays: its planes stop whoever could reach them, and nothing that is missed is dropped.
+    /// It stays: its planes stop everything that could reach them, and nothing that is missed is dropped.
     Speculative,
-    /// It stays as far as the predicted motion crosses it over the faces that it is of ([`gates`](crate::narrow_phase::cast::gates)).
+    /// Its points stay where the predicted motion crosses the plane over the faces that they belong to
+    /// ([`gates`](super::cast::gates)).
     Gated,
 }
 
@@ -68,28 +70,28 @@ impl Input<'_> {
         self.motion.get(body).copied().unwrap_or_default()
     }
 
-    /// Whether a pair is of a body that can be pushed and one that can't: what it keeps apart stays apart at the last
-    /// should memory run out.
+    /// Whether only one body of a pair can be pushed. Such contacts are shed last if memory runs out.
     pub(crate) fn is_static(&self, pair: &Pair) -> bool {
         let pushed = |c: u32| (self.hot[c as usize].body as usize) < self.dynamic;
         !(pushed(pair.a) && pushed(pair.b))
     }
 
-    /// Whether a pair only says who is in a sensor.
+    /// Whether a pair only reports what is in a sensor.
     fn is_sensor(&self, pair: &Pair) -> bool {
         [pair.a, pair.b].iter().any(|&c| self.hot[c as usize].is_sensor())
     }
 
-    /// How a pair may close within the step.
+    /// How a pair may approach within the step.
     pub(crate) fn approach(&self, pair: &Pair) -> Approach {
         let (a, b) = (self.motion_of(pair.a), self.motion_of(pair.b));
         let swing = |collider: u32, motion: &Record| {
-            // The pad of a motion is the angle of its turn; an endless plane on a body that doesn't turn reaches nowhere.
+            // The pad of a motion is the angle of its rotation. An endless plane on a body that doesn't turn
+            // swings by nothing.
             let (c, turn) = (&self.hot[collider as usize], motion.pad1);
             if turn == 0.0 {
                 return 0.0;
             }
-            // What is round about an axis does not change by a turn about that.
+            // Turning a round shape about its axis does not change it.
             let tilt = match c.kind {
                 Kind::Sphere => return turn * c.lever,
                 Kind::Capsule | Kind::Cylinder => {
@@ -98,7 +100,7 @@ impl Input<'_> {
                 }
                 _ => turn,
             };
-            // A point of the shape can't get further than across it.
+            // A point of the shape can't move further than across it.
             turn * c.lever + (tilt * c.radius).min(2.0 * c.radius)
         };
         let displacement = b.linear - a.linear;
@@ -113,15 +115,15 @@ impl Input<'_> {
     }
 }
 
-/// How two shapes may close within the step.
+/// How two shapes may approach each other within the step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Approach {
     /// Predicted displacement of `b`'s body relative to `a`'s, in the world [m].
     pub(crate) displacement: glam::Vec3,
     pub(crate) length: f32,
-    /// The furthest that turning takes points of the two towards each other [m].
+    /// The furthest that rotation moves points of the two towards each other [m].
     pub(crate) swing: f32,
-    /// Of the pair: `Discrete` is never cast, `Volume` also keeps what the path misses.
+    /// Mode of the pair: `Discrete` is never cast, `Volume` also keeps what the path misses.
     pub(crate) mode: Continuous,
 }
 
@@ -130,7 +132,7 @@ impl Approach {
         self.mode != Continuous::Discrete
     }
 
-    /// The furthest that two points may approach each other [m].
+    /// The most that the distance of two points may shrink by [m].
     pub(crate) fn max_closing(&self) -> f32 {
         self.length + self.swing
     }
@@ -139,30 +141,31 @@ impl Approach {
 /// Buffers of one step.
 #[derive(Debug, Default)]
 pub(crate) struct Scratch {
-    /// The bin of each pair, or what becomes of it.
+    /// The bin of each pair, or its state if it is in none.
     bin_of: Vec<u8>,
     bins: Bins,
     found: FoundContacts,
 }
 
 impl Scratch {
-    /// Bytes that buffers lack for so many pairs, whatever these turn out to be.
+    /// Bytes missing for so many pairs, whatever their bins.
     pub(crate) fn missing(&self, pairs: usize) -> usize {
         self.bin_of.missing(pairs) + self.bins.missing(pairs)
     }
 
-    /// Calls `f` with each of these buffers and the place that it needs.
+    /// Calls `f` with each of these buffers and the capacity that it needs.
     pub(crate) fn each(&mut self, pairs: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
         f(&mut self.bin_of, pairs);
         self.bins.each(pairs, f);
     }
 
-    /// Bytes that it takes to look at so many pairs of meshes in one step.
+    /// Bytes missing to work on so many pairs of meshes in one step.
     pub(crate) fn missing_to_find(&self, of_meshes: usize) -> usize {
         self.found.missing(of_meshes)
     }
 
-    /// Whether the shapes of a continuous pair, by its place in the list, are surely apart all along the predicted way.
+    /// Whether the shapes of a continuous pair, given by its index, are surely apart all along the predicted
+    /// path.
     pub(crate) fn is_clear(&self, pair: usize) -> bool {
         matches!(self.bin_of.get(pair), Some(&(FAR | CLEAR)))
     }
@@ -181,9 +184,9 @@ pub(crate) struct NarrowStats {
     pub(crate) recycled: u32,
     pub(crate) casts: u32,
     pub(crate) ghosts: u32,
-    /// Points that there was no place for.
+    /// Points shed for lack of memory.
     pub(crate) shed: u32,
-    /// A contact that was not there before touches.
+    /// A new contact touches.
     pub(crate) touching: bool,
 }
 
@@ -191,13 +194,15 @@ pub(crate) struct NarrowStats {
 const KEPT: u8 = u8::MAX;
 /// In `bin_of`: the pair is too far apart for a contact. See [`EMPTIED`] too.
 const FAR: u8 = KEPT - 1;
-/// How many times as far as past each other two bodies with a whole face between them may move along its normal.
+/// How many times further two bodies with a whole face between them may move along its normal than past each
+/// other.
 const SINK: f32 = 4.0;
-/// Pairs a block: a multiple of the lanes; fewer and the claim shows, more and two threads end apart.
+/// Pairs a block, a multiple of the lanes: with fewer, claiming blocks costs time; with more, threads end at
+/// different times.
 const BLOCK: usize = per_block(128, 8);
 
-/// Finds the contacts of all pairs, and leaves to their rows what these will lack. Nothing needs the rows of the last step any
-/// more: under a budget what is found lies in their place for a while.
+/// Finds the contacts of all pairs, and leaves to their rows the memory that these will need. The rows of the
+/// last step are no longer needed: under a budget new contacts use their memory for a while.
 pub(crate) fn collide(
     crew: &Crew<'_>,
     input: &Input<'_>,
@@ -206,7 +211,7 @@ pub(crate) fn collide(
     scratch: &mut Scratch,
     (rooms, space): (&mut Rooms, &mut RowSpace),
 ) -> NarrowStats {
-    // Pairs are only taken in if there is room for this.
+    // The broad phase takes in pairs only if there is memory for this.
     rooms.within(Category::Scratch, |room| room.fit(&mut scratch.bin_of, pairs.len()));
     place(crew, input, pairs, contacts, scratch);
     let Scratch { bin_of, bins, found } = scratch;
@@ -235,7 +240,7 @@ pub(crate) fn collide(
     stats
 }
 
-/// Looks at the pairs of some blocks.
+/// Works on the pairs of some blocks.
 fn run_blocks(
     crew: &Crew<'_>,
     input: &Input<'_>,
@@ -260,9 +265,10 @@ fn run_blocks(
     });
 }
 
-/// Which pairs keep their contacts, and the bins of the others.
+/// Decides which pairs keep their contacts, and the bins of the others.
 ///
-/// Relative poses are not handed on: most pairs need them no more, and to make them again costs less than to keep them.
+/// Relative poses are not stored: most pairs don't need them again, and computing them anew costs less than
+/// storing them.
 fn place(crew: &Crew<'_>, input: &Input<'_>, pairs: &[Pair], contacts: &mut Contacts, scratch: &mut Scratch) {
     scratch.bin_of.clear();
     scratch.bin_of.resize(pairs.len(), 0);
@@ -302,7 +308,7 @@ fn far(input: &Input<'_>, pair: &Pair, now: &Relative) -> bool {
     }
     let (a, b) = (&input.hot[pair.a as usize], &input.hot[pair.b as usize]);
     let (reach, approach) = (a.radius + b.radius, input.approach(pair));
-    // What no kernel would look at.
+    // Beyond the reach of all kernels.
     let closing = if approach.is_continuous() {
         approach.max_closing()
     } else {
@@ -312,8 +318,8 @@ fn far(input: &Input<'_>, pair: &Pair, now: &Relative) -> bool {
     if now.position.length_squared() > most * most {
         return true;
     }
-    // What is apart and fast gets points only of a touch, and balls that pass each other don't touch. Turning moves
-    // their centres by no more than their levers.
+    // Fast pairs that are apart get points only at a touch, and balls that pass each other don't touch.
+    // Rotation moves their centres by no more than their levers.
     if approach.mode != Continuous::Segment || approach.max_closing() <= input.fast || !reach.is_finite() {
         return false;
     }
@@ -333,12 +339,12 @@ pub(crate) fn relative_poses<L: Lanes>(pair: &impl Fn(usize) -> Pair, poses: &[P
     let b = |i: usize| &poses[pair(i).b as usize];
     let qa = Quat::<L>::from_fn(|i| a(i).rotation).conjugate();
     let qb = Quat::<L>::from_fn(|i| b(i).rotation);
-    // The difference of two f64 positions, then f32: exact near each other wherever the world is.
+    // The difference is taken in f64 and then rounded: exact for near pairs wherever in the world they are.
     let position = qa.rotate(Vec3::from_fn(|i| (b(i).position - a(i).position).as_vec3()));
     (position, qa.compose(qb))
 }
 
-/// The same, one by one.
+/// The lanes, as single poses.
 #[inline(always)]
 pub(crate) fn lanes_of((position, rotation): &(Vec3<f32x8>, Quat<f32x8>)) -> [Relative; 8] {
     let (x, y, z) = (position.x.to_array(), position.y.to_array(), position.z.to_array());
@@ -360,7 +366,7 @@ pub(crate) fn relative_pose(pair: &Pair, poses: &[Pose]) -> Relative {
 /// Whether the pair keeps its contacts; moves their points with the bodies if so.
 ///
 /// # Safety
-/// No other thread may look at the contacts of this pair.
+/// No other thread may access the contacts of this pair.
 unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'_, Contact>) -> bool {
     if pair.contact == NO_CONTACT || input.recycle < 0.0 {
         return false;
@@ -370,8 +376,8 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
     if first.count == 0 || first.fraction > 0.0 {
         return false;
     }
-    // A round surface rolls: its point of contact moves by its radius of curvature times the turn. One that stayed
-    // behind would be a pivot, on which a body at rest topples like a pendulum upside down.
+    // On a rolling surface the point of contact moves by its radius of curvature times the angle. A point
+    // left behind would be a pivot, on which a body at rest topples like an inverted pendulum.
     if first.count < 3 && (rolls(input, pair.a) || rolls(input, pair.b)) {
         return false;
     }
@@ -387,8 +393,9 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
     if moved > limit * limit || turned * reach * reach > limit * limit {
         return false;
     }
-    // Planes between what is apart must not last until they are crossed: the shapes may have passed each other. What bears a load is
-    // not apart, whichever way its separations are rounded.
+    // Planes between shapes that are apart must not be kept until they are crossed: the shapes may have
+    // passed each other by then. A pair that bears a load is not apart, whichever way its separations are
+    // rounded.
     let (mut nearest, mut bears) = (f32::INFINITY, false);
     let mut slot = pair.contact;
     while slot != NO_CONTACT {
@@ -414,7 +421,7 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
     true
 }
 
-/// Whether two bodies that bear each other would move by no more than `limit` but for gravity [m].
+/// Whether two bodies that bear each other move by no more than `limit`, apart from gravity [m].
 fn is_slow(input: &Input<'_>, pair: &Pair, limit: f32) -> bool {
     let approach = input.approach(pair);
     let [a, b] = [pair.a, pair.b].map(|c| (input.hot[c as usize].body as usize) < input.dynamic);
@@ -422,8 +429,9 @@ fn is_slow(input: &Input<'_>, pair: &Pair, limit: f32) -> bool {
     (approach.displacement - input.fall * falls).length() + approach.swing <= limit
 }
 
-/// Square of how far `b` moved past `a` since their contact was found [m²]. What merely sinks into the other, within a few times
-/// the limit, has the same arms: a stack that lands on itself keeps its contacts, and with them the place to go back to.
+/// Square of how far `b` moved past `a` since their contact was found [m²]. Sinking along the normal, within
+/// a few times the limit, keeps the arms: a stack that lands on itself keeps its contacts, and with them the
+/// place to return to.
 fn moved_past(contact: &Contact, moved: &glam::Vec3, limit: f32) -> f32 {
     let along = contact.normal.dot(*moved);
     let sinks =
@@ -436,12 +444,12 @@ fn rolls(input: &Input<'_>, collider: u32) -> bool {
     matches!(input.hot[collider as usize].kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder)
 }
 
-/// What tells points and contacts that are found again from new ones.
+/// Limits that tell matching points and contacts from new ones.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MatchLimits {
-    /// How near two points must be to count as the same [m].
+    /// Distance within which two points match [m].
     pub(crate) near: f32,
-    /// What moved further past the other since its contact was found last slides or rolls [m].
+    /// A pair that moved further past each other since its contact was last found slides or rolls [m].
     pub(crate) slides: f32,
 }
 
@@ -449,7 +457,8 @@ impl MatchLimits {
     pub(crate) fn of(input: &Input<'_>, pair: &Pair) -> MatchLimits {
         let radius = |c: u32| input.hot[c as usize].radius;
         let near = 0.1 * radius(pair.a).min(radius(pair.b));
-        // What creeps is found again once it has moved by the first of these and not yet by twice that.
+        // A creeping pair is found anew once it has moved by `recycle`, and before it has moved by twice
+        // that.
         let slides = if input.recycle > 0.0 { near.min(2.0 * input.recycle) } else { near };
         MatchLimits { near, slides }
     }

@@ -1,48 +1,48 @@
 //! The narrow phase's central decision: what is looked for about a pair, and at which pose.
 //!
-//! Each pair gets the *manifold of the start* first: what its kernel finds at the poses that the step begins with, real
-//! points and potential ones as far away as the predicted motion can reach. It is good as long as the pair touches, or
-//! moves little. For everything else the rows below replace it; the first that fits counts, and "fast" means that the
-//! two may approach each other by more than [`Input::fast`]. The mode `Discrete` and the method
-//! [`Start::Speculative`] never leave the manifold of the start because of a gap.
+//! Each pair gets the *manifold of the start* first: what its kernel finds at the poses that the step begins
+//! with, real points and potential ones as far away as the predicted motion can reach. It is good as long as
+//! the pair touches, or moves little. For everything else the rows below replace it; the first that fits
+//! counts, and "fast" means that the two may approach each other by more than [`Input::fast`]. The mode
+//! `Discrete` and the method [`Start::Speculative`] never leave the manifold of the start because of a gap.
 //!
 //! Two convex shapes, or one and a plane:
 //!
 //! | state of the pair | what is looked for | at which pose |
 //! | --- | --- | --- |
-//! | apart and fast, and the motion can't close the gap | nothing: the pair has no contact | - |
-//! | apart, and fast or a plane of the start would push what it never touches | the manifold of the first touch | at that touch |
-//! | ... which finds none, in mode `Volume` | the manifold of the closest pass | where the centres pass |
-//! | ... which finds none, but a body may leave its predicted path | the manifold of the start | start |
-//! | ... which finds none | nothing: the pair has no contact | - |
-//! | overlaps so deeply that the way out leads through a still shape | the manifold on the side of the centre | start |
+//! | apart and fast, and the motion can't close the gap | nothing: no contact | - |
+//! | apart; fast, or a plane would push what it never touches | the manifold of the first touch | first touch |
+//! | ... but it finds none, in mode `Volume` | the manifold of the closest pass | closest pass |
+//! | ... but it finds none, and a body may leave its predicted path | the manifold of the start | start |
+//! | ... but it finds none | nothing: no contact | - |
+//! | overlaps so deeply that it leads out through a still shape | that on the side of the centre | start |
 //! | none of these | the manifold of the start | start |
 //!
 //! What this yields is looked at once more, if it has a point:
 //!
 //! | state of the pair | what is looked for | at which pose |
 //! | --- | --- | --- |
-//! | both bodies move, and far past each other | deeper overlap than the planes foresee | half of the rest of the step, and its end |
-//! | one or two points, on a round shape that is large against the other | the manifold of the middle | half of the step |
+//! | both bodies move far past each other | deeper overlap than foreseen | half the rest of the step, its end |
+//! | one or two points, on a comparatively large round shape | the manifold of mid-step | half the step |
 //!
 //! A convex shape against a mesh or a height field:
 //!
 //! | state of the pair | what is looked for | at which pose |
 //! | --- | --- | --- |
-//! | in flight: fast and without a contact | the first touch alone, unless triangles are near | at that touch |
-//! | slow, in mode `Segment`, and goes further than the margin | what is near, here or where it goes | start |
-//! | ... but strikes some of that | all that it may reach | start |
-//! | slow | all that it may reach | start |
+//! | in flight: fast and without a contact | only the first touch, unless triangles are near | first touch |
+//! | slow, in mode `Segment`, and moves beyond the margin | what is near here or on its path | start |
+//! | ... but strikes some of that | all within reach | start |
+//! | slow | all within reach | start |
 //! | fast | what it rests on, | start |
-//! | | and the first touch with anything else, | at that touch |
-//! | | and the second, sliding along the first | at that touch |
+//! | | the first touch with anything else, | first touch |
+//! | | the second, sliding along the first | first touch |
 //!
-//! Where a mesh is near but not touched, planes of the start that would push count only if a cast touches anything.
-//! Slow is also what moves by less than half the ball that fits into it, and what rolls: then planes at the start
-//! suffice.
+//! Where a mesh is near but not touched, planes of the start that would push count only if a cast touches
+//! anything. Slow is also what moves by less than half the ball that fits into it, and what rolls: then
+//! planes at the start suffice.
 //!
-//! Which pairs are not looked at at all (they sleep, keep their contact, are too far apart or only feed a sensor) is
-//! decided before, by [`collide`](super::collide).
+//! Which pairs are not looked at at all (they sleep, keep their contact, are too far apart or only feed a
+//! sensor) is decided before, by [`collide`](super::collide).
 
 use super::cast::ahead::{
     MeshPair, NO_GAP, add_manifolds_at_touch, first_touch_in_flight, first_touch_with_mesh, keep_reached,
@@ -73,7 +73,7 @@ pub(crate) const GHOST_GAP: f32 = 0.5;
 pub(super) struct PairState<'a> {
     pub(super) input: &'a Input<'a>,
     pub(super) pair: &'a Pair,
-    /// Of the pair in the step's list.
+    /// Index of the pair in the step's list.
     pub(super) index: u32,
     /// Pose of `b` in the frame of `a` at the start of the step.
     pub(super) rel: &'a Relative,
@@ -91,7 +91,8 @@ impl PairState<'_> {
         self.pair.contact != NO_CONTACT
     }
 
-    /// Whether the predicted motion says what is touched: what is apart is not left to the planes of the start.
+    /// Whether the predicted motion says what is touched: what is apart is not left to the planes of the
+    /// start.
     fn follows_motion(&self) -> bool {
         self.approach.is_continuous() && self.input.start != Start::Speculative
     }
@@ -100,8 +101,8 @@ impl PairState<'_> {
         self.input.start == Start::Gated
     }
 
-    /// Whether a pair is of something static and a body that joints may pull off its predicted path. That this path misses
-    /// what is near proves nothing then.
+    /// Whether a pair is of something static and a body that joints may pull off its predicted path. That
+    /// this path misses what is near proves nothing then.
     fn may_leave_predicted_path(&self) -> bool {
         let (input, pair) = (self.input, self.pair);
         let [a, b] = [pair.a, pair.b].map(|c| input.hot[c as usize].body);
@@ -109,7 +110,8 @@ impl PairState<'_> {
     }
 }
 
-/// The predicates of convex pairs. `raw`: the manifold of the start, `nearest` the least of its separations [m].
+/// The predicates of convex pairs. `raw`: the manifold of the start, `nearest` the least of its separations
+/// [m].
 impl PairState<'_> {
     fn is_fast(&self, nearest: f32) -> bool {
         nearest > self.input.touch_distance && self.approach.max_closing() > self.input.fast
@@ -127,7 +129,8 @@ impl PairState<'_> {
         would_push(self.input, &motion_of(self.input, self.pair), raw)
     }
 
-    /// Whether two bodies that both move go further past each other within the step than the planes of its start are good for.
+    /// Whether two bodies that both move go further past each other within the step than the planes of its
+    /// start are good for.
     fn slides_far(&self) -> bool {
         let Self { input, pair, approach, .. } = *self;
         let moves = |c: u32| (input.hot[c as usize].body as usize) < input.motion.len();
@@ -140,9 +143,9 @@ impl PairState<'_> {
             && approach.max_closing() > 0.5 * inner(pair.a).max(inner(pair.b))
     }
 
-    /// Whether the contact point moves much faster than the bodies: on a round shape that is large against the other, which
-    /// rocks on it. The rows of a step act at one place. At the place of its start they would add energy to the rocking in
-    /// every step; at that of its middle they take a little away.
+    /// Whether the contact point moves much faster than the bodies: on a round shape that is large against
+    /// the other, which rocks on it. The rows of a step act at one place. At the place of its start they
+    /// would add energy to the rocking in every step; at that of its middle they take a little away.
     fn contact_point_moves(&self) -> bool {
         let large = |round: &Collider, other: &Collider| {
             let round_kind = matches!(round.kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder);
@@ -163,13 +166,14 @@ pub(super) fn margin_of(input: &Input<'_>, approach: &Approach) -> f32 {
 /// The manifold that a convex pair gets.
 struct Chosen {
     raw: RawManifold,
-    /// Of the step, at which it was found.
+    /// Fraction of the step at which it was found.
     fraction: f32,
     /// Nothing is touched on the whole predicted path.
     missed: bool,
 }
 
-/// Chooses the manifold of two convex shapes, or of one and a plane, by the first two tables. `raw`: that of the start.
+/// Chooses the manifold of two convex shapes, or of one and a plane, by the first two tables. `raw`: that of
+/// the start.
 pub(super) fn finish_convex(
     state: &PairState<'_>,
     raw: RawManifold,
@@ -202,7 +206,7 @@ pub(super) fn finish_convex(
     store(state, &chosen, nearest, contacts, out);
 }
 
-/// Of a pair that is apart by `nearest` at the start: what the rest of the first table chooses.
+/// Chooses for a pair that is apart by `nearest` at the start: the rest of the first table.
 #[inline(always)]
 fn choose_apart(state: &PairState<'_>, nearest: f32, chosen: &mut Chosen, out: &mut BlockOutput<'_>) {
     let fast = state.is_fast(nearest);
@@ -309,7 +313,7 @@ pub(super) fn finish_mesh(state: &PairState<'_>, contacts: &Shared<'_, Contact>,
     let ahead = match flight {
         CastResult::First(touch) => Some(touch),
         CastResult::Free => None,
-        CastResult::Near => look.from_the_start(block, &mut tally),
+        CastResult::Near => look.look_at_start(block, &mut tally),
     };
     tally.casts += u32::from(look.fast);
     if let Some(touch) = ahead {
@@ -338,7 +342,8 @@ impl<'a> MeshLook<'a> {
     fn new(state: &'a PairState<'a>) -> MeshLook<'a> {
         let &PairState { input, approach, .. } = state;
         let ((shape, mesh), most) = (state.shapes(), approach.max_closing());
-        // Within half the ball that fits into it a body can't get past a triangle, and planes at the start will do.
+        // Within half the ball that fits into it a body can't get past a triangle, and planes at the start
+        // will do.
         let fast =
             state.follows_motion() && !rolls(state, shape) && most > input.fast.max(0.5 * shape.inner_radius);
         // Where the body is, and what it may turn into: what it may reach further away is found by the cast.
@@ -361,8 +366,8 @@ impl<'a> MeshLook<'a> {
         !self.fast && approach.mode == Continuous::Segment && approach.length > input.margin
     }
 
-    /// Whether a manifold of the start is a guess: its planes would push, and neither is it near nor may the body leave its
-    /// predicted path.
+    /// Whether a manifold of the start is a guess: its planes would push, and neither is it near nor may the
+    /// body leave its predicted path.
     fn is_guess(&self, raw: &RawManifold) -> bool {
         let input = self.state.input;
         let near = |m: &RawManifold| m.points().iter().any(|p| p.separation <= input.margin);
@@ -383,8 +388,8 @@ impl<'a> MeshLook<'a> {
     }
 }
 
-/// What rolls on a mesh moves and turns alike, and its planes are near: its path and its turn may each be as long as the
-/// radius of the ball that fits into it.
+/// What rolls on a mesh moves and turns alike, and its planes are near: its path and its turn may each be as
+/// long as the radius of the ball that fits into it.
 fn rolls(state: &PairState<'_>, shape: &Collider) -> bool {
     let approach = state.approach;
     state.has_contact()
@@ -394,10 +399,10 @@ fn rolls(state: &PairState<'_>, shape: &Collider) -> bool {
 
 /// What is looked for, case by case.
 impl MeshLook<'_> {
-    /// Adds the manifolds of the start; if the pair is fast only those of what it rests on. Says what a fast one touches
-    /// first besides.
+    /// Adds the manifolds of the start; if the pair is fast only those of what it rests on. Says what a fast
+    /// one touches first besides.
     #[inline(always)]
-    fn from_the_start(&self, block: &mut MeshBlock, tally: &mut Tally) -> Option<Touch> {
+    fn look_at_start(&self, block: &mut MeshBlock, tally: &mut Tally) -> Option<Touch> {
         let &PairState { input, .. } = self.state;
         if self.fast {
             // The path will be asked for too.
@@ -408,7 +413,8 @@ impl MeshLook<'_> {
         self.collide(block);
         tally.nearest =
             block.raw.iter().flat_map(|m| m.points()).fold(f32::INFINITY, |s, p| s.min(p.separation));
-        // What rests on the mesh sinks by what gravity adds in the step, and must not strike the ground that it is on.
+        // What rests on the mesh sinks by what gravity adds in the step, and must not strike the ground that
+        // it is on.
         let resting = if tally.nearest <= input.touch_distance { input.margin } else { input.touch_distance };
         if self.fast {
             // Manifolds without a near point are guesses; what is really hit comes from the cast.
@@ -446,7 +452,8 @@ impl MeshLook<'_> {
         }
     }
 
-    /// Drops guesses if the mesh is close, but apart by more than shows, and nothing is touched at all within the step.
+    /// Drops guesses if the mesh is close, but apart by more than shows, and nothing is touched at all within
+    /// the step.
     #[inline(always)]
     fn drop_guesses(&self, block: &mut MeshBlock, tally: &mut Tally) {
         let &PairState { input, approach, .. } = self.state;

@@ -1,8 +1,8 @@
 //! Manifolds at other poses than those of the start of the step, above all at the first touch of a fast pair.
 //!
-//! The same kernels run at the pose of the first touch, and the separations that they find are carried back along the
-//! relative motion to the start of the step. A pair that does not touch gets no point at all, so that nothing is pushed
-//! by what it never reaches; of a mesh only the first obstacle on the path counts.
+//! The same kernels run at the pose of the first touch, and the separations that they find are carried back
+//! along the relative motion to the start of the step. A pair that does not touch gets no point at all, so
+//! that nothing is pushed by what it never reaches; of a mesh only the first obstacle on the path counts.
 
 use super::gates::enter_mesh;
 use super::mesh::{CastResult, MeshCast, cast_mesh};
@@ -21,8 +21,8 @@ use crate::narrow_phase::{RawManifold, Relative};
 use crate::shape::{Collider, Geometry, Kind};
 use glam::{Quat, Vec3};
 
-/// The manifold of two convex shapes, or of one and a plane, at their first touch within the step, and the fraction
-/// of the step at which that is.
+/// The manifold of two convex shapes, or of one and a plane, at their first touch within the step, and the
+/// fraction of the step at which that is.
 pub(crate) fn manifold_at_first_touch(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold, f32)> {
     let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
     let motion = motion_of(input, pair);
@@ -44,9 +44,10 @@ pub(crate) fn manifold_at_half_step(input: &Input<'_>, pair: &Pair, margin: f32)
     carry_back(&raw, &motion, 0.5, f32::MIN)
 }
 
-/// The manifold of two bodies that both move far, at a later pose than that of the manifold `raw`, which was found at
-/// `fraction`; with its own fraction of the step. `None` if they overlap there by no more than the planes of `raw`
-/// foresee. What slides along a plate for metres meets it where the plate has turned to by then.
+/// The manifold of two bodies that both move far, at a later pose than that of the manifold `raw`, which was
+/// found at `fraction`; with its own fraction of the step. `None` if they overlap there by no more than the
+/// planes of `raw` foresee. What slides along a plate for metres meets it where the plate has turned to by
+/// then.
 pub(crate) fn manifold_later_on_path(
     input: &Input<'_>,
     pair: &Pair,
@@ -78,8 +79,9 @@ pub(crate) fn manifold_later_on_path(
 /// Turn up to which the planes of a manifold hold [rad].
 const EVEN: f32 = 0.7;
 
-/// For mode `Volume`: the manifold of two convex shapes that miss each other, where their centres pass. The path runs
-/// along such a plane, not through it, so the plane pushes only what another impact throws off its path.
+/// For mode `Volume`: the manifold of two convex shapes that miss each other, where their centres pass. The
+/// path runs along such a plane, not through it, so the plane pushes only what another impact throws off its
+/// path.
 pub(crate) fn manifold_at_closest_pass(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold, f32)> {
     let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
     let motion = motion_of(input, pair);
@@ -93,7 +95,8 @@ pub(crate) fn manifold_at_closest_pass(input: &Input<'_>, pair: &Pair) -> Option
     (raw.count > 0 && !pushes(input, &motion, &raw, fraction)).then_some((raw, fraction))
 }
 
-/// Where a shape in flight first touches a mesh or height field; [`CastResult::Near`] if it begins close to it.
+/// Where a shape in flight first touches a mesh or height field; [`CastResult::Near`] if it begins close to
+/// it.
 pub(crate) fn first_touch_in_flight(
     input: &Input<'_>,
     moving: &MeshPair<'_>,
@@ -103,8 +106,8 @@ pub(crate) fn first_touch_in_flight(
     moving.cast(MeshCast { alone: input.margin, ..first }, scratch)
 }
 
-/// Where a shape first touches a mesh or height field, other than what it rests on: what is within `resting` [m] at
-/// the start is left to the kernel there, whose results `scratch` still holds.
+/// Where a shape first touches a mesh or height field, other than what it rests on: what is within `resting`
+/// [m] at the start is left to the kernel there, whose results `scratch` still holds.
 pub(crate) fn first_touch_with_mesh(
     input: &Input<'_>,
     moving: &MeshPair<'_>,
@@ -127,8 +130,9 @@ pub(crate) fn touches_mesh(unit: f32, moving: &MeshPair<'_>, scratch: &mut MeshS
     matches!(moving.cast(cast, scratch), CastResult::First(_))
 }
 
-/// Adds the manifolds of a convex shape at its first touch with a mesh or height field, and at the second, to which
-/// it would slide along what it touched first: a body that hits the ground close to a wall meets both in one step.
+/// Adds the manifolds of a convex shape at its first touch with a mesh or height field, and at the second, to
+/// which it would slide along what it touched first: a body that hits the ground close to a wall meets both
+/// in one step.
 pub(crate) fn add_manifolds_at_touch(
     input: &Input<'_>,
     pair: &Pair,
@@ -202,8 +206,8 @@ fn path_left(motion: &Motion, fraction: f32) -> Vec3 {
     turned.conjugate() * motion.displacement * (1.0 - fraction)
 }
 
-/// The margin at a first touch [m]: the rest of the motion may bring down a body that touched with a tip. It did touch
-/// the plane, so points far from that are no guess. Motion along the plane brings nothing down.
+/// The margin at a first touch [m]: the rest of the motion may bring down a body that touched with a tip. It
+/// did touch the plane, so points far from that are no guess. Motion along the plane brings nothing down.
 pub(crate) fn margin_at_touch(input: &Input<'_>, pair: &Pair, touch: &Touch) -> f32 {
     let radius = |c: u32| input.colliders[c as usize].radius;
     let size = 2.0 * radius(pair.a).min(radius(pair.b));
@@ -212,7 +216,8 @@ pub(crate) fn margin_at_touch(input: &Input<'_>, pair: &Pair, touch: &Touch) -> 
     input.margin + ((1.0 - touch.fraction) * closing).min(size)
 }
 
-/// Whether the predicted motion takes any point of a manifold, found at the start of the step, through its plane.
+/// Whether the predicted motion takes any point of a manifold, found at the start of the step, through its
+/// plane.
 pub(crate) fn would_push(input: &Input<'_>, motion: &Motion, raw: &RawManifold) -> bool {
     pushes(input, motion, raw, 0.0)
 }
@@ -247,15 +252,16 @@ pub(crate) const NO_GAP: f32 = 0.25;
 /// Rounding of a predicted path [length units].
 const NEARLY: f32 = 1e-5;
 
-/// How much of the gap along `normal` the whole motion takes away at a point that is `arm` from a's centre, with the
-/// centres moved apart by `moved` since the start [m].
+/// How much of the gap along `normal` the whole motion takes away at a point that is `arm` from a's centre,
+/// with the centres moved apart by `moved` since the start [m].
 pub(crate) fn closing(motion: &Motion, normal: Vec3, arm: Vec3, moved: Vec3) -> f32 {
     let arm_b = arm + motion.start.as_vec3() + moved;
     normal.dot(motion.displacement + motion.a.spin.cross(arm) - motion.b.spin.cross(arm_b))
 }
 
-/// The manifold that leads out of a still shape on the side where the moving one's centre is, if the overlap is so deep
-/// that `raw` leads out through the still shape: because the longer part of the moving one is on the wrong side.
+/// The manifold that leads out of a still shape on the side where the moving one's centre is, if the overlap
+/// is so deep that `raw` leads out through the still shape: because the longer part of the moving one is on
+/// the wrong side.
 pub(crate) fn right_way_out(
     input: &Input<'_>,
     pair: &Pair,
@@ -277,8 +283,8 @@ pub(crate) fn right_way_out(
     Some(out_by_the_centre(b, a, &from_b, &raw, input.margin)?.flipped(from_b.position, from_b.rotation))
 }
 
-/// [`right_way_out`] of a moving and a still shape, in the frame of the first; only the depth and the normal of `raw`
-/// count.
+/// [`right_way_out`] of a moving and a still shape, in the frame of the first; only the depth and the normal
+/// of `raw` count.
 pub(crate) fn out_by_the_centre(
     mover: &Collider,
     still: &Collider,
@@ -323,9 +329,9 @@ fn body_path(input: &Input<'_>, collider: u32) -> BodyPath {
     }
 }
 
-/// Carries a manifold that was found at a fraction of the step back to the start, into the frame that shape a has there.
-/// Its arms stay those of the touch. To its separations comes what the predicted motion takes away until then, `least`
-/// or more.
+/// Carries a manifold that was found at a fraction of the step back to the start, into the frame that shape a
+/// has there. Its arms stay those of the touch. To its separations comes what the predicted motion takes away
+/// until then, `least` or more.
 pub(crate) fn carry_back(raw: &RawManifold, motion: &Motion, fraction: f32, least: f32) -> RawManifold {
     let turned = exp_map(motion.a.spin * fraction);
     let at_touch = turned * motion.a.rotation;
@@ -337,7 +343,8 @@ pub(crate) fn carry_back(raw: &RawManifold, motion: &Motion, fraction: f32, leas
     carried.normal = back * normal;
     for point in &mut carried.points[..raw.count as usize] {
         let arm_a = lever + at_touch * point.position;
-        // With 0 as the least, a point that moves away until the touch does not count as overlap at the start.
+        // With 0 as the least, a point that moves away until the touch does not count as overlap at the
+        // start.
         point.separation += (fraction * closing(motion, normal, arm_a, moved)).max(least);
         point.position = back * (arm_a - motion.a.lever);
     }

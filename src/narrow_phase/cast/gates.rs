@@ -1,17 +1,21 @@
-//! What a pair that is apart and fast may be stopped by, without a search for its first touch: the gates of Vincent
-//! Robert's talk (GDC 2012), for [`ContinuousMethod::Talk`](crate::ContinuousMethod::Talk).
+//! Which planes may stop a fast pair that is apart, decided without a search for its first touch: the gates
+//! of Vincent Robert's talk (GDC 2012), for [`ContinuousMethod::Talk`](crate::ContinuousMethod::Talk).
 //!
-//! The manifold of the start of the step stops whoever crosses its plane, also beside the face that the plane is of. Two
-//! gates keep it from that. Both know the relative motion of the start, straight and with the rotations of the start:
+//! The manifold of the start of the step stops everything that crosses its plane, also beside the face that
+//! the plane belongs to. Two gates prevent that. Both use the relative motion of the start: straight, with
+//! the rotations of the start.
 //!
-//! 1. *Which axis.* Along each candidate axis the shapes, seen as intervals, meet at one fraction of the step and part at
-//!    another. The last to be entered is the axis of impact. If one is left before another is entered, the two miss each
-//!    other, and there is no manifold (separating axes for moving shapes: Ericson, *Real-Time Collision Detection*, 5.5.8).
-//! 2. *Where it is crossed.* A point has to lie over the face it was found on at the moment its path crosses the plane. If
-//!    the shapes go along the plane by more than the margin until then, the footprint is taken where they cross it, by the
-//!    same kernel, and its separations are those of the start: what the motion takes away until then is added.
+//! 1. *Which axis.* Along each candidate axis the intervals of the two shapes meet at one fraction of the
+//!    step and part at another. The axis that is entered last is the axis of impact. If one is left before
+//!    another is entered, the shapes miss each other, and there is no manifold (separating axes for moving
+//!    shapes: Ericson, *Real-Time Collision Detection*, 5.5.8).
+//! 2. *Where it is crossed.* A point has to lie over the face it was found on when its path crosses the
+//!    plane. If the shapes slide along the plane by more than the margin until then, the same kernel finds
+//!    the footprint at the pose where they cross it, and its separations are carried back to the start by
+//!    adding what the motion takes away until then.
 //!
-//! All of it is in closed form. Of what turns, only the points' own velocities are known, as far as they are straight.
+//! All of it is in closed form. Rotation enters only by the points' velocities at the start, as straight
+//! motion.
 
 use super::ahead::{MeshPair, carry_back, closing, margin_at_touch, motion_of};
 use super::mesh::MeshCast;
@@ -35,19 +39,20 @@ use glam::{DMat3, DVec3, Vec3};
 
 /// Cosine of 1.8 degrees: axes nearer than this are one.
 const SAME_AXIS: f32 = 0.9995;
-/// Speed along a unit axis, as a share of the path, that counts as none.
+/// Speed along a unit axis, as a share of the path's length, that counts as zero.
 const STILL: f32 = 1e-6;
 /// Squared sine under which a cross product has no direction.
 const PARALLEL: f64 = 1e-7;
 
-/// The same motion with nothing turning.
+/// The same motion without rotation.
 pub(crate) fn straight(motion: &Motion) -> Motion {
     let still = |turn: &Turn| Turn { spin: Vec3::ZERO, ..*turn };
     Motion { a: still(&motion.a), b: still(&motion.b), ..*motion }
 }
 
-/// What is left of the manifold `raw` of two convex shapes, or of one and a plane, that are apart at the start, with the
-/// fraction of the step at which its footprint was taken; `None` if they miss each other.
+/// Filters the manifold `raw` of two convex shapes, or of one and a plane, that are apart at the start.
+/// Returns what is left of it with the fraction of the step at which its footprint was taken; `None` if the
+/// two miss each other.
 pub(crate) fn gate(input: &Input<'_>, pair: &Pair, raw: &RawManifold) -> Option<(RawManifold, f32)> {
     let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
     let approach = input.approach(pair);
@@ -61,7 +66,7 @@ pub(crate) fn gate(input: &Input<'_>, pair: &Pair, raw: &RawManifold) -> Option<
     let Entry { fraction, axis, surely } = enter(a, b, &motion.relative(0.0), path, slack, raw.normal)?;
     let (until, aside) = (fraction.min(1.0), path - axis * axis.dot(path));
     let same = axis.dot(raw.normal) > SAME_AXIS && aside.length() * until <= input.margin;
-    // What only turning brings together has no other moment.
+    // If only rotation brings them together, the motion gives no other moment.
     if same || fraction > 1.0 {
         let mut kept = *raw;
         if !surely && approach.swing > input.margin {
@@ -74,8 +79,8 @@ pub(crate) fn gate(input: &Input<'_>, pair: &Pair, raw: &RawManifold) -> Option<
     (found.count > 0).then(|| (carry_back(&found, &motion, fraction, 0.0), fraction))
 }
 
-/// Drops the points of a manifold whose own paths, straight on with the turning of the start, cross its plane neither over
-/// the one shape nor over the other.
+/// Drops the points of a manifold that cross its plane over neither shape. Their paths are straight, with the
+/// velocities that rotation gives them at the start.
 fn keep_over(raw: &mut RawManifold, a: &Collider, b: &Collider, motion: &Motion, margin: f32) {
     let (Some(shape_a), Some(shape_b)) = (Support::of(a), Support::of(b)) else { return };
     let to_a = motion.a.rotation.conjugate();
@@ -109,39 +114,41 @@ fn keep_over(raw: &mut RawManifold, a: &Collider, b: &Collider, motion: &Motion,
     raw.count = count as u32;
 }
 
-/// How far two convex shapes have been swept against each other: when the last of the axes that were tried was entered, and
-/// when the first of them was left.
+/// Intermediate result of sweeping two convex shapes against each other: when the last of the tried axes was
+/// entered, and when the first was left.
 struct Swept<'a> {
     own: Support<'a>,
     other: Support<'a>,
-    /// Of the other in the frame of its own, at the start.
+    /// Pose of `other` in the frame of `own`, at the start.
     placed: Placed,
-    /// Of its own in its frame [m].
+    /// Displacement of `own` in its frame [m].
     path: DVec3,
-    /// What passes as near as this is not missed [m].
+    /// Distance up to which passing by does not count as a miss [m].
     slack: f64,
     entered: f64,
-    /// The last to be entered: unit, towards the other.
+    /// The axis entered last: unit, from `own` to `other`.
     axis: DVec3,
     left: f64,
-    /// With the slack, when the last was entered and the first left.
+    /// The same two fractions with the slack: last entered, first left.
     near: f64,
     passed: f64,
 }
 
 /// How two shapes enter each other.
 struct Entry {
-    /// At least 0, and beyond 1 by no more than what the slack closes.
+    /// Fraction of the step: at least 0, beyond 1 by no more than the slack closes.
     fraction: f32,
-    /// The last axis to be entered: unit, from a to b, in the frame of a.
+    /// The axis entered last: unit, from a to b, in the frame of a.
     axis: Vec3,
-    /// Without the slack they do too, along all axes that were tried.
+    /// They also meet without the slack, along all axes that were tried.
     surely: bool,
 }
 
-/// At which fraction of the step two convex shapes have entered each other along all axes. `None` if they miss each other.
+/// At which fraction of the step two convex shapes have entered each other along all axes. `None` if they
+/// miss each other.
 ///
-/// `path`: of a against b, in its own frame [m]. `now`: the normal of the start. `slack`: see [`Swept`].
+/// `path`: displacement of a relative to b, in a's frame [m]. `now`: the normal of the start. `slack`: see
+/// [`Swept`].
 fn enter(a: &Collider, b: &Collider, rel: &Relative, path: Vec3, slack: f32, now: Vec3) -> Option<Entry> {
     let rotation = DMat3::from_quat(rel.rotation.as_dquat().normalize());
     let mut swept = Swept {
@@ -167,11 +174,12 @@ fn enter(a: &Collider, b: &Collider, rel: &Relative, path: Vec3, slack: f32, now
         meets = meets
             && crosses.filter(|cross| cross.length_squared() > PARALLEL).all(|axis| swept.meets_along(axis));
     }
-    // What is round about an edge has all normals across it.
+    // A shape that is round about an edge has normals in all directions across it.
     let round = |shape: &Collider| matches!(shape.kind, Kind::Capsule | Kind::Cylinder);
     meets = meets && (!round(a) || swept.meets_along(DVec3::Y.cross(path)));
     meets = meets && (!round(b) || swept.meets_along((rotation * DVec3::Y).cross(path)));
-    // Boxes have no other axes. Of all others the direction between the nearest points where these are entered is one.
+    // Boxes have no other axes. Other shapes have the direction between their nearest points at the time of
+    // entry.
     if meets && (a.kind, b.kind) != (Kind::Box, Kind::Box) {
         let there =
             Relative { position: (position - path * swept.entered.clamp(0.0, 1.0)).as_vec3(), ..*rel };
@@ -186,7 +194,7 @@ fn enter(a: &Collider, b: &Collider, rel: &Relative, path: Vec3, slack: f32, now
 }
 
 impl Swept<'_> {
-    /// Takes in an axis of any length; one of none says nothing. Whether the two may still meet.
+    /// Adds an axis of any length; a zero axis is ignored. Returns whether the two may still meet.
     fn meets_along(&mut self, axis: DVec3) -> bool {
         let length = axis.length();
         if length > 0.0 {
@@ -199,7 +207,7 @@ impl Swept<'_> {
         let seen = self.placed.rotation.transpose() * axis;
         let high = |shape: &Support, axis: DVec3| shape.support(axis).dot(axis) + shape.radius;
         let middle = self.placed.position.dot(axis);
-        // Of the other above its own, and of its own above the other.
+        // Gap with `other` above `own`, and with `own` above `other`.
         let above = middle - high(&self.other, -seen) - high(&self.own, axis);
         let below = -middle - high(&self.other, seen) - high(&self.own, -axis);
         let along = self.path.dot(axis);
@@ -224,7 +232,7 @@ impl Swept<'_> {
 
 const AXES: [DVec3; 3] = [DVec3::X, DVec3::Y, DVec3::Z];
 
-/// Normals of the faces of a shape, of two that are opposite one.
+/// Normals of the faces of a shape; one of each opposite pair.
 fn faces(shape: &Collider) -> impl Iterator<Item = DVec3> + '_ {
     let own = match shape.kind {
         Kind::Box => &AXES[..],
@@ -238,7 +246,8 @@ fn faces(shape: &Collider) -> impl Iterator<Item = DVec3> + '_ {
     own.iter().copied().chain(planes.iter().map(|(normal, _)| normal.as_dvec3()))
 }
 
-/// Directions of the edges of a shape; a hull's many are left to the normals of nearest points.
+/// Directions of the edges of a shape. Those of a hull are too many; the normals of nearest points stand in
+/// for them.
 fn edges(shape: &Collider) -> &'static [DVec3] {
     match shape.kind {
         Kind::Box => &AXES,
@@ -247,8 +256,8 @@ fn edges(shape: &Collider) -> &'static [DVec3] {
     }
 }
 
-/// The triangle of a mesh or height field that a convex shape enters first, other than what it is near to at the start: what
-/// is within `resting` [m], or whose plane is and stays so, is left to the manifolds of the start.
+/// The triangle of a mesh or height field that a convex shape enters first. Triangles within `resting` [m] at
+/// the start, or whose planes are and stay so, are left to the manifolds of the start.
 pub(crate) fn enter_mesh(input: &Input<'_>, moving: &MeshPair<'_>, resting: f32) -> Option<Touch> {
     let &MeshPair { shape: a, mesh: b, rel, motion } = moving;
     let (ground, shape) = (Ground::of(b)?, Support::of(a)?);
@@ -287,11 +296,11 @@ pub(crate) fn enter_mesh(input: &Input<'_>, moving: &MeshPair<'_>, resting: f32)
     Some(Touch { fraction: first.fraction, normal })
 }
 
-/// The triangle that is entered first.
+/// The search for the triangle that is entered first.
 struct Search<'a> {
     shape: &'a Collider,
     support: Support<'a>,
-    /// Of the mesh in the shape's frame.
+    /// Pose of the mesh in the shape's frame.
     pose: Pose,
     side: Vec3,
     path: Vec3,
@@ -300,7 +309,7 @@ struct Search<'a> {
     normal: Option<Vec3>,
 }
 
-/// Of eight triangles, what [`Swept`] is of a shape, and the widest gap at the start [m].
+/// [`Swept`] for eight triangles, with the widest gap at the start [m].
 struct SweptEight {
     entered: f32x8,
     axis: LaneVec3<f32x8>,
@@ -309,7 +318,7 @@ struct SweptEight {
 }
 
 impl Search<'_> {
-    /// Looks at some triangles, eight at most.
+    /// Examines up to eight triangles.
     fn look(&mut self, eight: &Eight) {
         if eight.lanes() == 0 {
             return;
@@ -324,7 +333,7 @@ impl Search<'_> {
         };
         let down = -triangles.front;
         self.along(&triangles, down, &mut swept);
-        // What it slides along, or rests on.
+        // Triangles that it slides along or rests on.
         let gap = triangles.height - reach(self.shape, down);
         let end = gap - LaneVec3::splat(self.path).dot(down);
         let resting = f32x8::splat(self.resting);
@@ -334,7 +343,7 @@ impl Search<'_> {
             let meets = entered.le(*left) & left.ge(zero) & entered.lt(f32x8::splat(self.fraction));
             (meets & !level).bits() & triangles.valid
         };
-        // Of most the plane alone tells.
+        // For most triangles the plane alone decides.
         if left(&swept) == 0 {
             return;
         }
@@ -362,7 +371,7 @@ impl Search<'_> {
         }
     }
 
-    /// Takes in one axis for eight triangles, of unit length, or of none, which says nothing.
+    /// Adds one axis for eight triangles: unit length, or zero, which is ignored.
     #[inline(always)]
     fn along(&self, triangles: &Triangles, axis: LaneVec3<f32x8>, swept: &mut SweptEight) {
         let [p, q, r] = triangles.corners.map(|corner| corner.dot(axis));
@@ -385,7 +394,8 @@ impl Search<'_> {
         swept.apart = Lanes::max(swept.apart, apart);
     }
 
-    /// Takes in a triangle that is entered along all axes that were tried; a shape that is no box may have others.
+    /// Adds a triangle that is entered along all axes tried so far; shapes other than boxes may have more
+    /// axes.
     fn take(&mut self, corners: [Vec3; 3], entered: f32, axis: Vec3) {
         let (mut entered, mut axis) = (entered, axis);
         if self.shape.kind != Kind::Box {
@@ -409,7 +419,7 @@ impl Search<'_> {
     }
 }
 
-/// Of unit length, or of none.
+/// The vector at unit length; zero if it is too short to have a direction.
 #[inline(always)]
 fn unit(v: LaneVec3<f32x8>) -> LaneVec3<f32x8> {
     let squared = v.length_squared();

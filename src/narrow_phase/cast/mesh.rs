@@ -13,40 +13,41 @@ use crate::narrow_phase::mesh::touched::Touched;
 use crate::shape::{Collider, HeightField, TriangleMesh};
 use glam::{DVec3, Vec3};
 
-/// Gets a triangle, its corners and a fraction before which its box is not entered; answers the largest that still
-/// matters.
+/// Called with a triangle, its corners and a fraction before which its box is not entered; returns the
+/// largest fraction that still matters.
 pub(crate) type Visit<'a> = dyn FnMut(u32, [Vec3; 3], f32) -> f32 + 'a;
 
-/// What a cast and a segment need of a mesh or a height field, in its own frame.
+/// What casts and segment queries need of a mesh or a height field, in its own frame.
 pub(crate) trait Triangles {
     /// Corners, in either order: triangles are met from both sides.
     fn triangle(&self, index: u32) -> [Vec3; 3];
-    /// Calls `f` with every triangle whose box, grown by `inflate`, the segment meets before the fraction that `f`
-    /// last answered; about nearest first, in an order that depends on the mesh and the segment alone. `f` gets the
-    /// fraction of entry into the box, and answers the largest that still matters.
+    /// Calls `f` with every triangle whose box, grown by `inflate`, the segment meets before the fraction
+    /// that `f` returned last; about nearest first, in an order that depends on the mesh and the segment
+    /// alone. `f` gets the fraction at which the box is entered, and returns the largest that still matters.
     fn visit_segment(&self, from: Vec3, to: Vec3, inflate: Vec3, f: &mut Visit<'_>);
-    /// The first triangle that the segment meets, with the fraction; nothing slips through where triangles share an
-    /// edge or a corner.
+    /// The first triangle that the segment meets, with the fraction; nothing slips through where triangles
+    /// share an edge or a corner.
     fn segment_hit(&self, from: Vec3, to: Vec3) -> Option<(f32, u32)>;
 }
 
-/// What a cast against triangles does beside finding the first touch.
+/// What a cast against triangles looks for.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MeshCast {
-    /// A touch may be so much early [m].
+    /// How early a touch may be reported [m].
     pub(crate) tolerance: f32,
-    /// What is nearer than this at the start is the business of the kernel at the start, which the caller runs with at
-    /// least that margin [m]. So a triangle is passed over if the shape is that close to it at the start, or if it is
-    /// that close to the triangle's *plane* and stays so: the floor ahead of a sliding box is the floor that it is on,
-    /// and its inner edges stop nothing, but a wall does. Two slops and twice what gravity adds in a step is enough.
+    /// Triangles nearer than this at the start are left to the kernel there, which the caller runs with at
+    /// least that margin [m]. So a triangle is skipped if the shape is that close to it at the start, or if
+    /// the shape is that close to the triangle's *plane* and stays so: the floor ahead of a sliding box is
+    /// the floor that it is on, and its inner edges stop nothing, but a wall does. Two slops and twice what
+    /// gravity adds in a step is enough.
     pub(crate) resting: f32,
     /// Give up if a triangle may be nearer than this at the start [m]; negative: never.
     pub(crate) alone: f32,
     /// Any touch will do, not only the first.
     pub(crate) any: bool,
-    /// What is known to be nearer than `resting` at the start.
+    /// Triangles and planes known to be nearer than `resting` at the start.
     pub(crate) known: Touched,
-    /// What stands out by less in front of a plane that is known is not felt [m].
+    /// Steps up to this height in front of a known plane are ignored [m].
     pub(crate) lip: f32,
 }
 
@@ -60,15 +61,16 @@ impl MeshCast {
 /// What a cast found.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum CastResult {
-    /// A triangle may be near at the start: the kernel there has to look first.
+    /// A triangle may be near at the start: the kernel has to run there first.
     Near,
     /// No triangle is touched.
     Free,
     First(Touch),
 }
 
-/// First touch of a convex shape with a triangle of a mesh or height field, other than what it rests on; see [`MeshCast`].
-/// `rel`: of the mesh in the shape's frame at the start. `nearby`: where triangles are gathered, if there is place.
+/// First touch of a convex shape with a triangle of a mesh or height field, other than what it rests on; see
+/// [`MeshCast`]. `rel`: pose of the mesh in the shape's frame at the start. `nearby`: buffer for the
+/// triangles, if there is memory.
 pub(crate) fn cast_mesh(
     a: &Collider,
     mesh: &Collider,
@@ -130,17 +132,17 @@ triangles!(HeightField);
 
 /// A cast that is under way.
 ///
-/// Eight triangles at a time are looked at in lanes: most have planes that are not reached. The others wait until there
-/// are eight of these, and a closer look in lanes leaves those that may be touched, and says when at the earliest. At the
-/// end the first is searched exactly. Whatever that finds ends the motion for all others, and of them few can be touched
-/// within what is left of it, as the same look tells.
+/// Triangles are examined in lanes, eight at a time; the planes of most are not reached. The others wait
+/// until there are eight of them; a closer look in lanes then keeps those that may be touched, and says when
+/// at the earliest. At the end the one that may be touched first is searched exactly. A touch ends the motion
+/// for all others, few of which can be touched before it, as the same look tells.
 struct Search<'a> {
     shape: Support<'a>,
     motion: &'a Motion,
     cast: MeshCast,
-    /// Once anything is searched exactly.
+    /// Made when the first triangle is searched exactly.
     exact: Option<Exact<'a>>,
-    /// If the mesh doesn't turn.
+    /// Present if the mesh doesn't turn.
     filter: Option<MeshSweep<'a>>,
     /// Triangles whose planes are reached.
     waiting: Eight,
@@ -148,7 +150,7 @@ struct Search<'a> {
     sifted: Eight,
     earliest: [f32; 8],
     first: Option<Touch>,
-    /// Fraction of the step from which on a touch is of no interest.
+    /// Fraction of the step beyond which a touch doesn't matter.
     limit: f64,
     near: bool,
 }
@@ -157,11 +159,11 @@ struct Search<'a> {
 struct Exact<'a> {
     sweep: Sweep<'a>,
     start: Placed,
-    /// In the middle and at the end of the step, once that matters.
+    /// Poses in the middle and at the end of the step, computed when first needed.
     later: Option<(Placed, Placed)>,
 }
 
-/// What rounding may make of an earliest fraction.
+/// Rounding error of an earliest fraction.
 const EARLY: f64 = 1e-5;
 
 impl<'a> Search<'a> {
@@ -181,8 +183,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Makes ready for looks at triangles along the path, which is that of a mesh that doesn't turn; the path that they
-    /// are along.
+    /// Prepares the examination of triangles along the path, and returns that. `path`: of a mesh that doesn't
+    /// turn.
     fn prepare(&mut self, a: &'a Collider, rel: &Relative, path: Option<ShapePath>) -> BoxPath {
         let (motion, tolerance) = (self.motion, self.cast.tolerance);
         if let Some(path) = path {
@@ -205,7 +207,7 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Looks at triangles along a path, nearer ones first.
+    /// Examines the triangles along a path, nearer ones first.
     fn go_along<T: Triangles + ?Sized>(&mut self, mesh: &T, path: &BoxPath) {
         let mut seen = Eight::default();
         let mut visit = |index: u32, corners: [Vec3; 3], _entry: f32| -> f32 {
@@ -234,7 +236,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Of some of eight triangles, keeps those whose planes are reached.
+    /// Keeps those of eight triangles whose planes are reached.
     fn look(&mut self, eight: &Eight, lanes: u32) {
         if self.limit < 0.0 {
             return;
@@ -258,7 +260,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Of what waits, keeps what may be touched.
+    /// Keeps those of the waiting triangles that may be touched.
     fn sift(&mut self) {
         let lanes = self.waiting.lanes();
         let (left, earliest) = match &self.filter {
@@ -277,7 +279,7 @@ impl<'a> Search<'a> {
         self.waiting.clear();
     }
 
-    /// Searches what was sifted, the earliest first.
+    /// Searches the remaining triangles exactly, the earliest first.
     fn settle(&mut self) {
         let mut left = self.sifted.lanes();
         while let Some(next) = ones(left).min_by(|&a, &b| self.earliest[a].total_cmp(&self.earliest[b]))
@@ -304,7 +306,8 @@ impl<'a> Search<'a> {
         self.sifted.clear();
     }
 
-    /// When a triangle is touched, if that is before the limit. Not before `earliest`; zero: it may be rested on.
+    /// The first touch with a triangle before the limit. It is not before `earliest`; zero means that the
+    /// shape may rest on the triangle.
     fn touch(&mut self, corners: [Vec3; 3], earliest: f64) -> Option<Touch> {
         let (motion, limit) = (self.motion, self.limit);
         let (tolerance, resting) = (f64::from(self.cast.tolerance), f64::from(self.cast.resting));
@@ -330,7 +333,7 @@ impl<'a> Search<'a> {
             }
             let height = if from.0 > 0.0 { sweep.gap_along(&from.1, down) } else { height };
             if height > if from.0 > 0.0 { tolerance } else { resting.max(tolerance) } {
-                // Its plane is touched before it is, and mostly at a point of it.
+                // The plane is touched before the triangle, and mostly at a point of the triangle.
                 let (t, placed) = sweep.reach_plane(from, height, down, limit)?;
                 let point = sweep.furthest(&placed, down) - placed.offset;
                 let corners = [p, q, r].map(|v| placed.rotation_b * v);

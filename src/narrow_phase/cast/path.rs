@@ -1,8 +1,8 @@
-//! The way of a shape along a mesh that doesn't turn, as the way of the box and of the ball around it.
+//! The path of a shape along a mesh that doesn't turn, as that of its bounding box and ball.
 //!
-//! Most casts find nothing: the body is in flight, or rolls on what it touches anyway. A ball needs no rotation, and its
-//! height over a plane changes evenly, so eight triangles are passed over with two heights each, in the mesh's own
-//! frame. Only where that doesn't settle it is a search begun.
+//! Most casts find nothing: the body is in flight, or rolls on what it touches anyway. A ball needs no
+//! rotation, and its height over a plane changes linearly, so two heights each exclude eight triangles, in
+//! the mesh's own frame. Only where that is not enough a search begins.
 
 use super::mesh::MeshCast;
 use super::motion::Motion;
@@ -15,7 +15,7 @@ use crate::narrow_phase::mesh::touched::Touched;
 use crate::shape::{Collider, Kind};
 use glam::{Mat3, Vec3};
 
-/// The way of a box in the mesh's frame.
+/// The path of a box in the mesh's frame.
 pub(crate) struct BoxPath {
     pub(crate) from: Vec3,
     pub(crate) to: Vec3,
@@ -24,7 +24,7 @@ pub(crate) struct BoxPath {
 }
 
 impl BoxPath {
-    /// The box around all of it, if that holds hardly more than the path itself.
+    /// The box around the whole path, if it is hardly larger than the path itself.
     pub(crate) fn as_box(&self) -> Option<Extent> {
         let half = (self.to - self.from).abs() * 0.5;
         let reach = half + self.inflate;
@@ -35,28 +35,28 @@ impl BoxPath {
 
 /// See the module.
 pub(crate) struct ShapePath {
-    /// Of the shape's origin, and how far it goes from there, as if nothing turned [m].
+    /// Start of the shape's origin and its displacement, as if nothing turned [m].
     from: Vec3,
     way: Vec3,
-    /// Half extents of the box that holds the shape at all times [m].
+    /// Half extents of the box that contains the shape at all times [m].
     half: Vec3,
-    /// Radius of the ball that does [m].
+    /// Radius of the ball that does so [m].
     radius: f32,
-    /// Allowed for, and by how much rounding may move anything [m].
+    /// Distance that counts as a touch, with the allowance for rounding [m].
     clearance: f32,
-    /// What is touched at the start, as the mesh sees it.
+    /// What is touched at the start, in the frame of the mesh.
     known: Touched,
     lip: f32,
 }
 
 impl ShapePath {
-    /// `rel`: of the mesh in the shape's frame at the start.
+    /// `rel`: pose of the mesh in the shape's frame at the start.
     pub(crate) fn new(a: &Collider, rel: &Relative, motion: &Motion, cast: &MeshCast) -> ShapePath {
         let to_mesh = rel.rotation.conjugate();
         let from = -(to_mesh * rel.position);
         let way = motion.b.rotation.conjugate() * motion.displacement;
-        // No chord is longer than the arc, or than twice the radius. What is round about an axis does not change by a turn
-        // about that.
+        // A chord is no longer than the arc, or than twice the radius. Turning a round shape about its axis
+        // does not change it.
         let angle = motion.a.spin.length().min(2.0);
         let tilt = match a.kind {
             Kind::Sphere => 0.0,
@@ -83,7 +83,8 @@ impl ShapePath {
         BoxPath { from: self.from, to: self.from + self.way, inflate }
     }
 
-    /// Whether the shape surely touches none of some of eight triangles, but for those that it touches at the start.
+    /// Whether the shape surely touches none of up to eight triangles, except those that it touches at the
+    /// start.
     #[inline(always)]
     pub(crate) fn passes(&self, eight: &Eight, lanes: u32) -> bool {
         let corners = [eight.corners.corner(0), eight.corners.corner(1), eight.corners.corner(2)];
@@ -92,7 +93,7 @@ impl ShapePath {
         let start = across.dot(LaneVec3::splat(self.from) - a);
         let end = start + across.dot(LaneVec3::splat(self.way));
         let least = Lanes::min(start.abs(), end * start.sign());
-        // A triangle of no area has no plane: zero is not more than zero.
+        // A degenerate triangle has no plane: zero is not more than zero.
         let away = least.gt(across.length() * f32x8::splat(self.radius + self.clearance));
         let mut left = lanes & !away.bits();
         if left != 0 && !self.known.is_empty() {
@@ -156,8 +157,8 @@ mod tests {
         assert!(cfg!(miri) || touched > 500 && passed > (all - touched) / 3, "{touched} {passed} {all}");
     }
 
-    /// A box rests on a floor of two triangles and slides along it: it passes both, and stops at neither; a step that stands
-    /// out in front of it is not passed.
+    /// A box that rests on a floor of two triangles slides past both; a step that stands out in front of it
+    /// is not passed.
     #[test]
     fn what_is_touched_at_the_start_is_passed() {
         let a = collider(Geometry::cuboid(0.5, 0.5, 0.5));

@@ -1,9 +1,9 @@
 //! Contact points of a reference face and an incident face, and of two edges.
 //!
-//! The points are the corners of what both faces cover, seen along the reference normal: incident vertices over the
-//! reference face, crossings of incident edges with its side planes, reference vertices under the incident face. The
-//! three kinds are found eight at a time without building the polygons in between (Cyrus and Beck's line clipping,
-//! 1978, instead of Sutherland and Hodgman's polygons).
+//! The points are the corners of what both faces cover, seen along the reference normal: incident vertices
+//! over the reference face, crossings of incident edges with its side planes, reference vertices under the
+//! incident face. The three kinds are found eight at a time without building the polygons in between (Cyrus
+//! and Beck's line clipping, 1978, instead of Sutherland and Hodgman's polygons).
 
 use super::polytope::{Polytope, Pose};
 use super::sat::{in_lanes, nearest_on_segments};
@@ -13,7 +13,7 @@ use glam::Vec3;
 
 /// Points of a contact before they are reduced.
 pub(crate) const CLOUD: usize = 64;
-/// Corners of a face that are looked at; of more, evenly chosen ones.
+/// Most corners of a face that are used; if it has more, evenly chosen ones.
 const LOOP: usize = 24;
 
 /// Contact points before they are reduced to four.
@@ -47,7 +47,7 @@ impl Cloud {
     }
 }
 
-/// A key out of what kind of features meet and which: 2 and 15 + 15 bits.
+/// A key made of the kind of features that meet and their indices: 2 and 15 + 15 bits.
 pub(crate) fn key(kind: u32, one: usize, other: usize) -> u32 {
     kind << 30 | (one as u32 & 0x7fff) << 15 | (other as u32 & 0x7fff)
 }
@@ -91,21 +91,22 @@ impl Loop {
     }
 }
 
-/// The parts of segments, of their 0..=1, that are inside of some sides; `enter` beyond `exit` where none is (Cyrus and
-/// Beck).
+/// The parts of segments, of their 0..=1, that are inside of some sides; `enter` beyond `exit` where none is
+/// (Cyrus and Beck).
 pub(crate) struct Spans<L> {
     pub(crate) enter: L,
     pub(crate) exit: L,
 }
 
 impl<L: Lanes> Spans<L> {
-    /// Of segments that no side has cut yet.
+    /// Whole segments, before any side has cut them.
     #[inline(always)]
     pub(crate) fn whole() -> Spans<L> {
         Spans { enter: L::zero(), exit: L::one() }
     }
 
-    /// Cuts off what is beyond a side, given how far the starts and the ends are. Says where it moves `enter`, and `exit`.
+    /// Cuts off what is beyond a side, given how far the starts and the ends are. Says where it moves
+    /// `enter`, and `exit`.
     #[inline(always)]
     pub(crate) fn cut(&mut self, start: L, end: L) -> (L::Mask, L::Mask) {
         let (out0, out1) = (start.gt(L::zero()), end.gt(L::zero()));
@@ -141,12 +142,12 @@ impl Sink<'_> {
     }
 }
 
-/// All points of the incident face (or, with two corners, edge) that are over the face `normal`·x = `offset` and
-/// nearer than the margin, and those of the face under the incident one. All in one frame; the normal points out of
-/// the reference shape; `incident_plane` in the same frame.
+/// All points of the incident face (or, with two corners, edge) that are over the face `normal`·x = `offset`
+/// and nearer than the margin, and those of the face under the incident one. All in one frame; the normal
+/// points out of the reference shape; `incident_plane` in the same frame.
 ///
-/// A point lies midway between the surfaces, its separation is along the normal. `tolerance` [m]: vertices this far
-/// outside count as inside, so that equal boxes on top of each other meet in their vertices.
+/// A point lies midway between the surfaces, its separation is along the normal. `tolerance` [m]: vertices
+/// this far outside count as inside, so that equal boxes on top of each other meet in their vertices.
 pub(crate) fn clip_face(
     reference: &Loop,
     (normal, offset): (Vec3, f32),
@@ -220,7 +221,8 @@ fn clip_incident_edges(sides: &[(Vec3, f32)], incident: &Loop, sink: &mut Sink<'
     }
 }
 
-/// Corners of the reference face under the incident face, clearly inside it: on its border they are crossings.
+/// Corners of the reference face under the incident face, clearly inside it: on its border they are
+/// crossings.
 #[inline(always)]
 fn add_reference_corners(
     reference: &Loop,
@@ -271,8 +273,8 @@ impl Segment {
         Segment { ends: index.map(|i| pose.point(p.vertices[i])), index }
     }
 
-    /// The vertex of `p` furthest along `direction` and, of those less than `tolerance` short of it, the one furthest
-    /// from it. Direction in the frame of `p`.
+    /// The vertex of `p` furthest along `direction` and, of those less than `tolerance` short of it, the one
+    /// furthest from it. Direction in the frame of `p`.
     pub(crate) fn support(p: &Polytope, direction: Vec3, tolerance: f32, pose: &Pose) -> Segment {
         let (first, most) = p.support(direction);
         let (mut second, mut furthest) = (first, 0.0);
@@ -282,7 +284,7 @@ impl Segment {
                 (second, furthest) = (i, away);
             }
         }
-        // In the order of indices: which one is a hair further along must not change the keys.
+        // In the order of indices: rounding that decides which one is further along must not change the keys.
         let index = [first.min(second), first.max(second)];
         Segment { ends: index.map(|i| pose.point(p.vertices[i])), index }
     }
@@ -293,7 +295,8 @@ impl Segment {
     }
 }
 
-/// Points of two edges, of `a` and of `b` in one frame: one where they cross, two where they run along each other.
+/// Points of two edges, of `a` and of `b` in one frame: one where they cross, two where they run along each
+/// other.
 pub(crate) fn clip_edges(a: &Segment, b: &Segment, normal: Vec3, margin: f32, cloud: &mut Cloud) {
     let (p, d) = (a.ends[0], a.ends[1] - a.ends[0]);
     let (q, e) = (b.ends[0], b.ends[1] - b.ends[0]);

@@ -1,8 +1,9 @@
 //! Any two convex shapes, one pair at a time: the general path, and the reference for the lane kernels.
 //!
-//! Apart along a face normal by more than the margin: no contact. Otherwise the best axis of [`sat`](crate::narrow_phase::convex::sat) makes
-//! the manifold. Where two shapes are apart and nearest at an edge or vertex of both, the normal is the direction
-//! between the nearest points: a reference plane there would stop what passes beside the face.
+//! Shapes that are apart along a face normal by more than the margin have no contact. Otherwise the best axis
+//! of [`sat`] makes the manifold. If two shapes are apart and nearest at an edge or vertex of both, the
+//! normal is the direction between the nearest points: a reference plane there would stop what passes beside
+//! the face.
 
 pub(crate) mod clip;
 pub(crate) mod cylinder;
@@ -25,11 +26,12 @@ use polytopes::polytopes;
 use reduce::reduce;
 use round_polytope::{Core, round_polytope, round_round};
 
-/// Faces are preferred to edges, and a's to b's, by this share of the overlap and of the size: a manifold of four
-/// points that lasts is worth more than half a millimetre on a metre.
+/// Faces are preferred to edges, and a's to b's, by this share of the overlap and of the size: a manifold of
+/// four points that lasts is worth more than half a millimetre on a metre.
 pub(super) const PREFERENCE: (f32, f32) = (0.95, 5e-4);
 
-/// All points nearer than the margin of two convex shapes, or of a convex shape and a half-space; in a's frame.
+/// All points nearer than the margin of two convex shapes, or of a convex shape and a half-space; in a's
+/// frame.
 pub(crate) fn collide_convex(a: &Collider, b: &Collider, rel: &Relative, margin: f32) -> RawManifold {
     if a.kind > b.kind {
         let rotation = rel.rotation.conjugate();
@@ -71,9 +73,9 @@ pub(crate) fn collide_convex(a: &Collider, b: &Collider, rel: &Relative, margin:
     }
 }
 
-/// All points nearer than the margin of a convex shape and a triangle in the shape's frame. The side of the triangle
-/// on which the frame's origin is counts as its outside: the normal, from the shape to the triangle, never pushes the
-/// shape through.
+/// All points nearer than the margin of a convex shape and a triangle in the shape's frame. The side of the
+/// triangle on which the frame's origin is counts as its outside: the normal, from the shape to the triangle,
+/// never pushes the shape through.
 pub(crate) fn collide_triangle(a: &Collider, triangle: [Vec3; 3], margin: f32) -> RawManifold {
     let Some(triangle) = Triangle::facing(triangle, Vec3::ZERO) else { return RawManifold::default() };
     if let Some(core) = Core::of(a) {

@@ -10,8 +10,8 @@ use std::ops::ControlFlow::{self, Break, Continue};
 
 /// Two polytopes, `b` at `pose` in the frame of `a`.
 ///
-/// `size`: a length of the smaller one [m]. `against`: normals along it don't count as ways out of an overlap; zero
-/// if all do.
+/// `size`: a length of the smaller one [m]. `against`: normals along it don't count as ways out of an
+/// overlap; zero if all do.
 pub(super) fn polytopes(
     a: &Polytope,
     b: &Polytope,
@@ -53,13 +53,14 @@ pub(super) fn polytopes(
     pair.by_nearest_edges(&nearest, touching)
 }
 
-/// Two polytopes that overlap, or are nearer than the margin, by their faces, and the face that shows the largest separation.
+/// Two polytopes that overlap, or are nearer than the margin, by their faces, and the face that shows the
+/// largest separation.
 struct FacePair<'a> {
     a: &'a Polytope<'a>,
     b: &'a Polytope<'a>,
-    /// Of b in the frame of a.
+    /// Pose of b in the frame of a.
     pose: &'a Pose,
-    /// Of a in the frame of b.
+    /// Pose of a in the frame of b.
     back: Pose,
     margin: f32,
     size: f32,
@@ -109,7 +110,8 @@ impl<'a> FacePair<'a> {
         manifold_of(cloud, normal)
     }
 
-    /// The face's normal from a to b; along it all of `a` is below the second number, all of `b` above the third.
+    /// The face's normal from a to b; along it all of `a` is below the second number, all of `b` above the
+    /// third.
     #[inline(always)]
     fn slab(&self) -> (Vec3, f32, f32) {
         let FaceAxis { face, separation } = self.face;
@@ -130,8 +132,8 @@ impl<'a> FacePair<'a> {
         edges_in_reach(self.a, self.b, self.pose, &self.back, reach, normal, (high, low))
     }
 
-    /// The manifold of two that overlap by all of their faces: of the face, or of two edges on whose axis they overlap by clearly
-    /// less. If the edges show that they are apart: their axis.
+    /// The manifold of two that overlap by all of their faces: of the face, or of two edges on whose axis
+    /// they overlap by clearly less. If the edges show that they are apart: their axis.
     #[inline(always)]
     fn overlap(
         &self,
@@ -151,7 +153,8 @@ impl<'a> FacePair<'a> {
                 if manifold.count > 1 {
                     return Break(manifold);
                 }
-                // One vertex, maybe beside the face: are they apart, by edges that are further away than any face sees?
+                // One vertex, maybe beside the face: are they apart, by edges that are further away than any
+                // face sees?
                 *near = self.edges_in_reach(f32::MAX);
                 let touching = edge_axis(a, b, pose, near, against);
                 match touching {
@@ -166,7 +169,8 @@ impl<'a> FacePair<'a> {
         }
     }
 
-    /// The manifold of the nearest edges of two that are apart. `touching`: the axis of edges that separates them.
+    /// The manifold of the nearest edges of two that are apart. `touching`: the axis of edges that separates
+    /// them.
     fn by_nearest_edges(&self, nearest: &Nearest, touching: Option<EdgeAxis>) -> RawManifold {
         let [p, q] = nearest.points;
         // If two edges just touch, only their cross product has a direction.
@@ -188,8 +192,8 @@ impl<'a> FacePair<'a> {
 
     /// The face as the reference: adds its points, in the frame of `a`; the normal from a to b.
     ///
-    /// Adds the nearest vertex if the incident face that was chosen doesn't have it: of an overlap always, else where it
-    /// is over the reference face, and so is the nearest point of all.
+    /// Adds the nearest vertex if the incident face that was chosen doesn't have it: of an overlap always,
+    /// else where it is over the reference face, and so is the nearest point of all.
     fn face_contact(&self, cloud: &mut Cloud) -> Vec3 {
         let &FacePair { a, b, pose: b_in_a, margin, tolerance, face, on_b, .. } = self;
         // Everything in the frame of `a`.

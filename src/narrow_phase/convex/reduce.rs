@@ -1,23 +1,24 @@
-//! Many points to four.
+//! Reduces many points to four.
 //!
-//! After Moravánszky and Terdiman (*Fast Contact Reduction for Dynamics Simulation*, Game Programming Gems 4, 2004):
-//! points that lie together are merged (one round of k-means, with the deepest as seeds), the rest is projected on the
-//! plane of contact, and the corner of their convex hull that takes least area with it goes, until four are left. Any
-//! wrench that the contact can transmit is a blend of those at the corners of the hull, so that area is what a
-//! reduction loses. The deepest point always stays.
+//! After Moravánszky and Terdiman (*Fast Contact Reduction for Dynamics Simulation*, Game Programming Gems 4,
+//! 2004): points that lie together are merged (one round of k-means, with the deepest as seeds), the rest is
+//! projected on the plane of contact, and the corner of their convex hull that takes least area with it goes,
+//! until four are left. Any wrench that the contact can transmit is a blend of those at the corners of the
+//! hull, so that area is what a reduction loses. The deepest point always stays.
 
 use crate::lanes::Vec3 as LaneVec3;
 use crate::narrow_phase::contacts::manifold::{MAX_POINTS, RawPoint};
 use glam::{Vec2, Vec3};
 
-/// More points than these are not looked at.
+/// Most points that are considered.
 const MAX_CLOUD: usize = 64;
 /// Points nearer than this share of the whole extent are one.
 const CLUSTER: f32 = 0.02;
 /// A point that is deeper by less than this share of the whole extent is as deep.
 const DEEPER: f32 = 1e-4;
 
-/// At most four of the points of one plane of contact, whose unit normal is given; the deepest first if any had to go.
+/// At most four of the points of one plane of contact, whose unit normal is given; the deepest first if any
+/// had to go.
 ///
 /// Depends on the order of the points only where two are equally good: then the first one stays.
 pub(crate) fn reduce(points: &[RawPoint], normal: Vec3) -> ([RawPoint; MAX_POINTS], u32) {
@@ -28,7 +29,7 @@ pub(crate) fn reduce(points: &[RawPoint], normal: Vec3) -> ([RawPoint; MAX_POINT
     }
     let points = &points[..points.len().min(MAX_CLOUD)];
     let mut deepest = 0;
-    // A later point has to be clearly deeper: of corners that press alike the choice must not flicker.
+    // A later point has to be clearly deeper: the choice among corners that press alike must not flicker.
     let away = |p: &RawPoint| p.position.distance_squared(points[0].position);
     let clearly = DEEPER * points.iter().map(away).fold(0.0, f32::max).sqrt();
     for (i, point) in points.iter().enumerate() {
@@ -79,8 +80,8 @@ pub(crate) fn reduce(points: &[RawPoint], normal: Vec3) -> ([RawPoint; MAX_POINT
 /// A point on the plane of contact, and its number among the points.
 type Seed = (Vec2, usize);
 
-/// One seed for each cluster of points: the deepest, then the points in order that are far from all seeds before. `near`:
-/// square of the distance within which points are one. Says how many there are.
+/// One seed for each cluster of points: the deepest, then the points in order that are far from all seeds
+/// before. `near`: square of the distance within which points are one. Says how many there are.
 #[inline(always)]
 fn seed_clusters(
     points: &[RawPoint],
@@ -98,7 +99,7 @@ fn seed_clusters(
                 seeds[count] = (at, i);
                 count += 1;
             }
-            // The deepest of a cluster speaks for it.
+            // The deepest of a cluster represents it.
             Some(k) if k > 0 && point.separation < points[seeds[k].1].separation => seeds[k] = (at, i),
             Some(_) => {}
         }
@@ -106,7 +107,8 @@ fn seed_clusters(
     count
 }
 
-/// Drops the corner that takes least area with it until there are `room`, but never the deepest. Says how many are left.
+/// Drops the corner that takes least area with it until there are `room`, but never the deepest. Says how
+/// many are left.
 #[inline(always)]
 fn drop_least_corners(left: &mut [Seed; MAX_CLOUD], all: usize, room: usize, deepest: usize) -> usize {
     let mut corners = all;
@@ -149,8 +151,8 @@ fn exchange_for_area(chosen: &mut [Seed; MAX_POINTS], hull: &[Seed]) {
     }
 }
 
-/// The ends of points that lie on a line, as the contact of a capsule with many triangles does: its area is all
-/// rounding, and would choose any of them.
+/// The ends of points that lie on a line, as the contact of a capsule with many triangles does: its area is
+/// all rounding, and would choose any of them.
 fn ends_of_line(points: &[Seed]) -> Option<[usize; 2]> {
     let furthest = |from: Vec2| {
         let away = |p: &Seed| (p.0 - from).length_squared();
@@ -165,8 +167,8 @@ fn ends_of_line(points: &[Seed]) -> Option<[usize; 2]> {
     points.iter().all(|p| along.perp_dot(p.0 - one.0).abs() <= limit).then_some([one.1, other.1])
 }
 
-/// Twice the area of the convex hull of four points in any order: as a quadrilateral with two of them as ends of one
-/// diagonal, or as a triangle with the fourth inside.
+/// Twice the area of the convex hull of four points in any order: as a quadrilateral with two of them as ends
+/// of one diagonal, or as a triangle with the fourth inside.
 fn area_of_four(p: &[Seed; 4]) -> f32 {
     let [a, b, c, d] = p.map(|p| p.0);
     let quad = |a: Vec2, b: Vec2, c: Vec2, d: Vec2| (b - a).perp_dot(d - c).abs();
@@ -191,7 +193,7 @@ fn convex_hull(points: &mut [Seed], hull: &mut [Seed; MAX_CLOUD]) -> usize {
             {
                 count -= 1;
             }
-            // Only where a coordinate is no number does a hull have more corners than points.
+            // Only NaN coordinates give a hull more corners than points.
             let Some(corner) = hull.get_mut(count) else { break };
             *corner = *point;
             count += 1;

@@ -1,8 +1,8 @@
 //! A sphere or capsule against a polytope, and round shapes among themselves.
 //!
-//! Reference plane first: the ends of the core are projected on the best face and the core is clipped to its side
-//! planes, which gives both points of a capsule that lies on it. Where that isn't nearest, the nearest edge is, or one
-//! of its vertices: exactly, over all edges of faces that the core sees.
+//! Reference plane first: the ends of the core are projected on the best face and the core is clipped to its
+//! side planes, which gives both points of a capsule that lies on it. Where that isn't nearest, the nearest
+//! edge is, or one of its vertices: exactly, over all edges of faces that the core sees.
 
 use super::clip::Spans;
 use super::polytope::Polytope;
@@ -17,7 +17,8 @@ const FACE_WORDS: usize = 8;
 /// Squared sine under which two cores, or a core and an edge, lie along each other: 3 degrees.
 pub(crate) const ALONG: f32 = 0.0025;
 
-/// A sphere or capsule: all balls with centres from `start` to `start + along`, with radii linear in between [m].
+/// A sphere or capsule: all balls with centres from `start` to `start + along`, with radii linear in between
+/// [m].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Core {
     pub(crate) start: Vec3,
@@ -62,8 +63,8 @@ impl Core {
         Core { start: pose.point(self.start), along: pose.direction(self.along), ..*self }
     }
 
-    /// Where on the core the ball is that comes nearest to a point: the foot of the perpendicular, shifted towards
-    /// the thicker end by what makes the surface there perpendicular to the way out.
+    /// Where on the core the ball is that comes nearest to a point: the foot of the perpendicular, shifted
+    /// towards the thicker end by what makes the surface there perpendicular to the way out.
     #[inline(always)]
     fn nearest<L: Lanes>(&self, point: LaneVec3<L>) -> L {
         let squared = self.along.length_squared();
@@ -215,8 +216,8 @@ struct NearestEdge {
 }
 
 impl NearestEdge {
-    /// Something is nearest that a face sees which the core sees: if the way out of an edge or vertex is a sum of normals
-    /// with positive weights, one of them points towards the core.
+    /// Something is nearest that a face sees which the core sees: if the way out of an edge or vertex is a
+    /// sum of normals with positive weights, one of them points towards the core.
     #[inline(always)]
     fn of(core: &Core, p: &Polytope, best: &BestFace) -> NearestEdge {
         let sees = |f: u16| best.sees(f);
@@ -283,8 +284,9 @@ pub(crate) fn round_polytope(core: &Core, p: &Polytope, margin: f32, size: f32) 
     manifold
 }
 
-/// The points of a core and the edge of a polytope that is nearest to it: both ends of what they share if they lie along each
-/// other, else the nearest one and, where the core nearly lies on a face, one that steadies it.
+/// The points of a core and the edge of a polytope that is nearest to it: both ends of what they share if
+/// they lie along each other, else the nearest one and, where the core nearly lies on a face, one that
+/// steadies it.
 #[inline(always)]
 fn add_edge_points(
     core: &Core,
@@ -349,8 +351,8 @@ fn over_face(p: &Polytope, face: usize, start: Vec3, end: Vec3) -> (f32, f32) {
     }))
 }
 
-/// The part of a segment, of its 0..=1, that is inside of all sides, given how far its ends are beyond each; the first
-/// above the second if none is.
+/// The part of a segment, of its 0..=1, that is inside of all sides, given how far its ends are beyond each;
+/// the first above the second if none is.
 pub(crate) fn part_inside(beyond: impl Iterator<Item = (f32, f32)>) -> (f32, f32) {
     let (mut low, mut high) = (0.0f32, 1.0f32);
     for (d0, d1) in beyond {
@@ -394,7 +396,8 @@ pub(crate) fn round_round(a: &Core, b: &Core, margin: f32) -> RawManifold {
         if b.is_ball() {
             s = a.nearest(lanes(b.start));
         } else {
-            // Convex in s, and no closed form if both are tapered: golden sections, each 0.618 of the one before.
+            // Convex in s, and no closed form if both are tapered: golden sections, each 0.618 of the one
+            // before.
             let ratio = 0.618_034;
             let (mut low, mut high) = (0.0f32, 1.0f32);
             for _ in 0..32 {

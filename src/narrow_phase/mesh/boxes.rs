@@ -1,7 +1,7 @@
 //! A box against triangles: separating axes eight triangles at a time, then clipping of those that touch.
 //!
-//! In the box's frame a face of it is a rectangle along two axes, and the triangle, projected on it along the normal
-//! of contact, is clipped by four comparisons (Sutherland and Hodgman, 1974).
+//! In the box's frame a face of it is a rectangle along two axes, and the triangle, projected on it along the
+//! normal of contact, is clipped by four comparisons (Sutherland and Hodgman, 1974).
 
 use super::Triangles;
 use super::nearby::Ground;
@@ -81,8 +81,8 @@ fn cross_axis<L: Lanes>(axis: usize, v: LaneVec3<L>) -> LaneVec3<L> {
     }
 }
 
-/// The cross product of an edge of the box and one of the triangle on which they are furthest apart: by how much, and
-/// 3 · box axis + triangle edge, plus 9 if the normal is the negative of the product.
+/// The cross product of an edge of the box and one of the triangle on which they are furthest apart: by how
+/// much, and 3 · box axis + triangle edge, plus 9 if the normal is the negative of the product.
 #[inline(always)]
 fn edge_axes(half: Vec3, triangles: &Triangles) -> (f32x8, f32x8) {
     let zero = f32x8::zero();
@@ -147,7 +147,8 @@ pub(crate) fn key(triangle: u32, feature: u32) -> u32 {
     (triangle << 8 | feature & 0xff).wrapping_mul(0x9E37_79B1) | CORNERS
 }
 
-/// A corner of the polygon: two coordinates on the box's face, separation, which edge starts here, which feature it is.
+/// A corner of the polygon: two coordinates on the box's face, separation, which edge starts here, which
+/// feature it is.
 #[derive(Clone, Copy, Default)]
 struct Corner {
     x: [f32; 2],
@@ -156,8 +157,8 @@ struct Corner {
     feature: u32,
 }
 
-/// Adds the corners of what the triangle and the box's face towards `normal` cover, seen along the normal, that are
-/// nearer than the margin.
+/// Adds the corners of what the triangle and the box's face towards `normal` cover, seen along the normal,
+/// that are nearer than the margin.
 fn clip(half: Vec3, touch: &Touch, normal: Vec3, margin: f32, points: &mut Vec<RawPoint>) {
     let size = normal.abs();
     let w = if size.x >= size.y && size.x >= size.z {

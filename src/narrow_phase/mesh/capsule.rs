@@ -1,7 +1,7 @@
 //! A capsule against triangles: nearest points of its core, eight triangles at a time.
 //!
-//! What of the core is over a triangle, seen along the normal, gives two points there. Where another part of it is
-//! nearer, that is nearest to an edge.
+//! The part of the core that is over a triangle, seen along the normal, yields two points. Where another part
+//! of the core is nearer, that part is nearest to an edge.
 
 use super::Triangles;
 use super::boxes::key;
@@ -15,7 +15,7 @@ use crate::narrow_phase::convex::clip::Spans;
 use crate::narrow_phase::convex::round_polytope::{ALONG, Core, part_inside};
 use glam::Vec3;
 
-/// Where the core is to one triangle.
+/// Where the core is relative to one triangle.
 struct Place<'a> {
     core: &'a Core,
     touch: &'a Touch,
@@ -29,8 +29,8 @@ struct Place<'a> {
     at: (f32, f32),
 }
 
-/// What of the core is over each triangle, and the nearest edge: distance of the surface, number, where on the core,
-/// where on the edge.
+/// The part of the core over each triangle, and the nearest edge: distance of the surface, number, where on
+/// the core, where on the edge.
 #[inline(always)]
 fn nearest(core: &Core, triangles: &Triangles) -> ((f32x8, f32x8), [f32x8; 4]) {
     let zero = f32x8::zero();
@@ -73,8 +73,8 @@ pub(crate) fn touch(
     let (r0, r1) = (core.radius, core.radius + core.growth);
     let (_, axis, _) = triangles.separate(Vec3::ZERO, half);
     let front = triangles.front;
-    // Divided component by component, which rounds least: of a triangle much longer than the capsule, the far corners
-    // make much of a tilt.
+    // Divided component by component, which rounds least: if a triangle is much longer than the capsule, its
+    // far corners magnify a tilt.
     let [a, b, c] = triangles.corners;
     let cross = (b - a).cross(c - a);
     let length = cross.length() * front.dot(cross).sign();
@@ -146,8 +146,8 @@ impl Place<'_> {
         if s == 1.0 { end } else { start + (end - start) * s }
     }
 
-    /// Whether what is over the triangle is nearest to it, or goes through it. `face`: separation from the plane of
-    /// all of the capsule [m].
+    /// Whether the part over the triangle is the nearest, or goes through the triangle. `face`: separation of
+    /// the whole capsule from the plane [m].
     fn is_over(&self, face: f32, tolerance: f32) -> bool {
         let (low, high) = self.over;
         let core = self.core;
@@ -159,7 +159,7 @@ impl Place<'_> {
         nearest <= face + tolerance || (one < 0.0) != (other < 0.0)
     }
 
-    /// The two ends of what is over the triangle.
+    /// The two ends of the part over the triangle.
     fn over_face(&self, points: &mut Vec<RawPoint>) {
         let (low, high) = self.over;
         if low > high {
@@ -190,8 +190,8 @@ impl Place<'_> {
         (self.core.at(self.at.0), from + along * self.at.1)
     }
 
-    /// One point at the edge, or two where the capsule lies along it or nearly on the face. `apart`: of the nearest
-    /// points of core and edge.
+    /// One point at the edge, or two where the capsule lies along it or nearly on the face. `apart`: distance
+    /// of the nearest points of core and edge [m].
     fn at_edge(&self, normal: Vec3, apart: f32, tolerance: f32, points: &mut Vec<RawPoint>) {
         let Place { core, touch, .. } = *self;
         let (v, e) = self.edge();

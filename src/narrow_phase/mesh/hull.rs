@@ -1,9 +1,10 @@
-//! A hull against triangles: its deepest vertex over each, eight triangles at a time; the rest only where that does not
-//! tell.
+//! A hull against triangles: its deepest vertex over each, eight triangles at a time. All else is computed
+//! only where that does not decide.
 //!
-//! Where the deepest vertex is over a triangle, and further from its border than below its plane, no way out is shorter
-//! than along the triangle's normal: along a direction that leans by θ it is at least d cos θ + r sin θ, with the
-//! depth d and the distance r from the border, which is least at one of its ends. No other axis has to be tried.
+//! Where the deepest vertex is over a triangle, and further from its border than below its plane, no way out
+//! is shorter than along the triangle's normal: along a direction that leans by θ it is at least d cos θ + r
+//! sin θ, with the depth d and the distance r from the border, which is least at one of its ends. No other
+//! axis has to be tried.
 
 use super::Triangles;
 use super::hull_face::over_face;
@@ -113,8 +114,8 @@ pub(crate) fn touch(
     }
 }
 
-/// Adds the deepest vertex if it is none of a face's points from `first` on: it need not be a corner of the face
-/// that is most level.
+/// Adds the deepest vertex if it is none of a face's points from `first` on: it need not be a corner of the
+/// face that is most level.
 fn add_deepest(at: Vec3, face: f32, touch: &Touch, size: f32, (first, points): (usize, &mut Vec<RawPoint>)) {
     if points[first..].iter().all(|p| p.separation > face + PREFERENCE.1 * size) {
         let position = at - touch.front * (0.5 * face);

@@ -1,15 +1,14 @@
 //! A convex shape against a triangle mesh or a height field.
 //!
-//! Triangles near the shape are gathered in eights and brought into its frame. In lanes, most are found to be
-//! apart by more than the margin. Each of the others yields a *patch*: a normal and the points nearer than the margin,
-//! real and potential ones in one go ([`mesh_box`](crate::narrow_phase::mesh::boxes), [`mesh_sphere`](crate::narrow_phase::mesh::sphere),
-//! [`mesh_capsule`](crate::narrow_phase::mesh::capsule), [`mesh_hull`](crate::narrow_phase::mesh::hull), [`mesh_cylinder`](crate::narrow_phase::mesh::cylinder)). A
-//! patch whose normal the surface doesn't have there, because its edge is flat or concave, takes the triangle's or goes
-//! ([`mesh_patch`](crate::narrow_phase::mesh::patch)). Patches of about the same normal become one manifold of at most four points
-//! ([`mesh_merge`](crate::narrow_phase::mesh::merge)).
+//! Triangles near the shape are gathered in eights and transformed into its frame. Tests in lanes find most
+//! of them further apart than the margin. Each of the others yields a *patch*: a normal and the points nearer
+//! than the margin, real and potential ones alike ([`boxes`], [`sphere`], [`capsule`], [`hull`],
+//! [`cylinder`]). If the surface does not have the patch's normal there, because its edge is flat or concave,
+//! the patch takes the triangle's normal or is dropped ([`patch`]). Patches with about the same normal become
+//! one manifold of at most four points ([`merge`]).
 //!
-//! A triangle has two sides; the one on which the body's centre of mass is counts as outside, so that a shape that is
-//! stuck halfway is pushed back to where its centre is ([`side_of`]).
+//! A triangle has two sides. The one with the body's centre of mass counts as outside, so that a shape that
+//! is stuck halfway is pushed back to where its centre is ([`side_of`]).
 
 pub(crate) mod boxes;
 pub(crate) mod capsule;
@@ -41,13 +40,13 @@ use patch::{Patches, Touch};
 use reach::{Bounds, Near, Reach, along, around, bounds, side_of};
 use touched::Touched;
 
-/// Feature of a triangle's key: the deepest point of the shape, wherever that is.
+/// Feature in a triangle's key: the deepest point of the shape, wherever it is.
 const DEEPEST: u32 = 0x7f;
 
 /// Eight triangles in the shape's frame.
 pub(super) struct Triangles {
     pub(super) corners: [LaneVec3<f32x8>; 3],
-    /// Unit, to the side on which the shape belongs.
+    /// Unit normal, to the side on which the shape belongs.
     pub(super) front: LaneVec3<f32x8>,
     /// Height of the shape's origin over the plane [m].
     pub(super) height: f32x8,
@@ -59,11 +58,11 @@ pub(super) struct Triangles {
 }
 
 impl Triangles {
-    /// `side`: of the shape, the point whose side it belongs on.
+    /// `side`: the point of the shape that tells on which side it belongs.
     #[inline(always)]
     pub(super) fn new(eight: &Eight, lanes: u32, pose: &Pose, side: Vec3) -> Triangles {
         let m = &pose.axes;
-        // Written out: arrays that are mapped or iterated over by value are not kept in registers.
+        // Written out: arrays that are mapped or iterated over by value do not stay in registers.
         let (x_axis, y_axis, z_axis) =
             (LaneVec3::<f32x8>::splat(m.x_axis), LaneVec3::splat(m.y_axis), LaneVec3::splat(m.z_axis));
         let position = LaneVec3::splat(pose.position);
@@ -102,10 +101,10 @@ impl Triangles {
         }
     }
 
-    /// How far a box is apart from each: along the triangles' normals, and the most along
-    /// the box's own axes, with the axis: 0, 1, 2 towards +x, +y, +z, then 3, 4, 5 towards -x, -y, -z.
+    /// Separations of a box from each triangle: along the triangles' normals, and the largest along the box's
+    /// own axes, with the axis: 0, 1, 2 towards +x, +y, +z, then 3, 4, 5 towards -x, -y, -z.
     ///
-    /// An axis on which the box would leave to the back of a triangle it overlaps doesn't count.
+    /// An axis that would push the box out through the back of a triangle it overlaps does not count.
     #[inline(always)]
     pub(super) fn separate(&self, centre: Vec3, half: Vec3) -> (f32x8, f32x8, f32x8) {
         let [a, b, c] = self.corners;
@@ -140,7 +139,7 @@ pub(crate) struct MeshScratch {
     merge: Merge,
     /// What its buffers may still grow by.
     pub(crate) room: Room,
-    /// How often they could not: triangles, or manifolds' points, that were left out.
+    /// How much was left out because they could not: triangles, or points of manifolds.
     pub(crate) shed: u32,
 }
 
@@ -162,8 +161,9 @@ impl std::fmt::Debug for MeshScratch {
 }
 
 impl MeshScratch {
-    /// What of the ground the last shape, which was `a`, is within a distance of [m]; not all of it, if that is much.
-    /// `path`: of the shape in its own frame, of which no more than `margin` may lead into a plane [m].
+    /// The parts of the ground that the last shape, which was `a`, is within a distance of [m]; not all of
+    /// them, if they are many. `path`: displacement of the shape in its own frame; only planes into which it
+    /// leads by no more than `margin` are added [m].
     pub(crate) fn touched(&self, a: &Collider, within: f32, path: Vec3, margin: f32) -> Touched {
         let Patches { touches, patches, .. } = &self.patches;
         let mut touched = Touched::of(a);
@@ -177,8 +177,9 @@ impl MeshScratch {
         touched
     }
 
-    /// A triangle that the last shape, which was `a`, pierces although no manifold says so, because the way out past its edge is
-    /// shorter and leads behind a neighbour: how far the shape is beyond its plane, and the normal into it.
+    /// A triangle that the last shape, which was `a`, pierces although no manifold says so, because the way
+    /// out past its edge is shorter and leads behind a neighbour. Returns how far the shape is beyond its
+    /// plane, and the normal into it.
     pub(crate) fn pierced(&self, a: &Collider) -> Option<(f32, Vec3)> {
         let (touch, apart) = self.patches.passed_over()?;
         let here = Relative { position: Vec3::ZERO, rotation: glam::Quat::IDENTITY };
@@ -186,15 +187,15 @@ impl MeshScratch {
         (gap.overlap || gap.distance < 0.0).then_some((-apart, -touch.front))
     }
 
-    /// Where triangles are gathered, if there is room.
+    /// The buffer for triangles, if there is memory.
     pub(crate) fn nearby(&mut self) -> Option<&mut Nearby> {
         self.nearby.has_place(&mut self.room).then_some(&mut self.nearby)
     }
 
-    /// Calls `f` with each buffer and the place that looks with no room to grow need: for the triangles that are held, and for
-    /// what so many of them yield.
+    /// Calls `f` with each buffer and the capacity that it needs if it may not grow: for the triangles that
+    /// are gathered, and for what so many triangles yield.
     pub(crate) fn each_ready(&mut self, triangles: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        // The next eight triangles must find place for all that they might yield; most yield four.
+        // There must be capacity for all that the next eight triangles may yield; most yield four points.
         let points = 4 * triangles + 8 * CLOUD;
         f(self.nearby.buffer(), crate::narrow_phase::mesh::nearby::CHUNK);
         f(&mut self.patches.touches, triangles);
@@ -204,7 +205,7 @@ impl MeshScratch {
         f(&mut self.merge.place, triangles);
     }
 
-    /// Bytes of the triangles that a look holds.
+    /// Bytes of the triangles that are gathered for a pair.
     pub(crate) fn least(&mut self) -> usize {
         self.nearby.buffer().missing(crate::narrow_phase::mesh::nearby::CHUNK)
     }
@@ -216,9 +217,9 @@ impl MeshScratch {
     }
 }
 
-/// All points of a convex shape and a mesh or height field that are nearer than the margin, as up to
-/// [`MAX_MANIFOLDS`](crate::narrow_phase::mesh::merge::MAX_MANIFOLDS) manifolds in the shape's frame, added to `out`; the deepest first. Says whether anything was
-/// near enough to be looked at.
+/// Finds all points of a convex shape and a mesh or height field that are nearer than the margin. Adds them
+/// to `out` as up to [`MAX_MANIFOLDS`] manifolds in the shape's frame, the deepest first. Returns whether any
+/// triangle was near enough to be examined.
 pub(crate) fn collide_mesh(
     a: &Collider,
     b: &Collider,
@@ -253,7 +254,8 @@ pub(crate) fn collide_mesh(
     }
     nearby.gather(&ground, extent, &mut |found| {
         for (eight, lanes) in found.each() {
-            // Whatever these triangles yield must find place: the functions below don't ask.
+            // There must be capacity for all that these triangles may yield: the functions below don't check
+            // it.
             if !room.is_endless() && !patches.has_place(8, each, room) {
                 *shed += 1;
                 return;
@@ -275,14 +277,14 @@ pub(crate) fn collide_mesh(
     true
 }
 
-/// A convex shape that triangles are held against.
+/// A convex shape, prepared for tests against triangles.
 struct Shape<'a> {
     collider: &'a Collider,
     bounds: Bounds,
-    /// The point whose side of a triangle it belongs on.
+    /// The point that tells on which side of a triangle the shape belongs.
     side: Vec3,
     core: Option<Core>,
-    /// Of the mesh in the shape's frame.
+    /// Pose of the mesh in the shape's frame.
     pose: Pose,
 }
 
@@ -293,7 +295,7 @@ impl<'a> Shape<'a> {
         Some(Shape { collider, bounds, side: side_of(collider), core: Core::of(collider), pose })
     }
 
-    /// The box of the mesh's frame around all that is nearer than a margin.
+    /// The box, in the mesh's frame, around all points nearer to the shape than a margin.
     #[inline(always)]
     fn extent(&self, margin: f32) -> Extent {
         around(&self.pose, self.bounds.grown(margin))
@@ -323,7 +325,7 @@ impl<'a> Shape<'a> {
         }
     }
 
-    /// Completes the patches, and drops those that the surface doesn't have.
+    /// Completes the patches, and drops those that the surface does not have.
     #[inline(always)]
     fn finish(&self, patches: &mut Patches) {
         let a = self.collider;

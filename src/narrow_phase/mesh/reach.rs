@@ -1,8 +1,8 @@
-//! How far around a shape a mesh matters to it.
+//! How far around a shape the triangles of a mesh matter.
 //!
-//! A box in the mesh's frame, around where the shape is and where it goes, says which triangles are gathered. If only what
-//! is near counts, few do: the near ones, and of those further away the ones level with them, whose points belong to
-//! the same manifold.
+//! A box in the mesh's frame, around where the shape is and where it goes, selects the triangles to gather.
+//! If only near contacts count, few triangles do: the near ones, and those further away that are level with a
+//! near one, because their points belong to the same manifold.
 
 use super::Triangles;
 use super::nearby::Extent;
@@ -13,15 +13,16 @@ use crate::narrow_phase::convex::polytope::Pose;
 use crate::shape::{Collider, Geometry};
 use glam::Vec3;
 
-/// What of a mesh counts as close to a shape.
+/// Which triangles of a mesh count as close to a shape.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reach {
-    /// How near [m].
+    /// Distance up to which points count [m].
     pub(crate) margin: f32,
-    /// Manifolds without a point nearer than this are of no use to the caller [m]; below zero: without one as deep. Of triangles
-    /// further away only those are looked at that are level with a nearer one.
+    /// The caller has no use for manifolds without a point nearer than this [m]; below zero: without one as
+    /// deep. Triangles further away are examined only if they are level with a nearer one.
     pub(crate) within: f32,
-    /// Where the shape goes, in its own frame [m]: a triangle may be further away by what that takes off its distance.
+    /// Displacement of the shape, in its own frame [m]: triangles may be further away by as much as it takes
+    /// off their distance.
     pub(crate) path: Vec3,
 }
 
@@ -34,7 +35,7 @@ impl Reach {
     }
 }
 
-/// Normals of the triangles that are near.
+/// Normals of near triangles, if they are few.
 #[derive(Default)]
 pub(crate) struct Near {
     fronts: [Vec3; 8],
@@ -47,8 +48,9 @@ const LEVEL: f32 = 0.998;
 const LEAN: f32 = 0.064;
 
 impl Near {
-    /// Adds those of eight triangles that may be nearer than `within` [m]: no plane of theirs, nor of the box around the
-    /// shape, shows that they are not. Below zero: whose planes the shape is beyond by as much, and which it may touch.
+    /// Adds those of eight triangles that may be nearer than `within` [m]: neither their planes nor those of
+    /// the box around the shape exclude it. Below zero: those whose planes the shape is beyond by as much,
+    /// and which it may touch.
     #[inline(always)]
     pub(crate) fn add(&mut self, triangles: &Triangles, a: &Collider, bounds: Bounds, within: f32) {
         let limit = f32x8::splat(within);
@@ -69,8 +71,9 @@ impl Near {
         }
     }
 
-    /// The box of the mesh's frame around all that is level with a near triangle and below the shape by no more than a
-    /// margin, if near ones are few; `close`: the box around the shape.
+    /// The box, in the mesh's frame, around all that is level with a near triangle and below the shape by no
+    /// more than a margin; `None` if the near triangles have too many normals. `close`: the box around the
+    /// shape.
     pub(crate) fn extent(&self, pose: &Pose, close: Extent, margin: f32) -> Option<Extent> {
         let fronts = self.fronts.get(..self.count)?;
         let (mut min, mut max) = close;
@@ -97,8 +100,8 @@ impl Near {
     }
 }
 
-/// The box of the mesh's frame around a shape that goes `path` in its own [m], unless that is far: such a box would hold
-/// much that is nowhere near the path.
+/// The box, in the mesh's frame, around a shape that moves by `path` in its own [m]. `None` if that is far:
+/// the box would contain much that is nowhere near the path.
 pub(crate) fn extent_of(a: &Collider, rel: &Relative, margin: f32, path: Vec3) -> Option<Extent> {
     let bounds = bounds(a)?;
     if path.length() > 2.0 * a.radius {
@@ -108,24 +111,25 @@ pub(crate) fn extent_of(a: &Collider, rel: &Relative, margin: f32, path: Vec3) -
     Some(along(&pose, around(&pose, bounds.grown(margin)), path))
 }
 
-/// The box around a box of the mesh's frame that goes `path` in the shape's.
+/// A box of the mesh's frame, extended by a displacement in the shape's frame.
 pub(crate) fn along(pose: &Pose, (min, max): Extent, path: Vec3) -> Extent {
     let path = pose.inverse().direction(path);
     (min + path.min(Vec3::ZERO), max + path.max(Vec3::ZERO))
 }
 
-/// The box of the mesh's frame around one of the shape's.
+/// The box of the mesh's frame around a box of the shape's frame.
 pub(crate) fn around(pose: &Pose, Bounds { middle, half }: Bounds) -> Extent {
     let middle = pose.inverse().point(middle);
     let m = pose.axes;
     let half = Vec3::new(m.x_axis.abs().dot(half), m.y_axis.abs().dot(half), m.z_axis.abs().dot(half));
-    // A millionth of the coordinates is their rounding.
+    // A millionth of the coordinates covers their rounding.
     let half = half + Vec3::splat(1e-6 * middle.abs().max_element());
     (middle - half, middle + half)
 }
 
-/// The point of a shape that tells which side of a surface it belongs on: the body's centre of mass, which crosses nothing
-/// static ([`guard`](crate::finish)), if that is in this shape; the shape's own centre if not.
+/// The point of a shape that tells on which side of a surface it belongs: the body's centre of mass, which
+/// never crosses static geometry ([`guard`](crate::finish)), if this shape contains it; otherwise the shape's
+/// own centre.
 pub(crate) fn side_of(a: &Collider) -> Vec3 {
     let of_mass = -(a.rotation.conjugate() * a.position);
     if a.geometry.holds(of_mass) {
@@ -146,7 +150,7 @@ pub(crate) struct Bounds {
 }
 
 impl Bounds {
-    /// Of a ball around the origin.
+    /// The box around a ball at the origin.
     pub(crate) fn of_ball(radius: f32) -> Bounds {
         Bounds { middle: Vec3::ZERO, half: Vec3::splat(radius) }
     }

@@ -186,7 +186,8 @@ fn the_first_touch_of_a_soup_is_the_first_of_its_triangles() {
         let motion = Motion::new(&a, &pa, &b, &pb);
         let eps = tolerance(&a, &b, 1.0);
         let found = cast(&a, &soup, &motion, eps, 0.0);
-        // A triangle with no thickness as a hull can't be; so each by itself, without the walk and its shortcuts.
+        // A triangle with no thickness as a hull can't be; so each by itself, without the walk and its
+        // shortcuts.
         let sweeps = soup.0.iter().filter_map(|t| {
             let b = Other::Convex(Support::triangle(*t));
             let sweep = Sweep::new(Support::of(&a).unwrap(), b, &motion, eps);
@@ -201,8 +202,8 @@ fn the_first_touch_of_a_soup_is_the_first_of_its_triangles() {
                 gap = gap.min(sweep.gap(&placed, &mut Simplex::empty()).0);
             }
         }
-        // A search that begins elsewhere ends elsewhere, but no nearer than a touch, and no further than the tolerance.
-        // The fraction is an f32.
+        // A search that begins elsewhere ends elsewhere, but no nearer than a touch, and no further than the
+        // tolerance. The fraction is an f32.
         let rounding = 1e-7 * f64::from(motion.displacement.length() + 9.0);
         let touches = gap > -rounding && gap <= f64::from(eps) + rounding;
         let same = found.is_some() == expected && (!expected || touches);

@@ -1,13 +1,14 @@
-//! The direction along which a cylinder and another convex shape are furthest apart or, if they overlap, least deep in
-//! each other.
+//! The direction along which a cylinder and another convex shape are furthest apart or, if they overlap,
+//! least deep in each other.
 //!
-//! Apart, it is that between the nearest points, which GJK finds on the exact shapes. An overlap is taken back first: `b`
-//! is moved along the best direction known until the two are a little apart. The nearest points then show a direction
-//! that beats the known one, if there is one, and the next round begins with it. Let the known depth be d, the gap that
-//! was opened e, and θ the angle between the known direction and a better one of depth d': the move opens
-//! (d + e) cos θ - d' along that, which is more than e unless d' > d cos θ - e (1 - cos θ). So each round is less deep, and
-//! a round that finds nothing ends within a factor of cos θ of whatever is shallower at the angle θ: nothing near, and
-//! what is far is among the candidates that the search starts from.
+//! Apart, it is that between the nearest points, which GJK finds on the exact shapes. An overlap is taken
+//! back first: `b` is moved along the best direction known until the two are a little apart. The nearest
+//! points then show a direction that beats the known one, if there is one, and the next round begins with it.
+//! Let the known depth be d, the gap that was opened e, and θ the angle between the known direction and a
+//! better one of depth d': the move opens (d + e) cos θ - d' along that, which is more than e unless d' > d
+//! cos θ - e (1 - cos θ). So each round is less deep, and a round that finds nothing ends within a factor of
+//! cos θ of whatever is shallower at the angle θ: nothing near, and what is far is among the candidates that
+//! the search starts from.
 
 use super::frustum::{Disc, Frustum};
 use super::sample::best_of_many;
@@ -19,7 +20,8 @@ use glam::{DMat3, Vec3};
 
 /// The gap that is opened then, as a share of the size.
 const GAP: f32 = 2e-4;
-/// From what overlap on the way out may be far from the faces and axes that are tried, as a share of the size.
+/// From what overlap on the way out may be far from the faces and axes that are tried, as a share of the
+/// size.
 const DEEP: f32 = 2e-3;
 /// And up to what overlap it is looked for.
 const TOO_DEEP: f32 = 0.2;
@@ -79,7 +81,7 @@ pub(super) enum FlatFace {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Axis {
     pub(super) normal: Vec3,
-    /// Of the shapes along it, negative in overlap [m].
+    /// Separation of the shapes along it, negative in overlap [m].
     pub(super) separation: f32,
     /// The face that it is the normal of, and whether it is b's.
     pub(super) face: Option<(FlatFace, bool)>,
@@ -134,8 +136,8 @@ impl Both<'_> {
         axis.separation >= 0.0 || axis.normal.dot(self.against) <= 1e-3
     }
 
-    /// The axes that are tried at once: the best face or cap of either, for each side the way to the middle of the other
-    /// shape, and what is across two axes. `None`: one separates by more than the margin.
+    /// The axes that are tried at once: the best face or cap of either, for each side the way to the middle
+    /// of the other shape, and what is across two axes. `None`: one separates by more than the margin.
     pub(super) fn candidates(&self, margin: f32) -> Option<Candidates> {
         let mut found = Candidates { flat: NO_AXIS, best: NO_AXIS };
         for on_b in [false, true] {
@@ -179,7 +181,8 @@ impl Both<'_> {
         Some(found)
     }
 
-    /// The best way of all, from the best that is known, and points of both shapes that are that far apart along it.
+    /// The best way of all, from the best that is known, and points of both shapes that are that far apart
+    /// along it.
     ///
     /// `size`: a length of the smaller shape [m].
     pub(super) fn best(&self, supports: (&Support, &Support), from: Axis, size: f32) -> (Axis, [Vec3; 2]) {
@@ -256,8 +259,8 @@ impl Both<'_> {
     }
 }
 
-/// The face of `p` beyond which all of `f` is furthest, in the frame of `p`. Ends at the first that separates by more
-/// than the margin.
+/// The face of `p` beyond which all of `f` is furthest, in the frame of `p`. Ends at the first that separates
+/// by more than the margin.
 fn face_axis(p: &Polytope, f: &Frustum, f_in_p: &Pose, margin: f32) -> (f32, usize) {
     let axes = &f_in_p.axes;
     let [ax, ay, az] = [axes.x_axis, axes.y_axis, axes.z_axis].map(LaneVec3::<f32x8>::splat);
