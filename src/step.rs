@@ -296,7 +296,7 @@ impl World {
             fall: self.settings.gravity * (0.5 * dt * dt),
             dynamic: self.bodies.dynamic(),
             margin: MARGIN * unit,
-            real: REAL * unit,
+            touch_distance: REAL * unit,
             unit,
             fast: FAST * unit,
             recycle: if self.settings.recycling { RECYCLE * unit } else { -1.0 },

@@ -37,14 +37,15 @@ fn cuboid() -> Collider {
 fn cylinder() -> Collider {
     collider(Geometry::cylinder(0.3, 0.35))
 }
-/// Of 24 points on a ball of half a metre.
+/// A hull of 24 points on a ball of half a metre.
 fn hull() -> Collider {
     let mut random = Random(24);
     let points: Vec<Vec3> = (0..24).map(|_| random.direction() * 0.5).collect();
     collider(Geometry::Hull(Arc::new(ConvexHull::new(&points).expect("points of a ball span a volume"))))
 }
 
-/// Any rotations, at distances from where the shapes overlap by about half to where they are just out of reach.
+/// Any rotations, at distances from where the shapes overlap by about half to where they are just out of
+/// reach.
 fn poses(a: &Collider, b: &Collider) -> Vec<Relative> {
     let mut random = Random(7);
     let (least, most) = (0.5 * (a.radius + b.radius), a.radius + b.radius);
@@ -69,7 +70,8 @@ fn stacked() -> Vec<Relative> {
 
 type LaneKernel = fn(&PairLanes<f32x8>) -> ManifoldLanes<f32x8>;
 
-/// The pairs that go through their kernel in eight lanes; loading them and taking the manifolds out is included.
+/// The pairs that go through their kernel in eight lanes; loading them and taking the manifolds out is
+/// included.
 pub fn lanes() -> Vec<Kernel> {
     let of = |name: &str, a: Collider, b: Collider, kernel: LaneKernel| {
         let poses = poses(&a, &b);

@@ -9,12 +9,11 @@
 use super::Aabb;
 use crate::lanes::{Lanes, Mask, Vec3, f32x4};
 use crate::memory::{Buffer, bytes_of, sum_bytes};
+use crate::shape::{FourTree, boxes_meet};
 use bytemuck::{Pod, Zeroable};
 
-/// No place, no child.
-pub(super) const NONE: u32 = u32::MAX;
-/// A child with this bit is a leaf, and the rest is its collider.
-pub(super) const LEAF: u32 = 1 << 31;
+/// No place, no child; and a child with this bit is a leaf, and the rest is its collider.
+pub(super) use crate::shape::{LEAF, NONE};
 
 /// Four boxes and what is in them; 128 bytes, two cache lines.
 #[derive(Clone, Copy, Debug)]
@@ -78,13 +77,7 @@ impl Node {
     /// Which of the four boxes touch this one.
     #[inline(always)]
     pub(crate) fn overlaps(&self, min: &Vec3<f32x4>, max: &Vec3<f32x4>) -> u32 {
-        (self.min.x.le(max.x)
-            & self.min.y.le(max.y)
-            & self.min.z.le(max.z)
-            & self.max.x.ge(min.x)
-            & self.max.y.ge(min.y)
-            & self.max.z.ge(min.z))
-        .bits()
+        boxes_meet((self.min, self.max), (*min, *max)).bits()
     }
 }
 
@@ -339,6 +332,20 @@ impl Tree {
     pub(crate) fn visit_box(&self, stack: &mut Vec<u32>, bounds: &Aabb, f: impl FnMut(u32)) {
         let (min, max) = (Vec3::splat(bounds.min), Vec3::splat(bounds.max));
         self.visit(stack, |node| node.overlaps(&min, &max), f);
+    }
+
+    /// Calls `leaf(collider, most)` for the leaves whose key is at most `most`, about the smallest first; it returns the
+    /// new `most`. See [`FourTree::visit_ordered`].
+    pub(super) fn visit_keys(
+        &self,
+        key: &impl Fn(&Vec3<f32x4>, &Vec3<f32x4>, f32) -> f32x4,
+        most: f32,
+        leaf: &mut impl FnMut(u32, f32) -> f32,
+    ) -> f32 {
+        if self.leaves == 0 {
+            return most;
+        }
+        self.visit_ordered(0, key, most, &mut |collider, _, most| leaf(collider, most))
     }
 
     /// Calls `f` with each buffer and the place that it may need for so many leaves.

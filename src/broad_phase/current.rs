@@ -11,7 +11,7 @@ use super::bvh::{NONE, Tree};
 use super::{Aabb, BroadPhase, Population, look_up};
 use crate::body::IDLE;
 use crate::error::Error;
-use crate::lanes::f32x4;
+use crate::lanes::{Vec3, f32x4};
 use crate::memory::{Buffer, bytes_of};
 use crate::shape::{Near, Slabs};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
@@ -335,7 +335,7 @@ impl BroadPhase {
         mut leaf: impl FnMut(u32, f32) -> f32,
     ) {
         self.endless(current, sorts, |c| most = leaf(c, most));
-        let key = |node: &super::bvh::Node, most: f32| slabs.enter(&node.min, &node.max, most);
+        let key = |min: &Vec3<f32x4>, max: &Vec3<f32x4>, most: f32| slabs.enter(min, max, most);
         self.ordered(current, sorts, &key, most, &mut leaf);
     }
 
@@ -349,7 +349,7 @@ impl BroadPhase {
         mut leaf: impl FnMut(u32, f32) -> f32,
     ) {
         self.endless(current, sorts, |c| most = leaf(c, most));
-        let key = |node: &super::bvh::Node, _most: f32| near.squared(&node.min, &node.max);
+        let key = |min: &Vec3<f32x4>, max: &Vec3<f32x4>, _most: f32| near.squared(min, max);
         self.ordered(current, sorts, &key, most, &mut leaf);
     }
 
@@ -373,15 +373,15 @@ impl BroadPhase {
         &self,
         current: &Current,
         sorts: Sorts,
-        key: &impl Fn(&super::bvh::Node, f32) -> f32x4,
+        key: &impl Fn(&Vec3<f32x4>, &Vec3<f32x4>, f32) -> f32x4,
         mut most: f32,
         leaf: &mut impl FnMut(u32, f32) -> f32,
     ) {
         if sorts.statics {
-            most = self.statics.visit_ordered(key, most, leaf);
+            most = self.statics.visit_keys(key, most, leaf);
         }
         if sorts.movers || !current.late.is_empty() {
-            current.tree.visit_ordered(key, most, leaf);
+            current.tree.visit_keys(key, most, leaf);
         }
     }
 

@@ -17,7 +17,6 @@ mod bvh;
 mod current;
 mod find;
 mod look_up;
-mod ordered;
 mod pairs;
 mod proxy;
 mod save;

@@ -4,7 +4,7 @@ use super::BroadPhase;
 use super::bvh::{Node, Tree};
 use super::current::{Current, Sorts};
 use crate::lanes::f32x4;
-use crate::shape::{FourTree, Slabs, Stream, Walk};
+use crate::shape::{FourTree, Stream, Walk};
 
 impl FourTree for Tree {
     #[inline(always)]
@@ -15,16 +15,6 @@ impl FourTree for Tree {
     #[inline(always)]
     fn child(&self, node: u32, lane: usize) -> u32 {
         self.nodes()[node as usize].child(lane)
-    }
-    fn alone(
-        &self,
-        node: u32,
-        slabs: &Slabs<f32x4>,
-        most: f32,
-        leaf: &mut impl FnMut(u32, f32, f32) -> f32,
-    ) -> f32 {
-        let key = |node: &Node, most: f32| slabs.enter(&node.min, &node.max, most);
-        self.visit_from(node, &key, most, &mut |collider, most| leaf(collider, 0.0, most))
     }
 }
 

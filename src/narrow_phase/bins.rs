@@ -1,23 +1,13 @@
-//! Pairs binned by shape pair, and worked through in lanes.
+//! Bins of pairs with the same two shapes, and the kernels that work through them in lanes.
 
-use super::cast::tolerance;
-use super::collide::{Approach, Input, Same, Start, lanes_of, relative_pose, relative_poses};
+use super::collide::{Approach, Input, lanes_of, relative_pose, relative_poses};
 use super::convex::collide_convex;
-use super::mesh::collide_mesh;
-use super::{RawManifold, Relative};
+use super::pair_policy::{PairState, finish_convex, finish_mesh, margin_of};
 use crate::broad_phase::Pair;
-use crate::config::Continuous;
 use crate::lanes::f32x8;
 use crate::memory::{Buffer, Room, bytes_of};
-use crate::narrow_phase::cast::ahead::{
-    NO_GAP, fly_mesh, halfway, hit_mesh, keep_reached, look_ahead, look_ahead_mesh, look_along, look_beside,
-    motion_of, right_way_out, strikes, touches_mesh, would_push,
-};
-use crate::narrow_phase::cast::gates::{enter_mesh, gate, straight};
-use crate::narrow_phase::cast::mesh::Cast;
-use crate::narrow_phase::contacts::contact::{Contact, NONE};
-use crate::narrow_phase::contacts::found::Out;
-use crate::narrow_phase::mesh::reach::{Reach, extent_of};
+use crate::narrow_phase::contacts::contact::Contact;
+use crate::narrow_phase::contacts::found::BlockOutput;
 use crate::narrow_phase::pairs::box_box::box_box;
 use crate::narrow_phase::pairs::capsule_box::{capsule_box, tapered_capsule_box};
 use crate::narrow_phase::pairs::capsule_capsule::{capsule_capsule, tapered_capsule_capsule};
@@ -25,9 +15,8 @@ use crate::narrow_phase::pairs::lanes_io::{ManifoldLanes, PairLanes};
 use crate::narrow_phase::pairs::sphere_box::sphere_box;
 use crate::narrow_phase::pairs::sphere_capsule::sphere_capsule;
 use crate::narrow_phase::pairs::sphere_sphere::sphere_sphere;
-use crate::shape::{Collider, Hot, Kind};
+use crate::shape::{Hot, Kind};
 use crate::threads::{Shared, per_block};
-use std::cell::LazyCell;
 
 /// A shape pair, as a small number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,12 +26,13 @@ const KINDS: u8 = 8;
 /// Tapered capsules have kernels, and so bins, of their own.
 const TAPERED_CAPSULES: Bin = Bin(KINDS * KINDS);
 const TAPERED_BOX: Bin = Bin(KINDS * KINDS + 1);
-/// From here on the bins of meshes, then those of height fields, by the kind of the other shape. They have no kernel in
-/// lanes, so a block may have several of them: in a scene of few bodies there are not as many blocks as kinds.
+/// The bins of meshes begin here, then those of height fields, by the kind of the other shape. They have no
+/// kernel in lanes, so a block may contain several of them: in a scene of few bodies there are fewer blocks
+/// than kinds.
 const MESHES: Bin = Bin(KINDS * KINDS + 2);
-/// One bin a pair of kinds, the tapered ones, and those of meshes.
+/// One bin for each pair of kinds, the tapered ones, and those of meshes.
 const COUNT: usize = MESHES.0 as usize + 2 * KINDS as usize;
-/// Pairs a block of one bin: a multiple of eight.
+/// Pairs a block of one bin, a multiple of eight.
 pub(super) const BLOCK: u32 = per_block(64, 8) as u32;
 
 impl Bin {
@@ -67,26 +57,26 @@ impl Bin {
     }
 }
 
-/// Pairs of one bin that are worked through in one go, what place their finds have, and what was counted.
+/// Pairs of one bin that one thread works through, the range of its new contacts, and its counts.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Block {
     pub(crate) bin: Bin,
     /// Range in the order.
     pub(crate) start: u32,
     pub(crate) end: u32,
-    /// Where its new contacts begin, and how many there is place for.
+    /// Start and capacity of its new contacts.
     pub(crate) fresh: u32,
     pub(crate) place: u32,
-    /// How many of those may be, and are, of two bodies that can be pushed, and of others.
+    /// Most and present number of new contacts between two bodies that can be pushed, and of others.
     pub(crate) quota: [u32; 2],
     pub(crate) used: [u32; 2],
-    /// Which of the blocks of mesh pairs it is.
+    /// Its index among the blocks of mesh pairs.
     pub(crate) mesh: u32,
     /// Pairs that lost their contacts.
     pub(crate) emptied: u32,
     pub(crate) casts: u32,
     pub(crate) ghosts: u32,
-    /// Points that there was no place for.
+    /// Points shed for lack of memory.
     pub(crate) shed: u32,
 }
 
@@ -99,7 +89,7 @@ pub(crate) struct Bins {
 }
 
 impl Bins {
-    /// Counting sort of the pairs by bin; those with `skip` or a higher number are left out.
+    /// Sorts the pairs by bin (counting sort); those with `skip` or a higher number are left out.
     pub(crate) fn sort(&mut self, bin_of: &[u8], skip: u8, room: &mut Room) {
         let mut starts = [0u32; COUNT + 1];
         for &bin in bin_of.iter().filter(|&&bin| bin < skip) {
@@ -109,7 +99,8 @@ impl Bins {
             starts[bin + 1] += starts[bin];
         }
         let total = starts[COUNT];
-        // Pairs are only taken in if there is room for all of them here, which must not go to anything else.
+        // The broad phase takes in pairs only if there is memory for all of them here, so it must not be used
+        // for anything else.
         let place = if room.is_endless() { total as usize } else { bin_of.len() };
         room.fit(&mut self.order, place);
         room.fit(&mut self.blocks, Self::most_blocks(place));
@@ -130,18 +121,18 @@ impl Bins {
         }
     }
 
-    /// Bytes that buffers lack for so many pairs.
+    /// Calls `f` with each buffer and the capacity that it needs for so many pairs.
     pub(crate) fn each(&mut self, pairs: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
         f(&mut self.order, pairs);
         f(&mut self.blocks, Self::most_blocks(pairs));
     }
 
-    /// Bytes that it lacks for so many.
+    /// Bytes missing for so many pairs.
     pub(crate) fn missing(&self, pairs: usize) -> usize {
         self.order.missing(pairs) + self.blocks.missing(Self::most_blocks(pairs))
     }
 
-    /// Each bin may end with one that is not full.
+    /// Each bin may end with a block that is not full.
     fn most_blocks(pairs: usize) -> usize {
         pairs / BLOCK as usize + COUNT.min(pairs)
     }
@@ -184,12 +175,8 @@ pub(crate) fn run_bin(
     input: &Input<'_>,
     pairs: &[Pair],
     contacts: &Shared<'_, Contact>,
-    out: &mut Out<'_>,
+    out: &mut BlockOutput<'_>,
 ) {
-    let margin_of = |approach: &Approach| {
-        let most = approach.most();
-        input.margin + if approach.is_continuous() { most } else { most.min(input.margin) }
-    };
     if let Some(kernel) = kernel_of(bin) {
         for eight in order.chunks(8) {
             let pair = |lane: usize| eight[lane.min(eight.len() - 1)] as usize;
@@ -198,12 +185,13 @@ pub(crate) fn run_bin(
             let placed = relative_poses::<f32x8>(&|lane| pairs[pair(lane)], input.poses);
             let lanes = PairLanes::new(placed, |lane| {
                 let p = &pairs[pair(lane)];
-                (shape(p.a), shape(p.b), margin_of(&approach[lane]))
+                (shape(p.a), shape(p.b), margin_of(input, &approach[lane]))
             });
             let (manifolds, placed) = (kernel(&lanes), lanes_of(&placed));
             for (lane, &index) in eight.iter().enumerate() {
-                let raw = manifolds.lane(lane);
-                finish_convex(input, pairs, index, raw, (&placed[lane], &approach[lane]), contacts, out);
+                let (pair, rel, approach) = (&pairs[index as usize], &placed[lane], &approach[lane]);
+                let state = PairState { input, pair, index, rel, approach };
+                finish_convex(&state, manifolds.lane(lane), contacts, out);
             }
         }
         return;
@@ -212,227 +200,13 @@ pub(crate) fn run_bin(
         let pair = &pairs[index as usize];
         let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
         let rel = &relative_pose(pair, input.poses);
-        let approach = input.approach(pair);
+        let approach = &input.approach(pair);
+        let state = PairState { input, pair, index, rel, approach };
         if b.kind == Kind::Mesh || b.kind == Kind::HeightField {
-            finish_mesh(input, pair, index, (a, b), (rel, &approach), contacts, out);
+            finish_mesh(&state, contacts, out);
         } else {
-            let raw = collide_convex(a, b, rel, margin_of(&approach));
-            finish_convex(input, pairs, index, raw, (rel, &approach), contacts, out);
+            let raw = collide_convex(a, b, rel, margin_of(input, approach));
+            finish_convex(&state, raw, contacts, out);
         }
-    }
-}
-
-/// A gap that a push should have closed counts as a ghost above this many margins.
-pub(crate) const GHOST_GAP: f32 = 0.5;
-
-/// Whether the contact moves much faster than the bodies: on a round shape that is large against the other, which rocks
-/// on it. The rows of a step act at one place. At the place of its start they would add energy to the rocking in every
-/// step; at that of its middle they take a little away.
-fn wanders(input: &Input<'_>, pair: &Pair) -> bool {
-    let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
-    let large = |round: &Collider, other: &Collider| {
-        let round_kind = matches!(round.kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder);
-        round_kind && round.radius > 2.0 * other.radius
-    };
-    large(a, b) || large(b, a)
-}
-
-fn finish_convex(
-    input: &Input<'_>,
-    pairs: &[Pair],
-    index: u32,
-    raw: RawManifold,
-    (rel, approach): (&Relative, &Approach),
-    contacts: &Shared<'_, Contact>,
-    out: &mut Out<'_>,
-) {
-    let pair = &pairs[index as usize];
-    let nearest = raw.points().iter().fold(f32::INFINITY, |s, p| s.min(p.separation));
-    let (mut raw, mut fraction, mut missed) = (raw, 0.0, false);
-    if approach.is_continuous() && nearest > 0.0 && raw.count > 0 && input.start != Start::Speculative {
-        let fast = nearest > input.real && approach.most() > input.fast;
-        let volume = approach.mode == Continuous::Volume;
-        let strays = nearest <= input.margin && input.strays(pair);
-        // A plane lies between the two. If the motion can't close the gap across it, they don't touch.
-        let closing = -(input.poses[pair.a as usize].rotation * raw.normal).dot(approach.way);
-        if fast && !volume && !strays && closing + approach.spin < nearest {
-            (raw.count, missed) = (0, true);
-        } else if fast || would_push(input, &motion_of(input, pair), &raw) {
-            // Apart, and a plane at the start of the step would be a guess: look where they really touch.
-            let hit = if input.start == Start::Gated {
-                gate(input, pair, &raw)
-            } else {
-                out.count_casts(1);
-                look_ahead(input, pair)
-            };
-            // On a miss there is nothing in reach on this path; the larger volume keeps what it passes.
-            let found = hit.or_else(|| if volume { look_beside(input, pair) } else { None });
-            if found.is_some() || !strays {
-                (raw, fraction) = found.unwrap_or_default();
-            }
-            missed = raw.count == 0;
-        }
-    } else if nearest < 0.0
-        && let Some(out) = right_way_out(input, pair, rel, &raw)
-    {
-        raw = out;
-    }
-    if raw.count > 0
-        && input.slides_far(pair, approach)
-        && let Some(later) = look_along(input, pair, (&raw, fraction))
-    {
-        (raw, fraction) = later;
-    }
-    if fraction == 0.0 && (1..3).contains(&raw.count) && wanders(input, pair) {
-        let middle = halfway(input, pair, input.margin);
-        // Unless it would push where nothing is touched.
-        if middle.count > 0 && (nearest <= 0.0 || !would_push(input, &motion_of(input, pair), &middle)) {
-            (raw, fraction) = (middle, 0.5);
-        }
-    }
-    if pair.contact == NONE {
-        if raw.count > 0 {
-            out.add(input, pair, index, raw, fraction);
-        } else if missed {
-            out.clear(index);
-        }
-        return;
-    }
-    // SAFETY: the contact is this pair's, and this block has the pair.
-    let contact = unsafe { contacts.get(pair.contact as usize) };
-    if contact.pushed && nearest > GHOST_GAP * input.margin {
-        out.count_ghost();
-    }
-    if raw.count == 0 {
-        out.empty(index);
-    } else {
-        let frame = input.poses[pair.a as usize].rotation;
-        contact.renew(&raw, (*rel, frame), Same::of(input, pair));
-        contact.fraction = fraction;
-    }
-}
-
-fn finish_mesh(
-    input: &Input<'_>,
-    pair: &Pair,
-    index: u32,
-    (a, b): (&Collider, &Collider),
-    (rel, approach): (&Relative, &Approach),
-    contacts: &Shared<'_, Contact>,
-    out: &mut Out<'_>,
-) {
-    let most = approach.most();
-    // Within half the ball that fits into it a body can't get past a triangle, and planes at the start will do. What
-    // rolls moves and turns alike, and its planes are near: its way and its turn may each be as far as that ball.
-    let continuous = approach.is_continuous();
-    let looks = continuous && input.start != Start::Speculative;
-    let gated = input.start == Start::Gated;
-    let rolls = pair.contact != NONE
-        && approach.mode == Continuous::Segment
-        && approach.length.max(approach.spin) < a.inner_radius;
-    let fast = looks && !rolls && most > input.fast.max(0.5 * a.inner_radius);
-    // Where the body is, and what it may turn into: what it may reach further away is found by the cast.
-    let reach = match (fast, continuous) {
-        (true, _) => approach.spin.min(a.radius),
-        (false, true) => most,
-        (false, false) => most.min(input.margin),
-    };
-    let margin = input.margin + reach;
-    let Some(mesh) = out.mesh.as_deref_mut() else {
-        // No buffers were granted, and the contacts of the last step are out of date.
-        out.count_shed(1);
-        if pair.contact != NONE {
-            out.empty(index);
-        }
-        return;
-    };
-    let (start, mut casts, mut nearest) = (mesh.count(), 0, f32::INFINITY);
-    // What rests on the mesh may not need it.
-    let (shapes, motion) = ((a, b), LazyCell::new(|| motion_of(input, pair)));
-    // Without a contact it is likely to be in flight.
-    mesh.mesh.nearby.forget();
-    let flight = if fast && !gated && pair.contact == NONE {
-        fly_mesh(input, shapes, (rel, &motion), &mut mesh.mesh)
-    } else {
-        Cast::Near
-    };
-    let mut ahead = match flight {
-        Cast::First(touch) => Some(touch),
-        _ => None,
-    };
-    if let Cast::Near = flight {
-        if fast {
-            // The path will be asked for too.
-            let way = motion.a.rotation.conjugate() * motion.displacement;
-            mesh.mesh.nearby.expect(extent_of(a, rel, margin, way));
-        }
-        mesh.raw.clear();
-        // Of what is fast, manifolds without a near point would be dropped.
-        let all = Reach::new(margin).within(if fast { input.margin } else { margin });
-        // What is slow reaches what it goes to; if it strikes something, it may go anywhere.
-        let aims = !fast && approach.mode == Continuous::Segment && approach.length > input.margin;
-        let way = input.poses[pair.a as usize].rotation.conjugate() * -approach.way;
-        let reach = if aims { Reach { way, ..Reach::new(input.margin + approach.spin) } } else { all };
-        collide_mesh(a, b, rel, reach, &mut mesh.mesh, &mut mesh.raw);
-        if aims && strikes(&motion, input.margin, &mesh.raw) {
-            mesh.raw.clear();
-            collide_mesh(a, b, rel, all, &mut mesh.mesh, &mut mesh.raw);
-        } else if aims && mesh.raw.iter().any(|m| m.points().iter().all(|p| p.separation > input.margin)) {
-            keep_reached(&motion, input.margin, &mut mesh.raw);
-        }
-        nearest = mesh.raw.iter().flat_map(|m| m.points()).fold(f32::INFINITY, |s, p| s.min(p.separation));
-        // What rests on the mesh sinks by what gravity adds in the step, and must not strike the ground that it is on.
-        let resting = if nearest <= input.real { input.margin } else { input.real };
-        if fast {
-            // Manifolds without a near point are guesses; what is really hit comes from the cast.
-            mesh.raw.retain(|m| m.points().iter().any(|p| p.separation <= resting));
-        }
-        // Close, but apart by more than shows: planes count only if anything is touched at all.
-        let apart = nearest > tolerance(a, b, input.unit).max(NO_GAP * input.real);
-        let near = |m: &RawManifold| m.points().iter().any(|p| p.separation <= input.margin);
-        let guess = |m: &RawManifold| would_push(input, &motion, m) && !(near(m) && input.strays(pair));
-        if looks && apart && mesh.raw.iter().any(guess) {
-            casts += 1;
-            let touches = if gated {
-                approach.spin > input.margin || enter_mesh(input, shapes, (rel, &motion), 0.0).is_some()
-            } else {
-                touches_mesh(input.unit, shapes, (rel, &motion), &mut mesh.mesh)
-            };
-            if !touches {
-                mesh.raw.retain(|m| !guess(m));
-            }
-        }
-        (0..mesh.raw.len()).for_each(|i| mesh.add(mesh.raw[i], 0.0));
-        if fast {
-            ahead = if gated {
-                enter_mesh(input, shapes, (rel, &motion), resting)
-            } else {
-                look_ahead_mesh(input, shapes, (rel, &motion), resting, &mut mesh.mesh)
-            };
-        }
-    }
-    casts += u32::from(fast);
-    if let Some(touch) = ahead {
-        casts += 1;
-        if gated {
-            hit_mesh(input, pair, shapes, &straight(&motion), touch, mesh);
-        } else {
-            hit_mesh(input, pair, shapes, &motion, touch, mesh);
-        }
-    }
-    let found = mesh.end(index, start);
-    out.count_casts(if gated { 0 } else { casts });
-    if let Cast::Free = flight {
-        out.clear(index);
-    }
-    if pair.contact != NONE {
-        // SAFETY: the contact is this pair's, and this block has the pair.
-        let contact = unsafe { contacts.get(pair.contact as usize) };
-        if contact.pushed && nearest > GHOST_GAP * input.margin {
-            out.count_ghost();
-        }
-    }
-    if !found && pair.contact != NONE {
-        out.empty(index);
     }
 }

@@ -1,8 +1,8 @@
 //! The narrow phase of a step: pairs in, contacts out.
 //!
-//! Three passes. *Place*: the relative pose of every pair, eight at a time; a pair that hardly moved since its contact
-//! was found keeps it. *Bins*: the others are binned by shape pair and go through their kernel in lanes. *Commit*, by
-//! one thread and in the order of the pairs: contacts come and go.
+//! Three passes. *Place*: the relative pose of every pair, eight at a time; a pair that hardly moved since
+//! its contact was found keeps it. *Bins*: the others are binned by shape pair and go through their kernel in
+//! lanes. *Commit*, by one thread and in the order of the pairs: contacts come and go.
 
 use super::Relative;
 use super::bins::{Bin, Bins, run_bin};
@@ -12,8 +12,8 @@ use crate::config::Continuous;
 use crate::lanes::{Lanes, Quat, Record, Vec3, f32x8};
 use crate::memory::{Buffer, Category, Rooms, Slab, bytes_of};
 use crate::narrow_phase::contacts::admit::RowSpace;
-use crate::narrow_phase::contacts::contact::{Contact, Contacts, NONE};
-use crate::narrow_phase::contacts::found::{CLEAR, EMPTIED, Found};
+use crate::narrow_phase::contacts::contact::{Contact, Contacts, NO_CONTACT};
+use crate::narrow_phase::contacts::found::{CLEAR, EMPTIED, FoundContacts};
 use crate::narrow_phase::contacts::manifold::MAX_POINTS;
 use crate::narrow_phase::contacts::weight::Scale;
 use crate::shape::{Collider, Hot, Kind};
@@ -31,33 +31,35 @@ pub(crate) struct Input<'a> {
     pub(crate) fall: glam::Vec3,
     /// Bodies before this one are dynamic.
     pub(crate) dynamic: usize,
-    /// Points nearer than this are always looked for [m].
+    /// Points nearer than this are always found [m].
     pub(crate) margin: f32,
     /// A separation up to this is a real contact [m].
-    pub(crate) real: f32,
+    pub(crate) touch_distance: f32,
     /// The length unit [m].
     pub(crate) unit: f32,
-    /// Relative motion in a step above which a pair that is apart is cast [m].
+    /// Relative motion in a step above which a pair that is apart counts as fast [m].
     pub(crate) fast: f32,
-    /// How far a pair may move before its contact is looked for again [m]; negative: at once.
+    /// How far a pair may move before its contact is computed anew [m]; negative: always.
     pub(crate) recycle: f32,
     /// The world's; a pair's is in [`Approach::mode`].
     pub(crate) mode: Continuous,
     pub(crate) start: Start,
-    /// What contacts weigh, should there not be enough memory for all.
+    /// Weights of contacts, for when there is not enough memory for all.
     pub(crate) scale: Scale<'a>,
     /// Whether a body has joints.
     pub(crate) has_joints: &'a (dyn Fn(u32) -> bool + Sync),
 }
 
-/// What becomes of the manifold that a pair which is apart, and may close its gap within the step, has at the start of it.
+/// What becomes of a pair's manifold at the start of the step, if the pair is apart then and may close its
+/// gap within the step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Start {
-    /// It is replaced by that of the first touch, which is searched for along the predicted motion.
+    /// It is replaced by the manifold of the first touch along the predicted motion.
     Cast,
-    /// It stays: its planes stop whoever could reach them, and nothing that is missed is dropped.
+    /// It stays: its planes stop everything that could reach them, and nothing that is missed is dropped.
     Speculative,
-    /// It stays as far as the predicted motion crosses it over the faces that it is of ([`gates`](crate::narrow_phase::cast::gates)).
+    /// Its points stay where the predicted motion crosses the plane over the faces that they belong to
+    /// ([`gates`](super::cast::gates)).
     Gated,
 }
 
@@ -68,47 +70,28 @@ impl Input<'_> {
         self.motion.get(body).copied().unwrap_or_default()
     }
 
-    /// Whether a pair is of a body that can be pushed and one that can't: what it keeps apart stays apart at the last
-    /// should memory run out.
+    /// Whether only one body of a pair can be pushed. Such contacts are shed last if memory runs out.
     pub(crate) fn is_static(&self, pair: &Pair) -> bool {
         let pushed = |c: u32| (self.hot[c as usize].body as usize) < self.dynamic;
         !(pushed(pair.a) && pushed(pair.b))
     }
 
-    /// Whether a pair is of something static and a body that joints keep from going where it is predicted to: that the
-    /// predicted path misses what is near says nothing.
-    pub(crate) fn strays(&self, pair: &Pair) -> bool {
-        let [a, b] = [pair.a, pair.b].map(|c| self.hot[c as usize].body);
-        self.is_static(pair) && (self.has_joints)(if (a as usize) < self.dynamic { a } else { b })
-    }
-
-    /// Whether two bodies that both move go further past each other within the step than the planes of its start are good for.
-    pub(crate) fn slides_far(&self, pair: &Pair, approach: &Approach) -> bool {
-        let moves = |c: u32| (self.hot[c as usize].body as usize) < self.motion.len();
-        let inner = |c: u32| self.colliders[c as usize].inner_radius;
-        approach.is_continuous()
-            && self.start == Start::Cast
-            && approach.most() > self.fast
-            && moves(pair.a)
-            && moves(pair.b)
-            && approach.most() > 0.5 * inner(pair.a).max(inner(pair.b))
-    }
-
-    /// Whether a pair only says who is in a sensor.
+    /// Whether a pair only reports what is in a sensor.
     fn is_sensor(&self, pair: &Pair) -> bool {
         [pair.a, pair.b].iter().any(|&c| self.hot[c as usize].is_sensor())
     }
 
-    /// How a pair may close within the step.
+    /// How a pair may approach within the step.
     pub(crate) fn approach(&self, pair: &Pair) -> Approach {
         let (a, b) = (self.motion_of(pair.a), self.motion_of(pair.b));
         let swing = |collider: u32, motion: &Record| {
-            // The pad of a motion is the angle of its turn; an endless plane on a body that doesn't turn reaches nowhere.
+            // The pad of a motion is the angle of its rotation. An endless plane on a body that doesn't turn
+            // swings by nothing.
             let (c, turn) = (&self.hot[collider as usize], motion.pad1);
             if turn == 0.0 {
                 return 0.0;
             }
-            // What is round about an axis does not change by a turn about that.
+            // Turning a round shape about its axis does not change it.
             let tilt = match c.kind {
                 Kind::Sphere => return turn * c.lever,
                 Kind::Capsule | Kind::Cylinder => {
@@ -117,25 +100,30 @@ impl Input<'_> {
                 }
                 _ => turn,
             };
-            // A point of the shape can't get further than across it.
+            // A point of the shape can't move further than across it.
             turn * c.lever + (tilt * c.radius).min(2.0 * c.radius)
         };
-        let way = b.linear - a.linear;
+        let displacement = b.linear - a.linear;
         let own = |c: u32| self.hot[c as usize].mode;
         let mode = self.mode.of(own(pair.a).max(own(pair.b)));
-        Approach { way, length: way.length(), spin: swing(pair.a, &a) + swing(pair.b, &b), mode }
+        Approach {
+            displacement,
+            length: displacement.length(),
+            swing: swing(pair.a, &a) + swing(pair.b, &b),
+            mode,
+        }
     }
 }
 
-/// How two shapes may close within the step.
+/// How two shapes may approach each other within the step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Approach {
     /// Predicted displacement of `b`'s body relative to `a`'s, in the world [m].
-    pub(crate) way: glam::Vec3,
+    pub(crate) displacement: glam::Vec3,
     pub(crate) length: f32,
-    /// The furthest that turning takes points of the two towards each other [m].
-    pub(crate) spin: f32,
-    /// Of the pair: `Discrete` is never cast, `Volume` also keeps what the path misses.
+    /// The furthest that rotation moves points of the two towards each other [m].
+    pub(crate) swing: f32,
+    /// Mode of the pair: `Discrete` is never cast, `Volume` also keeps what the path misses.
     pub(crate) mode: Continuous,
 }
 
@@ -144,39 +132,40 @@ impl Approach {
         self.mode != Continuous::Discrete
     }
 
-    /// The furthest that two points may approach each other [m].
-    pub(crate) fn most(&self) -> f32 {
-        self.length + self.spin
+    /// The most that the distance of two points may shrink by [m].
+    pub(crate) fn max_closing(&self) -> f32 {
+        self.length + self.swing
     }
 }
 
 /// Buffers of one step.
 #[derive(Debug, Default)]
 pub(crate) struct Scratch {
-    /// The bin of each pair, or what becomes of it.
+    /// The bin of each pair, or its state if it is in none.
     bin_of: Vec<u8>,
     bins: Bins,
-    found: Found,
+    found: FoundContacts,
 }
 
 impl Scratch {
-    /// Bytes that buffers lack for so many pairs, whatever these turn out to be.
+    /// Bytes missing for so many pairs, whatever their bins.
     pub(crate) fn missing(&self, pairs: usize) -> usize {
         self.bin_of.missing(pairs) + self.bins.missing(pairs)
     }
 
-    /// Calls `f` with each of these buffers and the place that it needs.
+    /// Calls `f` with each of these buffers and the capacity that it needs.
     pub(crate) fn each(&mut self, pairs: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
         f(&mut self.bin_of, pairs);
         self.bins.each(pairs, f);
     }
 
-    /// Bytes that it takes to look at so many pairs of meshes in one step.
+    /// Bytes missing to work on so many pairs of meshes in one step.
     pub(crate) fn missing_to_find(&self, of_meshes: usize) -> usize {
         self.found.missing(of_meshes)
     }
 
-    /// Whether the shapes of a continuous pair, by its place in the list, are surely apart all along the predicted way.
+    /// Whether the shapes of a continuous pair, given by its index, are surely apart all along the predicted
+    /// path.
     pub(crate) fn is_clear(&self, pair: usize) -> bool {
         matches!(self.bin_of.get(pair), Some(&(FAR | CLEAR)))
     }
@@ -195,9 +184,9 @@ pub(crate) struct NarrowStats {
     pub(crate) recycled: u32,
     pub(crate) casts: u32,
     pub(crate) ghosts: u32,
-    /// Points that there was no place for.
+    /// Points shed for lack of memory.
     pub(crate) shed: u32,
-    /// A contact that was not there before touches.
+    /// A new contact touches.
     pub(crate) touching: bool,
 }
 
@@ -205,13 +194,15 @@ pub(crate) struct NarrowStats {
 const KEPT: u8 = u8::MAX;
 /// In `bin_of`: the pair is too far apart for a contact. See [`EMPTIED`] too.
 const FAR: u8 = KEPT - 1;
-/// How many times as far as past each other two bodies with a whole face between them may move along its normal.
+/// How many times further two bodies with a whole face between them may move along its normal than past each
+/// other.
 const SINK: f32 = 4.0;
-/// Pairs a block: a multiple of the lanes; fewer and the claim shows, more and two threads end apart.
+/// Pairs a block, a multiple of the lanes: with fewer, claiming blocks costs time; with more, threads end at
+/// different times.
 const BLOCK: usize = per_block(128, 8);
 
-/// Finds the contacts of all pairs, and leaves to their rows what these will lack. Nothing needs the rows of the last step any
-/// more: under a budget what is found lies in their place for a while.
+/// Finds the contacts of all pairs, and leaves to their rows the memory that these will need. The rows of the
+/// last step are no longer needed: under a budget new contacts use their memory for a while.
 pub(crate) fn collide(
     crew: &Crew<'_>,
     input: &Input<'_>,
@@ -220,7 +211,7 @@ pub(crate) fn collide(
     scratch: &mut Scratch,
     (rooms, space): (&mut Rooms, &mut RowSpace),
 ) -> NarrowStats {
-    // Pairs are only taken in if there is room for this.
+    // The broad phase takes in pairs only if there is memory for this.
     rooms.within(Category::Scratch, |room| room.fit(&mut scratch.bin_of, pairs.len()));
     place(crew, input, pairs, contacts, scratch);
     let Scratch { bin_of, bins, found } = scratch;
@@ -249,14 +240,14 @@ pub(crate) fn collide(
     stats
 }
 
-/// Looks at the pairs of some blocks.
+/// Works on the pairs of some blocks.
 fn run_blocks(
     crew: &Crew<'_>,
     input: &Input<'_>,
     (bins, wave, bin_of): (&mut Bins, std::ops::Range<usize>, &mut [u8]),
     pairs: &[Pair],
     contacts: &mut Contacts,
-    (found, slab): (&mut Found, &mut Slab),
+    (found, slab): (&mut FoundContacts, &mut Slab),
 ) {
     let all = Shared::new(&mut contacts.all);
     let state = Shared::new(bin_of);
@@ -274,9 +265,10 @@ fn run_blocks(
     });
 }
 
-/// Which pairs keep their contacts, and the bins of the others.
+/// Decides which pairs keep their contacts, and the bins of the others.
 ///
-/// Relative poses are not handed on: most pairs need them no more, and to make them again costs less than to keep them.
+/// Relative poses are not stored: most pairs don't need them again, and computing them anew costs less than
+/// storing them.
 fn place(crew: &Crew<'_>, input: &Input<'_>, pairs: &[Pair], contacts: &mut Contacts, scratch: &mut Scratch) {
     scratch.bin_of.clear();
     scratch.bin_of.resize(pairs.len(), 0);
@@ -291,7 +283,7 @@ fn place(crew: &Crew<'_>, input: &Input<'_>, pairs: &[Pair], contacts: &mut Cont
                 // SAFETY: block and lane fix `first + i`, which no other block has.
                 unsafe {
                     let idle = pair.is_idle(input.hot, input.dynamic);
-                    *bin_of.get(first + i) = if idle && pair.contact != NONE {
+                    *bin_of.get(first + i) = if idle && pair.contact != NO_CONTACT {
                         KEPT
                     } else if idle {
                         FAR
@@ -311,27 +303,31 @@ fn place(crew: &Crew<'_>, input: &Input<'_>, pairs: &[Pair], contacts: &mut Cont
 
 /// Whether the balls around two shapes without a contact are too far apart for one.
 fn far(input: &Input<'_>, pair: &Pair, now: &Relative) -> bool {
-    if pair.contact != NONE {
+    if pair.contact != NO_CONTACT {
         return false;
     }
     let (a, b) = (&input.hot[pair.a as usize], &input.hot[pair.b as usize]);
     let (reach, approach) = (a.radius + b.radius, input.approach(pair));
-    // What no kernel would look at.
-    let closing = if approach.is_continuous() { approach.most() } else { approach.most().min(input.margin) };
+    // Beyond the reach of all kernels.
+    let closing = if approach.is_continuous() {
+        approach.max_closing()
+    } else {
+        approach.max_closing().min(input.margin)
+    };
     let most = reach + input.margin + closing;
     if now.position.length_squared() > most * most {
         return true;
     }
-    // What is apart and fast gets points only of a touch, and balls that pass each other don't touch. Turning moves
-    // their centres by no more than their levers.
-    if approach.mode != Continuous::Segment || approach.most() <= input.fast || !reach.is_finite() {
+    // Fast pairs that are apart get points only at a touch, and balls that pass each other don't touch.
+    // Rotation moves their centres by no more than their levers.
+    if approach.mode != Continuous::Segment || approach.max_closing() <= input.fast || !reach.is_finite() {
         return false;
     }
     let turn = |c: u32| input.motion_of(c).pad1.min(2.0);
     let near = reach + input.margin + a.lever * turn(pair.a) + b.lever * turn(pair.b);
     let pose = |c: u32| &input.poses[c as usize];
     let apart = (pose(pair.b).position - pose(pair.a).position).as_vec3();
-    let way = approach.way;
+    let way = approach.displacement;
     let along = (-apart.dot(way) / way.length_squared().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
     (apart + way * along).length_squared() > near * near
 }
@@ -343,12 +339,12 @@ pub(crate) fn relative_poses<L: Lanes>(pair: &impl Fn(usize) -> Pair, poses: &[P
     let b = |i: usize| &poses[pair(i).b as usize];
     let qa = Quat::<L>::from_fn(|i| a(i).rotation).conjugate();
     let qb = Quat::<L>::from_fn(|i| b(i).rotation);
-    // The difference of two f64 positions, then f32: exact near each other wherever the world is.
+    // The difference is taken in f64 and then rounded: exact for near pairs wherever in the world they are.
     let position = qa.rotate(Vec3::from_fn(|i| (b(i).position - a(i).position).as_vec3()));
     (position, qa.compose(qb))
 }
 
-/// The same, one by one.
+/// The lanes, as single poses.
 #[inline(always)]
 pub(crate) fn lanes_of((position, rotation): &(Vec3<f32x8>, Quat<f32x8>)) -> [Relative; 8] {
     let (x, y, z) = (position.x.to_array(), position.y.to_array(), position.z.to_array());
@@ -370,9 +366,9 @@ pub(crate) fn relative_pose(pair: &Pair, poses: &[Pose]) -> Relative {
 /// Whether the pair keeps its contacts; moves their points with the bodies if so.
 ///
 /// # Safety
-/// No other thread may look at the contacts of this pair.
+/// No other thread may access the contacts of this pair.
 unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'_, Contact>) -> bool {
-    if pair.contact == NONE || input.recycle < 0.0 {
+    if pair.contact == NO_CONTACT || input.recycle < 0.0 {
         return false;
     }
     // SAFETY: by the contract.
@@ -380,8 +376,8 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
     if first.count == 0 || first.fraction > 0.0 {
         return false;
     }
-    // A round surface rolls: its point of contact moves by its radius of curvature times the turn. One that stayed
-    // behind would be a pivot, on which a body at rest topples like a pendulum upside down.
+    // On a rolling surface the point of contact moves by its radius of curvature times the angle. A point
+    // left behind would be a pivot, on which a body at rest topples like an inverted pendulum.
     if first.count < 3 && (rolls(input, pair.a) || rolls(input, pair.b)) {
         return false;
     }
@@ -397,11 +393,12 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
     if moved > limit * limit || turned * reach * reach > limit * limit {
         return false;
     }
-    // Planes between what is apart must not last until they are crossed: the shapes may have passed each other. What bears a load is
-    // not apart, whichever way its separations are rounded.
+    // Planes between shapes that are apart must not be kept until they are crossed: the shapes may have
+    // passed each other by then. A pair that bears a load is not apart, whichever way its separations are
+    // rounded.
     let (mut nearest, mut bears) = (f32::INFINITY, false);
     let mut slot = pair.contact;
-    while slot != NONE {
+    while slot != NO_CONTACT {
         // SAFETY: by the contract.
         let contact = unsafe { all.read(slot as usize) };
         nearest = nearest.min(contact.nearest(now));
@@ -410,12 +407,12 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
     }
     if nearest > 0.0 && !bears {
         let approach = input.approach(pair);
-        if approach.is_continuous() && approach.most() > nearest {
+        if approach.is_continuous() && approach.max_closing() > nearest {
             return false;
         }
     }
     let mut slot = pair.contact;
-    while slot != NONE {
+    while slot != NO_CONTACT {
         // SAFETY: by the contract.
         let contact = unsafe { all.get(slot as usize) };
         contact.follow(now, input.poses[pair.a as usize].rotation);
@@ -424,19 +421,21 @@ unsafe fn recycle(input: &Input<'_>, pair: &Pair, now: &Relative, all: &Shared<'
     true
 }
 
-/// Whether two bodies that bear each other would move by no more than `limit` but for gravity [m].
+/// Whether two bodies that bear each other move by no more than `limit`, apart from gravity [m].
 fn is_slow(input: &Input<'_>, pair: &Pair, limit: f32) -> bool {
     let approach = input.approach(pair);
     let [a, b] = [pair.a, pair.b].map(|c| (input.hot[c as usize].body as usize) < input.dynamic);
     let falls = f32::from(u8::from(b)) - f32::from(u8::from(a));
-    (approach.way - input.fall * falls).length() + approach.spin <= limit
+    (approach.displacement - input.fall * falls).length() + approach.swing <= limit
 }
 
-/// Square of how far `b` moved past `a` since their contact was found [m²]. What merely sinks into the other, within a few times
-/// the limit, has the same arms: a stack that lands on itself keeps its contacts, and with them the place to go back to.
+/// Square of how far `b` moved past `a` since their contact was found [m²]. Sinking along the normal, within
+/// a few times the limit, keeps the arms: a stack that lands on itself keeps its contacts, and with them the
+/// place to return to.
 fn moved_past(contact: &Contact, moved: &glam::Vec3, limit: f32) -> f32 {
     let along = contact.normal.dot(*moved);
-    let sinks = contact.count as usize == MAX_POINTS && contact.next == NONE && along.abs() < SINK * limit;
+    let sinks =
+        contact.count as usize == MAX_POINTS && contact.next == NO_CONTACT && along.abs() < SINK * limit;
     if sinks { (*moved - contact.normal * along).length_squared() } else { moved.length_squared() }
 }
 
@@ -445,21 +444,22 @@ fn rolls(input: &Input<'_>, collider: u32) -> bool {
     matches!(input.hot[collider as usize].kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder)
 }
 
-/// What tells points and contacts that are found again from new ones.
+/// Limits that tell matching points and contacts from new ones.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Same {
-    /// How near two points must be to count as the same [m].
+pub(crate) struct MatchLimits {
+    /// Distance within which two points match [m].
     pub(crate) near: f32,
-    /// What moved further past the other since its contact was found last slides or rolls [m].
+    /// A pair that moved further past each other since its contact was last found slides or rolls [m].
     pub(crate) slides: f32,
 }
 
-impl Same {
-    pub(crate) fn of(input: &Input<'_>, pair: &Pair) -> Same {
+impl MatchLimits {
+    pub(crate) fn of(input: &Input<'_>, pair: &Pair) -> MatchLimits {
         let radius = |c: u32| input.hot[c as usize].radius;
         let near = 0.1 * radius(pair.a).min(radius(pair.b));
-        // What creeps is found again once it has moved by the first of these and not yet by twice that.
+        // A creeping pair is found anew once it has moved by `recycle`, and before it has moved by twice
+        // that.
         let slides = if input.recycle > 0.0 { near.min(2.0 * input.recycle) } else { near };
-        Same { near, slides }
+        MatchLimits { near, slides }
     }
 }

@@ -41,8 +41,8 @@ impl Random {
         let (v, w) = (self.cube(), self.range(0.01, 1.0));
         Quat::from_xyzw(v.x, v.y, v.z, w).normalize()
     }
-    /// The way of a body that begins so far from the origin and goes as far [m], and turns by up to so much about each axis
-    /// [rad].
+    /// The way of a body that begins so far from the origin and goes as far [m], and turns by up to so much
+    /// about each axis [rad].
     pub(crate) fn body(&mut self, far: f32, turns: f32) -> BodyPath {
         BodyPath {
             centre: (self.direction() * far).as_dvec3(),
@@ -123,8 +123,8 @@ pub(crate) fn collider(geometry: Geometry) -> Collider {
     }
 }
 
-/// How far a point is inside a convex shape's surface along the direction in which it is least so, by definition,
-/// not by the code under test; about, for a tapered capsule. Positive inside [m].
+/// How far a point is inside a convex shape's surface along the direction in which it is least so, by
+/// definition, not by the code under test; about, for a tapered capsule. Positive inside [m].
 pub(crate) fn depth(shape: &Collider, p: DVec3) -> f64 {
     let across = (p.x * p.x + p.z * p.z).sqrt();
     let [x, y, z, _] = shape.size.map(f64::from);

@@ -9,16 +9,16 @@ mod convex;
 #[cfg_attr(not(test), allow(dead_code, reason = "benches use a part of what tests use"))]
 pub(crate) mod fixtures;
 mod mesh;
+mod pair_policy;
 pub(crate) mod pairs;
 
-pub(crate) use bins::GHOST_GAP;
 pub(crate) use cast::ahead::out_by_the_centre;
-pub(crate) use cast::mesh::{Asked, Cast, Triangles, ask_mesh};
+pub(crate) use cast::mesh::{CastResult, MeshCast, Triangles, cast_mesh};
 pub(crate) use cast::motion::{BodyPath, Motion};
 pub(crate) use cast::{cast_convex, cast_plane, tolerance};
 pub(crate) use collide::{Input, NarrowStats, Scratch, Start, collide};
 pub(crate) use contacts::admit::{RowCost, RowSpace};
-pub(crate) use contacts::contact::{Contact, Contacts, HOLD, NONE, Point, UNKNOWN_LOAD};
+pub(crate) use contacts::contact::{Contact, Contacts, LOAD_TIME, NO_CONTACT as NONE, Point, UNKNOWN_LOAD};
 pub(crate) use contacts::found::FRESH_BYTES;
 pub(crate) use contacts::manifold::{MAX_POINTS, RawManifold, RawPoint};
 pub(crate) use contacts::weight::{Scale, Threshold, Weight};
@@ -28,14 +28,15 @@ pub(crate) use convex::simplex::{Simplex, from_triangle, off_triangle};
 pub(crate) use convex::support::{Pose as SupportPose, Support};
 pub(crate) use mesh::reach::Reach;
 pub(crate) use mesh::{MeshScratch, collide_mesh};
+pub(crate) use pair_policy::GHOST_GAP;
 
 /// What `bench` times beside what other stages use.
 #[cfg(feature = "internals")]
 pub(crate) mod kernels {
+    pub(crate) use super::fixtures::{Random, collider};
     pub(crate) use super::pairs::box_box::box_box;
     pub(crate) use super::pairs::capsule_box::{capsule_box, tapered_capsule_box};
     pub(crate) use super::pairs::capsule_capsule::{capsule_capsule, tapered_capsule_capsule};
-    pub(crate) use super::fixtures::{Random, collider};
     pub(crate) use super::pairs::lanes_io::{ManifoldLanes, PairLanes};
     pub(crate) use super::pairs::sphere_box::sphere_box;
     pub(crate) use super::pairs::sphere_capsule::sphere_capsule;

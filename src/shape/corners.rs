@@ -1,7 +1,7 @@
 //! The corners of triangles in lanes.
 
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
-use crate::shape::mesh::bvh::meets;
+use crate::shape::slabs::boxes_meet;
 use glam::Vec3;
 
 /// Eight triangles, by corner, axis and lane.
@@ -33,7 +33,7 @@ impl Corners {
     /// A bit for each triangle whose box meets a box.
     #[inline(always)]
     pub(crate) fn meeting(&self, min: Vec3, max: Vec3) -> u32 {
-        meets(self.bounds(), (LaneVec3::splat(min), LaneVec3::splat(max))).bits()
+        boxes_meet(self.bounds(), (LaneVec3::splat(min), LaneVec3::splat(max))).bits()
     }
 
     /// A bit for each triangle whose plane a segment keeps away from: see [`beyond`].

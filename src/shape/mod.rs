@@ -6,6 +6,7 @@
 mod collider;
 mod corners;
 mod extent;
+mod four_tree;
 mod height_field;
 mod hull;
 mod mass;
@@ -17,6 +18,7 @@ mod stream;
 
 pub(crate) use collider::{Collider, EVENTS, HOOKS, Hot, Kind, SENSOR};
 pub(crate) use corners::Corners;
+pub(crate) use four_tree::{FourTree, LEAF, NONE};
 pub use height_field::HeightField;
 pub use hull::ConvexHull;
 pub(crate) use hull::HullEdge;
@@ -24,10 +26,10 @@ pub use mass::MassProperties;
 pub use mesh::TriangleMesh;
 pub(crate) use mesh::edges::{Edges, FLAT_COSINE, Fold};
 pub(crate) use mesh::rays::TriangleRays;
-pub(crate) use slabs::{Near, Slabs};
+pub(crate) use slabs::{Near, Slabs, boxes_meet, path_hits_boxes};
 #[cfg(feature = "replay")]
 pub(crate) use stored::{StoredField, StoredHull, StoredMesh};
-pub(crate) use stream::{FourTree, RAYS, Stream, Walk};
+pub(crate) use stream::{RAYS, Stream, Walk};
 
 use crate::error::{Error, finite, within};
 use crate::limits::{self, length, length_or_zero};

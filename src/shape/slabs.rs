@@ -79,6 +79,39 @@ impl<L: Lanes> Slabs<L> {
     }
 }
 
+/// Which of `L::N` boxes a straight path touches; lane `i` answers for box `i`.
+///
+/// `half`: half vector of the path [m]. `offset`: from the middle of the path to the middle of the box, or back [m].
+/// `extent`: half extents of the box, already inflated by the mover's and by the margin [m]. An inert lane has a NaN
+/// offset or an extent of -inf and answers no. No division: a path of length zero is a point test. Separating axes,
+/// three box normals and three cross products: Ericson, *Real-Time Collision Detection* (2005), 5.3.3.
+#[inline(always)]
+pub(crate) fn path_hits_boxes<L: Lanes>(half: Vec3<L>, offset: Vec3<L>, extent: Vec3<L>) -> L::Mask {
+    let d = half.abs();
+    let m = offset.abs();
+    let c = offset.cross(half).abs(); // c.x: the axis x × half, and so on
+    m.x.le(extent.x + d.x)
+        & m.y.le(extent.y + d.y)
+        & m.z.le(extent.z + d.z)
+        & c.x.le(extent.y * d.z + extent.z * d.y)
+        & c.y.le(extent.x * d.z + extent.z * d.x)
+        & c.z.le(extent.x * d.y + extent.y * d.x)
+}
+
+/// Which boxes meet others, each as its low and its high corner.
+#[inline(always)]
+pub(crate) fn boxes_meet<L: Lanes>(
+    (low, high): (Vec3<L>, Vec3<L>),
+    (min, max): (Vec3<L>, Vec3<L>),
+) -> L::Mask {
+    low.x.le(max.x)
+        & low.y.le(max.y)
+        & low.z.le(max.z)
+        & high.x.ge(min.x)
+        & high.y.ge(min.y)
+        & high.z.ge(min.z)
+}
+
 /// A point, to be measured against boxes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Near<L> {

@@ -9,35 +9,16 @@
 //! 2015); alone where rays part: Benthin et al., *Combining Single and Packet-Ray Tracing for Arbitrary Ray
 //! Distributions* (2012).
 
+use super::four_tree::{FourTree, LEAF, NONE};
 use super::slabs::Slabs;
 use crate::lanes::{Lanes, Mask, f32x4, ones};
 
 /// Most rays of a stream: a bit each.
 pub(crate) const RAYS: usize = 64;
-/// A child with this bit is a leaf, and the rest says which.
-const LEAF: u32 = 1 << 31;
-/// No child.
-const NONE: u32 = u32::MAX;
 /// Levels that rays go through together; further down each goes alone.
 const LEVELS: usize = 12;
 /// Up to so many rays go on alone.
 const FEW: u32 = 2;
-
-/// A tree of four children a node, its root node 0.
-pub(crate) trait FourTree {
-    /// Least and greatest x, y and z of the boxes of a node's children.
-    fn sides(&self, node: u32) -> [f32x4; 6];
-    /// A node, a leaf (the bit 31 is set) or `u32::MAX`, nothing.
-    fn child(&self, node: u32, lane: usize) -> u32;
-    /// One ray from a node on. `leaf(leaf, entry, most)` returns the new `most`.
-    fn alone(
-        &self,
-        node: u32,
-        slabs: &Slabs<f32x4>,
-        most: f32,
-        leaf: &mut impl FnMut(u32, f32, f32) -> f32,
-    ) -> f32;
-}
 
 /// The rays of a stream, and up to which fraction each still matters.
 #[derive(Debug)]

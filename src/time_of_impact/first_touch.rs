@@ -1,6 +1,8 @@
 //! When two colliders first touch on what is left of their ways.
 
-use crate::narrow_phase::{Asked, BodyPath, Cast, Motion, ask_mesh, cast_convex, cast_plane, tolerance};
+use crate::narrow_phase::{
+    BodyPath, CastResult, MeshCast, Motion, cast_convex, cast_mesh, cast_plane, tolerance,
+};
 use crate::shape::{Collider, Kind};
 use glam::Vec3;
 
@@ -40,10 +42,10 @@ pub(super) fn first_touch(
     let touch = match b.kind {
         Kind::Plane => cast_plane(a, b, &motion, close),
         Kind::Mesh | Kind::HeightField => {
-            let asked = Asked::first(close, search.resting.max(close));
-            match ask_mesh(a, b, &motion.relative(0.0), &motion, asked, None) {
-                Cast::First(touch) => Some(touch),
-                Cast::Near | Cast::Free => None,
+            let cast = MeshCast::first(close, search.resting.max(close));
+            match cast_mesh(a, b, &motion.relative(0.0), &motion, cast, None) {
+                CastResult::First(touch) => Some(touch),
+                CastResult::Near | CastResult::Free => None,
             }
         }
         _ => cast_convex(a, b, &motion, close),

@@ -1,4 +1,6 @@
 use super::*;
+use crate::random::Random;
+use crate::shape::Slabs;
 use glam::vec3;
 
 fn boxes(count: u32, seed: u32) -> Vec<Aabb> {
@@ -65,4 +67,44 @@ fn boxes_that_are_all_the_same_still_make_a_shallow_tree() {
     tree.add(&ids, |_| Aabb { min: vec3(0.0, 0.0, 0.0), max: vec3(1.0, 1.0, 1.0) }, |_, _| {});
     assert_eq!(found(&tree, &Aabb { min: vec3(0.5, 0.5, 0.5), max: vec3(0.6, 0.6, 0.6) }).len(), 5000);
     assert!(tree.nodes.len() < 2500, "{}", tree.nodes.len());
+}
+
+#[test]
+fn an_ordered_walk_finds_the_same_as_a_list() {
+    let mut random = Random(9);
+    let boxes: Vec<Aabb> = (0..3000)
+        .map(|_| {
+            let (at, half) = (random.cube(50.0), random.cube(1.0).abs());
+            Aabb { min: at - half, max: at + half }
+        })
+        .collect();
+    let ids: Vec<u32> = (0..3000).collect();
+    let mut tree = Tree::default();
+    tree.add(&ids, |c| boxes[c as usize], |_, _| {});
+    for _ in 0..300 {
+        let (from, path) = (random.cube(60.0).as_dvec3(), random.cube(100.0));
+        let slabs = Slabs::<f32x4>::new(from, path, glam::Vec3::ZERO);
+        let one = Slabs::<f32>::new(from, path, glam::Vec3::ZERO);
+        let of = |c: u32| {
+            let b = &boxes[c as usize];
+            one.enter(&Vec3::splat(b.min), &Vec3::splat(b.max), 1.0)
+        };
+        let mut expected: Vec<u32> = ids.iter().copied().filter(|&c| of(c) <= 1.0).collect();
+        let key = |min: &Vec3<f32x4>, max: &Vec3<f32x4>, most: f32| slabs.enter(min, max, most);
+        let mut found = Vec::new();
+        tree.visit_keys(&key, 1.0, &mut |c, most| {
+            found.push(c);
+            most
+        });
+        found.sort_unstable();
+        assert_eq!(found, expected);
+        // Cut at the first: nothing nearer is missed.
+        expected.sort_by(|&a, &b| of(a).total_cmp(&of(b)));
+        let mut first = f32::INFINITY;
+        tree.visit_keys(&key, 1.0, &mut |c, most| {
+            first = first.min(of(c));
+            most.min(of(c))
+        });
+        assert_eq!(first, expected.first().map_or(f32::INFINITY, |&c| of(c)));
+    }
 }

@@ -4,7 +4,7 @@
 //! spring alone, so the spring stays the same from step to step ([`usual_substep`]); and impulses of lasting loads go with the
 //! length of the substep ([`StepLengths`]).
 
-use crate::narrow_phase::HOLD;
+use crate::narrow_phase::LOAD_TIME;
 use std::ops::{Add, Mul, Sub};
 
 /// How far the substep that springs are made for follows that of a step: a hundredth up, a thousandth down. So it settles
@@ -67,7 +67,7 @@ impl Load for glam::Vec4 {}
 impl StepLengths {
     /// Of a step of `dt` seconds, with substeps of `now` seconds after such of `last` seconds, or zero.
     pub(crate) fn new(last: f32, now: f32, dt: f32, evenness: f32, warm_starting: bool) -> Self {
-        let share = (dt / HOLD).max(NEW * (1.0 - evenness).powi(2)).min(1.0);
+        let share = (dt / LOAD_TIME).max(NEW * (1.0 - evenness).powi(2)).min(1.0);
         StepLengths { last: if last > 0.0 { last } else { now }, now, share, warm_starting }
     }
 

@@ -1,11 +1,11 @@
-//! Fast pairs that are apart: where do they really touch within the step?
+//! Manifolds at other poses than those of the start of the step, above all at the first touch of a fast pair.
 //!
-//! The same kernels run at the pose of first touch, and the separations they find are carried back along the relative
-//! motion to the start of the step. A pair that does not touch gets no point at all, so nothing is pushed by what it
-//! never reaches; and of a mesh only the first obstacle on the path counts.
+//! The same kernels run at the pose of the first touch, and the separations that they find are carried back
+//! along the relative motion to the start of the step. A pair that does not touch gets no point at all, so
+//! that nothing is pushed by what it never reaches; of a mesh only the first obstacle on the path counts.
 
 use super::gates::enter_mesh;
-use super::mesh::{Asked, Cast, ask_mesh};
+use super::mesh::{CastResult, MeshCast, cast_mesh};
 use super::motion::{BodyPath, Motion};
 use super::{Touch, cast_convex, cast_plane, tolerance};
 use crate::body::exp_map;
@@ -21,9 +21,9 @@ use crate::narrow_phase::{RawManifold, Relative};
 use crate::shape::{Collider, Geometry, Kind};
 use glam::{Quat, Vec3};
 
-/// The manifold of two convex shapes, or of one and a plane, at their first touch within the step, and the fraction
-/// of the step at which that is.
-pub(crate) fn look_ahead(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold, f32)> {
+/// The manifold of two convex shapes, or of one and a plane, at their first touch within the step, and the
+/// fraction of the step at which that is.
+pub(crate) fn manifold_at_first_touch(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold, f32)> {
     let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
     let motion = motion_of(input, pair);
     let tolerance = tolerance(a, b, input.unit);
@@ -32,25 +32,27 @@ pub(crate) fn look_ahead(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold,
     } else {
         cast_convex(a, b, &motion, tolerance)
     }?;
-    let raw = collide_convex(a, b, &motion.relative(touch.fraction), further(input, pair, &touch));
+    let raw = collide_convex(a, b, &motion.relative(touch.fraction), margin_at_touch(input, pair, &touch));
     Some((carry_back(&raw, &motion, touch.fraction, 0.0), touch.fraction))
 }
 
 /// The manifold of two convex shapes, or of one and a plane, as it will be in the middle of the step.
-pub(crate) fn halfway(input: &Input<'_>, pair: &Pair, margin: f32) -> RawManifold {
+pub(crate) fn manifold_at_half_step(input: &Input<'_>, pair: &Pair, margin: f32) -> RawManifold {
     let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
     let motion = motion_of(input, pair);
     let raw = collide_convex(a, b, &motion.relative(0.5), margin);
     carry_back(&raw, &motion, 0.5, f32::MIN)
 }
 
-/// Of two bodies that both move far: the manifold at a later pose on their ways than that which `raw` is of, and the fraction of
-/// the step at which it is, if they overlap there by more than the planes of `raw` show. What slides along a plate for metres
-/// meets it where that has turned to by then.
-pub(crate) fn look_along(
+/// The manifold of two bodies that both move far, at a later pose than that of the manifold `raw`, which was
+/// found at `fraction`; with its own fraction of the step. `None` if they overlap there by no more than the
+/// planes of `raw` foresee. What slides along a plate for metres meets it where the plate has turned to by
+/// then.
+pub(crate) fn manifold_later_on_path(
     input: &Input<'_>,
     pair: &Pair,
-    (raw, fraction): (&RawManifold, f32),
+    raw: &RawManifold,
+    fraction: f32,
 ) -> Option<(RawManifold, f32)> {
     let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
     let motion = motion_of(input, pair);
@@ -59,11 +61,11 @@ pub(crate) fn look_along(
     if turns(a, motion.a.spin) || turns(b, motion.b.spin) {
         return None;
     }
-    let (mut found, mut most) = (None, input.real);
+    let (mut found, mut most) = (None, input.touch_distance);
     for later in [fraction + 0.5 * (1.0 - fraction), 1.0] {
-        // Rows take away what their planes see come.
+        // Rows remove the overlap that their planes foresee.
         let seen =
-            closes(&motion, raw, fraction).fold(0.0_f32, |s, (gap, closed)| s.min(gap - later * closed));
+            closings(&motion, raw, fraction).fold(0.0_f32, |s, (gap, closed)| s.min(gap - later * closed));
         let then = collide_convex(a, b, &motion.relative(later), input.margin);
         let deepest = then.points().iter().fold(0.0_f32, |s, p| s.min(p.separation));
         if seen - deepest > most {
@@ -74,83 +76,91 @@ pub(crate) fn look_along(
     found
 }
 
-/// Planes are good for a turn up to this [rad].
+/// Turn up to which the planes of a manifold hold [rad].
 const EVEN: f32 = 0.7;
 
-/// For the larger search volume: the manifold of two convex shapes that miss each other, where their centres pass. The
-/// path runs along such a plane, not through it, so it pushes only what another impact throws off its path.
-pub(crate) fn look_beside(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold, f32)> {
+/// For mode `Volume`: the manifold of two convex shapes that miss each other, where their centres pass. The
+/// path runs along such a plane, not through it, so the plane pushes only what another impact throws off its
+/// path.
+pub(crate) fn manifold_at_closest_pass(input: &Input<'_>, pair: &Pair) -> Option<(RawManifold, f32)> {
     let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
     let motion = motion_of(input, pair);
-    let (from, way) = (motion.start.as_vec3() + motion.a.lever - motion.b.lever, motion.displacement);
-    let fraction = if b.kind == Kind::Plane { 0.0 } else { -from.dot(way) / way.length_squared() };
-    // A way of no length has no fraction: NaN clamps to itself, and compares as false.
+    let (from, path) = (motion.start.as_vec3() + motion.a.lever - motion.b.lever, motion.displacement);
+    let fraction = if b.kind == Kind::Plane { 0.0 } else { -from.dot(path) / path.length_squared() };
+    // A path without length has no fraction: NaN compares as false.
     let fraction = if fraction > 0.0 { fraction.min(1.0) } else { 0.0 };
     let raw =
-        collide_convex(a, b, &motion.relative(fraction), input.margin + (1.0 - fraction) * way.length());
+        collide_convex(a, b, &motion.relative(fraction), input.margin + (1.0 - fraction) * path.length());
     let raw = carry_back(&raw, &motion, fraction, 0.0);
     (raw.count > 0 && !pushes(input, &motion, &raw, fraction)).then_some((raw, fraction))
 }
 
-/// Where a shape in flight first touches a mesh or height field; [`Cast::Near`] if it begins close to it.
-pub(crate) fn fly_mesh(
+/// Where a shape in flight first touches a mesh or height field; [`CastResult::Near`] if it begins close to
+/// it.
+pub(crate) fn first_touch_in_flight(
     input: &Input<'_>,
-    (a, b): Shapes<'_>,
-    (rel, motion): Way<'_>,
+    moving: &MeshPair<'_>,
     scratch: &mut MeshScratch,
-) -> Cast {
-    let asked = Asked { alone: input.margin, ..Asked::first(tolerance(a, b, input.unit), input.real) };
-    ask_mesh(a, b, rel, motion, asked, scratch.nearby())
+) -> CastResult {
+    let first = MeshCast::first(moving.tolerance(input.unit), input.touch_distance);
+    moving.cast(MeshCast { alone: input.margin, ..first }, scratch)
 }
 
-/// Where a shape first touches a mesh or height field, other than what it rests on: that within `resting` [m] at the
-/// start is left to the kernel there, of which `scratch` still knows what it found.
-pub(crate) fn look_ahead_mesh(
+/// Where a shape first touches a mesh or height field, other than what it rests on: what is within `resting`
+/// [m] at the start is left to the kernel there, whose results `scratch` still holds.
+pub(crate) fn first_touch_with_mesh(
     input: &Input<'_>,
-    (a, b): Shapes<'_>,
-    (rel, motion): Way<'_>,
+    moving: &MeshPair<'_>,
     resting: f32,
     scratch: &mut MeshScratch,
 ) -> Option<Touch> {
-    let way = motion.a.rotation.conjugate() * motion.displacement;
-    let known = scratch.touched(a, resting, (way, input.margin));
-    let asked =
-        Asked { known, lip: NO_GAP * input.real, ..Asked::first(tolerance(a, b, input.unit), resting) };
-    match ask_mesh(a, b, rel, motion, asked, scratch.nearby()) {
-        Cast::First(touch) => Some(touch),
+    let motion = moving.motion;
+    let path = motion.a.rotation.conjugate() * motion.displacement;
+    let known = scratch.touched(moving.shape, resting, path, input.margin);
+    let first = MeshCast::first(moving.tolerance(input.unit), resting);
+    match moving.cast(MeshCast { known, lip: NO_GAP * input.touch_distance, ..first }, scratch) {
+        CastResult::First(touch) => Some(touch),
         _ => None,
     }
 }
 
-/// Adds the manifolds of a convex shape at its first touch with a mesh or height field, and at the second, to which
-/// it would slide along what it touched first: a body that hits the ground close to a wall meets both in one step.
-pub(crate) fn hit_mesh(
+/// Whether a convex shape touches a mesh or height field at all within the step.
+pub(crate) fn touches_mesh(unit: f32, moving: &MeshPair<'_>, scratch: &mut MeshScratch) -> bool {
+    let cast = MeshCast { any: true, ..MeshCast::first(moving.tolerance(unit), 0.0) };
+    matches!(moving.cast(cast, scratch), CastResult::First(_))
+}
+
+/// Adds the manifolds of a convex shape at its first touch with a mesh or height field, and at the second, to
+/// which it would slide along what it touched first: a body that hits the ground close to a wall meets both
+/// in one step.
+pub(crate) fn add_manifolds_at_touch(
     input: &Input<'_>,
     pair: &Pair,
-    (a, b): Shapes<'_>,
+    (a, b): (&Collider, &Collider),
     motion: &Motion,
     touch: Touch,
     out: &mut MeshBlock,
 ) {
     let Touch { fraction, normal } = touch;
     out.raw.clear();
-    let margin = further(input, pair, &touch);
+    let margin = margin_at_touch(input, pair, &touch);
     let rel = motion.relative(fraction);
-    // Below it is what the rest of its way leads to.
-    out.mesh.nearby.expect(extent_of(a, &rel, input.margin, way_left(motion, fraction)));
+    // The second cast below follows the rest of the path.
+    out.mesh.nearby.expect(extent_of(a, &rel, input.margin, path_left(motion, fraction)));
     collide_mesh(a, b, &rel, Reach::new(margin).within(input.margin), &mut out.mesh, &mut out.raw);
-    // Planes that it is not close to when it touches are guesses.
+    // Planes that the shape is not close to when it touches are guesses.
     out.raw.retain(|m| m.points().iter().any(|p| p.separation <= input.margin));
     (0..out.raw.len()).for_each(|i| out.add(carry_back(&out.raw[i], motion, fraction, 0.0), fraction));
 
     let then = motion.after(fraction, normal);
-    let left = then.displacement.length() + (1.0 - fraction) * input.approach(pair).spin;
+    let left = then.displacement.length() + (1.0 - fraction) * input.approach(pair).swing;
     if left <= 0.5 * a.inner_radius {
         return;
     }
+    let moving = MeshPair { shape: a, mesh: b, rel: &rel, motion: &then };
     let second = match input.start {
-        Start::Gated => enter_mesh(input, (a, b), (&rel, &then), input.real),
-        _ => look_ahead_mesh(input, (a, b), (&rel, &then), input.real, &mut out.mesh),
+        Start::Gated => enter_mesh(input, &moving, input.touch_distance),
+        _ => first_touch_with_mesh(input, &moving, input.touch_distance, &mut out.mesh),
     };
     let Some(Touch { fraction: further, .. }) = second else {
         return;
@@ -164,45 +174,50 @@ pub(crate) fn hit_mesh(
     }
 }
 
-/// A convex shape, and a mesh or height field.
-pub(crate) type Shapes<'a> = (&'a Collider, &'a Collider);
-/// Where the second is in the frame of the first at the start of the motion, and the motion.
-pub(crate) type Way<'a> = (&'a Relative, &'a Motion);
+/// A convex shape, and a mesh or height field that it moves against.
+#[derive(Clone, Copy)]
+pub(crate) struct MeshPair<'a> {
+    pub(crate) shape: &'a Collider,
+    pub(crate) mesh: &'a Collider,
+    /// Pose of the mesh in the shape's frame at the start of the motion.
+    pub(crate) rel: &'a Relative,
+    pub(crate) motion: &'a Motion,
+}
+
+impl MeshPair<'_> {
+    pub(crate) fn tolerance(&self, unit: f32) -> f32 {
+        tolerance(self.shape, self.mesh, unit)
+    }
+
+    fn cast(&self, cast: MeshCast, scratch: &mut MeshScratch) -> CastResult {
+        cast_mesh(self.shape, self.mesh, self.rel, self.motion, cast, scratch.nearby())
+    }
+}
 
 /// How the shapes of a pair move within the step.
 pub(crate) fn motion_of(input: &Input<'_>, pair: &Pair) -> Motion {
     let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
-    Motion::new(a, &path(input, pair.a), b, &path(input, pair.b))
+    Motion::new(a, &body_path(input, pair.a), b, &body_path(input, pair.b))
 }
 
-/// What is left of the way at a fraction of the step, as shape a sees it then [m].
-fn way_left(motion: &Motion, fraction: f32) -> Vec3 {
+/// What is left of the path at a fraction of the step, in the frame that shape a has then [m].
+fn path_left(motion: &Motion, fraction: f32) -> Vec3 {
     let turned = exp_map(motion.a.spin * fraction) * motion.a.rotation;
     turned.conjugate() * motion.displacement * (1.0 - fraction)
 }
 
-/// The margin at a first touch [m]: what is left of the motion may bring down the rest of a body that touched with a tip.
-/// The plane is one that it did touch, so points far from it are no guess. Motion along it brings nothing down.
-pub(crate) fn further(input: &Input<'_>, pair: &Pair, touch: &Touch) -> f32 {
+/// The margin at a first touch [m]: the rest of the motion may bring down a body that touched with a tip. It
+/// did touch the plane, so points far from that are no guess. Motion along the plane brings nothing down.
+pub(crate) fn margin_at_touch(input: &Input<'_>, pair: &Pair, touch: &Touch) -> f32 {
     let radius = |c: u32| input.colliders[c as usize].radius;
     let size = 2.0 * radius(pair.a).min(radius(pair.b));
     let approach = input.approach(pair);
-    let closing = (-approach.way.dot(touch.normal)).max(0.0) + approach.spin;
+    let closing = (-approach.displacement.dot(touch.normal)).max(0.0) + approach.swing;
     input.margin + ((1.0 - touch.fraction) * closing).min(size)
 }
 
-/// Whether a convex shape touches a mesh or height field at all within the step.
-pub(crate) fn touches_mesh(
-    unit: f32,
-    (a, b): Shapes<'_>,
-    (rel, motion): Way<'_>,
-    scratch: &mut MeshScratch,
-) -> bool {
-    let asked = Asked { any: true, ..Asked::first(tolerance(a, b, unit), 0.0) };
-    matches!(ask_mesh(a, b, rel, motion, asked, scratch.nearby()), Cast::First(_))
-}
-
-/// Whether the predicted motion takes any point of a manifold, found at the start of the step, through its plane.
+/// Whether the predicted motion takes any point of a manifold, found at the start of the step, through its
+/// plane.
 pub(crate) fn would_push(input: &Input<'_>, motion: &Motion, raw: &RawManifold) -> bool {
     pushes(input, motion, raw, 0.0)
 }
@@ -210,11 +225,11 @@ pub(crate) fn would_push(input: &Input<'_>, motion: &Motion, raw: &RawManifold) 
 fn pushes(input: &Input<'_>, motion: &Motion, raw: &RawManifold, fraction: f32) -> bool {
     let nearly = NEARLY * input.unit;
     // A little early: the solver's path is not quite the predicted one.
-    closes(motion, raw, fraction).any(|(separation, closed)| separation < 1.05 * closed + nearly)
+    closings(motion, raw, fraction).any(|(separation, closed)| separation < 1.05 * closed + nearly)
 }
 
-/// Of each point, its separation and how much of that the motion takes away [m].
-fn closes(motion: &Motion, raw: &RawManifold, fraction: f32) -> impl Iterator<Item = (f32, f32)> {
+/// For each point its separation, and how much of that the motion takes away [m].
+fn closings(motion: &Motion, raw: &RawManifold, fraction: f32) -> impl Iterator<Item = (f32, f32)> {
     let (normal, moved) = (motion.a.rotation * raw.normal, motion.displacement * fraction);
     raw.points().iter().map(move |point| {
         let arm = motion.a.lever + motion.a.rotation * point.position;
@@ -222,30 +237,31 @@ fn closes(motion: &Motion, raw: &RawManifold, fraction: f32) -> impl Iterator<It
     })
 }
 
-/// Drops the manifolds that a slow shape is near to neither now nor after its predicted motion.
+/// Drops the manifolds that a slow shape is near neither at the start nor after its predicted motion.
 pub(crate) fn keep_reached(motion: &Motion, margin: f32, found: &mut Vec<RawManifold>) {
-    found.retain(|m| closes(motion, m, 0.0).any(|(gap, closed)| gap - closed.max(0.0) <= margin));
+    found.retain(|m| closings(motion, m, 0.0).any(|(gap, closed)| gap - closed.max(0.0) <= margin));
 }
 
 /// Whether the predicted motion leads into anything by more than a margin.
 pub(crate) fn strikes(motion: &Motion, margin: f32, found: &[RawManifold]) -> bool {
-    found.iter().any(|m| closes(motion, m, 0.0).any(|(gap, closed)| closed - gap > margin))
+    found.iter().any(|m| closings(motion, m, 0.0).any(|(gap, closed)| closed - gap > margin))
 }
 
-/// A gap up to this share of that of a real contact is none, and what stands out by no more is not felt.
+/// Share of the touch distance up to which a gap counts as none, and what stands out is ignored.
 pub(crate) const NO_GAP: f32 = 0.25;
 /// Rounding of a predicted path [length units].
 const NEARLY: f32 = 1e-5;
 
-/// How much of the gap along `normal` the whole motion takes away at a point that is `arm` from a's centre, with the
-/// centres moved apart by `moved` since the start [m].
+/// How much of the gap along `normal` the whole motion takes away at a point that is `arm` from a's centre,
+/// with the centres moved apart by `moved` since the start [m].
 pub(crate) fn closing(motion: &Motion, normal: Vec3, arm: Vec3, moved: Vec3) -> f32 {
     let arm_b = arm + motion.start.as_vec3() + moved;
     normal.dot(motion.displacement + motion.a.spin.cross(arm) - motion.b.spin.cross(arm_b))
 }
 
-/// If overlap is so deep that the way out leads through a still shape, because the longer part of the moving one is on
-/// the wrong side: the manifold that leads out on the side where the centre is.
+/// The manifold that leads out of a still shape on the side where the moving one's centre is, if the overlap
+/// is so deep that `raw` leads out through the still shape: because the longer part of the moving one is on
+/// the wrong side.
 pub(crate) fn right_way_out(
     input: &Input<'_>,
     pair: &Pair,
@@ -267,8 +283,8 @@ pub(crate) fn right_way_out(
     Some(out_by_the_centre(b, a, &from_b, &raw, input.margin)?.flipped(from_b.position, from_b.rotation))
 }
 
-/// The same of a shape that moves and one that stands still, in the frame of the first; of `raw` only the depth and the normal
-/// count.
+/// [`right_way_out`] of a moving and a still shape, in the frame of the first; only the depth and the normal
+/// of `raw` count.
 pub(crate) fn out_by_the_centre(
     mover: &Collider,
     still: &Collider,
@@ -284,7 +300,7 @@ pub(crate) fn out_by_the_centre(
     let centre = -(mover.rotation.conjugate() * mover.position);
     let point = Support::triangle([centre; 3]);
     let here = Relative { position: Vec3::ZERO, rotation: Quat::IDENTITY };
-    // A body's centre may be outside of a part of it: nothing is known then.
+    // The body's centre may be outside of this shape of it, and says nothing then.
     if distance(&own, &point, &here, Vec3::ZERO).distance > 0.0 {
         return None;
     }
@@ -300,7 +316,7 @@ pub(crate) fn out_by_the_centre(
 }
 
 /// How the body of a collider moves within the step.
-fn path(input: &Input<'_>, collider: u32) -> BodyPath {
+fn body_path(input: &Input<'_>, collider: u32) -> BodyPath {
     let c = &input.colliders[collider as usize];
     let pose = &input.poses[collider as usize];
     let rotation = pose.rotation * c.rotation.conjugate();
@@ -313,8 +329,9 @@ fn path(input: &Input<'_>, collider: u32) -> BodyPath {
     }
 }
 
-/// A manifold found at a fraction of the step, in the frame of shape a as it is at the start: its arms are those of the
-/// touch, its separations what the predicted motion takes away until then, which is at least `least`.
+/// Carries a manifold that was found at a fraction of the step back to the start, into the frame that shape a
+/// has there. Its arms stay those of the touch. To its separations comes what the predicted motion takes away
+/// until then, `least` or more.
 pub(crate) fn carry_back(raw: &RawManifold, motion: &Motion, fraction: f32, least: f32) -> RawManifold {
     let turned = exp_map(motion.a.spin * fraction);
     let at_touch = turned * motion.a.rotation;
@@ -326,7 +343,8 @@ pub(crate) fn carry_back(raw: &RawManifold, motion: &Motion, fraction: f32, leas
     carried.normal = back * normal;
     for point in &mut carried.points[..raw.count as usize] {
         let arm_a = lever + at_touch * point.position;
-        // With 0 as the least, a point that moves away until the touch does not count as overlap at the start.
+        // With 0 as the least, a point that moves away until the touch does not count as overlap at the
+        // start.
         point.separation += (fraction * closing(motion, normal, arm_a, moved)).max(least);
         point.position = back * (arm_a - motion.a.lever);
     }

@@ -1,20 +1,24 @@
-//! What a pair that is apart and fast may be stopped by, without a search for its first touch: the gates of Vincent
-//! Robert's talk (GDC 2012), for [`ContinuousMethod::Talk`](crate::ContinuousMethod::Talk).
+//! Which planes may stop a fast pair that is apart, decided without a search for its first touch: the gates
+//! of Vincent Robert's talk (GDC 2012), for [`ContinuousMethod::Talk`](crate::ContinuousMethod::Talk).
 //!
-//! The manifold of the start of the step stops whoever crosses its plane, also beside the face that the plane is of. Two
-//! gates keep it from that. Both know the relative motion of the start, straight and with the rotations of the start:
+//! The manifold of the start of the step stops everything that crosses its plane, also beside the face that
+//! the plane belongs to. Two gates prevent that. Both use the relative motion of the start: straight, with
+//! the rotations of the start.
 //!
-//! 1. *Which axis.* Along each candidate axis the shapes, seen as intervals, meet at one fraction of the step and part at
-//!    another. The last to be entered is the axis of impact. If one is left before another is entered, the two miss each
-//!    other, and there is no manifold (separating axes for moving shapes: Ericson, *Real-Time Collision Detection*, 5.5.8).
-//! 2. *Where it is crossed.* A point has to lie over the face it was found on at the moment its path crosses the plane. If
-//!    the shapes go along the plane by more than the margin until then, the footprint is taken where they cross it, by the
-//!    same kernel, and its separations are those of the start: what the motion takes away until then is added.
+//! 1. *Which axis.* Along each candidate axis the intervals of the two shapes meet at one fraction of the
+//!    step and part at another. The axis that is entered last is the axis of impact. If one is left before
+//!    another is entered, the shapes miss each other, and there is no manifold (separating axes for moving
+//!    shapes: Ericson, *Real-Time Collision Detection*, 5.5.8).
+//! 2. *Where it is crossed.* A point has to lie over the face it was found on when its path crosses the
+//!    plane. If the shapes slide along the plane by more than the margin until then, the same kernel finds
+//!    the footprint at the pose where they cross it, and its separations are carried back to the start by
+//!    adding what the motion takes away until then.
 //!
-//! All of it is in closed form. Of what turns, only the points' own velocities are known, as far as they are straight.
+//! All of it is in closed form. Rotation enters only by the points' velocities at the start, as straight
+//! motion.
 
-use super::ahead::{Shapes, Way, carry_back, closing, further, motion_of};
-use super::mesh::Asked;
+use super::ahead::{MeshPair, carry_back, closing, margin_at_touch, motion_of};
+use super::mesh::MeshCast;
 use super::motion::{Motion, Turn};
 use super::path::ShapePath;
 use super::sweep::reach;
@@ -35,48 +39,49 @@ use glam::{DMat3, DVec3, Vec3};
 
 /// Cosine of 1.8 degrees: axes nearer than this are one.
 const SAME_AXIS: f32 = 0.9995;
-/// Speed along a unit axis, as a share of the way, that counts as none.
+/// Speed along a unit axis, as a share of the path's length, that counts as zero.
 const STILL: f32 = 1e-6;
 /// Squared sine under which a cross product has no direction.
 const PARALLEL: f64 = 1e-7;
 
-/// The same motion with nothing turning.
+/// The same motion without rotation.
 pub(crate) fn straight(motion: &Motion) -> Motion {
     let still = |turn: &Turn| Turn { spin: Vec3::ZERO, ..*turn };
     Motion { a: still(&motion.a), b: still(&motion.b), ..*motion }
 }
 
-/// What is left of the manifold `raw` of two convex shapes, or of one and a plane, that are apart at the start, with the
-/// fraction of the step at which its footprint was taken; `None` if they miss each other.
+/// Filters the manifold `raw` of two convex shapes, or of one and a plane, that are apart at the start.
+/// Returns what is left of it with the fraction of the step at which its footprint was taken; `None` if the
+/// two miss each other.
 pub(crate) fn gate(input: &Input<'_>, pair: &Pair, raw: &RawManifold) -> Option<(RawManifold, f32)> {
     let (a, b) = (&input.colliders[pair.a as usize], &input.colliders[pair.b as usize]);
     let approach = input.approach(pair);
     let turning = motion_of(input, pair);
     let motion = straight(&turning);
-    let way = motion.a.rotation.conjugate() * motion.displacement;
+    let path = motion.a.rotation.conjugate() * motion.displacement;
     if b.kind == Kind::Plane {
         return Some((*raw, 0.0));
     }
-    let slack = input.margin + approach.spin;
-    let Entry { fraction, axis, surely } = enter((a, b), &motion.relative(0.0), (way, slack), raw.normal)?;
-    let (until, aside) = (fraction.min(1.0), way - axis * axis.dot(way));
+    let slack = input.margin + approach.swing;
+    let Entry { fraction, axis, surely } = enter(a, b, &motion.relative(0.0), path, slack, raw.normal)?;
+    let (until, aside) = (fraction.min(1.0), path - axis * axis.dot(path));
     let same = axis.dot(raw.normal) > SAME_AXIS && aside.length() * until <= input.margin;
-    // What only turning brings together has no other moment.
+    // If only rotation brings them together, the motion gives no other moment.
     if same || fraction > 1.0 {
         let mut kept = *raw;
-        if !surely && approach.spin > input.margin {
-            keep_over(&mut kept, (a, b), &turning, input.margin);
+        if !surely && approach.swing > input.margin {
+            keep_over(&mut kept, a, b, &turning, input.margin);
         }
         return (kept.count > 0).then_some((kept, 0.0));
     }
     let touch = Touch { fraction, normal: motion.a.rotation * axis };
-    let found = collide_convex(a, b, &motion.relative(fraction), further(input, pair, &touch));
+    let found = collide_convex(a, b, &motion.relative(fraction), margin_at_touch(input, pair, &touch));
     (found.count > 0).then(|| (carry_back(&found, &motion, fraction, 0.0), fraction))
 }
 
-/// Drops the points of a manifold whose own paths, straight on with the turning of the start, cross its plane neither over
-/// the one shape nor over the other.
-fn keep_over(raw: &mut RawManifold, (a, b): Shapes<'_>, motion: &Motion, margin: f32) {
+/// Drops the points of a manifold that cross its plane over neither shape. Their paths are straight, with the
+/// velocities that rotation gives them at the start.
+fn keep_over(raw: &mut RawManifold, a: &Collider, b: &Collider, motion: &Motion, margin: f32) {
     let (Some(shape_a), Some(shape_b)) = (Support::of(a), Support::of(b)) else { return };
     let to_a = motion.a.rotation.conjugate();
     let rel = motion.relative(0.0);
@@ -109,46 +114,48 @@ fn keep_over(raw: &mut RawManifold, (a, b): Shapes<'_>, motion: &Motion, margin:
     raw.count = count as u32;
 }
 
-/// How far two convex shapes have been swept against each other: when the last of the axes that were tried was entered, and
-/// when the first of them was left.
+/// Intermediate result of sweeping two convex shapes against each other: when the last of the tried axes was
+/// entered, and when the first was left.
 struct Swept<'a> {
     own: Support<'a>,
     other: Support<'a>,
-    /// Of the other in the frame of its own, at the start.
+    /// Pose of `other` in the frame of `own`, at the start.
     placed: Placed,
-    /// Of its own in its frame [m].
-    way: DVec3,
-    /// What passes as near as this is not missed [m].
+    /// Displacement of `own` in its frame [m].
+    path: DVec3,
+    /// Distance up to which passing by does not count as a miss [m].
     slack: f64,
     entered: f64,
-    /// The last to be entered: unit, towards the other.
+    /// The axis entered last: unit, from `own` to `other`.
     axis: DVec3,
     left: f64,
-    /// With the slack, when the last was entered and the first left.
+    /// The same two fractions with the slack: last entered, first left.
     near: f64,
     passed: f64,
 }
 
 /// How two shapes enter each other.
 struct Entry {
-    /// At least 0, and beyond 1 by no more than what the slack closes.
+    /// Fraction of the step: at least 0, beyond 1 by no more than the slack closes.
     fraction: f32,
-    /// The last axis to be entered: unit, from a to b, in the frame of a.
+    /// The axis entered last: unit, from a to b, in the frame of a.
     axis: Vec3,
-    /// Without the slack they do too, along all axes that were tried.
+    /// They also meet without the slack, along all axes that were tried.
     surely: bool,
 }
 
-/// At which fraction of the step two convex shapes have entered each other along all axes. `None` if they miss each other.
+/// At which fraction of the step two convex shapes have entered each other along all axes. `None` if they
+/// miss each other.
 ///
-/// `way`: of a against b, in its own frame [m]. `now`: the normal of the start. `slack`: see [`Swept`].
-fn enter((a, b): Shapes<'_>, rel: &Relative, (way, slack): (Vec3, f32), now: Vec3) -> Option<Entry> {
+/// `path`: displacement of a relative to b, in a's frame [m]. `now`: the normal of the start. `slack`: see
+/// [`Swept`].
+fn enter(a: &Collider, b: &Collider, rel: &Relative, path: Vec3, slack: f32, now: Vec3) -> Option<Entry> {
     let rotation = DMat3::from_quat(rel.rotation.as_dquat().normalize());
     let mut swept = Swept {
         own: Support::of(a)?,
         other: Support::of(b)?,
         placed: Placed { rotation, position: rel.position.as_dvec3() },
-        way: way.as_dvec3(),
+        path: path.as_dvec3(),
         slack: f64::from(slack),
         entered: f64::MIN,
         axis: now.as_dvec3(),
@@ -156,9 +163,9 @@ fn enter((a, b): Shapes<'_>, rel: &Relative, (way, slack): (Vec3, f32), now: Vec
         near: f64::MIN,
         passed: f64::MAX,
     };
-    let (position, way) = (swept.placed.position, swept.way);
+    let (position, path) = (swept.placed.position, swept.path);
     // Balls pass each other along the line on which their centres come nearest.
-    let across = position * way.length_squared() - way * position.dot(way);
+    let across = position * path.length_squared() - path * position.dot(path);
     let mut meets = swept.meets_along(now.as_dvec3()) && swept.meets_along(across);
     meets = meets && faces(a).all(|face| swept.meets_along(face));
     meets = meets && faces(b).all(|face| swept.meets_along(rotation * face));
@@ -167,13 +174,15 @@ fn enter((a, b): Shapes<'_>, rel: &Relative, (way, slack): (Vec3, f32), now: Vec
         meets = meets
             && crosses.filter(|cross| cross.length_squared() > PARALLEL).all(|axis| swept.meets_along(axis));
     }
-    // What is round about an edge has all normals across it.
+    // A shape that is round about an edge has normals in all directions across it.
     let round = |shape: &Collider| matches!(shape.kind, Kind::Capsule | Kind::Cylinder);
-    meets = meets && (!round(a) || swept.meets_along(DVec3::Y.cross(way)));
-    meets = meets && (!round(b) || swept.meets_along((rotation * DVec3::Y).cross(way)));
-    // Boxes have no other axes. Of all others the direction between the nearest points where these are entered is one.
+    meets = meets && (!round(a) || swept.meets_along(DVec3::Y.cross(path)));
+    meets = meets && (!round(b) || swept.meets_along((rotation * DVec3::Y).cross(path)));
+    // Boxes have no other axes. Other shapes have the direction between their nearest points at the time of
+    // entry.
     if meets && (a.kind, b.kind) != (Kind::Box, Kind::Box) {
-        let there = Relative { position: (position - way * swept.entered.clamp(0.0, 1.0)).as_vec3(), ..*rel };
+        let there =
+            Relative { position: (position - path * swept.entered.clamp(0.0, 1.0)).as_vec3(), ..*rel };
         let nearest = distance(&swept.own, &swept.other, &there, swept.axis.as_vec3());
         meets = nearest.overlap || nearest.distance <= 0.0 || swept.meets_along(nearest.normal.as_dvec3());
     }
@@ -185,7 +194,7 @@ fn enter((a, b): Shapes<'_>, rel: &Relative, (way, slack): (Vec3, f32), now: Vec
 }
 
 impl Swept<'_> {
-    /// Takes in an axis of any length; one of none says nothing. Whether the two may still meet.
+    /// Adds an axis of any length; a zero axis is ignored. Returns whether the two may still meet.
     fn meets_along(&mut self, axis: DVec3) -> bool {
         let length = axis.length();
         if length > 0.0 {
@@ -198,12 +207,12 @@ impl Swept<'_> {
         let seen = self.placed.rotation.transpose() * axis;
         let high = |shape: &Support, axis: DVec3| shape.support(axis).dot(axis) + shape.radius;
         let middle = self.placed.position.dot(axis);
-        // Of the other above its own, and of its own above the other.
+        // Gap with `other` above `own`, and with `own` above `other`.
         let above = middle - high(&self.other, -seen) - high(&self.own, axis);
         let below = -middle - high(&self.other, seen) - high(&self.own, -axis);
-        let way = self.way.dot(axis);
-        let speed = way.abs();
-        if speed <= f64::from(STILL) * self.way.length() {
+        let along = self.path.dot(axis);
+        let speed = along.abs();
+        if speed <= f64::from(STILL) * self.path.length() {
             if above.max(below) > self.slack {
                 self.near = f64::MAX;
             } else if above.max(below) > 0.0 {
@@ -211,7 +220,7 @@ impl Swept<'_> {
             }
             return;
         }
-        let (gap, other, normal) = if way > 0.0 { (above, below, axis) } else { (below, above, -axis) };
+        let (gap, other, normal) = if along > 0.0 { (above, below, axis) } else { (below, above, -axis) };
         if gap / speed > self.entered {
             (self.entered, self.axis) = (gap / speed, normal);
         }
@@ -223,7 +232,7 @@ impl Swept<'_> {
 
 const AXES: [DVec3; 3] = [DVec3::X, DVec3::Y, DVec3::Z];
 
-/// Normals of the faces of a shape, of two that are opposite one.
+/// Normals of the faces of a shape; one of each opposite pair.
 fn faces(shape: &Collider) -> impl Iterator<Item = DVec3> + '_ {
     let own = match shape.kind {
         Kind::Box => &AXES[..],
@@ -237,7 +246,8 @@ fn faces(shape: &Collider) -> impl Iterator<Item = DVec3> + '_ {
     own.iter().copied().chain(planes.iter().map(|(normal, _)| normal.as_dvec3()))
 }
 
-/// Directions of the edges of a shape; a hull's many are left to the normals of nearest points.
+/// Directions of the edges of a shape. Those of a hull are too many; the normals of nearest points stand in
+/// for them.
 fn edges(shape: &Collider) -> &'static [DVec3] {
     match shape.kind {
         Kind::Box => &AXES,
@@ -246,28 +256,24 @@ fn edges(shape: &Collider) -> &'static [DVec3] {
     }
 }
 
-/// The triangle of a mesh or height field that a convex shape enters first, other than what it is near to at the start: what
-/// is within `resting` [m], or whose plane is and stays so, is left to the manifolds of the start.
-pub(crate) fn enter_mesh(
-    input: &Input<'_>,
-    (a, b): Shapes<'_>,
-    (rel, motion): Way<'_>,
-    resting: f32,
-) -> Option<Touch> {
+/// The triangle of a mesh or height field that a convex shape enters first. Triangles within `resting` [m] at
+/// the start, or whose planes are and stay so, are left to the manifolds of the start.
+pub(crate) fn enter_mesh(input: &Input<'_>, moving: &MeshPair<'_>, resting: f32) -> Option<Touch> {
+    let &MeshPair { shape: a, mesh: b, rel, motion } = moving;
     let (ground, shape) = (Ground::of(b)?, Support::of(a)?);
     let motion = straight(motion);
-    let way = motion.a.rotation.conjugate() * motion.displacement;
-    if way == Vec3::ZERO {
+    let path = motion.a.rotation.conjugate() * motion.displacement;
+    if path == Vec3::ZERO {
         return None;
     }
-    let asked = Asked::first(tolerance(a, b, input.unit), resting);
-    let path = ShapePath::new(a, rel, &motion, &asked).in_box();
+    let cast = MeshCast::first(tolerance(a, b, input.unit), resting);
+    let swept = ShapePath::new(a, rel, &motion, &cast).in_box();
     let mut first = Search {
         shape: a,
         support: shape,
         pose: Pose::new(rel.position, rel.rotation),
         side: side_of(a),
-        way,
+        path,
         resting,
         fraction: 1.0,
         normal: None,
@@ -282,28 +288,28 @@ pub(crate) fn enter_mesh(
         first.fraction
     };
     match ground {
-        Ground::Mesh(mesh) => mesh.visit_segment(path.from, path.to, path.inflate, &mut visit),
-        Ground::Field(field) => field.visit_segment(path.from, path.to, path.inflate, &mut visit),
+        Ground::Mesh(mesh) => mesh.visit_segment(swept.from, swept.to, swept.inflate, &mut visit),
+        Ground::Field(field) => field.visit_segment(swept.from, swept.to, swept.inflate, &mut visit),
     }
     first.look(&seen);
     let normal = motion.a.rotation * first.normal?.normalize();
     Some(Touch { fraction: first.fraction, normal })
 }
 
-/// The triangle that is entered first.
+/// The search for the triangle that is entered first.
 struct Search<'a> {
     shape: &'a Collider,
     support: Support<'a>,
-    /// Of the mesh in the shape's frame.
+    /// Pose of the mesh in the shape's frame.
     pose: Pose,
     side: Vec3,
-    way: Vec3,
+    path: Vec3,
     resting: f32,
     fraction: f32,
     normal: Option<Vec3>,
 }
 
-/// Of eight triangles, what [`Swept`] is of a shape, and the widest gap at the start [m].
+/// [`Swept`] for eight triangles, with the widest gap at the start [m].
 struct SweptEight {
     entered: f32x8,
     axis: LaneVec3<f32x8>,
@@ -312,7 +318,7 @@ struct SweptEight {
 }
 
 impl Search<'_> {
-    /// Looks at some triangles, eight at most.
+    /// Examines up to eight triangles.
     fn look(&mut self, eight: &Eight) {
         if eight.lanes() == 0 {
             return;
@@ -327,9 +333,9 @@ impl Search<'_> {
         };
         let down = -triangles.front;
         self.along(&triangles, down, &mut swept);
-        // What it slides along, or rests on.
+        // Triangles that it slides along or rests on.
         let gap = triangles.height - reach(self.shape, down);
-        let end = gap - LaneVec3::splat(self.way).dot(down);
+        let end = gap - LaneVec3::splat(self.path).dot(down);
         let resting = f32x8::splat(self.resting);
         let level = gap.abs().le(resting) & end.ge(-resting);
         let left = |swept: &SweptEight| {
@@ -337,7 +343,7 @@ impl Search<'_> {
             let meets = entered.le(*left) & left.ge(zero) & entered.lt(f32x8::splat(self.fraction));
             (meets & !level).bits() & triangles.valid
         };
-        // Of most the plane alone tells.
+        // For most triangles the plane alone decides.
         if left(&swept) == 0 {
             return;
         }
@@ -351,9 +357,9 @@ impl Search<'_> {
             Kind::Capsule | Kind::Cylinder => &own[1..2],
             _ => &[],
         };
-        let way = LaneVec3::splat(self.way);
+        let path = LaneVec3::splat(self.path);
         for edge in [q - p, r - q, p - r] {
-            for axis in crossed.iter().chain([&way]) {
+            for axis in crossed.iter().chain([&path]) {
                 self.along(&triangles, unit(edge.cross(*axis)), &mut swept);
             }
         }
@@ -365,17 +371,17 @@ impl Search<'_> {
         }
     }
 
-    /// Takes in one axis for eight triangles, of unit length, or of none, which says nothing.
+    /// Adds one axis for eight triangles: unit length, or zero, which is ignored.
     #[inline(always)]
     fn along(&self, triangles: &Triangles, axis: LaneVec3<f32x8>, swept: &mut SweptEight) {
         let [p, q, r] = triangles.corners.map(|corner| corner.dot(axis));
         let above = Lanes::min(p, Lanes::min(q, r)) - reach(self.shape, axis);
         let below = -Lanes::max(p, Lanes::max(q, r)) - reach(self.shape, -axis);
-        let way = LaneVec3::splat(self.way).dot(axis);
+        let along = LaneVec3::splat(self.path).dot(axis);
         let (zero, most) = (f32x8::zero(), f32x8::splat(f32::MAX));
-        let still = way.abs().le(f32x8::splat(STILL * self.way.length()));
-        let speed = Lanes::select(still, f32x8::one(), way.abs());
-        let on = way.gt(zero);
+        let still = along.abs().le(f32x8::splat(STILL * self.path.length()));
+        let speed = Lanes::select(still, f32x8::one(), along.abs());
+        let on = along.gt(zero);
         let gap = Lanes::select(on, above, below);
         let other = Lanes::select(on, below, above);
         let apart = Lanes::max(above, below);
@@ -388,16 +394,17 @@ impl Search<'_> {
         swept.apart = Lanes::max(swept.apart, apart);
     }
 
-    /// Takes in a triangle that is entered along all axes that were tried; a shape that is no box may have others.
+    /// Adds a triangle that is entered along all axes tried so far; shapes other than boxes may have more
+    /// axes.
     fn take(&mut self, corners: [Vec3; 3], entered: f32, axis: Vec3) {
         let (mut entered, mut axis) = (entered, axis);
         if self.shape.kind != Kind::Box {
-            let there = Support::triangle(corners.map(|corner| corner - self.way * entered));
+            let there = Support::triangle(corners.map(|corner| corner - self.path * entered));
             let here = Relative { position: Vec3::ZERO, rotation: glam::Quat::IDENTITY };
             let nearest = distance(&self.support, &there, &here, axis);
             if !nearest.overlap && nearest.distance > 0.0 {
-                let speed = nearest.normal.dot(self.way);
-                // The distance along a straight way is convex: from here on it only grows.
+                let speed = nearest.normal.dot(self.path);
+                // The distance along a straight path is convex: from here on it only grows.
                 if speed <= 0.0 && nearest.distance > self.resting {
                     return;
                 }
@@ -412,7 +419,7 @@ impl Search<'_> {
     }
 }
 
-/// Of unit length, or of none.
+/// The vector at unit length; zero if it is too short to have a direction.
 #[inline(always)]
 fn unit(v: LaneVec3<f32x8>) -> LaneVec3<f32x8> {
     let squared = v.length_squared();

@@ -13,77 +13,79 @@ use crate::narrow_phase::mesh::touched::Touched;
 use crate::shape::{Collider, HeightField, TriangleMesh};
 use glam::{DVec3, Vec3};
 
-/// Gets a triangle, its corners and a fraction before which its box is not entered; answers the largest that still
-/// matters.
+/// Called with a triangle, its corners and a fraction before which its box is not entered; returns the
+/// largest fraction that still matters.
 pub(crate) type Visit<'a> = dyn FnMut(u32, [Vec3; 3], f32) -> f32 + 'a;
 
-/// What a cast and a segment need of a mesh or a height field, in its own frame.
+/// What casts and segment queries need of a mesh or a height field, in its own frame.
 pub(crate) trait Triangles {
     /// Corners, in either order: triangles are met from both sides.
     fn triangle(&self, index: u32) -> [Vec3; 3];
-    /// Calls `f` with every triangle whose box, grown by `inflate`, the segment meets before the fraction that `f`
-    /// last answered; about nearest first, in an order that depends on the mesh and the segment alone. `f` gets the
-    /// fraction of entry into the box, and answers the largest that still matters.
+    /// Calls `f` with every triangle whose box, grown by `inflate`, the segment meets before the fraction
+    /// that `f` returned last; about nearest first, in an order that depends on the mesh and the segment
+    /// alone. `f` gets the fraction at which the box is entered, and returns the largest that still matters.
     fn visit_segment(&self, from: Vec3, to: Vec3, inflate: Vec3, f: &mut Visit<'_>);
-    /// The first triangle that the segment meets, with the fraction; nothing slips through where triangles share an
-    /// edge or a corner.
+    /// The first triangle that the segment meets, with the fraction; nothing slips through where triangles
+    /// share an edge or a corner.
     fn segment_hit(&self, from: Vec3, to: Vec3) -> Option<(f32, u32)>;
 }
 
-/// What a cast against triangles does beside finding the first touch.
+/// What a cast against triangles looks for.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Asked {
-    /// A touch may be so much early [m].
+pub(crate) struct MeshCast {
+    /// How early a touch may be reported [m].
     pub(crate) tolerance: f32,
-    /// What is nearer than this at the start is the business of the kernel at the start, which the caller runs with at
-    /// least that margin [m]. So a triangle is passed over if the shape is that close to it at the start, or if it is
-    /// that close to the triangle's *plane* and stays so: the floor ahead of a sliding box is the floor that it is on,
-    /// and its inner edges stop nothing, but a wall does. Two slops and twice what gravity adds in a step is enough.
+    /// Triangles nearer than this at the start are left to the kernel there, which the caller runs with at
+    /// least that margin [m]. So a triangle is skipped if the shape is that close to it at the start, or if
+    /// the shape is that close to the triangle's *plane* and stays so: the floor ahead of a sliding box is
+    /// the floor that it is on, and its inner edges stop nothing, but a wall does. Two slops and twice what
+    /// gravity adds in a step is enough.
     pub(crate) resting: f32,
     /// Give up if a triangle may be nearer than this at the start [m]; negative: never.
     pub(crate) alone: f32,
     /// Any touch will do, not only the first.
     pub(crate) any: bool,
-    /// What is known to be nearer than `resting` at the start.
+    /// Triangles and planes known to be nearer than `resting` at the start.
     pub(crate) known: Touched,
-    /// What stands out by less in front of a plane that is known is not felt [m].
+    /// Steps up to this height in front of a known plane are ignored [m].
     pub(crate) lip: f32,
 }
 
-impl Asked {
+impl MeshCast {
     /// For the first touch, wherever the shape begins.
-    pub(crate) fn first(tolerance: f32, resting: f32) -> Asked {
-        Asked { tolerance, resting, alone: -1.0, any: false, known: Touched::default(), lip: 0.0 }
+    pub(crate) fn first(tolerance: f32, resting: f32) -> MeshCast {
+        MeshCast { tolerance, resting, alone: -1.0, any: false, known: Touched::default(), lip: 0.0 }
     }
 }
 
 /// What a cast found.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Cast {
-    /// A triangle may be near at the start: the kernel there has to look first.
+pub(crate) enum CastResult {
+    /// A triangle may be near at the start: the kernel has to run there first.
     Near,
     /// No triangle is touched.
     Free,
     First(Touch),
 }
 
-/// First touch of a convex shape with a triangle of a mesh or height field, other than what it rests on; see [`Asked`].
-/// `rel`: of the mesh in the shape's frame at the start. `nearby`: where triangles are gathered, if there is place.
-pub(crate) fn ask_mesh(
+/// First touch of a convex shape with a triangle of a mesh or height field, other than what it rests on; see
+/// [`MeshCast`]. `rel`: pose of the mesh in the shape's frame at the start. `nearby`: buffer for the
+/// triangles, if there is memory.
+pub(crate) fn cast_mesh(
     a: &Collider,
     mesh: &Collider,
     rel: &Relative,
     motion: &Motion,
-    asked: Asked,
+    cast: MeshCast,
     mut nearby: Option<&mut Nearby>,
-) -> Cast {
-    let Some(ground) = Ground::of(mesh) else { return Cast::Free };
-    let Some(shape) = Support::of(a) else { return Cast::Free };
+) -> CastResult {
+    let Some(ground) = Ground::of(mesh) else { return CastResult::Free };
+    let Some(shape) = Support::of(a) else { return CastResult::Free };
     let turns = motion.b.spin != Vec3::ZERO;
-    if turns && asked.alone >= 0.0 {
-        return Cast::Near;
+    if turns && cast.alone >= 0.0 {
+        return CastResult::Near;
     }
-    let path = (!turns).then(|| ShapePath::new(a, rel, motion, &asked));
+    let path = (!turns).then(|| ShapePath::new(a, rel, motion, &cast));
     if let (Some(path), Some(nearby)) = (&path, &mut nearby)
         && let Some(extent) = path.in_box().as_box()
     {
@@ -92,10 +94,10 @@ pub(crate) fn ask_mesh(
             passes = passes && found.each().all(|(eight, lanes)| path.passes(eight, lanes));
         });
         if passes {
-            return Cast::Free;
+            return CastResult::Free;
         }
     }
-    let mut search = Search::new(shape, motion, asked);
+    let mut search = Search::new(shape, motion, cast);
     let path = search.prepare(a, rel, path);
     match (nearby, path.as_box()) {
         (Some(nearby), Some(extent)) => nearby.gather(&ground, extent, &mut |found| {
@@ -130,17 +132,17 @@ triangles!(HeightField);
 
 /// A cast that is under way.
 ///
-/// Eight triangles at a time are looked at in lanes: most have planes that are not reached. The others wait until there
-/// are eight of these, and a closer look in lanes leaves those that may be touched, and says when at the earliest. At the
-/// end the first is searched exactly. Whatever that finds ends the motion for all others, and of them few can be touched
-/// within what is left of it, as the same look tells.
+/// Triangles are examined in lanes, eight at a time; the planes of most are not reached. The others wait
+/// until there are eight of them; a closer look in lanes then keeps those that may be touched, and says when
+/// at the earliest. At the end the one that may be touched first is searched exactly. A touch ends the motion
+/// for all others, few of which can be touched before it, as the same look tells.
 struct Search<'a> {
     shape: Support<'a>,
     motion: &'a Motion,
-    asked: Asked,
-    /// Once anything is searched exactly.
+    cast: MeshCast,
+    /// Made when the first triangle is searched exactly.
     exact: Option<Exact<'a>>,
-    /// If the mesh doesn't turn.
+    /// Present if the mesh doesn't turn.
     filter: Option<MeshSweep<'a>>,
     /// Triangles whose planes are reached.
     waiting: Eight,
@@ -148,7 +150,7 @@ struct Search<'a> {
     sifted: Eight,
     earliest: [f32; 8],
     first: Option<Touch>,
-    /// Fraction of the step from which on a touch is of no interest.
+    /// Fraction of the step beyond which a touch doesn't matter.
     limit: f64,
     near: bool,
 }
@@ -157,19 +159,19 @@ struct Search<'a> {
 struct Exact<'a> {
     sweep: Sweep<'a>,
     start: Placed,
-    /// In the middle and at the end of the step, once that matters.
+    /// Poses in the middle and at the end of the step, computed when first needed.
     later: Option<(Placed, Placed)>,
 }
 
-/// What rounding may make of an earliest fraction.
+/// Rounding error of an earliest fraction.
 const EARLY: f64 = 1e-5;
 
 impl<'a> Search<'a> {
-    fn new(shape: Support<'a>, motion: &'a Motion, asked: Asked) -> Search<'a> {
+    fn new(shape: Support<'a>, motion: &'a Motion, cast: MeshCast) -> Search<'a> {
         Search {
             shape,
             motion,
-            asked,
+            cast,
             exact: None,
             filter: None,
             waiting: Eight::default(),
@@ -181,10 +183,10 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Makes ready for looks at triangles along the path, which is that of a mesh that doesn't turn; the path that they
-    /// are along.
+    /// Prepares the examination of triangles along the path, and returns that. `path`: of a mesh that doesn't
+    /// turn.
     fn prepare(&mut self, a: &'a Collider, rel: &Relative, path: Option<ShapePath>) -> BoxPath {
-        let (motion, tolerance) = (self.motion, self.asked.tolerance);
+        let (motion, tolerance) = (self.motion, self.cast.tolerance);
         if let Some(path) = path {
             self.filter = Some(MeshSweep::new(a, rel, motion, tolerance));
             return path.in_box();
@@ -197,15 +199,15 @@ impl<'a> Search<'a> {
     }
 
     fn exact(&mut self) -> &mut Exact<'a> {
-        let Search { shape, motion, asked, .. } = self;
+        let Search { shape, motion, cast, .. } = self;
         self.exact.get_or_insert_with(|| {
             let nothing = Support::triangle([Vec3::ZERO; 3]);
-            let sweep = Sweep::new(*shape, Other::Convex(nothing), motion, asked.tolerance);
+            let sweep = Sweep::new(*shape, Other::Convex(nothing), motion, cast.tolerance);
             Exact { start: sweep.placed(0.0), sweep, later: None }
         })
     }
 
-    /// Looks at triangles along a path, nearer ones first.
+    /// Examines the triangles along a path, nearer ones first.
     fn go_along<T: Triangles + ?Sized>(&mut self, mesh: &T, path: &BoxPath) {
         let mut seen = Eight::default();
         let mut visit = |index: u32, corners: [Vec3; 3], _entry: f32| -> f32 {
@@ -220,7 +222,7 @@ impl<'a> Search<'a> {
         self.look(&seen, seen.lanes());
     }
 
-    fn finish(&mut self) -> Cast {
+    fn finish(&mut self) -> CastResult {
         if self.limit >= 0.0 && self.waiting.lanes() != 0 {
             self.sift();
         }
@@ -228,20 +230,20 @@ impl<'a> Search<'a> {
             self.settle();
         }
         match self.first {
-            _ if self.near => Cast::Near,
-            Some(touch) => Cast::First(touch),
-            None => Cast::Free,
+            _ if self.near => CastResult::Near,
+            Some(touch) => CastResult::First(touch),
+            None => CastResult::Free,
         }
     }
 
-    /// Of some of eight triangles, keeps those whose planes are reached.
+    /// Keeps those of eight triangles whose planes are reached.
     fn look(&mut self, eight: &Eight, lanes: u32) {
         if self.limit < 0.0 {
             return;
         }
         let mut left = lanes;
         if let Some(filter) = &self.filter {
-            let reached = filter.by_planes(eight, lanes, &self.asked);
+            let reached = filter.by_planes(eight, lanes, &self.cast);
             if reached.near {
                 (self.near, self.limit) = (true, -1.0);
                 return;
@@ -249,7 +251,7 @@ impl<'a> Search<'a> {
             left = reached.lanes;
         }
         for lane in ones(left) {
-            if !self.asked.known.has(eight.index[lane]) {
+            if !self.cast.known.has(eight.index[lane]) {
                 if self.waiting.is_full() {
                     self.sift();
                 }
@@ -258,11 +260,11 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Of what waits, keeps what may be touched.
+    /// Keeps those of the waiting triangles that may be touched.
     fn sift(&mut self) {
         let lanes = self.waiting.lanes();
         let (left, earliest) = match &self.filter {
-            Some(filter) => filter.sift(&self.waiting, lanes, &self.asked),
+            Some(filter) => filter.sift(&self.waiting, lanes, &self.cast),
             None => (lanes, [0.0; 8]),
         };
         for lane in ones(left) {
@@ -277,7 +279,7 @@ impl<'a> Search<'a> {
         self.waiting.clear();
     }
 
-    /// Searches what was sifted, the earliest first.
+    /// Searches the remaining triangles exactly, the earliest first.
     fn settle(&mut self) {
         let mut left = self.sifted.lanes();
         while let Some(next) = ones(left).min_by(|&a, &b| self.earliest[a].total_cmp(&self.earliest[b]))
@@ -289,7 +291,7 @@ impl<'a> Search<'a> {
                 continue;
             };
             self.first = Some(touch);
-            if self.asked.any {
+            if self.cast.any {
                 self.limit = -1.0;
                 break;
             }
@@ -297,17 +299,18 @@ impl<'a> Search<'a> {
             if let Some(filter) = &mut self.filter {
                 filter.end_at(touch.fraction);
                 if left != 0 {
-                    (left, self.earliest) = filter.sift(&self.sifted, left, &self.asked);
+                    (left, self.earliest) = filter.sift(&self.sifted, left, &self.cast);
                 }
             }
         }
         self.sifted.clear();
     }
 
-    /// When a triangle is touched, if that is before the limit. Not before `earliest`; zero: it may be rested on.
+    /// The first touch with a triangle before the limit. It is not before `earliest`; zero means that the
+    /// shape may rest on the triangle.
     fn touch(&mut self, corners: [Vec3; 3], earliest: f64) -> Option<Touch> {
         let (motion, limit) = (self.motion, self.limit);
-        let (tolerance, resting) = (f64::from(self.asked.tolerance), f64::from(self.asked.resting));
+        let (tolerance, resting) = (f64::from(self.cast.tolerance), f64::from(self.cast.resting));
         let Exact { sweep, start, later } = self.exact();
         let triangle = Support::triangle(corners);
         let [p, q, r] = corners.map(Vec3::as_dvec3);
@@ -330,7 +333,7 @@ impl<'a> Search<'a> {
             }
             let height = if from.0 > 0.0 { sweep.gap_along(&from.1, down) } else { height };
             if height > if from.0 > 0.0 { tolerance } else { resting.max(tolerance) } {
-                // Its plane is touched before it is, and mostly at a point of it.
+                // The plane is touched before the triangle, and mostly at a point of the triangle.
                 let (t, placed) = sweep.reach_plane(from, height, down, limit)?;
                 let point = sweep.furthest(&placed, down) - placed.offset;
                 let corners = [p, q, r].map(|v| placed.rotation_b * v);

@@ -1,17 +1,18 @@
 //! When two moving shapes first touch.
 //!
-//! Conservative advancement (Mirtich, *Impulse-based Dynamic Simulation*, 1996): find the gap along a direction,
-//! go on for as long as it surely lasts, repeat. Three bounds say how long that is:
+//! Conservative advancement (Mirtich, *Impulse-based Dynamic Simulation*, 1996): find the gap along a
+//! direction, go on for as long as it surely lasts, repeat. Three bounds say how long that is:
 //!
-//! - Without spin the gap along a fixed direction n shrinks by n · displacement, exactly. The distance of convex
-//!   shapes is convex in time, so this is Newton's method from the safe side: a miss ends the search as soon as the
-//!   nearest approach is behind, and a hit converges in a few steps.
-//! - A spin w moves no point of the core faster along n than |w × n| r, where r is the extent of the core across the
-//!   axis (Zhang, Lee and Kim, *Interactive Continuous Collision Detection for Non-convex Polyhedra*, 2006).
-//! - That is dear for a rod which spins at 200 rad/s close to a floor: it takes thousands of steps. But an arc is
-//!   close to its chord: between the gaps at two moments, both along the same n, the gap is at least their linear
-//!   interpolation less the sagitta u (1 - u)/2 |w|² r. One more pair of support points then buys a step of the order
-//!   of sqrt(gap), not gap.
+//! - Without spin the gap along a fixed direction n shrinks by n · displacement, exactly. The distance of
+//!   convex shapes is convex in time, so this is Newton's method from the safe side: a miss ends the search
+//!   as soon as the nearest approach is behind, and a hit converges in a few steps.
+//! - A spin w moves no point of the core faster along n than |w × n| r, where r is the extent of the core
+//!   across the axis (Zhang, Lee and Kim, *Interactive Continuous Collision Detection for Non-convex
+//!   Polyhedra*, 2006).
+//! - That is dear for a rod which spins at 200 rad/s close to a floor: it takes thousands of steps. But an
+//!   arc is close to its chord: between the gaps at two moments, both along the same n, the gap is at least
+//!   their linear interpolation less the sagitta u (1 - u)/2 |w|² r. One more pair of support points then
+//!   buys a step of the order of sqrt(gap), not gap.
 //!
 //! The radius of a ball, a capsule or a fillet does not count as extent: turning it changes nothing.
 
@@ -30,21 +31,21 @@ use crate::shape::Collider;
 use glam::{DMat3, DQuat, DVec3, Vec3};
 use motion::{Motion, Turn, turn};
 
-/// Steps until a search gives up and calls it a touch. Over 1500 random casts the mean is 5 and the most 33; a rod
-/// whose tip passes 0.2 mm above a floor at 200 rad/s takes 10.
+/// Steps until a search gives up and calls it a touch. Over 1500 random casts the mean is 5 and the most 33;
+/// a rod whose tip passes 0.2 mm above a floor at 200 rad/s takes 10.
 const MAX_STEPS: usize = 48;
 
 /// Where two shapes first touch.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Touch {
-    /// Of the step, 0..=1. At most `tolerance` early, never late.
+    /// Fraction of the step, 0..=1: at most `tolerance` early, never late.
     pub(crate) fraction: f32,
     /// Unit, from a to b at the time of the touch, in the axes of the world.
     pub(crate) normal: Vec3,
 }
 
-/// First fraction of the step at which two convex shapes are within `tolerance` [m] of each other; 0 if they are at
-/// the start. A search that doesn't settle counts as a touch.
+/// First fraction of the step at which two convex shapes are within `tolerance` [m] of each other; 0 if they
+/// are at the start. A search that doesn't settle counts as a touch.
 ///
 /// [`tolerance`] says what fits two shapes.
 pub(crate) fn cast_convex(a: &Collider, b: &Collider, motion: &Motion, tolerance: f32) -> Option<Touch> {
@@ -52,13 +53,14 @@ pub(crate) fn cast_convex(a: &Collider, b: &Collider, motion: &Motion, tolerance
     Sweep::new(a, Other::Convex(b), motion, tolerance).first_touch(1.0)
 }
 
-/// The same against a plane.
+/// [`cast_convex`] against a plane.
 pub(crate) fn cast_plane(a: &Collider, _plane: &Collider, motion: &Motion, tolerance: f32) -> Option<Touch> {
     Sweep::new(Support::of(a)?, Other::Plane, motion, tolerance).first_touch(1.0)
 }
 
-/// The tolerance for two shapes [m]: a thousandth of the smaller one, at most 0.0002 of the length unit, and no less than
-/// what `f32` poses resolve over the extent of the larger one. A real contact begins at ten times as much.
+/// The tolerance for two shapes [m]: a thousandth of the smaller one, at most 0.0002 of the length unit, and
+/// no less than what `f32` poses resolve over the extent of the larger one. A real contact begins at ten
+/// times as much.
 pub(crate) fn tolerance(a: &Collider, b: &Collider, unit: f32) -> f32 {
     let (small, large) = if a.radius < b.radius { (a.radius, b.radius) } else { (b.radius, a.radius) };
     let large = if large.is_finite() { large } else { small };
@@ -73,22 +75,22 @@ pub(super) enum Other<'a> {
     Plane,
 }
 
-/// A pair of shapes in motion, made ready for many looks at it.
+/// A pair of shapes in motion, prepared for many evaluations of their gap.
 #[derive(Clone, Debug)]
 pub(super) struct Sweep<'a> {
     a: Support<'a>,
     b: Other<'a>,
     tolerance: f64,
-    /// Of a's body's centre from b's.
+    /// Position of a's centre of mass relative to b's, at the start [m].
     start: DVec3,
     displacement: DVec3,
     turn_a: Arc,
     turn_b: Arc,
-    /// About the direction from a to b, in the axes of the world, or zero.
+    /// Approximate direction from a to b, in the axes of the world, or zero.
     hint: DVec3,
 }
 
-/// A shape's way around its body's centre.
+/// How a shape turns about its body's centre of mass.
 #[derive(Clone, Copy, Debug)]
 struct Arc {
     rotation: DMat3,
@@ -100,16 +102,16 @@ struct Arc {
     reach: f64,
 }
 
-/// Both shapes at a moment.
+/// The poses of both shapes at one moment.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Placed {
     rotation_a: DMat3,
     pub(super) rotation_b: DMat3,
-    /// Origin of b's shape from a's.
+    /// Position of b's origin relative to a's.
     pub(super) offset: DVec3,
 }
 
-/// A box that goes straight.
+/// A box that moves along a straight line.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BoxPath {
     pub(super) from: DVec3,
@@ -146,8 +148,8 @@ impl<'a> Sweep<'a> {
         self.touch_after(0.0, placed, start, simplex, limit)
     }
 
-    /// The same, with what is known of a moment before which nothing touches: where the shapes are, the gap and its
-    /// direction, and the simplex.
+    /// [`Sweep::first_touch`] from a moment before which nothing touches, given the poses, the gap with its
+    /// direction, and the simplex at that moment.
     pub(super) fn touch_after(
         &self,
         mut t: f64,
@@ -194,9 +196,9 @@ impl<'a> Sweep<'a> {
         Some(touch(t, normal))
     }
 
-    /// When a comes within the tolerance of the plane of the triangle in b's place, which does not turn and is `gap`
-    /// away along `normal` at a moment before which nothing touches; not before that can it touch the triangle. None if
-    /// that is not before `limit`.
+    /// When a comes within the tolerance of the plane of the triangle in b's place, which does not turn. It
+    /// cannot touch the triangle before that. The search begins at a moment before which nothing touches,
+    /// with the plane `gap` away along `normal`. `None` if it reaches the plane no sooner than `limit`.
     pub(super) fn reach_plane(
         &self,
         (mut t, mut placed): (f64, Placed),
@@ -236,10 +238,10 @@ impl<'a> Sweep<'a> {
         placed.rotation_a * self.a.support(placed.rotation_a.transpose() * normal)
     }
 
-    /// How long the gap along `normal` lasts by the chords of the arcs.
+    /// How long the gap along `normal` surely lasts, by the chords of the arcs.
     fn long_step(&self, t: f64, normal: DVec3, gap: f64, target: f64) -> f64 {
         let bend = self.bend(normal);
-        // As far as the sagitta takes half of the gap.
+        // The step over which the sagitta takes half of the gap.
         let reach = if bend > 0.0 { (4.0 * gap / bend).sqrt().min(1.0 - t) } else { 1.0 - t };
         let then = self.placed(t + reach);
         // A plane shows no gap but along its own normal, as it is then; `bend` allows for that.
@@ -255,7 +257,7 @@ impl<'a> Sweep<'a> {
         reach * (2.0 * (gap - target) / (root.sqrt() - slope)).min(1.0)
     }
 
-    /// Puts a triangle of the same mesh in b's place, about in this direction.
+    /// Puts a triangle of the same mesh in b's place; `hint` is the approximate direction towards it.
     pub(super) fn set_triangle(&mut self, triangle: Support<'a>, motion: &Motion, hint: DVec3) {
         self.b = Other::Convex(triangle);
         self.hint = hint;
@@ -268,14 +270,14 @@ impl<'a> Sweep<'a> {
         self.turn_b.rate > 0.0
     }
 
-    /// The way of a's origin in the frame that b has at the start, as if nothing turned, and the half extents of a
-    /// box along it that holds a at all times.
+    /// The path of a's origin in the frame that b has at the start, as if nothing turned, and the half
+    /// extents of a box that moves along it and contains a at all times.
     pub(super) fn path_in_b(&self, motion: &Motion) -> BoxPath {
         let placed = self.placed(0.0);
         let to_b = placed.rotation_b.transpose();
         let from = to_b * -placed.offset;
         let mut inflate = self.a.half_extents(to_b * placed.rotation_a);
-        // No point of a gets further from where it would be without the spin than twice its distance from the axis.
+        // Turning moves no point of a by more than twice its distance from the axis.
         inflate += DVec3::splat(self.turn_a.reach * self.turn_a.rate.min(2.0));
         if motion.b.spin != Vec3::ZERO {
             let far = self.start.length()
@@ -308,7 +310,7 @@ impl<'a> Sweep<'a> {
         Placed { rotation_a, rotation_b, offset: lever_b - lever_a - self.start - self.displacement * t }
     }
 
-    /// From the origin of a to that of b, without spin.
+    /// From the origin of a to that of b, if nothing turns.
     fn offset(&self, t: f64) -> DVec3 {
         self.turn_b.lever - self.turn_a.lever - self.start - self.displacement * t
     }
@@ -375,7 +377,7 @@ impl Arc {
         if reach * rate.min(2.0) <= unseen {
             return still;
         }
-        // A wheel that turns on its own axle goes nowhere by that.
+        // Turning about its own axis of symmetry moves no surface of a round shape.
         if shape.is_round() {
             let own = rotation * DVec3::Y;
             let wobble = spin - own * spin.dot(own);

@@ -9,7 +9,7 @@ use glam::{DQuat, DVec3, Quat, Vec3};
 pub(crate) struct BodyPath {
     /// Centre of mass at the start, in the world [m].
     pub(crate) centre: DVec3,
-    /// At the start.
+    /// Rotation at the start.
     pub(crate) rotation: Quat,
     /// Velocity times the step [m].
     pub(crate) displacement: Vec3,
@@ -17,24 +17,25 @@ pub(crate) struct BodyPath {
     pub(crate) spin: Vec3,
 }
 
-/// The motion of shape a against shape b, in the axes of the world and with the origin in b's body's centre of mass,
-/// which it follows. Only differences of positions are left, so it is as exact far out as near.
+/// The motion of shape a relative to shape b, in the axes of the world, with the origin in the centre of mass
+/// of b's body, which it follows. Only differences of positions are left, so it is as exact far from the
+/// world's origin as near it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Motion {
-    /// Of the centre of a's body at the start [m].
+    /// Centre of mass of a's body at the start [m].
     pub(crate) start: DVec3,
-    /// Of a's body less that of b's body [m].
+    /// Displacement of a's body less that of b's [m].
     pub(crate) displacement: Vec3,
     pub(crate) a: Turn,
     pub(crate) b: Turn,
 }
 
-/// How a shape goes around its body's centre of mass.
+/// How a shape turns about its body's centre of mass.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Turn {
     /// From the centre of mass to the shape's origin, at the start [m].
     pub(crate) lever: Vec3,
-    /// Of the shape in the world, at the start.
+    /// Rotation of the shape in the world at the start.
     pub(crate) rotation: Quat,
     /// Angular velocity times the step [rad].
     pub(crate) spin: Vec3,
@@ -50,7 +51,7 @@ impl Motion {
         }
     }
 
-    /// What is left of the motion after a fraction of it, at which the shapes touched: from there on nothing goes along
+    /// The rest of the motion after a fraction at which the shapes touched, without its component along
     /// `normal` into b.
     pub(crate) fn after(&self, fraction: f32, normal: Vec3) -> Motion {
         let (t, left) = (f64::from(fraction), 1.0 - fraction);

@@ -1,21 +1,21 @@
-//! The way of a shape along a mesh that doesn't turn, as the way of the box and of the ball around it.
+//! The path of a shape along a mesh that doesn't turn, as that of its bounding box and ball.
 //!
-//! Most casts find nothing: the body is in flight, or rolls on what it touches anyway. A ball needs no rotation, and its
-//! height over a plane changes evenly, so eight triangles are passed over with two heights each, in the mesh's own
-//! frame. Only where that doesn't settle it is a search begun.
+//! Most casts find nothing: the body is in flight, or rolls on what it touches anyway. A ball needs no
+//! rotation, and its height over a plane changes linearly, so two heights each exclude eight triangles, in
+//! the mesh's own frame. Only where that is not enough a search begins.
 
-use super::mesh::Asked;
+use super::mesh::MeshCast;
 use super::motion::Motion;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::Relative;
 use crate::narrow_phase::convex::polytope::Pose;
 use crate::narrow_phase::mesh::nearby::{Eight, Extent};
-use crate::narrow_phase::mesh::reach::bounds;
+use crate::narrow_phase::mesh::reach::{Bounds, bounds};
 use crate::narrow_phase::mesh::touched::Touched;
 use crate::shape::{Collider, Kind};
 use glam::{Mat3, Vec3};
 
-/// The way of a box in the mesh's frame.
+/// The path of a box in the mesh's frame.
 pub(crate) struct BoxPath {
     pub(crate) from: Vec3,
     pub(crate) to: Vec3,
@@ -24,7 +24,7 @@ pub(crate) struct BoxPath {
 }
 
 impl BoxPath {
-    /// The box around all of it, if that holds hardly more than the path itself.
+    /// The box around the whole path, if it is hardly larger than the path itself.
     pub(crate) fn as_box(&self) -> Option<Extent> {
         let half = (self.to - self.from).abs() * 0.5;
         let reach = half + self.inflate;
@@ -35,28 +35,28 @@ impl BoxPath {
 
 /// See the module.
 pub(crate) struct ShapePath {
-    /// Of the shape's origin, and how far it goes from there, as if nothing turned [m].
+    /// Start of the shape's origin and its displacement, as if nothing turned [m].
     from: Vec3,
     way: Vec3,
-    /// Half extents of the box that holds the shape at all times [m].
+    /// Half extents of the box that contains the shape at all times [m].
     half: Vec3,
-    /// Radius of the ball that does [m].
+    /// Radius of the ball that does so [m].
     radius: f32,
-    /// Allowed for, and by how much rounding may move anything [m].
+    /// Distance that counts as a touch, with the allowance for rounding [m].
     clearance: f32,
-    /// What is touched at the start, as the mesh sees it.
+    /// What is touched at the start, in the frame of the mesh.
     known: Touched,
     lip: f32,
 }
 
 impl ShapePath {
-    /// `rel`: of the mesh in the shape's frame at the start.
-    pub(crate) fn new(a: &Collider, rel: &Relative, motion: &Motion, asked: &Asked) -> ShapePath {
+    /// `rel`: pose of the mesh in the shape's frame at the start.
+    pub(crate) fn new(a: &Collider, rel: &Relative, motion: &Motion, cast: &MeshCast) -> ShapePath {
         let to_mesh = rel.rotation.conjugate();
         let from = -(to_mesh * rel.position);
         let way = motion.b.rotation.conjugate() * motion.displacement;
-        // No chord is longer than the arc, or than twice the radius. What is round about an axis does not change by a turn
-        // about that.
+        // A chord is no longer than the arc, or than twice the radius. Turning a round shape about its axis
+        // does not change it.
         let angle = motion.a.spin.length().min(2.0);
         let tilt = match a.kind {
             Kind::Sphere => 0.0,
@@ -66,16 +66,16 @@ impl ShapePath {
             _ => angle,
         };
         let swing = angle * motion.a.lever.length();
-        let (middle, half) = bounds(a).unwrap_or((Vec3::ZERO, Vec3::splat(a.radius)));
+        let Bounds { middle, half } = bounds(a).unwrap_or(Bounds::of_ball(a.radius));
         let (m, half) = (Mat3::from_quat(to_mesh), half + middle.abs());
         let half = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z;
         let half = (half + Vec3::splat(tilt * a.radius)).min(Vec3::splat(a.radius)) + Vec3::splat(swing);
         let radius = a.radius + swing;
         // The tolerance alone may be less than what `f32` resolves in a large mesh.
         let rounding = 2e-6 * (from.length() + way.length() + radius);
-        let clearance = asked.tolerance.max(asked.alone) + rounding;
-        let known = asked.known.seen_from(&Pose::new(rel.position, rel.rotation));
-        ShapePath { from, way, half, radius, clearance, known, lip: asked.lip }
+        let clearance = cast.tolerance.max(cast.alone) + rounding;
+        let known = cast.known.seen_from(&Pose::new(rel.position, rel.rotation));
+        ShapePath { from, way, half, radius, clearance, known, lip: cast.lip }
     }
 
     pub(crate) fn in_box(&self) -> BoxPath {
@@ -83,7 +83,8 @@ impl ShapePath {
         BoxPath { from: self.from, to: self.from + self.way, inflate }
     }
 
-    /// Whether the shape surely touches none of some of eight triangles, but for those that it touches at the start.
+    /// Whether the shape surely touches none of up to eight triangles, except those that it touches at the
+    /// start.
     #[inline(always)]
     pub(crate) fn passes(&self, eight: &Eight, lanes: u32) -> bool {
         let corners = [eight.corners.corner(0), eight.corners.corner(1), eight.corners.corner(2)];
@@ -92,7 +93,7 @@ impl ShapePath {
         let start = across.dot(LaneVec3::splat(self.from) - a);
         let end = start + across.dot(LaneVec3::splat(self.way));
         let least = Lanes::min(start.abs(), end * start.sign());
-        // A triangle of no area has no plane: zero is not more than zero.
+        // A degenerate triangle has no plane: zero is not more than zero.
         let away = least.gt(across.length() * f32x8::splat(self.radius + self.clearance));
         let mut left = lanes & !away.bits();
         if left != 0 && !self.known.is_empty() {
@@ -126,8 +127,8 @@ mod tests {
             let (mut pa, pb) = (random.body(4.0, [0.0, 0.5, 3.0][i % 3]), random.body(1.0, 0.0));
             pa.displacement = pa.centre.as_vec3() * -0.7 + pb.displacement;
             let motion = Motion::new(&a, &pa, &b, &pb);
-            let asked = Asked::first(tolerance(&a, &b, 1.0), 0.0);
-            let path = ShapePath::new(&a, &motion.relative(0.0), &motion, &asked);
+            let cast = MeshCast::first(tolerance(&a, &b, 1.0), 0.0);
+            let path = ShapePath::new(&a, &motion.relative(0.0), &motion, &cast);
             let shape = Support::of(&a).unwrap();
             let BoxPath { from, to, inflate } = path.in_box();
             for k in 0..=8 {
@@ -146,7 +147,7 @@ mod tests {
                 let mut eight = Eight::default();
                 eight.push(k, triangle);
                 let other = Other::Convex(Support::triangle(triangle));
-                let touch = Sweep::new(shape, other, &motion, asked.tolerance).first_touch(1.0);
+                let touch = Sweep::new(shape, other, &motion, cast.tolerance).first_touch(1.0);
                 let passes = path.passes(&eight, 1);
                 assert!(!(passes && touch.is_some()), "{i} {k} {touch:?} {a:?} {motion:?}");
                 (all, touched, passed) =
@@ -156,8 +157,8 @@ mod tests {
         assert!(cfg!(miri) || touched > 500 && passed > (all - touched) / 3, "{touched} {passed} {all}");
     }
 
-    /// A box rests on a floor of two triangles and slides along it: it passes both, and stops at neither; a step that stands
-    /// out in front of it is not passed.
+    /// A box that rests on a floor of two triangles slides past both; a step that stands out in front of it
+    /// is not passed.
     #[test]
     fn what_is_touched_at_the_start_is_passed() {
         let a = collider(Geometry::cuboid(0.5, 0.5, 0.5));
@@ -172,8 +173,8 @@ mod tests {
         let motion = Motion::new(&a, &path(Vec3::X * 0.3), &floor, &still);
         let mut known = Touched::default();
         known.add_plane(Vec3::Y, -0.501, Vec3::X, 0.01);
-        let asked = Asked { known, lip: 5e-4, ..Asked::first(1e-4, 0.01) };
-        let path = ShapePath::new(&a, &motion.relative(0.0), &motion, &asked);
+        let cast = MeshCast { known, lip: 5e-4, ..MeshCast::first(1e-4, 0.01) };
+        let path = ShapePath::new(&a, &motion.relative(0.0), &motion, &cast);
         let mut eight = Eight::default();
         let at = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
         eight.push(0, [at(-2.0, 0.0, -2.0), at(-2.0, 0.0, 2.0), at(2.0, 0.0, -2.0)]);

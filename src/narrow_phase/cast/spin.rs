@@ -1,15 +1,16 @@
-//! How a moving shape turns, as the looks in lanes take it.
+//! How a moving shape turns, for the tests in lanes.
 
 use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::convex::support::vertices;
 use crate::shape::{Collider, Geometry, Kind};
 use glam::Vec3;
 
-/// A shape's turn around its body's centre, in its own frame.
+/// A shape's rotation about its body's centre of mass, in its own frame.
 pub(crate) struct Spin {
     /// Rotation vector over the step [rad]; zero if it moves no point by as much as the tolerance shows.
     pub(crate) vector: Vec3,
-    /// The most that points are away from its axis [m], without the radius of what is round: turning that changes nothing.
+    /// Largest distance of a point from the axis [m], without the radius of round shapes, which turning does
+    /// not move.
     pub(crate) reach: f32,
 }
 
@@ -31,7 +32,7 @@ impl Spin {
             Geometry::Capsule { .. } => ends(y - y.min(z), z - y.min(z)),
             Geometry::Cylinder { .. } => ends(y, z),
             Geometry::Box { .. } => {
-                // Of opposite corners one is as far from an axis through the middle as the other.
+                // Opposite corners are equally far from an axis through the middle.
                 let corner = |x: f32, y: f32| axis.cross(Vec3::new(x, y, z)).length_squared();
                 corner(x, y).max(corner(-x, y)).max(corner(x, -y)).max(corner(-x, -y)).sqrt() + off
             }
@@ -44,9 +45,10 @@ impl Spin {
             }
             _ => shape.radius + off,
         };
-        // More than what rounding takes.
+        // Covers rounding.
         let reach = reach * (1.0 + 1e-5);
-        // No chord is longer than the arc, or than twice the radius. A wheel that turns on its own axle goes nowhere by that.
+        // A chord is no longer than the arc, or than twice the radius. Turning about its own axis of symmetry
+        // moves no surface of a round shape.
         let mut most = reach * angle.min(2.0);
         if matches!(shape.kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder) {
             let tilt = vector.cross(Vec3::Y).length();
@@ -59,5 +61,5 @@ impl Spin {
     }
 }
 
-/// What turning moves by no more than this share of the tolerance does not turn.
+/// A rotation counts as none if it moves nothing by more than this share of the tolerance.
 const UNSEEN: f32 = 0.1;

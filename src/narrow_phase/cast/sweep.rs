@@ -1,12 +1,12 @@
 //! Which of eight triangles a moving shape can't touch within the step, in lanes.
 //!
-//! The exact search for a first touch ([`cast`](crate::narrow_phase::cast)) costs a microsecond a triangle. Most triangles near the
-//! path stay behind a plane that the shape never reaches: their own. Along a fixed direction the path of every point
-//! of a turning shape lies within the sagitta of its arc from the chord, so two heights over the plane, at the start
-//! and at the end, bound all in between. Half an arc has a quarter of the sagitta: what spins fast is looked at in two
-//! or four parts.
+//! The exact search for a first touch ([`cast`](super)) costs a microsecond a triangle. Most triangles near
+//! the path lie behind a plane that the shape never reaches: their own. Along a fixed direction the path of
+//! every point of a turning shape lies within the sagitta of its arc from the chord, so two heights over the
+//! plane, at the start and at the end, bound all in between. Half an arc has a quarter of the sagitta, so a
+//! fast spin is examined in two or four parts.
 
-use super::mesh::Asked;
+use super::mesh::MeshCast;
 use super::motion::{Motion, turn};
 use super::spin::Spin;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
@@ -14,7 +14,7 @@ use crate::narrow_phase::Relative;
 use crate::narrow_phase::convex::polytope::Pose;
 use crate::narrow_phase::mesh::Triangles;
 use crate::narrow_phase::mesh::nearby::Eight;
-use crate::narrow_phase::mesh::reach::bounds;
+use crate::narrow_phase::mesh::reach::{Bounds, bounds};
 use crate::narrow_phase::mesh::sphere::nearest;
 use crate::shape::{Collider, Geometry};
 use glam::{DQuat, Mat3, Vec3};
@@ -71,31 +71,31 @@ pub(crate) fn reach(shape: &Collider, d: LaneVec3<f32x8>) -> f32x8 {
 /// A shape's motion against a mesh that doesn't turn, in the shape's frame at the start of the step.
 pub(crate) struct MeshSweep<'a> {
     shape: &'a Collider,
-    /// Middle and half extents of the box around the shape.
-    around: (Vec3, Vec3),
-    /// Of the mesh, at the start.
+    /// The box around the shape.
+    bounds: Bounds,
+    /// Pose of the mesh at the start.
     pose: Pose,
     /// Fraction of the step at which the motion ends.
     until: f32,
-    /// The ends of the parts of the motion, once anything is looked at.
+    /// The ends of the parts of the motion, computed when first needed.
     moments: OnceCell<Moments>,
     way: Vec3,
     lever: Vec3,
     /// Rotation vector over the step [rad].
     spin: Vec3,
-    /// Angle times extent across the axis [m]: times the share of the spin across a direction it is how much the
-    /// velocity along that direction may change within the step.
+    /// Angle times extent across the axis [m]. Times the share of the spin across a direction, it bounds the
+    /// change of velocity along that direction within the step.
     bend: f32,
-    /// A gap up to this is none [m]: the tolerance, with what is allowed for rounding. Once something is touched, only
-    /// the latter: what would merely come as close as that by then changes nothing.
+    /// A gap up to this counts as closed [m]: the tolerance and the allowance for rounding. Once a touch is
+    /// known, only the allowance: merely coming within the tolerance by then changes nothing.
     least: f32,
-    /// Allowed for rounding [m].
+    /// Allowance for rounding [m].
     slack: f32,
 }
 
 /// Which of eight triangles may be touched, by their planes.
 pub(crate) struct Reached {
-    /// A bit for each that has to be looked at.
+    /// One bit for each triangle that needs a closer look.
     pub(crate) lanes: u32,
     /// One of them may be close at the start already.
     pub(crate) near: bool,
@@ -104,7 +104,7 @@ pub(crate) struct Reached {
 /// Where the shape is.
 #[derive(Clone, Copy, Debug)]
 struct Moment {
-    /// Its origin less that at the start.
+    /// Displacement of its origin since the start.
     moved: Vec3,
     turned: Mat3,
 }
@@ -118,11 +118,11 @@ struct Moments {
 
 /// Most parts of a motion.
 const PARTS: usize = 4;
-/// A part whose sagitta is more than this share of the shape's radius is cut in two.
+/// A part is halved if its sagitta exceeds this share of the shape's radius.
 const FLAT: f32 = 0.04;
 
 impl<'a> MeshSweep<'a> {
-    /// `rel`: of the mesh in the shape's frame at the start.
+    /// `rel`: pose of the mesh in the shape's frame at the start.
     pub(crate) fn new(shape: &'a Collider, rel: &Relative, motion: &Motion, tolerance: f32) -> MeshSweep<'a> {
         let to_local = motion.a.rotation.conjugate();
         let way = to_local * motion.displacement;
@@ -131,7 +131,7 @@ impl<'a> MeshSweep<'a> {
         let slack = 2e-6 * (rel.position.length() + way.length() + shape.radius + lever.length());
         MeshSweep {
             shape,
-            around: bounds(shape).unwrap_or((Vec3::ZERO, Vec3::splat(shape.radius))),
+            bounds: bounds(shape).unwrap_or(Bounds::of_ball(shape.radius)),
             pose: Pose::new(rel.position, rel.rotation),
             until: 1.0,
             moments: OnceCell::new(),
@@ -144,7 +144,8 @@ impl<'a> MeshSweep<'a> {
         }
     }
 
-    /// Something is touched at this fraction of the step: from now on only what would be entered before that counts.
+    /// Ends the motion at this fraction of the step, where a touch is known: only triangles entered before it
+    /// still matter.
     pub(crate) fn end_at(&mut self, fraction: f32) {
         (self.until, self.least) = (fraction, self.slack);
         self.moments = OnceCell::new();
@@ -155,7 +156,8 @@ impl<'a> MeshSweep<'a> {
         Moment { moved: self.way * (t * self.until) + turned * self.lever - self.lever, turned }
     }
 
-    /// How far arcs are from their chords over the whole motion, for each radian of the spin that is across [m].
+    /// How far arcs are from their chords over the whole motion, per radian of the spin across the direction
+    /// [m].
     fn sagitta(&self) -> f32 {
         self.bend / 8.0 * self.until * self.until
     }
@@ -180,14 +182,14 @@ impl<'a> MeshSweep<'a> {
         })
     }
 
-    /// Of eight triangles those whose planes come into reach. What comes no nearer than the tolerance is left out, and so
-    /// is what the shape rests on: it is within `resting` of the triangle's plane, and stays so.
+    /// The triangles, of eight, whose planes come into reach. Left out is what comes no nearer than the
+    /// tolerance, and what the shape rests on: triangles whose planes are within `resting` and stay so.
     #[inline(always)]
-    pub(crate) fn by_planes(&self, eight: &Eight, lanes: u32, asked: &Asked) -> Reached {
-        let &Asked { resting, alone, .. } = asked;
+    pub(crate) fn by_planes(&self, eight: &Eight, lanes: u32, cast: &MeshCast) -> Reached {
+        let &MeshCast { resting, alone, .. } = cast;
         let triangles = Triangles::new(eight, lanes, &self.pose, Vec3::ZERO);
-        let hidden = asked.known.hides(&triangles.corners, asked.lip);
-        // Triangles of no area have no plane.
+        let hidden = cast.known.hides(&triangles.corners, cast.lip);
+        // Degenerate triangles have no plane.
         let flat = !triangles.valid & lanes;
         if (!hidden).bits() & triangles.valid == 0 && alone < 0.0 {
             return Reached { lanes: flat, near: false };
@@ -196,7 +198,7 @@ impl<'a> MeshSweep<'a> {
         let alone = f32x8::splat(alone);
         let mut close = start.le(alone);
         if close.bits() & triangles.valid != 0 {
-            let (_, axis, _) = triangles.separate(self.around.0, self.around.1);
+            let (_, axis, _) = triangles.separate(self.bounds.middle, self.bounds.half);
             close = close & axis.le(alone);
         }
         let mut away = path.least.gt(f32x8::splat(self.least)) | hidden;
@@ -209,7 +211,8 @@ impl<'a> MeshSweep<'a> {
                 lowest = Lanes::min(lowest, self.gap(triangles.height, down, &middle));
             }
             away = away | (level & lowest.ge(-resting));
-            // Its lowest point is over the triangle itself: it rests on it at the start, whatever comes then.
+            // Its lowest point is over the triangle itself: the shape rests on it at the start, however it
+            // moves then.
             let (_, feature) = nearest(&triangles, support(self.shape, down));
             away = away | (level & feature.eq(f32x8::zero()));
         }
@@ -217,7 +220,8 @@ impl<'a> MeshSweep<'a> {
         Reached { lanes: left | flat, near: close.bits() & triangles.valid != 0 }
     }
 
-    /// The gaps to the planes at the start, and how they change; `each` gets every part, and where its gap lasts.
+    /// The gaps to the planes at the start, and how they change; `each` gets every part, and where its gap
+    /// lasts.
     #[inline(always)]
     fn above(&self, triangles: &Triangles, mut each: impl FnMut(usize, Away)) -> (f32x8, Gaps) {
         let down = -triangles.front;
@@ -230,10 +234,10 @@ impl<'a> MeshSweep<'a> {
         (start, path)
     }
 
-    /// Of those that are left, the triangles that may be touched, and the earliest fraction of the step at which they may
-    /// be: zero for what may be within the resting distance at the start.
+    /// The remaining triangles that may be touched, and the earliest fraction of the step at which they may
+    /// be; zero for those that may be within the resting distance at the start.
     #[inline(always)]
-    pub(crate) fn sift(&self, eight: &Eight, lanes: u32, asked: &Asked) -> (u32, [f32; 8]) {
+    pub(crate) fn sift(&self, eight: &Eight, lanes: u32, cast: &MeshCast) -> (u32, [f32; 8]) {
         let triangles = Triangles::new(eight, lanes, &self.pose, Vec3::ZERO);
         let flat = !triangles.valid & lanes;
         let mut kept = Kept::new(self.moments().count);
@@ -244,14 +248,15 @@ impl<'a> MeshSweep<'a> {
         }
         let share = f32x8::splat(self.until / self.moments().count as f32);
         let first = Lanes::max(kept.first, kept.leading()) * share;
-        let first = Lanes::select(apart.gt(f32x8::splat(asked.resting)), first, f32x8::zero());
+        let first = Lanes::select(apart.gt(f32x8::splat(cast.resting)), first, f32x8::zero());
         (triangles.valid & !kept.always().bits() | flat, first.to_array())
     }
 
-    /// Beside a triangle its plane may well be crossed: looks for other directions along which the gap lasts, for each
-    /// part of the motion. The first is that to the point of the triangle that is nearest to where the shape is halfway.
-    /// If its path overlaps the triangle along one, the next is its reflection at the line between the points that
-    /// overlap the most (Chung and Wang, *Quick collision detection of polytopes in virtual environments*, 1996).
+    /// Beside a triangle the shape may cross its plane without touching it. So for each part of the motion
+    /// this looks for other directions along which the gap lasts. The first points to the point of the
+    /// triangle that is nearest to the shape halfway. If the path overlaps the triangle along one direction,
+    /// the next is its reflection at the line between the points that overlap the most (Chung and Wang,
+    /// *Quick collision detection of polytopes in virtual environments*, 1996).
     #[inline(always)]
     fn search(&self, triangles: &Triangles, kept: &mut Kept, apart: &mut f32x8) {
         let unit = |v: LaneVec3<f32x8>| {
@@ -269,7 +274,7 @@ impl<'a> MeshSweep<'a> {
             let (near, far) = nearest_corner(triangles, u);
             let mut path = self.gaps(far - reached, u);
             *apart = Lanes::select(known, Lanes::max(*apart, path.last), *apart);
-            // Of the parts that are left, the point that overlaps the most.
+            // The point that overlaps the most, among the remaining parts.
             let (mut furthest, mut along) = (before, f32x8::splat(f32::MIN));
             for (part, end) in moments.ends().enumerate() {
                 let point = end.point(support(self.shape, end.seen(u)));
@@ -293,7 +298,7 @@ impl<'a> MeshSweep<'a> {
         }
     }
 
-    /// A gap along a direction at the start.
+    /// The gap along a direction at the start [m].
     #[inline(always)]
     fn gaps(&self, start: f32x8, direction: LaneVec3<f32x8>) -> Gaps {
         let across = LaneVec3::<f32x8>::splat(self.spin).cross(direction).length();
@@ -302,7 +307,7 @@ impl<'a> MeshSweep<'a> {
         Gaps::new(start, sagitta, f32x8::splat(self.least))
     }
 
-    /// The gap along directions to what is `far` from the origin along them [m].
+    /// The gap along directions to points that are `far` from the origin along them [m].
     #[inline(always)]
     fn gap(&self, far: f32x8, direction: LaneVec3<f32x8>, moment: &Moment) -> f32x8 {
         far - LaneVec3::splat(moment.moved).dot(direction) - reach(self.shape, moment.seen(direction))
@@ -311,20 +316,20 @@ impl<'a> MeshSweep<'a> {
 
 type Away = <f32x8 as Lanes>::Mask;
 
-/// How gaps along directions change from moment to moment.
+/// How gaps along directions change over the parts of the motion.
 ///
 /// Between two moments a gap is no less than its chord less a parabola as high as the sagitta in the middle.
 struct Gaps {
     last: f32x8,
-    /// A lower bound of all up to now, and the least of those at the moments.
+    /// A lower bound of all gaps up to now, and the least of those at the ends of parts.
     least: f32x8,
     lowest: f32x8,
     sagitta: f32x8,
-    /// What counts as closed.
+    /// Gap that counts as closed [m].
     closed: f32x8,
-    /// Parts of the motion that surely pass before it is closed.
+    /// Number of parts that surely pass before the gap is closed.
     open: f32x8,
-    /// One where it is open still.
+    /// One while the gap is still open.
     going: f32x8,
 }
 
@@ -342,7 +347,7 @@ impl Gaps {
         }
     }
 
-    /// Goes on to the end of the next part; answers a lower bound of the gaps in it.
+    /// Advances to the end of the next part; returns a lower bound of the gaps in it.
     #[inline(always)]
     fn go_on(&mut self, next: f32x8) -> f32x8 {
         let (zero, one, four) = (f32x8::zero(), f32x8::one(), f32x8::splat(4.0));
@@ -354,7 +359,7 @@ impl Gaps {
         let dip = (self.last + next) * f32x8::splat(0.5) - self.sagitta - grows * grows / (four * some);
         let least = Lanes::select(steep, Lanes::min(self.last, next), dip);
         self.least = Lanes::min(self.least, least);
-        // The first u at which that is what counts as closed.
+        // The first u at which that counts as closed.
         let (falls, over) = (curve - grows, self.last - self.closed);
         let root = falls * falls - four * curve * over;
         let sum = falls + Lanes::max(root, zero).sqrt();
@@ -370,11 +375,11 @@ impl Gaps {
     }
 }
 
-/// In which parts of the motion the shape keeps away from each of eight triangles.
+/// In which parts of the motion the shape stays clear of each of eight triangles.
 struct Kept {
     parts: [Away; PARTS],
     count: usize,
-    /// Parts that surely pass before one is reached, by a single direction.
+    /// Number of parts that surely pass before the triangle is reached, by a single direction.
     first: f32x8,
 }
 
@@ -390,7 +395,7 @@ impl Kept {
         self.parts[1..self.count].iter().fold(self.parts[0], |all, part| all & *part)
     }
 
-    /// So many parts, from the start on, in which it does.
+    /// How many parts, from the start on, stay clear.
     #[inline(always)]
     fn leading(&self) -> f32x8 {
         let (mut sum, mut going) = (f32x8::zero(), f32x8::one());
@@ -423,7 +428,7 @@ impl Moments {
 }
 
 impl Moment {
-    /// A direction as the turned shape sees it.
+    /// A direction in the frame of the turned shape.
     #[inline(always)]
     fn seen(&self, d: LaneVec3<f32x8>) -> LaneVec3<f32x8> {
         let m = &self.turned;
@@ -434,7 +439,7 @@ impl Moment {
         )
     }
 
-    /// A point of the shape, where it is at that moment.
+    /// The position at that moment of a point of the shape.
     #[inline(always)]
     fn point(&self, p: LaneVec3<f32x8>) -> LaneVec3<f32x8> {
         let m = &self.turned;

@@ -12,8 +12,8 @@ fn still(centre: DVec3) -> BodyPath {
     path(centre, Vec3::ZERO)
 }
 
-/// The distance at a moment, by the platform's rotations and the distance that `gjk` proves; half of minus the
-/// size or so in overlap.
+/// The distance at a moment, by the platform's rotations and the distance that `gjk` proves; half of minus
+/// the size or so in overlap.
 fn distance_at(a: &Collider, b: &Collider, (pa, pb): (&BodyPath, &BodyPath), t: f64) -> f64 {
     let place = |shape: &Collider, path: &BodyPath| {
         let spin = path.spin.as_dvec3() * t;

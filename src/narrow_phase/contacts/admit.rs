@@ -1,8 +1,9 @@
-//! Which contacts there is room for, together with their rows.
+//! Which contacts there is memory for, together with their rows.
 //!
-//! A contact without rows pushes nothing. If contacts took whatever room there is, rows, which come after them, would find none; so
-//! under a budget contacts are only admitted with what their rows will take. Where that is too much for all, old and new ones stand
-//! side by side, and the lightest go ([`Weight`]): a contact that is found late may be the one that bears a pile.
+//! A contact without rows pushes nothing. If contacts took all the memory there is, rows, which come after
+//! them, would find none. So under a budget contacts are admitted only with what their rows will take. If
+//! that is too much for all, old and new ones compete, and the lightest are shed ([`Weight`]): a contact that
+//! is found late may be the one that bears a pile.
 
 use super::contact::Contact;
 use super::manifold::RawManifold;
@@ -12,31 +13,31 @@ use crate::memory::{Category, Rooms, Slab};
 /// Bytes that the rows of a contact take, and what is reserved for them.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct RowCost {
-    /// A lane of a full batch with its friction: with what may move and what is static, such as touch or may, and by the number
-    /// of points.
+    /// Bytes of a lane of a full batch with its friction: for two movable bodies and for one, touching or
+    /// not, and by the number of points.
     pub(crate) lanes: [[[usize; 4]; 2]; 2],
-    /// In lists that have an entry for each contact, or each point.
+    /// Bytes in lists that have an entry for each contact, or each point.
     pub(crate) lists: usize,
-    /// In such lists and in buffers of rows, but for the one that is lent.
+    /// Bytes in such lists and in buffers of rows, without the one that is lent.
     pub(crate) reserved: usize,
     /// Each point has rows of its own.
     pub(crate) per_point: bool,
 }
 
-/// Rows of the last step, whose memory contacts may use until those of this step are made.
+/// The rows of the last step, whose memory contacts may use until this step's rows are made.
 pub(crate) struct RowSpace {
     pub(crate) cost: RowCost,
     pub(crate) slab: Slab,
 }
 
-/// A contact, as to what its rows take.
+/// What determines the memory of a contact's rows.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Kind {
     pub(crate) is_static: bool,
-    /// It does not touch yet.
+    /// The contact does not touch yet.
     pub(crate) potential: bool,
     pub(crate) points: usize,
-    /// Those that it can't do without.
+    /// The points that the contact can't do without.
     pub(crate) needed: usize,
 }
 
@@ -69,7 +70,7 @@ impl RowCost {
 pub(crate) struct Census {
     counts: [u32; Weight::COUNT],
     rows: [[u32; Weight::COUNT]; 2],
-    /// Of contacts that stay whatever they weigh.
+    /// Contacts that stay whatever they weigh.
     fixed: (u32, [usize; 2]),
 }
 
@@ -85,7 +86,7 @@ impl Census {
         }
     }
 
-    /// Adds one that stays.
+    /// Adds a contact that stays.
     pub(crate) fn add_fixed(&mut self, kind: Kind, cost: &RowCost) {
         self.fixed.0 += 1;
         for (rows, points) in self.fixed.1.iter_mut().zip([kind.points, kind.needed]) {
@@ -93,7 +94,7 @@ impl Census {
         }
     }
 
-    /// How many there are, and the bytes of their rows, from a weight on.
+    /// The number of contacts, and the bytes of their rows, from a weight on.
     fn above(&self, from: Weight, rows: usize) -> (usize, usize) {
         let sum = |of: &[u32]| of[from.index()..].iter().map(|&n| n as usize).sum::<usize>();
         (self.fixed.0 as usize + sum(&self.counts), self.fixed.1[rows] + sum(&self.rows[rows]))
@@ -103,31 +104,32 @@ impl Census {
 /// What is admitted.
 pub(crate) struct Admitted {
     pub(crate) floor: Threshold,
-    /// Bytes of the rows of all that stay, at the least where there is not enough for all their points.
+    /// Bytes of the rows of all contacts that stay, with only the needed points if there is not enough for
+    /// all.
     pub(crate) rows: usize,
 }
 
-/// Lanes of batches that are not full stay empty: one in so many, and no more than so many in all, because the last batch of each
-/// colour is the one that is not full. With too little for them contacts take the place of rows that they need, with too much they
-/// are shed for nothing.
+/// Share of lanes that stay empty, and the most of them, because the last batch of each colour is not full.
+/// With too small an estimate contacts displace rows that they need; with too large a one they are shed for
+/// nothing.
 const EMPTY: usize = 5;
 const MOST_EMPTY: usize = 64;
 
-/// What empty lanes take beside so many bytes of rows.
+/// Bytes of empty lanes beside so many bytes of rows.
 fn loose(contacts: usize, rows: usize) -> usize {
     (rows / EMPTY).min(rows / contacts.max(1) * MOST_EMPTY)
 }
 
-/// What there is in all for contacts and their rows.
+/// The memory for contacts and their rows.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Means {
-    /// Contacts that there may be, by the limit of these.
+    /// The most contacts, by their own limit.
     pub(crate) slots: usize,
     /// Bytes of a contact.
     pub(crate) each: usize,
-    /// Bytes of both together.
+    /// The most bytes of both together.
     pub(crate) whole: usize,
-    /// Bytes that rows may take, by the limit of these.
+    /// The most bytes of rows, by their own limit.
     pub(crate) rows: usize,
 }
 
@@ -143,14 +145,15 @@ impl Means {
         }
     }
 
-    /// Whether so many contacts fit in with so many bytes of rows. What their own limit denies rows they can't take from contacts.
+    /// Whether so many contacts fit with so many bytes of rows. Rows can't take from contacts what their own
+    /// limit denies them.
     fn hold(&self, (contacts, rows): (usize, usize)) -> bool {
         contacts <= self.slots
             && contacts * self.each + (rows + loose(contacts, rows)).min(self.rows) <= self.whole
     }
 
-    /// Says which contacts of a census stay. What nothing approaches goes first; if what is left lacks room for the rows of all points,
-    /// room for those that are needed will do.
+    /// Decides which contacts of a census stay. Those that nothing approaches are shed first; if there is
+    /// still no memory for the rows of all points, that for the needed ones will do.
     pub(crate) fn admit(&self, census: &Census) -> Admitted {
         let all = census.above(Weight::default(), 0);
         if self.hold(all) {
@@ -195,7 +198,8 @@ mod tests {
         weights.iter().map(|w| floor.keeps(*w)).collect()
     }
 
-    /// Two that nothing approaches, and two that are needed, of four points each: 440 bytes, or 320 with the point that is needed.
+    /// Two that nothing approaches, and two that are needed, of four points each: 440 bytes, or 320 with the
+    /// point that is needed.
     #[test]
     fn first_go_those_that_nothing_approaches_then_points_then_the_lightest() {
         let weights = [10, 20, 600, 700].map(Weight::nth);

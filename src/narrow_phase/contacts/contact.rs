@@ -4,11 +4,11 @@ use super::manifold::{MAX_POINTS, RawManifold};
 use crate::limits::MAX_LOAD;
 use crate::memory::{Buffer, Room, bytes_of};
 use crate::narrow_phase::Relative;
-use crate::narrow_phase::collide::Same;
+use crate::narrow_phase::collide::MatchLimits;
 use glam::{Quat, Vec3, Vec4};
 
-/// A kept contact turns with its bodies once they have turned together by more than this [rad]: what rides on a
-/// turntable has its normals right within that.
+/// Angle beyond which a kept contact turns with its bodies [rad]: normals on a turntable are right within
+/// that.
 const FROZEN: f32 = 0.002;
 
 /// [`Contact::static_load`] of a contact whose load was not estimated yet.
@@ -17,36 +17,36 @@ pub(crate) const UNKNOWN_LOAD: f32 = -1.0;
 /// Share by which a load may differ from the lasting force that bears it.
 const BAND: f32 = 0.2;
 
-/// The time in which forces follow loads that last [s]: longer than a stack sways to and fro.
-pub(crate) const HOLD: f32 = 2.0;
+/// Time constant with which lasting forces follow loads [s]: longer than a stack's sway.
+pub(crate) const LOAD_TIME: f32 = 2.0;
 
-/// How far springs act over a gap, in slops: an edge of a box that leans in a tall stack still bears something 1 mm above what is
-/// below it, and a spring that ended there would drop it.
+/// How far springs act over a gap, in slops: an edge of a box that leans in a tall stack still bears
+/// something 1 mm above what is below it. If springs ended sooner they would drop it.
 const GAP: f32 = 10.0;
 
 /// No contact.
-pub(crate) const NONE: u32 = u32::MAX;
+pub(crate) const NO_CONTACT: u32 = u32::MAX;
 
 /// A point of a contact.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Point {
     /// Midway between the surfaces when the contact was found, in the frame of shape `a` [m].
     pub(crate) position: Vec3,
-    /// At the start of the step, negative in overlap [m].
+    /// Separation at the start of the step, negative in overlap [m].
     pub(crate) separation: f32,
-    /// When the contact was found [m].
+    /// Separation when the contact was found [m].
     pub(crate) found: f32,
     /// Normal impulse of the last substep [N s].
     pub(crate) impulse: f32,
     /// Mean force of the last steps [N], kept once steps vary in length; zero before, see [`StepLengths`].
     pub(crate) mean_force: f32,
-    /// Of [`Contact::lasting_force`]: by statics, or the same at each point.
+    /// Its share of [`Contact::lasting_force`]: by statics, or the same at each point.
     pub(crate) share: f32,
     pub(crate) key: u32,
 }
 
 impl Point {
-    /// Takes over what an old point bore.
+    /// Takes over the impulse and the load of an old point.
     fn inherit(&mut self, old: &Point) {
         (self.impulse, self.mean_force, self.share) = (old.impulse, old.mean_force, old.share);
     }
@@ -57,13 +57,13 @@ impl Point {
 pub(crate) struct Contact {
     pub(crate) a: u32,
     pub(crate) b: u32,
-    /// Next contact of the same pair (meshes have several), or [`NONE`].
+    /// Next contact of the same pair (meshes have several), or [`NO_CONTACT`].
     pub(crate) next: u32,
     pub(crate) count: u8,
     /// The solver had to push a potential point of it in this step.
     pub(crate) pushed: bool,
-    /// Of the step: the contact was found at the pose of first touch, this far into the step, and its separations
-    /// carried back to the start of it. Zero: found at the start. Such a contact is never recycled.
+    /// Fraction of the step at which the contact was found: the pose of first touch. Its separations are
+    /// carried back to the start. Zero: found at the start. Others are never recycled.
     pub(crate) fraction: f32,
     /// Unit, from `a` to `b`, in the frame of shape `a`.
     pub(crate) normal: Vec3,
@@ -74,17 +74,18 @@ pub(crate) struct Contact {
     pub(crate) twist: f32,
     /// Mean of friction [N] and twist [N m], as [`Point::mean_force`].
     pub(crate) mean_friction: Vec4,
-    /// Normal force that all points together bear, each its share, whatever their separations are (see `Softness`) [N].
+    /// Normal force that all points together bear, each its share, whatever their separations are (see
+    /// `Softness`) [N].
     pub(crate) lasting_force: f32,
-    /// Separation at which that force bears the load alone, if it is known: zero in the long run, whatever it was when the load
-    /// became known [m].
+    /// Separation at which that force alone bears the load, if it is known: zero in the long run, whatever it
+    /// was when the load became known [m].
     pub(crate) rest: f32,
     /// Normal force by statics (see `statics`), or [`UNKNOWN_LOAD`] [N].
     pub(crate) static_load: f32,
     /// Pose of `b` in `a` when the contact was found.
     pub(crate) found_at: Relative,
-    /// Rotation of shape `a` when the contact was found: rows act along this normal and at these arms while the contact
-    /// is kept (docs/decisions/frozen-contacts.md).
+    /// Rotation of shape `a` when the contact was found: rows act along this normal and at these arms while
+    /// the contact is kept (docs/decisions/frozen-contacts.md).
     pub(crate) frame: Quat,
 }
 
@@ -93,7 +94,7 @@ impl Contact {
         Contact {
             a,
             b,
-            next: NONE,
+            next: NO_CONTACT,
             count: 0,
             pushed: false,
             fraction: 0.0,
@@ -114,8 +115,13 @@ impl Contact {
         &self.points[..self.count as usize]
     }
 
-    /// Takes a new manifold and keeps the impulses of points that are the same: by key, else by place.
-    pub(crate) fn renew(&mut self, raw: &RawManifold, (found_at, frame): (Relative, Quat), same: Same) {
+    /// Takes a new manifold and keeps the impulses of matching points: by key, else by position.
+    pub(crate) fn renew(
+        &mut self,
+        raw: &RawManifold,
+        (found_at, frame): (Relative, Quat),
+        same: MatchLimits,
+    ) {
         let old = *self;
         self.take(raw, found_at, frame);
         if old.count == 0 || old.normal.dot(raw.normal) < 0.7 {
@@ -126,7 +132,8 @@ impl Contact {
         self.inherit(&old, same);
     }
 
-    /// Whether it touches and statics did not estimate its load yet. `real`: a separation up to this counts [m].
+    /// Whether it touches and statics has not estimated its load yet. `real`: largest separation that counts
+    /// as touching [m].
     pub(crate) fn touches_anew(&self, real: f32) -> bool {
         self.is_unknown() && self.points().iter().any(|p| p.separation <= real)
     }
@@ -157,15 +164,15 @@ impl Contact {
         }
     }
 
-    /// Gives each point without an impulse that of the same point of `old`: by key, else by place.
+    /// Gives each point the impulse of the matching point of `old`: by key, else by position.
     ///
-    /// What of the load was on points that are gone goes to those that are new, each the same share: a shape that
-    /// slides over triangles rests on other points from step to step, and would sink each time into what bore it.
-    pub(crate) fn inherit(&mut self, old: &Contact, Same { near, slides }: Same) {
+    /// The load of points that are gone is shared evenly among new ones: a shape that slides over triangles
+    /// rests on other points from step to step, and would sink each time into what bore it.
+    pub(crate) fn inherit(&mut self, old: &Contact, MatchLimits { near, slides }: MatchLimits) {
         let moved = self.found_at.position - old.found_at.position;
         let past = moved - self.normal * self.normal.dot(moved);
         if past.length_squared() > slides * slides {
-            // What slides or rolls has no lasting loads.
+            // Sliding or rolling bodies have no lasting loads.
             (self.lasting_force, self.static_load) = (0.0, UNKNOWN_LOAD);
         } else {
             (self.lasting_force, self.rest, self.static_load) =
@@ -213,11 +220,12 @@ impl Contact {
         self.share_all();
     }
 
-    /// Lets the lasting force follow the load that the points bore in the last substep, of `h` seconds, of a step of `dt`
-    /// seconds. Says whether that load is one that statics should look at.
+    /// Lets the lasting force follow the load that the points bore in the last substep, of `h` seconds, of a
+    /// step of `dt` seconds. Says whether that load is one that statics should look at.
     ///
-    /// It follows only a load that is off by more than [`BAND`], and else what statics expects. If it followed every sway, the
-    /// restoring force would lag behind the sway by `0.9 / (omega * HOLD)` and pump it, wherever several manifolds bear a body.
+    /// It follows only a load that is off by more than [`BAND`], and otherwise what statics expects. If it
+    /// followed every sway, the restoring force would lag behind the sway by `0.9 / (omega * LOAD_TIME)` and
+    /// pump it, wherever several manifolds bear a body.
     pub(crate) fn bear(&mut self, dt: f32, h: f32) -> bool {
         let load = self.bears() / h;
         let near = |force: f32| (force - load).abs() <= BAND * load;
@@ -230,27 +238,28 @@ impl Contact {
         } else {
             self.lasting_force.max(load * (1.0 - BAND))
         };
-        let share = (dt / HOLD).min(1.0);
+        let share = (dt / LOAD_TIME).min(1.0);
         self.lasting_force += (target - self.lasting_force) * share;
         self.rest -= self.rest * share;
         load > 0.0 && self.is_unknown()
     }
 
-    /// Separation at which springs bear nothing but the lasting force, and how far beyond it they act at most [m].
+    /// Separation at which springs bear nothing but the lasting force, and how far beyond it they act at most
+    /// [m].
     ///
-    /// Where the load is known they act at any depth, and over a gap too: a lean that is smaller than it would not be taken back.
-    /// Else only what is deeper than the slop is pushed apart, and rows are rigid above it: what slides, rolls or lands meets no
-    /// spring, which it could press through something thin.
+    /// If the load is known, springs act at any depth, and over a gap too: a lean smaller than the gap would
+    /// not be taken back. Otherwise only overlap beyond the slop is pushed apart, and rows are rigid above
+    /// it: bodies that slide, roll or land meet no spring, which could press them through something thin.
     pub(crate) fn spring(&self, slop: f32) -> [f32; 2] {
         if self.is_unknown() { [-slop, 0.0] } else { [self.rest, GAP * slop] }
     }
 
-    /// Whether all that is carried to the next step is a number and in range.
+    /// Whether all values carried to the next step are finite and in range.
     pub(crate) fn has_sound_loads(&self) -> bool {
         let loads = [self.twist, self.lasting_force, self.rest, self.static_load];
         let of_points = self.points.iter().flat_map(|point| [point.impulse, point.mean_force]);
         let vectors = self.friction.to_array().into_iter().chain(self.mean_friction.to_array());
-        // A sum of what is none is none. No branch for each: this is asked of every contact in every step.
+        // The sum of NaN is NaN. No branch for each value: this runs for every contact in every step.
         let sum: f32 = loads.into_iter().chain(of_points).chain(vectors).map(f32::abs).sum();
         sum <= MAX_LOAD
     }
@@ -265,7 +274,7 @@ impl Contact {
         (self.lasting_force, self.rest, self.static_load) = (0.0, 0.0, UNKNOWN_LOAD);
     }
 
-    /// The points that it can't do without, a bit each: those that bear or touch, or the nearest.
+    /// The points that the contact can't do without, one bit each: those that bear or touch, or the nearest.
     pub(crate) fn needed(&self) -> u32 {
         let bits = |needs: &dyn Fn(&Point) -> bool| {
             self.points().iter().enumerate().map(|(i, p)| u32::from(needs(p)) << i).sum::<u32>()
@@ -283,14 +292,14 @@ impl Contact {
         self.points().iter().map(|p| p.impulse).sum()
     }
 
-    /// Whether statics did not estimate its load yet.
+    /// Whether statics has not estimated its load yet.
     pub(crate) fn is_unknown(&self) -> bool {
         self.static_load == UNKNOWN_LOAD
     }
 
     /// Takes an estimate of the load of a contact that bears so much [N].
     pub(crate) fn expect(&mut self, load: f32, borne: f32) {
-        // Where the bodies are now is where they rest: a lift would throw them.
+        // The bodies rest where they are now: lifting them would throw them.
         let sum: f32 = self.points().iter().map(|p| p.separation).sum();
         self.rest = (sum / f32::from(self.count)).min(0.0);
         (self.lasting_force, self.static_load) = (load.max(borne), load);
@@ -344,12 +353,12 @@ impl Contacts {
     /// Bytes of a slot, which may become free one day.
     const EACH: usize = size_of::<Contact>() + size_of::<u32>();
 
-    /// How many slots are lacking for so many more.
+    /// Slots missing for so many more contacts.
     fn lacking(&self, more: usize) -> usize {
         more.saturating_sub(self.free.len() + self.all.capacity() - self.all.len())
     }
 
-    /// The same in bytes.
+    /// [`Contacts::missing`] in bytes.
     pub(crate) fn missing_for(&self, more: usize) -> usize {
         self.lacking(more) * Self::EACH
     }
@@ -359,12 +368,12 @@ impl Contacts {
         (self.all.capacity().min(self.free.capacity()), Self::EACH)
     }
 
-    /// How many there are.
+    /// Number of contacts.
     pub(crate) fn live(&self) -> usize {
         self.all.len() - self.free.len()
     }
 
-    /// Makes place for so many more, as far as there is room; says for how many there is.
+    /// Reserves slots for so many more, as far as memory allows; returns how many.
     pub(crate) fn make_place(&mut self, more: usize, room: &mut Room) -> usize {
         let missing = self.lacking(more);
         if missing > 0 && !room.is_endless() {
@@ -395,36 +404,36 @@ impl Contacts {
         self.all.missing(contacts) + self.free.missing(contacts)
     }
 
-    /// Puts a contact where [`Contacts::make_place`] made place for it, or returns [`NONE`].
+    /// Inserts a contact where [`Contacts::make_place`] reserved a slot, or returns [`NO_CONTACT`].
     pub(crate) fn insert(&mut self, contact: Contact) -> u32 {
         if let Some(slot) = self.free.pop() {
             self.all[slot as usize] = contact;
             return slot;
         }
         if self.all.len() == self.all.capacity().min(self.free.capacity()) {
-            return NONE;
+            return NO_CONTACT;
         }
         self.all.push(contact);
         self.all.len() as u32 - 1
     }
 
-    /// The same while there are fewer than so many.
+    /// [`Contacts::insert`] while there are fewer than so many.
     pub(crate) fn insert_within(&mut self, contact: Contact, most: usize) -> u32 {
-        if self.live() < most { self.insert(contact) } else { NONE }
+        if self.live() < most { self.insert(contact) } else { NO_CONTACT }
     }
 
     /// Frees a contact and all that follow it.
     pub(crate) fn remove_chain(&mut self, mut slot: u32) {
-        while slot != NONE {
+        while slot != NO_CONTACT {
             let contact = &mut self.all[slot as usize];
             contact.count = 0;
-            let next = std::mem::replace(&mut contact.next, NONE);
+            let next = std::mem::replace(&mut contact.next, NO_CONTACT);
             self.free.push(slot);
             slot = next;
         }
     }
 
-    /// Takes all contacts out and makes place for so many.
+    /// Removes all contacts and reserves slots for so many.
     pub(crate) fn reset(&mut self, place: usize) {
         self.all.clear();
         self.free.clear();
@@ -433,14 +442,14 @@ impl Contacts {
 
     /// How many contacts a chain has.
     pub(crate) fn count(&self, slot: u32) -> usize {
-        let next = |&slot: &u32| Some(self.all[slot as usize].next).filter(|&slot| slot != NONE);
-        std::iter::successors(Some(slot).filter(|&slot| slot != NONE), next).count()
+        let next = |&slot: &u32| Some(self.all[slot as usize].next).filter(|&slot| slot != NO_CONTACT);
+        std::iter::successors(Some(slot).filter(|&slot| slot != NO_CONTACT), next).count()
     }
 
     /// How many contacts of a chain pushed in the last step.
     pub(crate) fn count_pushed(&self, mut slot: u32) -> u32 {
         let mut pushed = 0;
-        while slot != NONE {
+        while slot != NO_CONTACT {
             pushed += u32::from(self.all[slot as usize].pushed);
             slot = self.all[slot as usize].next;
         }

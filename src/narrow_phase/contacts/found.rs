@@ -1,48 +1,48 @@
-//! What blocks of pairs find that needs a slot, and how it gets one.
+//! The new contacts that blocks of pairs find, and how they get a slot.
 //!
-//! Blocks run at the same time, so each has its own place in what all share: a stretch of the new contacts, and, if its
-//! pairs are of a mesh, buffers of its own. One thread then commits them in the order of the blocks. Where the budget
-//! leaves too little place, what protects from static geometry is kept longest.
+//! Blocks run at the same time, so each has its own part of what all share: a range of the new contacts, and,
+//! if its pairs are of a mesh, buffers of its own. One thread then commits them in the order of the blocks.
+//! If the budget leaves too little memory, contacts with static geometry are kept longest.
 
 use super::admit::{Census, Kind as Taken, Means, RowSpace};
-use super::contact::{Contact, Contacts, NONE};
+use super::contact::{Contact, Contacts, NO_CONTACT};
 use super::weight::{Threshold, Weight};
 use crate::broad_phase::Pair;
 use crate::memory::{Buffer, Buffers, Category, Marks, Room, Rooms, Slab, bytes_of, even_out};
 use crate::narrow_phase::RawManifold;
 use crate::narrow_phase::bins::{BLOCK as PAIRS, Bins, Block};
-use crate::narrow_phase::collide::{Input, Same, relative_pose};
+use crate::narrow_phase::collide::{Input, MatchLimits, relative_pose};
 use crate::narrow_phase::mesh::MeshScratch;
 use crate::shape::Kind;
 use crate::threads::Shared;
 use bytemuck::{Pod, Zeroable};
 
-/// A contact of a pair that had none.
+/// A new contact, of a pair that had none.
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Fresh {
     pair: u32,
-    /// Of the step, where it was found.
+    /// Fraction of the step at which it was found.
     fraction: f32,
     raw: RawManifold,
 }
 
-/// Bytes of a contact of a pair that had none, until it has a slot.
+/// Bytes of a new contact until it has a slot.
 pub(crate) const FRESH_BYTES: usize = size_of::<Fresh>();
 
-/// What a block of mesh pairs works with.
+/// The buffers of a block of mesh pairs.
 #[derive(Debug, Default)]
 pub(crate) struct MeshBlock {
-    /// Pairs that were looked at, with the range of their manifolds in `many`.
+    /// Pairs that have manifolds, with their ranges in `many`.
     looked: Vec<(u32, u32, u32)>,
     many: Vec<(RawManifold, f32)>,
-    /// Of the look that is under way.
+    /// Manifolds of the pair at hand, from one call of a kernel.
     pub(crate) raw: Vec<RawManifold>,
     pub(crate) mesh: MeshScratch,
 }
 
 impl MeshBlock {
-    /// How many manifolds there are by now.
+    /// Number of manifolds so far.
     pub(crate) fn count(&self) -> u32 {
         self.many.len() as u32
     }
@@ -54,7 +54,7 @@ impl MeshBlock {
         }
     }
 
-    /// Ends the look at a pair, whose manifolds are those from `start` on; says whether it has any.
+    /// Ends the work on a pair, whose manifolds are those from `start` on; returns whether it has any.
     pub(crate) fn end(&mut self, pair: u32, start: u32) -> bool {
         let end = self.count();
         if end == start {
@@ -68,7 +68,7 @@ impl MeshBlock {
         listed
     }
 
-    /// Manifolds that a pair has now and had no contact for, pair by pair.
+    /// Manifolds beyond the contacts that their pair has already, pair by pair.
     fn more<'a>(
         &'a self,
         pairs: &'a [Pair],
@@ -97,8 +97,8 @@ impl Buffers for MeshBlock {
     }
 }
 
-/// What a block writes, beside the contacts that its pairs have.
-pub(crate) struct Out<'a> {
+/// What a block writes, apart from the contacts that its pairs have already.
+pub(crate) struct BlockOutput<'a> {
     fresh: &'a mut [Fresh],
     pairs: &'a [Pair],
     block: &'a mut Block,
@@ -106,7 +106,7 @@ pub(crate) struct Out<'a> {
     pub(crate) mesh: Option<&'a mut MeshBlock>,
 }
 
-impl Out<'_> {
+impl BlockOutput<'_> {
     /// Gives a pair its first contact.
     pub(crate) fn add(
         &mut self,
@@ -125,7 +125,7 @@ impl Out<'_> {
             *place = Fresh { pair: index, fraction, raw };
             block.used[class] += 1;
         } else if block.used[class] > 0 {
-            // The lightest makes way.
+            // Replaces the lightest.
             let new = Fresh { pair: index, fraction, raw };
             let weight = new.weight(pair, input);
             let pair_of = |found: &Fresh| &self.pairs[found.pair as usize];
@@ -144,14 +144,15 @@ impl Out<'_> {
         }
     }
 
-    /// Takes a pair's contacts away.
+    /// Removes a pair's contacts.
     pub(crate) fn empty(&mut self, index: u32) {
         // SAFETY: the pair is this block's.
         unsafe { *self.state.get(index as usize) = EMPTIED };
         self.block.emptied += 1;
     }
 
-    /// Says that a pair, which has no contact, is not touched on the whole of the predicted way, nor near at its start.
+    /// Marks a pair without a contact as clear: not touched on the whole predicted path, and not near at its
+    /// start.
     pub(crate) fn clear(&mut self, index: u32) {
         // SAFETY: the pair is this block's.
         unsafe { *self.state.get(index as usize) = CLEAR };
@@ -176,50 +177,50 @@ pub(crate) struct Places<'a> {
 }
 
 impl Places<'_> {
-    /// What is a block's own.
+    /// The output of one block.
     ///
     /// # Safety
-    /// Each block may ask once.
+    /// To be called at most once for each block.
     pub(crate) unsafe fn of<'a>(
         &'a self,
         block: &'a mut Block,
         state: &'a Shared<'a, u8>,
         pairs: &'a [Pair],
-    ) -> Out<'a> {
+    ) -> BlockOutput<'a> {
         let (start, own) = (block.fresh as usize, block.mesh as usize);
         let is_mesh = block.bin.is_mesh() && own < self.meshes;
         // SAFETY: blocks' places don't overlap, and each mesh block has its own number.
         unsafe {
             let fresh = self.fresh.part(start..start + block.place as usize);
-            Out { fresh, pairs, state, mesh: is_mesh.then(|| self.mesh.get(own)), block }
+            BlockOutput { fresh, pairs, state, mesh: is_mesh.then(|| self.mesh.get(own)), block }
         }
     }
 }
 
-/// State of a pair: its contacts go. No bin has this number or a higher one.
+/// State of a pair whose contacts are removed. No bin has this number or a higher one.
 pub(crate) const EMPTIED: u8 = u8::MAX - 2;
-/// State of a pair once it was looked at: see [`Out::clear`]. No bin has this number.
+/// State of a pair that was found to be clear: see [`BlockOutput::clear`]. No bin has this number.
 pub(crate) const CLEAR: u8 = u8::MAX - 3;
 
 /// Buffers of one step.
 #[derive(Debug, Default)]
-pub(crate) struct Found {
-    /// Without a budget; with one they lie where the rows were, which takes no place of its own.
+pub(crate) struct FoundContacts {
+    /// New contacts, if there is no budget; with one they lie in the memory of the last step's rows.
     fresh: Vec<Fresh>,
-    /// How many of them there is place for under a budget.
+    /// Capacity for new contacts under a budget.
     place: usize,
     meshes: Vec<MeshBlock>,
-    /// What each of them was granted.
+    /// Memory granted to each of them.
     share: Room,
     marks: Marks,
     chain: Vec<Contact>,
-    /// Whether a contact that was not there before touches.
+    /// Whether a new contact touches.
     pub(crate) touching: bool,
 }
 
-impl Found {
-    /// See [`Scratch::missing_to_find`](crate::narrow_phase::Scratch::missing_to_find). What a block of meshes needs beside the triangles
-    /// that it holds is taken to be as much again.
+impl FoundContacts {
+    /// See [`Scratch::missing_to_find`](crate::narrow_phase::Scratch::missing_to_find). Beside the triangles
+    /// that it gathers, a block of mesh pairs is assumed to need as much again.
     pub(crate) fn missing(&self, of_meshes: usize) -> usize {
         let blocks = of_meshes.div_ceil(PAIRS as usize);
         let each = MeshBlock::default().mesh.least() * 2;
@@ -234,7 +235,7 @@ impl Found {
             .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
     }
 
-    /// Gives each block its place. Mesh blocks come first: what they find is support.
+    /// Gives each block its buffers. Mesh blocks come first: their contacts are support.
     pub(crate) fn plan(
         &mut self,
         bins: &mut Bins,
@@ -245,7 +246,7 @@ impl Found {
         let endless = rooms.is_endless();
         let wanted = bins.blocks.iter().filter(|b| b.bin.is_mesh()).count();
         if wanted > self.meshes.len() {
-            // A few more, or every other step would add one.
+            // A few more than needed, or every other step would add one.
             let half = |room: &mut Room| {
                 room.within(2, |room| {
                     let granted = room.fit(&mut self.meshes, wanted + wanted / 4);
@@ -263,7 +264,7 @@ impl Found {
                 continue;
             }
             let order = &bins.order[block.start as usize..block.end as usize];
-            let new = order.iter().map(|&i| &pairs[i as usize]).filter(|pair| pair.contact == NONE);
+            let new = order.iter().map(|&i| &pairs[i as usize]).filter(|pair| pair.contact == NO_CONTACT);
             if endless {
                 block.place = new.count() as u32;
                 block.quota = [block.place; 2];
@@ -290,8 +291,8 @@ impl Found {
         }
     }
 
-    /// Says where the blocks end that run before what they found is committed: those that there is place for. Under a
-    /// budget all have theirs, because it is shared out by what all found.
+    /// The end of the blocks that run before their contacts are committed: as many as there is capacity for.
+    /// Under a budget all run, because it is shared out by what all found.
     pub(crate) fn wave(&mut self, blocks: &mut [Block], first: usize, room: &mut Room) -> usize {
         if !room.is_endless() {
             return blocks.len();
@@ -316,8 +317,8 @@ impl Found {
         Places { fresh: Shared::new(fresh), meshes, mesh: Shared::new(&mut self.meshes) }
     }
 
-    /// Gives slots to what some blocks found, and with the last of them to what those of meshes found. Says how many points
-    /// found none.
+    /// Gives slots to the contacts of some blocks, and with the last of them to those of mesh blocks. Returns
+    /// the number of points that got none.
     pub(crate) fn commit(
         &mut self,
         (bins, wave, state): (&mut Bins, std::ops::Range<usize>, &[u8]),
@@ -335,7 +336,7 @@ impl Found {
         for block in blocks.iter().filter(|block| block.emptied > 0) {
             let order = &bins.order[block.start as usize..block.end as usize];
             for &index in order.iter().filter(|&&i| state[i as usize] == EMPTIED) {
-                let slot = std::mem::replace(&mut pairs[index as usize].contact, NONE);
+                let slot = std::mem::replace(&mut pairs[index as usize].contact, NO_CONTACT);
                 contacts.remove_chain(slot);
             }
         }
@@ -374,9 +375,9 @@ impl Found {
             let frame = input.poses[pair.a as usize].rotation;
             contact.take(&found.raw, relative_pose(pair, input.poses), frame);
             contact.fraction = found.fraction;
-            self.touching |= contact.touches_anew(input.real);
+            self.touching |= contact.touches_anew(input.touch_distance);
             pair.contact = contacts.insert_within(contact, way.most);
-            shed += if pair.contact == NONE { found.raw.count } else { 0 };
+            shed += if pair.contact == NO_CONTACT { found.raw.count } else { 0 };
         }
         if last {
             rooms.within(Category::Scratch, |room| {
@@ -391,24 +392,24 @@ impl Found {
     }
 }
 
-/// Who may stay and come.
+/// Which contacts may stay, and which new ones are taken in.
 struct Way {
-    /// How many contacts there may be.
+    /// The most contacts.
     most: usize,
     floor: Threshold,
-    /// Bytes that are left to rows.
+    /// Bytes left for rows.
     of_rows: usize,
-    /// Points of those that had to go.
+    /// Points of contacts that were shed.
     shed: u32,
 }
 
 impl Way {
-    /// Everyone.
+    /// All contacts.
     const FREE: Way = Way { most: usize::MAX, floor: Threshold::ALL, of_rows: 0, shed: 0 };
 }
 
-/// Weighs the contacts that are there and those that blocks found, the latter in so many places, and takes away those that
-/// are too light to stay; makes place for those that are not.
+/// Weighs existing contacts and those that blocks found, sheds those that are too light, and reserves slots
+/// for the others.
 fn make_way(
     (blocks, place, meshes): (&[Block], usize, &[MeshBlock]),
     of_meshes: usize,
@@ -422,9 +423,9 @@ fn make_way(
     for pair in pairs.iter().filter(|pair| !pair.is_idle(input.hot, input.dynamic)) {
         let (is_static, weight) = (input.is_static(pair), weight_of(pair, contacts, input));
         let mut slot = pair.contact;
-        while slot != NONE {
+        while slot != NO_CONTACT {
             let contact = &contacts.all[slot as usize];
-            let taken = Taken::of(contact, is_static, input.real);
+            let taken = Taken::of(contact, is_static, input.touch_distance);
             match weight {
                 Some(weight) => census.add(weight, taken, &cost),
                 None => census.add_fixed(taken, &cost),
@@ -433,12 +434,12 @@ fn make_way(
         }
     }
     for (many, pair) in meshes.iter().flat_map(|block| block.more(pairs, contacts)) {
-        let taken = |raw: &RawManifold| Taken::of_new(raw, input.is_static(pair), input.real);
+        let taken = |raw: &RawManifold| Taken::of_new(raw, input.is_static(pair), input.touch_distance);
         many.iter().for_each(|(raw, _)| census.add_fixed(taken(raw), &cost));
     }
     for found in found_by(blocks, space.slab.alone(place)) {
         let pair = &pairs[found.pair as usize];
-        let taken = Taken::of_new(&found.raw, input.is_static(pair), input.real);
+        let taken = Taken::of_new(&found.raw, input.is_static(pair), input.touch_distance);
         census.add(found.weight(pair, input), taken, &cost);
     }
     let admitted = Means::new(rooms, space, contacts.place()).admit(&census);
@@ -452,7 +453,8 @@ fn make_way(
     let left = |rooms: &Rooms| rooms.own(Category::Manifolds).min(rooms.whole().saturating_sub(of_rows));
     let lacking = contacts.missing_for(more).saturating_sub(left(rooms));
     if lacking > 0 {
-        // Rows have more than they will need, because there were fewer contacts, or these had more points.
+        // Rows have more memory than they will need, because there were fewer contacts, or these had more
+        // points.
         let needed = admitted.rows.saturating_sub(cost.reserved).max(place * FRESH_BYTES);
         let to = space.slab.bytes(0).1.saturating_sub(lacking).max(needed);
         rooms.within(Category::Rows, |room| room.give(space.slab.spare(to)));
@@ -473,7 +475,7 @@ impl Fresh {
     }
 }
 
-/// Leaves no gaps between what blocks found; says how much it is.
+/// Closes the gaps between what blocks found; returns the total.
 fn close_up(blocks: &mut [Block], fresh: &mut [Fresh]) -> usize {
     let mut end = 0;
     for block in blocks {
@@ -493,22 +495,23 @@ fn found_by<'a>(blocks: &'a [Block], fresh: &'a [Fresh]) -> impl Iterator<Item =
     })
 }
 
-/// The weight of the contact of a pair, if it has one; none of the contacts with meshes, which go when others are found.
+/// The weight of a pair's contact, if it has one. Contacts with meshes have none here: they are exchanged for
+/// new ones.
 fn weight_of(pair: &Pair, contacts: &Contacts, input: &Input<'_>) -> Option<Weight> {
     let of_mesh = matches!(input.hot[pair.b as usize].kind, Kind::Mesh | Kind::HeightField);
-    (pair.contact != NONE && !of_mesh).then(|| input.scale.of(&contacts.all[pair.contact as usize]))
+    (pair.contact != NO_CONTACT && !of_mesh).then(|| input.scale.of(&contacts.all[pair.contact as usize]))
 }
 
-/// New contacts that there is place for at a time: enough for all of most steps, and where a whole scene falls onto the
-/// ground at once, its blocks run in several goes.
+/// New contacts that are held at a time: enough for all in most steps. If a whole scene falls onto the ground
+/// at once, its blocks run in several waves.
 const WAVE: u32 = 1024;
 
-/// Of what is left, a part that may go into evening out: it only saves later steps the growth.
+/// Share of the remaining memory that may be spent on even capacities: they only save growth in later steps.
 const PART: usize = 8;
 
-/// Less place for new contacts than there are pairs without one: first for those that touch something static, and of a kind all
-/// blocks get their share. Were it for the first blocks alone, pairs that have parted and stay pairs would keep it from those that
-/// have not.
+/// Distributes capacity for new contacts that is less than the number of pairs without one: first to pairs
+/// with static geometry, and within a kind every block gets its share. If the first blocks alone got it,
+/// pairs that have parted but are still pairs would keep it from those that have not.
 fn cut(blocks: &mut [Block], granted: u32, total: [u32; 2]) {
     let of_static = granted.min(total[1]);
     let shares = [granted - of_static, of_static];
@@ -525,7 +528,7 @@ fn cut(blocks: &mut [Block], granted: u32, total: [u32; 2]) {
     }
 }
 
-/// Frees the contacts that do not stay. Says how many points went.
+/// Frees the contacts that do not stay. Returns the number of points shed.
 fn evict(floor: &mut Threshold, pairs: &mut [Pair], contacts: &mut Contacts, input: &Input<'_>) -> u32 {
     let mut shed = 0;
     for pair in pairs.iter_mut().filter(|pair| !pair.is_idle(input.hot, input.dynamic)) {
@@ -533,7 +536,7 @@ fn evict(floor: &mut Threshold, pairs: &mut [Pair], contacts: &mut Contacts, inp
             && !floor.keeps(weight)
         {
             shed += u32::from(contacts.all[pair.contact as usize].count);
-            contacts.remove_chain(std::mem::replace(&mut pair.contact, NONE));
+            contacts.remove_chain(std::mem::replace(&mut pair.contact, NO_CONTACT));
         }
     }
     shed
@@ -554,14 +557,14 @@ fn commit_meshes(
         let now = relative_pose(pair, input.poses);
         chain.clear();
         let mut slot = pair.contact;
-        while slot != NONE {
-            // At worst an impulse is not inherited.
+        while slot != NO_CONTACT {
+            // The worst case is an impulse that is not inherited.
             room.push(chain, contacts.all[slot as usize]);
             slot = contacts.all[slot as usize].next;
         }
         contacts.remove_chain(pair.contact);
-        pair.contact = NONE;
-        let mut last = NONE;
+        pair.contact = NO_CONTACT;
+        let mut last = NO_CONTACT;
         for (raw, fraction) in &block.many[start as usize..end as usize] {
             let mut contact = Contact::new(pair.a, pair.b);
             contact.take(raw, now, input.poses[pair.a as usize].rotation);
@@ -570,20 +573,20 @@ fn commit_meshes(
             let nearest =
                 chain.iter().max_by(|x, y| x.normal.dot(raw.normal).total_cmp(&y.normal.dot(raw.normal)));
             if let Some(old) = nearest.filter(|old| old.normal.dot(raw.normal) > 0.9) {
-                contact.inherit(old, Same::of(input, pair));
+                contact.inherit(old, MatchLimits::of(input, pair));
                 (contact.friction, contact.twist) = (old.friction, old.twist);
                 contact.mean_friction = old.mean_friction;
             }
-            *touching |= contact.touches_anew(input.real);
+            *touching |= contact.touches_anew(input.touch_distance);
             let slot = contacts.insert_within(contact, most);
-            if slot == NONE {
+            if slot == NO_CONTACT {
                 shed += raw.count;
-            } else if last == NONE {
+            } else if last == NO_CONTACT {
                 pair.contact = slot;
             } else {
                 contacts.all[last as usize].next = slot;
             }
-            last = if slot == NONE { last } else { slot };
+            last = if slot == NO_CONTACT { last } else { slot };
         }
     }
     block.looked.clear();

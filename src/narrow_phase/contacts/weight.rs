@@ -1,10 +1,11 @@
-//! What it would cost to leave a contact out: where memory is short, those go first that cost least.
+//! What it would cost to leave a contact out: if memory is short, the cheapest are shed first.
 //!
-//! What is left out lets its bodies into each other. So a contact weighs what they would overlap by at the end of the step
-//! if it had no rows: what their predicted motions add, what the load that it bore in the last step would move them by, and a
-//! part of what they overlap by now. All are lengths, so a light body's load counts as much as a heavy one's, and a contact that
-//! is found late in the order of pairs weighs what it would have weighed early. What nothing approaches costs nothing; what
-//! lets a body into something static by more than a little weighs more than all else.
+//! Without a contact its bodies sink into each other. So the weight of a contact is the overlap at the end of
+//! the step if it had no rows: by the predicted motions, by the load that it bore in the last step, and by a
+//! part of the present overlap. All are lengths, so the load of a light body counts as much as that of a
+//! heavy one, and the weight does not depend on when in the order of pairs a contact is found. Contacts that
+//! nothing approaches cost nothing. Contacts that keep a body from entering something static by more than a
+//! little weigh more than all others.
 
 use super::contact::Contact;
 use crate::body::Mass;
@@ -18,26 +19,27 @@ pub(crate) struct Weight(u16);
 
 /// Weights of a class.
 const STEPS: u16 = 256;
-/// Bits of a float that a step of weight leaves off, and the first step: that of 2^-16 length units.
+/// Bits of a float that a step of weight omits, and the first step: that of 2^-16 length units.
 const BITS: u32 = 19;
 const FIRST: u32 = (127 - 16) << 4;
-/// Load counts for more than it moves bodies by: what bears keeps bearing until another would cost clearly more, so that what is
-/// left out does not change from step to step.
+/// Load counts for more than the displacement it causes: a contact that bears keeps bearing until another
+/// would cost clearly more, so that the choice does not change from step to step.
 const LASTS: f32 = 2.0;
-/// The share of an overlap that counts: in full, pairs that are deep in each other would take the place of those that bear, whose
-/// bodies would be the next to sink. With a tenth of it they stay deep for too long.
+/// The share of an overlap that counts. In full, pairs that are deep in each other would displace those that
+/// bear, whose bodies would be the next to sink. With a tenth of it they stay deep for too long.
 const DEEP: f32 = 0.25;
-/// What costs more than this goes after all that costs less [length units]; of either, what is with something static goes last. Were
-/// that always last, bodies side by side on a floor would keep the floor, and enter each other altogether.
+/// Contacts that cost more than this are shed after all that cost less [length units]; of either kind,
+/// contacts with static geometry last. If those always came last, bodies side by side on a floor would keep
+/// the floor, and enter each other altogether.
 const MUCH: f32 = 0.02;
 
 impl Weight {
-    /// How many there are.
+    /// Number of weights.
     pub(crate) const COUNT: usize = 6 * STEPS as usize;
-    /// The least of those that keep apart what approaches, or bear a load.
+    /// The least weight of contacts that keep approaching bodies apart, or bear a load.
     pub(crate) const NEEDED: Weight = Weight(2 * STEPS);
 
-    /// Of an overlap, or a gap, at the end of the step [length units].
+    /// The weight of an overlap, or a gap, at the end of the step [length units].
     fn new(is_static: bool, overlap: f32) -> Weight {
         let steps = (overlap.abs().to_bits() >> BITS).saturating_sub(FIRST).min(u32::from(STEPS) - 1) as u16;
         let class = u16::from(is_static) + 2 * (u16::from(overlap > 0.0) + u16::from(overlap > MUCH));
@@ -64,17 +66,19 @@ pub(crate) struct Scale<'a> {
     pub(crate) hot: &'a [Hot],
     /// Predicted displacement and rotation vector of each body that can move.
     pub(crate) motion: &'a [Record],
-    /// Of all bodies, of which so many can be pushed.
+    /// The masses of all bodies; those before `dynamic` can be pushed.
     pub(crate) mass: &'a [Mass],
     pub(crate) dynamic: usize,
-    /// The length of a step times the number of its substeps: what an impulse of a substep moves a unit of mass by [s].
+    /// The length of a step times the number of its substeps: what an impulse of a substep moves a unit of
+    /// mass by [s].
     pub(crate) gain: f32,
     /// The length unit [m].
     pub(crate) unit: f32,
 }
 
 impl Scale<'_> {
-    /// Of two colliders with a normal in the world, the least of their separations [m] and the load of a substep [N s].
+    /// The weight for two colliders, given the normal in the world, the least separation [m] and the load of
+    /// a substep [N s].
     pub(crate) fn weigh(&self, [a, b]: [u32; 2], normal: Vec3, separation: f32, load: f32) -> Weight {
         let body = |c: u32| self.hot[c as usize].body as usize;
         let motion = |c: u32| self.motion.get(body(c)).copied().unwrap_or_default();
@@ -93,18 +97,18 @@ impl Scale<'_> {
         Weight::new(!both, (closing - apart + held) / self.unit)
     }
 
-    /// Of a contact that is there.
+    /// The weight of an existing contact.
     pub(crate) fn of(&self, contact: &Contact) -> Weight {
         let nearest = contact.points().iter().map(|p| p.separation).fold(f32::INFINITY, f32::min);
         self.weigh([contact.a, contact.b], contact.frame * contact.normal, nearest, contact.bears())
     }
 }
 
-/// The lightest that stay.
+/// The lightest contacts that stay.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Threshold {
     weight: Weight,
-    /// Of those that weigh just this, the first so many stay: the order of pairs lasts.
+    /// How many of exactly this weight stay, the first ones: the order of pairs lasts.
     left: u32,
 }
 
@@ -118,7 +122,7 @@ impl Threshold {
         Threshold { weight: Weight(index as u16), left }
     }
 
-    /// So many of the lightest go, of those whose weights are in a range.
+    /// Sheds so many of the lightest among those whose weights are in a range.
     pub(crate) fn without(counts: &[u32; Weight::COUNT], from: Weight, mut gone: u32) -> Threshold {
         for (index, &count) in counts.iter().enumerate().skip(from.index()) {
             if gone < count {
@@ -129,7 +133,7 @@ impl Threshold {
         Threshold::new(Weight::COUNT, 0)
     }
 
-    /// Whether the next one, which weighs this much, stays. Asked of each in the same order.
+    /// Whether the next contact, of this weight, stays. To be called for each in the same order.
     pub(crate) fn keeps(&mut self, weight: Weight) -> bool {
         if weight == self.weight {
             let stays = self.left > 0;
@@ -151,7 +155,8 @@ mod tests {
             [false, true].iter().flat_map(|&s| overlaps.map(|o| Weight::new(s, o))).collect();
         let order = |range: std::ops::Range<usize>| weights[range].is_sorted_by(|a, b| a < b);
         assert!(order(0..7) && order(7..14));
-        // What is static and costs much weighs more than all else, and what is needed more than what is not.
+        // Contacts with static geometry that cost much weigh more than all others, and needed ones more than
+        // those that are not.
         assert!(
             weights[12] > weights[6]
                 && weights[6] > weights[10]
@@ -170,7 +175,7 @@ mod tests {
             let mut floor = Threshold::without(&counts, Weight(0), gone);
             assert_eq!(all.iter().filter(|w| floor.keeps(**w)).count(), 7 - gone as usize);
         }
-        // Only of those that are needed.
+        // Only among the needed ones.
         let mut floor = Threshold::without(&counts, Weight::NEEDED, 1);
         assert_eq!(all.map(|w| floor.keeps(w)), [false, false, false, false, false, false, true]);
         assert!(Threshold::ALL.clone().keeps(Weight(0)));

@@ -1,9 +1,9 @@
 //! Contact points of a reference face and an incident face, and of two edges.
 //!
-//! The points are the corners of what both faces cover, seen along the reference normal: incident vertices over the
-//! reference face, crossings of incident edges with its side planes, reference vertices under the incident face. The
-//! three kinds are found eight at a time without building the polygons in between (Cyrus and Beck's line clipping,
-//! 1978, instead of Sutherland and Hodgman's polygons).
+//! The points are the corners of what both faces cover, seen along the reference normal: incident vertices
+//! over the reference face, crossings of incident edges with its side planes, reference vertices under the
+//! incident face. The three kinds are found eight at a time without building the polygons in between (Cyrus
+//! and Beck's line clipping, 1978, instead of Sutherland and Hodgman's polygons).
 
 use super::polytope::{Polytope, Pose};
 use super::sat::{in_lanes, nearest_on_segments};
@@ -13,7 +13,7 @@ use glam::Vec3;
 
 /// Points of a contact before they are reduced.
 pub(crate) const CLOUD: usize = 64;
-/// Corners of a face that are looked at; of more, evenly chosen ones.
+/// Most corners of a face that are used; if it has more, evenly chosen ones.
 const LOOP: usize = 24;
 
 /// Contact points before they are reduced to four.
@@ -47,7 +47,7 @@ impl Cloud {
     }
 }
 
-/// A key out of what kind of features meet and which: 2 and 15 + 15 bits.
+/// A key made of the kind of features that meet and their indices: 2 and 15 + 15 bits.
 pub(crate) fn key(kind: u32, one: usize, other: usize) -> u32 {
     kind << 30 | (one as u32 & 0x7fff) << 15 | (other as u32 & 0x7fff)
 }
@@ -91,12 +91,63 @@ impl Loop {
     }
 }
 
-/// All points of the incident face (or, with two corners, edge) that are over the face `normal`·x = `offset` and
-/// nearer than the margin, and those of the face under the incident one. All in one frame; the normal points out of
-/// the reference shape; `incident_plane` in the same frame.
+/// The parts of segments, of their 0..=1, that are inside of some sides; `enter` beyond `exit` where none is
+/// (Cyrus and Beck).
+pub(crate) struct Spans<L> {
+    pub(crate) enter: L,
+    pub(crate) exit: L,
+}
+
+impl<L: Lanes> Spans<L> {
+    /// Whole segments, before any side has cut them.
+    #[inline(always)]
+    pub(crate) fn whole() -> Spans<L> {
+        Spans { enter: L::zero(), exit: L::one() }
+    }
+
+    /// Cuts off what is beyond a side, given how far the starts and the ends are. Says where it moves
+    /// `enter`, and `exit`.
+    #[inline(always)]
+    pub(crate) fn cut(&mut self, start: L, end: L) -> (L::Mask, L::Mask) {
+        let (out0, out1) = (start.gt(L::zero()), end.gt(L::zero()));
+        let both = out0 & out1;
+        let crosses = (out0 | out1) & !both;
+        let t = start / L::select(crosses, start - end, L::one());
+        let later = crosses & out0 & t.gt(self.enter);
+        self.enter = L::select(later, t, self.enter);
+        let sooner = crosses & out1 & t.lt(self.exit);
+        self.exit = L::select(sooner, t, self.exit);
+        self.exit = L::select(both, L::splat(-1.0), self.exit);
+        (later, sooner)
+    }
+}
+
+/// Takes the points that are nearer than the margin to the reference plane `normal`·x = `offset`.
+struct Sink<'a> {
+    normal: Vec3,
+    offset: f32,
+    margin: f32,
+    cloud: &'a mut Cloud,
+}
+
+impl Sink<'_> {
+    /// `at`: on the incident surface.
+    #[inline(always)]
+    fn add(&mut self, at: Vec3, key: u32) {
+        let separation = self.normal.dot(at) - self.offset;
+        if separation <= self.margin {
+            let position = at - self.normal * (0.5 * separation);
+            self.cloud.push(RawPoint { position, separation, key });
+        }
+    }
+}
+
+/// All points of the incident face (or, with two corners, edge) that are over the face `normal`·x = `offset`
+/// and nearer than the margin, and those of the face under the incident one. All in one frame; the normal
+/// points out of the reference shape; `incident_plane` in the same frame.
 ///
-/// A point lies midway between the surfaces, its separation is along the normal. `tolerance` [m]: vertices this far
-/// outside count as inside, so that equal boxes on top of each other meet in their vertices.
+/// A point lies midway between the surfaces, its separation is along the normal. `tolerance` [m]: vertices
+/// this far outside count as inside, so that equal boxes on top of each other meet in their vertices.
 pub(crate) fn clip_face(
     reference: &Loop,
     (normal, offset): (Vec3, f32),
@@ -115,40 +166,33 @@ pub(crate) fn clip_face(
         let out = if length > 0.0 { out / length } else { Vec3::ZERO };
         *side = (out, out.dot(reference.at(i)) + tolerance);
     }
-    let sides = &sides[..reference.count];
-    let edges = if incident.count == 2 { 1 } else { incident.count };
-    let mut emit = |at: Vec3, key: u32| {
-        let separation = normal.dot(at) - offset;
-        if separation <= margin {
-            cloud.push(RawPoint { position: at - normal * (0.5 * separation), separation, key });
-        }
-    };
+    let mut sink = Sink { normal, offset, margin, cloud };
+    clip_incident_edges(&sides[..reference.count], incident, &mut sink);
+    add_reference_corners(reference, incident, incident_plane, tolerance, &mut sink);
+}
 
-    let (zero, one) = (f32x8::zero(), f32x8::one());
+/// Incident edges within the side planes: an edge's first vertex or where it enters, and where it leaves.
+#[inline(always)]
+fn clip_incident_edges(sides: &[(Vec3, f32)], incident: &Loop, sink: &mut Sink<'_>) {
+    let edges = if incident.count == 2 { 1 } else { incident.count };
+    let zero = f32x8::zero();
     for k in 0..edges.div_ceil(8) {
         let from = incident.eight(k);
         let to = in_lanes(|i| incident.at(8 * k + i + 1));
-        let (mut enter, mut exit) = (zero, one);
+        let mut span = Spans::whole();
         let (mut enter_side, mut exit_side) = (zero, zero);
         for (j, (out, bound)) in sides.iter().enumerate() {
             let (out, bound) = (LaneVec3::splat(*out), f32x8::splat(*bound));
             let (d0, d1) = (out.dot(from) - bound, out.dot(to) - bound);
-            let (out0, out1) = (d0.gt(zero), d1.gt(zero));
-            if !(out0 | out1).any() {
+            if !(d0.gt(zero) | d1.gt(zero)).any() {
                 continue;
             }
-            let both = out0 & out1;
-            let crosses = (out0 | out1) & !both;
-            let t = d0 / Lanes::select(crosses, d0 - d1, one);
             let side = f32x8::splat(j as f32);
-            let later = crosses & out0 & t.gt(enter);
-            enter = Lanes::select(later, t, enter);
+            let (later, sooner) = span.cut(d0, d1);
             enter_side = Lanes::select(later, side, enter_side);
-            let sooner = crosses & out1 & t.lt(exit);
-            exit = Lanes::select(sooner, t, exit);
             exit_side = Lanes::select(sooner, side, exit_side);
-            exit = Lanes::select(both, f32x8::splat(-1.0), exit);
         }
+        let Spans { enter, exit } = span;
         let inside = enter.le(exit).bits();
         if inside == 0 {
             continue;
@@ -163,25 +207,36 @@ pub(crate) fn clip_face(
             let vertex = usize::from(incident.index[8 * k + i]);
             let crossing = |side: f32| key(CROSSING, vertex, side as usize);
             if enter[i] > 0.0 {
-                emit(p + (q - p) * enter[i], crossing(enter_side[i]));
+                sink.add(p + (q - p) * enter[i], crossing(enter_side[i]));
             } else {
-                emit(p, key(VERTEX, vertex, 0));
+                sink.add(p, key(VERTEX, vertex, 0));
             }
             // Where the edge ends inside, the next one begins.
             if exit[i] < 1.0 {
-                emit(p + (q - p) * exit[i], crossing(exit_side[i]) | 0x2000);
+                sink.add(p + (q - p) * exit[i], crossing(exit_side[i]) | 0x2000);
             } else if incident.count == 2 {
-                emit(q, key(VERTEX, usize::from(incident.index[1]), 0));
+                sink.add(q, key(VERTEX, usize::from(incident.index[1]), 0));
             }
         }
     }
+}
 
-    // Corners of the reference face under the incident face, clearly inside it: on its border they are crossings.
-    let (incident_normal, incident_offset) = incident_plane;
+/// Corners of the reference face under the incident face, clearly inside it: on its border they are
+/// crossings.
+#[inline(always)]
+fn add_reference_corners(
+    reference: &Loop,
+    incident: &Loop,
+    (incident_normal, incident_offset): (Vec3, f32),
+    tolerance: f32,
+    sink: &mut Sink<'_>,
+) {
+    let normal = sink.normal;
     let slope = normal.dot(incident_normal);
     if incident.count < 3 || slope > -1e-3 {
         return;
     }
+    let zero = f32x8::zero();
     for k in 0..reference.count.div_ceil(8) {
         let corners = reference.eight(k);
         let mut inside = f32x8::zero().le(zero);
@@ -199,7 +254,7 @@ pub(crate) fn clip_face(
             if bits >> i & 1 != 0 {
                 let corner = reference.at(8 * k + i);
                 let along = (incident_offset - incident_normal.dot(corner)) / slope;
-                emit(corner + normal * along, key(CORNER, usize::from(reference.index[8 * k + i]), 0));
+                sink.add(corner + normal * along, key(CORNER, usize::from(reference.index[8 * k + i]), 0));
             }
         }
     }
@@ -218,8 +273,8 @@ impl Segment {
         Segment { ends: index.map(|i| pose.point(p.vertices[i])), index }
     }
 
-    /// The vertex of `p` furthest along `direction` and, of those less than `tolerance` short of it, the one furthest
-    /// from it. Direction in the frame of `p`.
+    /// The vertex of `p` furthest along `direction` and, of those less than `tolerance` short of it, the one
+    /// furthest from it. Direction in the frame of `p`.
     pub(crate) fn support(p: &Polytope, direction: Vec3, tolerance: f32, pose: &Pose) -> Segment {
         let (first, most) = p.support(direction);
         let (mut second, mut furthest) = (first, 0.0);
@@ -229,7 +284,7 @@ impl Segment {
                 (second, furthest) = (i, away);
             }
         }
-        // In the order of indices: which one is a hair further along must not change the keys.
+        // In the order of indices: rounding that decides which one is further along must not change the keys.
         let index = [first.min(second), first.max(second)];
         Segment { ends: index.map(|i| pose.point(p.vertices[i])), index }
     }
@@ -240,7 +295,8 @@ impl Segment {
     }
 }
 
-/// Points of two edges, of `a` and of `b` in one frame: one where they cross, two where they run along each other.
+/// Points of two edges, of `a` and of `b` in one frame: one where they cross, two where they run along each
+/// other.
 pub(crate) fn clip_edges(a: &Segment, b: &Segment, normal: Vec3, margin: f32, cloud: &mut Cloud) {
     let (p, d) = (a.ends[0], a.ends[1] - a.ends[0]);
     let (q, e) = (b.ends[0], b.ends[1] - b.ends[0]);

@@ -1,9 +1,10 @@
 //! Distance of two convex shapes.
 //!
-//! Gilbert, Johnson and Keerthi (1988) on cores with a radius: the point of b - a nearest to the origin, by way of
-//! simplices (van den Bergen, *Collision Detection in Interactive 3D Environments*, 2003). Each direction tried also
-//! gives a *lower* bound: no point of b is nearer to a along it. The search ends when the two bounds meet, and a cast
-//! steps by the lower one, so that its answer never hangs on how far a search got.
+//! Gilbert, Johnson and Keerthi (1988) on cores with a radius: the point of b - a nearest to the origin, by
+//! way of simplices (van den Bergen, *Collision Detection in Interactive 3D Environments*, 2003). Each
+//! direction tried also gives a *lower* bound: no point of b is nearer to a along it. The search ends when
+//! the two bounds meet, and a cast steps by the lower one, so that its answer never hangs on how far a search
+//! got.
 
 use super::simplex::Simplex;
 use super::support::{Pose, Support};
@@ -16,8 +17,8 @@ const MAX_ITERATIONS: usize = 32;
 /// How far two shapes are apart.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Closest {
-    /// Between the surfaces [m]: below zero where only the radii overlap. If the cores overlap, minus the radii, and
-    /// the normal is a mere guess.
+    /// Between the surfaces [m]: below zero where only the radii overlap. If the cores overlap, minus the
+    /// radii, and the normal is a mere guess.
     pub(crate) distance: f32,
     /// Unit, from a to b, in a's frame.
     pub(crate) normal: Vec3,
@@ -29,8 +30,8 @@ pub(crate) struct Closest {
     pub(crate) overlap: bool,
 }
 
-/// Distance, normal and nearest points. `hint`: about the direction from a to b, zero if unknown; a good one saves
-/// a step or two.
+/// Distance, normal and nearest points. `hint`: about the direction from a to b, zero if unknown; a good one
+/// saves a step or two.
 pub(crate) fn distance(a: &Support, b: &Support, rel: &Relative, hint: Vec3) -> Closest {
     let pose = Pose {
         rotation: DMat3::from_quat(rel.rotation.as_dquat().normalize()),
@@ -69,9 +70,9 @@ impl CoreGap {
     }
 }
 
-/// Searches until the bounds are within `accuracy` [m] of each other, or within the share `relative` of the distance
-/// of the surfaces. `simplex`: that of an earlier search of the same shapes, after which they may have moved, or
-/// empty; then the search begins along `hint`.
+/// Searches until the bounds are within `accuracy` [m] of each other, or within the share `relative` of the
+/// distance of the surfaces. `simplex`: that of an earlier search of the same shapes, after which they may
+/// have moved, or empty; then the search begins along `hint`.
 pub(crate) fn core_gap(
     a: &Support,
     b: &Support,
@@ -85,8 +86,8 @@ pub(crate) fn core_gap(
     search(a, b, pose, (normal, false), simplex, limits)
 }
 
-/// As [`core_gap`], for two shapes that the unit vector `normal` is known to separate: it stays the answer unless
-/// another one beats it by more than `accuracy` [m].
+/// As [`core_gap`], for two shapes that the unit vector `normal` is known to separate: it stays the answer
+/// unless another one beats it by more than `accuracy` [m].
 pub(crate) fn gap_from(a: &Support, b: &Support, pose: &Pose, normal: DVec3, accuracy: f64) -> CoreGap {
     search(a, b, pose, (normal, true), &mut Simplex::empty(), (accuracy, 0.0))
 }

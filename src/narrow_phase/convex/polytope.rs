@@ -1,4 +1,5 @@
-//! Polytopes: what the separating-axis test, the clipper and the round shapes read of a box, a hull or a triangle.
+//! Polytopes: what the separating-axis test, the clipper and the round shapes read of a box, a hull or a
+//! triangle.
 //!
 //! A hull is borrowed; the others are built on the stack, which costs less than to look them up.
 
@@ -49,8 +50,8 @@ pub(crate) struct Polytope<'a> {
     pub(crate) vertex_chunks: &'a [[[f32; 8]; 3]],
     /// Unit outward normal and offset.
     pub(crate) planes: &'a [(Vec3, f32)],
-    /// Eight planes at a time, filled up with the first. These are the faces that may be an axis: of a triangle only
-    /// the front.
+    /// Eight planes at a time, filled up with the first. These are the faces that may be an axis: of a
+    /// triangle only the front.
     pub(crate) normal_chunks: &'a [[[f32; 8]; 4]],
     pub(crate) face_start: &'a [u16],
     pub(crate) face_vertices: &'a [u16],
@@ -77,7 +78,8 @@ impl<'a> Polytope<'a> {
         best
     }
 
-    /// The face whose normal is furthest along `direction`; of equals the first in its lane. Of a triangle the front.
+    /// The face whose normal is furthest along `direction`; of equals the first in its lane. Of a triangle
+    /// the front.
     pub(crate) fn face_towards(&self, direction: Vec3) -> usize {
         let d = LaneVec3::<f32x8>::splat(direction);
         let (mut most, mut chunk) = (f32x8::splat(f32::MIN), f32x8::zero());

@@ -1,23 +1,24 @@
-//! Many points to four.
+//! Reduces many points to four.
 //!
-//! After Moravánszky and Terdiman (*Fast Contact Reduction for Dynamics Simulation*, Game Programming Gems 4, 2004):
-//! points that lie together are merged (one round of k-means, with the deepest as seeds), the rest is projected on the
-//! plane of contact, and the corner of their convex hull that takes least area with it goes, until four are left. Any
-//! wrench that the contact can transmit is a blend of those at the corners of the hull, so that area is what a
-//! reduction loses. The deepest point always stays.
+//! After Moravánszky and Terdiman (*Fast Contact Reduction for Dynamics Simulation*, Game Programming Gems 4,
+//! 2004): points that lie together are merged (one round of k-means, with the deepest as seeds), the rest is
+//! projected on the plane of contact, and the corner of their convex hull that takes least area with it goes,
+//! until four are left. Any wrench that the contact can transmit is a blend of those at the corners of the
+//! hull, so that area is what a reduction loses. The deepest point always stays.
 
 use crate::lanes::Vec3 as LaneVec3;
 use crate::narrow_phase::contacts::manifold::{MAX_POINTS, RawPoint};
 use glam::{Vec2, Vec3};
 
-/// More points than these are not looked at.
-const MOST: usize = 64;
+/// Most points that are considered.
+const MAX_CLOUD: usize = 64;
 /// Points nearer than this share of the whole extent are one.
 const CLUSTER: f32 = 0.02;
 /// A point that is deeper by less than this share of the whole extent is as deep.
 const DEEPER: f32 = 1e-4;
 
-/// At most four of the points of one plane of contact, whose unit normal is given; the deepest first if any had to go.
+/// At most four of the points of one plane of contact, whose unit normal is given; the deepest first if any
+/// had to go.
 ///
 /// Depends on the order of the points only where two are equally good: then the first one stays.
 pub(crate) fn reduce(points: &[RawPoint], normal: Vec3) -> ([RawPoint; MAX_POINTS], u32) {
@@ -26,9 +27,9 @@ pub(crate) fn reduce(points: &[RawPoint], normal: Vec3) -> ([RawPoint; MAX_POINT
         out[..points.len()].copy_from_slice(points);
         return (out, points.len() as u32);
     }
-    let points = &points[..points.len().min(MOST)];
+    let points = &points[..points.len().min(MAX_CLOUD)];
     let mut deepest = 0;
-    // A later point has to be clearly deeper: of corners that press alike the choice must not flicker.
+    // A later point has to be clearly deeper: the choice among corners that press alike must not flicker.
     let away = |p: &RawPoint| p.position.distance_squared(points[0].position);
     let clearly = DEEPER * points.iter().map(away).fold(0.0, f32::max).sqrt();
     for (i, point) in points.iter().enumerate() {
@@ -44,23 +45,8 @@ pub(crate) fn reduce(points: &[RawPoint], normal: Vec3) -> ([RawPoint; MAX_POINT
     let flat = |p: &RawPoint| Vec2::new(u.dot(p.position - origin), v.dot(p.position - origin));
     let reach = points.iter().map(|p| flat(p).length_squared()).fold(0.0, f32::max);
 
-    // Seeds: the deepest, then the points in order that are far from all seeds before.
-    let mut seeds = [(Vec2::ZERO, 0usize); MOST];
-    seeds[0] = (Vec2::ZERO, deepest);
-    let mut count = 1;
-    for (i, point) in points.iter().enumerate() {
-        let at = flat(point);
-        let near = |s: &(Vec2, usize)| (s.0 - at).length_squared() <= CLUSTER * CLUSTER * reach;
-        match seeds[..count].iter().position(near) {
-            None => {
-                seeds[count] = (at, i);
-                count += 1;
-            }
-            // The deepest of a cluster speaks for it.
-            Some(k) if k > 0 && point.separation < points[seeds[k].1].separation => seeds[k] = (at, i),
-            Some(_) => {}
-        }
-    }
+    let mut seeds = [(Vec2::ZERO, 0usize); MAX_CLOUD];
+    let count = seed_clusters(points, flat, deepest, CLUSTER * CLUSTER * reach, &mut seeds);
     if let Some(ends) = ends_of_line(&seeds[..count]) {
         out[0] = points[deepest];
         let mut kept = 1;
@@ -70,11 +56,61 @@ pub(crate) fn reduce(points: &[RawPoint], normal: Vec3) -> ([RawPoint; MAX_POINT
         }
         return (out, kept as u32);
     }
-    let mut hull = [(Vec2::ZERO, 0usize); MOST];
+    let mut hull = [(Vec2::ZERO, 0usize); MAX_CLOUD];
     let all = convex_hull(&mut seeds[..count], &mut hull);
     let keep = hull[..all].iter().any(|h| h.1 == deepest);
     let room = if keep { MAX_POINTS } else { MAX_POINTS - 1 };
     let mut left = hull;
+    let corners = drop_least_corners(&mut left, all, room, deepest);
+    let mut chosen = [(Vec2::ZERO, deepest); MAX_POINTS];
+    let mut kept = 1;
+    for &corner in left[..corners].iter().filter(|h| h.1 != deepest).take(MAX_POINTS - 1) {
+        chosen[kept] = corner;
+        kept += 1;
+    }
+    if kept == MAX_POINTS && all > room {
+        exchange_for_area(&mut chosen, &hull[..all]);
+    }
+    for (to, from) in out.iter_mut().zip(&chosen[..kept]) {
+        *to = points[from.1];
+    }
+    (out, kept as u32)
+}
+
+/// A point on the plane of contact, and its number among the points.
+type Seed = (Vec2, usize);
+
+/// One seed for each cluster of points: the deepest, then the points in order that are far from all seeds
+/// before. `near`: square of the distance within which points are one. Says how many there are.
+#[inline(always)]
+fn seed_clusters(
+    points: &[RawPoint],
+    flat: impl Fn(&RawPoint) -> Vec2,
+    deepest: usize,
+    near: f32,
+    seeds: &mut [Seed; MAX_CLOUD],
+) -> usize {
+    seeds[0] = (Vec2::ZERO, deepest);
+    let mut count = 1;
+    for (i, point) in points.iter().enumerate() {
+        let at = flat(point);
+        match seeds[..count].iter().position(|s| (s.0 - at).length_squared() <= near) {
+            None => {
+                seeds[count] = (at, i);
+                count += 1;
+            }
+            // The deepest of a cluster represents it.
+            Some(k) if k > 0 && point.separation < points[seeds[k].1].separation => seeds[k] = (at, i),
+            Some(_) => {}
+        }
+    }
+    count
+}
+
+/// Drops the corner that takes least area with it until there are `room`, but never the deepest. Says how
+/// many are left.
+#[inline(always)]
+fn drop_least_corners(left: &mut [Seed; MAX_CLOUD], all: usize, room: usize, deepest: usize) -> usize {
     let mut corners = all;
     while corners > room {
         let area = |i: usize| {
@@ -93,40 +129,33 @@ pub(crate) fn reduce(points: &[RawPoint], normal: Vec3) -> ([RawPoint; MAX_POINT
         left.copy_within(gone + 1..corners, gone);
         corners -= 1;
     }
-    let mut chosen = [(Vec2::ZERO, deepest); MAX_POINTS];
-    let mut kept = 1;
-    for &corner in left[..corners].iter().filter(|h| h.1 != deepest).take(MAX_POINTS - 1) {
-        chosen[kept] = corner;
-        kept += 1;
-    }
-    // What went one by one may be worth more than what stayed: exchange while that gains area.
-    if kept == MAX_POINTS && all > room {
-        for _ in 0..2 {
-            for place in 1..MAX_POINTS {
-                for corner in &hull[..all] {
-                    if chosen.iter().any(|c| c.1 == corner.1) {
-                        continue;
-                    }
-                    let mut other = chosen;
-                    other[place] = *corner;
-                    if area_of_four(&other) > area_of_four(&chosen) * (1.0 + 1e-3) {
-                        chosen = other;
-                    }
+    corners
+}
+
+/// Corners that went one by one may be worth more than what stayed: exchanges them while that gains area.
+#[inline(always)]
+fn exchange_for_area(chosen: &mut [Seed; MAX_POINTS], hull: &[Seed]) {
+    for _ in 0..2 {
+        for place in 1..MAX_POINTS {
+            for corner in hull {
+                if chosen.iter().any(|c| c.1 == corner.1) {
+                    continue;
+                }
+                let mut other = *chosen;
+                other[place] = *corner;
+                if area_of_four(&other) > area_of_four(chosen) * (1.0 + 1e-3) {
+                    *chosen = other;
                 }
             }
         }
     }
-    for (to, from) in out.iter_mut().zip(&chosen[..kept]) {
-        *to = points[from.1];
-    }
-    (out, kept as u32)
 }
 
-/// The ends of points that lie on a line, as the contact of a capsule with many triangles does: its area is all
-/// rounding, and would choose any of them.
-fn ends_of_line(points: &[(Vec2, usize)]) -> Option<[usize; 2]> {
+/// The ends of points that lie on a line, as the contact of a capsule with many triangles does: its area is
+/// all rounding, and would choose any of them.
+fn ends_of_line(points: &[Seed]) -> Option<[usize; 2]> {
     let furthest = |from: Vec2| {
-        let away = |p: &(Vec2, usize)| (p.0 - from).length_squared();
+        let away = |p: &Seed| (p.0 - from).length_squared();
         points
             .iter()
             .fold((from, 0, -1.0), |best, p| if away(p) > best.2 { (p.0, p.1, away(p)) } else { best })
@@ -138,9 +167,9 @@ fn ends_of_line(points: &[(Vec2, usize)]) -> Option<[usize; 2]> {
     points.iter().all(|p| along.perp_dot(p.0 - one.0).abs() <= limit).then_some([one.1, other.1])
 }
 
-/// Twice the area of the convex hull of four points in any order: as a quadrilateral with two of them as ends of one
-/// diagonal, or as a triangle with the fourth inside.
-fn area_of_four(p: &[(Vec2, usize); 4]) -> f32 {
+/// Twice the area of the convex hull of four points in any order: as a quadrilateral with two of them as ends
+/// of one diagonal, or as a triangle with the fourth inside.
+fn area_of_four(p: &[Seed; 4]) -> f32 {
     let [a, b, c, d] = p.map(|p| p.0);
     let quad = |a: Vec2, b: Vec2, c: Vec2, d: Vec2| (b - a).perp_dot(d - c).abs();
     let triangle = |a: Vec2, b: Vec2, c: Vec2| (b - a).perp_dot(c - a).abs();
@@ -149,14 +178,14 @@ fn area_of_four(p: &[(Vec2, usize); 4]) -> f32 {
 }
 
 /// The corners of the convex hull, counter-clockwise: Andrew's monotone chain (1979). Sorts the points.
-fn convex_hull(points: &mut [(Vec2, usize)], hull: &mut [(Vec2, usize); MOST]) -> usize {
+fn convex_hull(points: &mut [Seed], hull: &mut [Seed; MAX_CLOUD]) -> usize {
     points.sort_unstable_by(|a, b| a.0.x.total_cmp(&b.0.x).then(a.0.y.total_cmp(&b.0.y)).then(a.1.cmp(&b.1)));
     if points.len() < 3 {
         hull[..points.len()].copy_from_slice(points);
         return points.len();
     }
     let mut count = 0;
-    let mut half = |points: &mut dyn Iterator<Item = &(Vec2, usize)>, hull: &mut [(Vec2, usize); MOST]| {
+    let mut half = |points: &mut dyn Iterator<Item = &Seed>, hull: &mut [Seed; MAX_CLOUD]| {
         let base = count;
         for point in points {
             while count >= base + 2
@@ -164,7 +193,7 @@ fn convex_hull(points: &mut [(Vec2, usize)], hull: &mut [(Vec2, usize); MOST]) -
             {
                 count -= 1;
             }
-            // Only where a coordinate is no number does a hull have more corners than points.
+            // Only NaN coordinates give a hull more corners than points.
             let Some(corner) = hull.get_mut(count) else { break };
             *corner = *point;
             count += 1;
@@ -183,8 +212,8 @@ mod tests {
     use crate::narrow_phase::convex::testing::Random;
 
     fn area(points: &[Vec2]) -> f32 {
-        let mut sorted: Vec<(Vec2, usize)> = points.iter().copied().zip(0..).collect();
-        let mut hull = [(Vec2::ZERO, 0); MOST];
+        let mut sorted: Vec<Seed> = points.iter().copied().zip(0..).collect();
+        let mut hull = [(Vec2::ZERO, 0); MAX_CLOUD];
         let n = convex_hull(&mut sorted, &mut hull);
         (0..n).map(|i| hull[i].0.perp_dot(hull[(i + 1) % n].0) / 2.0).sum()
     }

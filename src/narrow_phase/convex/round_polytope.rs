@@ -1,9 +1,10 @@
 //! A sphere or capsule against a polytope, and round shapes among themselves.
 //!
-//! Reference plane first: the ends of the core are projected on the best face and the core is clipped to its side
-//! planes, which gives both points of a capsule that lies on it. Where that isn't nearest, the nearest edge is, or one
-//! of its vertices: exactly, over all edges of faces that the core sees.
+//! Reference plane first: the ends of the core are projected on the best face and the core is clipped to its
+//! side planes, which gives both points of a capsule that lies on it. Where that isn't nearest, the nearest
+//! edge is, or one of its vertices: exactly, over all edges of faces that the core sees.
 
+use super::clip::Spans;
 use super::polytope::Polytope;
 use super::sat::{in_lanes, nearest_on_segments};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
@@ -16,7 +17,8 @@ const FACE_WORDS: usize = 8;
 /// Squared sine under which two cores, or a core and an edge, lie along each other: 3 degrees.
 pub(crate) const ALONG: f32 = 0.0025;
 
-/// A sphere or capsule: all balls with centres from `start` to `start + along`, with radii linear in between [m].
+/// A sphere or capsule: all balls with centres from `start` to `start + along`, with radii linear in between
+/// [m].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Core {
     pub(crate) start: Vec3,
@@ -61,8 +63,8 @@ impl Core {
         Core { start: pose.point(self.start), along: pose.direction(self.along), ..*self }
     }
 
-    /// Where on the core the ball is that comes nearest to a point: the foot of the perpendicular, shifted towards
-    /// the thicker end by what makes the surface there perpendicular to the way out.
+    /// Where on the core the ball is that comes nearest to a point: the foot of the perpendicular, shifted
+    /// towards the thicker end by what makes the surface there perpendicular to the way out.
     #[inline(always)]
     fn nearest<L: Lanes>(&self, point: LaneVec3<L>) -> L {
         let squared = self.along.length_squared();
@@ -137,6 +139,113 @@ fn perpendicular(a: Vec3, b: Vec3) -> Vec3 {
     if a.length_squared() > 0.0 { a.normalize().any_orthonormal_vector() } else { Vec3::Y }
 }
 
+/// The face that a core is furthest in front of.
+struct BestFace {
+    face: usize,
+    normal: Vec3,
+    offset: f32,
+    separation: f32,
+    /// Which faces the core sees, a bit each.
+    seen: [u64; FACE_WORDS],
+}
+
+impl BestFace {
+    /// None if they are further apart than the margin.
+    #[inline(always)]
+    fn of(core: &Core, p: &Polytope, margin: f32, tolerance: f32) -> Option<BestFace> {
+        let (start, end) = (core.start, core.start + core.along);
+        let (r0, r1) = (core.radius, core.radius + core.growth);
+        let mut best = (f32::MIN, 0);
+        let mut seen = [0u64; FACE_WORDS];
+        for (k, [nx, ny, nz, offset]) in p.normal_chunks.iter().enumerate() {
+            let n = LaneVec3::new(f32x8::new(*nx), f32x8::new(*ny), f32x8::new(*nz));
+            let offset = f32x8::new(*offset);
+            let s0 = n.dot(LaneVec3::splat(start)) - offset;
+            let s1 = n.dot(LaneVec3::splat(end)) - offset;
+            let sees = s0.gt(f32x8::splat(-tolerance)) | s1.gt(f32x8::splat(-tolerance));
+            seen[(k / 8).min(FACE_WORDS - 1)] |= u64::from(sees.bits()) << (8 * (k % 8));
+            let separation = Lanes::min(s0 - f32x8::splat(r0), s1 - f32x8::splat(r1));
+            if separation.gt(f32x8::splat(best.0)).any() {
+                for (i, &s) in separation.to_array().iter().enumerate() {
+                    if s > best.0 {
+                        best = (s, 8 * k + i);
+                    }
+                }
+                if best.0 > margin {
+                    return None;
+                }
+            }
+        }
+        let (separation, face) = best;
+        let (normal, offset) = p.planes[face];
+        Some(BestFace { face, normal, offset, separation, seen })
+    }
+
+    fn sees(&self, face: u16) -> bool {
+        face as usize >= 64 * FACE_WORDS || self.seen[usize::from(face) / 64] >> (face % 64) & 1 != 0
+    }
+
+    /// Height of the core's axis over the face [m].
+    #[inline(always)]
+    fn height(&self, core: &Core, s: f32) -> f32 {
+        self.normal.dot(core.at(s)) - self.offset
+    }
+
+    /// The points of the core at `low` and `high` over the face.
+    #[inline(always)]
+    fn add_points(&self, core: &Core, (low, high): (f32, f32), margin: f32, manifold: &mut RawManifold) {
+        manifold.normal = -self.normal;
+        for (k, s) in [low, high].into_iter().enumerate() {
+            let (h, r) = (self.height(core, s), core.radius_at(s));
+            if k == 0 || high - low > 1e-3 {
+                let position = core.at(s) - self.normal * (0.5 * (h + r));
+                add(manifold, margin, position, h - r, 2 * self.face as u32 + k as u32);
+            }
+        }
+    }
+}
+
+/// The edge of a polytope that is nearest to a core, and where on both that is.
+struct NearestEdge {
+    distance: f32,
+    edge: usize,
+    /// On the core, 0..=1.
+    s: f32,
+    /// On the edge, 0..=1.
+    t: f32,
+}
+
+impl NearestEdge {
+    /// Something is nearest that a face sees which the core sees: if the way out of an edge or vertex is a
+    /// sum of normals with positive weights, one of them points towards the core.
+    #[inline(always)]
+    fn of(core: &Core, p: &Polytope, best: &BestFace) -> NearestEdge {
+        let sees = |f: u16| best.sees(f);
+        let mut wanted = p.edges.iter().enumerate().filter(|(_, e)| sees(e.faces[0]) || sees(e.faces[1]));
+        let mut nearest = NearestEdge { distance: f32::MAX, edge: 0, s: 0.0, t: 0.0 };
+        while let Some((first, _)) = wanted.next() {
+            let mut index = [first; 8];
+            for i in 1..8 {
+                index[i] = wanted.next().map_or(index[i - 1], |(e, _)| e);
+            }
+            let end = |k: usize| in_lanes(|i| p.vertices[usize::from(p.edges[index[i]].vertices[k])]);
+            let q = end(0);
+            let e = end(1) - q;
+            let (s, t) = core.nearest_segment(q, e);
+            let apart = (q + e * t - LaneVec3::splat(core.start) - LaneVec3::splat(core.along) * s).length();
+            let distance = apart - f32x8::splat(core.radius) - s * f32x8::splat(core.growth);
+            if distance.lt(f32x8::splat(nearest.distance)).any() {
+                for (i, &d) in distance.to_array().iter().enumerate() {
+                    if d < nearest.distance {
+                        nearest = NearestEdge { distance: d, edge: index[i], s: s.lane(i), t: t.lane(i) };
+                    }
+                }
+            }
+        }
+        nearest
+    }
+}
+
 /// A core and a polytope in the frame of the polytope; the normal points from the core to the polytope.
 ///
 /// `size` is a length of the smaller one [m]; tolerances are a ten-thousandth of it.
@@ -145,106 +254,62 @@ pub(crate) fn round_polytope(core: &Core, p: &Polytope, margin: f32, size: f32) 
     let (start, end) = (core.start, core.start + core.along);
     let (r0, r1) = (core.radius, core.radius + core.growth);
     let tolerance = 1e-4 * size;
+    let Some(best) = BestFace::of(core, p, margin, tolerance) else { return manifold };
+    let height = |s: f32| best.height(core, s);
 
-    let mut best = (f32::MIN, 0);
-    let mut seen = [0u64; FACE_WORDS];
-    for (k, [nx, ny, nz, offset]) in p.normal_chunks.iter().enumerate() {
-        let n = LaneVec3::new(f32x8::new(*nx), f32x8::new(*ny), f32x8::new(*nz));
-        let offset = f32x8::new(*offset);
-        let s0 = n.dot(LaneVec3::splat(start)) - offset;
-        let s1 = n.dot(LaneVec3::splat(end)) - offset;
-        let sees = s0.gt(f32x8::splat(-tolerance)) | s1.gt(f32x8::splat(-tolerance));
-        seen[(k / 8).min(FACE_WORDS - 1)] |= u64::from(sees.bits()) << (8 * (k % 8));
-        let separation = Lanes::min(s0 - f32x8::splat(r0), s1 - f32x8::splat(r1));
-        if separation.gt(f32x8::splat(best.0)).any() {
-            for (i, &s) in separation.to_array().iter().enumerate() {
-                if s > best.0 {
-                    best = (s, 8 * k + i);
-                }
-            }
-            if best.0 > margin {
-                return manifold;
-            }
-        }
-    }
-    let (separation, face) = best;
-    let (normal, offset) = p.planes[face];
-
-    let (low, high) = over_face(p, face, start, end);
+    let (low, high) = over_face(p, best.face, start, end);
     let over = low <= high;
-    let height = |s: f32| normal.dot(core.at(s)) - offset;
-    let by_face = |manifold: &mut RawManifold, low: f32, high: f32| {
-        manifold.normal = -normal;
-        for (k, s) in [low, high].into_iter().enumerate() {
-            let (h, r) = (height(s), core.radius_at(s));
-            if k == 0 || high - low > 1e-3 {
-                add(
-                    manifold,
-                    margin,
-                    core.at(s) - normal * (0.5 * (h + r)),
-                    h - r,
-                    2 * face as u32 + k as u32,
-                );
-            }
-        }
-    };
+    let whole = (low, if core.is_ball() { low } else { high });
     let nearest_face = (height(low) - core.radius_at(low)).min(height(high) - core.radius_at(high));
-    if over && nearest_face <= separation + tolerance {
-        by_face(&mut manifold, low, if core.is_ball() { low } else { high });
+    if over && nearest_face <= best.separation + tolerance {
+        best.add_points(core, whole, margin, &mut manifold);
         return manifold;
     }
 
     // A plane that the whole core is in front of proves that it doesn't.
-    if separation <= -r0.min(r1) && pierces(core, p, (low, high), height) {
+    if best.separation <= -r0.min(r1) && pierces(core, p, (low, high), height) {
         if over {
-            by_face(&mut manifold, low, if core.is_ball() { low } else { high });
+            best.add_points(core, whole, margin, &mut manifold);
         } else {
             let deeper = if height(0.0) - r0 <= height(1.0) - r1 { 0.0 } else { 1.0 };
-            by_face(&mut manifold, deeper, deeper);
+            best.add_points(core, (deeper, deeper), margin, &mut manifold);
         }
         return manifold;
     }
 
-    // Something is nearest that a face sees which the core sees: if the way out of an edge or vertex is a sum of
-    // normals with positive weights, one of them points towards the core.
-    let sees = |f: u16| f as usize >= 64 * FACE_WORDS || seen[usize::from(f) / 64] >> (f % 64) & 1 != 0;
-    let mut wanted = p.edges.iter().enumerate().filter(|(_, e)| sees(e.faces[0]) || sees(e.faces[1]));
-    let mut nearest = (f32::MAX, 0, 0.0f32, 0.0f32);
-    while let Some((first, _)) = wanted.next() {
-        let mut index = [first; 8];
-        for i in 1..8 {
-            index[i] = wanted.next().map_or(index[i - 1], |(e, _)| e);
-        }
-        let end = |k: usize| in_lanes(|i| p.vertices[usize::from(p.edges[index[i]].vertices[k])]);
-        let q = end(0);
-        let e = end(1) - q;
-        let (s, t) = core.nearest_segment(q, e);
-        let apart = (q + e * t - LaneVec3::splat(core.start) - LaneVec3::splat(core.along) * s).length();
-        let distance = apart - f32x8::splat(core.radius) - s * f32x8::splat(core.growth);
-        if distance.lt(f32x8::splat(nearest.0)).any() {
-            for (i, &d) in distance.to_array().iter().enumerate() {
-                if d < nearest.0 {
-                    nearest = (d, index[i], s.lane(i), t.lane(i));
-                }
-            }
-        }
+    let nearest = NearestEdge::of(core, p, &best);
+    if nearest.distance <= margin {
+        add_edge_points(core, p, &best, &nearest, margin, size, &mut manifold);
     }
-    let (distance, edge, s, t) = nearest;
-    if distance > margin {
-        return manifold;
-    }
+    manifold
+}
+
+/// The points of a core and the edge of a polytope that is nearest to it: both ends of what they share if
+/// they lie along each other, else the nearest one and, where the core nearly lies on a face, one that
+/// steadies it.
+#[inline(always)]
+fn add_edge_points(
+    core: &Core,
+    p: &Polytope,
+    best: &BestFace,
+    nearest: &NearestEdge,
+    margin: f32,
+    size: f32,
+    manifold: &mut RawManifold,
+) {
+    let &NearestEdge { edge, s, t, .. } = nearest;
+    let tolerance = 1e-4 * size;
     let [v, w] = p.edges[edge].vertices.map(|v| p.vertices[usize::from(v)]);
     let e = w - v;
     let (c, q) = (core.at(s), v + e * t);
     let apart = (q - c).length();
-    let n = if apart > 1e-6 * size { (q - c) / apart } else { -normal };
+    let n = if apart > 1e-6 * size { (q - c) / apart } else { -best.normal };
     manifold.normal = n;
     let name = (edge as u32 | 0x8000) << 2;
 
-    // Along the edge: both ends of what they share.
     let (dd, ee, de) = (core.along.length_squared(), e.length_squared(), core.along.dot(e));
     if dd > 0.0 && ee > 0.0 && dd * ee - de * de < ALONG * dd * ee {
-        let (t0, t1) = (core.along.dot(v - start) / dd, core.along.dot(w - start) / dd);
+        let (t0, t1) = (core.along.dot(v - core.start) / dd, core.along.dot(w - core.start) / dd);
         let (low, high) = (t0.min(t1).max(0.0), t0.max(t1).min(1.0));
         if high - low > 1e-3 {
             for (k, s) in [low, high].into_iter().enumerate() {
@@ -253,27 +318,26 @@ pub(crate) fn round_polytope(core: &Core, p: &Polytope, margin: f32, size: f32) 
                 let ahead = c + n * apart;
                 let q = v + e * (e.dot(ahead - v) / ee).clamp(0.0, 1.0);
                 let (h, r) = (n.dot(q - c), core.radius_at(s));
-                add(&mut manifold, margin, c + n * (0.5 * (h + r)), h - r, name + k as u32);
+                add(manifold, margin, c + n * (0.5 * (h + r)), h - r, name + k as u32);
             }
         }
     }
     let r = core.radius_at(s);
-    if manifold.count > 0 && least(&manifold) <= apart - r + tolerance {
-        return manifold;
+    if manifold.count > 0 && least(manifold) <= apart - r + tolerance {
+        return;
     }
-    add(&mut manifold, margin, c + n * (0.5 * (apart + r)), apart - r, name + 3);
+    add(manifold, margin, c + n * (0.5 * (apart + r)), apart - r, name + 3);
     // Over the edge of a face it nearly lies on: the other end over the face steadies it.
-    let slope = -normal.dot(n);
+    let slope = -best.normal.dot(n);
     if manifold.count == 1 && slope > 0.99 && !core.is_ball() {
-        let shadow = |s: f32| core.at(s) + n * (height(s) / slope);
-        let (low, high) = over_face(p, face, shadow(0.0), shadow(1.0));
+        let shadow = |s: f32| core.at(s) + n * (best.height(core, s) / slope);
+        let (low, high) = over_face(p, best.face, shadow(0.0), shadow(1.0));
         let other = if (low - s).abs() > (high - s).abs() { low } else { high };
         if low <= high && (other - s).abs() > 0.05 {
-            let (h, r) = (height(other) / slope, core.radius_at(other));
-            add(&mut manifold, margin, core.at(other) + n * (0.5 * (h + r)), h - r, name + 2);
+            let (h, r) = (best.height(core, other) / slope, core.radius_at(other));
+            add(manifold, margin, core.at(other) + n * (0.5 * (h + r)), h - r, name + 2);
         }
     }
-    manifold
 }
 
 /// The part of a segment that is over a face, in the segment's 0..=1; the first above the second if none is.
@@ -287,8 +351,8 @@ fn over_face(p: &Polytope, face: usize, start: Vec3, end: Vec3) -> (f32, f32) {
     }))
 }
 
-/// The part of a segment, of its 0..=1, that is inside of all sides, given how far its ends are beyond each; the first
-/// above the second if none is.
+/// The part of a segment, of its 0..=1, that is inside of all sides, given how far its ends are beyond each;
+/// the first above the second if none is.
 pub(crate) fn part_inside(beyond: impl Iterator<Item = (f32, f32)>) -> (f32, f32) {
     let (mut low, mut high) = (0.0f32, 1.0f32);
     for (d0, d1) in beyond {
@@ -309,22 +373,15 @@ fn pierces(core: &Core, p: &Polytope, (low, high): (f32, f32), height: impl Fn(f
         // A triangle has no inside: the core has to change sides over it.
         return low <= high && (height(low) < 0.0) != (height(high) < 0.0);
     }
-    let (mut enter, mut exit) = (f32x8::zero(), f32x8::one());
-    let (zero, one) = (f32x8::zero(), f32x8::one());
+    let mut span = Spans::<f32x8>::whole();
     for [nx, ny, nz, offset] in p.normal_chunks {
         let n = LaneVec3::new(f32x8::new(*nx), f32x8::new(*ny), f32x8::new(*nz));
         let d0 = n.dot(LaneVec3::splat(core.start)) - f32x8::new(*offset);
         let d1 = d0 + n.dot(LaneVec3::splat(core.along));
-        let (out0, out1) = (d0.gt(zero), d1.gt(zero));
-        let both = out0 & out1;
-        let crosses = (out0 | out1) & !both;
-        let t = d0 / Lanes::select(crosses, d0 - d1, one);
-        enter = Lanes::select(crosses & out0, Lanes::max(t, enter), enter);
-        exit = Lanes::select(crosses & out1, Lanes::min(t, exit), exit);
-        exit = Lanes::select(both, f32x8::splat(-1.0), exit);
+        span.cut(d0, d1);
     }
-    let enter = enter.to_array().into_iter().fold(0.0, f32::max);
-    enter <= exit.to_array().into_iter().fold(1.0, f32::min)
+    let enter = span.enter.to_array().into_iter().fold(0.0, f32::max);
+    enter <= span.exit.to_array().into_iter().fold(1.0, f32::min)
 }
 
 /// Two spheres or capsules in one frame.
@@ -339,7 +396,8 @@ pub(crate) fn round_round(a: &Core, b: &Core, margin: f32) -> RawManifold {
         if b.is_ball() {
             s = a.nearest(lanes(b.start));
         } else {
-            // Convex in s, and no closed form if both are tapered: golden sections, each 0.618 of the one before.
+            // Convex in s, and no closed form if both are tapered: golden sections, each 0.618 of the one
+            // before.
             let ratio = 0.618_034;
             let (mut low, mut high) = (0.0f32, 1.0f32);
             for _ in 0..32 {

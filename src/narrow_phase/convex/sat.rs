@@ -1,9 +1,10 @@
 //! Separating axes of two polytopes, eight features at a time.
 //!
-//! The axes are the normals of both and the cross products of two edges whose arcs on the Gauss map meet, which is
-//! where the Minkowski difference has a face (Gregorius, *The Separating Axis Test between Convex Polyhedra*, GDC
-//! 2013). Only edges near the contact are tried: where the least overlap is between two edges, their points of
-//! contact are no further apart than that overlap, hence than the overlap along the best face normal.
+//! The axes are the normals of both and the cross products of two edges whose arcs on the Gauss map meet,
+//! which is where the Minkowski difference has a face (Gregorius, *The Separating Axis Test between Convex
+//! Polyhedra*, GDC 2013). Only edges near the contact are tried: where the least overlap is between two
+//! edges, their points of contact are no further apart than that overlap, hence than the overlap along the
+//! best face normal.
 
 use super::polytope::{Polytope, Pose};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
@@ -30,7 +31,8 @@ fn load(rows: &[f32; 8]) -> f32x8 {
     f32x8::new(*rows)
 }
 
-/// The face normal of `p` along which `q` is furthest out. Ends at the first that separates by more than the margin.
+/// The face normal of `p` along which `q` is furthest out. Ends at the first that separates by more than the
+/// margin.
 ///
 /// `against`, in the frame of `p`, or zero: normals along it are no way out of an overlap.
 #[inline]
@@ -82,8 +84,8 @@ impl EdgeSet {
     }
 }
 
-/// Edges of `p` that are not wholly outside the box `min`..`max` on one side, nor below `low` along `normal`. All in
-/// the frame of `p`.
+/// Edges of `p` that are not wholly outside the box `min`..`max` on one side, nor below `low` along `normal`.
+/// All in the frame of `p`.
 #[inline]
 fn edges_near(p: &Polytope, min: Vec3, max: Vec3, normal: Vec3, low: f32) -> EdgeSet {
     let mut codes = [0u8; MAX_VERTICES];
@@ -114,8 +116,8 @@ fn edges_near(p: &Polytope, min: Vec3, max: Vec3, normal: Vec3, low: f32) -> Edg
     set
 }
 
-/// Edges of both that can be nearer to the other than `reach`. `normal` (from a to b, in a's frame) has all of `a`
-/// below `high` and all of `b` above `low`.
+/// Edges of both that can be nearer to the other than `reach`. `normal` (from a to b, in a's frame) has all
+/// of `a` below `high` and all of `b` above `low`.
 pub(crate) fn edges_in_reach(
     a: &Polytope,
     b: &Polytope,
@@ -220,8 +222,8 @@ pub(crate) fn edge_axis(
             let [v0, v1] = edge.vertices.map(|v| a.vertices[usize::from(v)]);
             let [a0, a1] = edge.faces.map(|f| a.planes[usize::from(f)].0);
             let along = LaneVec3::<f32x8>::splat(v1 - v0);
-            // The arcs from a0 to a1 and from -c0 to -c1 cross. An edge runs along the cross product of its two
-            // normals, so that four dot products tell.
+            // The arcs from a0 to a1 and from -c0 to -c1 cross. An edge runs along the cross product of its
+            // two normals, so that four dot products tell.
             let (c0a, c1a) = (c0.dot(along), c1.dot(along));
             let a0b = LaneVec3::splat(a0).dot(lanes.along);
             let a1b = LaneVec3::splat(a1).dot(lanes.along);
@@ -263,8 +265,8 @@ pub(crate) struct Nearest {
     pub(crate) edges: [usize; 2],
 }
 
-/// The nearest points of all edges in reach. Of two polytopes that are apart these are the nearest points at all,
-/// unless one lies inside a face.
+/// The nearest points of all edges in reach. Of two polytopes that are apart these are the nearest points at
+/// all, unless one lies inside a face.
 pub(crate) fn nearest_edges(
     a: &Polytope,
     b: &Polytope,
@@ -303,8 +305,9 @@ pub(crate) fn nearest_edges(
 
 /// Where the segments `p + s d` and `q + t e` are nearest: s and t in 0..=1.
 ///
-/// The nearest points of the two lines, then each clamped and projected on the other in turn: exact, since the
-/// distance is convex (Ericson, *Real-Time Collision Detection*, 5.1.9). Parallel segments: anywhere that is nearest.
+/// The nearest points of the two lines, then each clamped and projected on the other in turn: exact, since
+/// the distance is convex (Ericson, *Real-Time Collision Detection*, 5.1.9). Parallel segments: anywhere that
+/// is nearest.
 #[inline(always)]
 pub(crate) fn nearest_on_segments<L: Lanes>(
     p: LaneVec3<L>,

@@ -1,8 +1,10 @@
-//! The point of a simplex that is nearest to the origin: the inner step of [`gjk`](crate::narrow_phase::convex::gjk).
+//! The point of a simplex that is nearest to the origin: the inner step of
+//! [`gjk`](crate::narrow_phase::convex::gjk).
 //!
-//! By Voronoi regions (Ericson, *Real-Time Collision Detection*, 5.1), but where several features may be the nearest
-//! all of them are worked out and compared, rather than one decision after the other, where a wrong turn on a sliver
-//! can't be taken back. The newest corner comes last, and any nearer point has it among its corners.
+//! By Voronoi regions (Ericson, *Real-Time Collision Detection*, 5.1), but where several features may be the
+//! nearest all of them are worked out and compared, rather than one decision after the other, where a wrong
+//! turn on a sliver can't be taken back. The newest corner comes last, and any nearer point has it among its
+//! corners.
 
 use super::support::Pose;
 use glam::{DVec3, Vec3};

@@ -4,8 +4,8 @@ use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8};
 use crate::shape::{Collider, ConvexHull, Geometry, Kind};
 use glam::{DMat3, DQuat, DVec3, Vec3};
 
-/// What of a convex shape [`gjk`](crate::narrow_phase::convex::gjk) and [`cast`](crate::narrow_phase::cast) see: a core, and a ball of `radius` that
-/// is swept over it.
+/// What of a convex shape [`gjk`](crate::narrow_phase::convex::gjk) and [`cast`](crate::narrow_phase::cast)
+/// see: a core, and a ball of `radius` that is swept over it.
 ///
 /// In `f64`: all of this is scalar code, where doubles cost what floats do, and it spares the simplex the
 /// cancellation that decides whether faces that lie flat on each other are apart.
@@ -88,7 +88,8 @@ impl<'a> Support<'a> {
         Support { core: Core::Triangle(corners.map(Vec3::as_dvec3)), radius: 0.0 }
     }
 
-    /// The point of the core that is furthest along `d`, which needs no length. Where a whole face is, any of it.
+    /// The point of the core that is furthest along `d`, which needs no length. Where a whole face is, any of
+    /// it.
     #[inline]
     pub(crate) fn support(&self, d: DVec3) -> DVec3 {
         match &self.core {
@@ -143,7 +144,7 @@ impl<'a> Support<'a> {
                 ends(*half, *bottom, *top)
             }
             Core::Box(h) => {
-                // Of opposite corners one is as far from an axis through the middle as the other.
+                // Opposite corners are equally far from an axis through the middle.
                 let corners =
                     [*h, DVec3::new(-h.x, h.y, h.z), DVec3::new(h.x, -h.y, h.z), DVec3::new(h.x, h.y, -h.z)];
                 let across = |c: &DVec3| axis.cross(*c).length_squared();
@@ -207,7 +208,8 @@ pub(crate) fn vertices([x, y, z]: &[[f32; 8]; 3]) -> LaneVec3<f32x8> {
     LaneVec3::new(f32x8::new(*x), f32x8::new(*y), f32x8::new(*z))
 }
 
-/// The vertex furthest along `d`, eight at a time; among equals the first of the lowest lane, on every target.
+/// The vertex furthest along `d`, eight at a time; among equals the first of the lowest lane, on every
+/// target.
 fn furthest_vertex(hull: &ConvexHull, d: Vec3) -> Vec3 {
     let (dx, dy, dz) = (f32x8::splat(d.x), f32x8::splat(d.y), f32x8::splat(d.z));
     let mut best = f32x8::splat(f32::NEG_INFINITY);

@@ -7,8 +7,8 @@ use std::sync::Arc;
 const KINDS: [Kind; 5] = [Kind::Sphere, Kind::Capsule, Kind::Box, Kind::Cylinder, Kind::Hull];
 const MARGIN: f32 = 0.05;
 
-/// How far normal and points may be from the reference [m]: faces are preferred by 5 % of the overlap and half a
-/// millimetre.
+/// How far normal and points may be from the reference [m]: faces are preferred by 5 % of the overlap and
+/// half a millimetre.
 fn tolerance(pair: &Pair, distance: f64) -> f64 {
     let size = f64::from(pair.a.radius.min(pair.b.radius));
     1e-5 + 1e-3 * size + 0.06 * (-distance).max(0.0)
@@ -113,8 +113,8 @@ fn at(y: f32) -> Relative {
     Relative { position: Vec3::Y * y, rotation: Quat::IDENTITY }
 }
 
-/// Splinters: the face that looks at the wall most need not have the vertex that is nearest to it. The distance is
-/// the height of the lowest vertex, at any margin.
+/// Splinters: the face that looks at the wall most need not have the vertex that is nearest to it. The
+/// distance is the height of the lowest vertex, at any margin.
 #[test]
 fn the_nearest_vertex_of_a_splinter_is_found_at_any_distance() {
     let mut random = Random(14);

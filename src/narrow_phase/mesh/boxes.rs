@@ -1,7 +1,7 @@
 //! A box against triangles: separating axes eight triangles at a time, then clipping of those that touch.
 //!
-//! In the box's frame a face of it is a rectangle along two axes, and the triangle, projected on it along the normal
-//! of contact, is clipped by four comparisons (Sutherland and Hodgman, 1974).
+//! In the box's frame a face of it is a rectangle along two axes, and the triangle, projected on it along the
+//! normal of contact, is clipped by four comparisons (Sutherland and Hodgman, 1974).
 
 use super::Triangles;
 use super::nearby::Ground;
@@ -81,8 +81,8 @@ fn cross_axis<L: Lanes>(axis: usize, v: LaneVec3<L>) -> LaneVec3<L> {
     }
 }
 
-/// The cross product of an edge of the box and one of the triangle on which they are furthest apart: by how much, and
-/// 3 · box axis + triangle edge, plus 9 if the normal is the negative of the product.
+/// The cross product of an edge of the box and one of the triangle on which they are furthest apart: by how
+/// much, and 3 · box axis + triangle edge, plus 9 if the normal is the negative of the product.
 #[inline(always)]
 fn edge_axes(half: Vec3, triangles: &Triangles) -> (f32x8, f32x8) {
     let zero = f32x8::zero();
@@ -147,7 +147,8 @@ pub(crate) fn key(triangle: u32, feature: u32) -> u32 {
     (triangle << 8 | feature & 0xff).wrapping_mul(0x9E37_79B1) | CORNERS
 }
 
-/// A corner of the polygon: two coordinates on the box's face, separation, which edge starts here, which feature it is.
+/// A corner of the polygon: two coordinates on the box's face, separation, which edge starts here, which
+/// feature it is.
 #[derive(Clone, Copy, Default)]
 struct Corner {
     x: [f32; 2],
@@ -156,8 +157,8 @@ struct Corner {
     feature: u32,
 }
 
-/// Adds the corners of what the triangle and the box's face towards `normal` cover, seen along the normal, that are
-/// nearer than the margin.
+/// Adds the corners of what the triangle and the box's face towards `normal` cover, seen along the normal,
+/// that are nearer than the margin.
 fn clip(half: Vec3, touch: &Touch, normal: Vec3, margin: f32, points: &mut Vec<RawPoint>) {
     let size = normal.abs();
     let w = if size.x >= size.y && size.x >= size.z {
@@ -173,8 +174,6 @@ fn clip(half: Vec3, touch: &Touch, normal: Vec3, margin: f32, points: &mut Vec<R
     let level = sign * half[w];
 
     let mut one = [Corner::default(); 8];
-    let mut other = [Corner::default(); 8];
-    let mut count = 3;
     let mut least = f32::MAX;
     for (i, p) in touch.corners.iter().enumerate() {
         let apart = (p[w] - level) * slope;
@@ -185,7 +184,29 @@ fn clip(half: Vec3, touch: &Touch, normal: Vec3, margin: f32, points: &mut Vec<R
     if least > margin {
         return;
     }
-    let bounds = [half[u], half[v]];
+    let Some(count) = clip_to_rectangle(&mut one, [half[u], half[v]]) else { return };
+    for c in one[..count].iter().filter(|c| c.apart <= margin) {
+        let mut position = Vec3::ZERO;
+        (position[u], position[v], position[w]) = (c.x[0], c.x[1], level);
+        position += normal * (0.5 * c.apart);
+        let is_corner = c.feature >= 8 + 8 * 4;
+        let key = if is_corner {
+            [u, v]
+                .iter()
+                .zip(c.x)
+                .fold(u32::from(sign > 0.0) << w, |bits, (k, x)| bits | u32::from(x > 0.0) << k)
+        } else {
+            key(touch.index, c.feature)
+        };
+        points.push(RawPoint { position, separation: c.apart, key });
+    }
+}
+
+/// Clips the triangle of the first three corners to |x| <= `bounds`. How many corners are left, if any.
+#[inline(always)]
+fn clip_to_rectangle(one: &mut [Corner; 8], bounds: [f32; 2]) -> Option<usize> {
+    let mut other = [Corner::default(); 8];
+    let mut count = 3;
     // Sides with all corners beyond end it; only those with some beyond cut.
     let beyond = |c: &Corner| {
         let over = [c.x[0] > bounds[0], -c.x[0] > bounds[0], c.x[1] > bounds[1], -c.x[1] > bounds[1]];
@@ -193,7 +214,7 @@ fn clip(half: Vec3, touch: &Touch, normal: Vec3, margin: f32, points: &mut Vec<R
     };
     let codes = [beyond(&one[0]), beyond(&one[1]), beyond(&one[2])];
     if codes[0] & codes[1] & codes[2] != 0 {
-        return;
+        return None;
     }
     let cuts = codes[0] | codes[1] | codes[2];
     for side in (0..4).filter(|side| cuts >> side & 1 != 0) {
@@ -222,25 +243,11 @@ fn clip(half: Vec3, touch: &Touch, normal: Vec3, margin: f32, points: &mut Vec<R
             }
             (last, last_over) = (this, this_over);
         }
-        std::mem::swap(&mut one, &mut other);
+        std::mem::swap(one, &mut other);
         count = kept.min(8);
         if count == 0 {
-            return;
+            return None;
         }
     }
-    for c in one[..count].iter().filter(|c| c.apart <= margin) {
-        let mut position = Vec3::ZERO;
-        (position[u], position[v], position[w]) = (c.x[0], c.x[1], level);
-        position += normal * (0.5 * c.apart);
-        let is_corner = c.feature >= 8 + 8 * 4;
-        let key = if is_corner {
-            [u, v]
-                .iter()
-                .zip(c.x)
-                .fold(u32::from(sign > 0.0) << w, |bits, (k, x)| bits | u32::from(x > 0.0) << k)
-        } else {
-            key(touch.index, c.feature)
-        };
-        points.push(RawPoint { position, separation: c.apart, key });
-    }
+    Some(count)
 }

@@ -1,19 +1,21 @@
 //! A capsule against triangles: nearest points of its core, eight triangles at a time.
 //!
-//! What of the core is over a triangle, seen along the normal, gives two points there. Where another part of it is
-//! nearer, that is nearest to an edge.
+//! The part of the core that is over a triangle, seen along the normal, yields two points. Where another part
+//! of the core is nearer, that part is nearest to an edge.
 
 use super::Triangles;
 use super::boxes::key;
-use super::found::Found;
 use super::nearby::Ground;
 use super::patch::{Patches, Touch, Verdict};
+use super::reach::Bounds;
+use super::triangle_contact::TriangleContact;
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::RawPoint;
+use crate::narrow_phase::convex::clip::Spans;
 use crate::narrow_phase::convex::round_polytope::{ALONG, Core, part_inside};
 use glam::Vec3;
 
-/// Where the core is to one triangle.
+/// Where the core is relative to one triangle.
 struct Place<'a> {
     core: &'a Core,
     touch: &'a Touch,
@@ -27,15 +29,15 @@ struct Place<'a> {
     at: (f32, f32),
 }
 
-/// What of the core is over each triangle, and the nearest edge: distance of the surface, number, where on the core,
-/// where on the edge.
+/// The part of the core over each triangle, and the nearest edge: distance of the surface, number, where on
+/// the core, where on the edge.
 #[inline(always)]
 fn nearest(core: &Core, triangles: &Triangles) -> ((f32x8, f32x8), [f32x8; 4]) {
-    let (zero, one) = (f32x8::zero(), f32x8::one());
+    let zero = f32x8::zero();
     let (start, along) = (LaneVec3::<f32x8>::splat(core.start), LaneVec3::<f32x8>::splat(core.along));
     let [a, b, c] = triangles.corners;
     let winding = (b - a).cross(c - b);
-    let (mut low, mut high) = (zero, one);
+    let mut over = Spans::whole();
     let (mut least, mut edge) = (f32x8::splat(f32::MAX), zero);
     let (mut on_core, mut on_edge) = (zero, zero);
     for i in 0..3 {
@@ -44,13 +46,7 @@ fn nearest(core: &Core, triangles: &Triangles) -> ((f32x8, f32x8), [f32x8; 4]) {
         let out = e.cross(winding);
         let d0 = out.dot(start - from);
         let d1 = d0 + out.dot(along);
-        let (out0, out1) = (d0.gt(zero), d1.gt(zero));
-        let both = out0 & out1;
-        let crosses = (out0 | out1) & !both;
-        let t = d0 / Lanes::select(crosses, d0 - d1, one);
-        low = Lanes::select(crosses & out0, Lanes::max(t, low), low);
-        high = Lanes::select(crosses & out1, Lanes::min(t, high), high);
-        high = Lanes::select(both, f32x8::splat(-1.0), high);
+        over.cut(d0, d1);
 
         let (s, t) = core.nearest_segment(from, e);
         let apart = (from + e * t - start - along * s).length();
@@ -61,12 +57,14 @@ fn nearest(core: &Core, triangles: &Triangles) -> ((f32x8, f32x8), [f32x8; 4]) {
         on_core = Lanes::select(nearer, s, on_core);
         on_edge = Lanes::select(nearer, t, on_edge);
     }
-    ((low, high), [least, edge, on_core, on_edge])
+    ((over.enter, over.exit), [least, edge, on_core, on_edge])
 }
 
 /// Adds a patch for every triangle that is nearer than its margin.
 pub(crate) fn touch(
-    (core, half, size): (&Core, Vec3, f32),
+    core: &Core,
+    half: Vec3,
+    size: f32,
     triangles: &Triangles,
     margins: f32x8,
     ground: &Ground,
@@ -75,8 +73,8 @@ pub(crate) fn touch(
     let (r0, r1) = (core.radius, core.radius + core.growth);
     let (_, axis, _) = triangles.separate(Vec3::ZERO, half);
     let front = triangles.front;
-    // Divided component by component, which rounds least: of a triangle much longer than the capsule, the far corners
-    // make much of a tilt.
+    // Divided component by component, which rounds least: if a triangle is much longer than the capsule, its
+    // far corners magnify a tilt.
     let [a, b, c] = triangles.corners;
     let cross = (b - a).cross(c - a);
     let length = cross.length() * front.dot(cross).sign();
@@ -137,8 +135,8 @@ pub(crate) fn touch(
             // The face's own normal already.
             if slope > 0.999_999 { own(points) } else { place.over_face(points) }
         };
-        let found = Found { normal, apart: distance, face, margin: place.margin, verdict };
-        found.add(&touch, (Vec3::ZERO, half), own, over, patches);
+        let found = TriangleContact { normal, apart: distance, face, margin: place.margin, verdict };
+        found.add(&touch, Bounds { middle: Vec3::ZERO, half }, own, over, patches);
     }
 }
 
@@ -148,8 +146,8 @@ impl Place<'_> {
         if s == 1.0 { end } else { start + (end - start) * s }
     }
 
-    /// Whether what is over the triangle is nearest to it, or goes through it. `face`: separation from the plane of
-    /// all of the capsule [m].
+    /// Whether the part over the triangle is the nearest, or goes through the triangle. `face`: separation of
+    /// the whole capsule from the plane [m].
     fn is_over(&self, face: f32, tolerance: f32) -> bool {
         let (low, high) = self.over;
         let core = self.core;
@@ -161,7 +159,7 @@ impl Place<'_> {
         nearest <= face + tolerance || (one < 0.0) != (other < 0.0)
     }
 
-    /// The two ends of what is over the triangle.
+    /// The two ends of the part over the triangle.
     fn over_face(&self, points: &mut Vec<RawPoint>) {
         let (low, high) = self.over;
         if low > high {
@@ -192,8 +190,8 @@ impl Place<'_> {
         (self.core.at(self.at.0), from + along * self.at.1)
     }
 
-    /// One point at the edge, or two where the capsule lies along it or nearly on the face. `apart`: of the nearest
-    /// points of core and edge.
+    /// One point at the edge, or two where the capsule lies along it or nearly on the face. `apart`: distance
+    /// of the nearest points of core and edge [m].
     fn at_edge(&self, normal: Vec3, apart: f32, tolerance: f32, points: &mut Vec<RawPoint>) {
         let Place { core, touch, .. } = *self;
         let (v, e) = self.edge();

@@ -1,15 +1,16 @@
-//! A cylinder against triangles: its deepest point over each, eight triangles at a time; the distance of one from the
-//! other only where that does not tell.
+//! A cylinder against triangles: its deepest point over each, eight triangles at a time. The exact distance
+//! is computed only where that does not decide.
 //!
-//! For what is over a triangle the same holds as for a hull ([`mesh_hull`](crate::narrow_phase::mesh::hull)): no way out is shorter than
-//! along the triangle's normal.
+//! Over a triangle the argument for hulls holds ([`hull`](super::hull)): no way out is shorter than along the
+//! triangle's normal.
 
 use super::Triangles;
-use super::found::{Found, named, outline};
 use super::hull::inside;
 use super::nearby::Ground;
 use super::patch::{Patches, Verdict};
+use super::reach::Bounds;
 use super::sphere::nearest;
+use super::triangle_contact::{TriangleContact, named, outline};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8, ones};
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::cast::sweep::{nearest_corner, reach};
@@ -17,25 +18,23 @@ use crate::narrow_phase::convex::clip::Cloud;
 use crate::narrow_phase::convex::cylinder::over_triangle;
 use crate::narrow_phase::convex::{PREFERENCE, collide_triangle};
 use crate::shape::Collider;
-use glam::Vec3;
 
-/// Adds a patch for every triangle that is nearer than its margin. `around`: middle and half extents of the box around
-/// the cylinder.
+/// Adds a patch for every triangle that is nearer than its margin.
 pub(crate) fn touch(
     a: &Collider,
-    (middle, half): (Vec3, Vec3),
+    bounds: Bounds,
     triangles: &Triangles,
     margins: f32x8,
     ground: &Ground,
     patches: &mut Patches,
 ) {
-    let (_, axis, _) = triangles.separate(middle, half);
+    let (_, axis, _) = triangles.separate(bounds.middle, bounds.half);
     let near = axis.le(margins);
     if near.bits() & triangles.valid == 0 {
         return;
     }
     let rims = rims(a, -triangles.front);
-    // Deepest below the face, of all of the shape.
+    // The deepest point of the whole shape below the face.
     let face = triangles.height - Lanes::max(rims[0].1, rims[1].1);
     let near = near & face.le(margins);
     if near.bits() & triangles.valid == 0 {
@@ -71,19 +70,19 @@ pub(crate) fn touch(
             continue;
         }
         let apart = manifold.points().iter().map(|p| p.separation).fold(f32::MAX, f32::min);
-        // A way out through the triangle is none.
+        // A direction through the triangle is no way out.
         let verdict = if manifold.normal.dot(front) > 1e-3 && apart < 0.0 {
             Verdict::Face(f32::MIN)
         } else {
             touch.judge(manifold.normal, apart, face, a.radius)
         };
-        let found = Found { normal: manifold.normal, apart, face, margin, verdict };
+        let found = TriangleContact { normal: manifold.normal, apart, face, margin, verdict };
         let own = |points: &mut Vec<RawPoint>| points.extend(named(&touch, manifold.points()));
-        found.add(&touch, (middle, half), own, over, patches);
+        found.add(&touch, bounds, own, over, patches);
     }
 }
 
-/// Of the bottom's rim and the top's, the point that is furthest along eight unit directions, and how far [m].
+/// The point of either rim that is furthest along eight unit directions, and how far [m].
 #[inline(always)]
 fn rims(a: &Collider, d: LaneVec3<f32x8>) -> [(LaneVec3<f32x8>, f32x8); 2] {
     let [half_height, bottom, top, _] = a.size;
@@ -96,8 +95,8 @@ fn rims(a: &Collider, d: LaneVec3<f32x8>) -> [(LaneVec3<f32x8>, f32x8); 2] {
     })
 }
 
-/// Which triangles are further away than their margins, along the directions to their nearest points from the shape's
-/// origin.
+/// Which triangles are further away than their margins, along the directions from the shape's origin to their
+/// nearest points.
 #[inline(always)]
 fn beside(a: &Collider, triangles: &Triangles, margins: f32x8) -> <f32x8 as Lanes>::Mask {
     let (point, _) = nearest(triangles, LaneVec3::zero());

@@ -1,16 +1,18 @@
-//! A hull against triangles: its deepest vertex over each, eight triangles at a time; the rest only where that does not
-//! tell.
+//! A hull against triangles: its deepest vertex over each, eight triangles at a time. All else is computed
+//! only where that does not decide.
 //!
-//! Where the deepest vertex is over a triangle, and further from its border than below its plane, no way out is shorter
-//! than along the triangle's normal: along a direction that leans by θ it is at least d cos θ + r sin θ, with the
-//! depth d and the distance r from the border, which is least at one of its ends. No other axis has to be tried.
+//! Where the deepest vertex is over a triangle, and further from its border than below its plane, no way out
+//! is shorter than along the triangle's normal: along a direction that leans by θ it is at least d cos θ + r
+//! sin θ, with the depth d and the distance r from the border, which is least at one of its ends. No other
+//! axis has to be tried.
 
 use super::Triangles;
-use super::found::{Found, named};
 use super::hull_face::over_face;
-use super::hull_triangle::{Way, face_axis};
+use super::hull_triangle::{ContactAxis, face_axis};
 use super::nearby::Ground;
 use super::patch::{Patches, Touch};
+use super::reach::Bounds;
+use super::triangle_contact::{TriangleContact, named};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::convex::PREFERENCE;
@@ -47,8 +49,9 @@ pub(crate) fn inside(triangles: &Triangles, at: LaneVec3<f32x8>) -> f32x8 {
 
 /// Adds a patch for every triangle that is nearer than its margin.
 pub(crate) fn touch(
-    (hull, size): (&ConvexHull, f32),
-    (middle, half): (Vec3, Vec3),
+    hull: &ConvexHull,
+    size: f32,
+    bounds: Bounds,
     triangles: &Triangles,
     margins: f32x8,
     ground: &Ground,
@@ -56,10 +59,10 @@ pub(crate) fn touch(
 ) {
     let solid = Solid::Hull(hull);
     let p = &solid.view();
-    let (_, axis, _) = triangles.separate(middle, half);
+    let (_, axis, _) = triangles.separate(bounds.middle, bounds.half);
     let front = triangles.front;
-    let box_face =
-        triangles.height + LaneVec3::splat(middle).dot(front) - front.abs().dot(LaneVec3::splat(half));
+    let box_face = triangles.height + LaneVec3::splat(bounds.middle).dot(front)
+        - front.abs().dot(LaneVec3::splat(bounds.half));
     let near = axis.le(margins) & box_face.le(margins);
     if near.bits() & triangles.valid == 0 {
         return;
@@ -99,18 +102,20 @@ pub(crate) fn touch(
         if by_hull.0 > margin {
             continue;
         }
-        let Some(way) = Way::between(hull, &touch, by_hull, (face, margin), size) else { continue };
-        let verdict = touch.judge(way.normal, way.apart, face, size);
-        let own = |points: &mut Vec<RawPoint>| {
-            way.points(p, &touch, (face, deepest), (margin, size), points);
+        let Some(contact) = ContactAxis::between(hull, &touch, by_hull, (face, margin), size) else {
+            continue;
         };
-        let found = Found { normal: way.normal, apart: way.apart, face, margin, verdict };
-        found.add(&touch, (middle, half), own, over, patches);
+        let verdict = touch.judge(contact.normal, contact.apart, face, size);
+        let own = |points: &mut Vec<RawPoint>| {
+            contact.points(p, &touch, (face, deepest), (margin, size), points);
+        };
+        let found = TriangleContact { normal: contact.normal, apart: contact.apart, face, margin, verdict };
+        found.add(&touch, bounds, own, over, patches);
     }
 }
 
-/// Adds the deepest vertex if it is none of a face's points from `first` on: it need not be a corner of the face
-/// that is most level.
+/// Adds the deepest vertex if it is none of a face's points from `first` on: it need not be a corner of the
+/// face that is most level.
 fn add_deepest(at: Vec3, face: f32, touch: &Touch, size: f32, (first, points): (usize, &mut Vec<RawPoint>)) {
     if points[first..].iter().all(|p| p.separation > face + PREFERENCE.1 * size) {
         let position = at - touch.front * (0.5 * face);

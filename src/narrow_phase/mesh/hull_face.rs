@@ -1,7 +1,7 @@
 //! The part of a hull's face that is over a triangle.
 //!
-//! The face is clipped to the triangle's three sides, one after the other (Sutherland and Hodgman, 1974), on what each
-//! corner knows: how far it is beyond each side and over the plane, which are linear along an edge.
+//! The face is clipped to the triangle's three sides, one after the other (Sutherland and Hodgman, 1974), on
+//! what each corner knows: how far it is beyond each side and over the plane, which are linear along an edge.
 
 use super::boxes::key;
 use super::patch::Touch;
@@ -9,10 +9,10 @@ use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::convex::polytope::Polytope;
 use glam::Vec3;
 
-/// Corners of a face that are looked at; of more, evenly chosen ones.
-const MOST: usize = 12;
+/// Most corners of a face that are used; if it has more, evenly chosen ones.
+const MAX_CORNERS: usize = 12;
 /// Every side cuts off at least one corner and adds two.
-const ROOM: usize = MOST + 4;
+const ROOM: usize = MAX_CORNERS + 4;
 
 /// A corner of the polygon.
 #[derive(Clone, Copy, Default)]
@@ -37,16 +37,16 @@ pub(crate) fn over_face(p: &Polytope, touch: &Touch, (margin, size): (f32, f32),
     let side = |i: usize| {
         let out = touch.outward(i);
         let out = out / out.length();
-        // What is this little outside counts as inside.
+        // Points that are outside by less than this count as inside.
         (out, out.dot(touch.corners[i]) + 1e-4 * size)
     };
     let sides = [side(0), side(1), side(2)];
     let mut polygon = [Corner::default(); ROOM];
-    let mut count = face.len().min(MOST);
+    let mut count = face.len().min(MAX_CORNERS);
     let mut outside = [false; 3];
     let mut least = f32::MAX;
     for (i, corner) in polygon[..count].iter_mut().enumerate() {
-        let v = face[if face.len() > MOST { i * face.len() / MOST } else { i }];
+        let v = face[if face.len() > MAX_CORNERS { i * face.len() / MAX_CORNERS } else { i }];
         let at = p.vertices[usize::from(v)];
         let beyond = |k: usize| sides[k].0.dot(at) - sides[k].1;
         let name = u32::from(v);

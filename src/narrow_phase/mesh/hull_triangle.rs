@@ -1,10 +1,10 @@
 //! A hull and a triangle: separating axes and nearest edges, eight faces or edges of the hull at a time.
 //!
-//! As [`convex`](crate::narrow_phase::convex) does it for any two polytopes. That the triangle has three edges and one face saves
-//! what chooses among features there.
+//! The same method as for any two polytopes ([`convex`](crate::narrow_phase::convex)), but a triangle has
+//! three edges and one face, which makes the choice among features simpler.
 
-use super::found::{named, outline};
 use super::patch::Touch;
+use super::triangle_contact::{named, outline};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::convex::PREFERENCE;
@@ -14,14 +14,14 @@ use crate::narrow_phase::convex::sat::{PARALLEL, nearest_on_segments};
 use crate::shape::{ConvexHull, HullEdge};
 use glam::Vec3;
 
-/// A normal this far along the triangle's front would push through it.
+/// A normal this far along the triangle's front would push the hull through it.
 const THROUGH: f32 = 1e-3;
 
 /// How a hull and a triangle are nearest or overlap least.
-pub(crate) struct Way {
+pub(crate) struct ContactAxis {
     /// Unit, from the hull to the triangle.
     pub(crate) normal: Vec3,
-    /// How far they are apart along it [m].
+    /// Separation along it [m].
     pub(crate) apart: f32,
     feature: Feature,
 }
@@ -37,28 +37,28 @@ enum Feature {
     Level([usize; 2], [Vec3; 2]),
 }
 
-impl Way {
+impl ContactAxis {
     /// `None` if they are further apart than the margin.
     ///
-    /// `by_hull`: answer of [`face_axis`]. `face`: how far they are apart along the triangle's normal, where the hull's
-    /// deepest vertex is not over the triangle unless they overlap.
+    /// `by_hull`: result of [`face_axis`]. `face`: separation along the triangle's normal; the hull's deepest
+    /// vertex is over the triangle only if they overlap.
     pub(crate) fn between(
         hull: &ConvexHull,
         touch: &Touch,
         by_hull: (f32, usize),
         (face, margin): (f32, f32),
         size: f32,
-    ) -> Option<Way> {
+    ) -> Option<ContactAxis> {
         let tolerance = PREFERENCE.1 * size;
         let clearly = |s: f32| if s < 0.0 { PREFERENCE.0 * s + tolerance } else { s + tolerance };
         let by_face = if face > clearly(by_hull.0) {
-            Way { normal: -touch.front, apart: face, feature: Feature::Triangle }
+            ContactAxis { normal: -touch.front, apart: face, feature: Feature::Triangle }
         } else {
             let normal = hull.planes[by_hull.1].0;
             if by_hull.0 > 0.0 && is_corner_over(hull, by_hull.1, touch) {
-                return Some(Way { normal, apart: by_hull.0, feature: Feature::Hull(by_hull.1) });
+                return Some(ContactAxis { normal, apart: by_hull.0, feature: Feature::Hull(by_hull.1) });
             }
-            Way { normal, apart: by_hull.0, feature: Feature::Hull(by_hull.1) }
+            ContactAxis { normal, apart: by_hull.0, feature: Feature::Hull(by_hull.1) }
         };
         let mut touching = None;
         if by_face.apart <= 0.0 {
@@ -70,30 +70,30 @@ impl Way {
                 return Some(by_face);
             }
             let normal = edge_normal(hull, touch, edges);
-            let by_edges = Way { normal, apart, feature: Feature::Edges(edges) };
+            let by_edges = ContactAxis { normal, apart, feature: Feature::Edges(edges) };
             if apart <= 0.0 {
                 return Some(by_edges);
             }
             touching = Some(by_edges);
         }
-        // Apart, and nothing of one over the face of the other.
+        // Apart, and no part of one is over the face of the other.
         let (edges, [p, q]) = nearest_edges(hull, touch);
         let distance = (q - p).length();
         if distance > margin {
             return None;
         }
         if distance <= by_face.apart + tolerance {
-            return Some(Way { feature: Feature::Level(edges, [p, q]), ..by_face });
+            return Some(ContactAxis { feature: Feature::Level(edges, [p, q]), ..by_face });
         }
-        // Of two edges that just touch only their cross product has a direction.
+        // If two edges just touch, only their cross product has a direction.
         if distance < 1e-5 * size {
             return touching.or(Some(by_face));
         }
-        Some(Way { normal: (q - p) / distance, apart: distance, feature: Feature::Edges(edges) })
+        Some(ContactAxis { normal: (q - p) / distance, apart: distance, feature: Feature::Edges(edges) })
     }
 
-    /// Adds the points that are nearer than the margin along the normal. `deepest`: the hull's vertex that is furthest
-    /// below the triangle's plane, and how far over it.
+    /// Adds the points that are nearer than the margin along the normal. `deepest`: the hull's vertex that is
+    /// furthest below the triangle's plane, and how far over it.
     pub(crate) fn points(
         &self,
         p: &Polytope,
@@ -137,7 +137,7 @@ impl Way {
     }
 }
 
-/// Of eight values the most and its place, in lane `i` of chunk `chunk`; of equals the first lane's.
+/// The largest of eight values and its index, lane `i` of chunk `chunk`; the first lane of equals.
 #[inline(always)]
 fn most(values: f32x8, chunk: f32x8) -> (f32, usize) {
     let (mut most, mut place) = (f32::MIN, 0);
@@ -149,7 +149,7 @@ fn most(values: f32x8, chunk: f32x8) -> (f32, usize) {
     (most, place)
 }
 
-/// The face of a hull along whose normal a triangle is furthest out, and how far [m].
+/// The face of a hull along whose normal a triangle is furthest out, and its separation [m].
 #[inline(always)]
 pub(crate) fn face_axis(hull: &ConvexHull, touch: &Touch) -> (f32, usize) {
     let [a, b, c] = touch.corners.map(LaneVec3::<f32x8>::splat);
@@ -158,14 +158,14 @@ pub(crate) fn face_axis(hull: &ConvexHull, touch: &Touch) -> (f32, usize) {
     for (k, [nx, ny, nz, offset]) in hull.normal_chunks.iter().enumerate() {
         let n = LaneVec3::new(f32x8::new(*nx), f32x8::new(*ny), f32x8::new(*nz));
         let low = Lanes::min(Lanes::min(n.dot(a), n.dot(b)), n.dot(c)) - f32x8::new(*offset);
-        // No way out to the back.
+        // The hull must not leave through the back.
         let wrong = n.dot(front).gt(f32x8::splat(THROUGH)) & low.lt(f32x8::zero());
         let better = low.gt(best) & !wrong;
         best = Lanes::select(better, low, best);
         chunk = Lanes::select(better, f32x8::splat(k as f32), chunk);
     }
     let (separation, place) = most(best, chunk);
-    // The filling repeats the first plane.
+    // Padding repeats the first plane.
     (separation, if place < hull.planes.len() { place } else { 0 })
 }
 
@@ -191,8 +191,8 @@ fn is_corner_over(hull: &ConvexHull, face: usize, touch: &Touch) -> bool {
     })
 }
 
-/// Something of each of eight edges; of fewer, the first again. Kept ready in every hull it would take 48 bytes an edge,
-/// more than the rest of it.
+/// A property of each of eight edges; if there are fewer, the first is repeated. Stored with every hull it
+/// would take 48 bytes an edge, more than the rest of the hull.
 #[inline(always)]
 fn of_edges(edges: &[HullEdge], what: impl Fn(&HullEdge) -> Vec3) -> LaneVec3<f32x8> {
     let mut rows = what(&edges[0]).to_array().map(|x| [x; 8]);
@@ -203,7 +203,7 @@ fn of_edges(edges: &[HullEdge], what: impl Fn(&HullEdge) -> Vec3) -> LaneVec3<f3
     LaneVec3::new(f32x8::new(rows[0]), f32x8::new(rows[1]), f32x8::new(rows[2]))
 }
 
-/// Start and way of eight edges.
+/// Start and direction of eight edges.
 #[inline(always)]
 fn lines(hull: &ConvexHull, edges: &[HullEdge]) -> (LaneVec3<f32x8>, LaneVec3<f32x8>) {
     let end = |k: usize| of_edges(edges, |e| hull.vertices[usize::from(e.vertices[k])]);
@@ -211,8 +211,8 @@ fn lines(hull: &ConvexHull, edges: &[HullEdge]) -> (LaneVec3<f32x8>, LaneVec3<f3
     (start, end(1) - start)
 }
 
-/// Of the axes that are across an edge of each, and on which their faces meet, the one on which the two are furthest
-/// apart [m], and the edges. The least number there is if there is none.
+/// The axis, among those across an edge of each whose faces meet on it, along which the two are furthest
+/// apart [m], and the edges. `f32::MIN` if there is none.
 fn edge_axis(hull: &ConvexHull, touch: &Touch) -> (f32, [usize; 2]) {
     let zero = f32x8::zero();
     let front = LaneVec3::<f32x8>::splat(touch.front);
@@ -249,7 +249,7 @@ fn edge_axis(hull: &ConvexHull, touch: &Touch) -> (f32, [usize; 2]) {
     (apart, edges_at(place))
 }
 
-/// Which edges are meant by lane `i` of pair `3 chunk + edge of the triangle`.
+/// The edges of lane `i` of pair `3 chunk + edge of the triangle`.
 fn edges_at(place: usize) -> [usize; 2] {
     let (pair, lane) = (place / 8, place % 8);
     [8 * (pair / 3) + lane, pair % 3]
@@ -280,10 +280,10 @@ fn is_beyond(hull: &ConvexHull, touch: &Touch, edge: usize) -> bool {
     })
 }
 
-/// The edges that are nearest to each other, and where. Of a hull and a triangle that are apart these are the nearest
-/// points at all, unless one is over a face.
+/// The edges that are nearest to each other, and where. If a hull and a triangle are apart, these are the
+/// nearest points of all, unless one is over a face.
 fn nearest_edges(hull: &ConvexHull, touch: &Touch) -> ([usize; 2], [Vec3; 2]) {
-    // An edge beyond which nothing of the hull is has no nearest point, or another edge has it too.
+    // An edge beyond which no part of the hull lies has no nearest point, or shares it with another edge.
     let beyond = [0, 1, 2].map(|e| is_beyond(hull, touch, e));
     let none = beyond == [false; 3];
     let (zero, one, tiny) = (f32x8::zero(), f32x8::one(), 1e-30);

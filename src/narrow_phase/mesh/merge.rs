@@ -1,8 +1,8 @@
-//! Patches of many triangles to few manifolds.
+//! Merges the patches of many triangles into few manifolds.
 //!
-//! Patches whose normals are about the same become one manifold. A box that lies on ten triangles has some forty
-//! points, most of them on flat edges inside its own outline; before the dearer reduction to four, those that are
-//! furthest in none of eight directions go.
+//! Patches whose normals are about the same become one manifold. A box that lies on ten triangles has some
+//! forty points, most of them on flat edges inside its own outline. Points that are furthest in none of eight
+//! directions are dropped before the more expensive reduction to four.
 
 use super::boxes::CORNERS;
 use super::patch::Patches;
@@ -14,17 +14,17 @@ use crate::narrow_phase::{MAX_POINTS, RawManifold, RawPoint};
 use glam::Vec3;
 
 /// Most manifolds of a pair.
-pub(crate) const MOST: usize = 8;
-/// Cosine of 2.5 degrees: normals nearer than this are one. Half the angle of a flat edge.
+pub(crate) const MAX_MANIFOLDS: usize = 8;
+/// Cosine of 2.5 degrees, half the angle of a flat edge: normals nearer than this are one.
 const SAME: f32 = 0.999;
-/// Cosine under which two normals are never one, even where there are too many: 25 degrees.
+/// Cosine of 25 degrees: normals further apart than this are never one, even if there are too many.
 const RELATED: f32 = 0.9;
 
 /// Buffers.
 #[derive(Default)]
 pub(crate) struct Merge {
     pub(crate) points: Vec<RawPoint>,
-    /// Which manifold each patch went to.
+    /// The manifold of each patch.
     pub(crate) place: Vec<u8>,
 }
 
@@ -34,7 +34,7 @@ impl Merge {
         (one.0 + other.0, one.1 + other.1)
     }
 
-    /// Makes place for these patches; says whether there was room.
+    /// Reserves capacity for these patches; returns whether there was memory.
     pub(crate) fn has_place(&mut self, of: &Patches, room: &mut Room) -> bool {
         let (patches, points) = (of.patches.len(), of.points.len());
         room.fit(&mut self.place, patches) >= patches && room.fit(&mut self.points, points) >= points
@@ -48,22 +48,22 @@ impl Merge {
         size: f32,
         out: &mut Vec<RawManifold>,
     ) {
-        let mut normals = [Vec3::ZERO; MOST];
+        let mut normals = [Vec3::ZERO; MAX_MANIFOLDS];
         let mut count = 0;
         self.place.clear();
         for patch in &patches.patches {
             let nearest = (0..count).map(|i| (normals[i].dot(patch.normal), i));
-            let nearest =
-                nearest.fold((f32::MIN, MOST), |best, this| if this.0 > best.0 { this } else { best });
-            let place = if nearest.0 > SAME || (count == MOST && nearest.0 > RELATED) {
+            let nearest = nearest
+                .fold((f32::MIN, MAX_MANIFOLDS), |best, this| if this.0 > best.0 { this } else { best });
+            let place = if nearest.0 > SAME || (count == MAX_MANIFOLDS && nearest.0 > RELATED) {
                 nearest.1
-            } else if count < MOST {
+            } else if count < MAX_MANIFOLDS {
                 normals[count] = patch.normal;
                 count += 1;
                 count - 1
             } else {
-                // The shallowest of too many different ones.
-                MOST
+                // Too many different normals: the shallowest are dropped.
+                MAX_MANIFOLDS
             };
             self.place.push(place as u8);
         }
@@ -76,7 +76,8 @@ impl Merge {
                 self.points.extend_from_slice(&patches.points[first..first + patch.count as usize]);
             }
             let mut manifold = few(&self.points, normal, size);
-            // A corner keeps its key from triangle to triangle; floors and walls are told apart by the side they face.
+            // A corner keeps its key from triangle to triangle; floors and walls are told apart by the side
+            // they face.
             let side = pose.back(normal);
             let steep = side.abs();
             let axis = if steep.x > steep.y && steep.x > steep.z {
@@ -103,7 +104,7 @@ fn few(points: &[RawPoint], normal: Vec3, size: f32) -> RawManifold {
     let mut count = 0;
     let same = 1e-3 * size;
     let mut take = |point: &RawPoint| {
-        // The deepest of a place, if there are several: corners where triangles meet.
+        // The deepest of several at the same place: corners where triangles meet.
         for other in some[..count].iter_mut() {
             if (other.position - point.position).length_squared() < same * same {
                 if point.separation < other.separation {
@@ -126,14 +127,15 @@ fn few(points: &[RawPoint], normal: Vec3, size: f32) -> RawManifold {
     RawManifold { normal, count, points }
 }
 
-/// The points furthest in eight directions across the normal, and the deepest; some may be the same. Of equally far
-/// ones the first counts.
+/// The points furthest in eight directions across the normal, and the deepest; some may be the same. The
+/// first of equally far ones counts.
 fn furthest(points: &[RawPoint], normal: Vec3, tolerance: f32) -> [usize; 9] {
     const DIAGONAL: f32 = std::f32::consts::FRAC_1_SQRT_2;
     let (u, v) = LaneVec3::<f32>::splat(normal).tangents();
     let (u, v) = (LaneVec3::<f32x8>::splat(u.lane(0)), LaneVec3::splat(v.lane(0)));
-    // Every corner of a rectangle that lies along u and v is furthest along a diagonal, and the other way round; the
-    // eight are turned by an odd angle, or of two corners at one edge either might be the furthest.
+    // Every corner of a rectangle that lies along u and v is furthest along a diagonal, and the other way
+    // round; the eight are turned by an odd angle, or of two corners at one edge either might be the
+    // furthest.
     let x = f32x8::new([1.0, DIAGONAL, 0.0, -DIAGONAL, -1.0, -DIAGONAL, 0.0, DIAGONAL]);
     let y = f32x8::new([0.0, DIAGONAL, 1.0, DIAGONAL, 0.0, -DIAGONAL, -1.0, -DIAGONAL]);
     let (s, c) = (f32x8::splat(0.224_951), f32x8::splat(0.974_370));
@@ -182,8 +184,8 @@ mod tests {
         testing::collider(Geometry::Mesh(Arc::new(TriangleMesh::new(vertices, triangles).unwrap())))
     }
 
-    /// A flat mesh is a plane, so what bears a capsule that lies on it is both ends of its side and nothing else,
-    /// whatever the triangles and however far around it contacts are looked for.
+    /// A flat mesh is a plane, so what bears a capsule that lies on it is both ends of its side and nothing
+    /// else, whatever the triangles and however far around it contacts are looked for.
     #[test]
     fn a_capsule_that_lies_on_uneven_triangles_bears_on_the_ends_of_its_side() {
         let mut random = Random(5);

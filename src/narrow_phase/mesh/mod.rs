@@ -1,20 +1,18 @@
 //! A convex shape against a triangle mesh or a height field.
 //!
-//! Triangles near the shape are gathered in eights and brought into its frame. In lanes, most are found to be
-//! apart by more than the margin. Each of the others yields a *patch*: a normal and the points nearer than the margin,
-//! real and potential ones in one go ([`mesh_box`](crate::narrow_phase::mesh::boxes), [`mesh_sphere`](crate::narrow_phase::mesh::sphere),
-//! [`mesh_capsule`](crate::narrow_phase::mesh::capsule), [`mesh_hull`](crate::narrow_phase::mesh::hull), [`mesh_cylinder`](crate::narrow_phase::mesh::cylinder)). A
-//! patch whose normal the surface doesn't have there, because its edge is flat or concave, takes the triangle's or goes
-//! ([`mesh_patch`](crate::narrow_phase::mesh::patch)). Patches of about the same normal become one manifold of at most four points
-//! ([`mesh_merge`](crate::narrow_phase::mesh::merge)).
+//! Triangles near the shape are gathered in eights and transformed into its frame. Tests in lanes find most
+//! of them further apart than the margin. Each of the others yields a *patch*: a normal and the points nearer
+//! than the margin, real and potential ones alike ([`boxes`], [`sphere`], [`capsule`], [`hull`],
+//! [`cylinder`]). If the surface does not have the patch's normal there, because its edge is flat or concave,
+//! the patch takes the triangle's normal or is dropped ([`patch`]). Patches with about the same normal become
+//! one manifold of at most four points ([`merge`]).
 //!
-//! A triangle has two sides; the one on which the body's centre of mass is counts as outside, so that a shape that is
-//! stuck halfway is pushed back to where its centre is ([`side_of`]).
+//! A triangle has two sides. The one with the body's centre of mass counts as outside, so that a shape that
+//! is stuck halfway is pushed back to where its centre is ([`side_of`]).
 
 pub(crate) mod boxes;
 pub(crate) mod capsule;
 pub(crate) mod cylinder;
-pub(crate) mod found;
 pub(crate) mod hull;
 pub(crate) mod hull_face;
 pub(crate) mod hull_triangle;
@@ -24,6 +22,7 @@ pub(crate) mod patch;
 pub(crate) mod reach;
 pub(crate) mod sphere;
 pub(crate) mod touched;
+pub(crate) mod triangle_contact;
 
 use super::{RawManifold, RawPoint, Relative};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
@@ -35,19 +34,19 @@ use crate::narrow_phase::convex::round_polytope::Core;
 use crate::narrow_phase::convex::support::Support;
 use crate::shape::{Collider, Geometry};
 use glam::Vec3;
-use merge::{MOST, Merge};
-use nearby::{Eight, Ground, Nearby};
+use merge::{MAX_MANIFOLDS, Merge};
+use nearby::{Eight, Extent, Ground, Nearby};
 use patch::{Patches, Touch};
-use reach::{Near, Reach, along, around, bounds, side_of};
+use reach::{Bounds, Near, Reach, along, around, bounds, side_of};
 use touched::Touched;
 
-/// Feature of a triangle's key: the deepest point of the shape, wherever that is.
+/// Feature in a triangle's key: the deepest point of the shape, wherever it is.
 const DEEPEST: u32 = 0x7f;
 
 /// Eight triangles in the shape's frame.
 pub(super) struct Triangles {
     pub(super) corners: [LaneVec3<f32x8>; 3],
-    /// Unit, to the side on which the shape belongs.
+    /// Unit normal, to the side on which the shape belongs.
     pub(super) front: LaneVec3<f32x8>,
     /// Height of the shape's origin over the plane [m].
     pub(super) height: f32x8,
@@ -59,11 +58,11 @@ pub(super) struct Triangles {
 }
 
 impl Triangles {
-    /// `side`: of the shape, the point whose side it belongs on.
+    /// `side`: the point of the shape that tells on which side it belongs.
     #[inline(always)]
     pub(super) fn new(eight: &Eight, lanes: u32, pose: &Pose, side: Vec3) -> Triangles {
         let m = &pose.axes;
-        // Written out: arrays that are mapped or iterated over by value are not kept in registers.
+        // Written out: arrays that are mapped or iterated over by value do not stay in registers.
         let (x_axis, y_axis, z_axis) =
             (LaneVec3::<f32x8>::splat(m.x_axis), LaneVec3::splat(m.y_axis), LaneVec3::splat(m.z_axis));
         let position = LaneVec3::splat(pose.position);
@@ -102,10 +101,10 @@ impl Triangles {
         }
     }
 
-    /// How far a box is apart from each: along the triangles' normals, and the most along
-    /// the box's own axes, with the axis: 0, 1, 2 towards +x, +y, +z, then 3, 4, 5 towards -x, -y, -z.
+    /// Separations of a box from each triangle: along the triangles' normals, and the largest along the box's
+    /// own axes, with the axis: 0, 1, 2 towards +x, +y, +z, then 3, 4, 5 towards -x, -y, -z.
     ///
-    /// An axis on which the box would leave to the back of a triangle it overlaps doesn't count.
+    /// An axis that would push the box out through the back of a triangle it overlaps does not count.
     #[inline(always)]
     pub(super) fn separate(&self, centre: Vec3, half: Vec3) -> (f32x8, f32x8, f32x8) {
         let [a, b, c] = self.corners;
@@ -140,7 +139,7 @@ pub(crate) struct MeshScratch {
     merge: Merge,
     /// What its buffers may still grow by.
     pub(crate) room: Room,
-    /// How often they could not: triangles, or manifolds' points, that were left out.
+    /// How much was left out because they could not: triangles, or points of manifolds.
     pub(crate) shed: u32,
 }
 
@@ -162,23 +161,25 @@ impl std::fmt::Debug for MeshScratch {
 }
 
 impl MeshScratch {
-    /// What of the ground the last shape, which was `a`, is within a distance of [m]; not all of it, if that is much.
-    /// `way`: of the shape in its own frame, of which no more than `margin` may lead into a plane [m].
-    pub(crate) fn touched(&self, a: &Collider, within: f32, (way, margin): (Vec3, f32)) -> Touched {
+    /// The parts of the ground that the last shape, which was `a`, is within a distance of [m]; not all of
+    /// them, if they are many. `path`: displacement of the shape in its own frame; only planes into which it
+    /// leads by no more than `margin` are added [m].
+    pub(crate) fn touched(&self, a: &Collider, within: f32, path: Vec3, margin: f32) -> Touched {
         let Patches { touches, patches, .. } = &self.patches;
         let mut touched = Touched::of(a);
         for patch in patches.iter().filter(|p| p.least <= within) {
             let touch = &touches[patch.touch as usize];
             touched.add_triangle(touch.index);
             if patch.reach.is_some() {
-                touched.add_plane(touch.front, touch.front.dot(touch.corners[0]), way, margin);
+                touched.add_plane(touch.front, touch.front.dot(touch.corners[0]), path, margin);
             }
         }
         touched
     }
 
-    /// A triangle that the last shape, which was `a`, pierces although no manifold says so, because the way out past its edge is
-    /// shorter and leads behind a neighbour: how far the shape is beyond its plane, and the normal into it.
+    /// A triangle that the last shape, which was `a`, pierces although no manifold says so, because the way
+    /// out past its edge is shorter and leads behind a neighbour. Returns how far the shape is beyond its
+    /// plane, and the normal into it.
     pub(crate) fn pierced(&self, a: &Collider) -> Option<(f32, Vec3)> {
         let (touch, apart) = self.patches.passed_over()?;
         let here = Relative { position: Vec3::ZERO, rotation: glam::Quat::IDENTITY };
@@ -186,15 +187,15 @@ impl MeshScratch {
         (gap.overlap || gap.distance < 0.0).then_some((-apart, -touch.front))
     }
 
-    /// Where triangles are gathered, if there is room.
+    /// The buffer for triangles, if there is memory.
     pub(crate) fn nearby(&mut self) -> Option<&mut Nearby> {
         self.nearby.has_place(&mut self.room).then_some(&mut self.nearby)
     }
 
-    /// Calls `f` with each buffer and the place that looks with no room to grow need: for the triangles that are held, and for
-    /// what so many of them yield.
+    /// Calls `f` with each buffer and the capacity that it needs if it may not grow: for the triangles that
+    /// are gathered, and for what so many triangles yield.
     pub(crate) fn each_ready(&mut self, triangles: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        // The next eight triangles must find place for all that they might yield; most yield four.
+        // There must be capacity for all that the next eight triangles may yield; most yield four points.
         let points = 4 * triangles + 8 * CLOUD;
         f(self.nearby.buffer(), crate::narrow_phase::mesh::nearby::CHUNK);
         f(&mut self.patches.touches, triangles);
@@ -204,7 +205,7 @@ impl MeshScratch {
         f(&mut self.merge.place, triangles);
     }
 
-    /// Bytes of the triangles that a look holds.
+    /// Bytes of the triangles that are gathered for a pair.
     pub(crate) fn least(&mut self) -> usize {
         self.nearby.buffer().missing(crate::narrow_phase::mesh::nearby::CHUNK)
     }
@@ -216,9 +217,9 @@ impl MeshScratch {
     }
 }
 
-/// All points of a convex shape and a mesh or height field that are nearer than the margin, as up to
-/// [`MOST`](crate::narrow_phase::mesh::merge::MOST) manifolds in the shape's frame, added to `out`; the deepest first. Says whether anything was
-/// near enough to be looked at.
+/// Finds all points of a convex shape and a mesh or height field that are nearer than the margin. Adds them
+/// to `out` as up to [`MAX_MANIFOLDS`] manifolds in the shape's frame, the deepest first. Returns whether any
+/// triangle was near enough to be examined.
 pub(crate) fn collide_mesh(
     a: &Collider,
     b: &Collider,
@@ -228,79 +229,120 @@ pub(crate) fn collide_mesh(
     out: &mut Vec<RawManifold>,
 ) -> bool {
     let Some(ground) = Ground::of(b) else { return false };
-    let Some((middle, half)) = bounds(a) else { return false };
-    let (pose, side) = (Pose::new(rel.position, rel.rotation), side_of(a));
+    let Some(shape) = Shape::of(a, Pose::new(rel.position, rel.rotation)) else { return false };
     let MeshScratch { nearby, patches, merge, room, shed } = scratch;
     if !nearby.has_place(room) {
         *shed += 1;
         return false;
     }
     patches.clear();
-    let (each, core) = (points_each(a), Core::of(a));
-    let Reach { margin, within, way } = reach;
+    let each = points_each(a);
+    let Reach { margin, within, path } = reach;
     let mut near = Near::default();
-    let mut extent = along(&pose, around(&pose, (middle, half + Vec3::splat(margin))), way);
+    let mut extent = along(&shape.pose, shape.extent(margin), path);
     if within < margin {
-        let close = around(&pose, (middle, half + Vec3::splat(within.max(0.0))));
+        let close = shape.extent(within.max(0.0));
         nearby.gather(&ground, close, &mut |found| {
             for (eight, lanes) in found.each() {
-                let triangles = Triangles::new(eight, lanes, &pose, side);
-                near.add(&triangles, a, (middle, half), within);
+                near.add(&shape.triangles(eight, lanes), a, shape.bounds, within);
             }
         });
         if near.count == 0 {
             return false;
         }
-        extent = near.extent(&pose, close, margin).unwrap_or(extent);
+        extent = near.extent(&shape.pose, close, margin).unwrap_or(extent);
     }
     nearby.gather(&ground, extent, &mut |found| {
         for (eight, lanes) in found.each() {
-            // Whatever these triangles yield must find place: the functions below don't ask.
+            // There must be capacity for all that these triangles may yield: the functions below don't check
+            // it.
             if !room.is_endless() && !patches.has_place(8, each, room) {
                 *shed += 1;
                 return;
             }
-            let triangles = Triangles::new(eight, lanes, &pose, side);
+            let triangles = shape.triangles(eight, lanes);
             let margins = near.margins(&triangles, reach);
-            match (&a.geometry, &core) {
-                (Geometry::Sphere { radius }, _) => {
-                    sphere::touch(*radius, &triangles, margins, &ground, patches);
-                }
-                (Geometry::Box { half_extents }, _) => {
-                    boxes::touch(*half_extents, &triangles, margins, &ground, patches);
-                }
-                (Geometry::Hull(hull), _) => {
-                    hull::touch((hull, a.radius), (middle, half), &triangles, margins, &ground, patches);
-                }
-                (_, Some(core)) => {
-                    capsule::touch((core, half, a.radius), &triangles, margins, &ground, patches);
-                }
-                _ => cylinder::touch(a, (middle, half), &triangles, margins, &ground, patches),
-            }
+            shape.touch(&triangles, margins, &ground, patches);
         }
     });
-    if let Geometry::Sphere { radius } = a.geometry {
-        sphere::finish(radius, patches);
-    }
-    if let (Some(touch), Some(shape)) = (patches.spare(), Support::of(a)) {
-        let front = touch.front.as_dvec3();
-        let deepest = (shape.support(-front) - front * shape.radius).as_vec3();
-        let separation = touch.front.dot(deepest - touch.corners[0]);
-        let position = deepest - touch.front * (0.5 * separation);
-        patches.points.push(RawPoint { position, separation, key: boxes::key(touch.index, DEEPEST) });
-        patches.add(touch, -touch.front, Some(separation), patches.points.len() - 1);
-    }
-    patches.drop_backs(side);
-    patches.drop_hidden(a.radius);
+    shape.finish(patches);
     if !room.is_endless() {
-        let place = out.len() + MOST;
+        let place = out.len() + MAX_MANIFOLDS;
         if !merge.has_place(patches, room) || room.fit(out, place) < place {
             *shed += 1;
             return true;
         }
     }
-    merge.manifolds(patches, &pose, a.radius, out);
+    merge.manifolds(patches, &shape.pose, a.radius, out);
     true
+}
+
+/// A convex shape, prepared for tests against triangles.
+struct Shape<'a> {
+    collider: &'a Collider,
+    bounds: Bounds,
+    /// The point that tells on which side of a triangle the shape belongs.
+    side: Vec3,
+    core: Option<Core>,
+    /// Pose of the mesh in the shape's frame.
+    pose: Pose,
+}
+
+impl<'a> Shape<'a> {
+    #[inline(always)]
+    fn of(collider: &'a Collider, pose: Pose) -> Option<Shape<'a>> {
+        let bounds = bounds(collider)?;
+        Some(Shape { collider, bounds, side: side_of(collider), core: Core::of(collider), pose })
+    }
+
+    /// The box, in the mesh's frame, around all points nearer to the shape than a margin.
+    #[inline(always)]
+    fn extent(&self, margin: f32) -> Extent {
+        around(&self.pose, self.bounds.grown(margin))
+    }
+
+    #[inline(always)]
+    fn triangles(&self, eight: &Eight, lanes: u32) -> Triangles {
+        Triangles::new(eight, lanes, &self.pose, self.side)
+    }
+
+    /// Adds a patch for every triangle that is nearer than its margin.
+    #[inline(always)]
+    fn touch(&self, triangles: &Triangles, margins: f32x8, ground: &Ground, patches: &mut Patches) {
+        let a = self.collider;
+        match (&a.geometry, &self.core) {
+            (Geometry::Sphere { radius }, _) => sphere::touch(*radius, triangles, margins, ground, patches),
+            (Geometry::Box { half_extents }, _) => {
+                boxes::touch(*half_extents, triangles, margins, ground, patches);
+            }
+            (Geometry::Hull(hull), _) => {
+                hull::touch(hull, a.radius, self.bounds, triangles, margins, ground, patches);
+            }
+            (_, Some(core)) => {
+                capsule::touch(core, self.bounds.half, a.radius, triangles, margins, ground, patches)
+            }
+            _ => cylinder::touch(a, self.bounds, triangles, margins, ground, patches),
+        }
+    }
+
+    /// Completes the patches, and drops those that the surface does not have.
+    #[inline(always)]
+    fn finish(&self, patches: &mut Patches) {
+        let a = self.collider;
+        if let Geometry::Sphere { radius } = a.geometry {
+            sphere::finish(radius, patches);
+        }
+        if let (Some(touch), Some(shape)) = (patches.spare(), Support::of(a)) {
+            let front = touch.front.as_dvec3();
+            let deepest = (shape.support(-front) - front * shape.radius).as_vec3();
+            let separation = touch.front.dot(deepest - touch.corners[0]);
+            let position = deepest - touch.front * (0.5 * separation);
+            patches.points.push(RawPoint { position, separation, key: boxes::key(touch.index, DEEPEST) });
+            patches.add(touch, -touch.front, Some(separation), patches.points.len() - 1);
+        }
+        patches.drop_backs(self.side);
+        patches.drop_hidden(a.radius);
+    }
 }
 
 /// The most points that a triangle yields.

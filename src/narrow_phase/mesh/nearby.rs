@@ -1,8 +1,8 @@
-//! The triangles near a pair of shapes, brought together once for all that is asked of them within a step.
+//! The triangles near a pair of shapes, gathered once for all that a step needs them for.
 //!
-//! A body that slides along a mesh has its contacts looked for where it is, then its path, and where it hits something
-//! all that again: mostly among the same few triangles. To walk the tree and to bring corners together costs more than
-//! most of these questions.
+//! For a body that slides along a mesh, a step finds the contacts where it is, then casts it along its path,
+//! and where it hits something does both again: mostly among the same few triangles. Walking the tree and
+//! gathering corners costs more than most of these tests.
 
 use crate::memory::{Buffer, Room, bytes_of};
 use crate::shape::{Collider, Corners, Edges, Geometry, HeightField, TriangleMesh};
@@ -11,7 +11,7 @@ use glam::Vec3;
 /// The low and the high corner of a box in the mesh's frame.
 pub(crate) type Extent = (Vec3, Vec3);
 
-/// What is collided with.
+/// A mesh or a height field.
 #[derive(Clone, Copy)]
 pub(crate) enum Ground<'a> {
     Mesh(&'a TriangleMesh),
@@ -49,7 +49,7 @@ pub(crate) struct Eight {
 }
 
 impl Eight {
-    /// Adds a triangle; the caller sees to it that there is room.
+    /// Adds a triangle; the caller ensures that there is space.
     #[inline(always)]
     pub(crate) fn push(&mut self, index: u32, corners: [Vec3; 3]) {
         let lane = self.count % 8;
@@ -68,13 +68,13 @@ impl Eight {
     pub(crate) fn is_full(&self) -> bool {
         self.count == 8
     }
-    /// A bit for each triangle.
+    /// One bit for each triangle.
     pub(crate) fn lanes(&self) -> u32 {
         (1u32 << self.count) - 1
     }
 }
 
-/// So many times eight triangles are held. Where there are more, each question walks the tree.
+/// How many groups of eight triangles are kept. If there are more, each request walks the tree.
 pub(crate) const CHUNK: usize = 16;
 
 /// See the module.
@@ -82,16 +82,16 @@ pub(crate) const CHUNK: usize = 16;
 pub(crate) struct Nearby {
     eights: Vec<Eight>,
     used: usize,
-    /// All triangles that meet this are held.
+    /// The box whose triangles are all kept.
     held: Option<Extent>,
-    /// What else will be asked for.
+    /// The box that later requests will lie in.
     expected: Option<Extent>,
 }
 
-/// What was asked for, or a part of it.
-pub(crate) struct Found<'a> {
+/// The triangles of a request, or a part of them.
+pub(crate) struct Gathered<'a> {
     eights: &'a [Eight],
-    /// There are triangles which do not meet this, that was asked for.
+    /// Set if some of the triangles do not meet this box, which was requested.
     within: Option<Extent>,
 }
 
@@ -104,17 +104,17 @@ impl Nearby {
         bytes_of(&self.eights)
     }
 
-    /// Another pair comes.
+    /// Forgets all, for another pair.
     pub(crate) fn forget(&mut self) {
         (self.held, self.expected) = (None, None);
     }
 
-    /// Says what will be asked for, if that is known.
+    /// Announces the box that later requests will lie in, if it is known.
     pub(crate) fn expect(&mut self, extent: Option<Extent>) {
         self.expected = extent;
     }
 
-    /// Whether there is place for what is gathered.
+    /// Whether there is memory for the triangles.
     pub(crate) fn has_place(&mut self, room: &mut Room) -> bool {
         if room.fit(&mut self.eights, CHUNK) < CHUNK {
             return false;
@@ -123,24 +123,24 @@ impl Nearby {
         true
     }
 
-    /// Calls `look` with the triangles that meet a box, in one go or, if they are many, in several. There has to be
-    /// [place](Self::has_place).
-    pub(crate) fn gather(&mut self, ground: &Ground, asked: Extent, look: &mut dyn FnMut(Found<'_>)) {
-        let inside = |(min, max): Extent| min.cmple(asked.0).all() && max.cmpge(asked.1).all();
+    /// Calls `look` with the triangles that meet a box, at once or, if they are many, in several calls. There
+    /// has to be [memory](Self::has_place).
+    pub(crate) fn gather(&mut self, ground: &Ground, wanted: Extent, look: &mut dyn FnMut(Gathered<'_>)) {
+        let inside = |(min, max): Extent| min.cmple(wanted.0).all() && max.cmpge(wanted.1).all();
         if let Some(held) = self.held.filter(|held| inside(*held)) {
-            let within = (held != asked).then_some(asked);
-            look(Found { eights: &self.eights[..self.used], within });
+            let within = (held != wanted).then_some(wanted);
+            look(Gathered { eights: &self.eights[..self.used], within });
             return;
         }
-        let all = self.expected.map_or(asked, |(min, max)| (min.min(asked.0), max.max(asked.1)));
-        let within = (all != asked).then_some(asked);
+        let all = self.expected.map_or(wanted, |(min, max)| (min.min(wanted.0), max.max(wanted.1)));
+        let within = (all != wanted).then_some(wanted);
         let Nearby { eights, used, .. } = self;
         *used = 0;
         let mut complete = true;
         ground.visit_box(all.0, all.1, &mut |index, corners| {
             if *used == 0 || eights[*used - 1].is_full() {
                 if *used == eights.len() {
-                    look(Found { eights, within });
+                    look(Gathered { eights, within });
                     (*used, complete) = (0, false);
                 }
                 eights[*used].clear();
@@ -150,13 +150,13 @@ impl Nearby {
                 eight.push(index, corners);
             }
         });
-        look(Found { eights: &eights[..*used], within });
+        look(Gathered { eights: &eights[..*used], within });
         self.held = complete.then_some(all);
     }
 }
 
-impl Found<'_> {
-    /// Eights, with a bit for each triangle that was asked for.
+impl Gathered<'_> {
+    /// Groups of eight, with one bit for each triangle that was requested.
     pub(crate) fn each(&self) -> impl Iterator<Item = (&Eight, u32)> {
         self.eights.iter().filter_map(|eight| {
             let lanes =

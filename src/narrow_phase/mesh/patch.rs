@@ -1,21 +1,21 @@
 //! Contact patches of single triangles, and which of them the surface as a whole does not have.
 //!
-//! A triangle alone has sharp edges all around. In a mesh most of them are flat or lie in a valley, and a normal that
-//! comes from such an edge is a ghost that bodies trip over. Five rules take ghosts out:
+//! A single triangle has sharp edges all around. In a mesh most of them are flat or lie in a valley, and a
+//! normal that comes from such an edge is a ghost that bodies trip over. Five rules remove ghosts:
 //!
-//! 1. A normal at an edge that is concave, as seen from the shape's side: the face beyond that edge is in front of it
-//!    and is what is really touched. The patch goes.
-//! 2. A normal at an edge that is flat: the patch takes the face's normal, and of its points those that lie over the
-//!    triangle. If they are far deeper below the face than the shape is past the edge, it does not come from above
-//!    the face at all, and the patch goes.
-//! 3. A normal at an edge that is flat, while the shape is over neither face there: it counts, with the face's normal,
-//!    for a shape that lies in the gap between the normals of two faces. Where it leans over a neighbour there is no
-//!    gap, the neighbour is what is touched, and the patch goes.
-//! 4. A triangle wholly behind the plane of another face that is touched, which the shape would not reach any more
-//!    once it were lifted out of that face: the sides of a step under a box that stands on it.
-//! 5. A triangle that is overlapped and seen from behind, because it lies on the far slope of a hill that the shape has
-//!    sunk into: it would push the shape further in. The triangle nearest to the shape's centre tells which side of
-//!    the surface that is on.
+//! 1. A normal at a concave edge, as seen from the shape's side: the face beyond the edge is in front of it
+//!    and is what is really touched. The patch is dropped.
+//! 2. A normal at a flat edge: the patch takes the face's normal, and keeps only points over the triangle. If
+//!    they are far deeper below the face than the shape is past the edge, the shape does not come from above
+//!    the face, and the patch is dropped.
+//! 3. A normal at a flat edge, while the shape is over neither face there: the patch counts, with the face's
+//!    normal, if the shape lies in the gap between the normals of the two faces. If it leans over a neighbour
+//!    there is no gap, the neighbour is what is touched, and the patch is dropped.
+//! 4. A triangle wholly behind the plane of another touched face, which the shape would no longer reach once
+//!    it were lifted out of that face: the sides of a step under a box that stands on it.
+//! 5. A triangle that is overlapped and seen from behind, because it lies on the far slope of a hill that the
+//!    shape has sunk into: it would push the shape further in. The triangle nearest to the shape's centre
+//!    tells which side of the surface that is on.
 
 use super::RawPoint;
 use crate::memory::{Room, bytes_of};
@@ -23,22 +23,23 @@ use crate::narrow_phase::convex::simplex::from_triangle;
 use crate::shape::{Edges, FLAT_COSINE, Fold};
 use glam::Vec3;
 
-/// Cosine of twice the angle of a flat edge: a normal nearer than this to a face may be one in the gap between it and
-/// its neighbour. There the shape may well reach far below the face elsewhere, on the far side of a hill.
+/// Cosine of twice the angle of a flat edge: a normal nearer than this to a face may be one in the gap
+/// between it and its neighbour. There the shape may well reach far below the face elsewhere, on the far side
+/// of a hill.
 pub(crate) const GAP: f32 = 0.984_807_8;
 
-/// Sine of a lean that is none: what rounding makes of a shape that is right over an edge.
+/// Sine up to which a lean counts as none: rounding, for a shape right over an edge.
 const LEAN: f32 = 1e-3;
 
 /// A triangle that may be touched, in the shape's frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Touch {
     pub(crate) corners: [Vec3; 3],
-    /// Unit, to the side on which the shape's centre is.
+    /// Unit normal, to the side on which the shape's centre is.
     pub(crate) front: Vec3,
-    /// Whether it winds clockwise seen from there.
+    /// Whether the triangle winds clockwise, seen from there.
     pub(crate) behind: bool,
-    /// As seen from there.
+    /// The edges, as seen from there.
     pub(crate) edges: Edges,
     pub(crate) index: u32,
 }
@@ -50,8 +51,8 @@ impl Touch {
         if self.behind { self.front.cross(along) } else { along.cross(self.front) }
     }
 
-    /// The edge that a normal of contact leans over most, of those that meet in the feature that is furthest against
-    /// it; `None` where that is the whole face. `tolerance` [m]: corners this close are equally far.
+    /// The edge that a normal of contact leans over most, of those that meet in the feature that is furthest
+    /// against it; `None` where that is the whole face. `tolerance` [m]: corners this close are equally far.
     pub(crate) fn feature(&self, normal: Vec3, tolerance: f32) -> Option<usize> {
         let along = self.corners.map(|c| c.dot(normal));
         let least = along[0].min(along[1]).min(along[2]) + tolerance;
@@ -74,14 +75,14 @@ impl Touch {
         }
     }
 
-    /// A point of the edge or the corner from which a unit way leads that leans out over it: the middle of the edge, for
-    /// its ends have other neighbours. `None` if it does not lean.
-    fn edge_under(&self, way: Vec3) -> Option<Vec3> {
+    /// A point of the edge or the corner from which a unit direction leads that leans out over it: the middle
+    /// of the edge, because its ends have other neighbours. `None` if it does not lean.
+    fn edge_under(&self, direction: Vec3) -> Option<Vec3> {
         let lean = [0, 1, 2].map(|i| {
             let out = self.outward(i);
-            out.dot(way) / out.length()
+            out.dot(direction) / out.length()
         });
-        let aside = (way - self.front * self.front.dot(way)).length();
+        let aside = (direction - self.front * self.front.dot(direction)).length();
         if aside < LEAN {
             return None;
         }
@@ -91,20 +92,20 @@ impl Touch {
         // Straight over an edge, or over one of its ends.
         Some(if lean[most] > 0.999 * aside {
             (from + to) * 0.5
-        } else if way.dot(to - from) > 0.0 {
+        } else if direction.dot(to - from) > 0.0 {
             to
         } else {
             from
         })
     }
 
-    /// How far a point is over the plane [m].
+    /// Height of a point over the plane [m].
     fn height(&self, point: Vec3) -> f32 {
         self.front.dot(point - self.corners[0])
     }
 
-    /// Whether a point is not over the triangle but beyond an edge where the surface goes on, level or towards the point's
-    /// side: there it may come to lie between the two.
+    /// Whether a point is not over the triangle but beyond an edge where the surface goes on, level or
+    /// towards the point's side: there it may come to lie between the two.
     fn goes_on_below(&self, point: Vec3) -> bool {
         (0..3).any(|i| {
             matches!(self.edges.fold(i), Fold::Flat | Fold::Valley)
@@ -112,16 +113,16 @@ impl Touch {
         })
     }
 
-    /// Whether the surface goes on over this triangle: the point `at` of another one's edge lies on it, and the
-    /// unit way from there to the shape leans over it.
-    pub(crate) fn continues(&self, at: Vec3, way: Vec3, tolerance: f32) -> bool {
-        if self.front.dot(way) <= 0.0 || self.front.dot(at - self.corners[0]).abs() > tolerance {
+    /// Whether the surface goes on over this triangle: the point `at` of another one's edge lies on it, and
+    /// the unit direction from there to the shape leans over it.
+    pub(crate) fn continues(&self, at: Vec3, direction: Vec3, tolerance: f32) -> bool {
+        if self.front.dot(direction) <= 0.0 || self.front.dot(at - self.corners[0]).abs() > tolerance {
             return false;
         }
         let mut leans = false;
         for i in 0..3 {
             let out = self.outward(i);
-            let (beyond, lean, length) = (out.dot(at - self.corners[i]), out.dot(way), out.length());
+            let (beyond, lean, length) = (out.dot(at - self.corners[i]), out.dot(direction), out.length());
             if beyond > tolerance * length {
                 return false;
             }
@@ -137,8 +138,8 @@ impl Touch {
 
     /// What becomes of a patch with this normal: see the module.
     ///
-    /// `apart` and `face_apart`: separation of all of the shape along this normal and the face's [m]. `size`: of the
-    /// shape [m].
+    /// `apart` and `face_apart`: separation of all of the shape along this normal and the face's [m]. `size`:
+    /// of the shape [m].
     pub(crate) fn judge(&self, normal: Vec3, apart: f32, face_apart: f32, size: f32) -> Verdict {
         if -normal.dot(self.front) > FLAT_COSINE {
             return Verdict::Face(f32::MIN);
@@ -148,7 +149,7 @@ impl Touch {
             Fold::Ridge | Fold::Open => Verdict::Keep,
             Fold::Valley => Verdict::Drop,
             Fold::Flat => {
-                // Four times as deep: a corner that pokes through a small triangle may do that.
+                // Four times as deep: a corner may poke through a small triangle.
                 let least = 4.0 * apart.min(0.0) - 0.02 * size;
                 let leans = -normal.dot(self.front) < GAP;
                 if leans && face_apart < least { Verdict::Drop } else { Verdict::Face(least) }
@@ -161,7 +162,7 @@ impl Touch {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Verdict {
     Keep,
-    /// Take the face's normal, unless a point is deeper than this then.
+    /// The patch takes the face's normal, unless a point is deeper than this then.
     Face(f32),
     Drop,
 }
@@ -176,11 +177,12 @@ pub(crate) struct Patch {
     pub(crate) count: u32,
     /// Least separation of its points [m].
     pub(crate) least: f32,
-    /// For a patch by the third rule: the unit way from the triangle to the shape where they are nearest.
+    /// For a patch by the third rule: the unit direction from the triangle to the shape where they are
+    /// nearest.
     pub(crate) gap: Option<Vec3>,
     /// For a face: how far the shape reaches beyond its plane, negative [m].
     pub(crate) reach: Option<f32>,
-    /// Which of the triangles.
+    /// Index of its triangle.
     pub(crate) touch: u32,
 }
 
@@ -200,8 +202,8 @@ pub(crate) struct Patches {
     pub(crate) touches: Vec<Touch>,
     pub(crate) patches: Vec<Patch>,
     pub(crate) points: Vec<RawPoint>,
-    /// Of the triangles that are overlapped and yet yielded no patch, the one whose plane is overlapped least, and by how
-    /// much [m].
+    /// The triangle whose plane is overlapped least, among those that are overlapped and yielded no patch,
+    /// and by how much [m].
     spare: Option<(Touch, f32)>,
 }
 
@@ -210,7 +212,7 @@ impl Patches {
         let parts = [bytes_of(&self.touches), bytes_of(&self.patches), bytes_of(&self.points)];
         parts.iter().fold((0, 0), |sum, part| (sum.0 + part.0, sum.1 + part.1))
     }
-    /// Makes place for what so many further triangles may yield; says whether there was room.
+    /// Reserves capacity for what so many further triangles may yield; returns whether there was memory.
     pub(crate) fn has_place(&mut self, triangles: usize, points: usize, room: &mut Room) -> bool {
         let (patches, points) = (self.patches.len() + triangles, self.points.len() + triangles * points);
         room.fit(&mut self.touches, patches) >= patches
@@ -224,20 +226,21 @@ impl Patches {
         self.spare = None;
     }
 
-    /// Notes a triangle that is overlapped while its patch goes.
+    /// Notes a triangle that is overlapped although its patch was dropped.
     pub(crate) fn pass_over(&mut self, touch: Touch, face_apart: f32) {
         if self.spare.is_none_or(|(_, other)| face_apart > other) {
             self.spare = Some((touch, face_apart));
         }
     }
 
-    /// A rod that is stuck halfway close to a flat edge is shallowest past that edge as either triangle sees it: both
-    /// patches go, and nothing is left that would push it out. Then one face does.
+    /// The noted triangle if no patch pushes the shape out. A rod that is stuck halfway close to a flat edge
+    /// is shallowest past that edge as either triangle sees it: both patches are dropped, and a face has to
+    /// push it out instead.
     pub(crate) fn spare(&self) -> Option<Touch> {
         self.spare.filter(|_| self.patches.is_empty()).map(|(touch, _)| touch)
     }
 
-    /// The triangle that is noted, and how far the shape reaches beyond its plane, negative [m].
+    /// The noted triangle, and how far the shape reaches beyond its plane, negative [m].
     pub(crate) fn passed_over(&self) -> Option<(Touch, f32)> {
         self.spare
     }
@@ -268,25 +271,25 @@ impl Patches {
         self.touches.push(touch);
     }
 
-    /// The same for a patch to which the third rule applies: `way` is unit, from the triangle to the shape where they
-    /// are nearest.
-    pub(crate) fn add_in_gap(&mut self, touch: Touch, reach: f32, first: usize, way: Vec3) {
+    /// [`Patches::add`] for a patch to which the third rule applies: `direction` is unit, from the triangle
+    /// to the shape where they are nearest.
+    pub(crate) fn add_in_gap(&mut self, touch: Touch, reach: f32, first: usize, direction: Vec3) {
         let before = self.patches.len();
         self.add(touch, -touch.front, Some(reach), first);
-        self.patches[before..].iter_mut().for_each(|p| p.gap = Some(way));
+        self.patches[before..].iter_mut().for_each(|p| p.gap = Some(direction));
     }
 
-    /// Whether the third rule takes a patch.
+    /// Whether the third rule drops a patch.
     fn is_no_gap(&self, patch: &Patch, size: f32) -> bool {
-        let Some(way) = patch.gap else { return false };
+        let Some(direction) = patch.gap else { return false };
         let own = &self.touches[patch.touch as usize];
-        let Some(at) = own.edge_under(way) else { return false };
-        // The second term is the rounding of coordinates.
+        let Some(at) = own.edge_under(direction) else { return false };
+        // The second term covers the rounding of coordinates.
         let tolerance = 1e-4 * size + 1e-6 * at.abs().max_element();
         self.touches.iter().enumerate().any(|(i, touch)| {
             i != patch.touch as usize
                 && touch.front.dot(own.front) >= FLAT_COSINE
-                && touch.continues(at, way, tolerance)
+                && touch.continues(at, direction, tolerance)
         })
     }
 
@@ -297,7 +300,8 @@ impl Patches {
         if sides != 0b11 {
             return;
         }
-        // At a ridge two are as near, and the centre may be behind one of them, by less than it is before the other.
+        // At a ridge two triangles are equally near, and the centre may be behind one of them, by less than
+        // it is in front of the other.
         let mut own: Option<(&Touch, [f32; 2])> = None;
         for touch in &self.touches {
             let (gap, height) = (from_triangle(centre, touch.corners).length() as f32, touch.height(centre));
@@ -319,7 +323,7 @@ impl Patches {
         });
     }
 
-    /// The third and the fourth rule. Also sorts the patches: the deepest first.
+    /// Applies the third and the fourth rule. Also sorts the patches, the deepest first.
     pub(crate) fn drop_hidden(&mut self, size: f32) {
         if self.patches.iter().any(|p| p.gap.is_some()) {
             let mut keep = 0;
@@ -344,7 +348,7 @@ impl Patches {
             let Some(reach) = p.reach.filter(|_| p.least < 1e-3 * size && count < FACES) else { continue };
             let front = self.touches[p.touch as usize].front;
             let offset = front.dot(self.touches[p.touch as usize].corners[0]);
-            // Lifted out of this face by what overlaps over the face itself, the shape still reaches this low.
+            // The lowest point that the shape still reaches once it is lifted out of this face.
             let low = (reach - p.least.min(0.0)).min(0.0) + 1e-4 * size;
             planes[count] = Plane { front, offset, low, patch: i, touch: p.touch };
             count += 1;

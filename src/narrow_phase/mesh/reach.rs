@@ -1,8 +1,8 @@
-//! How far around a shape a mesh matters to it.
+//! How far around a shape the triangles of a mesh matter.
 //!
-//! A box in the mesh's frame, around where the shape is and where it goes, says which triangles are gathered. If only what
-//! is near counts, few do: the near ones, and of those further away the ones level with them, whose points belong to
-//! the same manifold.
+//! A box in the mesh's frame, around where the shape is and where it goes, selects the triangles to gather.
+//! If only near contacts count, few triangles do: the near ones, and those further away that are level with a
+//! near one, because their points belong to the same manifold.
 
 use super::Triangles;
 use super::nearby::Extent;
@@ -13,28 +13,29 @@ use crate::narrow_phase::convex::polytope::Pose;
 use crate::shape::{Collider, Geometry};
 use glam::Vec3;
 
-/// What of a mesh counts as close to a shape.
+/// Which triangles of a mesh count as close to a shape.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reach {
-    /// How near [m].
+    /// Distance up to which points count [m].
     pub(crate) margin: f32,
-    /// Manifolds without a point nearer than this are of no use to the caller [m]; below zero: without one as deep. Of triangles
-    /// further away only those are looked at that are level with a nearer one.
+    /// The caller has no use for manifolds without a point nearer than this [m]; below zero: without one as
+    /// deep. Triangles further away are examined only if they are level with a nearer one.
     pub(crate) within: f32,
-    /// Where the shape goes, in its own frame [m]: a triangle may be further away by what that takes off its distance.
-    pub(crate) way: Vec3,
+    /// Displacement of the shape, in its own frame [m]: triangles may be further away by as much as it takes
+    /// off their distance.
+    pub(crate) path: Vec3,
 }
 
 impl Reach {
     pub(crate) fn new(margin: f32) -> Reach {
-        Reach { margin, within: margin, way: Vec3::ZERO }
+        Reach { margin, within: margin, path: Vec3::ZERO }
     }
     pub(crate) fn within(self, within: f32) -> Reach {
         Reach { within, ..self }
     }
 }
 
-/// Normals of the triangles that are near.
+/// Normals of near triangles, if they are few.
 #[derive(Default)]
 pub(crate) struct Near {
     fronts: [Vec3; 8],
@@ -47,18 +48,13 @@ const LEVEL: f32 = 0.998;
 const LEAN: f32 = 0.064;
 
 impl Near {
-    /// Adds those of eight triangles that may be nearer than `within` [m]: no plane of theirs, nor of the box around the
-    /// shape, shows that they are not. Below zero: whose planes the shape is beyond by as much, and which it may touch.
+    /// Adds those of eight triangles that may be nearer than `within` [m]: neither their planes nor those of
+    /// the box around the shape exclude it. Below zero: those whose planes the shape is beyond by as much,
+    /// and which it may touch.
     #[inline(always)]
-    pub(crate) fn add(
-        &mut self,
-        triangles: &Triangles,
-        a: &Collider,
-        (middle, half): (Vec3, Vec3),
-        within: f32,
-    ) {
+    pub(crate) fn add(&mut self, triangles: &Triangles, a: &Collider, bounds: Bounds, within: f32) {
         let limit = f32x8::splat(within);
-        let (_, axis, _) = triangles.separate(middle, half);
+        let (_, axis, _) = triangles.separate(bounds.middle, bounds.half);
         let down = -triangles.front;
         let face = triangles.height - reach(a, down);
         let beside = Lanes::max(limit, f32x8::zero());
@@ -75,8 +71,9 @@ impl Near {
         }
     }
 
-    /// The box of the mesh's frame around all that is level with a near triangle and below the shape by no more than a
-    /// margin, if near ones are few; `close`: the box around the shape.
+    /// The box, in the mesh's frame, around all that is level with a near triangle and below the shape by no
+    /// more than a margin; `None` if the near triangles have too many normals. `close`: the box around the
+    /// shape.
     pub(crate) fn extent(&self, pose: &Pose, close: Extent, margin: f32) -> Option<Extent> {
         let fronts = self.fronts.get(..self.count)?;
         let (mut min, mut max) = close;
@@ -91,10 +88,10 @@ impl Near {
 
     /// How near each of eight triangles has to be to count [m].
     #[inline(always)]
-    pub(crate) fn margins(&self, triangles: &Triangles, Reach { margin, within, way }: Reach) -> f32x8 {
+    pub(crate) fn margins(&self, triangles: &Triangles, Reach { margin, within, path }: Reach) -> f32x8 {
         let (all, near) = (f32x8::splat(margin), f32x8::splat(within));
         if self.count == 0 || self.count > self.fronts.len() {
-            return all + Lanes::max(-triangles.front.dot(LaneVec3::splat(way)), f32x8::zero());
+            return all + Lanes::max(-triangles.front.dot(LaneVec3::splat(path)), f32x8::zero());
         }
         let level = f32x8::splat(LEVEL);
         self.fronts[..self.count].iter().fold(near, |margins, front| {
@@ -103,35 +100,36 @@ impl Near {
     }
 }
 
-/// The box of the mesh's frame around a shape that goes `way` in its own [m], unless that is far: such a box would hold
-/// much that is nowhere near the path.
-pub(crate) fn extent_of(a: &Collider, rel: &Relative, margin: f32, way: Vec3) -> Option<Extent> {
-    let (middle, half) = bounds(a)?;
-    if way.length() > 2.0 * a.radius {
+/// The box, in the mesh's frame, around a shape that moves by `path` in its own [m]. `None` if that is far:
+/// the box would contain much that is nowhere near the path.
+pub(crate) fn extent_of(a: &Collider, rel: &Relative, margin: f32, path: Vec3) -> Option<Extent> {
+    let bounds = bounds(a)?;
+    if path.length() > 2.0 * a.radius {
         return None;
     }
     let pose = Pose::new(rel.position, rel.rotation);
-    Some(along(&pose, around(&pose, (middle, half + Vec3::splat(margin))), way))
+    Some(along(&pose, around(&pose, bounds.grown(margin)), path))
 }
 
-/// The box around a box of the mesh's frame that goes `way` in the shape's.
-pub(crate) fn along(pose: &Pose, (min, max): Extent, way: Vec3) -> Extent {
-    let way = pose.inverse().direction(way);
-    (min + way.min(Vec3::ZERO), max + way.max(Vec3::ZERO))
+/// A box of the mesh's frame, extended by a displacement in the shape's frame.
+pub(crate) fn along(pose: &Pose, (min, max): Extent, path: Vec3) -> Extent {
+    let path = pose.inverse().direction(path);
+    (min + path.min(Vec3::ZERO), max + path.max(Vec3::ZERO))
 }
 
-/// The box of the mesh's frame around one of the shape's.
-pub(crate) fn around(pose: &Pose, (middle, half): (Vec3, Vec3)) -> Extent {
+/// The box of the mesh's frame around a box of the shape's frame.
+pub(crate) fn around(pose: &Pose, Bounds { middle, half }: Bounds) -> Extent {
     let middle = pose.inverse().point(middle);
     let m = pose.axes;
     let half = Vec3::new(m.x_axis.abs().dot(half), m.y_axis.abs().dot(half), m.z_axis.abs().dot(half));
-    // A millionth of the coordinates is their rounding.
+    // A millionth of the coordinates covers their rounding.
     let half = half + Vec3::splat(1e-6 * middle.abs().max_element());
     (middle - half, middle + half)
 }
 
-/// The point of a shape that tells which side of a surface it belongs on: the body's centre of mass, which crosses nothing
-/// static ([`guard`](crate::finish)), if that is in this shape; the shape's own centre if not.
+/// The point of a shape that tells on which side of a surface it belongs: the body's centre of mass, which
+/// never crosses static geometry ([`guard`](crate::finish)), if this shape contains it; otherwise the shape's
+/// own centre.
 pub(crate) fn side_of(a: &Collider) -> Vec3 {
     let of_mass = -(a.rotation.conjugate() * a.position);
     if a.geometry.holds(of_mass) {
@@ -143,9 +141,28 @@ pub(crate) fn side_of(a: &Collider) -> Vec3 {
     }
 }
 
-/// Middle and half extents of the box around a shape in its own frame.
-pub(crate) fn bounds(a: &Collider) -> Option<(Vec3, Vec3)> {
-    let around = |half: Vec3| Some((Vec3::ZERO, half));
+/// The box around a shape, in its own frame [m].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bounds {
+    pub(crate) middle: Vec3,
+    /// Half extents.
+    pub(crate) half: Vec3,
+}
+
+impl Bounds {
+    /// The box around a ball at the origin.
+    pub(crate) fn of_ball(radius: f32) -> Bounds {
+        Bounds { middle: Vec3::ZERO, half: Vec3::splat(radius) }
+    }
+    #[inline(always)]
+    pub(crate) fn grown(self, margin: f32) -> Bounds {
+        Bounds { half: self.half + Vec3::splat(margin), ..self }
+    }
+}
+
+/// The box around a convex shape.
+pub(crate) fn bounds(a: &Collider) -> Option<Bounds> {
+    let around = |half: Vec3| Some(Bounds { middle: Vec3::ZERO, half });
     match &a.geometry {
         Geometry::Sphere { radius } => around(Vec3::splat(*radius)),
         Geometry::Capsule { half_height, radius_bottom, radius_top } => {
@@ -157,7 +174,9 @@ pub(crate) fn bounds(a: &Collider) -> Option<(Vec3, Vec3)> {
             around(Vec3::new(r, *half_height, r))
         }
         Geometry::Box { half_extents } => around(*half_extents),
-        Geometry::Hull(hull) => Some(((hull.min + hull.max) * 0.5, (hull.max - hull.min) * 0.5)),
+        Geometry::Hull(hull) => {
+            Some(Bounds { middle: (hull.min + hull.max) * 0.5, half: (hull.max - hull.min) * 0.5 })
+        }
         _ => None,
     }
 }

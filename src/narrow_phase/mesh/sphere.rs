@@ -11,8 +11,8 @@ use glam::Vec3;
 /// Key of a point with the face's normal on the border of the face, until [`finish`].
 const BORDER: u32 = u32::MAX;
 
-/// The point of each triangle that is nearest to `place`, and the feature it is on: 0 the face, 1 + i the edge i, 4 + i
-/// the corner i.
+/// The point of each triangle that is nearest to `place`, and the feature it is on: 0 the face, 1 + i the
+/// edge i, 4 + i the corner i.
 #[inline(always)]
 pub(crate) fn nearest(triangles: &Triangles, place: LaneVec3<f32x8>) -> (LaneVec3<f32x8>, f32x8) {
     let (zero, one) = (f32x8::zero(), f32x8::one());
@@ -68,7 +68,7 @@ pub(crate) fn touch(
         let Some((normal, face)) = normal else { continue };
         let separation = distance - radius;
         let first = patches.points.len();
-        // A sphere has one point; as it rolls from triangle to triangle it stays the same one.
+        // A sphere has one point, whose key stays the same as it rolls from triangle to triangle.
         let key = match (face, feature) {
             (true, 0) => 0,
             (true, _) => BORDER,
@@ -100,8 +100,9 @@ fn edge_normal(touch: &Touch, feature: u32, point: Vec3, distance: f32) -> Optio
     over.then_some((-touch.front, true))
 }
 
-/// Drops what is no nearest point of the surface: a point on an edge that belongs to another triangle too, which has
-/// a nearer one, or the same one over its face. Two points under a ball would be a lever.
+/// Drops points that are not nearest points of the surface: a point on an edge is dropped if another triangle
+/// with that edge has a nearer point, or the same one over its face. Two points under a ball would be a
+/// lever.
 pub(crate) fn finish(radius: f32, patches: &mut Patches) {
     let Patches { touches, patches, points, .. } = patches;
     let tolerance = 1e-5 * radius;
@@ -120,7 +121,7 @@ pub(crate) fn finish(radius: f32, patches: &mut Patches) {
                     before && other.normal.dot(patch.normal) >= FLAT_COSINE && shared(other)
                 })
         };
-        // It stays until all have been looked at: what is hidden hides others too.
+        // Points are dropped only after all were examined: a hidden point hides others too.
         patches[i].count = if hidden { 0 } else { patch.count };
     }
     patches.retain(|patch| patch.count > 0);

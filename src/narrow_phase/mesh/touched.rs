@@ -1,11 +1,12 @@
-//! What of a mesh or height field a shape rests on, which a cast has no need to look at.
+//! The parts of a mesh or height field that a shape rests on, which a cast can skip.
 
 use crate::lanes::{Lanes, Vec3 as LaneVec3, f32x8, ones};
 use crate::narrow_phase::convex::polytope::Pose;
 use crate::shape::{Collider, Kind};
 use glam::Vec3;
 
-/// Triangles and planes that a shape touches, in its frame. Each has a contact, so it is kept in front of them.
+/// Triangles and planes that a shape touches, in its frame. Each has a contact, which keeps the shape in
+/// front of it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Touched {
     triangles: [u32; 8],
@@ -13,8 +14,8 @@ pub(crate) struct Touched {
     /// Unit normal, and offset along it [m].
     planes: [(Vec3, f32); 4],
     plane_count: usize,
-    /// Whether a contact with a plane keeps all of the shape in front of it. It does so with a ball. A rod that lies with
-    /// its middle on a post may still turn, and strike the ground beside it.
+    /// Whether one contact keeps the whole shape in front of a plane. It does for a ball. A rod that lies on
+    /// a post with its middle may still turn, and strike the ground beside it.
     whole: bool,
 }
 
@@ -34,12 +35,12 @@ impl Default for Touched {
 const SAME: f32 = 0.999_99;
 
 impl Touched {
-    /// Nothing yet.
+    /// Empty.
     pub(crate) fn of(a: &Collider) -> Touched {
         Touched { whole: a.kind == Kind::Sphere, ..Touched::default() }
     }
 
-    /// Adds a triangle, if there is place.
+    /// Adds a triangle, if there is space.
     pub(crate) fn add_triangle(&mut self, index: u32) {
         if let Some(place) = self.triangles.get_mut(self.triangle_count) {
             *place = index;
@@ -47,13 +48,13 @@ impl Touched {
         }
     }
 
-    /// Adds the plane of a face, if there is place and it is not that of another.
+    /// Adds the plane of a face, if there is space and the plane is new.
     ///
-    /// What comes down on it by more than `margin` along its `way` may strike it with parts that are further above it
-    /// than those that have a contact: the other end of a rod that lands on one. Then the plane says nothing, unless one
-    /// contact is all that there can be.
-    pub(crate) fn add_plane(&mut self, front: Vec3, offset: f32, way: Vec3, margin: f32) {
-        if !self.whole && -way.dot(front) > margin {
+    /// If the shape moves towards the plane by more than `margin`, parts of it that are higher than those
+    /// with a contact may strike it: the other end of a rod that lands on one. Then the plane is not added,
+    /// unless a shape can have only one contact with it.
+    pub(crate) fn add_plane(&mut self, front: Vec3, offset: f32, path: Vec3, margin: f32) {
+        if !self.whole && -path.dot(front) > margin {
             return;
         }
         if self.planes[..self.plane_count].iter().any(|(other, _)| other.dot(front) > SAME) {
@@ -73,7 +74,7 @@ impl Touched {
         self.triangle_count == 0 && self.plane_count == 0
     }
 
-    /// The same in the frame that has this pose in the present one.
+    /// The same in a frame that has this pose in the present one.
     pub(crate) fn seen_from(&self, pose: &Pose) -> Touched {
         let mut seen = *self;
         for (front, offset) in &mut seen.planes[..self.plane_count] {
@@ -83,13 +84,13 @@ impl Touched {
         seen
     }
 
-    /// Of some of eight triangles, by a bit for each, those that are not among the touched ones.
+    /// Those of up to eight triangles, one bit each, that are not among the touched ones.
     pub(crate) fn without(&self, lanes: u32, index: &[u32; 8]) -> u32 {
         ones(lanes).filter(|&lane| !self.has(index[lane])).fold(0, |left, lane| left | 1 << lane)
     }
 
-    /// Which of eight triangles lie in one of the planes, or no more than `lip` beside it [m]: the contact there is one
-    /// with them too. If it keeps all of the shape in front of the plane, also those behind it.
+    /// Which of eight triangles lie in one of the planes, or within `lip` of it [m]: the contact with the
+    /// plane is one with them too. If it keeps the whole shape in front of the plane, also those behind it.
     #[inline(always)]
     pub(crate) fn hides(&self, corners: &[LaneVec3<f32x8>; 3], lip: f32) -> <f32x8 as Lanes>::Mask {
         let mut hidden = f32x8::one().lt(f32x8::zero());
@@ -112,7 +113,8 @@ mod tests {
     use crate::narrow_phase::mesh::Triangles;
     use crate::narrow_phase::mesh::nearby::Eight;
 
-    /// A floor at -1, a step of 0.2 mm and one of 2 mm on it, a wall that the way leads into, and a floor below.
+    /// A floor at -1, a step of 0.2 mm and one of 2 mm on it, a wall that the path leads into, and a floor
+    /// below.
     #[test]
     fn what_lies_in_a_touched_plane_is_hidden_and_from_a_ball_what_is_below() {
         let mut touched = Touched::default();
@@ -139,7 +141,7 @@ mod tests {
             touched.add_triangle(100 + i);
             let angle = 0.1 * i as f32;
             touched.add_plane(Vec3::new(libm::sinf(angle), libm::cosf(angle), 0.0), 0.0, Vec3::ZERO, 0.0);
-            // The same plane again takes no place.
+            // The same plane is not added twice.
             touched.add_plane(Vec3::Y, 0.0, Vec3::ZERO, 0.0);
         }
         assert!(touched.has(107) && !touched.has(108) && !touched.has(0));

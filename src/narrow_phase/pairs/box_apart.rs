@@ -1,5 +1,5 @@
-//! Boxes that are apart and meet neither face to face nor at crossing edges: the closest features then include
-//! a vertex, so the sixteen distances of a vertex from a box hold the answer.
+//! Boxes that are apart and meet neither face to face nor at crossing edges: the closest features then
+//! include a vertex, so the sixteen distances of a vertex from a box hold the answer.
 
 use super::box_box::Boxes;
 use super::lanes_io::{ManifoldLanes, direction};

@@ -2,12 +2,13 @@
 //!
 //! 1. The axis of greatest separation: three faces of each box, nine pairs of edges. Faces win over edges and
 //!    `a` over `b` unless the other is better by a bias, so that a stack keeps its reference face.
-//! 2. A face: the other box's face that looks at it is clipped to it, and four points are kept (`box_face.rs`).
+//! 2. A face: the other box's face that looks at it is clipped to it, and four points are kept
+//!    (`box_face.rs`).
 //! 3. An edge: one point, where the two edges pass.
-//! 4. Apart, the axis of greatest separation is a lower bound of the distance and every pair of points an upper
-//!    one. Where face or edge points meet the bound, they are right. Where they don't (edge or vertex regions),
-//!    the closest features include a vertex, and `box_apart.rs` finds them; a reference plane would stop there
-//!    what passes by.
+//! 4. Apart, the axis of greatest separation is a lower bound of the distance and every pair of points an
+//!    upper one. Where face or edge points meet the bound, they are right. Where they don't (edge or vertex
+//!    regions), the closest features include a vertex, and `box_apart.rs` finds them; a reference plane would
+//!    stop there what passes by.
 
 use super::box_apart::closest_vertex;
 use super::box_face::face_points;
@@ -20,8 +21,8 @@ const BIAS: f32 = 1e-3;
 const DEPTH_BIAS: f32 = 1e-2;
 /// Cosine of the angle (3.6 degrees) up to which faces that give the same depth are better than edges.
 const FLAT: f32 = 0.998;
-/// And how much further the face's lowest vertex may reach, beyond the edge where clipping drops it, as a share
-/// of the least half extent.
+/// And how much further the face's lowest vertex may reach, beyond the edge where clipping drops it, as a
+/// share of the least half extent.
 const FLAT_BIAS: f32 = 5e-2;
 
 /// Two boxes in the frame of the first.
@@ -70,7 +71,7 @@ pub(crate) fn box_box<L: Lanes>(p: &PairLanes<L>) -> ManifoldLanes<L> {
     let mut out = face_points(&boxes, &face, apart, p.margin);
     let [s0, s1, s2, s3] = out.separation;
     let deepest = s0.min(s1).min(s2.min(s3));
-    // Of nearly flat boxes the clipped face has the edges' depth already, and four points to rest on.
+    // The clipped face of nearly flat boxes has the edges' depth already, and four points to rest on.
     let flat = out.normal.dot(edge.normal).gt(L::splat(FLAT))
         & (deepest - edge.separation).abs().le(allowed(edge.separation))
         & (edge.separation - face.separation).lt(boxes.least * L::splat(FLAT_BIAS));
@@ -97,7 +98,7 @@ pub(crate) fn box_box<L: Lanes>(p: &PairLanes<L>) -> ManifoldLanes<L> {
 /// The reference face: a box and an axis of it.
 pub(crate) struct Face<L: Lanes> {
     pub(crate) separation: L,
-    /// Of all six, whichever was chosen.
+    /// Largest of all six, whichever axis was chosen.
     pub(crate) greatest: L,
     pub(crate) of_b: L::Mask,
     pub(crate) is_y: L::Mask,
@@ -145,8 +146,8 @@ struct Edge<L: Lanes> {
 
 #[inline(always)]
 fn best_edge<L: Lanes>(x: &Boxes<L>) -> Edge<L> {
-    // Rounding of a gap before it is divided by the sine: on a wide floor, edges that are almost parallel could
-    // otherwise claim a millimetre that is not there.
+    // Rounding of a gap before it is divided by the sine: on a wide floor, edges that are almost parallel
+    // could otherwise claim a millimetre that is not there.
     let p = Vec3::new(x.p[0], x.p[1], x.p[2]);
     let scale =
         p.abs().dot(Vec3::splat(glam::Vec3::ONE)) + x.a[0] + x.a[1] + x.a[2] + x.b[0] + x.b[1] + x.b[2];

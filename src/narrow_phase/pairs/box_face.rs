@@ -1,17 +1,17 @@
 //! A face of one box against the face of the other that looks at it.
 //!
-//! The other face is clipped to the side planes of the reference face, and of the up to eight corners four are
-//! kept: the furthest in each of four directions, diagonal to the slope of the one face against the other. Of
-//! a rectangle those are its four corners, whichever way the slope goes; tilted about an edge, both of the
-//! lower ones and both of the upper ones. The deepest is kept in any case. Every corner that clipping can bring
-//! is offered to every lane: twelve, most of them invalid.
+//! The other face is clipped to the side planes of the reference face, and of the up to eight corners four
+//! are kept: the furthest in each of four directions, diagonal to the slope of the one face against the
+//! other. Of a rectangle those are its four corners, whichever way the slope goes; tilted about an edge, both
+//! of the lower ones and both of the upper ones. The deepest is kept in any case. Every corner that clipping
+//! can bring is offered to every lane: twelve, most of them invalid.
 
 use super::box_box::{Boxes, Face};
 use super::lanes_io::{ManifoldLanes, pick};
 use crate::lanes::{Lanes, Vec3};
 
-/// Side planes lie this share of the least half extent further out. Boxes that are flush (walls, pyramids) then
-/// keep their vertices as features, whichever way rounding pushes them.
+/// Side planes lie this share of the least half extent further out. Boxes that are flush (walls, pyramids)
+/// then keep their vertices as features, whichever way rounding pushes them.
 const FLUSH: f32 = 1e-4;
 /// Added slope by which equal depths are told apart: of a flat contact always the same corners come first.
 const TIE: f32 = 5e-5;
@@ -35,8 +35,8 @@ impl<L: Lanes> Extreme<L> {
     }
 }
 
-/// Points of the contact at `face`, of which those that coincide or don't exist are infinitely far; in overlap at
-/// least one remains.
+/// Points of the contact at `face`, of which those that coincide or don't exist are infinitely far; in
+/// overlap at least one remains.
 #[inline(always)]
 pub(crate) fn face_points<L: Lanes>(
     x: &Boxes<L>,

@@ -1,9 +1,10 @@
 //! Capsule against box, in the frame of the box.
 //!
 //! The axis point nearest to the box is the root of a monotone function that is linear between the places
-//! where the axis crosses the planes of the faces: no search, no case per feature. It fixes the normal, exactly
-//! so at edges and vertices too. Where the axis itself runs through the box, the normal is that of the least
-//! separating-axis overlap instead. The ends of the stretch that faces the box then make up to two points.
+//! where the axis crosses the planes of the faces: no search, no case per feature. It fixes the normal,
+//! exactly so at edges and vertices too. Where the axis itself runs through the box, the normal is that of
+//! the least separating-axis overlap instead. The ends of the stretch that faces the box then make up to two
+//! points.
 
 use super::lanes_io::{ManifoldLanes, PairLanes, direction};
 use super::sphere_capsule::Axis;

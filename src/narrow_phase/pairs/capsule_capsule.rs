@@ -46,8 +46,8 @@ fn axes<L: Lanes>(p: &PairLanes<L>) -> (Axis<L>, Axis<L>) {
     (Axis::new(&p.size_a, Vec3::zero(), y, x), Axis::new(&p.size_b, p.position, m.y, m.x))
 }
 
-/// Places of the closest points of two axes (Ericson, *Real-Time Collision Detection*, 5.1.9, with centres and
-/// half lengths). Of parallel axes: at the upper end of their overlap.
+/// Places of the closest points of two axes (Ericson, *Real-Time Collision Detection*, 5.1.9, with centres
+/// and half lengths). Of parallel axes: at the upper end of their overlap.
 #[inline(always)]
 fn closest_on_segments<L: Lanes>(a: &Axis<L>, b: &Axis<L>) -> (L, L) {
     let w = b.centre - a.centre;
@@ -95,8 +95,8 @@ impl<L: Lanes> Nearest<L> {
 
 /// The balls at which side meets side; infinitely far where they don't.
 ///
-/// The normal n is known before the place: n.u = lean of a, n.v = -(lean of b), so n is a fixed combination of
-/// the axes u, v and u x v. The places follow from pb(t) - pa(s) = k n.
+/// The normal n is known before the place: n.u = lean of a, n.v = -(lean of b), so n is a fixed combination
+/// of the axes u, v and u x v. The places follow from pb(t) - pa(s) = k n.
 #[inline(always)]
 fn between_sides<L: Lanes>(a: &Axis<L>, b: &Axis<L>) -> Nearest<L> {
     let (u, v, w) = (a.along, b.along, b.centre - a.centre);
@@ -131,8 +131,8 @@ fn between_sides<L: Lanes>(a: &Axis<L>, b: &Axis<L>) -> Nearest<L> {
 /// Points of two capsules whose closest balls are at `s` and `t`.
 ///
 /// Along the tangent that both follow, the overlap of the axes has two ends. An end is a point if the balls
-/// there face each other nearly along the normal, so crossing capsules keep only the closest point. The closest
-/// point takes the place of an end it is near to, or else is a third.
+/// there face each other nearly along the normal, so crossing capsules keep only the closest point. The
+/// closest point takes the place of an end it is near to, or else is a third.
 #[inline(always)]
 fn manifold<L: Lanes>(
     a: &Axis<L>,

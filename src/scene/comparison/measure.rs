@@ -2,7 +2,7 @@
 
 use super::{Entrant, Scene};
 use crate::narrow_phase::{
-    Asked, BodyPath, Cast, GHOST_GAP, Motion, NONE, ask_mesh, cast_convex, cast_plane,
+    BodyPath, CastResult, GHOST_GAP, MeshCast, Motion, NONE, cast_convex, cast_mesh, cast_plane,
 };
 use crate::shape::Kind;
 use crate::step::MARGIN;
@@ -44,11 +44,11 @@ fn meet(world: &World, (a, path_a): (u32, &BodyPath), (b, path_b): (u32, &BodyPa
     match b.kind {
         Kind::Plane => cast_plane(a, b, &motion, near).is_some(),
         Kind::Mesh | Kind::HeightField => {
-            let asked = Asked { any: true, ..Asked::first(near, 0.0) };
-            let close = Asked { alone: near, ..asked };
+            let cast = MeshCast { any: true, ..MeshCast::first(near, 0.0) };
+            let close = MeshCast { alone: near, ..cast };
             let rel = motion.relative(0.0);
-            matches!(ask_mesh(a, b, &rel, &motion, asked, None), Cast::First(_))
-                || matches!(ask_mesh(a, b, &rel, &motion, close, None), Cast::Near)
+            matches!(cast_mesh(a, b, &rel, &motion, cast, None), CastResult::First(_))
+                || matches!(cast_mesh(a, b, &rel, &motion, close, None), CastResult::Near)
         }
         _ => cast_convex(a, b, &motion, near).is_some(),
     }

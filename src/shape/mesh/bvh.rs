@@ -6,8 +6,8 @@
 //! so a leaf is a first triangle and a count.
 
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x4};
-use crate::shape::slabs::Slabs;
-use crate::shape::stream::FourTree;
+use crate::shape::four_tree::{self, FourTree};
+use crate::shape::slabs::{boxes_meet, path_hits_boxes};
 use glam::Vec3;
 
 /// Most triangles of a leaf. Eight are tested in one go of `f32x8` lanes; with fewer the tree outweighs what
@@ -37,11 +37,10 @@ pub(crate) struct Node {
     pub(crate) child: [u32; 4],
 }
 
-/// Set in a child that is a leaf: then 28 bits of first triangle and 3 of count - 1 follow. Else: a node's
-/// index.
-pub(crate) const IS_LEAF: u32 = 1 << 31;
+/// Set in a child that is a leaf: then 28 bits of first triangle and 3 of count - 1 follow. Else: a node's index.
+pub(crate) const IS_LEAF: u32 = four_tree::LEAF;
 /// No child: a leaf that would end beyond the most triangles.
-pub(crate) const NO_CHILD: u32 = u32::MAX;
+pub(crate) const NO_CHILD: u32 = four_tree::NONE;
 /// Leaves can name as many triangles.
 pub(crate) const MAX_TRIANGLES: usize = 1 << 28;
 
@@ -176,7 +175,7 @@ impl MeshBvh {
         while waiting > 0 {
             waiting -= 1;
             let Some(node) = self.nodes.get(stack[waiting] as usize) else { continue };
-            let mut bits = meets(node.bounds(), around).bits();
+            let mut bits = boxes_meet(node.bounds(), around).bits();
             while bits != 0 {
                 let child = node.child[bits.trailing_zeros() as usize];
                 bits &= bits - 1;
@@ -209,93 +208,14 @@ impl MeshBvh {
     /// fraction `most`; nearer ones first, as far as boxes tell. `leaf` returns the new `most`.
     #[inline]
     pub(crate) fn visit_segment(&self, path: &Path, mut leaf: impl FnMut(u32, u32, f32) -> f32) {
-        let mut most = 1.0f32;
-        let mut stack = [(0u32, 0.0f32); STACK];
-        let mut waiting = 1;
-        while waiting > 0 {
-            waiting -= 1;
-            let (child, entry) = stack[waiting];
-            if entry > most {
-                continue;
-            }
-            if child & IS_LEAF != 0 {
-                most = leaf((child & !IS_LEAF) >> 3, (child & 7) + 1, most);
-                continue;
-            }
-            let Some(node) = self.nodes.get(child as usize) else { continue };
-            let (low, high) = node.bounds();
-            let (meets, entry) = path.meets::<f32x4>(low, high);
-            let mut bits = meets.bits();
-            let entry = entry.to_array();
-            let base = waiting;
-            while bits != 0 {
-                let i = bits.trailing_zeros() as usize;
-                bits &= bits - 1;
-                if entry[i] > most || waiting == STACK || node.child[i] == NO_CHILD {
-                    continue;
-                }
-                // The nearest on top.
-                let mut at = waiting;
-                while at > base && stack[at - 1].1 < entry[i] {
-                    stack[at] = stack[at - 1];
-                    at -= 1;
-                }
-                stack[at] = (node.child[i], entry[i]);
-                waiting += 1;
-            }
-        }
-    }
-
-    /// Calls `leaf(leaf, key, most)` for the leaves from a node on whose key is at most `most`, the smallest
-    /// first as far as boxes tell; it returns the new `most`. `key` gets the low and the high corners of four
-    /// boxes; [`triangles`] says what is in a leaf.
-    #[inline(always)]
-    pub(crate) fn visit_ordered(
-        &self,
-        start: u32,
-        key: impl Fn(&LaneVec3<f32x4>, &LaneVec3<f32x4>, f32) -> f32x4,
-        mut most: f32,
-        mut leaf: impl FnMut(u32, f32, f32) -> f32,
-    ) -> f32 {
-        let mut stack = [(0u32, 0.0f32); STACK];
-        let mut waiting = 0;
-        let (mut next, mut entry) = (start, 0.0);
-        loop {
-            if next & IS_LEAF != 0 {
-                most = leaf(next & !IS_LEAF, entry, most);
-            } else if let Some(node) = self.nodes.get(next as usize) {
-                let (low, high) = node.bounds();
-                let keys = key(&low, &high, most);
-                let mut bits = Lanes::le(keys, f32x4::splat(most)).bits();
-                let keys = keys.to_array();
-                let base = waiting;
-                while bits != 0 {
-                    let i = bits.trailing_zeros() as usize;
-                    bits &= bits - 1;
-                    if waiting == STACK || node.child[i] == NO_CHILD {
-                        continue;
-                    }
-                    // The nearest on top.
-                    let mut at = waiting;
-                    while at > base && stack[at - 1].1 < keys[i] {
-                        stack[at] = stack[at - 1];
-                        at -= 1;
-                    }
-                    stack[at] = (node.child[i], keys[i]);
-                    waiting += 1;
-                }
-            }
-            loop {
-                if waiting == 0 {
-                    return most;
-                }
-                waiting -= 1;
-                if stack[waiting].1 <= most {
-                    (next, entry) = stack[waiting];
-                    break;
-                }
-            }
-        }
+        let key = |low: &LaneVec3<f32x4>, high: &LaneVec3<f32x4>, _: f32| {
+            let (meets, entry) = path.meets::<f32x4>(*low, *high);
+            Lanes::select(meets, entry, f32x4::splat(f32::INFINITY))
+        };
+        self.visit_ordered(0, &key, 1.0, &mut |at, _, most| {
+            let (first, count) = triangles(at);
+            leaf(first, count, most)
+        });
     }
 }
 
@@ -315,29 +235,6 @@ impl FourTree for MeshBvh {
     fn child(&self, node: u32, lane: usize) -> u32 {
         self.nodes[node as usize].child[lane]
     }
-    fn alone(
-        &self,
-        node: u32,
-        slabs: &Slabs<f32x4>,
-        most: f32,
-        leaf: &mut impl FnMut(u32, f32, f32) -> f32,
-    ) -> f32 {
-        self.visit_ordered(node, |low, high, most| slabs.enter(low, high, most), most, leaf)
-    }
-}
-
-/// Which boxes meet others, each as its low and its high corner.
-#[inline(always)]
-pub(crate) fn meets<L: Lanes>(
-    (low, high): (LaneVec3<L>, LaneVec3<L>),
-    (min, max): (LaneVec3<L>, LaneVec3<L>),
-) -> L::Mask {
-    low.x.le(max.x)
-        & low.y.le(max.y)
-        & low.z.le(max.z)
-        & high.x.ge(min.x)
-        & high.y.ge(min.y)
-        & high.z.ge(min.z)
 }
 
 /// A straight path that a box of half extents `inflate` is swept along, prepared to be tested against many
@@ -369,22 +266,14 @@ impl Path {
 
     /// Which boxes the path meets, and where it enters them at the earliest, as a fraction.
     ///
-    /// Whether: by separating axes, three box normals and three cross products, without a division (Ericson,
-    /// *Real-Time Collision Detection*, 5.3.3). Where: by slabs, only for those that it meets.
+    /// Whether: by separating axes. Where: by slabs, only for those that it meets.
     #[inline(always)]
     pub(crate) fn meets<L: Lanes>(&self, low: LaneVec3<L>, high: LaneVec3<L>) -> (L::Mask, L) {
         let half = L::splat(0.5);
         let inflate = LaneVec3::splat(self.inflate);
         let extent = (high - low) * half + inflate;
-        let h = LaneVec3::<L>::splat(self.half);
-        let (m, d) = (LaneVec3::splat(self.middle) - (low + high) * half, h.abs());
-        let c = m.cross(h).abs();
-        let meets = m.x.abs().le(extent.x + d.x)
-            & m.y.abs().le(extent.y + d.y)
-            & m.z.abs().le(extent.z + d.z)
-            & c.x.le(extent.y * d.z + extent.z * d.y)
-            & c.y.le(extent.x * d.z + extent.z * d.x)
-            & c.z.le(extent.x * d.y + extent.y * d.x);
+        let offset = LaneVec3::splat(self.middle) - (low + high) * half;
+        let meets = path_hits_boxes(LaneVec3::splat(self.half), offset, extent);
         let (low, high) =
             (low - inflate - LaneVec3::splat(self.from), high + inflate - LaneVec3::splat(self.from));
         let along = |low: L, high: L, inverse: f32| {

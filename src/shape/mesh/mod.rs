@@ -6,6 +6,7 @@ pub(crate) mod rays;
 pub(crate) mod segment_triangle;
 
 use super::corners::Corners;
+use super::four_tree::FourTree;
 use super::slabs::{Near, Slabs};
 use crate::error::{Error, finite3};
 use crate::lanes::{Lanes, Mask, f32x4, f32x8, ones};
@@ -241,9 +242,9 @@ impl TriangleMesh {
         let mut nearest = (most, u32::MAX);
         self.tree.visit_ordered(
             0,
-            |low, high, most| slabs.enter(low, high, most),
+            &|low, high, most| slabs.enter(low, high, most),
             most,
-            |leaf, entry, _| {
+            &mut |leaf, entry, _| {
                 let (first, count) = triangles(leaf);
                 self.leaf(first, count).nearest(&test, first, entry, &mut nearest);
                 if any && nearest.1 != u32::MAX { -1.0 } else { nearest.0 }
@@ -282,9 +283,9 @@ impl TriangleMesh {
         let (four, eight) = (Slabs::<f32x4>::new(from, path, half), Slabs::<f32x8>::new(from, path, half));
         self.tree.visit_ordered(
             0,
-            |low, high, most| four.enter(low, high, most),
+            &|low, high, most| four.enter(low, high, most),
             most,
-            |leaf, _, mut most| {
+            &mut |leaf, _, mut most| {
                 let (first, count) = triangles(leaf);
                 let leaf = self.leaf(first, count);
                 let (low, high) = leaf.corners.bounds();
@@ -310,9 +311,9 @@ impl TriangleMesh {
         let (four, eight) = (Near::<f32x4>::new(at), Near::<f32x8>::new(at));
         self.tree.visit_ordered(
             0,
-            |low, high, _| four.squared(low, high),
+            &|low, high, _| four.squared(low, high),
             most,
-            |leaf, _, mut most| {
+            &mut |leaf, _, mut most| {
                 let (first, count) = triangles(leaf);
                 let leaf = self.leaf(first, count);
                 let (low, high) = leaf.corners.bounds();

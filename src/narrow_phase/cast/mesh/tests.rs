@@ -53,14 +53,14 @@ impl Triangles for Soup {
 }
 
 fn cast(a: &Collider, soup: &Soup, motion: &Motion, tolerance: f32, resting: f32) -> Option<Touch> {
-    let asked = Asked::first(tolerance, resting);
+    let cast = MeshCast::first(tolerance, resting);
     let rel = motion.relative(0.0);
-    let path = (motion.b.spin == Vec3::ZERO).then(|| ShapePath::new(a, &rel, motion, &asked));
-    let mut search = Search::new(Support::of(a)?, motion, asked);
+    let path = (motion.b.spin == Vec3::ZERO).then(|| ShapePath::new(a, &rel, motion, &cast));
+    let mut search = Search::new(Support::of(a)?, motion, cast);
     let path = search.prepare(a, &rel, path);
     search.go_along(soup, &path);
     match search.finish() {
-        Cast::First(touch) => Some(touch),
+        CastResult::First(touch) => Some(touch),
         _ => None,
     }
 }
@@ -143,9 +143,9 @@ fn meshes_and_height_fields_answer_like_their_triangles() {
             // From the tree, gathered, and held from before.
             for gathered in 0..3 {
                 let nearby = (gathered > 0).then_some(&mut nearby);
-                let asked = Asked::first(1e-4, 0.01);
-                let found = ask_mesh(&a, other, &motion.relative(0.0), &motion, asked, nearby);
-                let found = if let Cast::First(touch) = found { Some(touch.fraction) } else { None };
+                let cast = MeshCast::first(1e-4, 0.01);
+                let found = cast_mesh(&a, other, &motion.relative(0.0), &motion, cast, nearby);
+                let found = if let CastResult::First(touch) = found { Some(touch.fraction) } else { None };
                 assert_eq!(found.is_some(), expected.is_some());
                 // Where a search begins depends on what was found before, and so, within the tolerance, does
                 // where it ends.
@@ -186,7 +186,8 @@ fn the_first_touch_of_a_soup_is_the_first_of_its_triangles() {
         let motion = Motion::new(&a, &pa, &b, &pb);
         let eps = tolerance(&a, &b, 1.0);
         let found = cast(&a, &soup, &motion, eps, 0.0);
-        // A triangle with no thickness as a hull can't be; so each by itself, without the walk and its shortcuts.
+        // A triangle with no thickness as a hull can't be; so each by itself, without the walk and its
+        // shortcuts.
         let sweeps = soup.0.iter().filter_map(|t| {
             let b = Other::Convex(Support::triangle(*t));
             let sweep = Sweep::new(Support::of(&a).unwrap(), b, &motion, eps);
@@ -201,8 +202,8 @@ fn the_first_touch_of_a_soup_is_the_first_of_its_triangles() {
                 gap = gap.min(sweep.gap(&placed, &mut Simplex::empty()).0);
             }
         }
-        // A search that begins elsewhere ends elsewhere, but no nearer than a touch, and no further than the tolerance.
-        // The fraction is an f32.
+        // A search that begins elsewhere ends elsewhere, but no nearer than a touch, and no further than the
+        // tolerance. The fraction is an f32.
         let rounding = 1e-7 * f64::from(motion.displacement.length() + 9.0);
         let touches = gap > -rounding && gap <= f64::from(eps) + rounding;
         let same = found.is_some() == expected && (!expected || touches);

@@ -34,9 +34,9 @@ fn nothing_that_is_touched_is_left_out() {
             if until < 1.0 {
                 sweep.end_at(until);
             }
-            let asked = Asked::first(eps, 0.0);
-            let Reached { lanes, .. } = sweep.by_planes(&eight, eight.lanes(), &asked);
-            let (lanes, earliest) = sweep.sift(&eight, lanes, &asked);
+            let cast = MeshCast::first(eps, 0.0);
+            let Reached { lanes, .. } = sweep.by_planes(&eight, eight.lanes(), &cast);
+            let (lanes, earliest) = sweep.sift(&eight, lanes, &cast);
             for (k, touch) in exact.iter().enumerate() {
                 all += 1;
                 left_out += 1 - (lanes >> k & 1);

@@ -12,8 +12,8 @@ use glam::{Vec2, Vec3};
 
 /// A sphere or capsule and a cylinder, in the frame of the cylinder; the normal points to the cylinder.
 ///
-/// The signed distance of a point from the frustum is exact and, like that of any convex set, convex: so is what the
-/// balls of a capsule are away. Lying along a side or on a cap gives two points.
+/// The signed distance of a point from the frustum is exact and, like that of any convex set, convex: so is
+/// what the balls of a capsule are away. Lying along a side or on a cap gives two points.
 pub(crate) fn round_cylinder(core: &Core, shape: &Collider, margin: f32) -> RawManifold {
     let mut manifold = RawManifold::default();
     let Some(frustum) = Frustum::of(shape) else { return manifold };
@@ -47,9 +47,9 @@ pub(crate) fn round_cylinder(core: &Core, shape: &Collider, margin: f32) -> RawM
 }
 
 impl Frustum {
-    /// The ball of a core that comes nearest: where what the balls are away stops falling. By false position, with the
-    /// weight of an end that stays halved (Dowell and Jarratt, *A modified regula falsi method*, 1971): a search for the
-    /// least value itself would know the place only to the root of the rounding.
+    /// The ball of a core that comes nearest: where what the balls are away stops falling. By false position,
+    /// with the weight of an end that stays halved (Dowell and Jarratt, *A modified regula falsi method*,
+    /// 1971): a search for the least value itself would know the place only to the root of the rounding.
     fn nearest_ball(&self, core: &Core) -> f32 {
         if core.is_ball() {
             return 0.0;
@@ -87,8 +87,8 @@ impl Frustum {
         0.5 * (low.0 + high.0)
     }
 
-    /// Signed distance of a point and the way out: in the half plane of the axis and the point a frustum is three
-    /// segments.
+    /// Signed distance of a point and the way out: in the half plane of the axis and the point a frustum is
+    /// three segments.
     fn distance(&self, p: Vec3) -> (f32, Vec3) {
         let u = Frustum::outward(p);
         let c = Vec2::new((p.x * p.x + p.z * p.z).sqrt(), p.y);
@@ -122,8 +122,8 @@ impl Frustum {
         (distance, u * n.x + Vec3::Y * n.y)
     }
 
-    /// The part of a core that lies along the side or on a cap, if it does at the ball `s` with the way out `out`;
-    /// and the height of its balls' centres there, along `out`.
+    /// The part of a core that lies along the side or on a cap, if it does at the ball `s` with the way out
+    /// `out`; and the height of its balls' centres there, along `out`.
     fn shared(&self, core: &Core, s: f32, out: Vec3) -> Option<(f32, f32, impl Fn(f32) -> f32 + use<>)> {
         let (p, d) = (core.start, core.along);
         let length = d.length();
@@ -162,7 +162,7 @@ impl Frustum {
             (ends[0].min(ends[1]), ends[0].max(ends[1]), heights, aside)
         };
         let (low, high) = (low.max(0.0), high.min(1.0));
-        // Of two lines that cross the ends are beside each other.
+        // If two lines cross, their ends are beside each other.
         let aside = (high - low) * aside;
         (high - low > 1e-3 && aside <= ASIDE * self.bottom.max(self.top)).then_some((
             low,

@@ -1,8 +1,8 @@
 //! Contact points of a cap with what it lies on: a polygon, another cap, a line.
 //!
-//! Seen along the normal of contact both faces are regions of a plane, and the separation is linear over it. The points
-//! are the corners of what both cover, the point of the rim that is deepest, and a few of the rim that turn with the
-//! shape: they stay what they are while it rests.
+//! Seen along the normal of contact both faces are regions of a plane, and the separation is linear over it.
+//! The points are the corners of what both cover, the point of the rim that is deepest, and a few of the rim
+//! that turn with the shape: they stay what they are while it rests.
 
 use super::frustum::Disc;
 use crate::narrow_phase::contacts::manifold::RawPoint;
@@ -22,7 +22,8 @@ const DEEPEST: usize = 4;
 /// A cap and the plane of what it meets, looked at along the normal of contact.
 pub(super) struct Face<'a> {
     disc: &'a Disc,
-    /// Of `a` or of `b`: +1 or -1, the sign of a way along the normal that leads from the disc to the plane.
+    /// +1 for a disc of `a`, -1 for one of `b`: the sign of a step along the normal from the disc to the
+    /// plane.
     sign: f32,
     /// Unit, from a to b.
     normal: Vec3,
@@ -149,8 +150,8 @@ impl<'a> Face<'a> {
         }
     }
 
-    /// With a line of another shape's side: the ends of what of it is over the disc. `self` is made of a plane that the
-    /// line is in.
+    /// With a line of another shape's side: the ends of what of it is over the disc. `self` is made of a
+    /// plane that the line is in.
     pub(super) fn line(&self, ends: [Vec3; 2], cloud: &mut Cloud) {
         let [p, q] = ends.map(|end| self.seen(end));
         let d = q - p;

@@ -62,14 +62,16 @@ impl Frustum {
         }
     }
 
-    /// The straight line of the side that faces along `d` (in the frustum's own frame), at `pose`: bottom and top.
+    /// The straight line of the side that faces along `d` (in the frustum's own frame), at `pose`: bottom and
+    /// top.
     pub(super) fn line(&self, d: Vec3, pose: &Pose) -> [Vec3; 2] {
         let u = Frustum::outward(d);
         let rise = Vec3::Y * self.half_height;
         [pose.point(u * self.bottom - rise), pose.point(u * self.top + rise)]
     }
 
-    /// What of the side is furthest along `d`: its line, or the end of it that is further by more than `tolerance` [m].
+    /// What of the side is furthest along `d`: its line, or the end of it that is further by more than
+    /// `tolerance` [m].
     pub(super) fn furthest(&self, d: Vec3, tolerance: f32, pose: &Pose) -> Segment {
         let [low, high] = self.line(d, &Pose::IDENTITY).map(|end| end.dot(d));
         let index = match low - high {

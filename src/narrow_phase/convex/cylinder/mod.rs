@@ -1,17 +1,17 @@
-//! Cylinders, frusta and cones against half-spaces, polytopes, capsules and each other, by their exact caps, rims and
-//! sides.
+//! Cylinders, frusta and cones against half-spaces, polytopes, capsules and each other, by their exact caps,
+//! rims and sides.
 //!
-//! First the direction of contact ([`way`]), judged by the exact extents of both shapes. Where it is the normal of a flat
-//! face the points are the corners of what that face and the one that lies on it both cover ([`disc`]); elsewhere two
-//! lines meet, or the nearest points are all there is.
+//! First the direction of contact ([`axis`]), judged by the exact extents of both shapes. Where it is the
+//! normal of a flat face the points are the corners of what that face and the one that lies on it both cover
+//! ([`disc`]); elsewhere two lines meet, or the nearest points are all there is.
 
+mod axis;
 mod core;
 mod disc;
 mod frustum;
 mod sample;
 #[cfg(test)]
 mod tests;
-mod way;
 
 use super::clip::{Cloud, EDGES, Loop, Segment, clip_edges, clip_face, key};
 use super::manifold_of;
@@ -19,19 +19,19 @@ use super::polytope::{Pose, Solid, Triangle};
 use super::support::Support;
 use crate::narrow_phase::contacts::manifold::{RawManifold, RawPoint};
 use crate::shape::Collider;
+use axis::{Axis, Body, Both, FlatFace};
 use disc::Face;
 use glam::Vec3;
-use way::{Body, Both, FlatFace, Way};
 
 pub(crate) use core::round_cylinder;
 pub(crate) use frustum::Frustum;
 
-/// What is nearly as good an axis as the best one counts as equal, up to this share of the smaller shape's size: half
-/// a millimetre on a metre for a manifold that lasts. Also what counts as inside a face.
+/// What is nearly as good an axis as the best one counts as equal, up to this share of the smaller shape's
+/// size: half a millimetre on a metre for a manifold that lasts. Also what counts as inside a face.
 const TOLERANCE: f32 = 5e-4;
 
-/// Two lines touch in two points as long as their ends are beside each other by no more than this share of the size:
-/// there a round side falls away by its square.
+/// Two lines touch in two points as long as their ends are beside each other by no more than this share of
+/// the size: there a round side falls away by its square.
 const ASIDE: f32 = 0.03;
 
 /// What a cylinder meets.
@@ -113,10 +113,11 @@ impl<'a> Contact<'a> {
 
     /// Whether the points on a face show that no direction is better than its normal.
     ///
-    /// Apart, a point at the distance of the two shapes along the normal does. In overlap let points on both sides of any
-    /// line through the patch be as deep as the deepest, d, and the patch be w wide at least: tilted by θ, the two shapes
-    /// are w sin θ + d cos θ in each other, which is no less than d up to a right angle if w is no less than d.
-    fn proves(&self, face: &Way, cloud: &Cloud) -> bool {
+    /// Apart, a point at the distance of the two shapes along the normal does. In overlap let points on both
+    /// sides of any line through the patch be as deep as the deepest, d, and the patch be w wide at least:
+    /// tilted by θ, the two shapes are w sin θ + d cos θ in each other, which is no less than d up to a right
+    /// angle if w is no less than d.
+    fn proves(&self, face: &Axis, cloud: &Cloud) -> bool {
         if cloud.least() > face.separation + self.tolerance {
             return false;
         }
@@ -124,8 +125,8 @@ impl<'a> Contact<'a> {
             return true;
         }
         let deep = |p: &&RawPoint| p.separation <= face.separation + self.tolerance;
-        // The width of a triangle is its least height. That of the first corner, the furthest from it, and the furthest
-        // from the line through both.
+        // The width of a triangle is its least height. That of the first corner, the furthest from it, and
+        // the furthest from the line through both.
         let Some(first) = cloud.points().iter().find(deep) else { return false };
         let furthest = |away: &dyn Fn(Vec3) -> f32| {
             cloud
@@ -143,9 +144,9 @@ impl<'a> Contact<'a> {
     }
 
     /// The points of a flat face and what of the other shape faces it.
-    fn on_face(&self, way: &Way, cloud: &mut Cloud) {
-        let Some((face, on_b)) = way.face else { return };
-        let n = way.normal;
+    fn on_face(&self, axis: &Axis, cloud: &mut Cloud) {
+        let Some((face, on_b)) = axis.face else { return };
+        let n = axis.normal;
         let (own, other) = (self.both.pose_of(on_b), self.both.pose_of(!on_b));
         let [own_body, other_body] = [on_b, !on_b].map(|k| &self.both.bodies[usize::from(k)]);
         // Out of the other shape, in its own frame.
@@ -192,7 +193,8 @@ impl<'a> Contact<'a> {
 
     /// The points of two edges, lines of sides, rims or corners that face each other along `n`.
     fn on_lines(&self, n: Vec3, cloud: &mut Cloud) {
-        // How far from level a line may be: on a wide face far less than the angle at which lines are parallel.
+        // How far from level a line may be: on a wide face far less than the angle at which lines are
+        // parallel.
         let short = 0.01 * self.size;
         let furthest = |on_b: bool| {
             let (d, pose) = (if on_b { self.both.pose.back(-n) } else { n }, self.both.pose_of(on_b));
@@ -210,8 +212,8 @@ impl<'a> Contact<'a> {
     }
 }
 
-/// The points of a frustum at `pose` that are over a polygon: of the cap or of the line of the side, whichever faces along
-/// `out`, in the frustum's own frame.
+/// The points of a frustum at `pose` that are over a polygon: of the cap or of the line of the side,
+/// whichever faces along `out`, in the frustum's own frame.
 ///
 /// `on_b`: whether the frustum is b.
 fn round_on_polygon(
@@ -233,7 +235,8 @@ fn round_on_polygon(
     }
 }
 
-/// The points of a cylinder, in its own frame, that are over a triangle, and the unit normal of the triangle's front.
+/// The points of a cylinder, in its own frame, that are over a triangle, and the unit normal of the
+/// triangle's front.
 pub(crate) fn over_triangle(a: &Collider, triangle: &Loop, front: Vec3, margin: f32, cloud: &mut Cloud) {
     let (Some(f), (corners, _)) = (Frustum::of(a), triangle.corners()) else { return };
     let Some(corner) = corners.first() else { return };
@@ -242,8 +245,8 @@ pub(crate) fn over_triangle(a: &Collider, triangle: &Loop, front: Vec3, margin: 
     round_on_polygon((&f, &Pose::IDENTITY), -front, (triangle, plane, false), (margin, tolerance), cloud);
 }
 
-/// A cylinder and the half-space whose outward normal is `-normal` and whose border is at `offset` along `normal`; in the
-/// cylinder's frame.
+/// A cylinder and the half-space whose outward normal is `-normal` and whose border is at `offset` along
+/// `normal`; in the cylinder's frame.
 pub(crate) fn on_half_space(
     f: &Frustum,
     (normal, offset): (Vec3, f32),

@@ -1,13 +1,14 @@
-//! Two shapes along many directions at once: where a deep overlap may be left by a way that is far from all faces.
+//! Two shapes along many directions at once: where a deep overlap may be left by a way that is far from all
+//! faces.
 
-use super::way::{Body, Both};
+use super::axis::{Body, Both};
 use crate::lanes::{Lanes, Mask, Vec3 as LaneVec3, f32x8};
 use glam::Vec3;
 
 type Eight = LaneVec3<f32x8>;
 
-/// All directions from the middle of a grid of 5 x 5 x 5 to its outer points, a quarter of a right angle and less from
-/// each other; filled up with the first.
+/// All directions from the middle of a grid of 5 x 5 x 5 to its outer points, a quarter of a right angle and
+/// less from each other; filled up with the first.
 const DIRECTIONS: [[[f32; 8]; 3]; 13] = {
     let mut all = [[[2.0; 8]; 3]; 13];
     let (mut i, mut cell) = (0, 0);
@@ -27,8 +28,8 @@ const DIRECTIONS: [[[f32; 8]; 3]; 13] = {
     all
 };
 
-/// The direction, of those more than a right angle's 0.4 away from `known`, along which the two are furthest apart, and how
-/// far.
+/// The direction, of those more than a right angle's 0.4 away from `known`, along which the two are furthest
+/// apart, and how far.
 pub(super) fn best_of_many(both: &Both, known: Vec3) -> (Vec3, f32) {
     let (pose, against, known) = (&both.pose, LaneVec3::splat(both.against), LaneVec3::splat(known));
     let [x, y, z] = [pose.axes.x_axis, pose.axes.y_axis, pose.axes.z_axis].map(Eight::splat);

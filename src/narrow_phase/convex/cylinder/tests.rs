@@ -11,8 +11,8 @@ use std::sync::Arc;
 const MARGIN: f32 = 0.05;
 const KINDS: [Kind; 5] = [Kind::Sphere, Kind::Capsule, Kind::Box, Kind::Cylinder, Kind::Hull];
 
-/// How far a manifold is from the truth [m]: what its normal loses against the best direction, how far the deepest point
-/// is from the depth along the normal, and how far points are outside of the shapes.
+/// How far a manifold is from the truth [m]: what its normal loses against the best direction, how far the
+/// deepest point is from the depth along the normal, and how far points are outside of the shapes.
 #[derive(Clone, Copy, Debug, Default)]
 struct Error {
     normal: f64,
@@ -59,8 +59,8 @@ fn error(pair: &Pair, manifold: &RawManifold) -> Error {
     Error { normal: distance - along, depth: (f64::from(least) - along).abs(), outside }
 }
 
-/// Two shapes in any attitude (or in one where axes are along or across each other), brought together along any
-/// direction until they are about `at` apart [m].
+/// Two shapes in any attitude (or in one where axes are along or across each other), brought together along
+/// any direction until they are about `at` apart [m].
 fn near(random: &mut Random, a: &Collider, b: &Collider, at: f32) -> Relative {
     let direction = random.sphere();
     let rotation = match random.below(4) {
@@ -100,8 +100,8 @@ fn sweep(a: Kind, b: Kind, seed: u64, rounds: usize, show: f64) -> (Error, usize
     (worst, bad)
 }
 
-/// Of all pairs with a cylinder, how many contacts are off by more than a millimetre on shapes of about a metre, of which
-/// half may be what a flat face is preferred by.
+/// Of all pairs with a cylinder, how many contacts are off by more than a millimetre on shapes of about a
+/// metre, of which half may be what a flat face is preferred by.
 fn failures(seed: u64, rounds: usize) -> usize {
     let mut failed = 0;
     for (i, other) in KINDS.into_iter().enumerate() {
@@ -124,7 +124,8 @@ fn many_more_contacts_agree_with_a_search_over_directions() {
     assert_eq!(failures(100, 400), 0);
 }
 
-/// A triangle is a hull that is 0.2 mm thick: apart from it the two are felt alike, at faces, edges and corners.
+/// A triangle is a hull that is 0.2 mm thick: apart from it the two are felt alike, at faces, edges and
+/// corners.
 #[test]
 fn a_triangle_is_touched_as_a_thin_hull() {
     let mut random = Random(9);
@@ -150,17 +151,18 @@ fn a_triangle_is_touched_as_a_thin_hull() {
     }
 }
 
-/// Rim against rim: two equal discs side by side and tilted by 2 φ meet where their rims are nearest, on the line between
-/// their middles; by the geometry of the section through both axes.
+/// Rim against rim: two equal discs side by side and tilted by 2 φ meet where their rims are nearest, on the
+/// line between their middles; by the geometry of the section through both axes.
 #[test]
 fn two_rims_meet_in_one_point_between_the_axes() {
     let wheel = collider(Geometry::cylinder(0.1, 0.5));
     for (lean, gap) in [(0.2f32, 0.01f32), (0.2, -0.01), (0.6, 0.01), (0.6, -0.002)] {
-        // The second leans away from the first in the plane of both: of the first the side's middle is not reached.
+        // The second leans away from the first in the plane of both: of the first the side's middle is not
+        // reached.
         let rotation = Quat::from_rotation_z(lean);
         let (s, c) = (libm::sinf(lean), libm::cosf(lean));
-        // The lowest rim point of the second, towards the first, is (-c r, -s r) + (s h, -c h) from its middle or with
-        // +h, whichever is further to the left.
+        // The lowest rim point of the second, towards the first, is (-c r, -s r) + (s h, -c h) from its
+        // middle or with +h, whichever is further to the left.
         let left = 0.5 * c + 0.1 * s;
         let height = 0.1 * c - 0.5 * s;
         let rel = Relative { position: Vec3::new(0.5 + left + gap, -height, 0.0), rotation };
@@ -172,7 +174,8 @@ fn two_rims_meet_in_one_point_between_the_axes() {
     }
 }
 
-/// What stands on its cap touches with four points of its rim, what lies with both ends of a line; on a triangle too.
+/// What stands on its cap touches with four points of its rim, what lies with both ends of a line; on a
+/// triangle too.
 #[test]
 fn at_rest_it_stands_on_four_points_and_lies_on_two() {
     let (h, r) = (0.4f32, 0.5f32);

@@ -1,13 +1,14 @@
-//! The direction along which a cylinder and another convex shape are furthest apart or, if they overlap, least deep in
-//! each other.
+//! The direction along which a cylinder and another convex shape are furthest apart or, if they overlap,
+//! least deep in each other.
 //!
-//! Apart, it is that between the nearest points, which GJK finds on the exact shapes. An overlap is taken back first: `b`
-//! is moved along the best direction known until the two are a little apart. The nearest points then show a direction
-//! that beats the known one, if there is one, and the next round begins with it. Let the known depth be d, the gap that
-//! was opened e, and θ the angle between the known direction and a better one of depth d': the move opens
-//! (d + e) cos θ - d' along that, which is more than e unless d' > d cos θ - e (1 - cos θ). So each round is less deep, and
-//! a round that finds nothing ends within a factor of cos θ of whatever is shallower at the angle θ: nothing near, and
-//! what is far is among the candidates that the search starts from.
+//! Apart, it is that between the nearest points, which GJK finds on the exact shapes. An overlap is taken
+//! back first: `b` is moved along the best direction known until the two are a little apart. The nearest
+//! points then show a direction that beats the known one, if there is one, and the next round begins with it.
+//! Let the known depth be d, the gap that was opened e, and θ the angle between the known direction and a
+//! better one of depth d': the move opens (d + e) cos θ - d' along that, which is more than e unless d' > d
+//! cos θ - e (1 - cos θ). So each round is less deep, and a round that finds nothing ends within a factor of
+//! cos θ of whatever is shallower at the angle θ: nothing near, and what is far is among the candidates that
+//! the search starts from.
 
 use super::frustum::{Disc, Frustum};
 use super::sample::best_of_many;
@@ -19,7 +20,8 @@ use glam::{DMat3, Vec3};
 
 /// The gap that is opened then, as a share of the size.
 const GAP: f32 = 2e-4;
-/// From what overlap on the way out may be far from the faces and axes that are tried, as a share of the size.
+/// From what overlap on the way out may be far from the faces and axes that are tried, as a share of the
+/// size.
 const DEEP: f32 = 2e-3;
 /// And up to what overlap it is looked for.
 const TOO_DEEP: f32 = 0.2;
@@ -77,36 +79,36 @@ pub(super) enum FlatFace {
 
 /// A direction from a to b, in a's frame.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Way {
+pub(super) struct Axis {
     pub(super) normal: Vec3,
-    /// Of the shapes along it, negative in overlap [m].
+    /// Separation of the shapes along it, negative in overlap [m].
     pub(super) separation: f32,
     /// The face that it is the normal of, and whether it is b's.
     pub(super) face: Option<(FlatFace, bool)>,
 }
 
-const NONE: Way = Way { normal: Vec3::Y, separation: f32::MIN, face: None };
+const NO_AXIS: Axis = Axis { normal: Vec3::Y, separation: f32::MIN, face: None };
 
 /// What is tried at once.
 pub(super) struct Candidates {
     /// The best flat face.
-    pub(super) flat: Way,
-    pub(super) best: Way,
+    pub(super) flat: Axis,
+    pub(super) best: Axis,
 }
 
 impl Candidates {
     /// `None`: it separates by more than the margin.
-    fn add(&mut self, both: &Both, way: Way, margin: f32) -> Option<()> {
-        if !both.allowed(&way) {
+    fn add(&mut self, both: &Both, axis: Axis, margin: f32) -> Option<()> {
+        if !both.allowed(&axis) {
             return Some(());
         }
-        if way.face.is_some() && way.separation > self.flat.separation {
-            self.flat = way;
+        if axis.face.is_some() && axis.separation > self.flat.separation {
+            self.flat = axis;
         }
-        if way.separation > self.best.separation {
-            self.best = way;
+        if axis.separation > self.best.separation {
+            self.best = axis;
         }
-        (way.separation <= margin).then_some(())
+        (axis.separation <= margin).then_some(())
     }
 }
 
@@ -130,14 +132,14 @@ impl Both<'_> {
         if on_b { &self.pose } else { &Pose::IDENTITY }
     }
 
-    fn allowed(&self, way: &Way) -> bool {
-        way.separation >= 0.0 || way.normal.dot(self.against) <= 1e-3
+    fn allowed(&self, axis: &Axis) -> bool {
+        axis.separation >= 0.0 || axis.normal.dot(self.against) <= 1e-3
     }
 
-    /// The axes that are tried at once: the best face or cap of either, for each side the way to the middle of the other
-    /// shape, and what is across two axes. `None`: one separates by more than the margin.
+    /// The axes that are tried at once: the best face or cap of either, for each side the way to the middle
+    /// of the other shape, and what is across two axes. `None`: one separates by more than the margin.
     pub(super) fn candidates(&self, margin: f32) -> Option<Candidates> {
-        let mut found = Candidates { flat: NONE, best: NONE };
+        let mut found = Candidates { flat: NO_AXIS, best: NO_AXIS };
         for on_b in [false, true] {
             let sign = if on_b { -1.0 } else { 1.0 };
             let pose = self.pose_of(on_b);
@@ -146,7 +148,7 @@ impl Both<'_> {
             let middle = if on_b { self.back.point(other.centre()) } else { self.pose.point(other.centre()) };
             let along = |local: Vec3, face: Option<FlatFace>| {
                 let normal = pose.direction(local) * sign;
-                Way { normal, separation: self.separation(normal), face: face.map(|face| (face, on_b)) }
+                Axis { normal, separation: self.separation(normal), face: face.map(|face| (face, on_b)) }
             };
             match &self.bodies[usize::from(on_b)] {
                 Body::Round(f) => {
@@ -163,8 +165,8 @@ impl Both<'_> {
                     let (separation, face) =
                         face_axis(p, f, if on_b { &self.back } else { &self.pose }, margin);
                     let normal = pose.direction(p.planes[face].0) * sign;
-                    let way = Way { normal, separation, face: Some((FlatFace::Polygon(face), on_b)) };
-                    found.add(self, way, margin)?;
+                    let axis = Axis { normal, separation, face: Some((FlatFace::Polygon(face), on_b)) };
+                    found.add(self, axis, margin)?;
                 }
             }
         }
@@ -172,24 +174,25 @@ impl Both<'_> {
             let cross = Vec3::Y.cross(self.pose.axes.y_axis);
             if cross.length_squared() > 1e-4 {
                 let normal = cross.normalize() * cross.dot(self.pose.position).signum();
-                let way = Way { normal, separation: self.separation(normal), face: None };
-                found.add(self, way, margin)?;
+                let axis = Axis { normal, separation: self.separation(normal), face: None };
+                found.add(self, axis, margin)?;
             }
         }
         Some(found)
     }
 
-    /// The best way of all, from the best that is known, and points of both shapes that are that far apart along it.
+    /// The best way of all, from the best that is known, and points of both shapes that are that far apart
+    /// along it.
     ///
     /// `size`: a length of the smaller shape [m].
-    pub(super) fn best(&self, supports: (&Support, &Support), from: Way, size: f32) -> (Way, [Vec3; 2]) {
+    pub(super) fn best(&self, supports: (&Support, &Support), from: Axis, size: f32) -> (Axis, [Vec3; 2]) {
         // Seen from the wrong side what is apart may seem deep.
         if from.separation < -DEEP * size {
             let gap = self.gap(supports, (from.normal, 0.0), 1e-6 * size);
             if !gap.overlap && gap.upper > 0.0 {
                 let normal = gap.normal.as_vec3();
-                let way = Way { normal, separation: self.separation(normal), face: None };
-                return (way, [gap.point_a.as_vec3(), gap.point_b.as_vec3()]);
+                let axis = Axis { normal, separation: self.separation(normal), face: None };
+                return (axis, [gap.point_a.as_vec3(), gap.point_b.as_vec3()]);
             }
         }
         let first = self.refine(supports, from, size, f32::MIN);
@@ -198,7 +201,7 @@ impl Both<'_> {
             return first;
         }
         let (normal, separation) = best_of_many(self, first.0.normal);
-        let second = Way { normal, separation, face: None };
+        let second = Axis { normal, separation, face: None };
         let second = self.refine(supports, second, size, 1.3 * first.0.separation);
         if second.0.separation > first.0.separation { second } else { first }
     }
@@ -213,7 +216,13 @@ impl Both<'_> {
     }
 
     /// `hopeless`: once one round has not led beyond this separation it ends [m].
-    fn refine(&self, (a, b): (&Support, &Support), from: Way, size: f32, hopeless: f32) -> (Way, [Vec3; 2]) {
+    fn refine(
+        &self,
+        (a, b): (&Support, &Support),
+        from: Axis,
+        size: f32,
+        hopeless: f32,
+    ) -> (Axis, [Vec3; 2]) {
         let mut best = from;
         // The last that is allowed: the way to where two shapes are apart may lead through some that are not.
         let mut kept = (best, [Vec3::ZERO; 2]);
@@ -227,7 +236,7 @@ impl Both<'_> {
                 break;
             }
             let normal = gap.normal.as_vec3();
-            let found = Way { normal, separation: self.separation(normal), face: None };
+            let found = Axis { normal, separation: self.separation(normal), face: None };
             let gain = found.separation - best.separation;
             let points = [gap.point_a.as_vec3(), gap.point_b.as_vec3() - shift];
             if gain > 0.0 {
@@ -250,8 +259,8 @@ impl Both<'_> {
     }
 }
 
-/// The face of `p` beyond which all of `f` is furthest, in the frame of `p`. Ends at the first that separates by more
-/// than the margin.
+/// The face of `p` beyond which all of `f` is furthest, in the frame of `p`. Ends at the first that separates
+/// by more than the margin.
 fn face_axis(p: &Polytope, f: &Frustum, f_in_p: &Pose, margin: f32) -> (f32, usize) {
     let axes = &f_in_p.axes;
     let [ax, ay, az] = [axes.x_axis, axes.y_axis, axes.z_axis].map(LaneVec3::<f32x8>::splat);

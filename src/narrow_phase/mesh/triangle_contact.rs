@@ -1,44 +1,45 @@
-//! What was found of one triangle by itself, and which patch the surface as a whole has there.
+//! The contact with one triangle by itself, and the patch that the surface as a whole has there.
 
 use super::boxes::key;
 use super::patch::{GAP, Patches, Touch, Verdict};
+use super::reach::Bounds;
 use crate::narrow_phase::RawPoint;
 use crate::narrow_phase::convex::clip::Loop;
 use crate::narrow_phase::convex::polytope::Pose;
 use glam::Vec3;
 
-/// Points with keys that tell the triangle too.
+/// The points, with keys that also identify the triangle.
 pub(crate) fn named<'a>(touch: &Touch, points: &'a [RawPoint]) -> impl Iterator<Item = RawPoint> + use<'a> {
     let index = touch.index;
     let fold = |k: u32| k ^ k >> 8 ^ k >> 15 ^ k >> 23;
     points.iter().map(move |p| RawPoint { key: key(index, fold(p.key)), ..*p })
 }
 
-/// What was found of one triangle that is nearer than the margin.
-pub(crate) struct Found {
+/// The contact of a shape with one triangle that is nearer than the margin.
+pub(crate) struct TriangleContact {
     /// Unit, from the shape to the triangle.
     pub(crate) normal: Vec3,
-    /// Separation along it, and along the triangle's normal, of all of the shape [m].
+    /// Separation of the whole shape along it, and along the triangle's normal [m].
     pub(crate) apart: f32,
     pub(crate) face: f32,
     pub(crate) margin: f32,
     pub(crate) verdict: Verdict,
 }
 
-impl Found {
+impl TriangleContact {
     /// Adds the patch that the surface has there, if it has one.
     ///
-    /// `own` adds the points of the shape and the triangle, `over` those of the shape that are over the triangle along
-    /// the triangle's normal. `around`: middle and half extents of the box around the shape.
+    /// `own` adds the points of the shape and the triangle, `over` those of the shape that are over the
+    /// triangle along the triangle's normal. `bounds`: the box around the shape.
     pub(crate) fn add(
         &self,
         touch: &Touch,
-        (middle, half): (Vec3, Vec3),
+        Bounds { middle, half }: Bounds,
         own: impl Fn(&mut Vec<RawPoint>),
         over: impl Fn(&mut Vec<RawPoint>),
         patches: &mut Patches,
     ) {
-        let Found { normal, apart, face, margin, verdict } = *self;
+        let TriangleContact { normal, apart, face, margin, verdict } = *self;
         let front = touch.front;
         let first = patches.points.len();
         match verdict {

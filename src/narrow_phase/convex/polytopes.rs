@@ -1,0 +1,256 @@
+//! Two polytopes: by a face of one, by two edges, or by what is nearest where they are apart.
+
+use super::clip::{Cloud, EDGES, Loop, Segment, clip_edges, clip_face, key};
+use super::polytope::{Polytope, Pose};
+use super::sat::{EdgeAxis, EdgeSet, FaceAxis, Nearest, edge_axis, edges_in_reach, face_axis, nearest_edges};
+use super::{PREFERENCE, manifold_of};
+use crate::narrow_phase::contacts::manifold::{RawManifold, RawPoint};
+use glam::Vec3;
+use std::ops::ControlFlow::{self, Break, Continue};
+
+/// Two polytopes, `b` at `pose` in the frame of `a`.
+///
+/// `size`: a length of the smaller one [m]. `against`: normals along it don't count as ways out of an
+/// overlap; zero if all do.
+pub(super) fn polytopes(
+    a: &Polytope,
+    b: &Polytope,
+    pose: &Pose,
+    margin: f32,
+    size: f32,
+    against: Vec3,
+) -> RawManifold {
+    let none = RawManifold::default();
+    let Some(pair) = FacePair::of(a, b, pose, margin, size, against) else { return none };
+    let mut cloud = Cloud::new();
+    let mut done = None;
+    if pair.face.separation > 0.0 {
+        let manifold = pair.by_face(&mut cloud);
+        if cloud.least() <= pair.face.separation + pair.tolerance {
+            return manifold;
+        }
+        done = Some(manifold);
+    }
+
+    let mut near = pair.edges_in_reach(margin.max(-pair.face.separation));
+    let mut touching = None;
+    if pair.face.separation <= 0.0 {
+        touching = match pair.overlap(&mut near, &mut cloud) {
+            Break(manifold) => return manifold,
+            Continue(touching) => touching,
+        };
+    }
+
+    // Apart, and no vertex of one over the face of the other: edges or vertices of both are nearest.
+    let Some(nearest) = nearest_edges(a, b, pose, &near) else { return done.unwrap_or(none) };
+    if nearest.distance > margin {
+        return none;
+    }
+    if nearest.distance <= pair.face.separation + pair.tolerance {
+        let manifold = done.unwrap_or_else(|| pair.by_face(&mut cloud));
+        return with_nearest_point(manifold, &nearest, pair.tolerance, &mut cloud);
+    }
+    pair.by_nearest_edges(&nearest, touching)
+}
+
+/// Two polytopes that overlap, or are nearer than the margin, by their faces, and the face that shows the
+/// largest separation.
+struct FacePair<'a> {
+    a: &'a Polytope<'a>,
+    b: &'a Polytope<'a>,
+    /// Pose of b in the frame of a.
+    pose: &'a Pose,
+    /// Pose of a in the frame of b.
+    back: Pose,
+    margin: f32,
+    size: f32,
+    /// By how much one separation has to be larger than another to count as that [m].
+    tolerance: f32,
+    against: Vec3,
+    face: FaceAxis,
+    /// Whose face it is.
+    on_b: bool,
+}
+
+/// The separation above which another axis counts as clearly better than one with this separation [m].
+#[inline(always)]
+fn clearly(separation: f32, tolerance: f32) -> f32 {
+    if separation < 0.0 { PREFERENCE.0 * separation + tolerance } else { separation + tolerance }
+}
+
+impl<'a> FacePair<'a> {
+    /// None if they are further apart than the margin.
+    #[inline(always)]
+    fn of(
+        a: &'a Polytope<'a>,
+        b: &'a Polytope<'a>,
+        pose: &'a Pose,
+        margin: f32,
+        size: f32,
+        against: Vec3,
+    ) -> Option<FacePair<'a>> {
+        let back = pose.inverse();
+        let tolerance = PREFERENCE.1 * size;
+        let face_a = face_axis(a, b, pose, margin, against);
+        if face_a.separation > margin {
+            return None;
+        }
+        let face_b = face_axis(b, a, &back, margin, Vec3::ZERO);
+        if face_b.separation > margin {
+            return None;
+        }
+        let on_b = face_b.separation > clearly(face_a.separation, tolerance);
+        let face = if on_b { face_b } else { face_a };
+        Some(FacePair { a, b, pose, back, margin, size, tolerance, against, face, on_b })
+    }
+
+    /// The manifold of the face, whose points are added to a cloud.
+    fn by_face(&self, cloud: &mut Cloud) -> RawManifold {
+        let normal = self.face_contact(cloud);
+        manifold_of(cloud, normal)
+    }
+
+    /// The face's normal from a to b; along it all of `a` is below the second number, all of `b` above the
+    /// third.
+    #[inline(always)]
+    fn slab(&self) -> (Vec3, f32, f32) {
+        let FaceAxis { face, separation } = self.face;
+        if self.on_b {
+            let n = -self.pose.direction(self.b.planes[face].0);
+            let low = n.dot(self.pose.position) - self.b.planes[face].1;
+            (n, low - separation, low)
+        } else {
+            let (n, offset) = self.a.planes[face];
+            (n, offset, offset + separation)
+        }
+    }
+
+    /// Edges of both that may be nearer to each other than `reach` [m].
+    #[inline(always)]
+    fn edges_in_reach(&self, reach: f32) -> (EdgeSet, EdgeSet) {
+        let (normal, high, low) = self.slab();
+        edges_in_reach(self.a, self.b, self.pose, &self.back, reach, normal, (high, low))
+    }
+
+    /// The manifold of two that overlap by all of their faces: of the face, or of two edges on whose axis
+    /// they overlap by clearly less. If the edges show that they are apart: their axis.
+    #[inline(always)]
+    fn overlap(
+        &self,
+        near: &mut (EdgeSet, EdgeSet),
+        cloud: &mut Cloud,
+    ) -> ControlFlow<RawManifold, Option<EdgeAxis>> {
+        let &FacePair { a, b, pose, margin, against, .. } = self;
+        let edges = edge_axis(a, b, pose, near, against);
+        match edges {
+            Some(e) if e.separation > margin => Break(RawManifold::default()),
+            Some(e) if e.separation > 0.0 => Continue(edges),
+            Some(e) if e.separation > clearly(self.face.separation, self.tolerance) => {
+                Break(self.by_edges(e.edges, e.normal, cloud))
+            }
+            _ => {
+                let manifold = self.by_face(cloud);
+                if manifold.count > 1 {
+                    return Break(manifold);
+                }
+                // One vertex, maybe beside the face: are they apart, by edges that are further away than any
+                // face sees?
+                *near = self.edges_in_reach(f32::MAX);
+                let touching = edge_axis(a, b, pose, near, against);
+                match touching {
+                    Some(e) if e.separation > margin => Break(RawManifold::default()),
+                    Some(e) if e.separation > 0.0 => {
+                        *cloud = Cloud::new();
+                        Continue(touching)
+                    }
+                    _ => Break(manifold),
+                }
+            }
+        }
+    }
+
+    /// The manifold of the nearest edges of two that are apart. `touching`: the axis of edges that separates
+    /// them.
+    fn by_nearest_edges(&self, nearest: &Nearest, touching: Option<EdgeAxis>) -> RawManifold {
+        let [p, q] = nearest.points;
+        // If two edges just touch, only their cross product has a direction.
+        let normal = match touching {
+            Some(e) if nearest.distance < 1e-5 * self.size => e.normal,
+            _ if nearest.distance > 0.0 => (q - p) / nearest.distance,
+            _ => self.slab().0,
+        };
+        self.by_edges(nearest.edges, normal, &mut Cloud::new())
+    }
+
+    /// The manifold of an edge of each.
+    fn by_edges(&self, edges: [usize; 2], normal: Vec3, cloud: &mut Cloud) -> RawManifold {
+        let on_a = Segment::of_edge(self.a, edges[0], &Pose::IDENTITY);
+        let of_b = Segment::of_edge(self.b, edges[1], self.pose);
+        clip_edges(&on_a, &of_b, normal, self.margin, cloud);
+        manifold_of(cloud, normal)
+    }
+
+    /// The face as the reference: adds its points, in the frame of `a`; the normal from a to b.
+    ///
+    /// Adds the nearest vertex if the incident face that was chosen doesn't have it: of an overlap always,
+    /// else where it is over the reference face, and so is the nearest point of all.
+    fn face_contact(&self, cloud: &mut Cloud) -> Vec3 {
+        let &FacePair { a, b, pose: b_in_a, margin, tolerance, face, on_b, .. } = self;
+        // Everything in the frame of `a`.
+        let (reference, incident, to_a, incident_to_a) =
+            if on_b { (b, a, b_in_a, &Pose::IDENTITY) } else { (a, b, &Pose::IDENTITY, b_in_a) };
+        let plane = |p: &Polytope, face: usize, pose: &Pose| {
+            let (n, offset) = p.planes[face];
+            let n = pose.direction(n);
+            (n, offset + n.dot(pose.position))
+        };
+        let (normal, offset) = plane(reference, face.face, to_a);
+        let down = if on_b { -normal } else { b_in_a.back(-normal) };
+        let other = incident.face_towards(down);
+        let corners = incident.face(other);
+        let bit = if on_b { 1 << 14 } else { 0 };
+        let before = cloud.points().len();
+        let border = Loop::new(reference.vertices, reference.face(face.face), to_a);
+        clip_face(
+            &border,
+            (normal, offset),
+            &Loop::new(incident.vertices, corners, incident_to_a),
+            plane(incident, other, incident_to_a),
+            margin,
+            tolerance,
+            cloud,
+        );
+        if cloud.least() > face.separation + tolerance {
+            let (vertex, _) = incident.support(down);
+            let at = incident_to_a.point(incident.vertices[vertex]);
+            let position = at - normal * (0.5 * face.separation);
+            let known = corners.iter().any(|&c| usize::from(c) == vertex);
+            if if face.separation < 0.0 {
+                !known || cloud.points().is_empty()
+            } else {
+                border.is_over(normal, at)
+            } {
+                cloud.push(RawPoint { position, separation: face.separation, key: key(0, vertex, 1) });
+            }
+        }
+        cloud.mark(before, bit);
+        if on_b { -normal } else { normal }
+    }
+}
+
+/// The manifold of a face, with the nearest point if that is missing: it can be a hair beside the face.
+fn with_nearest_point(
+    manifold: RawManifold,
+    nearest: &Nearest,
+    tolerance: f32,
+    cloud: &mut Cloud,
+) -> RawManifold {
+    let [p, q] = nearest.points;
+    let separation = manifold.normal.dot(q - p);
+    if cloud.least() <= separation + tolerance {
+        return manifold;
+    }
+    let [one, two] = nearest.edges;
+    cloud.push(RawPoint { position: (p + q) * 0.5, separation, key: key(EDGES, one, two) });
+    manifold_of(cloud, manifold.normal)
+}

@@ -1,0 +1,485 @@
+//! The narrow phase's central decision: what is looked for about a pair, and at which pose.
+//!
+//! Each pair gets the *manifold of the start* first: what its kernel finds at the poses that the step begins
+//! with, real points and potential ones as far away as the predicted motion can reach. It is good as long as
+//! the pair touches, or moves little. For everything else the rows below replace it; the first that fits
+//! counts, and "fast" means that the two may approach each other by more than [`Input::fast`]. The mode
+//! `Discrete` and the method [`Start::Speculative`] never leave the manifold of the start because of a gap.
+//!
+//! Two convex shapes, or one and a plane:
+//!
+//! | state of the pair | what is looked for | at which pose |
+//! | --- | --- | --- |
+//! | apart and fast, and the motion can't close the gap | nothing: no contact | - |
+//! | apart; fast, or a plane would push what it never touches | the manifold of the first touch | first touch |
+//! | ... but it finds none, in mode `Volume` | the manifold of the closest pass | closest pass |
+//! | ... but it finds none, and a body may leave its predicted path | the manifold of the start | start |
+//! | ... but it finds none | nothing: no contact | - |
+//! | overlaps so deeply that it leads out through a still shape | that on the side of the centre | start |
+//! | none of these | the manifold of the start | start |
+//!
+//! What this yields is looked at once more, if it has a point:
+//!
+//! | state of the pair | what is looked for | at which pose |
+//! | --- | --- | --- |
+//! | both bodies move far past each other | deeper overlap than foreseen | half the rest of the step, its end |
+//! | one or two points, on a comparatively large round shape | the manifold of mid-step | half the step |
+//!
+//! A convex shape against a mesh or a height field:
+//!
+//! | state of the pair | what is looked for | at which pose |
+//! | --- | --- | --- |
+//! | in flight: fast and without a contact | only the first touch, unless triangles are near | first touch |
+//! | slow, in mode `Segment`, and moves beyond the margin | what is near here or on its path | start |
+//! | ... but strikes some of that | all within reach | start |
+//! | slow | all within reach | start |
+//! | fast | what it rests on, | start |
+//! | | the first touch with anything else, | first touch |
+//! | | the second, sliding along the first | first touch |
+//!
+//! Where a mesh is near but not touched, planes of the start that would push count only if a cast touches
+//! anything. Slow is also what moves by less than half the ball that fits into it, and what rolls: then
+//! planes at the start suffice.
+//!
+//! Which pairs are not looked at at all (they sleep, keep their contact, are too far apart or only feed a
+//! sensor) is decided before, by [`collide`](super::collide).
+
+use super::cast::ahead::{
+    MeshPair, NO_GAP, add_manifolds_at_touch, first_touch_in_flight, first_touch_with_mesh, keep_reached,
+    manifold_at_closest_pass, manifold_at_first_touch, manifold_at_half_step, manifold_later_on_path,
+    motion_of, right_way_out, strikes, touches_mesh, would_push,
+};
+use super::cast::gates::{enter_mesh, gate, straight};
+use super::cast::mesh::CastResult;
+use super::cast::motion::Motion;
+use super::cast::{Touch, tolerance};
+use super::collide::{Approach, Input, MatchLimits, Start};
+use super::contacts::contact::{Contact, NO_CONTACT};
+use super::contacts::found::{BlockOutput, MeshBlock};
+use super::mesh::collide_mesh;
+use super::mesh::reach::{Reach, extent_of};
+use super::{RawManifold, Relative};
+use crate::broad_phase::Pair;
+use crate::config::Continuous;
+use crate::shape::{Collider, Kind};
+use crate::threads::Shared;
+use std::cell::OnceCell;
+
+/// A gap that a push should have closed counts as a ghost above this many margins.
+pub(crate) const GHOST_GAP: f32 = 0.5;
+
+/// A pair of the step, where its shapes are and how they move.
+#[derive(Clone, Copy)]
+pub(super) struct PairState<'a> {
+    pub(super) input: &'a Input<'a>,
+    pub(super) pair: &'a Pair,
+    /// Index of the pair in the step's list.
+    pub(super) index: u32,
+    /// Pose of `b` in the frame of `a` at the start of the step.
+    pub(super) rel: &'a Relative,
+    pub(super) approach: &'a Approach,
+}
+
+/// The predicates of both tables.
+impl PairState<'_> {
+    fn shapes(&self) -> (&Collider, &Collider) {
+        let colliders = self.input.colliders;
+        (&colliders[self.pair.a as usize], &colliders[self.pair.b as usize])
+    }
+
+    fn has_contact(&self) -> bool {
+        self.pair.contact != NO_CONTACT
+    }
+
+    /// Whether the predicted motion says what is touched: what is apart is not left to the planes of the
+    /// start.
+    fn follows_motion(&self) -> bool {
+        self.approach.is_continuous() && self.input.start != Start::Speculative
+    }
+
+    fn is_gated(&self) -> bool {
+        self.input.start == Start::Gated
+    }
+
+    /// Whether a pair is of something static and a body that joints may pull off its predicted path. That
+    /// this path misses what is near proves nothing then.
+    fn may_leave_predicted_path(&self) -> bool {
+        let (input, pair) = (self.input, self.pair);
+        let [a, b] = [pair.a, pair.b].map(|c| input.hot[c as usize].body);
+        input.is_static(pair) && (input.has_joints)(if (a as usize) < input.dynamic { a } else { b })
+    }
+}
+
+/// The predicates of convex pairs. `raw`: the manifold of the start, `nearest` the least of its separations
+/// [m].
+impl PairState<'_> {
+    fn is_fast(&self, nearest: f32) -> bool {
+        nearest > self.input.touch_distance && self.approach.max_closing() > self.input.fast
+    }
+
+    /// Whether the motion is too short to close the gap across a plane that lies between the two.
+    fn stays_apart(&self, raw: &RawManifold, nearest: f32) -> bool {
+        let normal = self.input.poses[self.pair.a as usize].rotation * raw.normal;
+        let closing = -normal.dot(self.approach.displacement);
+        self.approach.mode != Continuous::Volume && closing + self.approach.swing < nearest
+    }
+
+    /// Whether a plane would push what the predicted motion never brings to it.
+    fn would_push(&self, raw: &RawManifold) -> bool {
+        would_push(self.input, &motion_of(self.input, self.pair), raw)
+    }
+
+    /// Whether two bodies that both move go further past each other within the step than the planes of its
+    /// start are good for.
+    fn slides_far(&self) -> bool {
+        let Self { input, pair, approach, .. } = *self;
+        let moves = |c: u32| (input.hot[c as usize].body as usize) < input.motion.len();
+        let inner = |c: u32| input.colliders[c as usize].inner_radius;
+        approach.is_continuous()
+            && input.start == Start::Cast
+            && approach.max_closing() > input.fast
+            && moves(pair.a)
+            && moves(pair.b)
+            && approach.max_closing() > 0.5 * inner(pair.a).max(inner(pair.b))
+    }
+
+    /// Whether the contact point moves much faster than the bodies: on a round shape that is large against
+    /// the other, which rocks on it. The rows of a step act at one place. At the place of its start they
+    /// would add energy to the rocking in every step; at that of its middle they take a little away.
+    fn contact_point_moves(&self) -> bool {
+        let large = |round: &Collider, other: &Collider| {
+            let round_kind = matches!(round.kind, Kind::Sphere | Kind::Capsule | Kind::Cylinder);
+            round_kind && round.radius > 2.0 * other.radius
+        };
+        let (a, b) = self.shapes();
+        large(a, b) || large(b, a)
+    }
+}
+
+/// How far from each other the kernel of a convex pair still finds points [m].
+#[inline(always)]
+pub(super) fn margin_of(input: &Input<'_>, approach: &Approach) -> f32 {
+    let most = approach.max_closing();
+    input.margin + if approach.is_continuous() { most } else { most.min(input.margin) }
+}
+
+/// The manifold that a convex pair gets.
+struct Chosen {
+    raw: RawManifold,
+    /// Fraction of the step at which it was found.
+    fraction: f32,
+    /// Nothing is touched on the whole predicted path.
+    missed: bool,
+}
+
+/// Chooses the manifold of two convex shapes, or of one and a plane, by the first two tables. `raw`: that of
+/// the start.
+pub(super) fn finish_convex(
+    state: &PairState<'_>,
+    raw: RawManifold,
+    contacts: &Shared<'_, Contact>,
+    out: &mut BlockOutput<'_>,
+) {
+    let &PairState { input, pair, rel, .. } = state;
+    let nearest = raw.points().iter().fold(f32::INFINITY, |s, p| s.min(p.separation));
+    let mut chosen = Chosen { raw, fraction: 0.0, missed: false };
+    if state.follows_motion() && nearest > 0.0 && raw.count > 0 {
+        choose_apart(state, nearest, &mut chosen, out);
+    } else if nearest < 0.0
+        && let Some(way_out) = right_way_out(input, pair, rel, &raw)
+    {
+        chosen.raw = way_out;
+    }
+    if chosen.raw.count > 0
+        && state.slides_far()
+        && let Some(later) = manifold_later_on_path(input, pair, &chosen.raw, chosen.fraction)
+    {
+        (chosen.raw, chosen.fraction) = later;
+    }
+    if chosen.fraction == 0.0 && (1..3).contains(&chosen.raw.count) && state.contact_point_moves() {
+        let middle = manifold_at_half_step(input, pair, input.margin);
+        // Unless it would push where nothing is touched.
+        if middle.count > 0 && (nearest <= 0.0 || !state.would_push(&middle)) {
+            (chosen.raw, chosen.fraction) = (middle, 0.5);
+        }
+    }
+    store(state, &chosen, nearest, contacts, out);
+}
+
+/// Chooses for a pair that is apart by `nearest` at the start: the rest of the first table.
+#[inline(always)]
+fn choose_apart(state: &PairState<'_>, nearest: f32, chosen: &mut Chosen, out: &mut BlockOutput<'_>) {
+    let fast = state.is_fast(nearest);
+    let may_leave = nearest <= state.input.margin && state.may_leave_predicted_path();
+    if fast && !may_leave && state.stays_apart(&chosen.raw, nearest) {
+        (chosen.raw.count, chosen.missed) = (0, true);
+    } else if fast || state.would_push(&chosen.raw) {
+        let found = look_on_path(state, &chosen.raw, out);
+        if found.is_some() || !may_leave {
+            (chosen.raw, chosen.fraction) = found.unwrap_or_default();
+        }
+        chosen.missed = chosen.raw.count == 0;
+    }
+}
+
+/// The manifold of the first touch or, in mode `Volume`, of the closest pass, and the fraction of the step.
+fn look_on_path(
+    state: &PairState<'_>,
+    raw: &RawManifold,
+    out: &mut BlockOutput<'_>,
+) -> Option<(RawManifold, f32)> {
+    let &PairState { input, pair, approach, .. } = state;
+    let hit = if state.is_gated() {
+        gate(input, pair, raw)
+    } else {
+        out.count_casts(1);
+        manifold_at_first_touch(input, pair)
+    };
+    let is_volume = approach.mode == Continuous::Volume;
+    hit.or_else(|| if is_volume { manifold_at_closest_pass(input, pair) } else { None })
+}
+
+/// Hands the manifold of a convex pair to its contact.
+#[inline(always)]
+fn store(
+    state: &PairState<'_>,
+    chosen: &Chosen,
+    nearest: f32,
+    contacts: &Shared<'_, Contact>,
+    out: &mut BlockOutput<'_>,
+) {
+    let &PairState { input, pair, index, rel, .. } = state;
+    if !state.has_contact() {
+        if chosen.raw.count > 0 {
+            out.add(input, pair, index, chosen.raw, chosen.fraction);
+        } else if chosen.missed {
+            out.clear(index);
+        }
+        return;
+    }
+    // SAFETY: the contact is this pair's, and this block has the pair.
+    let contact = unsafe { contacts.get(pair.contact as usize) };
+    if contact.pushed && nearest > GHOST_GAP * input.margin {
+        out.count_ghost();
+    }
+    if chosen.raw.count == 0 {
+        out.empty(index);
+    } else {
+        let frame = input.poses[pair.a as usize].rotation;
+        contact.renew(&chosen.raw, (*rel, frame), MatchLimits::of(input, pair));
+        contact.fraction = chosen.fraction;
+    }
+}
+
+/// A look at a convex shape and a mesh or height field.
+struct MeshLook<'a> {
+    state: &'a PairState<'a>,
+    shape: &'a Collider,
+    mesh: &'a Collider,
+    /// Made when it is first asked for: what rests on the mesh may not need it.
+    motion: OnceCell<Motion>,
+    fast: bool,
+    /// How far from the shape triangles matter at the start [m].
+    margin: f32,
+}
+
+/// What a look at a mesh found out on the way.
+struct Tally {
+    casts: u32,
+    /// The least separation at the start [m].
+    nearest: f32,
+}
+
+/// Finds the manifolds of a convex shape and a mesh or height field, by the third table.
+pub(super) fn finish_mesh(state: &PairState<'_>, contacts: &Shared<'_, Contact>, out: &mut BlockOutput<'_>) {
+    let &PairState { pair, index, .. } = state;
+    let look = MeshLook::new(state);
+    let Some(block) = out.mesh.as_deref_mut() else {
+        // No buffers were granted, and the contacts of the last step are out of date.
+        out.count_shed(1);
+        if state.has_contact() {
+            out.empty(index);
+        }
+        return;
+    };
+    let mut tally = Tally { casts: 0, nearest: f32::INFINITY };
+    let start = block.count();
+    block.mesh.nearby.forget();
+    let flight = if look.is_in_flight() {
+        first_touch_in_flight(state.input, &look.moving(), &mut block.mesh)
+    } else {
+        CastResult::Near
+    };
+    let ahead = match flight {
+        CastResult::First(touch) => Some(touch),
+        CastResult::Free => None,
+        CastResult::Near => look.look_at_start(block, &mut tally),
+    };
+    tally.casts += u32::from(look.fast);
+    if let Some(touch) = ahead {
+        tally.casts += 1;
+        look.hit(touch, block);
+    }
+    let found = block.end(index, start);
+    out.count_casts(if state.is_gated() { 0 } else { tally.casts });
+    if let CastResult::Free = flight {
+        out.clear(index);
+    }
+    if state.has_contact() {
+        // SAFETY: the contact is this pair's, and this block has the pair.
+        let contact = unsafe { contacts.get(pair.contact as usize) };
+        if contact.pushed && tally.nearest > GHOST_GAP * state.input.margin {
+            out.count_ghost();
+        }
+    }
+    if !found && state.has_contact() {
+        out.empty(index);
+    }
+}
+
+/// The predicates of the third table.
+impl<'a> MeshLook<'a> {
+    fn new(state: &'a PairState<'a>) -> MeshLook<'a> {
+        let &PairState { input, approach, .. } = state;
+        let ((shape, mesh), most) = (state.shapes(), approach.max_closing());
+        // Within half the ball that fits into it a body can't get past a triangle, and planes at the start
+        // will do.
+        let fast =
+            state.follows_motion() && !rolls(state, shape) && most > input.fast.max(0.5 * shape.inner_radius);
+        // Where the body is, and what it may turn into: what it may reach further away is found by the cast.
+        let reach = match (fast, approach.is_continuous()) {
+            (true, _) => approach.swing.min(shape.radius),
+            (false, true) => most,
+            (false, false) => most.min(input.margin),
+        };
+        MeshLook { state, shape, mesh, motion: OnceCell::new(), fast, margin: input.margin + reach }
+    }
+
+    /// Without a contact it is likely that nothing is near.
+    fn is_in_flight(&self) -> bool {
+        self.fast && !self.state.is_gated() && !self.state.has_contact()
+    }
+
+    /// What is slow reaches what it goes to: only what is near here or there matters, unless it strikes that.
+    fn looks_along_motion(&self) -> bool {
+        let &PairState { input, approach, .. } = self.state;
+        !self.fast && approach.mode == Continuous::Segment && approach.length > input.margin
+    }
+
+    /// Whether a manifold of the start is a guess: its planes would push, and neither is it near nor may the
+    /// body leave its predicted path.
+    fn is_guess(&self, raw: &RawManifold) -> bool {
+        let input = self.state.input;
+        let near = |m: &RawManifold| m.points().iter().any(|p| p.separation <= input.margin);
+        would_push(input, self.motion(), raw) && !(near(raw) && self.state.may_leave_predicted_path())
+    }
+
+    fn shapes(&self) -> (&'a Collider, &'a Collider) {
+        (self.shape, self.mesh)
+    }
+
+    fn motion(&self) -> &Motion {
+        self.motion.get_or_init(|| motion_of(self.state.input, self.state.pair))
+    }
+
+    fn moving(&self) -> MeshPair<'_> {
+        let MeshLook { state, shape, mesh, .. } = *self;
+        MeshPair { shape, mesh, rel: state.rel, motion: self.motion() }
+    }
+}
+
+/// What rolls on a mesh moves and turns alike, and its planes are near: its path and its turn may each be as
+/// long as the radius of the ball that fits into it.
+fn rolls(state: &PairState<'_>, shape: &Collider) -> bool {
+    let approach = state.approach;
+    state.has_contact()
+        && approach.mode == Continuous::Segment
+        && approach.length.max(approach.swing) < shape.inner_radius
+}
+
+/// What is looked for, case by case.
+impl MeshLook<'_> {
+    /// Adds the manifolds of the start; if the pair is fast only those of what it rests on. Says what a fast
+    /// one touches first besides.
+    #[inline(always)]
+    fn look_at_start(&self, block: &mut MeshBlock, tally: &mut Tally) -> Option<Touch> {
+        let &PairState { input, .. } = self.state;
+        if self.fast {
+            // The path will be asked for too.
+            let motion = self.motion();
+            let path = motion.a.rotation.conjugate() * motion.displacement;
+            block.mesh.nearby.expect(extent_of(self.shape, self.state.rel, self.margin, path));
+        }
+        self.collide(block);
+        tally.nearest =
+            block.raw.iter().flat_map(|m| m.points()).fold(f32::INFINITY, |s, p| s.min(p.separation));
+        // What rests on the mesh sinks by what gravity adds in the step, and must not strike the ground that
+        // it is on.
+        let resting = if tally.nearest <= input.touch_distance { input.margin } else { input.touch_distance };
+        if self.fast {
+            // Manifolds without a near point are guesses; what is really hit comes from the cast.
+            block.raw.retain(|m| m.points().iter().any(|p| p.separation <= resting));
+        }
+        self.drop_guesses(block, tally);
+        (0..block.raw.len()).for_each(|i| block.add(block.raw[i], 0.0));
+        if !self.fast {
+            None
+        } else if self.state.is_gated() {
+            enter_mesh(input, &self.moving(), resting)
+        } else {
+            first_touch_with_mesh(input, &self.moving(), resting, &mut block.mesh)
+        }
+    }
+
+    /// Finds the manifolds of the start.
+    #[inline(always)]
+    fn collide(&self, block: &mut MeshBlock) {
+        let &PairState { input, pair, approach, rel, .. } = self.state;
+        let (a, b) = self.shapes();
+        block.raw.clear();
+        // If it is fast, manifolds without a near point would be dropped.
+        let all = Reach::new(self.margin).within(if self.fast { input.margin } else { self.margin });
+        let along = self.looks_along_motion();
+        let path = input.poses[pair.a as usize].rotation.conjugate() * -approach.displacement;
+        let reach = if along { Reach { path, ..Reach::new(input.margin + approach.swing) } } else { all };
+        collide_mesh(a, b, rel, reach, &mut block.mesh, &mut block.raw);
+        if along && strikes(self.motion(), input.margin, &block.raw) {
+            // After an impact it may go anywhere.
+            block.raw.clear();
+            collide_mesh(a, b, rel, all, &mut block.mesh, &mut block.raw);
+        } else if along && block.raw.iter().any(|m| m.points().iter().all(|p| p.separation > input.margin)) {
+            keep_reached(self.motion(), input.margin, &mut block.raw);
+        }
+    }
+
+    /// Drops guesses if the mesh is close, but apart by more than shows, and nothing is touched at all within
+    /// the step.
+    #[inline(always)]
+    fn drop_guesses(&self, block: &mut MeshBlock, tally: &mut Tally) {
+        let &PairState { input, approach, .. } = self.state;
+        let apart =
+            tally.nearest > tolerance(self.shape, self.mesh, input.unit).max(NO_GAP * input.touch_distance);
+        if !(self.state.follows_motion() && apart && block.raw.iter().any(|m| self.is_guess(m))) {
+            return;
+        }
+        tally.casts += 1;
+        let touches = if self.state.is_gated() {
+            approach.swing > input.margin || enter_mesh(input, &self.moving(), 0.0).is_some()
+        } else {
+            touches_mesh(input.unit, &self.moving(), &mut block.mesh)
+        };
+        if !touches {
+            block.raw.retain(|m| !self.is_guess(m));
+        }
+    }
+
+    /// Adds the manifolds of the first touch, and of the second.
+    fn hit(&self, touch: Touch, block: &mut MeshBlock) {
+        let &PairState { input, pair, .. } = self.state;
+        if self.state.is_gated() {
+            add_manifolds_at_touch(input, pair, self.shapes(), &straight(self.motion()), touch, block);
+        } else {
+            add_manifolds_at_touch(input, pair, self.shapes(), self.motion(), touch, block);
+        }
+    }
+}
