@@ -25,7 +25,7 @@ pub(crate) const WIDEST_JOINT_BATCH: usize = {
                 crate::constraint::joint::measure::Tilt<crate::lanes::f32x8>,
             >,
         >(),
-        (size_of::<crate::constraint::articulation::tree::Node<crate::lanes::f32x8>>()
+        (size_of::<crate::constraint::articulation::node::Node<crate::lanes::f32x8>>()
             + 3 * crate::constraint::articulation::cut::ROW_BYTES)
             / 2,
     );
@@ -40,7 +40,7 @@ pub(crate) const JOINT_BYTES: [usize; 3] = {
     [
         size_of::<crate::constraint::joint::lock::PointBatch<crate::lanes::f32x8>>() / 8 + size_of::<u32>(),
         size_of::<Row>() / 8 + size_of::<u32>(),
-        size_of::<articulation::tree::Node<f32>>(),
+        size_of::<articulation::node::Node<f32>>(),
     ]
 };
 pub(crate) use articulation::close::Closing;

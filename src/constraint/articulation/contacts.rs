@@ -7,9 +7,10 @@
 //! sees velocities that all joints allow: Gauss-Seidel in the coordinates of the joints, at the cost of one more solution.
 
 use super::close::{Closing, keep_out};
+use super::node::Node;
 use super::slots::Seated;
 use super::spatial::{Sym6, Twist};
-use super::tree::{Node, TreeBatch};
+use super::tree::TreeBatch;
 use crate::constraint::contact::batch::Batch;
 use crate::constraint::contact::friction::FrictionRow;
 use crate::constraint::contact::impact_friction::potential_load;

@@ -9,8 +9,9 @@
 //!
 //! A cut joint is a node behind those of the bodies. Its own body stands a second time in it, and what moves that moves it.
 
+use super::node::Turns;
 use super::spatial::Twist;
-use super::tree::{TreeBatch, Turns};
+use super::tree::TreeBatch;
 use crate::constraint::joint::ends::NONE;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
 

@@ -14,8 +14,9 @@
 
 use super::close::Closing;
 use super::free_rotation::{exp, log};
+use super::node::Node;
 use super::spatial::Twist;
-use super::tree::{Node, TreeBatch};
+use super::tree::TreeBatch;
 use crate::constraint::contact::row::Motion;
 use crate::constraint::joint::ends::NONE;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, scatter};

@@ -12,9 +12,10 @@
 use super::close::Closing;
 use super::contacts::{Ask, Toured};
 use super::free_rotation::{Moments, exp, log, log_near, moved_by};
+use super::node::{Node, Turns};
 use super::slots::Seated;
 use super::spatial::Twist;
-use super::tree::{Node, TreeBatch, Turns};
+use super::tree::TreeBatch;
 use crate::constraint::contact::row::Motion;
 use crate::constraint::joint::ends::JointPass;
 use crate::joint::Lock;

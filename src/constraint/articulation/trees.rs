@@ -1,7 +1,7 @@
 //! Which joints make trees.
 
 use super::cut::{MOST_ROWS, rows_of};
-use super::tree::Turns;
+use super::node::Turns;
 use crate::body::Bodies;
 use crate::constraint::joint::ends::NONE;
 use crate::constraint::schedule::order::Place;

@@ -8,7 +8,8 @@ use super::measure::Measure;
 use super::nets::FOLLOWED;
 use super::row::RowBatch;
 use super::run::JointViews;
-use crate::constraint::articulation::tree::{TreeBatch, Turns};
+use crate::constraint::articulation::node::{Node, Turns};
+use crate::constraint::articulation::tree::TreeBatch;
 use crate::constraint::contact::row::Motion;
 use crate::lanes::{GatherLanes, Lanes, Mask, Record};
 use glam::Vec3;
@@ -309,8 +310,7 @@ impl<L: GatherLanes> Watched for TreeBatch<L> {
             let axis = node.axis_now[0];
             let turned = above.map_or(node.anchor_moved, |above| above.moved).angular;
             let off = motor.off + (node.axis[0] + axis).dot(node.moved.angular - turned) * L::splat(0.5);
-            let gives =
-                |of: &crate::constraint::articulation::tree::Node<L>| axis.dot(of.braced_inverse.mul(axis));
+            let gives = |of: &Node<L>| axis.dot(of.braced_inverse.mul(axis));
             let mobility = gives(own) + above.map_or(L::zero(), gives);
             for lane in (0..L::N).filter(|lane| own.write >> lane & 1 != 0) {
                 let [pull, give, speed, most] =

@@ -1,0 +1,112 @@
+//! The two bodies of each lane of a batch: their solver state, gathered and written back.
+
+use super::batch::Batch;
+use crate::lanes::{GatherLanes, Record, Vec3, gather, scatter};
+use crate::threads::Shared;
+
+/// The bodies' solver state: velocities, displacements since the start of the step, and velocities of the substep before
+/// any row acted.
+pub(crate) struct Motion<'a, 'b> {
+    pub(crate) velocity: &'a Shared<'b, Record>,
+    pub(crate) delta: &'a Shared<'b, Record>,
+    pub(crate) base: &'a Shared<'b, Record>,
+}
+
+/// Velocities of the two bodies of each lane.
+pub(crate) struct Pair<L> {
+    pub(crate) va: Vec3<L>,
+    pub(crate) wa: Vec3<L>,
+    pub(crate) vb: Vec3<L>,
+    pub(crate) wb: Vec3<L>,
+}
+
+impl<L: GatherLanes> Pair<L> {
+    /// # Safety
+    /// The bodies of the batch are this thread's, or are not written in this stage.
+    #[inline(always)]
+    pub(crate) unsafe fn load<const P: usize, const B: usize>(
+        batch: &Batch<L, P, B>,
+        records: &Shared<'_, Record>,
+    ) -> Self {
+        // SAFETY: by the contract.
+        unsafe { Self::load_bodies(&batch.a, if B > 0 { Some(&batch.b[0].index) } else { None }, records) }
+    }
+
+    /// The same of bodies in lists.
+    ///
+    /// # Safety
+    /// As for [`Pair::load`].
+    #[inline(always)]
+    pub(crate) unsafe fn load_bodies(
+        a: &[u32; 8],
+        b: Option<&[u32; 8]>,
+        records: &Shared<'_, Record>,
+    ) -> Self {
+        // SAFETY: by the contract. One by one: a slice of all would include those that other threads write.
+        let record = |i| unsafe { records.read(i) };
+        let (va, wa) = gather(record, a);
+        let (vb, wb) = match b {
+            Some(b) => gather(record, b),
+            None => (Vec3::zero(), Vec3::zero()),
+        };
+        Pair { va, wa, vb, wb }
+    }
+
+    /// # Safety
+    /// As for [`Pair::load`].
+    #[inline(always)]
+    pub(crate) unsafe fn save<const P: usize, const B: usize>(
+        &self,
+        batch: &Batch<L, P, B>,
+        records: &Shared<'_, Record>,
+    ) {
+        let b = if B > 0 { Some((&batch.b[0].index, u32::from(batch.write_b))) } else { None };
+        // SAFETY: by the contract.
+        unsafe { self.save_bodies((&batch.a, u32::from(batch.write_a)), b, records) };
+    }
+
+    /// The same of bodies in lists, with a bit for each that may be written.
+    ///
+    /// # Safety
+    /// As for [`Pair::load`].
+    #[inline(always)]
+    pub(crate) unsafe fn save_bodies(
+        &self,
+        (a, write_a): (&[u32; 8], u32),
+        b: Option<(&[u32; 8], u32)>,
+        records: &Shared<'_, Record>,
+    ) {
+        let write = |linear, angular, index: &[u32; 8], mask: u32| {
+            let out = scatter(linear, angular);
+            for lane in 0..L::N {
+                if mask >> lane & 1 != 0 {
+                    // SAFETY: a lane that may be written has its body alone in this stage.
+                    unsafe { *records.get(index[lane] as usize) = out[lane] };
+                }
+            }
+        };
+        write(self.va, self.wa, a, write_a);
+        if let Some((b, write_b)) = b {
+            write(self.vb, self.wb, b, write_b);
+        }
+    }
+
+    /// Applies an impulse `p` on `b` and `-p` on `a`, with angular impulses `ta` (taken from `a`) and `tb`.
+    #[inline(always)]
+    pub(crate) fn apply<const P: usize, const B: usize>(
+        &mut self,
+        batch: &Batch<L, P, B>,
+        p: Vec3<L>,
+        ta: Vec3<L>,
+        tb: Vec3<L>,
+    ) {
+        let [on_a, on_b] = batch.moving(p);
+        self.va -= on_a * batch.inverse_mass_a;
+        self.wa -= batch.inverse_inertia_a.mul(ta);
+        if B > 0 {
+            let b = &batch.b[0];
+            self.vb += on_b * b.inverse_mass;
+            self.wb += b.inverse_inertia.mul(tb);
+        }
+    }
+}
