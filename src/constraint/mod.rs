@@ -14,7 +14,8 @@ pub(crate) use joint::arrange::{JointInput, JointRows, JointStage, JointType};
 pub(crate) use joint::ends::{JointPass, Recovery};
 pub(crate) use joint::nets::{FOLLOWED, NetInput};
 pub(crate) use joint::run::JointViews;
-pub(crate) use schedule::arrange::{Part, PrepareScratch, Prepared};
+pub(crate) use schedule::arrange::{PrepareScratch, Prepared};
+pub(crate) use schedule::part::Part;
 /// The most that a row of a joint takes in the batches: a lane of them all to itself, or a node of two trees that are alike
 /// with the rows of a cut joint.
 pub(crate) const WIDEST_JOINT_BATCH: usize = {

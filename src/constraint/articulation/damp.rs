@@ -101,13 +101,50 @@ impl<L: GatherLanes> TreeBatch<L> {
     #[inline(never)]
     pub(crate) unsafe fn damp(&mut self, motion: &Motion<'_, '_>, closing: &Closing, lanes: L::Mask) {
         self.damped |= lanes.bits();
-        let (h, inverse_h) = (L::splat(self.h), L::splat(1.0 / self.h));
-        let zero = Vec3::zero();
+        let inverse_h = L::splat(1.0 / self.h);
         for node in &mut self.nodes {
             node.moved.linear = Vec3::select(lanes, node.start.moved.linear, node.moved.linear);
             node.moved.angular = Vec3::select(lanes, node.start.moved.angular, node.moved.angular);
         }
         self.place(L::zero());
+        self.find_closed(closing, lanes);
+        let held = self.open_by(closing.tolerance) & lanes;
+        if held.any() {
+            self.hold(held);
+        }
+        for node in &mut self.nodes {
+            let turn = log(exp(node.moved.angular).compose(exp(node.start.moved.angular).conjugate()));
+            let linear = (node.moved.linear - node.start.moved.linear) * inverse_h;
+            node.velocity = Twist { linear, angular: turn * inverse_h };
+        }
+        let most = self.energy(|node| {
+            let Twist { linear, angular } = node.start.free;
+            Twist { linear, angular: angular + node.start.driven }
+        });
+        self.bound_energy(most, lanes);
+        self.sum_impulses();
+        self.add_motors(|node| &mut node.pushed.angular);
+        self.brace();
+        for node in &mut self.nodes {
+            let gained = node.braced_inverse.mul(node.pushed.angular);
+            node.gained = Vec3::select(lanes, gained, node.gained);
+            // What changes in the velocities before rows, so that beside what other rows gave they warm-start what joints
+            // give now.
+            node.change = node.velocity;
+            node.change.subtract(node.start.free);
+            node.change.subtract(Twist { linear: node.pushed.linear * node.inverse_mass, angular: gained });
+        }
+        // SAFETY: by the contract.
+        unsafe {
+            self.shift(motion, lanes.bits());
+            self.put_back(motion, lanes, held);
+        }
+    }
+
+    /// Moves the bodies of some lanes to where all joints are closed, by Newton's method.
+    fn find_closed(&mut self, closing: &Closing, lanes: L::Mask) {
+        let (h, inverse_h) = (L::splat(self.h), L::splat(1.0 / self.h));
+        let zero = Vec3::zero();
         let mut left = lanes;
         for _ in 0..ROUNDS {
             self.brace_by(lanes);
@@ -157,37 +194,6 @@ impl<L: GatherLanes> TreeBatch<L> {
             if !left.any() {
                 break;
             }
-        }
-        let held = self.open_by(closing.tolerance) & lanes;
-        if held.any() {
-            self.hold(held);
-        }
-        for node in &mut self.nodes {
-            let turn = log(exp(node.moved.angular).compose(exp(node.start.moved.angular).conjugate()));
-            let linear = (node.moved.linear - node.start.moved.linear) * inverse_h;
-            node.velocity = Twist { linear, angular: turn * inverse_h };
-        }
-        let most = self.energy(|node| {
-            let Twist { linear, angular } = node.start.free;
-            Twist { linear, angular: angular + node.start.driven }
-        });
-        self.bound_energy(most, lanes);
-        self.sum_impulses();
-        self.add_motors(|node| &mut node.pushed.angular);
-        self.brace();
-        for node in &mut self.nodes {
-            let gained = node.braced_inverse.mul(node.pushed.angular);
-            node.gained = Vec3::select(lanes, gained, node.gained);
-            // What changes in the velocities before rows, so that beside what other rows gave they warm-start what joints
-            // give now.
-            node.change = node.velocity;
-            node.change.subtract(node.start.free);
-            node.change.subtract(Twist { linear: node.pushed.linear * node.inverse_mass, angular: gained });
-        }
-        // SAFETY: by the contract.
-        unsafe {
-            self.shift(motion, lanes.bits());
-            self.put_back(motion, lanes, held);
         }
     }
 

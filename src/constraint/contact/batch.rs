@@ -1,6 +1,6 @@
 //! Rows of contacts, packed in lanes.
 
-use crate::constraint::schedule::arrange::Part;
+use crate::constraint::schedule::part::Part;
 use crate::lanes::{Lanes, Mask, Sym3, Vec3, f32x8};
 use bytemuck::{Pod, Zeroable};
 

@@ -2,6 +2,7 @@
 
 pub(crate) mod batch;
 pub(crate) mod body_pair;
+mod columns;
 pub(crate) mod crowd;
 pub(crate) mod expect;
 pub(crate) mod friction;

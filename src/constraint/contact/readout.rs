@@ -6,7 +6,7 @@ use super::rows::{Views, with_batch};
 use crate::constraint::joint::arrange::{impulses_of, motors_of};
 use crate::constraint::joint::ends::{NONE, Owned};
 use crate::constraint::joint::run::JointViews;
-use crate::constraint::schedule::arrange::Part;
+use crate::constraint::schedule::part::Part;
 use crate::lanes::Lanes;
 use crate::threads::Shared;
 use glam::Vec3;

@@ -6,7 +6,7 @@ use super::friction::FrictionRow;
 use super::friction_rows::{follow_load, rub};
 use super::impact_friction::potential_load;
 use super::rows::Surface;
-use crate::constraint::schedule::arrange::Part;
+use crate::constraint::schedule::part::Part;
 use crate::lanes::{GatherLanes, Lanes, Mask, Record, Vec3};
 use crate::threads::Shared;
 

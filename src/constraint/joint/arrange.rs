@@ -13,7 +13,7 @@ use crate::constraint::articulation::cut::{Extra, Motor};
 use crate::constraint::articulation::node::Node;
 use crate::constraint::articulation::slots::{Seat, Seated, Seats, TreeRef};
 use crate::constraint::articulation::tree::TreeBatch;
-use crate::constraint::articulation::trees::{Tree, find};
+use crate::constraint::articulation::trees::{Found, Tree, find};
 use crate::constraint::schedule::colour::{COLOURS, Colouring, OVERFLOW};
 use crate::constraint::schedule::order::{Order, Place, RowGroup};
 use crate::joint::{Axes, Joints, Lock, LockKind, Motion, Row, RowKind};
@@ -298,18 +298,15 @@ impl JointRows {
             (enabled(row.joint) && row.drives_hinge()).then(|| place(row.joint, group_of(row)))
         };
         let of_joint = |joint| place(joint, RowGroup::Joints);
-        let (trees, [taken, driven]) = if in_trees {
-            find(joints, bodies, &of_joint, &motor, &enabled)
-        } else {
-            (Vec::new(), [vec![false; joints.locks.len()], vec![false; joints.rows.len()]])
-        };
+        let found =
+            if in_trees { find(joints, bodies, &of_joint, &motor, &enabled) } else { Found::none(joints) };
         // Rows of one place and type are coloured together.
         let mut entries: Vec<(Place, JointType, u32, u32)> = Vec::new();
         let awake =
             |joint: u32| enabled(joint) && [0, 1].iter().any(|&side| body(joint, side) < bodies.dynamic());
-        let rows = joints.rows.iter().enumerate().filter(|(i, r)| !driven[*i] && awake(r.joint));
+        let rows = joints.rows.iter().enumerate().filter(|(i, r)| !found.rows[*i] && awake(r.joint));
         entries.extend(rows.map(|(i, r)| (place(r.joint, group_of(r)), type_of_row(r), i as u32, r.joint)));
-        let locks = joints.locks.iter().enumerate().filter(|(i, l)| !taken[*i] && awake(l.joint));
+        let locks = joints.locks.iter().enumerate().filter(|(i, l)| !found.locks[*i] && awake(l.joint));
         entries.extend(locks.map(|(i, l)| (place(l.joint, RowGroup::Joints), type_of(l), i as u32, l.joint)));
         entries.sort_unstable();
         let mut colouring = Colouring::default();
@@ -325,7 +322,7 @@ impl JointRows {
             parts.sort_by_key(|part| part.0);
             self.add_stages(alike[0].0, alike[0].1, &parts);
         }
-        self.plant(&trees);
+        self.plant(&found.groups);
         self.stages.sort_by_key(|stage| stage.place);
         self.points.resize();
         self.welds.resize();

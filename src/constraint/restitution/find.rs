@@ -44,13 +44,14 @@ pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut 
         });
     }
     // Whether anything closes or not: a scene past its densest moment does not grow any more.
+    let dynamic = input.bodies.dynamic();
     room.fit(&mut impacts.spots, count);
     room.fit(&mut impacts.sites, count);
     room.fit(&mut impacts.queue, count);
     room.fit(&mut impacts.wakeful, count);
-    room.fit(&mut impacts.struck, input.bodies.dynamic());
-    room.fit(&mut impacts.moved, input.bodies.dynamic());
-    room.fit(&mut impacts.standing, input.bodies.dynamic());
+    room.fit(&mut impacts.struck, dynamic);
+    room.fit(&mut impacts.moved, dynamic);
+    room.fit(&mut impacts.standing, dynamic);
     if !any {
         return 0;
     }
@@ -62,23 +63,25 @@ pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut 
             true
         });
     }
-    let dynamic = input.bodies.dynamic() as u32;
-    let pushed = |spot: &Spot| spot.pushed(dynamic);
     // By the bodies, and then in the order of the list, which has no two alike.
-    let mut spots = std::mem::take(&mut impacts.spots);
-    spots.sort_unstable_by_key(|spot| (pushed(spot), spot.order));
-    let place = room.fit(&mut impacts.struck, dynamic as usize);
-    let place = place.min(room.fit(&mut impacts.moved, dynamic as usize));
-    let place = place.min(room.fit(&mut impacts.standing, dynamic as usize));
-    if place < dynamic as usize {
-        impacts.spots = spots;
+    let pushed = |spot: &Spot| spot.pushed(dynamic as u32);
+    impacts.spots.sort_unstable_by_key(|spot| (pushed(spot), spot.order));
+    let place = room.fit(&mut impacts.struck, dynamic);
+    let place = place.min(room.fit(&mut impacts.moved, dynamic));
+    let place = place.min(room.fit(&mut impacts.standing, dynamic));
+    if place < dynamic {
         impacts.clear();
         return shed + 1;
     }
-    let joints = input.joints;
+    list_bodies(input, impacts);
+    shed + list_sites(input, impacts, room)
+}
+
+/// Enters all bodies that can be pushed.
+fn list_bodies(input: &FindInput<'_>, impacts: &mut Restitution) {
     let struck = |i: u32| Struck {
         first: Link::NONE,
-        joined: joints.has_any(input.bodies.slot[i as usize]),
+        joined: input.joints.has_any(input.bodies.slot[i as usize]),
         bounced: false,
         moved: Record::default(),
         listed: false,
@@ -87,8 +90,14 @@ pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut 
         pull: Record::default(),
         turned: None,
     };
-    impacts.struck.extend((0..dynamic).map(struck));
-    let mut first = 0;
+    impacts.struck.extend((0..input.bodies.dynamic() as u32).map(struck));
+}
+
+/// Makes a site of all points of the same bodies, and links it with these. Returns of how many points there was no room for one.
+fn list_sites(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut Room) -> u32 {
+    let pushed = |spot: &Spot| spot.pushed(input.bodies.dynamic() as u32);
+    let (mut first, mut shed) = (0, 0);
+    let spots = std::mem::take(&mut impacts.spots);
     for group in spots.chunk_by(|x, y| pushed(x) == pushed(y)) {
         let bodies = pushed(&group[0]);
         let wakeful = group.iter().any(|spot| input.closes(spot));

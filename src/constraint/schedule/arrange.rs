@@ -1,8 +1,10 @@
 //! Which contacts get rows, in which order: by importance, colour and size.
 
+use super::budget::{Ahead, Thrift, is_ahead};
 use super::colour::{Colouring, OVERFLOW};
 use super::keys::{KINDS, Keys};
 use super::order::{Group, Order, Stage};
+use super::part::Part;
 use crate::constraint::articulation::slots::{Seat, Seated};
 use crate::constraint::contact::batch::BatchRef;
 use crate::constraint::contact::crowd::Crowd;
@@ -10,7 +12,7 @@ use crate::constraint::contact::prepare::PrepareInput;
 use crate::constraint::contact::rows::{Rows, Tally};
 use crate::lanes::ones;
 use crate::memory::{Amounts, Buffer, Category, Room, Rooms, bytes_of};
-use crate::narrow_phase::{Contact, NONE, Threshold, Weight};
+use crate::narrow_phase::{Contact, NONE, Weight};
 
 /// What preparing counted.
 #[derive(Clone, Copy, Debug, Default)]
@@ -23,44 +25,6 @@ pub(crate) struct Prepared {
     pub(crate) impacts: u32,
     /// Points that there was no room for.
     pub(crate) shed: u32,
-}
-
-/// A contact, or some of its points, in a lane of a batch.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Part(pub(crate) u32);
-
-impl Part {
-    const SLOT: u32 = (1 << 27) - 1;
-    /// Its other points have parts of their own.
-    const APART: u32 = 1 << 27;
-    /// The first of four bits, one for each point; none of them if the part has all.
-    const POINTS: u32 = 28;
-    /// An inert lane.
-    pub(crate) const NONE: Part = Part(u32::MAX);
-
-    /// Of points by bits, or of all.
-    fn of(slot: u32, points: u32) -> Part {
-        Part(slot | points << Self::POINTS)
-    }
-    fn point(slot: u32, point: usize) -> Part {
-        Part(slot | Self::APART | 1 << (Self::POINTS + point as u32))
-    }
-    pub(crate) fn slot(self) -> usize {
-        (self.0 & Self::SLOT) as usize
-    }
-    /// The point, if the others are not in this part but in others.
-    pub(crate) fn only(self) -> Option<usize> {
-        (self.0 & Self::APART != 0).then(|| (self.0 >> Self::POINTS).trailing_zeros() as usize)
-    }
-    /// Whether it is a contact of which some points have no rows.
-    pub(crate) fn is_cut(self) -> bool {
-        self.0 & Self::APART == 0 && self.0 >> Self::POINTS != 0
-    }
-    /// Its points, a bit each.
-    pub(crate) fn points(self, contact: &Contact) -> u32 {
-        let own = self.0 >> Self::POINTS;
-        if own == 0 { (1 << contact.count) - 1 } else { own }
-    }
 }
 
 /// Buffers of one step.
@@ -141,72 +105,6 @@ impl PrepareScratch {
 /// Overlap of two bodies from which on it counts for [`Crowd`] [slops]: what rests or was just hit has less.
 const DEEP: f32 = 20.0;
 
-/// What rows do without where there is no room for all, from what is missed least on. All of one comes before any of the next.
-#[derive(Clone, Copy, Debug)]
-struct Thrift {
-    /// How many parts there is place for in the lists of the step.
-    place: usize,
-    /// Batches that are mostly empty are single rows: slower, and otherwise the same.
-    thin: bool,
-    /// Of contacts that nothing approaches, those that keep their rows.
-    idle: Threshold,
-    /// Of others, those that keep points that they don't need, and those that keep any.
-    spare: Threshold,
-    any: Threshold,
-}
-
-impl Thrift {
-    const NONE: Thrift = Thrift {
-        place: usize::MAX,
-        thin: false,
-        idle: Threshold::ALL,
-        spare: Threshold::ALL,
-        any: Threshold::ALL,
-    };
-
-    /// After so many of [`Thrift::steps`], with so many contacts of each weight.
-    fn after(step: u32, counts: &[u32; Weight::COUNT], place: usize) -> Thrift {
-        let (idle, needed) = Self::classes(counts);
-        let mut left = step.saturating_sub(1);
-        let mut next = |from: Weight, all: u32| {
-            let gone = left.min(all);
-            left -= gone;
-            Threshold::without(counts, from, gone)
-        };
-        Thrift {
-            place,
-            thin: step > 0,
-            idle: next(Weight::default(), idle),
-            spare: next(Weight::NEEDED, needed),
-            any: next(Weight::NEEDED, needed),
-        }
-    }
-
-    /// How many steps there are until nothing is left.
-    fn steps(counts: &[u32; Weight::COUNT]) -> u32 {
-        let (idle, needed) = Self::classes(counts);
-        1 + idle + 2 * needed
-    }
-
-    fn classes(counts: &[u32; Weight::COUNT]) -> (u32, u32) {
-        let (idle, needed) = counts.split_at(Weight::NEEDED.index());
-        (idle.iter().sum(), needed.iter().sum())
-    }
-
-    /// The points of a contact that keep their rows, a bit each. Asked of each in the same order.
-    fn points(&mut self, contact: &Contact, weight: Weight) -> u32 {
-        let all = (1 << contact.count) - 1;
-        if !weight.is_needed() {
-            return if self.idle.keeps(weight) { all } else { 0 };
-        }
-        match [&mut self.any, &mut self.spare].map(|floor| floor.keeps(weight)) {
-            [false, _] => 0,
-            [_, false] => contact.needed(),
-            _ => all,
-        }
-    }
-}
-
 /// Sorts the contacts and makes place for their batches. Where there is no room for all, what is missed least does without.
 pub(crate) fn arrange(
     input: &PrepareInput<'_>,
@@ -215,7 +113,7 @@ pub(crate) fn arrange(
     rooms: &mut Rooms,
 ) -> Prepared {
     if rooms.is_endless() {
-        let (prepared, ..) = sort(input, scratch, None, Ahead::ANY);
+        let (prepared, _) = sort(input, scratch, None, Ahead::ANY);
         let batches = schedule(input, rows, scratch, false);
         rooms.within(Category::Rows, |room| rows.resize(&batches, room));
         return prepared;
@@ -225,11 +123,10 @@ pub(crate) fn arrange(
     let ahead = Ahead::new(input);
     let total = count(input, ahead);
     let place = scratch.make_place(total as usize, !input.seats.is_empty(), rows, rooms);
-    let (mut prepared, lost, fits) = sort(input, scratch, Some(Thrift { place, ..Thrift::NONE }), ahead);
+    let (prepared, fits) = sort(input, scratch, Some(Thrift::none(place)), ahead);
     let batches = schedule(input, rows, scratch, false);
     if fits && rooms.within(Category::Rows, |room| rows.make_place(&batches, room)) {
         rooms.within(Category::Rows, |room| rows.resize(&batches, room));
-        prepared.shed = lost;
         return prepared;
     }
     let mut counts = [0; Weight::COUNT];
@@ -241,68 +138,15 @@ pub(crate) fn arrange(
         let last = enough - too_few <= near;
         let step = if last { enough } else { too_few.midpoint(enough) };
         let thrift = Thrift::after(step, &counts, place);
-        let (mut prepared, lost, fits) = sort(input, scratch, Some(thrift), ahead);
+        let (prepared, fits) = sort(input, scratch, Some(thrift), ahead);
         let batches = schedule(input, rows, scratch, true);
         let fits = fits && rooms.within(Category::Rows, |room| rows.make_place(&batches, room));
         if last {
             rooms.within(Category::Rows, |room| rows.resize(&batches, room));
-            prepared.shed = lost;
             return prepared;
         }
         *if fits { &mut enough } else { &mut too_few } = step;
     }
-}
-
-/// Bytes that are granted to contacts that only continuous collision makes: of bodies among themselves, and with what is
-/// static.
-#[derive(Clone, Copy, Debug)]
-struct Ahead {
-    left: [usize; 2],
-    /// Bytes of the contact and a lane of a batch: with what may move and what is static, by the number of points.
-    cost: [[usize; 4]; 2],
-}
-
-impl Ahead {
-    /// Without a limit.
-    const ANY: Ahead = Ahead { left: [usize::MAX; 2], cost: [[0; 4]; 2] };
-
-    /// As much as is left, first for contacts with what is static.
-    fn new(input: &PrepareInput<'_>) -> Ahead {
-        if input.ahead == usize::MAX {
-            return Ahead::ANY;
-        }
-        let whole = Ahead {
-            left: [input.ahead, 0],
-            cost: ahead_lanes(input).map(|side| side.map(|lane| lane.div_ceil(8) + size_of::<Contact>())),
-        };
-        let mut of_static = 0;
-        each_contact(input, |_, contact| {
-            let group = group_of(input, contact);
-            if is_ahead(input, contact) && group.is_static() {
-                of_static += whole.cost(contact, group);
-            }
-        });
-        let of_static = of_static.min(input.ahead);
-        Ahead { left: [input.ahead - of_static, of_static], ..whole }
-    }
-
-    fn cost(&self, contact: &Contact, group: Group) -> usize {
-        self.cost[usize::from(group.is_static())][contact.count as usize - 1]
-    }
-
-    /// Whether there is enough left for a contact of a group; takes it off if so.
-    fn admits(&mut self, contact: &Contact, group: Group) -> bool {
-        let cost = self.cost(contact, group);
-        let left = &mut self.left[usize::from(group.is_static())];
-        let rest = left.checked_sub(cost);
-        *left = rest.unwrap_or(*left);
-        rest.is_some()
-    }
-}
-
-/// Whether discrete physics would not look for any point of it.
-fn is_ahead(input: &PrepareInput<'_>, contact: &Contact) -> bool {
-    contact.points().iter().all(|p| p.separation > input.near)
 }
 
 /// How many parts there are, but for contacts beyond the limit of continuous collision.
@@ -316,7 +160,7 @@ fn count(input: &PrepareInput<'_>, mut ahead: Ahead) -> u32 {
     parts
 }
 
-fn each_contact<'a>(input: &PrepareInput<'a>, mut f: impl FnMut(u32, &'a Contact)) {
+pub(super) fn each_contact<'a>(input: &PrepareInput<'a>, mut f: impl FnMut(u32, &'a Contact)) {
     let dynamic = input.bodies.dynamic();
     for pair in input.pairs {
         let mut slot = if pair.is_idle(input.hot, dynamic) { NONE } else { pair.contact };
@@ -330,7 +174,7 @@ fn each_contact<'a>(input: &PrepareInput<'a>, mut f: impl FnMut(u32, &'a Contact
     }
 }
 
-fn group_of(input: &PrepareInput<'_>, contact: &Contact) -> Group {
+pub(super) fn group_of(input: &PrepareInput<'_>, contact: &Contact) -> Group {
     let movers = input.bodies.movers();
     let still = |c: u32| input.hot[c as usize].body as usize >= movers;
     let potential = contact.points().iter().all(|p| p.separation > input.real);
@@ -367,24 +211,55 @@ impl PrepareScratch {
         rows.seated.widen(if seated { place } else { 0 });
         place
     }
+
+    /// Puts the entries in the order in which they are solved, and those of trees by their nodes.
+    fn line_up(&mut self, input: &PrepareInput<'_>, room: &mut Room) {
+        let PrepareScratch { keys, entries, sorted, .. } = self;
+        keys.line_up();
+        room.fit(sorted, entries.len());
+        sorted.clear();
+        sorted.resize(entries.len(), Part::NONE);
+        for &(part, key) in entries.iter() {
+            sorted[keys.place_of(key)] = part;
+        }
+        if !input.seats.is_empty() {
+            for (layer, colour) in keys.colours() {
+                let ends = keys.ends(layer, colour);
+                let seated = ends[KINDS - 2] as usize..ends[KINDS - 1] as usize;
+                sorted[seated].sort_unstable_by_key(|part| seat_of(input, *part));
+            }
+        }
+    }
+
+    /// Notes the bytes of contacts that continuous collision alone makes, and of their rows, a lane of a batch each. `ahead`:
+    /// how many there are with what may move and what is static, by the number of points.
+    fn note_ahead(&mut self, input: &PrepareInput<'_>, ahead: &[[usize; 4]; 2]) {
+        let (ahead, batches) = (ahead.as_flattened(), ahead_lanes(input));
+        let rows: usize = ahead.iter().zip(batches.as_flattened()).map(|(n, batch)| n * batch / 8).sum();
+        self.ahead = (ahead.iter().sum::<usize>() * size_of::<Contact>(), rows);
+        // The most of both together, which the limit of continuous collision bounds.
+        let (now, most) = (self.ahead, &mut self.most_ahead);
+        if now.0 + now.1 > most.0 + most.1 {
+            *most = now;
+        }
+    }
 }
 
-/// Contacts by group, colour and number of points, and what they count. Says how many points are left out, and whether there was
-/// place for all others.
+/// Contacts by group, colour and number of points, and what they count. Says whether there was place for all that were not shed.
 fn sort(
     input: &PrepareInput<'_>,
     scratch: &mut PrepareScratch,
     mut thrift: Option<Thrift>,
     mut granted: Ahead,
-) -> (Prepared, u32, bool) {
-    let PrepareScratch { colouring, keys, crowd, entries, sorted, .. } = scratch;
+) -> (Prepared, bool) {
+    let PrepareScratch { colouring, keys, crowd, entries, .. } = scratch;
     let dynamic = input.bodies.dynamic();
     crowd.clear();
     colouring.iter_mut().for_each(|c| c.reset(dynamic));
     entries.clear();
     keys.reset(input.order, input.bodies.raises());
     let (movers, any_raised) = (input.bodies.movers(), keys.any_raised());
-    let (mut prepared, mut shed, mut fits) = (Prepared::default(), 0, true);
+    let (mut prepared, mut fits) = (Prepared::default(), true);
     let place = thrift.map_or(usize::MAX, |thrift| thrift.place);
     // Under a budget there is place for all.
     let mut room = Room::ENDLESS;
@@ -403,7 +278,7 @@ fn sort(
         prepared.potential += u32::from(contact.count) - touching;
         if is_ahead(input, contact) {
             if !granted.admits(contact, group) {
-                shed += u32::from(contact.count);
+                prepared.shed += u32::from(contact.count);
                 return;
             }
             ahead[usize::from(group.is_static())][contact.count as usize - 1] += 1;
@@ -419,7 +294,7 @@ fn sort(
             Some(thrift) if thrift.thin => thrift.points(contact, input.scale.of(contact)),
             _ => all,
         };
-        shed += (all & !kept).count_ones();
+        prepared.shed += (all & !kept).count_ones();
         let mut enter = |part: Part, count: usize| {
             if entries.len() == place {
                 fits = false;
@@ -442,35 +317,14 @@ fn sort(
             crowd.touch((body(contact.a), body(contact.b)), &input.bodies.velocity, movers);
         });
     }
-    keys.line_up();
-    room.fit(sorted, entries.len());
-    sorted.clear();
-    sorted.resize(entries.len(), Part::NONE);
-    for &(part, key) in entries.iter() {
-        sorted[keys.place_of(key)] = part;
-    }
-    if !input.seats.is_empty() {
-        for (layer, colour) in keys.colours() {
-            let ends = keys.ends(layer, colour);
-            let seated = ends[KINDS - 2] as usize..ends[KINDS - 1] as usize;
-            sorted[seated].sort_unstable_by_key(|part| seat_of(input, *part));
-        }
-    }
-    // A lane of a batch each.
-    let (ahead, batches) = (ahead.as_flattened(), ahead_lanes(input));
-    let rows: usize = ahead.iter().zip(batches.as_flattened()).map(|(n, batch)| n * batch / 8).sum();
-    scratch.ahead = (ahead.iter().sum::<usize>() * size_of::<Contact>(), rows);
-    // The most of both together, which the limit of continuous collision bounds.
-    let (now, most) = (scratch.ahead, &mut scratch.most_ahead);
-    if now.0 + now.1 > most.0 + most.1 {
-        *most = now;
-    }
-    (prepared, shed, fits)
+    scratch.line_up(input, &mut room);
+    scratch.note_ahead(input, &ahead);
+    (prepared, fits)
 }
 
 /// Bytes of batches of contacts that may touch, with their friction: with what may move and what is static, by the number of
 /// points.
-fn ahead_lanes(input: &PrepareInput<'_>) -> [[usize; 4]; 2] {
+pub(super) fn ahead_lanes(input: &PrepareInput<'_>) -> [[usize; 4]; 2] {
     Rows::SIZES.map(|side| std::array::from_fn(|i| side[i] + if input.friction { side[7] } else { 0 }))
 }
 
