@@ -3,12 +3,10 @@
 use super::batch::{Batch, BatchRef};
 use super::friction::FrictionView;
 use super::rows::{Views, with_batch};
-use crate::constraint::joint::arrange::{impulses_of, motors_of};
-use crate::constraint::joint::ends::{NONE, Owned};
 use crate::constraint::joint::run::JointViews;
+use crate::constraint::joint::store::{Report, RowImpulse, report_locks, report_motors};
 use crate::constraint::schedule::part::Part;
 use crate::lanes::Lanes;
-use crate::threads::Shared;
 use glam::Vec3;
 
 /// A normal row.
@@ -172,48 +170,38 @@ impl Views<'_> {
 }
 
 impl JointViews<'_> {
-    /// Calls `lock` with each lock and its impulse, and `row` with each other row, its impulses at both ends, and the directions
-    /// of force and torque that they act along.
+    /// Calls `lock` with each lock and its impulse, and `row` with each other row and its own.
     ///
     /// # Safety
     /// No other thread works on the batches.
     pub(crate) unsafe fn each_impulse(
         &self,
-        mut lock: &mut dyn FnMut(u32, Vec3),
-        mut row: &mut dyn FnMut(u32, ([f32; 2], Vec3, Vec3)),
+        lock: &mut dyn FnMut(u32, Vec3),
+        row: &mut dyn FnMut(u32, RowImpulse),
     ) {
+        let mut to = Call { lock, row };
         // SAFETY: by the contract.
         unsafe {
-            each(&self.points, &self.point, &mut lock);
-            each(&self.lines, &self.line, &mut lock);
-            each(&self.welds, &self.weld, &mut lock);
-            each(&self.hinges, &self.hinge, &mut lock);
-            self.trees.all().iter().for_each(|batch| impulses_of(batch, &mut lock));
-            self.tree.all().iter().for_each(|batch| impulses_of(batch, &mut lock));
-            each(&self.slides, &self.slide, &mut row);
-            each(&self.distances, &self.distance, &mut row);
-            each(&self.twists, &self.twist, &mut row);
-            each(&self.tilts, &self.tilt, &mut row);
-            each(&self.turns, &self.turn, &mut row);
-            self.trees.all().iter().for_each(|batch| motors_of(batch, &mut row));
-            self.tree.all().iter().for_each(|batch| motors_of(batch, &mut row));
+            self.tables.report(true, &mut to);
+            self.trees.all().iter().for_each(|batch| report_locks(batch, &mut to));
+            self.single_trees.all().iter().for_each(|batch| report_locks(batch, &mut to));
+            self.tables.report(false, &mut to);
+            self.trees.all().iter().for_each(|batch| report_motors(batch, &mut to));
+            self.single_trees.all().iter().for_each(|batch| report_motors(batch, &mut to));
         }
     }
 }
 
-/// # Safety
-/// As for [`JointViews::each_impulse`].
-unsafe fn each<T, B8: Owned<Load = T>, B1: Owned<Load = T>>(
-    lanes: &Shared<'_, B8>,
-    single: &Shared<'_, B1>,
-    f: &mut impl FnMut(u32, T),
-) {
-    // SAFETY: by the contract.
-    let (lanes, single) = unsafe { (lanes.all(), single.all()) };
-    for batch in lanes {
-        for (lane, &own) in batch.owners().iter().enumerate().filter(|(_, own)| **own != NONE) {
-            f(own, batch.load(lane));
-        }
+struct Call<'a> {
+    lock: &'a mut dyn FnMut(u32, Vec3),
+    row: &'a mut dyn FnMut(u32, RowImpulse),
+}
+
+impl Report for Call<'_> {
+    fn lock(&mut self, owner: u32, impulse: Vec3) {
+        (self.lock)(owner, impulse);
     }
-    single.iter().for_each(|batch| f(batch.owners()[0], batch.load(0)));
+    fn row(&mut self, owner: u32, impulse: RowImpulse) {
+        (self.row)(owner, impulse);
+    }
 }

@@ -1,6 +1,6 @@
 //! A kind of joint that a scene does not have takes no bytes.
 
-use super::{JointRows, bytes_of_trees};
+use super::{AnyTable, JointRows, bytes_of_trees};
 use crate::{
     Axis, BodyDesc, BodyHandle, Drive, Frame, Geometry, JointDesc, MassProperties, Motion, Settings,
     ShapeDesc, World,
@@ -10,18 +10,18 @@ use glam::{Mat3, Vec3};
 /// What a table is for, and its live and reserved bytes.
 fn tables(rows: &JointRows) -> [(&'static str, (usize, usize)); 12] {
     [
-        ("points", rows.points.bytes()),
-        ("welds", rows.welds.bytes()),
-        ("hinges", rows.hinges.bytes()),
-        ("lines", rows.lines.bytes()),
-        ("slides", rows.slides.bytes()),
-        ("distances", rows.distances.bytes()),
-        ("twists", rows.twists.bytes()),
-        ("tilts", rows.tilts.bytes()),
-        ("turns", rows.turns.bytes()),
+        ("points", rows.tables.points.bytes()),
+        ("welds", rows.tables.welds.bytes()),
+        ("hinges", rows.tables.hinges.bytes()),
+        ("lines", rows.tables.lines.bytes()),
+        ("slides", rows.tables.slides.bytes()),
+        ("distances", rows.tables.distances.bytes()),
+        ("twists", rows.tables.twists.bytes()),
+        ("tilts", rows.tables.tilts.bytes()),
+        ("turns", rows.tables.turns.bytes()),
         ("seats", rows.seats.bytes()),
         ("trees", bytes_of_trees(&rows.trees)),
-        ("single trees", bytes_of_trees(&rows.tree)),
+        ("single trees", bytes_of_trees(&rows.single_trees)),
     ]
 }
 

@@ -54,14 +54,6 @@ impl JointPass {
     }
 }
 
-/// A batch whose impulses go back to where they came from.
-pub(crate) trait Owned {
-    /// What a lane has to tell.
-    type Load;
-    fn owners(&self) -> &[u32; 8];
-    fn load(&self, lane: usize) -> Self::Load;
-}
-
 /// Instead of an index: an inert lane.
 pub(crate) const NONE: u32 = u32::MAX;
 

@@ -58,7 +58,7 @@ fn close<L: Lanes>(ends: &mut Ends<L>) {
     }
 }
 
-pub(crate) fn point<L: GatherLanes>(batch: &mut PointBatch<L>, owners: &[u32], input: &JointInput<'_>) {
+pub(crate) fn fill_point<L: GatherLanes>(batch: &mut PointBatch<L>, owners: &[u32], input: &JointInput<'_>) {
     *batch = PointBatch::default();
     for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
         let lock = &input.joints.locks[owner as usize];
@@ -81,7 +81,7 @@ pub(crate) fn get_sym<L: Lanes>(m: &Sym3<L>, lane: usize) -> Sym3<f32> {
     Sym3 { xx, yy, zz, xy, xz, yz }
 }
 
-pub(crate) fn line<L: GatherLanes>(batch: &mut LineBatch<L>, owners: &[u32], input: &JointInput<'_>) {
+pub(crate) fn fill_line<L: GatherLanes>(batch: &mut LineBatch<L>, owners: &[u32], input: &JointInput<'_>) {
     *batch = LineBatch::default();
     for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
         let lock = &input.joints.locks[owner as usize];
@@ -107,7 +107,7 @@ fn put_sym<L: Lanes>(m: &mut Sym3<L>, lane: usize, v: &Sym3<f32>) {
     m.yz.set_lane(lane, v.yz);
 }
 
-pub(crate) fn turn<L: GatherLanes, const HINGE: bool>(
+pub(crate) fn fill_turn<L: GatherLanes, const HINGE: bool>(
     batch: &mut TurnBatch<L, HINGE>,
     owners: &[u32],
     input: &JointInput<'_>,
@@ -137,7 +137,7 @@ pub(crate) fn turn<L: GatherLanes, const HINGE: bool>(
     batch.mass = if HINGE { across(&turning, batch.axis_now) } else { inverse(&turning) };
 }
 
-pub(crate) fn row<L: GatherLanes, M: Measure<L>>(
+pub(crate) fn fill_row<L: GatherLanes, M: Measure<L>>(
     batch: &mut RowBatch<L, M>,
     owners: &[u32],
     input: &JointInput<'_>,
@@ -288,7 +288,7 @@ const AWRY: f32 = 0.05;
 const GONE: f32 = 1e-4;
 
 /// `touching`: dynamic bodies that have contacts.
-pub(crate) fn tree<L: GatherLanes>(
+pub(crate) fn fill_tree<L: GatherLanes>(
     batch: &mut TreeBatch<L>,
     input: &JointInput<'_>,
     inverse_inertia: &[Sym3<f32>],

@@ -1,9 +1,13 @@
 //! A point of the second body that stays on a line of the first: sliders, and the hubs of wheels. Its two directions are solved
 //! at once, and turn with the first body.
 
-use super::ends::{Ends, JointPass, Owned, across, seen, turned};
+use super::arrange::JointInput;
+use super::ends::{Ends, JointPass, Recovery, across, seen, turned};
+use super::fill::fill_line;
 use super::lock::{at_most, mobility};
-use crate::constraint::contact::row::{Motion, Pair};
+use super::store::Report;
+use super::table::JointBatch;
+use crate::constraint::contact::row::Pair;
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
 
 /// Points on lines.
@@ -51,16 +55,6 @@ impl<L: Lanes> Default for LineBatch<L> {
     }
 }
 
-impl<L: Lanes> Owned for LineBatch<L> {
-    type Load = glam::Vec3;
-    fn owners(&self) -> &[u32; 8] {
-        &self.ends.owner
-    }
-    fn load(&self, lane: usize) -> glam::Vec3 {
-        self.impulse.lane(lane)
-    }
-}
-
 impl<L: GatherLanes> LineBatch<L> {
     /// Takes all as it is at the start of a step.
     pub(crate) fn begin(&mut self) {
@@ -78,71 +72,20 @@ impl<L: GatherLanes> LineBatch<L> {
         self.held -= self.axis_now * self.axis_now.dot(self.held);
         along
     }
+}
 
-    /// Applies the impulses of the last step.
-    ///
-    /// # Safety
-    /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(never)]
-    pub(crate) unsafe fn warm_start(&self, motion: &Motion<'_, '_>) {
-        // SAFETY: by the contract.
-        unsafe {
-            let mut v = self.ends.load(motion.velocity);
-            self.ends.apply(&mut v, self.impulse, self.moment[0], self.moment[1]);
-            self.ends.save(&v, motion);
-        }
+impl<L: GatherLanes> JointBatch<L> for LineBatch<L> {
+    const IS_LOCK: bool = true;
+    const SLIDES: bool = true;
+
+    fn ends(&self) -> &Ends<L> {
+        &self.ends
     }
 
-    /// One Gauss-Seidel step.
-    ///
-    /// # Safety
-    /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(never)] // See `JointRows::step`.
-    pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
-        if pass.moved {
-            // SAFETY: displacements are not written while rows are solved.
-            let d = unsafe { self.ends.load(motion.delta) };
-            self.follow(&d);
-        }
-        // SAFETY: by the contract.
-        let mut v = unsafe { self.ends.load(motion.velocity) };
-        let [ra, rb] = self.arm_now;
-        if !pass.relax {
-            // As for points: what acted turns too.
-            let along = self.bear();
-            let moment = self.arm_now.map(|arm| arm.cross(self.impulse));
-            let [ta, tb] = [moment[0] - self.moment[0], moment[1] - self.moment[1]];
-            self.ends.apply(&mut v, -along, ta, tb);
-            self.moment = moment;
-        }
-        let slip = seen(&v, &self.arm_now, pass.ahead());
-        let p = -self.mass.mul(slip);
-        let (ta, tb) = (ra.cross(p), rb.cross(p));
-        self.impulse += p;
-        self.moment[0] += ta;
-        self.moment[1] += tb;
-        self.ends.apply(&mut v, p, ta, tb);
-        // SAFETY: by the contract.
-        unsafe { self.ends.save(&v, motion) };
+    fn fill(&mut self, owners: &[u32], input: &JointInput<'_>) {
+        fill_line(self, owners, input);
     }
 
-    /// Moves the bodies so that the point is on the line.
-    ///
-    /// # Safety
-    /// No other thread works on the bodies of the batch, and none writes their displacements.
-    #[inline(never)]
-    pub(crate) unsafe fn close(&mut self, motion: &Motion<'_, '_>, most: f32) {
-        // SAFETY: by the contract.
-        let mut d = unsafe { self.ends.load(motion.delta) };
-        self.follow(&d);
-        let [ra, rb] = self.arm_now;
-        let p = -self.mass.mul(at_most(self.apart_now, most));
-        self.ends.apply(&mut d, p, ra.cross(p), rb.cross(p));
-        // SAFETY: by the contract.
-        unsafe { self.ends.save_moved(&d, motion) };
-    }
-
-    /// Line, arms, separation and mass after displacements.
     #[inline(always)]
     fn follow(&mut self, d: &Pair<L>) {
         let [ra, rb] = self.arm;
@@ -152,5 +95,41 @@ impl<L: GatherLanes> LineBatch<L> {
         self.arm_now = [now_a + apart, now_b];
         self.apart_now = apart - self.axis_now * self.axis_now.dot(apart);
         self.mass = across(&mobility(&self.ends, &self.arm_now), self.axis_now);
+    }
+
+    #[inline(always)]
+    fn apply(&self, v: &mut Pair<L>) {
+        self.ends.apply(v, self.impulse, self.moment[0], self.moment[1]);
+    }
+
+    #[inline(always)]
+    fn sweep(&mut self, v: &mut Pair<L>, pass: &JointPass) {
+        let [ra, rb] = self.arm_now;
+        if !pass.relax {
+            // As for points: what acted turns too.
+            let along = self.bear();
+            let moment = self.arm_now.map(|arm| arm.cross(self.impulse));
+            let [ta, tb] = [moment[0] - self.moment[0], moment[1] - self.moment[1]];
+            self.ends.apply(v, -along, ta, tb);
+            self.moment = moment;
+        }
+        let slip = seen(v, &self.arm_now, pass.ahead());
+        let p = -self.mass.mul(slip);
+        let (ta, tb) = (ra.cross(p), rb.cross(p));
+        self.impulse += p;
+        self.moment[0] += ta;
+        self.moment[1] += tb;
+        self.ends.apply(v, p, ta, tb);
+    }
+
+    #[inline(always)]
+    fn correct(&self, d: &mut Pair<L>, most: Recovery) {
+        let [ra, rb] = self.arm_now;
+        let p = -self.mass.mul(at_most(self.apart_now, most.linear));
+        self.ends.apply(d, p, ra.cross(p), rb.cross(p));
+    }
+
+    fn report(&self, lane: usize, to: &mut impl Report) {
+        to.lock(self.ends.owner[lane], self.impulse.lane(lane));
     }
 }

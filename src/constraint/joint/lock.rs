@@ -4,8 +4,12 @@
 //! Within a step bodies turn, and a lock that knew them only as they were at its start would let a swinging chain drift
 //! apart: arms are turned along, and so is the effective mass.
 
-use super::ends::{Ends, JointPass, Owned, TINY, across, inverse, swerve, turned};
-use crate::constraint::contact::row::{Motion, Pair};
+use super::arrange::JointInput;
+use super::ends::{Ends, JointPass, Recovery, TINY, across, inverse, swerve, turned};
+use super::fill::{fill_point, fill_turn};
+use super::store::Report;
+use super::table::JointBatch;
+use crate::constraint::contact::row::Pair;
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
 
 /// Points that stay together.
@@ -48,16 +52,6 @@ impl<L: Lanes> Default for PointBatch<L> {
     }
 }
 
-impl<L: Lanes> Owned for PointBatch<L> {
-    type Load = glam::Vec3;
-    fn owners(&self) -> &[u32; 8] {
-        &self.ends.owner
-    }
-    fn load(&self, lane: usize) -> glam::Vec3 {
-        self.impulse.lane(lane)
-    }
-}
-
 /// Velocity of the second point per impulse on it: the matrix whose inverse is the effective mass [1/kg].
 #[inline(always)]
 pub(crate) fn mobility<L: GatherLanes>(ends: &Ends<L>, arm: &[Vec3<L>; 2]) -> Sym3<L> {
@@ -87,35 +81,35 @@ pub(crate) fn mobility<L: GatherLanes>(ends: &Ends<L>, arm: &[Vec3<L>; 2]) -> Sy
     sum
 }
 
-impl<L: GatherLanes> PointBatch<L> {
-    /// Applies the impulses of the last step.
-    ///
-    /// # Safety
-    /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(never)]
-    pub(crate) unsafe fn warm_start(&self, motion: &Motion<'_, '_>) {
-        // SAFETY: by the contract.
-        unsafe {
-            let mut v = self.ends.load(motion.velocity);
-            let [ra, rb] = self.arm_now;
-            self.ends.apply(&mut v, self.impulse, ra.cross(self.impulse), rb.cross(self.impulse));
-            self.ends.save(&v, motion);
-        }
+impl<L: GatherLanes> JointBatch<L> for PointBatch<L> {
+    const IS_LOCK: bool = true;
+    const SLIDES: bool = false;
+
+    fn ends(&self) -> &Ends<L> {
+        &self.ends
     }
 
-    /// One Gauss-Seidel step.
-    ///
-    /// # Safety
-    /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(never)] // See `JointRows::step`.
-    pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
-        if pass.moved {
-            // SAFETY: displacements are not written while rows are solved.
-            let d = unsafe { self.ends.load(motion.delta) };
-            self.follow(&d);
-        }
-        // SAFETY: by the contract.
-        let mut v = unsafe { self.ends.load(motion.velocity) };
+    fn fill(&mut self, owners: &[u32], input: &JointInput<'_>) {
+        fill_point(self, owners, input);
+    }
+
+    #[inline(always)]
+    fn follow(&mut self, d: &Pair<L>) {
+        let [ra, rb] = self.arm;
+        self.arm_now = [turned(d.wa, ra), turned(d.wb, rb)];
+        let [now_a, now_b] = self.arm_now;
+        self.apart_now = self.apart + (d.vb - d.va) + (now_b - rb) - (now_a - ra);
+        self.mass = inverse(&mobility(&self.ends, &self.arm_now));
+    }
+
+    #[inline(always)]
+    fn apply(&self, v: &mut Pair<L>) {
+        let [ra, rb] = self.arm_now;
+        self.ends.apply(v, self.impulse, ra.cross(self.impulse), rb.cross(self.impulse));
+    }
+
+    #[inline(always)]
+    fn sweep(&mut self, v: &mut Pair<L>, pass: &JointPass) {
         let [ra, rb] = self.arm_now;
         if pass.fresh {
             // Warm starting was an addition to the velocities, as if bodies had not turned. What acted at arms that turn
@@ -131,35 +125,18 @@ impl<L: GatherLanes> PointBatch<L> {
         self.impulse += p;
         self.moment[0] += ta;
         self.moment[1] += tb;
-        self.ends.apply(&mut v, p, ta, tb);
-        // SAFETY: by the contract.
-        unsafe { self.ends.save(&v, motion) };
+        self.ends.apply(v, p, ta, tb);
     }
 
-    /// Moves the bodies so that the points are together.
-    ///
-    /// # Safety
-    /// No other thread works on the bodies of the batch, and none writes their displacements.
-    #[inline(never)]
-    pub(crate) unsafe fn close(&mut self, motion: &Motion<'_, '_>, most: f32) {
-        // SAFETY: by the contract.
-        let mut d = unsafe { self.ends.load(motion.delta) };
-        self.follow(&d);
-        let [ra, rb] = self.arm_now;
-        let p = -self.mass.mul(at_most(self.apart_now, most));
-        self.ends.apply(&mut d, p, ra.cross(p), rb.cross(p));
-        // SAFETY: by the contract.
-        unsafe { self.ends.save_moved(&d, motion) };
-    }
-
-    /// Arms, separation and mass after displacements.
     #[inline(always)]
-    fn follow(&mut self, d: &Pair<L>) {
-        let [ra, rb] = self.arm;
-        self.arm_now = [turned(d.wa, ra), turned(d.wb, rb)];
-        let [now_a, now_b] = self.arm_now;
-        self.apart_now = self.apart + (d.vb - d.va) + (now_b - rb) - (now_a - ra);
-        self.mass = inverse(&mobility(&self.ends, &self.arm_now));
+    fn correct(&self, d: &mut Pair<L>, most: Recovery) {
+        let [ra, rb] = self.arm_now;
+        let p = -self.mass.mul(at_most(self.apart_now, most.linear));
+        self.ends.apply(d, p, ra.cross(p), rb.cross(p));
+    }
+
+    fn report(&self, lane: usize, to: &mut impl Report) {
+        to.lock(self.ends.owner[lane], self.impulse.lane(lane));
     }
 }
 
@@ -207,78 +184,18 @@ impl<L: Lanes, const HINGE: bool> Default for TurnBatch<L, HINGE> {
     }
 }
 
-impl<L: Lanes, const HINGE: bool> Owned for TurnBatch<L, HINGE> {
-    type Load = glam::Vec3;
-    fn owners(&self) -> &[u32; 8] {
-        &self.ends.owner
-    }
-    fn load(&self, lane: usize) -> glam::Vec3 {
-        self.impulse.lane(lane)
-    }
-}
+impl<L: GatherLanes, const HINGE: bool> JointBatch<L> for TurnBatch<L, HINGE> {
+    const IS_LOCK: bool = true;
+    const SLIDES: bool = false;
 
-impl<L: GatherLanes, const HINGE: bool> TurnBatch<L, HINGE> {
-    /// Applies the impulses of the last step.
-    ///
-    /// # Safety
-    /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(never)]
-    pub(crate) unsafe fn warm_start(&self, motion: &Motion<'_, '_>) {
-        // SAFETY: by the contract.
-        unsafe {
-            let mut v = self.ends.load(motion.velocity);
-            self.ends.turn(&mut v, self.impulse);
-            self.ends.save(&v, motion);
-        }
+    fn ends(&self) -> &Ends<L> {
+        &self.ends
     }
 
-    /// One Gauss-Seidel step.
-    ///
-    /// # Safety
-    /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(never)] // See `JointRows::step`.
-    pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
-        if pass.moved {
-            // SAFETY: displacements are not written while rows are solved.
-            let d = unsafe { self.ends.load(motion.delta) };
-            self.follow(&d);
-        }
-        // SAFETY: by the contract.
-        let mut v = unsafe { self.ends.load(motion.velocity) };
-        if HINGE && pass.fresh {
-            // It bears nothing about its axis, which has turned.
-            let about = self.axis_now * self.axis_now.dot(self.impulse);
-            self.impulse -= about;
-            self.ends.turn(&mut v, -about);
-            self.held -= self.axis_now * self.axis_now.dot(self.held);
-        }
-        let mut slip = v.wb - v.wa;
-        if HINGE {
-            slip += swerve(v.wb, self.axis_now, pass.ahead()) - swerve(v.wa, self.axis_now, pass.ahead());
-        }
-        let t = -self.mass.mul(slip);
-        self.impulse += t;
-        self.ends.turn(&mut v, t);
-        // SAFETY: by the contract.
-        unsafe { self.ends.save(&v, motion) };
+    fn fill(&mut self, owners: &[u32], input: &JointInput<'_>) {
+        fill_turn(self, owners, input);
     }
 
-    /// Turns the bodies as they are locked.
-    ///
-    /// # Safety
-    /// No other thread works on the bodies of the batch, and none writes their displacements.
-    #[inline(never)]
-    pub(crate) unsafe fn close(&mut self, motion: &Motion<'_, '_>, most: f32) {
-        // SAFETY: by the contract.
-        let mut d = unsafe { self.ends.load(motion.delta) };
-        self.follow(&d);
-        let t = -self.mass.mul(at_most(self.error_now, most));
-        self.ends.turn(&mut d, t);
-        // SAFETY: by the contract.
-        unsafe { self.ends.save_moved(&d, motion) };
-    }
-
-    /// Axis, error and mass after displacements.
     #[inline(always)]
     fn follow(&mut self, d: &Pair<L>) {
         if HINGE {
@@ -289,5 +206,38 @@ impl<L: GatherLanes, const HINGE: bool> TurnBatch<L, HINGE> {
             // What both turn together changes nothing.
             self.error_now = self.error + (d.wb - d.wa);
         }
+    }
+
+    #[inline(always)]
+    fn apply(&self, v: &mut Pair<L>) {
+        self.ends.turn(v, self.impulse);
+    }
+
+    #[inline(always)]
+    fn sweep(&mut self, v: &mut Pair<L>, pass: &JointPass) {
+        if HINGE && pass.fresh {
+            // It bears nothing about its axis, which has turned.
+            let about = self.axis_now * self.axis_now.dot(self.impulse);
+            self.impulse -= about;
+            self.ends.turn(v, -about);
+            self.held -= self.axis_now * self.axis_now.dot(self.held);
+        }
+        let mut slip = v.wb - v.wa;
+        if HINGE {
+            slip += swerve(v.wb, self.axis_now, pass.ahead()) - swerve(v.wa, self.axis_now, pass.ahead());
+        }
+        let t = -self.mass.mul(slip);
+        self.impulse += t;
+        self.ends.turn(v, t);
+    }
+
+    #[inline(always)]
+    fn correct(&self, d: &mut Pair<L>, most: Recovery) {
+        let t = -self.mass.mul(at_most(self.error_now, most.angular));
+        self.ends.turn(d, t);
+    }
+
+    fn report(&self, lane: usize, to: &mut impl Report) {
+        to.lock(self.ends.owner[lane], self.impulse.lane(lane));
     }
 }

@@ -1,7 +1,8 @@
 //! What a look at nets asks of each batch of joints: whom it joins, how fast its directions turn, what its springs hold.
 
-use super::arrange::{JointStage, JointType};
+use super::arrange::JointStage;
 use super::ends::{Ends, NONE};
+use super::kinds::JointType;
 use super::line::LineBatch;
 use super::lock::{PointBatch, TurnBatch};
 use super::measure::Measure;
@@ -350,23 +351,13 @@ impl JointViews<'_> {
     /// # Safety
     /// No other thread works on the batch.
     unsafe fn with(&self, stage: &JointStage, i: usize, f: &mut dyn FnMut(&mut dyn Watched)) {
-        macro_rules! go {
-            ($lanes:ident, $single:ident) => {
-                // SAFETY: by the contract.
-                unsafe { if stage.single { f(self.$single.get(i)) } else { f(self.$lanes.get(i)) } }
-            };
-        }
-        match stage.kind {
-            JointType::Point => go!(points, point),
-            JointType::Weld => go!(welds, weld),
-            JointType::Hinge => go!(hinges, hinge),
-            JointType::Line => go!(lines, line),
-            JointType::Slide => go!(slides, slide),
-            JointType::Distance => go!(distances, distance),
-            JointType::Twist => go!(twists, twist),
-            JointType::Tilt => go!(tilts, tilt),
-            JointType::Turn => go!(turns, turn),
-            JointType::Tree => go!(trees, tree),
+        // SAFETY: by the contract.
+        unsafe {
+            match (stage.kind, stage.single) {
+                (JointType::Tree, false) => f(self.trees.get(i)),
+                (JointType::Tree, true) => f(self.single_trees.get(i)),
+                _ => self.tables.watch(stage, i, f),
+            }
         }
     }
 }

@@ -3,9 +3,13 @@
 //! A spring with stiffness k and damping c is solved implicitly, so that it is stable whatever they are: with d = h k + c, its
 //! impulse obeys p = h (c target - k displacement - d speed) for the speed after it acted.
 
-use super::ends::{Ends, JointPass, Lever, Owned, turned};
+use super::arrange::JointInput;
+use super::ends::{Ends, JointPass, Lever, turned};
+use super::fill::fill_row;
 use super::measure::Measure;
-use crate::constraint::contact::row::{Motion, Pair};
+use super::store::{Report, RowImpulse};
+use super::table::JointBatch;
+use crate::constraint::contact::row::Pair;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
 
 /// Up to eight rows.
@@ -79,17 +83,6 @@ impl<L: Lanes, M: Default> Default for RowBatch<L, M> {
     }
 }
 
-impl<L: Lanes, M> Owned for RowBatch<L, M> {
-    /// Impulses at both ends, and the directions of force and torque on the second body at its point.
-    type Load = ([f32; 2], glam::Vec3, glam::Vec3);
-    fn owners(&self) -> &[u32; 8] {
-        &self.ends.owner
-    }
-    fn load(&self, lane: usize) -> Self::Load {
-        (self.impulse.map(|p| p.lane(lane)), self.lever.force.lane(lane), self.lever.torque.lane(lane))
-    }
-}
-
 impl<L: GatherLanes, M: Measure<L>> RowBatch<L, M> {
     /// Takes directions as they are at the start of a step.
     pub(crate) fn begin(&mut self) {
@@ -102,27 +95,25 @@ impl<L: GatherLanes, M: Measure<L>> RowBatch<L, M> {
         (self.acted, self.moment) = self.parts(self.impulse[0] - self.impulse[1]);
     }
 
-    /// Applies the impulses of the last step.
-    ///
-    /// # Safety
-    /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(never)]
-    pub(crate) unsafe fn warm_start(&self, motion: &Motion<'_, '_>) {
-        // SAFETY: by the contract.
-        unsafe {
-            let mut v = self.ends.load(motion.velocity);
-            self.ends.apply(&mut v, self.acted, self.moment[0], self.moment[1]);
-            self.ends.save(&v, motion);
-        }
-    }
-
     /// Force and moments of an impulse.
     #[inline(always)]
     fn parts(&self, p: L) -> (Vec3<L>, [Vec3<L>; 2]) {
         (self.lever.force * p, self.lever.moments().map(|moment| moment * p))
     }
+}
 
-    /// Directions, mobility and displacement after displacements of the bodies.
+impl<L: GatherLanes, M: Measure<L>> JointBatch<L> for RowBatch<L, M> {
+    const IS_LOCK: bool = false;
+    const SLIDES: bool = !M::IS_ANGLE;
+
+    fn ends(&self) -> &Ends<L> {
+        &self.ends
+    }
+
+    fn fill(&mut self, owners: &[u32], input: &JointInput<'_>) {
+        fill_row(self, owners, input);
+    }
+
     #[inline(always)]
     fn follow(&mut self, d: &Pair<L>) {
         let [at, rb] = self.arm;
@@ -136,19 +127,14 @@ impl<L: GatherLanes, M: Measure<L>> RowBatch<L, M> {
         self.mobility = L::select(mobility.gt(L::zero()), mobility, L::one());
     }
 
-    /// One Gauss-Seidel step: the lower end, then the upper one.
-    ///
-    /// # Safety
-    /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(never)] // See `JointRows::step`.
-    pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
-        if pass.moved {
-            // SAFETY: displacements are not written while rows are solved.
-            let d = unsafe { self.ends.load(motion.delta) };
-            self.follow(&d);
-        }
-        // SAFETY: by the contract.
-        let mut v = unsafe { self.ends.load(motion.velocity) };
+    #[inline(always)]
+    fn apply(&self, v: &mut Pair<L>) {
+        self.ends.apply(v, self.acted, self.moment[0], self.moment[1]);
+    }
+
+    /// The lower end, then the upper one.
+    #[inline(always)]
+    fn sweep(&mut self, v: &mut Pair<L>, pass: &JointPass) {
         let (zero, none) = (L::zero(), L::splat(f32::NEG_INFINITY));
         let (drives, springs, both) = (
             L::Mask::from_bits(self.drives),
@@ -159,12 +145,12 @@ impl<L: GatherLanes, M: Measure<L>> RowBatch<L, M> {
             // As for locks: what acted turns too.
             let (force, [ta, tb]) = self.parts(self.impulse[0] - self.impulse[1]);
             let turn = [ta - self.moment[0], tb - self.moment[1]];
-            self.ends.apply(&mut v, force - self.acted, turn[0], turn[1]);
+            self.ends.apply(v, force - self.acted, turn[0], turn[1]);
             (self.acted, self.moment) = (force, [ta, tb]);
         }
-        let mut speed = self.lever.speed(&v);
+        let mut speed = self.lever.speed(v);
         if !pass.relax {
-            speed += self.measure.bend(&v, &self.lever, pass.ahead());
+            speed += self.measure.bend(v, &self.lever, pass.ahead());
         }
         // Springs act once a substep.
         let waits = if pass.relax { drives | springs } else { zero.gt(zero) };
@@ -212,8 +198,12 @@ impl<L: GatherLanes, M: Measure<L>> RowBatch<L, M> {
         self.acted += force;
         self.moment[0] += ta;
         self.moment[1] += tb;
-        self.ends.apply(&mut v, force, ta, tb);
-        // SAFETY: by the contract.
-        unsafe { self.ends.save(&v, motion) };
+        self.ends.apply(v, force, ta, tb);
+    }
+
+    fn report(&self, lane: usize, to: &mut impl Report) {
+        let ends = self.impulse.map(|p| p.lane(lane));
+        let (force, torque) = (self.lever.force.lane(lane), self.lever.torque.lane(lane));
+        to.row(self.ends.owner[lane], RowImpulse { ends, force, torque });
     }
 }

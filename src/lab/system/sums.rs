@@ -2,7 +2,7 @@
 
 use super::joints::Source;
 use super::*;
-use crate::constraint::{ContactLane, JointViews};
+use crate::constraint::{ContactLane, JointViews, RowImpulse};
 use crate::solver::Witness;
 
 /// Impulses that the solver gave, and velocities that it changed by something else.
@@ -217,7 +217,7 @@ impl Witness for Sums {
             });
             joints.each_impulse(
                 &mut |owner, impulse| self.locks[owner as usize] += impulse.as_dvec3(),
-                &mut |owner, (impulse, force, torque)| {
+                &mut |owner, RowImpulse { ends: impulse, force, torque }| {
                     let (ends, acted) = &mut self.rows[owner as usize];
                     for k in 0..2 {
                         ends[k] += f64::from(impulse[k]);
