@@ -8,11 +8,11 @@ pub(crate) mod schedule;
 
 pub(crate) use articulation::close::Closing;
 pub(crate) use articulation::contacts::guard;
-pub(crate) use articulation::slots::{Seat, Seats, TreeRef};
+pub(crate) use articulation::slots::{TreeRef, TreeSlot, TreeSlots};
 pub(crate) use contact::batch::{Batch, BatchRef};
 pub(crate) use contact::expect::lend;
 pub(crate) use contact::friction::{FrictionRow, FrictionView};
-pub(crate) use contact::impact_friction::rub;
+pub(crate) use contact::impact_friction::solve_impact_friction;
 pub(crate) use contact::prepare::{PrepareInput, prepare};
 #[cfg(feature = "lab")]
 pub(crate) use contact::readout::{ContactLane, FrictionLane};

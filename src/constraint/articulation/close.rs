@@ -5,8 +5,8 @@
 //! method, with the same exact solution as for velocities but of displacements: two or three rounds. Contacts with what is
 //! static go along as far as they must not be crossed; where both can't be had, the joint stays open.
 
-use super::contacts::{Ask, Toured};
-use super::slots::Seated;
+use super::contacts::{Request, TreeBody};
+use super::slots::TreeContacts;
 use super::spatial::Twist;
 use super::tree::TreeBatch;
 use crate::constraint::contact::batch::Batch;
@@ -36,8 +36,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         &mut self,
         motion: &Motion<'_, '_>,
         closing: &Closing,
-        contacts: &[Seated],
-        mut touch: impl FnMut(&Seated, Ask<'_>, &mut Toured<'_, L>),
+        contacts: &[TreeContacts],
+        mut touch: impl FnMut(&TreeContacts, Request<'_>, &mut TreeBody<'_, L>),
     ) {
         if self.loops {
             return;
@@ -55,7 +55,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             self.factor();
             self.gather_up(|node, _| node.open());
             if !own.is_empty() {
-                self.tour(own, |seated, body| touch(seated, Ask::Push(closing), body));
+                self.traverse(own, |batch, body| touch(batch, Request::Push(closing), body));
                 self.gather_up(|node, _| node.open());
             }
             self.extra.shifts = true;
@@ -66,10 +66,10 @@ impl<L: GatherLanes> TreeBatch<L> {
             // By no more than a radian: beyond, what is linear says nothing.
             let share = L::one() / most.sqrt();
             self.nodes.iter_mut().for_each(|node| node.change = node.change.scaled(share));
-            for seated in own {
-                let node = &mut self.nodes[seated.node as usize];
-                let mut body = Toured::new(node.change, &node.whole);
-                touch(seated, Ask::Stop(closing), &mut body);
+            for batch in own {
+                let node = &mut self.nodes[batch.node as usize];
+                let mut body = TreeBody::new(node.change, &node.whole);
+                touch(batch, Request::Stop(closing), &mut body);
                 node.change = body.velocity();
             }
             // A tree in which that is no number for some body, because its joints contradict each other, stays open.

@@ -8,7 +8,7 @@
 
 use super::close::{Closing, keep_out};
 use super::node::Node;
-use super::slots::Seated;
+use super::slots::TreeContacts;
 use super::spatial::{Sym6, Twist};
 use super::tree::TreeBatch;
 use crate::constraint::contact::batch::Batch;
@@ -22,11 +22,11 @@ use crate::constraint::joint::ends::NONE;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, f32x8};
 
 /// Walks a pass: the second finds what contacts of one body left to those of another.
-const TOURS: u32 = 2;
+const TRAVERSALS: u32 = 2;
 
 /// What is asked of the contacts of a body on a walk along its tree.
 #[derive(Clone, Copy)]
-pub(crate) enum Ask<'a> {
+pub(crate) enum Request<'a> {
     /// One Gauss-Seidel step.
     Solve(&'a Pass<'a>),
     /// Of a displacement: to push back what would cross them.
@@ -40,22 +40,22 @@ impl Views<'_> {
     ///
     /// # Safety
     /// No other thread works on the trees, and none writes displacements.
-    pub(crate) unsafe fn tour(
+    pub(crate) unsafe fn solve_tree_contacts(
         &self,
-        seated: &Seated,
-        ask: Ask<'_>,
-        body: &mut Toured<'_, f32x8>,
+        contacts: &TreeContacts,
+        request: Request<'_>,
+        body: &mut TreeBody<'_, f32x8>,
         motion: &Motion<'_, '_>,
     ) {
-        let (i, lanes) = (seated.batch.index as usize, &self.one.lanes);
+        let (i, lanes) = (contacts.batch.index as usize, &self.one.lanes);
         // SAFETY: by the contract; a batch has the contacts of one batch of trees.
         unsafe {
-            let rubs = if seated.potential { None } else { lanes.friction.touching(seated.batch) };
-            match seated.batch.points {
-                1 => touch(lanes.p1.get(i), rubs, ask, body, motion),
-                2 => touch(lanes.p2.get(i), rubs, ask, body, motion),
-                3 => touch(lanes.p3.get(i), rubs, ask, body, motion),
-                _ => touch(lanes.p4.get(i), rubs, ask, body, motion),
+            let friction = if contacts.potential { None } else { lanes.friction.touching(contacts.batch) };
+            match contacts.batch.points {
+                1 => touch(lanes.p1.get(i), friction, request, body, motion),
+                2 => touch(lanes.p2.get(i), friction, request, body, motion),
+                3 => touch(lanes.p3.get(i), friction, request, body, motion),
+                _ => touch(lanes.p4.get(i), friction, request, body, motion),
             }
         }
     }
@@ -63,34 +63,34 @@ impl Views<'_> {
     /// Contacts of one body of one tree.
     ///
     /// # Safety
-    /// As for [`Views::tour`].
-    pub(crate) unsafe fn tour_single(
+    /// As for [`Views::solve_tree_contacts`].
+    pub(crate) unsafe fn solve_single_tree_contacts(
         &self,
-        seated: &Seated,
-        ask: Ask<'_>,
-        body: &mut Toured<'_, f32>,
+        contacts: &TreeContacts,
+        request: Request<'_>,
+        body: &mut TreeBody<'_, f32>,
         motion: &Motion<'_, '_>,
     ) {
-        let (i, single) = (seated.batch.index as usize, &self.one.single);
+        let (i, single) = (contacts.batch.index as usize, &self.one.single);
         // SAFETY: by the contract; a batch has the contacts of one tree.
         unsafe {
-            let rubs = if seated.potential { None } else { single.friction.touching(seated.batch) };
-            touch(single.all.get(i), rubs, ask, body, motion)
+            let friction = if contacts.potential { None } else { single.friction.touching(contacts.batch) };
+            touch(single.all.get(i), friction, request, body, motion)
         }
     }
 }
 
 /// A body of a tree while its contacts are solved.
-pub(crate) struct Toured<'a, L> {
+pub(crate) struct TreeBody<'a, L> {
     velocity: Twist<L>,
     whole: &'a Sym6<L>,
     /// What its contacts gave it.
     push: Twist<L>,
 }
 
-impl<'a, L: Lanes> Toured<'a, L> {
+impl<'a, L: Lanes> TreeBody<'a, L> {
     pub(crate) fn new(velocity: Twist<L>, whole: &'a Sym6<L>) -> Self {
-        Toured { velocity, whole, push: Twist::zero() }
+        TreeBody { velocity, whole, push: Twist::zero() }
     }
     pub(crate) fn velocity(&self) -> Twist<L> {
         self.velocity
@@ -119,22 +119,26 @@ impl<L: GatherLanes> TreeBatch<L> {
     }
 
     /// Lets `solve` have the contacts of each body in turn, with the velocity that it has then.
-    pub(crate) fn tour(&mut self, contacts: &[Seated], mut solve: impl FnMut(&Seated, &mut Toured<'_, L>)) {
-        for _ in 0..TOURS {
+    pub(crate) fn traverse(
+        &mut self,
+        contacts: &[TreeContacts],
+        mut solve: impl FnMut(&TreeContacts, &mut TreeBody<'_, L>),
+    ) {
+        for _ in 0..TRAVERSALS {
             self.nodes.iter_mut().for_each(|node| node.pending = Twist::zero());
             let (mut at, mut left) = (NONE, contacts);
             for i in 0..self.real {
                 while at != self.nodes[i].parent {
-                    at = self.climb(at);
+                    at = self.towards_root(at);
                 }
                 let (parent, node) = self.with_parent(i);
                 node.change = node.answered(parent.map_or(Twist::zero(), |parent| parent.change));
-                let here = left.partition_point(|seated| seated.node as usize == i);
-                for seated in &left[..here] {
+                let here = left.partition_point(|batch| batch.node as usize == i);
+                for batch in &left[..here] {
                     let mut velocity = node.velocity;
                     velocity.add(node.change);
-                    let mut body = Toured::new(velocity, &node.whole);
-                    solve(seated, &mut body);
+                    let mut body = TreeBody::new(velocity, &node.whole);
+                    solve(batch, &mut body);
                     let push = body.push;
                     node.change.add(node.whole.mul(&push));
                     node.pending.add(push);
@@ -144,13 +148,13 @@ impl<L: GatherLanes> TreeBatch<L> {
                 at = i as u32;
             }
             while at != NONE {
-                at = self.climb(at);
+                at = self.towards_root(at);
             }
         }
     }
 
     /// Hands what came on a body on the walk to its parent, which it names.
-    fn climb(&mut self, from: u32) -> u32 {
+    fn towards_root(&mut self, from: u32) -> u32 {
         let (parent, node) = self.with_parent(from as usize);
         node.carried.add(node.pending);
         if node.jointed {
@@ -196,7 +200,7 @@ const LEAST: f32 = 1e-4;
 
 impl<'a, L: Lanes, const P: usize> Whole<'a, L, P> {
     #[inline(always)]
-    fn new(whole: &'a Sym6<L>, batch: &Batch<L, P, 0>, rubs: Option<&FrictionRow<L, 0>>) -> Self {
+    fn new(whole: &'a Sym6<L>, batch: &Batch<L, P, 0>, row: Option<&FrictionRow<L, 0>>) -> Self {
         let n = batch.normal;
         let (zero, one) = (L::zero(), L::one());
         let mut stiffness = [[zero; P]; P];
@@ -211,7 +215,7 @@ impl<'a, L: Lanes, const P: usize> Whole<'a, L, P> {
         }
         let mut friction =
             FrictionResponse { mass: [zero; 3], slide_mass: zero, twist_mass: zero, twist_by: [zero; 2] };
-        if let Some(f) = rubs {
+        if let Some(f) = row {
             let along =
                 [f.tangent, n.cross(f.tangent)].map(|t| Twist { linear: t, angular: f.arm_a.cross(t) });
             let answers = [whole.mul(&along[0]), whole.mul(&along[1])];
@@ -263,34 +267,34 @@ impl<L: GatherLanes, const P: usize> Response<L, P, 0> for Whole<'_, L, P> {
 #[inline(always)]
 unsafe fn touch<L: GatherLanes, const P: usize>(
     batch: &mut Batch<L, P, 0>,
-    rubs: Option<&mut FrictionRow<L, 0>>,
-    ask: Ask<'_>,
-    body: &mut Toured<'_, L>,
+    friction: Option<&mut FrictionRow<L, 0>>,
+    request: Request<'_>,
+    body: &mut TreeBody<'_, L>,
     motion: &Motion<'_, '_>,
 ) {
-    if !matches!(ask, Ask::Solve(Pass { relax: false, .. })) {
+    if !matches!(request, Request::Solve(Pass { relax: false, .. })) {
         // SAFETY: by the contract.
         unsafe { follow(batch, motion) };
     }
     let (zero, v) = (Vec3::zero(), body.velocity);
     let mut v = Pair { va: v.linear, wa: v.angular, vb: zero, wb: zero };
-    body.push = match (ask, rubs) {
-        (Ask::Solve(pass), None) => {
+    body.push = match (request, friction) {
+        (Request::Solve(pass), None) => {
             let mut whole = Whole::new(body.whole, batch, None);
             sweep::<L, P, 0, false, _>(batch, None, &mut v, pass, &mut whole);
             whole.push
         }
-        (Ask::Solve(pass), Some(rubs)) => {
-            let mut whole = Whole::new(body.whole, batch, Some(rubs));
-            sweep::<L, P, 0, true, _>(batch, Some(rubs), &mut v, pass, &mut whole);
+        (Request::Solve(pass), Some(friction)) => {
+            let mut whole = Whole::new(body.whole, batch, Some(friction));
+            sweep::<L, P, 0, true, _>(batch, Some(friction), &mut v, pass, &mut whole);
             whole.push
         }
-        (Ask::Push(closing), _) => {
+        (Request::Push(closing), _) => {
             let mut whole = Whole::new(body.whole, batch, None);
             keep_out(batch, &mut v, closing, &mut whole);
             whole.push
         }
-        (Ask::Stop(closing), _) => {
+        (Request::Stop(closing), _) => {
             keep_out(batch, &mut v, closing, &mut Free);
             Twist::zero()
         }

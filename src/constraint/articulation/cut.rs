@@ -236,7 +236,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             self.nodes.get(way.bodies[side] as usize).map_or(L::zero(), |node| {
                 let push = way.along.moved(way.arm[side]);
                 push.linear.length_squared() * node.inverse_mass
-                    + push.angular.dot(node.braced_inverse.mul(push.angular))
+                    + push.angular.dot(node.stiffened_inverse.mul(push.angular))
             })
         };
         of(0) + of(1)

@@ -9,7 +9,7 @@
 //! energy of the blow is lost.
 //!
 //! It is found by Newton's method with the exact solution of the tree, and what pulls as geometric stiffness
-//! ([`TreeBatch::brace`]), which keeps light bodies from turning past it. Where it is not found the tree goes on as one piece
+//! ([`TreeBatch::add_geometric_stiffness`]), which keeps light bodies from turning past it. Where it is not found the tree goes on as one piece
 //! that does not turn: closed as it was.
 
 use super::close::Closing;
@@ -78,7 +78,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         } else {
             self.add_motors(|node| &mut node.start.driven);
             for node in &mut self.nodes {
-                node.start.driven = node.braced_inverse.mul(node.start.driven);
+                node.start.driven = node.stiffened_inverse.mul(node.start.driven);
             }
         }
         // SAFETY: by the contract.
@@ -124,9 +124,9 @@ impl<L: GatherLanes> TreeBatch<L> {
         self.bound_energy(most, lanes);
         self.sum_impulses();
         self.add_motors(|node| &mut node.pushed.angular);
-        self.brace();
+        self.add_geometric_stiffness();
         for node in &mut self.nodes {
-            let gained = node.braced_inverse.mul(node.pushed.angular);
+            let gained = node.stiffened_inverse.mul(node.pushed.angular);
             node.gained = Vec3::select(lanes, gained, node.gained);
             // What changes in the velocities before rows, so that beside what other rows gave they warm-start what joints
             // give now.
@@ -147,14 +147,14 @@ impl<L: GatherLanes> TreeBatch<L> {
         let zero = Vec3::zero();
         let mut left = lanes;
         for _ in 0..ROUNDS {
-            self.brace_by(lanes);
+            self.add_geometric_stiffness_where(lanes);
             for node in &mut self.nodes {
                 let spin = node.start.free.angular + node.start.driven;
                 let goal = exp(spin * h).compose(exp(node.start.moved.angular));
                 let turn = log(goal.compose(node.turn.conjugate()));
                 node.velocity = Twist {
                     linear: node.start.moved.linear + node.start.free.linear * h - node.moved.linear,
-                    angular: node.braced_inverse.mul(node.inertia.mul(turn)),
+                    angular: node.stiffened_inverse.mul(node.inertia.mul(turn)),
                 };
                 node.pushed = Twist::zero();
             }

@@ -14,14 +14,14 @@ impl<L: GatherLanes> TreeBatch<L> {
     /// own weight is a string with a note too high for the substep, and would tear itself apart. Where that is so, the
     /// pull is taken into the inertia, as if it were followed through the substep (Andrews, Teichmann and Kry,
     /// *Geometric Stiffness for Real-time Constrained Multibody Dynamics*, 2017).
-    pub(crate) fn brace(&mut self) {
-        self.brace_by(self.is_alone());
+    pub(crate) fn add_geometric_stiffness(&mut self) {
+        self.add_geometric_stiffness_where(self.is_alone());
     }
 
     /// The same; in some lanes nothing is a blow.
-    pub(crate) fn brace_by(&mut self, alone: L::Mask) {
+    pub(crate) fn add_geometric_stiffness_where(&mut self, alone: L::Mask) {
         for node in &mut self.nodes {
-            (node.braced, node.pulled) = (Sym3::default(), L::zero());
+            (node.stiffened, node.pulled) = (Sym3::default(), L::zero());
         }
         let h = L::splat(self.h);
         for i in 0..self.nodes.len() {
@@ -44,8 +44,8 @@ impl<L: GatherLanes> TreeBatch<L> {
             let Sym3 { xx, yy, zz, .. } = node.inertia;
             let (pull, own) = (node.pulled, L::splat(0.5 * SAFE) * (xx + yy + zz));
             let share = L::select(pull.gt(own), L::one() - own / pull, L::zero());
-            node.braced = plus(&node.inertia, &scaled(&node.braced, share));
-            node.braced_inverse = inverse(&node.braced);
+            node.stiffened = plus(&node.inertia, &scaled(&node.stiffened, share));
+            node.stiffened_inverse = inverse(&node.stiffened);
         }
         self.turn_inertias();
     }
@@ -58,8 +58,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         let exact = self.exact();
         for node in &mut self.nodes {
             let [inertia, inverse] = node.drift.turned(node.turn);
-            node.braced = Sym3::select(exact, inertia, node.braced);
-            node.braced_inverse = Sym3::select(exact, inverse, node.braced_inverse);
+            node.stiffened = Sym3::select(exact, inertia, node.stiffened);
+            node.stiffened_inverse = Sym3::select(exact, inverse, node.stiffened_inverse);
         }
     }
 }
@@ -73,7 +73,7 @@ impl<L: Lanes> Node<L> {
         let k = L::select(pulls, along * h, L::zero());
         let over = k / L::select(pulls, arm.length_squared(), L::one());
         self.pulled += k;
-        let b = &mut self.braced;
+        let b = &mut self.stiffened;
         b.xx += k - over * arm.x * arm.x;
         b.yy += k - over * arm.y * arm.y;
         b.zz += k - over * arm.z * arm.z;

@@ -65,8 +65,8 @@ pub(crate) struct Node<L> {
     /// How much of the impulse at the joint is no blow [N s].
     pub(crate) steady: L,
     /// Inertia with what pulls on the body, its inverse, and the angular velocity that the tree gave in the last substep.
-    pub(crate) braced: Sym3<L>,
-    pub(crate) braced_inverse: Sym3<L>,
+    pub(crate) stiffened: Sym3<L>,
+    pub(crate) stiffened_inverse: Sym3<L>,
     pub(crate) gained: Vec3<L>,
     /// Inverse of the inertia of the body with all that hangs on it.
     pub(crate) free: Sym6<L>,
@@ -135,8 +135,8 @@ impl<L: Lanes> Default for Node<L> {
             impulse: zero,
             twist: zero,
             steady: L::zero(),
-            braced: Sym3::default(),
-            braced_inverse: Sym3::default(),
+            stiffened: Sym3::default(),
+            stiffened_inverse: Sym3::default(),
             gained: zero,
             free: Sym6::zero(),
             stiff: Sym6::zero(),

@@ -7,13 +7,13 @@
 //!
 //! It is for trees that touch nothing and in which no light link bears a heavy load: that is a string with a note too high
 //! for the substep ([`choose`](TreeBatch::choose)). Other trees are solved as they are found at the start of the substep,
-//! warm-started and braced.
+//! warm-started and stiffened.
 
 use super::close::Closing;
-use super::contacts::{Ask, Toured};
+use super::contacts::{Request, TreeBody};
 use super::free_rotation::{Moments, exp, log, log_near, moved_by};
 use super::node::{Node, Turns};
-use super::slots::Seated;
+use super::slots::TreeContacts;
 use super::spatial::Twist;
 use super::tree::TreeBatch;
 use crate::constraint::contact::row::Motion;
@@ -243,7 +243,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         for node in &mut self.nodes {
             // SAFETY: by the contract.
             let (linear, angular) = gather(|i| unsafe { motion.base.read(i) }, &node.body);
-            let half = node.braced_inverse.mul(node.carried.angular * L::splat(0.5));
+            let half = node.stiffened_inverse.mul(node.carried.angular * L::splat(0.5));
             let Twist { linear: own, angular: spin } = node.velocity;
             node.velocity.linear = Vec3::select(alone, own, linear);
             node.velocity.angular = Vec3::select(alone, spin + half, angular);
@@ -353,8 +353,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         &mut self,
         motion: &Motion<'_, '_>,
         closing: &Closing,
-        contacts: &[Seated],
-        touch: impl FnMut(&Seated, Ask<'_>, &mut Toured<'_, L>),
+        contacts: &[TreeContacts],
+        touch: impl FnMut(&TreeContacts, Request<'_>, &mut TreeBody<'_, L>),
     ) {
         if self.watched == 0 {
             // SAFETY: by the contract.
@@ -379,8 +379,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         &mut self,
         motion: &Motion<'_, '_>,
         closing: &Closing,
-        contacts: &[Seated],
-        touch: impl FnMut(&Seated, Ask<'_>, &mut Toured<'_, L>),
+        contacts: &[TreeContacts],
+        touch: impl FnMut(&TreeContacts, Request<'_>, &mut TreeBody<'_, L>),
     ) {
         if self.exact == 0 {
             // SAFETY: by the contract.

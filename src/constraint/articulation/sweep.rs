@@ -1,9 +1,9 @@
 //! The exact solution of a tree: from the leaves to the root and back.
 
-use super::contacts::Toured;
+use super::contacts::TreeBody;
 use super::cut::Drives;
 use super::node::Node;
-use super::slots::Seated;
+use super::slots::TreeContacts;
 use super::spatial::{Sym6, Twist};
 use super::tree::TreeBatch;
 use crate::constraint::joint::ends::JointPass;
@@ -15,7 +15,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         for node in &mut self.nodes {
             let mass = node.inverse_mass;
             let mass = Sym3 { xx: mass, yy: mass, zz: mass, ..Sym3::default() };
-            node.free = Sym6 { linear: mass, mixed: [Vec3::zero(); 3], angular: node.braced_inverse };
+            node.free = Sym6 { linear: mass, mixed: [Vec3::zero(); 3], angular: node.stiffened_inverse };
         }
         for i in (0..self.real).rev() {
             let (parent, node) = self.with_parent(i);
@@ -45,8 +45,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         &mut self,
         pass: &JointPass,
         lanes: L::Mask,
-        contacts: &[Seated],
-        touch: impl FnMut(&Seated, &mut Toured<'_, L>),
+        contacts: &[TreeContacts],
+        touch: impl FnMut(&TreeContacts, &mut TreeBody<'_, L>),
     ) {
         self.nodes.iter_mut().for_each(|node| node.pushed = Twist::zero());
         self.extra.drives = match (self.extra.idle, pass.relax) {
@@ -68,7 +68,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         };
         self.gather_up(asked);
         if !contacts.is_empty() {
-            self.tour(contacts, touch);
+            self.traverse(contacts, touch);
             self.gather_up(asked);
         }
         self.answer_all();
@@ -76,7 +76,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         for node in &mut self.nodes {
             node.impulse -= Vec3::select(lanes, node.force.linear, zero);
             node.twist -= Vec3::select(lanes, node.force.angular, zero);
-            let gained = node.change.angular - node.braced_inverse.mul(node.pushed.angular);
+            let gained = node.change.angular - node.stiffened_inverse.mul(node.pushed.angular);
             node.gained += Vec3::select(lanes, gained, zero);
             node.velocity.linear += Vec3::select(lanes, node.change.linear, zero);
             node.velocity.angular += Vec3::select(lanes, node.change.angular, zero);
@@ -124,7 +124,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         for node in &mut self.nodes[..self.real] {
             let Twist { linear, angular } = node.pushes;
             node.change =
-                Twist { linear: linear * node.inverse_mass, angular: node.braced_inverse.mul(angular) };
+                Twist { linear: linear * node.inverse_mass, angular: node.stiffened_inverse.mul(angular) };
         }
     }
 

@@ -119,7 +119,8 @@ impl<L: GatherLanes> TreeBatch<L> {
                 let to = unsafe { motion.delta.get(node.body[lane] as usize) };
                 if self.exact >> lane & 1 != 0 {
                     // Something acted on it, and it is turned already.
-                    (to.pad0, to.pad1) = (1.0, 1.0);
+                    to.set_touched();
+                    to.set_turned();
                 }
                 if delta[lane].linear.is_finite() && delta[lane].angular.is_finite() {
                     (to.linear, to.angular) = (delta[lane].linear, delta[lane].angular);

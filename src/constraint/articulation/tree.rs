@@ -7,10 +7,10 @@
 //! coordinates of the bodies, Baraff, *Linear-Time Dynamics using Lagrange Multipliers*, 1996). Up to eight trees of the
 //! same shape share the lanes.
 
-use super::contacts::Toured;
+use super::contacts::TreeBody;
 use super::cut::Extra;
 use super::node::{Node, Turns};
-use super::slots::Seated;
+use super::slots::TreeContacts;
 use super::spatial::{Twist, scaled};
 use crate::constraint::contact::row::Motion;
 use crate::constraint::joint::ends::JointPass;
@@ -132,7 +132,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
         (self.h, self.unit) = (h, unit);
         self.choose();
-        self.brace();
+        self.add_geometric_stiffness();
     }
 
     /// Trees that keep their energy.
@@ -214,7 +214,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         let exact = self.exact();
         for node in &mut self.nodes {
             let own = node.velocity.angular - node.gained;
-            let now = node.braced_inverse.mul(node.inertia.mul(own) + node.asked.angular);
+            let now = node.stiffened_inverse.mul(node.inertia.mul(own) + node.asked.angular);
             node.velocity.angular = Vec3::select(exact, node.velocity.angular, now);
             node.gained = now - own;
         }
@@ -252,8 +252,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         &mut self,
         motion: &Motion<'_, '_>,
         pass: &JointPass,
-        contacts: &[Seated],
-        touch: impl FnMut(&Seated, &mut Toured<'_, L>),
+        contacts: &[TreeContacts],
+        touch: impl FnMut(&TreeContacts, &mut TreeBody<'_, L>),
     ) {
         let warm = !self.all_exact();
         if pass.moved && warm {
@@ -261,7 +261,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             unsafe { self.follow(motion) };
             if self.is_alone().any() {
                 // A load may come within a substep.
-                self.brace();
+                self.add_geometric_stiffness();
             }
             self.factor();
             self.fresh = true;

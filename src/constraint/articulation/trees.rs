@@ -37,7 +37,7 @@ impl Branch {
 /// Bodies that hang together.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Tree {
-    /// That of the joint that is raised most.
+    /// The last of its joints' places.
     pub(crate) place: Place,
     /// Parents before children, then joints that close loops.
     pub(crate) branches: Vec<Branch>,

@@ -139,7 +139,7 @@ pub(crate) struct BatchRef {
     /// 1 to 4; 0 of one lane.
     pub(crate) points: u8,
     /// Its contacts are those of a node of a batch of trees, each in the lane of its tree.
-    pub(crate) seated: bool,
+    pub(crate) in_tree: bool,
     pub(crate) index: u32,
     /// Its place in the buffers of friction, if there is any: among those that touch or that may touch, of its width.
     pub(crate) friction: u32,

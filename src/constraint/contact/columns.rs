@@ -2,7 +2,7 @@
 
 use super::batch::lock_bits;
 use super::prepare::PrepareInput;
-use crate::constraint::articulation::slots::{Seat, Seats};
+use crate::constraint::articulation::slots::{TreeSlot, TreeSlots};
 use crate::constraint::schedule::part::Part;
 use crate::events::tweak_of;
 use crate::lanes::{Lanes, Sym3, Vec3, ones};
@@ -111,7 +111,7 @@ impl<const P: usize> Columns<P> {
     pub(super) fn gather(
         parts: &[Part],
         touching: bool,
-        seats: Option<&Seats>,
+        tree_slots: Option<&TreeSlots>,
         input: &PrepareInput<'_>,
     ) -> Columns<P> {
         let mut out = Columns::inert();
@@ -123,7 +123,8 @@ impl<const P: usize> Columns<P> {
                 (&input.colliders[contact.a as usize], &input.colliders[contact.b as usize]);
             let swap = shape_a.body >= dynamic;
             let (a, b) = if swap { (shape_b.body, shape_a.body) } else { (shape_a.body, shape_b.body) };
-            let lane = seats.and_then(|seats| seats.of(a as usize)).map_or(place, Seat::lane);
+            let lane =
+                tree_slots.and_then(|tree_slots| tree_slots.of(a as usize)).map_or(place, TreeSlot::lane);
             if place == 0 {
                 first = lane;
             }

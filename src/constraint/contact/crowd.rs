@@ -3,7 +3,7 @@
 //! Each contact pushes its overlap apart at `Settings::push_speed` at most, and relaxing takes that out of the velocities again.
 //! But along a chain of contacts these speeds add up, and of many a pass leaves much: 500 boxes at one point left it at
 //! 114 m/s. A share of the push for each contact does not help: once the bodies have come apart into a line, each has few. So
-//! it is the velocity that is bounded, of such bodies alone: what overlap gives them ends at [`MOST`] times the push speed, what
+//! it is the velocity that is bounded, of such bodies alone: what overlap gives them ends at [`MAX_FACTOR`] times the push speed, what
 //! they had, or what the fastest has of them and of what they touch: by a push of that they may become as fast. A body that
 //! overlaps one other adds that speed once more, so five times is what there is at all. Where a budget leaves contacts out, that is
 //! another one in each step, which adds up: there these bodies are bounded too. Bodies with joints are left to these.
@@ -13,7 +13,7 @@ use crate::memory::{Buffer, bytes_of};
 
 /// How often the push speed. Two bodies part at once that speed; this lets a pile that was made within itself part within a
 /// second.
-const MOST: f32 = 4.0;
+const MAX_FACTOR: f32 = 4.0;
 /// Overlaps of a body from which on its velocity is bounded, where each is known.
 const SEVERAL: u32 = 2;
 
@@ -74,7 +74,7 @@ impl Crowd {
 
     /// Bounds what a substep made of velocities; `base`: those before any row acted.
     pub(crate) fn calm(&self, velocity: &mut [Record], base: &[Record], push_speed: f32) {
-        let bound = (MOST * push_speed).max(self.fastest);
+        let bound = (MAX_FACTOR * push_speed).max(self.fastest);
         let several = if self.incomplete { 1 } else { SEVERAL };
         for (i, _) in self.overlaps.iter().enumerate().filter(|(_, n)| **n >= several) {
             let (now, most) = (velocity[i].linear.length(), bound.max(base[i].linear.length()));

@@ -63,8 +63,8 @@ impl<L: Lanes, const B: usize> FrictionRow<L, B> {
 }
 
 /// The friction of a batch, to be filled.
-pub(crate) enum Rub<'a, L, const B: usize> {
-    Nothing,
+pub(crate) enum FrictionToFill<'a, L, const B: usize> {
+    None,
     Touching(&'a mut FrictionRow<L, B>),
     Impact(&'a mut ImpactRow<L, B>),
 }
@@ -123,14 +123,14 @@ impl<'a, L: Lanes, const B: usize> FrictionView<'a, L, B> {
     /// # Safety
     /// As for [`FrictionView::touching`].
     #[inline(always)]
-    pub(crate) unsafe fn to_fill(&self, batch: BatchRef, group: Group) -> Rub<'_, L, B> {
+    pub(crate) unsafe fn to_fill(&self, batch: BatchRef, group: Group) -> FrictionToFill<'_, L, B> {
         let i = batch.friction as usize;
         // SAFETY: by the contract; each batch has rows of its own.
         unsafe {
             match (self.needed, group.is_potential()) {
-                (false, _) => Rub::Nothing,
-                (true, false) => Rub::Touching(self.rows.get(i)),
-                (true, true) => Rub::Impact(self.impacts.get(i)),
+                (false, _) => FrictionToFill::None,
+                (true, false) => FrictionToFill::Touching(self.rows.get(i)),
+                (true, true) => FrictionToFill::Impact(self.impacts.get(i)),
             }
         }
     }

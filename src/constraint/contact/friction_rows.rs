@@ -109,7 +109,7 @@ pub(super) struct Slid<L: Lanes> {
 
 /// The rows along the surface, and against twist.
 #[inline(always)]
-pub(super) fn rub<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
+pub(super) fn solve_friction<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
     batch: &Batch<L, P, B>,
     f: &mut FrictionRow<L, B>,
     v: &mut Pair<L>,

@@ -16,7 +16,7 @@ use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
 /// # Safety
 /// The bodies of the batch that it may write are in no other batch of the stage.
 #[inline(never)]
-pub(crate) unsafe fn rub<L: GatherLanes, const P: usize, const B: usize>(
+pub(crate) unsafe fn solve_impact_friction<L: GatherLanes, const P: usize, const B: usize>(
     batch: &Batch<L, P, B>,
     (friction, of, group): (&FrictionView<'_, L, B>, BatchRef, Group),
     motion: &Motion<'_, '_>,

@@ -2,12 +2,12 @@
 
 use super::batch::{Batch, unlocked};
 use super::columns::{Columns, sym3, vec3};
-use super::friction::{FrictionRow, Rub};
+use super::friction::{FrictionRow, FrictionToFill};
 use super::rows::{Rows, Surface, Views, with_batch};
 use super::step_lengths::StepLengths;
 use crate::body::{Bodies, Pose};
 use crate::broad_phase::Pair;
-use crate::constraint::articulation::slots::Seats;
+use crate::constraint::articulation::slots::TreeSlots;
 use crate::constraint::schedule::arrange::{PrepareScratch, Prepared, arrange};
 use crate::constraint::schedule::order::Order;
 use crate::constraint::schedule::part::Part;
@@ -45,7 +45,7 @@ pub(crate) struct PrepareInput<'a> {
     /// In which order groups of rows are solved.
     pub(crate) order: Order,
     /// Bodies whose contacts with what is static go along with their trees of joints.
-    pub(crate) seats: &'a Seats,
+    pub(crate) tree_slots: &'a TreeSlots,
     /// What hooks said of each contact; empty if there are none.
     pub(crate) tweaks: &'a [Tweak],
     /// Friction at every point: each point then is a manifold of its own.
@@ -73,7 +73,7 @@ pub(crate) fn prepare(
     scratch: &mut PrepareScratch,
     rooms: &mut Rooms,
 ) -> Prepared {
-    rows.set_rubs(input.friction);
+    rows.set_friction(input.friction);
     let prepared = arrange(input, rows, scratch, rooms);
     rows.surfaces.clear();
     if input.tweaks.iter().any(|tweak| tweak.surface != glam::Vec3::ZERO)
@@ -109,13 +109,13 @@ fn fill_all(
             let (first, count) = scratch.ranges[place];
             let contacts = &scratch.sorted[first as usize..(first + count) as usize];
             let of = schedule[place];
-            let seats = of.seated.then_some(input.seats);
+            let tree_slots = of.in_tree.then_some(input.tree_slots);
             // SAFETY: as below.
             let surface = moving.then(|| (place, unsafe { surfaces.get(place) }));
             // SAFETY: each batch stands in the schedule once, so no other block fills it.
             unsafe {
                 with_batch!(views, group, of, |batch, friction| {
-                    fill(batch, friction.to_fill(of, group), contacts, seats, surface, input)
+                    fill(batch, friction.to_fill(of, group), contacts, tree_slots, surface, input)
                 });
             }
         }
@@ -154,13 +154,14 @@ impl<L: Lanes, const P: usize> Geometry<'_, L, P> {
 /// Fills the lanes of a batch; lanes without a contact get rows without mass.
 fn fill<L: GatherLanes, const P: usize, const B: usize>(
     batch: &mut Batch<L, P, B>,
-    rub: Rub<'_, L, B>,
+    friction: FrictionToFill<'_, L, B>,
     parts: &[Part],
-    seats: Option<&Seats>,
+    tree_slots: Option<&TreeSlots>,
     surface: Option<(usize, &mut Surface)>,
     input: &PrepareInput<'_>,
 ) {
-    let columns = Columns::<P>::gather(parts, matches!(rub, Rub::Touching(_)), seats, input);
+    let columns =
+        Columns::<P>::gather(parts, matches!(friction, FrictionToFill::Touching(_)), tree_slots, input);
     (batch.a, batch.contact, batch.surface) = (columns.a, columns.contact, u32::MAX);
     [batch.write_a, batch.write_b] = columns.write;
     (batch.swapped, batch.heard, batch.locks) = (columns.swapped, columns.heard, columns.locks);
@@ -193,8 +194,8 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
         present: [L::zero(); P],
     };
     fill_points(batch, &mut geometry);
-    let count = match rub {
-        Rub::Nothing => return,
+    let count = match friction {
+        FrictionToFill::None => return,
         _ => geometry.present.iter().fold(L::zero(), |s, &x| s + x).max(L::one()),
     };
     let share = L::one() / count;
@@ -202,13 +203,13 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
         of.iter().zip(&geometry.present).fold(Vec3::zero(), |s, (&r, &x)| s + r * x) * share
     };
     let (fa, fb) = (mean(&geometry.arms_a), mean(&geometry.arms_b));
-    match rub {
-        Rub::Nothing => {}
-        Rub::Impact(f) => {
+    match friction {
+        FrictionToFill::None => {}
+        FrictionToFill::Impact(f) => {
             let sliding = L::load(&columns.coefficient[1]);
             (f.along, f.to_b, f.coefficient) = (n.dot(fa), [fb - fa; B], sliding);
         }
-        Rub::Touching(f) => {
+        FrictionToFill::Touching(f) => {
             (f.arm_a, f.arm_b) = (fa, [fb; B]);
             let arms = geometry.arms_a.iter().zip(&geometry.present);
             f.radius = arms.fold(L::zero(), |s, (&r, &x)| s + (r - fa).length() * x) * share;

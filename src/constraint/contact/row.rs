@@ -3,7 +3,7 @@
 
 use super::batch::{Batch, PointRow};
 use super::friction::FrictionRow;
-use super::friction_rows::{follow_load, rub};
+use super::friction_rows::{follow_load, solve_friction};
 use super::impact_friction::potential_load;
 use super::rows::Surface;
 use crate::constraint::schedule::part::Part;
@@ -224,7 +224,7 @@ pub(crate) fn sweep<
 ) -> bool {
     let mut slid = None;
     if FRICTION && let Some(f) = friction {
-        let which = rub::<L, P, B, R>(batch, f, v, pass, response);
+        let which = solve_friction::<L, P, B, R>(batch, f, v, pass, response);
         slid = Some((f, which));
     }
     let mut rows = NormalRows::new(batch, v, pass, response);

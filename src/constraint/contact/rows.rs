@@ -2,7 +2,7 @@
 
 use super::batch::{Batch, BatchRef};
 use super::friction::{FrictionRow, FrictionView, ImpactRow};
-use crate::constraint::articulation::slots::Seated;
+use crate::constraint::articulation::slots::TreeContacts;
 use crate::constraint::schedule::order::{Group, Stage};
 use crate::lanes::f32x8;
 use crate::memory::{Buffer, Cut, Room, Slab, bytes_of};
@@ -36,12 +36,12 @@ pub(crate) struct Rows {
     tally: Tally,
     batches: Slab,
     /// Whether there is any.
-    rubs: bool,
+    has_friction: bool,
     friction: Slab,
     pub(crate) schedule: Vec<BatchRef>,
     pub(crate) stages: Vec<Stage>,
     /// Batches that go along with trees, sorted by these and their nodes.
-    pub(crate) seated: Vec<Seated>,
+    pub(crate) tree_contacts: Vec<TreeContacts>,
     /// For each batch of the schedule; empty unless some move.
     pub(crate) surfaces: Vec<Surface>,
 }
@@ -103,16 +103,16 @@ impl Rows {
     }
 
     /// Whether contacts rub from now on; if not, the place of friction is given back.
-    pub(crate) fn set_rubs(&mut self, rubs: bool) {
-        if self.rubs != rubs {
-            (self.rubs, self.friction) = (rubs, Slab::default());
+    pub(crate) fn set_friction(&mut self, friction_needed: bool) {
+        if self.has_friction != friction_needed {
+            (self.has_friction, self.friction) = (friction_needed, Slab::default());
             self.tally.iter_mut().for_each(|side| side[FRICTION..].fill(0));
         }
     }
 
     /// Whether there may be friction.
-    pub(crate) fn rubs(&self) -> bool {
-        self.rubs
+    pub(crate) fn has_friction(&self) -> bool {
+        self.has_friction
     }
 
     /// How many contacts found no colour.
@@ -122,17 +122,18 @@ impl Rows {
 
     /// All of them, for several threads; and the order in which they are worked through.
     pub(crate) fn views(&mut self) -> Views<'_> {
-        let (rubs, batches, friction) = (self.rubs, &mut self.batches.cut(), &mut self.friction.cut());
+        let (friction_needed, batches, friction) =
+            (self.has_friction, &mut self.batches.cut(), &mut self.friction.cut());
         let [two, one] = &self.tally;
         // What has eight lanes comes first, because of its alignment.
-        let two_lanes = Lanes8::cut(rubs, two, batches, friction);
-        let one_lanes = Lanes8::cut(rubs, one, batches, friction);
+        let two_lanes = Lanes8::cut(friction_needed, two, batches, friction);
+        let one_lanes = Lanes8::cut(friction_needed, one, batches, friction);
         Views {
-            two: Side { lanes: two_lanes, single: Single::cut(rubs, two, batches, friction) },
-            one: Side { lanes: one_lanes, single: Single::cut(rubs, one, batches, friction) },
+            two: Side { lanes: two_lanes, single: Single::cut(friction_needed, two, batches, friction) },
+            one: Side { lanes: one_lanes, single: Single::cut(friction_needed, one, batches, friction) },
             schedule: &self.schedule,
             stages: &self.stages,
-            seated: &self.seated,
+            tree_contacts: &self.tree_contacts,
             surfaces: &self.surfaces,
         }
     }
@@ -155,7 +156,7 @@ impl Rows {
         self.tally = Tally::default();
         self.schedule.clear();
         self.stages.clear();
-        self.seated.clear();
+        self.tree_contacts.clear();
         self.surfaces.clear();
     }
 
@@ -192,7 +193,7 @@ impl Rows {
             self.friction.bytes(friction),
             bytes_of(&self.schedule),
             bytes_of(&self.stages),
-            bytes_of(&self.seated),
+            bytes_of(&self.tree_contacts),
             bytes_of(&self.surfaces),
         ]
         .into_iter()
@@ -207,7 +208,7 @@ pub(crate) struct Views<'a> {
     pub(crate) one: Side<'a, 0>,
     pub(crate) schedule: &'a [BatchRef],
     pub(crate) stages: &'a [Stage],
-    pub(crate) seated: &'a [Seated],
+    pub(crate) tree_contacts: &'a [TreeContacts],
     pub(crate) surfaces: &'a [Surface],
 }
 
@@ -233,22 +234,32 @@ pub(crate) struct Single<'a, const B: usize> {
 }
 
 impl<'a, const B: usize> Lanes8<'a, B> {
-    fn cut(rubs: bool, count: &[usize; KINDS], batches: &mut Cut<'a>, friction: &mut Cut<'a>) -> Self {
+    fn cut(
+        friction_needed: bool,
+        count: &[usize; KINDS],
+        batches: &mut Cut<'a>,
+        friction: &mut Cut<'a>,
+    ) -> Self {
         Lanes8 {
             p1: Shared::new(batches.next(count[0])),
             p2: Shared::new(batches.next(count[1])),
             p3: Shared::new(batches.next(count[2])),
             p4: Shared::new(batches.next(count[3])),
-            friction: FrictionView::new(rubs, friction.next(count[5]), friction.next(count[7])),
+            friction: FrictionView::new(friction_needed, friction.next(count[5]), friction.next(count[7])),
         }
     }
 }
 
 impl<'a, const B: usize> Single<'a, B> {
-    fn cut(rubs: bool, count: &[usize; KINDS], batches: &mut Cut<'a>, friction: &mut Cut<'a>) -> Self {
+    fn cut(
+        friction_needed: bool,
+        count: &[usize; KINDS],
+        batches: &mut Cut<'a>,
+        friction: &mut Cut<'a>,
+    ) -> Self {
         Single {
             all: Shared::new(batches.next(count[4])),
-            friction: FrictionView::new(rubs, friction.next(count[6]), friction.next(count[8])),
+            friction: FrictionView::new(friction_needed, friction.next(count[6]), friction.next(count[8])),
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::body::Bodies;
 use crate::broad_phase::Pair;
 use crate::constraint::articulation::cut::{Extra, Motor};
 use crate::constraint::articulation::node::Node;
-use crate::constraint::articulation::slots::{Seat, Seated, Seats, TreeRef};
+use crate::constraint::articulation::slots::{TreeContacts, TreeRef, TreeSlot, TreeSlots};
 use crate::constraint::articulation::tree::TreeBatch;
 use crate::constraint::articulation::trees::{Found, Tree, find};
 use crate::constraint::schedule::colour::{COLOURS, Colouring, OVERFLOW};
@@ -43,7 +43,7 @@ pub(crate) struct JointRows {
     /// Dynamic bodies that have contacts, if there are trees.
     touching: Vec<bool>,
     /// Bodies whose contacts with what is static go along with trees.
-    pub(crate) seats: Seats,
+    pub(crate) tree_slots: TreeSlots,
     /// What hangs together.
     pub(crate) nets: Nets,
     /// As they are solved.
@@ -66,7 +66,7 @@ pub(crate) struct JointInput<'a> {
     pub(crate) pairs: &'a [Pair],
     pub(crate) hot: &'a [Hot],
     /// Contacts that go along with trees.
-    pub(crate) seated: &'a [Seated],
+    pub(crate) tree_contacts: &'a [TreeContacts],
     /// In which order groups of rows are solved.
     pub(crate) order: Order,
     /// Factor on the impulses of the last step.
@@ -81,7 +81,7 @@ impl JointRows {
     /// Calls `f` with each buffer that has an entry for each body that can be pushed.
     pub(crate) fn each(&mut self, dynamic: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
         f(&mut self.touching, dynamic);
-        f(self.seats.buffer(), dynamic);
+        f(self.tree_slots.buffer(), dynamic);
         self.nets.each(dynamic, f);
     }
 
@@ -93,7 +93,7 @@ impl JointRows {
     /// Reserved bytes of what goes along with all, of trees, of locks that are in none, and of rows.
     pub(crate) fn parts(&self) -> [usize; 4] {
         let beside =
-            [bytes_of(&self.stages), bytes_of(&self.touching), self.seats.bytes(), self.nets.bytes()];
+            [bytes_of(&self.stages), bytes_of(&self.touching), self.tree_slots.bytes(), self.nets.bytes()];
         let trees = [bytes_of_trees(&self.trees), bytes_of_trees(&self.single_trees)];
         let tables = |locks: bool| {
             let own = self.tables.all().into_iter().filter(move |table| table.is_lock() == locks);
@@ -131,7 +131,7 @@ impl JointRows {
             bytes_of_trees(&self.trees),
             bytes_of_trees(&self.single_trees),
             bytes_of(&self.touching),
-            self.seats.bytes(),
+            self.tree_slots.bytes(),
             self.nets.bytes(),
         ];
         let tables = self.tables.all().map(AnyTable::bytes);
@@ -148,12 +148,12 @@ impl JointRows {
         self.stages.clear();
         let body =
             |joint: u32, side: usize| bodies.slots.dense(joints.all[joint as usize].bodies[side]) as usize;
-        let raised = |joint: u32| {
+        let solved_after = |joint: u32| {
             let of_body = |side: usize| bodies.traits[body(joint, side)].raised;
             order.higher(joints.all[joint as usize].raised, order.higher(of_body(0), of_body(1)))
         };
         let enabled = |joint: u32| [0, 1].iter().all(|&side| !bodies.traits[body(joint, side)].disabled);
-        let place = |joint: u32, group: RowGroup| order.place(group, raised(joint));
+        let place = |joint: u32, group: RowGroup| order.place(group, solved_after(joint));
         let motor = |row: u32| {
             let row = &joints.rows[row as usize];
             (enabled(row.joint) && row.drives_hinge()).then(|| place(row.joint, group_of(row)))
@@ -187,13 +187,13 @@ impl JointRows {
             parts.sort_by_key(|part| part.0);
             self.add_stages(alike[0].0, alike[0].1, &parts);
         }
-        self.plant(&found.groups);
+        self.build_tree_batches(&found.groups);
         self.stages.sort_by_key(|stage| stage.place);
         self.tables.all_mut().into_iter().for_each(AnyTable::resize);
     }
 
     /// Batches of trees, and their stages: no two share a body that they can move.
-    fn plant(&mut self, groups: &[Vec<Tree>]) {
+    fn build_tree_batches(&mut self, groups: &[Vec<Tree>]) {
         self.trees.clear();
         self.single_trees.clear();
         for of_place in groups.chunk_by(|a, b| a[0].place == b[0].place) {
@@ -238,15 +238,15 @@ impl JointRows {
         }
     }
 
-    /// Fills the batches of trees, gives their bodies seats, if contacts with what is static are more important than
-    /// joints, and gives all that is prepared after the inertia of what is braced.
+    /// Fills the batches of trees, gives their bodies tree slots, if contacts with what is static are more important than
+    /// joints, and gives all that is prepared after the inertia of what is stiffened.
     pub(crate) fn fill_trees(
         &mut self,
         crew: &Crew<'_>,
         input: &JointInput<'_>,
         inverse_inertia: &mut [Sym3<f32>],
     ) {
-        self.seats.clear();
+        self.tree_slots.clear();
         if self.trees.is_empty() && self.single_trees.is_empty() {
             return;
         }
@@ -263,16 +263,16 @@ impl JointRows {
         // SAFETY: each batch is in one block.
         crew.run(count, &|i| fill_tree(unsafe { trees.get(i) }, input, inertia, touching));
         self.single_trees.iter_mut().for_each(|batch| fill_tree(batch, input, inertia, touching));
-        let (seats, dynamic) = (&mut self.seats, input.bodies.dynamic());
-        let mut put = |(loops, place): (bool, Place), seat: Seat, body: u32, inverse: Sym3<f32>| {
+        let (slots, dynamic) = (&mut self.tree_slots, input.bodies.dynamic());
+        let mut put = |(loops, place): (bool, Place), slot: TreeSlot, body: u32, inverse: Sym3<f32>| {
             inverse_inertia[body as usize] = inverse;
             let of_body = |group| input.order.place(group, input.bodies.traits[body as usize].raised);
             let first = of_body(RowGroup::StaticContacts).min(of_body(RowGroup::PotentialStaticContacts));
             if first > place && !loops {
-                if seats.is_empty() {
-                    seats.reset(dynamic);
+                if slots.is_empty() {
+                    slots.reset(dynamic);
                 }
-                seats.put(body as usize, seat);
+                slots.put(body as usize, slot);
             }
         };
         let lanes = self.trees.iter().enumerate();
@@ -287,8 +287,9 @@ impl JointRows {
             table.fill(crew, input);
         }
         let range = |tree: TreeRef| {
-            let end =
-                |before: &dyn Fn(TreeRef) -> bool| input.seated.partition_point(|s| before(s.tree)) as u32;
+            let end = |before: &dyn Fn(TreeRef) -> bool| {
+                input.tree_contacts.partition_point(|s| before(s.tree)) as u32
+            };
             (end(&|other| other < tree), end(&|other| other <= tree))
         };
         let (count, trees) = (self.trees.len(), Shared::new(&mut self.trees));
@@ -299,8 +300,8 @@ impl JointRows {
     }
 
     /// The bodies of a tree.
-    pub(crate) fn bodies_of(&self, seat: Seat) -> impl Iterator<Item = usize> + '_ {
-        let (tree, lane) = (seat.place().0, seat.lane());
+    pub(crate) fn bodies_of(&self, slot: TreeSlot) -> impl Iterator<Item = usize> + '_ {
+        let (tree, lane) = (slot.place().0, slot.lane());
         let (lanes, single) = if tree.is_single() {
             (&[][..], self.single_trees[tree.index()].of_bodies())
         } else {
@@ -311,19 +312,19 @@ impl JointRows {
     }
 }
 
-/// Calls `f` with each body of a batch of trees, its seat and the inverse of its inertia as it is braced.
+/// Calls `f` with each body of a batch of trees, its slot and the inverse of its inertia as it is stiffened.
 fn each_body<L: Lanes>(
     batch: &TreeBatch<L>,
     tree: TreeRef,
-    f: &mut impl FnMut((bool, Place), Seat, u32, Sym3<f32>),
+    f: &mut impl FnMut((bool, Place), TreeSlot, u32, Sym3<f32>),
 ) {
     for (i, node) in batch.of_bodies().iter().enumerate() {
         for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
             f(
                 (batch.loops || batch.is_cut(), batch.place),
-                Seat::new(tree, i, lane),
+                TreeSlot::new(tree, i, lane),
                 node.body[lane],
-                get_sym(&node.braced_inverse, lane),
+                get_sym(&node.stiffened_inverse, lane),
             );
         }
     }

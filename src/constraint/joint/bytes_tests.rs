@@ -19,7 +19,7 @@ fn tables(rows: &JointRows) -> [(&'static str, (usize, usize)); 12] {
         ("twists", rows.tables.twists.bytes()),
         ("tilts", rows.tables.tilts.bytes()),
         ("turns", rows.tables.turns.bytes()),
-        ("seats", rows.seats.bytes()),
+        ("tree slots", rows.tree_slots.bytes()),
         ("trees", bytes_of_trees(&rows.trees)),
         ("single trees", bytes_of_trees(&rows.single_trees)),
     ]
@@ -59,11 +59,11 @@ fn a_kind_of_joint_that_is_not_there_takes_no_bytes() {
     let net: Pairs = &[[0, 1], [0, 2], [0, 3], [0, 4], [1, 2], [1, 3], [1, 4], [2, 3], [2, 4], [3, 4]];
     let cases: [Case; 11] = [
         (JointDesc::ball, &[], &[]),
-        (JointDesc::ball, &[[0, 1]], &["seats", "single trees"]),
-        (JointDesc::ball, chain, &["seats", "single trees"]),
+        (JointDesc::ball, &[[0, 1]], &["tree slots", "single trees"]),
+        (JointDesc::ball, chain, &["tree slots", "single trees"]),
         (JointDesc::ball, ring, &["single trees"]),
         (JointDesc::ball, net, &["points"]),
-        (JointDesc::hinge, chain, &["seats", "single trees"]),
+        (JointDesc::hinge, chain, &["tree slots", "single trees"]),
         (JointDesc::hinge, net, &["points", "hinges"]),
         (JointDesc::fixed, net, &["points", "welds"]),
         (JointDesc::slider, chain, &["welds", "lines"]),

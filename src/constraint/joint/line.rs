@@ -32,7 +32,7 @@ pub(crate) struct LineBatch<L> {
     /// Of the last substep [N s].
     pub(crate) impulse: Vec3<L>,
     /// The part of it that does not yield.
-    pub(crate) held: Vec3<L>,
+    pub(crate) lasting: Vec3<L>,
 }
 
 impl<L: Lanes> Default for LineBatch<L> {
@@ -50,7 +50,7 @@ impl<L: Lanes> Default for LineBatch<L> {
             moment: [zero; 2],
             mass: Sym3::default(),
             impulse: zero,
-            held: zero,
+            lasting: zero,
         }
     }
 }
@@ -69,7 +69,7 @@ impl<L: GatherLanes> LineBatch<L> {
     fn bear(&mut self) -> Vec3<L> {
         let along = self.axis_now * self.axis_now.dot(self.impulse);
         self.impulse -= along;
-        self.held -= self.axis_now * self.axis_now.dot(self.held);
+        self.lasting -= self.axis_now * self.axis_now.dot(self.lasting);
         along
     }
 }

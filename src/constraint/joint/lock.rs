@@ -31,7 +31,7 @@ pub(crate) struct PointBatch<L> {
     /// Of the last substep [N s].
     pub(crate) impulse: Vec3<L>,
     /// The part of it that does not yield.
-    pub(crate) held: Vec3<L>,
+    pub(crate) lasting: Vec3<L>,
 }
 
 impl<L: Lanes> Default for PointBatch<L> {
@@ -47,7 +47,7 @@ impl<L: Lanes> Default for PointBatch<L> {
             apart_now: zero,
             mass: Sym3::default(),
             impulse: zero,
-            held: zero,
+            lasting: zero,
         }
     }
 }
@@ -164,7 +164,7 @@ pub(crate) struct TurnBatch<L, const HINGE: bool> {
     /// Of the last substep [N m s].
     pub(crate) impulse: Vec3<L>,
     /// The part of it that does not yield.
-    pub(crate) held: Vec3<L>,
+    pub(crate) lasting: Vec3<L>,
 }
 
 impl<L: Lanes, const HINGE: bool> Default for TurnBatch<L, HINGE> {
@@ -179,7 +179,7 @@ impl<L: Lanes, const HINGE: bool> Default for TurnBatch<L, HINGE> {
             error_now: zero,
             mass: Sym3::default(),
             impulse: zero,
-            held: zero,
+            lasting: zero,
         }
     }
 }
@@ -220,7 +220,7 @@ impl<L: GatherLanes, const HINGE: bool> JointBatch<L> for TurnBatch<L, HINGE> {
             let about = self.axis_now * self.axis_now.dot(self.impulse);
             self.impulse -= about;
             self.ends.turn(v, -about);
-            self.held -= self.axis_now * self.axis_now.dot(self.held);
+            self.lasting -= self.axis_now * self.axis_now.dot(self.lasting);
         }
         let mut slip = v.wb - v.wa;
         if HINGE {

@@ -124,7 +124,7 @@ impl NetInput<'_, '_> {
         let (mass, pose, pull) = (&self.mass[body], &self.pose[body], self.pull_of(body));
         let m = if mass.inverse > 0.0 { 1.0 / f64::from(mass.inverse) } else { 0.0 };
         // What is in trees that keep their energy has turned already; the inertia of others turns at the end of the step.
-        let turn = if d.pad1 != 0.0 { exp_map(d.angular) * pose.rotation } else { pose.rotation };
+        let turn = if d.is_turned() { exp_map(d.angular) * pose.rotation } else { pose.rotation };
         let spin_energy = |a: Vec3, b: Vec3| {
             let [a, b] = [a, b].map(|x| turn.conjugate() * x);
             let inertia = Vec3::select(mass.inverse_inertia.cmpgt(Vec3::ZERO), mass.inertia, Vec3::ZERO);
@@ -383,7 +383,7 @@ impl Nets {
                 // SAFETY: between stages this thread is alone.
                 let (v, base, d) = unsafe { input.all(body) };
                 // It does not go where it was expected, though no row will show it.
-                d.pad0 = 1.0;
+                d.set_touched();
                 v.linear = mean.as_vec3();
                 v.angular = Vec3::ZERO;
                 *base = *v;
@@ -408,7 +408,7 @@ impl Nets {
         self.around(root, |body| {
             // SAFETY: between stages this thread is alone.
             let (v, base, d) = unsafe { input.all(body) };
-            d.pad0 = 1.0;
+            d.set_touched();
             let old = *v;
             v.linear = mean + (v.linear - own) * share;
             v.angular *= share;

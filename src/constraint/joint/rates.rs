@@ -137,7 +137,7 @@ impl<L: GatherLanes> Watched for PointBatch<L> {
     }
     fn forget(&mut self, of: &dyn Fn(u32) -> bool) {
         let lanes = self.ends.lanes_of(of);
-        clear(lanes, [&mut self.impulse, &mut self.held]);
+        clear(lanes, [&mut self.impulse, &mut self.lasting]);
         clear(lanes, self.moment.each_mut());
     }
     fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
@@ -160,7 +160,7 @@ impl<L: GatherLanes> Watched for LineBatch<L> {
     }
     fn forget(&mut self, of: &dyn Fn(u32) -> bool) {
         let lanes = self.ends.lanes_of(of);
-        clear(lanes, [&mut self.impulse, &mut self.held]);
+        clear(lanes, [&mut self.impulse, &mut self.lasting]);
         clear(lanes, self.moment.each_mut());
     }
     fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
@@ -186,7 +186,7 @@ impl<L: GatherLanes, const HINGE: bool> Watched for TurnBatch<L, HINGE> {
     }
     fn forget(&mut self, of: &dyn Fn(u32) -> bool) {
         let lanes = self.ends.lanes_of(of);
-        clear(lanes, [&mut self.impulse, &mut self.held]);
+        clear(lanes, [&mut self.impulse, &mut self.lasting]);
     }
     fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
         let turn = |lane: usize, v: [Record; 2]| {
@@ -220,7 +220,7 @@ impl<L: GatherLanes, M: Measure<L>> Watched for RowBatch<L, M> {
     fn forget(&mut self, of: &dyn Fn(u32) -> bool) {
         let lanes = self.ends.lanes_of(of);
         self.impulse = self.impulse.map(|impulse| L::select(lanes, L::zero(), impulse));
-        self.held = L::select(lanes, L::zero(), self.held);
+        self.lasting = L::select(lanes, L::zero(), self.lasting);
         self.resume();
     }
     fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
@@ -311,7 +311,7 @@ impl<L: GatherLanes> Watched for TreeBatch<L> {
             let axis = node.axis_now[0];
             let turned = above.map_or(node.anchor_moved, |above| above.moved).angular;
             let off = motor.off + (node.axis[0] + axis).dot(node.moved.angular - turned) * L::splat(0.5);
-            let gives = |of: &Node<L>| axis.dot(of.braced_inverse.mul(axis));
+            let gives = |of: &Node<L>| axis.dot(of.stiffened_inverse.mul(axis));
             let mobility = gives(own) + above.map_or(L::zero(), gives);
             for lane in (0..L::N).filter(|lane| own.write >> lane & 1 != 0) {
                 let [pull, give, speed, most] =

@@ -46,7 +46,7 @@ pub(crate) struct RowBatch<L, M> {
     acted: Vec3<L>,
     moment: [Vec3<L>; 2],
     /// The part of the impulse at the lower end, less that at the upper one, that does not yield.
-    pub(crate) held: L,
+    pub(crate) lasting: L,
     /// Lanes of drives, of springs, and of ranges without width.
     pub(crate) drives: u32,
     pub(crate) springs: u32,
@@ -75,7 +75,7 @@ impl<L: Lanes, M: Default> Default for RowBatch<L, M> {
             impulse: [zero; 2],
             acted: Vec3::zero(),
             moment: [Vec3::zero(); 2],
-            held: zero,
+            lasting: zero,
             drives: 0,
             springs: 0,
             both: 0,
@@ -175,7 +175,7 @@ impl<L: GatherLanes, M: Measure<L>> JointBatch<L> for RowBatch<L, M> {
         let lowest = L::select(drives, -self.most, L::select(both, none, zero));
         let highest = L::select(drives, self.most, L::splat(f32::INFINITY));
         // A range has one loaded end; what has no width may bear either way.
-        let lower = L::select(both, self.held, self.held.max(zero));
+        let lower = L::select(both, self.lasting, self.lasting.max(zero));
         let finite = |gap: L| L::select(gap.lt(L::splat(f32::MAX)), gap, L::splat(f32::MAX));
         let new =
             one(finite(self.now - self.min), speed, self.speed, (self.impulse[0], lower), (lowest, highest));
@@ -188,7 +188,7 @@ impl<L: GatherLanes, M: Measure<L>> JointBatch<L> for RowBatch<L, M> {
             finite(self.max - self.now),
             speed,
             zero,
-            (self.impulse[1], (-self.held).max(zero)),
+            (self.impulse[1], (-self.lasting).max(zero)),
             (zero, L::splat(f32::INFINITY)),
         );
         let new = L::select(idle, zero, new);

@@ -4,8 +4,8 @@ use super::arrange::{JointRows, JointStage};
 use super::ends::{JointPass, Recovery};
 use super::kinds::{JointType, TableViews};
 use crate::constraint::articulation::close::Closing;
-use crate::constraint::articulation::contacts::{Ask, Toured};
-use crate::constraint::articulation::slots::{Seated, TreeRef};
+use crate::constraint::articulation::contacts::{Request, TreeBody};
+use crate::constraint::articulation::slots::{TreeContacts, TreeRef};
 use crate::constraint::articulation::tree::TreeBatch;
 use crate::constraint::contact::row::{Motion, Pass};
 use crate::constraint::contact::rows::Views;
@@ -39,9 +39,9 @@ impl JointRows {
         i: usize,
         motion: &Motion<'_, '_>,
         pass: Option<&JointPass>,
-        (along, touching): (&Views<'_>, &Pass<'_>),
+        (contacts, touching): (&Views<'_>, &Pass<'_>),
     ) {
-        // SAFETY: by the contract; each batch is in one stage, and contacts go along with one.
+        // SAFETY: by the contract; each batch is in one stage, and contacts go contacts with one.
         unsafe {
             if stage.kind != JointType::Tree {
                 return views.tables.step(stage, i, motion, pass);
@@ -49,17 +49,17 @@ impl JointRows {
             match (stage.single, pass) {
                 (false, None) => views.trees.get(i).warm_start(motion),
                 (false, Some(pass)) => {
-                    let touch = |seated: &Seated, body: &mut Toured<'_, f32x8>| {
-                        along.tour(seated, Ask::Solve(touching), body, motion)
+                    let touch = |batch: &TreeContacts, body: &mut TreeBody<'_, f32x8>| {
+                        contacts.solve_tree_contacts(batch, Request::Solve(touching), body, motion)
                     };
-                    views.trees.get(i).solve(motion, pass, along.seated, touch);
+                    views.trees.get(i).solve(motion, pass, contacts.tree_contacts, touch);
                 }
                 (true, None) => views.single_trees.get(i).warm_start(motion),
                 (true, Some(pass)) => {
-                    let touch = |seated: &Seated, body: &mut Toured<'_, f32>| {
-                        along.tour_single(seated, Ask::Solve(touching), body, motion)
+                    let touch = |batch: &TreeContacts, body: &mut TreeBody<'_, f32>| {
+                        contacts.solve_single_tree_contacts(batch, Request::Solve(touching), body, motion)
                     };
-                    views.single_trees.get(i).solve(motion, pass, along.seated, touch);
+                    views.single_trees.get(i).solve(motion, pass, contacts.tree_contacts, touch);
                 }
             }
         }
@@ -109,23 +109,28 @@ impl JointRows {
         tree: TreeRef,
         motion: &Motion<'_, '_>,
         closing: &Closing,
-        along: &Views<'_>,
+        contacts: &Views<'_>,
     ) {
-        // SAFETY: by the contract; contacts go along with one batch.
+        // SAFETY: by the contract; contacts go contacts with one batch.
         unsafe {
             if tree.is_single() {
                 views.single_trees.get(tree.index()).go(
                     motion,
                     closing,
-                    along.seated,
-                    |seated, ask, body| {
-                        along.tour_single(seated, ask, body, motion);
+                    contacts.tree_contacts,
+                    |batch, request, body| {
+                        contacts.solve_single_tree_contacts(batch, request, body, motion);
                     },
                 );
             } else {
-                views.trees.get(tree.index()).go(motion, closing, along.seated, |seated, ask, body| {
-                    along.tour(seated, ask, body, motion);
-                });
+                views.trees.get(tree.index()).go(
+                    motion,
+                    closing,
+                    contacts.tree_contacts,
+                    |batch, request, body| {
+                        contacts.solve_tree_contacts(batch, request, body, motion);
+                    },
+                );
             }
         }
     }
@@ -139,23 +144,28 @@ impl JointRows {
         tree: TreeRef,
         motion: &Motion<'_, '_>,
         closing: &Closing,
-        along: &Views<'_>,
+        contacts: &Views<'_>,
     ) {
-        // SAFETY: by the contract; contacts go along with one batch.
+        // SAFETY: by the contract; contacts go contacts with one batch.
         unsafe {
             if tree.is_single() {
                 views.single_trees.get(tree.index()).close(
                     motion,
                     closing,
-                    along.seated,
-                    |seated, ask, body| {
-                        along.tour_single(seated, ask, body, motion);
+                    contacts.tree_contacts,
+                    |batch, request, body| {
+                        contacts.solve_single_tree_contacts(batch, request, body, motion);
                     },
                 );
             } else {
-                views.trees.get(tree.index()).close(motion, closing, along.seated, |seated, ask, body| {
-                    along.tour(seated, ask, body, motion);
-                });
+                views.trees.get(tree.index()).close(
+                    motion,
+                    closing,
+                    contacts.tree_contacts,
+                    |batch, request, body| {
+                        contacts.solve_tree_contacts(batch, request, body, motion);
+                    },
+                );
             }
         }
     }

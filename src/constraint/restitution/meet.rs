@@ -47,15 +47,13 @@ pub(crate) struct Bodies<'a> {
 }
 
 /// Most points that are solved together: four manifolds.
-const MOST: usize = 16;
+const MAX_POINTS: usize = 16;
 /// Gauss-Seidel sweeps over them at most, and the share of the approach speed at which they end.
 const SWEEPS: u32 = 64;
 const EXACT: f32 = 1e-5;
 /// What ends a substep nearer than this counts as touching: a share of the way it came, and of what touches together.
 const SLACK: f32 = 1e-4;
 const NEAR: f32 = 0.02;
-/// What the pad of a displacement says of a body that bounced and that no rows acted on: they add one in each substep.
-const ALONE: f32 = 0.5;
 /// Share of the threshold: what runs into something that stands more slowly than this is left to the rows.
 const CREEP: f32 = 0.05;
 /// Impacts of a site in a substep, after which the rows have it. A ball between two that close in on it bounces without end.
@@ -143,13 +141,13 @@ impl Restitution {
         let spots = &self.spots[site.first as usize..][..site.count as usize];
         let of = |body: u32| self.struck.get(body as usize);
         let mut moving = site.bodies.map(|body| Moving::new(bodies, body, of(body), time));
-        let mut rows = [Row::default(); MOST];
+        let mut rows = [Row::default(); MAX_POINTS];
         let (mut count, mut fastest) = (0, 0.0_f32);
         let next = if time >= bodies.h && bodies.will_touch(spots) { bodies.h } else { 0.0 };
         for (i, spot) in spots.iter().enumerate() {
             let approach = -spot.speed(|body| velocity(&moving, bodies, body));
             let ease = ease(&moving, spot, spot.normal);
-            if count < MOST
+            if count < MAX_POINTS
                 && approach > 0.0
                 && ease > least_ease(&moving)
                 && bodies.gap(spot, time) <= bodies.together + approach * next
@@ -178,7 +176,7 @@ impl Restitution {
         }
         for row in rows.iter() {
             let spot = &spots[row.spot];
-            rub(&mut moving, bodies, spot, row.impulse);
+            apply_friction(&mut moving, bodies, spot, row.impulse);
             if let Some(sum) = impulses.get_mut(spot.slot as usize) {
                 *sum += row.impulse;
             }
@@ -190,7 +188,7 @@ impl Restitution {
             if let Some(rotation) = moving.rotation {
                 struck.turned = Some((rotation, bodies.done + time));
             }
-            bodies.delta[i].pad0 = bodies.delta[i].pad0.max(ALONE);
+            bodies.delta[i].set_bounced();
             if struck.stands {
                 add(&mut struck.kept, &change, 1.0);
                 continue;
@@ -234,7 +232,7 @@ impl Restitution {
             *own = Record::default();
             self.struck[i].pull = pull;
         }
-        bodies.delta[i].pad0 = bodies.delta[i].pad0.max(ALONE);
+        bodies.delta[i].set_bounced();
     }
 
     /// Gives what stood its velocity, at the end of the step.
@@ -393,7 +391,7 @@ fn push(moving: &mut [Moving; 2], spot: &Spot, impulse: Vec3) {
 }
 
 /// Friction of a normal impulse: against the slip, and no more than stops it, so it takes energy and never adds any.
-fn rub(moving: &mut [Moving; 2], bodies: &Bodies<'_>, spot: &Spot, impulse: f32) {
+fn apply_friction(moving: &mut [Moving; 2], bodies: &Bodies<'_>, spot: &Spot, impulse: f32) {
     let slip = spot.slip(|body| velocity(moving, bodies, body)).reject_from_normalized(spot.normal);
     let Some(way) = slip.try_normalize() else { return };
     let ease = ease(moving, spot, way);

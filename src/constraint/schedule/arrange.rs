@@ -5,7 +5,7 @@ use super::colour::{Colouring, OVERFLOW};
 use super::keys::{KINDS, Keys};
 use super::order::{Group, Order, Stage};
 use super::part::Part;
-use crate::constraint::articulation::slots::{Seat, Seated};
+use crate::constraint::articulation::slots::{TreeContacts, TreeSlot};
 use crate::constraint::contact::batch::BatchRef;
 use crate::constraint::contact::crowd::Crowd;
 use crate::constraint::contact::prepare::PrepareInput;
@@ -45,14 +45,14 @@ pub(crate) struct PrepareScratch {
 
 impl PrepareScratch {
     /// Calls `f` with each buffer and the place that it needs for so many bodies that can be pushed, of which
-    /// some may be raised.
+    /// some may have rows that are solved after another group.
     pub(crate) fn each(
         &mut self,
         dynamic: usize,
-        any_raised: bool,
+        any_solved_after: bool,
         f: &mut dyn FnMut(&mut dyn Buffer, usize),
     ) {
-        self.keys.each(any_raised, f);
+        self.keys.each(any_solved_after, f);
         self.colouring.iter_mut().for_each(|c| f(c.buffer(), dynamic));
         f(self.crowd.buffer(), dynamic);
     }
@@ -62,14 +62,14 @@ impl PrepareScratch {
         (self.ahead, self.most_ahead) = ((0, 0), (0, 0));
     }
 
-    /// Nothing is raised any more.
+    /// Nothing is solved after another group any more.
     pub(crate) fn lower(&mut self) {
         self.keys = Keys::default();
     }
 
-    /// Reserved bytes of the order of what is raised.
-    pub(crate) fn raised_bytes(&self) -> usize {
-        self.keys.raised_bytes()
+    /// Reserved bytes of the order of what is solved after another group.
+    pub(crate) fn solved_after_bytes(&self) -> usize {
+        self.keys.solved_after_bytes()
     }
 
     /// Bytes that a part takes in its lists, and what these have.
@@ -122,7 +122,7 @@ pub(crate) fn arrange(
     scratch.keys.reset(input.order, input.bodies.raises());
     let ahead = Ahead::new(input);
     let total = count(input, ahead);
-    let place = scratch.make_place(total as usize, !input.seats.is_empty(), rows, rooms);
+    let place = scratch.make_place(total as usize, !input.tree_slots.is_empty(), rows, rooms);
     let (prepared, fits) = sort(input, scratch, Some(Thrift::none(place)), ahead);
     let batches = schedule(input, rows, scratch, false);
     if fits && rooms.within(Category::Rows, |room| rows.make_place(&batches, room)) {
@@ -183,16 +183,16 @@ pub(super) fn group_of(input: &PrepareInput<'_>, contact: &Contact) -> Group {
 
 impl PrepareScratch {
     /// Makes place for so many parts, as far as there is room; says for how many.
-    fn make_place(&mut self, parts: usize, seated: bool, rows: &mut Rows, rooms: &mut Rooms) -> usize {
+    fn make_place(&mut self, parts: usize, any_in_tree: bool, rows: &mut Rows, rooms: &mut Rooms) -> usize {
         let most_stages = self.keys.most_stages();
         if rooms.within(Category::Rows, |room| room.fit(&mut rows.stages, most_stages)) < most_stages {
             return 0;
         }
         let missing = |scratch: &Self, rows: &Rows, parts: usize| {
-            let seats = rows.seated.missing(if seated { parts } else { 0 });
+            let contacts = rows.tree_contacts.missing(if any_in_tree { parts } else { 0 });
             let mut missing = Amounts::default();
             missing.add(Category::Scratch, scratch.missing(parts));
-            missing.add(Category::Rows, rows.schedule.missing(parts) + seats);
+            missing.add(Category::Rows, rows.schedule.missing(parts) + contacts);
             missing
         };
         let (mut place, mut too_many) = (0, parts + 1);
@@ -208,7 +208,7 @@ impl PrepareScratch {
         self.sorted.widen(place);
         self.ranges.widen(place);
         rows.schedule.widen(place);
-        rows.seated.widen(if seated { place } else { 0 });
+        rows.tree_contacts.widen(if any_in_tree { place } else { 0 });
         place
     }
 
@@ -222,11 +222,11 @@ impl PrepareScratch {
         for &(part, key) in entries.iter() {
             sorted[keys.place_of(key)] = part;
         }
-        if !input.seats.is_empty() {
+        if !input.tree_slots.is_empty() {
             for (layer, colour) in keys.colours() {
                 let ends = keys.ends(layer, colour);
-                let seated = ends[KINDS - 2] as usize..ends[KINDS - 1] as usize;
-                sorted[seated].sort_unstable_by_key(|part| seat_of(input, *part));
+                let in_tree = ends[KINDS - 2] as usize..ends[KINDS - 1] as usize;
+                sorted[in_tree].sort_unstable_by_key(|part| tree_slot_of(input, *part));
             }
         }
     }
@@ -258,7 +258,7 @@ fn sort(
     colouring.iter_mut().for_each(|c| c.reset(dynamic));
     entries.clear();
     keys.reset(input.order, input.bodies.raises());
-    let (movers, any_raised) = (input.bodies.movers(), keys.any_raised());
+    let (movers, any_solved_after) = (input.bodies.movers(), keys.any_solved_after());
     let (mut prepared, mut fits) = (Prepared::default(), true);
     let place = thrift.map_or(usize::MAX, |thrift| thrift.place);
     // Under a budget there is place for all.
@@ -283,9 +283,9 @@ fn sort(
             }
             ahead[usize::from(group.is_static())][contact.count as usize - 1] += 1;
         }
-        let raised = if any_raised {
-            let raised = |body: usize| input.bodies.traits[body].raised;
-            input.order.higher(raised(a), raised(b))
+        let solved_after = if any_solved_after {
+            let own = |body: usize| input.bodies.traits[body].raised;
+            input.order.higher(own(a), own(b))
         } else {
             None
         };
@@ -301,8 +301,8 @@ fn sort(
                 return;
             }
             let colour = colouring[group as usize].assign(a, b);
-            let seated = group.is_static() && colour != OVERFLOW && input.seats.of(a.min(b)).is_some();
-            let key = keys.count((group, raised), colour, (!seated).then_some(count));
+            let in_tree = group.is_static() && colour != OVERFLOW && input.tree_slots.of(a.min(b)).is_some();
+            let key = keys.count((group, solved_after), colour, (!in_tree).then_some(count));
             room.push(entries, (part, key));
         };
         if input.per_point {
@@ -328,11 +328,11 @@ pub(super) fn ahead_lanes(input: &PrepareInput<'_>) -> [[usize; 4]; 2] {
     Rows::SIZES.map(|side| std::array::from_fn(|i| side[i] + if input.friction { side[7] } else { 0 }))
 }
 
-/// The seat of the body of a contact with what is static.
-fn seat_of(input: &PrepareInput<'_>, part: Part) -> Option<Seat> {
+/// The tree slot of the body of a contact with what is static.
+fn tree_slot_of(input: &PrepareInput<'_>, part: Part) -> Option<TreeSlot> {
     let contact = &input.contacts[part.slot()];
     let body = |c: u32| input.hot[c as usize].body as usize;
-    input.seats.of(body(contact.a).min(body(contact.b)))
+    input.tree_slots.of(body(contact.a).min(body(contact.b)))
 }
 
 /// Batches of each stage. Says how many there are of each kind. `thin`: what would fill less of a batch than single rows take goes
@@ -351,16 +351,16 @@ fn schedule(input: &PrepareInput<'_>, rows: &mut Rows, scratch: &mut PrepareScra
         let index = next(if single { 4 } else { points - 1 });
         let kind = 5 + 2 * usize::from(group.is_potential()) + usize::from(single);
         let friction = if input.friction { next(kind) } else { 0 };
-        BatchRef { points: points as u8, seated: false, index, friction }
+        BatchRef { points: points as u8, in_tree: false, index, friction }
     };
     rows.schedule.clear();
     rows.stages.clear();
-    rows.seated.clear();
+    rows.tree_contacts.clear();
     ranges.clear();
     let mut start = 0;
     for (layer, colour) in keys.colours() {
         let ends = keys.ends(layer, colour);
-        let (unseated, end) = (ends[KINDS - 2], ends[KINDS - 1]);
+        let (tree_start, end) = (ends[KINDS - 2], ends[KINDS - 1]);
         if start == end {
             continue;
         }
@@ -368,10 +368,10 @@ fn schedule(input: &PrepareInput<'_>, rows: &mut Rows, scratch: &mut PrepareScra
         let serial = colour == OVERFLOW;
         let potential = layer.group.is_potential();
         let width = if serial { 1 } else { 8 };
-        for at in (start..unseated).step_by(width) {
+        for at in (start..tree_start).step_by(width) {
             // Of its first part, which has most.
             let points = 4 - ends[..4].iter().filter(|&&end| at >= end).count();
-            let count = (width as u32).min(unseated - at);
+            let count = (width as u32).min(tree_start - at);
             if thin && !serial && (count as usize) < Rows::worth(points, layer.group, input.friction) {
                 for at in at..at + count {
                     rows.schedule.push(batch(0, layer.group));
@@ -382,10 +382,10 @@ fn schedule(input: &PrepareInput<'_>, rows: &mut Rows, scratch: &mut PrepareScra
             rows.schedule.push(batch(if serial { 0 } else { points }, layer.group));
             ranges.push((at, count));
         }
-        let mut at = unseated as usize;
-        let seated = &sorted[at..end as usize];
-        let place = |part: &Part| seat_of(input, *part).map(Seat::place);
-        for batch_of in seated.chunk_by(|a, b| place(a) == place(b)) {
+        let mut at = tree_start as usize;
+        let in_tree = &sorted[at..end as usize];
+        let place = |part: &Part| tree_slot_of(input, *part).map(TreeSlot::place);
+        for batch_of in in_tree.chunk_by(|a, b| place(a) == place(b)) {
             let most = batch_of
                 .iter()
                 .map(|part| part.points(&input.contacts[part.slot()]).count_ones())
@@ -393,9 +393,9 @@ fn schedule(input: &PrepareInput<'_>, rows: &mut Rows, scratch: &mut PrepareScra
                 .unwrap_or(1);
             let Some((tree, node)) = place(&batch_of[0]) else { continue };
             let points = if tree.is_single() { 0 } else { most as usize };
-            let contact = BatchRef { seated: true, ..batch(points, layer.group) };
+            let contact = BatchRef { in_tree: true, ..batch(points, layer.group) };
             rows.schedule.push(contact);
-            rows.seated.push(Seated { tree, node, potential, batch: contact });
+            rows.tree_contacts.push(TreeContacts { tree, node, potential, batch: contact });
             ranges.push((at as u32, batch_of.len() as u32));
             at += batch_of.len();
         }
@@ -408,6 +408,6 @@ fn schedule(input: &PrepareInput<'_>, rows: &mut Rows, scratch: &mut PrepareScra
         });
         start = end;
     }
-    rows.seated.sort_by_key(|seated| (seated.tree, seated.node));
+    rows.tree_contacts.sort_by_key(|contacts| (contacts.tree, contacts.node));
     tally
 }
