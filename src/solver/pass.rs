@@ -220,7 +220,7 @@ unsafe fn step<L: GatherLanes, const P: usize, const B: usize>(
     // SAFETY: by the contract.
     unsafe {
         if kind == Kind::Rub {
-            return solve_impact_friction(batch, (friction, of, group), motion, pass);
+            return solve_impact_friction(batch, friction, of, group, motion, pass);
         }
         if B == 0 && kind != Kind::WarmStart && of.in_tree {
             return guard(batch, motion, pass);

@@ -10,7 +10,7 @@ use super::slots::TreeContacts;
 use super::spatial::Twist;
 use super::tree::TreeBatch;
 use crate::constraint::contact::batch::Batch;
-use crate::constraint::contact::row::{Motion, Pair, Response, relative, row};
+use crate::constraint::contact::row::{BodyPair, Motion, Response, relative, row};
 use crate::lanes::{GatherLanes, Mask, Vec3};
 
 /// The most rounds of a substep.
@@ -111,7 +111,7 @@ impl<L: GatherLanes> TreeBatch<L> {
 #[inline(always)]
 pub(crate) fn keep_out<L: GatherLanes, const P: usize>(
     batch: &Batch<L, P, 0>,
-    moved: &mut Pair<L>,
+    moved: &mut BodyPair<L>,
     closing: &Closing,
     response: &mut impl Response<L, P, 0>,
 ) {

@@ -15,7 +15,7 @@ use crate::constraint::contact::batch::Batch;
 use crate::constraint::contact::friction::FrictionRow;
 use crate::constraint::contact::impact_friction::potential_load;
 use crate::constraint::contact::row::{
-    Free, FrictionResponse, Motion, Pair, Pass, Response, follow, relative, row, sweep,
+    BodyPair, Free, FrictionResponse, Motion, Pass, Response, follow, relative, row, sweep,
 };
 use crate::constraint::contact::rows::Views;
 use crate::constraint::joint::ends::NONE;
@@ -251,7 +251,7 @@ impl<L: GatherLanes, const P: usize> Response<L, P, 0> for Whole<'_, L, P> {
         self.friction
     }
     #[inline(always)]
-    fn apply(&mut self, _: &Batch<L, P, 0>, v: &mut Pair<L>, p: Vec3<L>, ta: Vec3<L>, _: Vec3<L>) {
+    fn apply(&mut self, _: &Batch<L, P, 0>, v: &mut BodyPair<L>, p: Vec3<L>, ta: Vec3<L>, _: Vec3<L>) {
         let push = Twist { linear: -p, angular: -ta };
         self.push.add(push);
         let change = self.whole.mul(&push);
@@ -277,7 +277,7 @@ unsafe fn touch<L: GatherLanes, const P: usize>(
         unsafe { follow(batch, motion) };
     }
     let (zero, v) = (Vec3::zero(), body.velocity);
-    let mut v = Pair { va: v.linear, wa: v.angular, vb: zero, wb: zero };
+    let mut v = BodyPair { va: v.linear, wa: v.angular, vb: zero, wb: zero };
     body.push = match (request, friction) {
         (Request::Solve(pass), None) => {
             let mut whole = Whole::new(body.whole, batch, None);
@@ -318,7 +318,7 @@ pub(crate) unsafe fn guard<L: GatherLanes, const P: usize, const B: usize>(
 ) -> bool {
     let zero = Vec3::zero();
     // SAFETY: by the contract.
-    let mut v = unsafe { Pair::load(batch, motion.velocity) };
+    let mut v = unsafe { BodyPair::load(batch, motion.velocity) };
     let (mut sum, mut moment) = (L::zero(), zero);
     for point in &batch.points {
         let u = relative::<L, B>(batch.normal, &v) + row(&v, point);
@@ -331,7 +331,7 @@ pub(crate) unsafe fn guard<L: GatherLanes, const P: usize, const B: usize>(
     if sum.gt(L::zero()).any() {
         // SAFETY: by the contract.
         unsafe {
-            let mut base = Pair::load(batch, motion.base);
+            let mut base = BodyPair::load(batch, motion.base);
             base.apply(batch, batch.normal * sum, moment, zero);
             v.save(batch, motion.velocity);
             base.save(batch, motion.base);

@@ -12,15 +12,24 @@ pub(crate) struct Motion<'a, 'b> {
     pub(crate) base: &'a Shared<'b, Record>,
 }
 
-/// Velocities of the two bodies of each lane.
-pub(crate) struct Pair<L> {
+/// Bodies to write back.
+#[derive(Clone, Copy)]
+pub(crate) struct Written<'a> {
+    /// Where their records are.
+    pub(crate) index: &'a [u32; 8],
+    /// Bit per lane: the body may be written.
+    pub(crate) lanes: u32,
+}
+
+/// Velocities, or displacements, of the two bodies of each lane.
+pub(crate) struct BodyPair<L> {
     pub(crate) va: Vec3<L>,
     pub(crate) wa: Vec3<L>,
     pub(crate) vb: Vec3<L>,
     pub(crate) wb: Vec3<L>,
 }
 
-impl<L: GatherLanes> Pair<L> {
+impl<L: GatherLanes> BodyPair<L> {
     /// # Safety
     /// The bodies of the batch are this thread's, or are not written in this stage.
     #[inline(always)]
@@ -35,7 +44,7 @@ impl<L: GatherLanes> Pair<L> {
     /// The same of bodies in lists.
     ///
     /// # Safety
-    /// As for [`Pair::load`].
+    /// As for [`BodyPair::load`].
     #[inline(always)]
     pub(crate) unsafe fn load_bodies(
         a: &[u32; 8],
@@ -49,45 +58,50 @@ impl<L: GatherLanes> Pair<L> {
             Some(b) => gather(record, b),
             None => (Vec3::zero(), Vec3::zero()),
         };
-        Pair { va, wa, vb, wb }
+        BodyPair { va, wa, vb, wb }
     }
 
     /// # Safety
-    /// As for [`Pair::load`].
+    /// As for [`BodyPair::load`].
     #[inline(always)]
     pub(crate) unsafe fn save<const P: usize, const B: usize>(
         &self,
         batch: &Batch<L, P, B>,
         records: &Shared<'_, Record>,
     ) {
-        let b = if B > 0 { Some((&batch.b[0].index, u32::from(batch.write_b))) } else { None };
+        let a = Written { index: &batch.a, lanes: u32::from(batch.write_a) };
+        let b = if B > 0 {
+            Some(Written { index: &batch.b[0].index, lanes: u32::from(batch.write_b) })
+        } else {
+            None
+        };
         // SAFETY: by the contract.
-        unsafe { self.save_bodies((&batch.a, u32::from(batch.write_a)), b, records) };
+        unsafe { self.save_bodies(a, b, records) };
     }
 
-    /// The same of bodies in lists, with a bit for each that may be written.
+    /// The same of bodies in lists.
     ///
     /// # Safety
-    /// As for [`Pair::load`].
+    /// As for [`BodyPair::load`].
     #[inline(always)]
     pub(crate) unsafe fn save_bodies(
         &self,
-        (a, write_a): (&[u32; 8], u32),
-        b: Option<(&[u32; 8], u32)>,
+        a: Written<'_>,
+        b: Option<Written<'_>>,
         records: &Shared<'_, Record>,
     ) {
-        let write = |linear, angular, index: &[u32; 8], mask: u32| {
+        let write = |linear, angular, to: Written<'_>| {
             let out = scatter(linear, angular);
             for lane in 0..L::N {
-                if mask >> lane & 1 != 0 {
+                if to.lanes >> lane & 1 != 0 {
                     // SAFETY: a lane that may be written has its body alone in this stage.
-                    unsafe { *records.get(index[lane] as usize) = out[lane] };
+                    unsafe { *records.get(to.index[lane] as usize) = out[lane] };
                 }
             }
         };
-        write(self.va, self.wa, a, write_a);
-        if let Some((b, write_b)) = b {
-            write(self.vb, self.wb, b, write_b);
+        write(self.va, self.wa, a);
+        if let Some(b) = b {
+            write(self.vb, self.wb, b);
         }
     }
 

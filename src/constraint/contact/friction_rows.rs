@@ -1,7 +1,7 @@
 //! Friction of a manifold that touches: two rows along the surface, and one against twist.
 
 use super::batch::{Batch, PointRow};
-use super::body_pair::Pair;
+use super::body_pair::BodyPair;
 use super::friction::FrictionRow;
 use super::row::{FrictionResponse, Pass, Response};
 use crate::lanes::{GatherLanes, Lanes, Mask};
@@ -13,7 +13,7 @@ pub(super) fn follow_load<L: GatherLanes, const P: usize, const B: usize, R: Res
     batch: &Batch<L, P, B>,
     f: &mut FrictionRow<L, B>,
     Slid { slides, spins }: Slid<L>,
-    v: &mut Pair<L>,
+    v: &mut BodyPair<L>,
     pass: &Pass<'_>,
     response: &mut R,
 ) {
@@ -38,7 +38,7 @@ pub(super) fn follow_load<L: GatherLanes, const P: usize, const B: usize, R: Res
     let turn = share(twist_size, twist_bound, spins, twist_mass, spin * f.twist / twist_size);
     let new = [p, q].map(|x| L::select(some(size), x * slide, x));
     let twist = L::select(some(twist_size), f.twist * turn, f.twist);
-    push(batch, f, (new, twist), v, response);
+    push(batch, f, FrictionImpulse { along: new, twist }, v, response);
 }
 
 /// Motion along a surface, at the centre of a manifold, and about its normal: of `b` as seen from `a`.
@@ -53,7 +53,7 @@ struct Slip<L> {
 fn slip<L: GatherLanes, const P: usize, const B: usize>(
     batch: &Batch<L, P, B>,
     f: &FrictionRow<L, B>,
-    v: &Pair<L>,
+    v: &BodyPair<L>,
     pass: &Pass<'_>,
 ) -> Slip<L> {
     let n = batch.normal;
@@ -71,19 +71,26 @@ fn slip<L: GatherLanes, const P: usize, const B: usize>(
     Slip { along: [u1, u2], spin: spin.dot(n) }
 }
 
+/// Along the tangents [N s], and against twist [N m s].
+struct FrictionImpulse<L> {
+    along: [L; 2],
+    twist: L,
+}
+
 /// Changes the impulses of friction to those along the tangents and against twist.
 #[inline(always)]
 fn push<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
     batch: &Batch<L, P, B>,
     f: &mut FrictionRow<L, B>,
-    (new, twist): ([L; 2], L),
-    v: &mut Pair<L>,
+    new: FrictionImpulse<L>,
+    v: &mut BodyPair<L>,
     response: &mut R,
 ) {
     let n = batch.normal;
-    let q = f.tangent * (new[0] - f.impulse[0]) + n.cross(f.tangent) * (new[1] - f.impulse[1]);
-    let w = n * (twist - f.twist);
-    (f.impulse, f.twist) = (new, twist);
+    let [x, y] = new.along;
+    let q = f.tangent * (x - f.impulse[0]) + n.cross(f.tangent) * (y - f.impulse[1]);
+    let w = n * (new.twist - f.twist);
+    (f.impulse, f.twist) = (new.along, new.twist);
     let ta = f.arm_a.cross(q) + w;
     let tb = if B > 0 { f.arm_b[0].cross(q) + w } else { ta };
     response.apply(batch, v, q, ta, tb);
@@ -112,7 +119,7 @@ pub(super) struct Slid<L: Lanes> {
 pub(super) fn solve_friction<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
     batch: &Batch<L, P, B>,
     f: &mut FrictionRow<L, B>,
-    v: &mut Pair<L>,
+    v: &mut BodyPair<L>,
     pass: &Pass<'_>,
     response: &mut R,
 ) -> Slid<L> {
@@ -145,6 +152,6 @@ pub(super) fn solve_friction<L: GatherLanes, const P: usize, const B: usize, R: 
     let stops = f.twist - twist_mass * turns;
     let twist = stops.clamp(-bound, bound);
     let spins = stops.abs().gt(bound);
-    push(batch, f, (new, twist), v, response);
+    push(batch, f, FrictionImpulse { along: new, twist }, v, response);
     Slid { slides, spins }
 }

@@ -2,7 +2,7 @@
 
 use super::batch::{Batch, BatchRef};
 use super::friction::FrictionView;
-use super::row::{Motion, Pair, Pass};
+use super::row::{BodyPair, Motion, Pass};
 use crate::constraint::schedule::order::Group;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
 
@@ -18,7 +18,9 @@ use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
 #[inline(never)]
 pub(crate) unsafe fn solve_impact_friction<L: GatherLanes, const P: usize, const B: usize>(
     batch: &Batch<L, P, B>,
-    (friction, of, group): (&FrictionView<'_, L, B>, BatchRef, Group),
+    friction: &FrictionView<'_, L, B>,
+    of: BatchRef,
+    group: Group,
     motion: &Motion<'_, '_>,
     pass: &Pass<'_>,
 ) -> bool {
@@ -28,7 +30,7 @@ pub(crate) unsafe fn solve_impact_friction<L: GatherLanes, const P: usize, const
         return false;
     }
     // SAFETY: by the contract.
-    let mut v = unsafe { Pair::load(batch, motion.velocity) };
+    let mut v = unsafe { BodyPair::load(batch, motion.velocity) };
     let n = batch.normal;
     // SAFETY: by the contract.
     let f = unsafe { friction.of_impact(of, group, n) };
@@ -55,7 +57,7 @@ pub(crate) unsafe fn solve_impact_friction<L: GatherLanes, const P: usize, const
     let p = -(load * f.coefficient).min(most);
     v.apply(batch, way * p, ta * p, tb * p);
     // SAFETY: by the contract.
-    let mut b = unsafe { Pair::load(batch, motion.base) };
+    let mut b = unsafe { BodyPair::load(batch, motion.base) };
     b.apply(batch, way * p, ta * p, tb * p);
     // SAFETY: by the contract.
     unsafe {

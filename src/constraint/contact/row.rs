@@ -10,7 +10,7 @@ use crate::constraint::schedule::part::Part;
 use crate::lanes::{GatherLanes, Lanes, Mask, Record, Vec3};
 use crate::threads::Shared;
 
-pub(crate) use super::body_pair::{Motion, Pair};
+pub(crate) use super::body_pair::{BodyPair, Motion};
 pub(crate) use super::softness::Softness;
 
 /// What a pass over the rows uses.
@@ -48,7 +48,7 @@ pub(crate) unsafe fn warm_start<L: GatherLanes, const P: usize, const B: usize, 
         return;
     }
     // SAFETY: by the contract.
-    let mut v = unsafe { Pair::load(batch, velocity) };
+    let mut v = unsafe { BodyPair::load(batch, velocity) };
     let (mut sum, mut ta, mut tb) = (L::zero(), Vec3::zero(), Vec3::zero());
     for point in &batch.points {
         sum += point.impulse;
@@ -116,7 +116,7 @@ pub(crate) unsafe fn disable_lanes<L: GatherLanes, const P: usize, const B: usiz
     }
     // SAFETY: by the contract.
     unsafe {
-        let mut v = Pair::load(batch, motion.base);
+        let mut v = BodyPair::load(batch, motion.base);
         v.apply(batch, p, ta, tb);
         v.save(batch, motion.base);
     }
@@ -141,7 +141,7 @@ pub(crate) trait Response<L: GatherLanes, const P: usize, const B: usize> {
     }
     /// Applies an impulse `p` on `b` and `-p` on `a`, with angular impulses `ta` (taken from `a`) and `tb`.
     #[inline(always)]
-    fn apply(&mut self, batch: &Batch<L, P, B>, v: &mut Pair<L>, p: Vec3<L>, ta: Vec3<L>, tb: Vec3<L>) {
+    fn apply(&mut self, batch: &Batch<L, P, B>, v: &mut BodyPair<L>, p: Vec3<L>, ta: Vec3<L>, tb: Vec3<L>) {
         v.apply(batch, p, ta, tb);
     }
 }
@@ -172,7 +172,7 @@ pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const B: usize, const
     pass: &Pass<'_>,
 ) -> bool {
     // SAFETY: by the contract.
-    let mut v = unsafe { Pair::load(batch, motion.velocity) };
+    let mut v = unsafe { BodyPair::load(batch, motion.velocity) };
     if pass.relax {
         // SAFETY: displacements are not written while rows are solved.
         unsafe { follow::<L, P, B>(batch, motion) };
@@ -196,7 +196,7 @@ pub(crate) unsafe fn follow<L: GatherLanes, const P: usize, const B: usize>(
     motion: &Motion<'_, '_>,
 ) {
     // SAFETY: by the contract.
-    let d = unsafe { Pair::load(batch, motion.delta) };
+    let d = unsafe { BodyPair::load(batch, motion.delta) };
     let gap = relative::<L, B>(batch.normal, &d);
     for point in &mut batch.points {
         point.now = point.separation + gap + row::<L, B>(&d, point);
@@ -218,7 +218,7 @@ pub(crate) fn sweep<
 >(
     batch: &mut Batch<L, P, B>,
     friction: Option<&mut FrictionRow<L, B>>,
-    v: &mut Pair<L>,
+    v: &mut BodyPair<L>,
     pass: &Pass<'_>,
     response: &mut R,
 ) -> bool {
@@ -261,7 +261,7 @@ impl<L: GatherLanes, const P: usize> NormalRows<L, P> {
     #[allow(clippy::needless_range_loop, reason = "several arrays by point")]
     fn new<const B: usize, R: Response<L, P, B>>(
         batch: &Batch<L, P, B>,
-        v: &Pair<L>,
+        v: &BodyPair<L>,
         pass: &Pass<'_>,
         response: &R,
     ) -> Self {
@@ -401,12 +401,12 @@ impl<L: GatherLanes, const P: usize> NormalRows<L, P> {
 
 /// Speed of `b` away from `a` along the normal, and what their spins add to it at a point.
 #[inline(always)]
-pub(crate) fn relative<L: Lanes, const B: usize>(n: Vec3<L>, p: &Pair<L>) -> L {
+pub(crate) fn relative<L: Lanes, const B: usize>(n: Vec3<L>, p: &BodyPair<L>) -> L {
     if B > 0 { n.dot(p.vb - p.va) } else { -n.dot(p.va) }
 }
 
 #[inline(always)]
-pub(crate) fn row<L: Lanes, const B: usize>(p: &Pair<L>, point: &PointRow<L, B>) -> L {
+pub(crate) fn row<L: Lanes, const B: usize>(p: &BodyPair<L>, point: &PointRow<L, B>) -> L {
     let a = point.arm_a.dot(p.wa);
     if B > 0 { point.arm_b[0].dot(p.wb) - a } else { -a }
 }

@@ -264,7 +264,7 @@ impl JointRows {
         crew.run(count, &|i| fill_tree(unsafe { trees.get(i) }, input, inertia, touching));
         self.single_trees.iter_mut().for_each(|batch| fill_tree(batch, input, inertia, touching));
         let (slots, dynamic) = (&mut self.tree_slots, input.bodies.dynamic());
-        let mut put = |(loops, place): (bool, Place), slot: TreeSlot, body: u32, inverse: Sym3<f32>| {
+        let mut put = |loops: bool, place: Place, slot: TreeSlot, body: u32, inverse: Sym3<f32>| {
             inverse_inertia[body as usize] = inverse;
             let of_body = |group| input.order.place(group, input.bodies.traits[body as usize].raised);
             let first = of_body(RowGroup::StaticContacts).min(of_body(RowGroup::PotentialStaticContacts));
@@ -316,12 +316,13 @@ impl JointRows {
 fn each_body<L: Lanes>(
     batch: &TreeBatch<L>,
     tree: TreeRef,
-    f: &mut impl FnMut((bool, Place), TreeSlot, u32, Sym3<f32>),
+    f: &mut impl FnMut(bool, Place, TreeSlot, u32, Sym3<f32>),
 ) {
     for (i, node) in batch.of_bodies().iter().enumerate() {
         for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
             f(
-                (batch.loops || batch.is_cut(), batch.place),
+                batch.loops || batch.is_cut(),
+                batch.place,
                 TreeSlot::new(tree, i, lane),
                 node.body[lane],
                 get_sym(&node.stiffened_inverse, lane),

@@ -1,7 +1,8 @@
 //! What all rows of joints have: two bodies a lane, and how these turn within a step.
 
 use crate::constraint::contact::batch::unlocked;
-use crate::constraint::contact::row::{Motion, Pair, Softness};
+use crate::constraint::contact::body_pair::Written;
+use crate::constraint::contact::row::{BodyPair, Motion, Softness};
 use crate::lanes::{GatherLanes, Lanes, Mask, Record, Sym3, Vec3, scatter};
 use crate::threads::Shared;
 use std::f32::consts::PI;
@@ -91,20 +92,20 @@ impl<L: Lanes> Default for Ends<L> {
 
 impl<L: GatherLanes> Ends<L> {
     /// # Safety
-    /// As for [`Pair::load`].
+    /// As for [`BodyPair::load`].
     #[inline(always)]
-    pub(crate) unsafe fn load(&self, records: &Shared<'_, Record>) -> Pair<L> {
+    pub(crate) unsafe fn load(&self, records: &Shared<'_, Record>) -> BodyPair<L> {
         // SAFETY: by the contract.
-        unsafe { Pair::load_bodies(&self.body[0], Some(&self.body[1]), records) }
+        unsafe { BodyPair::load_bodies(&self.body[0], Some(&self.body[1]), records) }
     }
 
     /// # Safety
-    /// As for [`Pair::load`].
+    /// As for [`BodyPair::load`].
     #[inline(always)]
-    pub(crate) unsafe fn save(&self, v: &Pair<L>, motion: &Motion<'_, '_>) {
+    pub(crate) unsafe fn save(&self, v: &BodyPair<L>, motion: &Motion<'_, '_>) {
         // SAFETY: by the contract.
         unsafe {
-            let [a, b] = [0, 1].map(|i| (&self.body[i], self.write[i]));
+            let [a, b] = [0, 1].map(|i| Written { index: &self.body[i], lanes: self.write[i] });
             v.save_bodies(a, Some(b), motion.velocity)
         }
     }
@@ -112,9 +113,9 @@ impl<L: GatherLanes> Ends<L> {
     /// Writes displacements. What is said beside them stays as it is.
     ///
     /// # Safety
-    /// As for [`Pair::load`], of displacements.
+    /// As for [`BodyPair::load`], of displacements.
     #[inline(always)]
-    pub(crate) unsafe fn save_moved(&self, d: &Pair<L>, motion: &Motion<'_, '_>) {
+    pub(crate) unsafe fn save_moved(&self, d: &BodyPair<L>, motion: &Motion<'_, '_>) {
         for (side, out) in [scatter(d.va, d.wa), scatter(d.vb, d.wb)].into_iter().enumerate() {
             for lane in (0..L::N).filter(|lane| self.write[side] >> lane & 1 != 0) {
                 // SAFETY: by the contract.
@@ -127,7 +128,7 @@ impl<L: GatherLanes> Ends<L> {
     /// Applies an impulse on the second body, its opposite on the first, and angular impulses: the one is taken from the
     /// first, the other given to the second.
     #[inline(always)]
-    pub(crate) fn apply(&self, v: &mut Pair<L>, p: Vec3<L>, ta: Vec3<L>, tb: Vec3<L>) {
+    pub(crate) fn apply(&self, v: &mut BodyPair<L>, p: Vec3<L>, ta: Vec3<L>, tb: Vec3<L>) {
         let [on_a, on_b] = self.moving(p);
         v.va -= on_a * self.inverse_mass[0];
         v.wa -= self.inverse_inertia[0].mul(ta);
@@ -170,7 +171,7 @@ impl<L: GatherLanes> Ends<L> {
 
     /// The same without a linear part.
     #[inline(always)]
-    pub(crate) fn turn(&self, v: &mut Pair<L>, t: Vec3<L>) {
+    pub(crate) fn turn(&self, v: &mut BodyPair<L>, t: Vec3<L>) {
         v.wa -= self.inverse_inertia[0].mul(t);
         v.wb += self.inverse_inertia[1].mul(t);
     }
@@ -200,7 +201,7 @@ impl<L: Lanes> Lever<L> {
 impl<L: GatherLanes> Lever<L> {
     /// How fast the bodies move along it.
     #[inline(always)]
-    pub(crate) fn speed(&self, v: &Pair<L>) -> L {
+    pub(crate) fn speed(&self, v: &BodyPair<L>) -> L {
         self.force.dot(seen(v, &self.arm, L::zero())) + self.torque.dot(v.wb - v.wa)
     }
 }
@@ -240,7 +241,7 @@ pub(crate) fn mean<L: Lanes>(v: Vec3<L>, w: Vec3<L>, arm: Vec3<L>, h: L) -> Vec3
 /// The velocity of the second body's point as seen from the first, which turns, in the mean over a time in which both go on
 /// as they do. The arms are both to that point.
 #[inline(always)]
-pub(crate) fn seen<L: GatherLanes>(v: &Pair<L>, [at, rb]: &[Vec3<L>; 2], h: L) -> Vec3<L> {
+pub(crate) fn seen<L: GatherLanes>(v: &BodyPair<L>, [at, rb]: &[Vec3<L>; 2], h: L) -> Vec3<L> {
     let (sine, cosine) = mean_of(v.wa, h);
     let speed = mean(v.vb, v.wb, *rb, h) - v.va;
     // From where the point will be: back by what the first body turns.

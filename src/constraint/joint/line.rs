@@ -7,7 +7,7 @@ use super::fill::fill_line;
 use super::lock::{at_most, mobility};
 use super::store::Report;
 use super::table::JointBatch;
-use crate::constraint::contact::row::Pair;
+use crate::constraint::contact::row::BodyPair;
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
 
 /// Points on lines.
@@ -59,7 +59,7 @@ impl<L: GatherLanes> LineBatch<L> {
     /// Takes all as it is at the start of a step.
     pub(crate) fn begin(&mut self) {
         let zero = Vec3::zero();
-        self.follow(&Pair { va: zero, wa: zero, vb: zero, wb: zero });
+        self.follow(&BodyPair { va: zero, wa: zero, vb: zero, wb: zero });
         self.bear();
         self.moment = self.arm_now.map(|arm| arm.cross(self.impulse));
     }
@@ -87,7 +87,7 @@ impl<L: GatherLanes> JointBatch<L> for LineBatch<L> {
     }
 
     #[inline(always)]
-    fn follow(&mut self, d: &Pair<L>) {
+    fn follow(&mut self, d: &BodyPair<L>) {
         let [ra, rb] = self.arm;
         let (now_a, now_b) = (turned(d.wa, ra), turned(d.wb, rb));
         let apart = self.apart + (d.vb - d.va) + (now_b - rb) - (now_a - ra);
@@ -98,12 +98,12 @@ impl<L: GatherLanes> JointBatch<L> for LineBatch<L> {
     }
 
     #[inline(always)]
-    fn apply(&self, v: &mut Pair<L>) {
+    fn apply(&self, v: &mut BodyPair<L>) {
         self.ends.apply(v, self.impulse, self.moment[0], self.moment[1]);
     }
 
     #[inline(always)]
-    fn sweep(&mut self, v: &mut Pair<L>, pass: &JointPass) {
+    fn sweep(&mut self, v: &mut BodyPair<L>, pass: &JointPass) {
         let [ra, rb] = self.arm_now;
         if !pass.relax {
             // As for points: what acted turns too.
@@ -123,7 +123,7 @@ impl<L: GatherLanes> JointBatch<L> for LineBatch<L> {
     }
 
     #[inline(always)]
-    fn correct(&self, d: &mut Pair<L>, most: Recovery) {
+    fn correct(&self, d: &mut BodyPair<L>, most: Recovery) {
         let [ra, rb] = self.arm_now;
         let p = -self.mass.mul(at_most(self.apart_now, most.linear));
         self.ends.apply(d, p, ra.cross(p), rb.cross(p));

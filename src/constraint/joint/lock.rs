@@ -9,7 +9,7 @@ use super::ends::{Ends, JointPass, Recovery, TINY, across, inverse, swerve, turn
 use super::fill::{fill_point, fill_turn};
 use super::store::Report;
 use super::table::JointBatch;
-use crate::constraint::contact::row::Pair;
+use crate::constraint::contact::row::BodyPair;
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
 
 /// Points that stay together.
@@ -94,7 +94,7 @@ impl<L: GatherLanes> JointBatch<L> for PointBatch<L> {
     }
 
     #[inline(always)]
-    fn follow(&mut self, d: &Pair<L>) {
+    fn follow(&mut self, d: &BodyPair<L>) {
         let [ra, rb] = self.arm;
         self.arm_now = [turned(d.wa, ra), turned(d.wb, rb)];
         let [now_a, now_b] = self.arm_now;
@@ -103,13 +103,13 @@ impl<L: GatherLanes> JointBatch<L> for PointBatch<L> {
     }
 
     #[inline(always)]
-    fn apply(&self, v: &mut Pair<L>) {
+    fn apply(&self, v: &mut BodyPair<L>) {
         let [ra, rb] = self.arm_now;
         self.ends.apply(v, self.impulse, ra.cross(self.impulse), rb.cross(self.impulse));
     }
 
     #[inline(always)]
-    fn sweep(&mut self, v: &mut Pair<L>, pass: &JointPass) {
+    fn sweep(&mut self, v: &mut BodyPair<L>, pass: &JointPass) {
         let [ra, rb] = self.arm_now;
         if pass.fresh {
             // Warm starting was an addition to the velocities, as if bodies had not turned. What acted at arms that turn
@@ -129,7 +129,7 @@ impl<L: GatherLanes> JointBatch<L> for PointBatch<L> {
     }
 
     #[inline(always)]
-    fn correct(&self, d: &mut Pair<L>, most: Recovery) {
+    fn correct(&self, d: &mut BodyPair<L>, most: Recovery) {
         let [ra, rb] = self.arm_now;
         let p = -self.mass.mul(at_most(self.apart_now, most.linear));
         self.ends.apply(d, p, ra.cross(p), rb.cross(p));
@@ -197,7 +197,7 @@ impl<L: GatherLanes, const HINGE: bool> JointBatch<L> for TurnBatch<L, HINGE> {
     }
 
     #[inline(always)]
-    fn follow(&mut self, d: &Pair<L>) {
+    fn follow(&mut self, d: &BodyPair<L>) {
         if HINGE {
             self.axis_now = turned(d.wa, self.axis[0]);
             self.error_now = self.axis_now.cross(turned(d.wb, self.axis[1]));
@@ -209,12 +209,12 @@ impl<L: GatherLanes, const HINGE: bool> JointBatch<L> for TurnBatch<L, HINGE> {
     }
 
     #[inline(always)]
-    fn apply(&self, v: &mut Pair<L>) {
+    fn apply(&self, v: &mut BodyPair<L>) {
         self.ends.turn(v, self.impulse);
     }
 
     #[inline(always)]
-    fn sweep(&mut self, v: &mut Pair<L>, pass: &JointPass) {
+    fn sweep(&mut self, v: &mut BodyPair<L>, pass: &JointPass) {
         if HINGE && pass.fresh {
             // It bears nothing about its axis, which has turned.
             let about = self.axis_now * self.axis_now.dot(self.impulse);
@@ -232,7 +232,7 @@ impl<L: GatherLanes, const HINGE: bool> JointBatch<L> for TurnBatch<L, HINGE> {
     }
 
     #[inline(always)]
-    fn correct(&self, d: &mut Pair<L>, most: Recovery) {
+    fn correct(&self, d: &mut BodyPair<L>, most: Recovery) {
         let t = -self.mass.mul(at_most(self.error_now, most.angular));
         self.ends.turn(d, t);
     }

@@ -3,7 +3,7 @@
 
 use super::ends::{Lever, mean, seen, turned};
 use super::fill::put;
-use crate::constraint::contact::row::Pair;
+use crate::constraint::contact::row::BodyPair;
 use crate::joint::{Axes, Axis, Placed};
 use crate::lanes::{GatherLanes, Lanes, Record, Vec3};
 
@@ -14,9 +14,9 @@ pub(crate) trait Measure<L: Lanes>: Copy + Default {
     /// Takes a lane as it is at the start of a step, and says the displacement if that does not follow from what it took.
     fn place(&mut self, lane: usize, at: &Placed, axes: Axes) -> f32;
     /// After displacements: sets force and torque of the lever, says the displacement. `start`: what `place` said.
-    fn follow(&mut self, d: &Pair<L>, lever: &mut Lever<L>, start: L) -> L;
+    fn follow(&mut self, d: &BodyPair<L>, lever: &mut Lever<L>, start: L) -> L;
     /// How much faster the displacement changes in the mean over a time than it does now: directions turn.
-    fn bend(&self, v: &Pair<L>, lever: &Lever<L>, h: L) -> L;
+    fn bend(&self, v: &BodyPair<L>, lever: &Lever<L>, h: L) -> L;
     /// How fast the direction of a lane turns [rad/s].
     fn turns(&self, lane: usize, lever: &Lever<L>, v: [Record; 2]) -> f32 {
         let along = lever.force.lane(lane) + lever.torque.lane(lane);
@@ -49,13 +49,13 @@ impl<L: GatherLanes> Measure<L> for Slide<L> {
         axis.dot(at.apart)
     }
     #[inline(always)]
-    fn follow(&mut self, d: &Pair<L>, lever: &mut Lever<L>, start: L) -> L {
+    fn follow(&mut self, d: &BodyPair<L>, lever: &mut Lever<L>, start: L) -> L {
         self.axis_now = turned(d.wa, self.axis);
         (lever.force, lever.torque) = (self.axis_now, Vec3::zero());
         start + (self.axis_now.dot(lever.arm[0]) - self.axis.dot(self.arm))
     }
     #[inline(always)]
-    fn bend(&self, v: &Pair<L>, lever: &Lever<L>, h: L) -> L {
+    fn bend(&self, v: &BodyPair<L>, lever: &Lever<L>, h: L) -> L {
         self.axis_now.dot(seen(v, &lever.arm, h) - seen(v, &lever.arm, L::zero()))
     }
     fn turns(&self, lane: usize, _: &Lever<L>, v: [Record; 2]) -> f32 {
@@ -95,7 +95,7 @@ impl<L: GatherLanes> Measure<L> for Distance<L> {
         0.0
     }
     #[inline(always)]
-    fn follow(&mut self, d: &Pair<L>, lever: &mut Lever<L>, _: L) -> L {
+    fn follow(&mut self, d: &BodyPair<L>, lever: &mut Lever<L>, _: L) -> L {
         self.axis_now = turned(d.wa, self.axis);
         self.apart_now = self.across(lever.arm[0] - turned(d.wa, self.arm));
         let (length, along) = direction(self.apart_now, self.aside);
@@ -104,7 +104,7 @@ impl<L: GatherLanes> Measure<L> for Distance<L> {
         length
     }
     #[inline(always)]
-    fn bend(&self, v: &Pair<L>, lever: &Lever<L>, h: L) -> L {
+    fn bend(&self, v: &BodyPair<L>, lever: &Lever<L>, h: L) -> L {
         let speed = self.across(seen(v, &lever.arm, h));
         let now = self.across(seen(v, &lever.arm, L::zero()));
         lengthens(self.apart_now, self.along, speed, h) + self.along.dot(speed - now)
@@ -148,7 +148,7 @@ impl<L: GatherLanes> Measure<L> for Twist<L> {
         at.twist(axis)
     }
     #[inline(always)]
-    fn follow(&mut self, d: &Pair<L>, lever: &mut Lever<L>, start: L) -> L {
+    fn follow(&mut self, d: &BodyPair<L>, lever: &mut Lever<L>, start: L) -> L {
         // What turns about the middle of the two axes changes the twist, and nothing else does.
         let about = |[a, b]: [Vec3<L>; 2]| {
             let middle = L::one() + a.dot(b);
@@ -160,7 +160,7 @@ impl<L: GatherLanes> Measure<L> for Twist<L> {
         start + (about(self.axis) + now).dot(d.wb - d.wa) * L::splat(0.5)
     }
     #[inline(always)]
-    fn bend(&self, _: &Pair<L>, _: &Lever<L>, _: L) -> L {
+    fn bend(&self, _: &BodyPair<L>, _: &Lever<L>, _: L) -> L {
         L::zero()
     }
 }
@@ -193,7 +193,7 @@ impl<L: GatherLanes> Measure<L> for Tilt<L> {
         0.0
     }
     #[inline(always)]
-    fn follow(&mut self, d: &Pair<L>, lever: &mut Lever<L>, _: L) -> L {
+    fn follow(&mut self, d: &BodyPair<L>, lever: &mut Lever<L>, _: L) -> L {
         let [a, b] = [turned(d.wa, self.axis[0]), turned(d.wb, self.axis[1])];
         let (sine, about) = direction(a.cross(b), self.aside);
         (self.axis_now, self.about, self.now) = ([a, b], about, angle(sine, a.dot(b)));
@@ -201,7 +201,7 @@ impl<L: GatherLanes> Measure<L> for Tilt<L> {
         self.now
     }
     #[inline(always)]
-    fn bend(&self, v: &Pair<L>, _: &Lever<L>, h: L) -> L {
+    fn bend(&self, v: &BodyPair<L>, _: &Lever<L>, h: L) -> L {
         let after = |w: Vec3<L>, axis| axis + mean(Vec3::zero(), w, axis, h) * h;
         let [a, b] = [after(v.wa, self.axis_now[0]), after(v.wb, self.axis_now[1])];
         let moved = angle(a.cross(b).length(), a.dot(b)) - self.now;
@@ -243,7 +243,7 @@ impl<L: GatherLanes> Measure<L> for Turn<L> {
         0.0
     }
     #[inline(always)]
-    fn follow(&mut self, d: &Pair<L>, lever: &mut Lever<L>, _: L) -> L {
+    fn follow(&mut self, d: &BodyPair<L>, lever: &mut Lever<L>, _: L) -> L {
         let about = direction(self.error, self.aside).1;
         let error = self.error + self.seen(about, d.wb - d.wa);
         let (length, about) = direction(turned((d.wa + d.wb) * L::splat(0.5), error), self.aside);
@@ -252,7 +252,7 @@ impl<L: GatherLanes> Measure<L> for Turn<L> {
         length
     }
     #[inline(always)]
-    fn bend(&self, v: &Pair<L>, _: &Lever<L>, h: L) -> L {
+    fn bend(&self, v: &BodyPair<L>, _: &Lever<L>, h: L) -> L {
         let speed = self.seen(self.about, v.wb - v.wa);
         lengthens(self.error_now, self.about, speed, h)
     }

@@ -327,7 +327,7 @@ impl Nets {
                 let mut closing = 0.0;
                 self.around(root, |body| closing += input.closing_energy(body));
                 let most = CHORD * f64::from(moving) + closing;
-                self.bound(input, root, (most, most));
+                self.bound(input, root, most);
             }
         }
         self.forget_wild(input);
@@ -348,7 +348,7 @@ impl Nets {
             if own as usize == root && flags & SWIFT != 0 {
                 let potential = self.ledger(input, root, |body| input.velocity(body)).potential;
                 let most = f64::from(most - held) - potential;
-                self.bound(input, root, (most, most));
+                self.bound(input, root, most);
             }
         }
         self.forget_wild(input);
@@ -360,9 +360,9 @@ impl Nets {
         ledger
     }
 
-    /// If a net that turns too fast has more kinetic energy than the first, it is left with the second. What has far more, or none
-    /// that is a number, goes on as one piece that does not turn.
-    fn bound(&mut self, input: &NetInput<'_, '_>, root: usize, (most, left): (f64, f64)) {
+    /// Leaves a net that turns too fast with no more than so much kinetic energy [J]. What has far more, or none that is a
+    /// number, goes on as one piece that does not turn.
+    fn bound(&mut self, input: &NetInput<'_, '_>, root: usize, most: f64) {
         let flags = self.all[root].flags;
         let followed = flags & FAST == 0 || flags & CARRIED != 0;
         let now = self.ledger(input, root, |body| input.velocity(body));
@@ -403,7 +403,7 @@ impl Nets {
         }
         let own = mean_of(&now);
         let energy_of = |mean: DVec3| 0.5 * now.mass * mean.length_squared();
-        let share = (left - energy_of(mean)).max(0.0) / (now.kinetic - energy_of(own)).max(f64::MIN_POSITIVE);
+        let share = (most - energy_of(mean)).max(0.0) / (now.kinetic - energy_of(own)).max(f64::MIN_POSITIVE);
         let (own, mean, share) = (own.as_vec3(), mean.as_vec3(), share.min(1.0).sqrt() as f32);
         self.around(root, |body| {
             // SAFETY: between stages this thread is alone.

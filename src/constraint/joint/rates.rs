@@ -234,32 +234,40 @@ impl<L: GatherLanes, M: Measure<L>> Watched for RowBatch<L, M> {
             let numbers = [self.pull, self.give, self.speed, self.most].map(|x| x.lane(lane));
             let most = if drive { numbers[3] } else { f32::INFINITY };
             let [pull, give, speed, _] = numbers;
-            let spring = [pull, give, speed, most, self.mobility.lane(lane)];
-            f(self.ends.one(lane), held_by(spring, over, self.impulse[0].lane(lane), h));
+            let spring = Spring { pull, give, speed, most, mobility: self.mobility.lane(lane) };
+            f(self.ends.one(lane), spring.energy(over, self.impulse[0].lane(lane), h));
         }
     }
 }
 
-/// What a spring can give back, and what it gives by the speed that it is asked for [J]: of its numbers as a row has them, its
-/// displacement and its impulse.
-pub(crate) fn held_by(
-    [pull, give, speed, most, mobility]: [f32; 5],
-    over: f32,
-    impulse: f32,
-    h: f32,
-) -> [f32; 2] {
-    if give <= 0.0 {
-        // A motor that does not yield.
-        return [0.0, (impulse * speed).max(0.0)];
+/// A spring or a motor as a row has it: see [`RowBatch`].
+struct Spring {
+    pull: f32,
+    give: f32,
+    speed: f32,
+    most: f32,
+    /// Speed per impulse of what it acts on.
+    mobility: f32,
+}
+
+impl Spring {
+    /// What it can give back, and what it gives by the speed that it is asked for [J], after a displacement `over` and with an
+    /// impulse of the last substep of `h` seconds.
+    fn energy(&self, over: f32, impulse: f32, h: f32) -> [f32; 2] {
+        let &Spring { pull, give, speed, most, mobility } = self;
+        if give <= 0.0 {
+            // A motor that does not yield.
+            return [0.0, (impulse * speed).max(0.0)];
+        }
+        let d = 1.0 / (h * give);
+        let k = pull * d;
+        let c = d - h * k;
+        let k = k / (1.0 + h * h * k * mobility);
+        let force = most / h;
+        let held = if k * over <= force { 0.5 * k * over * over } else { force * (over - 0.5 * force / k) };
+        let asked = if c > 1e-6 * d { speed * d / c } else { 0.0 };
+        [held, (impulse * asked).max(0.0)]
     }
-    let d = 1.0 / (h * give);
-    let k = pull * d;
-    let c = d - h * k;
-    let k = k / (1.0 + h * h * k * mobility);
-    let force = most / h;
-    let held = if k * over <= force { 0.5 * k * over * over } else { force * (over - 0.5 * force / k) };
-    let asked = if c > 1e-6 * d { speed * d / c } else { 0.0 };
-    [held, (impulse * asked).max(0.0)]
 }
 
 impl<L: GatherLanes> Watched for TreeBatch<L> {
@@ -316,8 +324,8 @@ impl<L: GatherLanes> Watched for TreeBatch<L> {
             for lane in (0..L::N).filter(|lane| own.write >> lane & 1 != 0) {
                 let [pull, give, speed, most] =
                     [motor.pull, motor.give, motor.speed, motor.most].map(|x| x.lane(lane));
-                let spring = [pull, give, speed, most, mobility.lane(lane)];
-                f(own.body[lane], held_by(spring, off.lane(lane).abs(), motor.impulse.lane(lane), h));
+                let spring = Spring { pull, give, speed, most, mobility: mobility.lane(lane) };
+                f(own.body[lane], spring.energy(off.lane(lane).abs(), motor.impulse.lane(lane), h));
             }
         }
     }

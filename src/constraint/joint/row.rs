@@ -9,7 +9,7 @@ use super::fill::fill_row;
 use super::measure::Measure;
 use super::store::{Report, RowImpulse};
 use super::table::JointBatch;
-use crate::constraint::contact::row::Pair;
+use crate::constraint::contact::row::BodyPair;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
 
 /// Up to eight rows.
@@ -87,7 +87,7 @@ impl<L: GatherLanes, M: Measure<L>> RowBatch<L, M> {
     /// Takes directions as they are at the start of a step.
     pub(crate) fn begin(&mut self) {
         let zero = Vec3::zero();
-        self.follow(&Pair { va: zero, wa: zero, vb: zero, wb: zero });
+        self.follow(&BodyPair { va: zero, wa: zero, vb: zero, wb: zero });
     }
 
     /// Takes the impulses of the last step.
@@ -115,7 +115,7 @@ impl<L: GatherLanes, M: Measure<L>> JointBatch<L> for RowBatch<L, M> {
     }
 
     #[inline(always)]
-    fn follow(&mut self, d: &Pair<L>) {
+    fn follow(&mut self, d: &BodyPair<L>) {
         let [at, rb] = self.arm;
         let now = turned(d.wb, rb);
         self.lever.arm = [at + (d.vb - d.va) + (now - rb), now];
@@ -128,13 +128,13 @@ impl<L: GatherLanes, M: Measure<L>> JointBatch<L> for RowBatch<L, M> {
     }
 
     #[inline(always)]
-    fn apply(&self, v: &mut Pair<L>) {
+    fn apply(&self, v: &mut BodyPair<L>) {
         self.ends.apply(v, self.acted, self.moment[0], self.moment[1]);
     }
 
     /// The lower end, then the upper one.
     #[inline(always)]
-    fn sweep(&mut self, v: &mut Pair<L>, pass: &JointPass) {
+    fn sweep(&mut self, v: &mut BodyPair<L>, pass: &JointPass) {
         let (zero, none) = (L::zero(), L::splat(f32::NEG_INFINITY));
         let (drives, springs, both) = (
             L::Mask::from_bits(self.drives),

@@ -4,7 +4,7 @@ use super::arrange::{JointInput, JointStage};
 use super::ends::{Ends, JointPass, NONE, Recovery};
 use super::rates::Watched;
 use super::store::Report;
-use crate::constraint::contact::row::{Motion, Pair};
+use crate::constraint::contact::row::{BodyPair, Motion};
 use crate::lanes::{GatherLanes, f32x8};
 use crate::memory::bytes_of;
 use crate::threads::{Crew, Shared, per_block};
@@ -25,13 +25,13 @@ pub(crate) trait JointBatch<L: GatherLanes>: Watched + Default {
     /// Makes the batch of the locks or rows `owners` of this step's joints.
     fn fill(&mut self, owners: &[u32], input: &JointInput<'_>);
     /// Updates directions, errors and effective masses to displacements of the bodies since the start of the step.
-    fn follow(&mut self, moved: &Pair<L>);
+    fn follow(&mut self, moved: &BodyPair<L>);
     /// Applies the impulses of the last substep.
-    fn apply(&self, v: &mut Pair<L>);
+    fn apply(&self, v: &mut BodyPair<L>);
     /// One Gauss-Seidel step.
-    fn sweep(&mut self, v: &mut Pair<L>, pass: &JointPass);
+    fn sweep(&mut self, v: &mut BodyPair<L>, pass: &JointPass);
     /// Reduces the error of a lock by at most `most`, by displacements.
-    fn correct(&self, _moved: &mut Pair<L>, _most: Recovery) {}
+    fn correct(&self, _moved: &mut BodyPair<L>, _most: Recovery) {}
     /// Reports the impulse of a lane.
     fn report(&self, lane: usize, to: &mut impl Report);
 

@@ -302,7 +302,7 @@ fn sort(
             }
             let colour = colouring[group as usize].assign(a, b);
             let in_tree = group.is_static() && colour != OVERFLOW && input.tree_slots.of(a.min(b)).is_some();
-            let key = keys.count((group, solved_after), colour, (!in_tree).then_some(count));
+            let key = keys.count(group, solved_after, colour, (!in_tree).then_some(count));
             room.push(entries, (part, key));
         };
         if input.per_point {

@@ -68,7 +68,8 @@ impl Keys {
     /// Counts one part of so many points, or one of a body in a tree, and says its key.
     pub(crate) fn count(
         &mut self,
-        (group, solved_after): (Group, Option<RowGroup>),
+        group: Group,
+        solved_after: Option<RowGroup>,
         colour: usize,
         points: Option<usize>,
     ) -> u32 {
