@@ -1,4 +1,4 @@
-//! Contacts in, batches of rows out: ordered by importance, coloured, packed in lanes.
+//! Contacts and joints in, batches of rows out: ordered by importance, coloured, packed in lanes.
 
 pub(crate) mod articulation;
 pub(crate) mod contact;

@@ -1,10 +1,11 @@
-//! Contacts of a tree of joints with what is static, solved along with the tree.
+//! Contacts between a tree of joints and static geometry, solved along with the tree.
 //!
-//! A foot that lands at 30 m/s is stopped at once by what the foot alone can bear; what hangs on it comes along a joint and a
-//! pass later, and opens the joints by decimetres meanwhile. So while a tree is solved, its contacts push what they would push
-//! in truth: a body with all that hangs on it. From the leaves to the root it is known how each body answers an impulse
-//! (`Node::whole`), and a walk along the tree hands on what the contacts of one body change to the next, so that each of them
-//! sees velocities that all joints allow: Gauss-Seidel in the coordinates of the joints, at the cost of one more solution.
+//! A foot that lands at 30 m/s is stopped at once by the impulse that the foot alone requires; the bodies
+//! above it follow a joint and a pass later, and meanwhile open the joints by decimetres. So while a tree is
+//! solved, its contacts push against the effective mass of the body with the rest of the tree. How each body
+//! responds to an impulse (`Node::whole`) follows from the sweep from the leaves to the root; a traversal of
+//! the tree then passes what the contacts of one body change on to the next, so that each sees velocities
+//! that all joints allow: Gauss-Seidel in joint coordinates, at the cost of one more solution.
 
 use super::close::{Closing, keep_out};
 use super::node::Node;
@@ -21,22 +22,22 @@ use crate::constraint::contact::rows::Views;
 use crate::constraint::joint::ends::NONE;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, f32x8};
 
-/// Walks a pass: the second finds what contacts of one body left to those of another.
+/// Traversals in a pass: the second corrects what the contacts of one body did to those of another.
 const TRAVERSALS: u32 = 2;
 
-/// What is asked of the contacts of a body on a walk along its tree.
+/// What the contacts of a body do during a traversal of its tree.
 #[derive(Clone, Copy)]
 pub(crate) enum Request<'a> {
     /// One Gauss-Seidel step.
     Solve(&'a Pass<'a>),
-    /// Of a displacement: to push back what would cross them.
+    /// Push back a displacement that would cross them.
     Push(&'a Closing),
-    /// The same, each body for itself.
+    /// The same for each body alone, without the tree.
     Stop(&'a Closing),
 }
 
 impl Views<'_> {
-    /// Contacts of one body of each of up to eight trees.
+    /// Solves the contacts of one body in each of up to eight trees.
     ///
     /// # Safety
     /// No other thread works on the trees, and none writes displacements.
@@ -60,7 +61,7 @@ impl Views<'_> {
         }
     }
 
-    /// Contacts of one body of one tree.
+    /// Solves the contacts of one body of one tree.
     ///
     /// # Safety
     /// As for [`Views::solve_tree_contacts`].
@@ -84,7 +85,7 @@ impl Views<'_> {
 pub(crate) struct TreeBody<'a, L> {
     velocity: Twist<L>,
     whole: &'a Sym6<L>,
-    /// What its contacts gave it.
+    /// Impulse of its contacts.
     push: Twist<L>,
 }
 
@@ -98,7 +99,7 @@ impl<'a, L: Lanes> TreeBody<'a, L> {
 }
 
 impl<L: GatherLanes> TreeBatch<L> {
-    /// How each body answers an impulse on it, with the whole tree.
+    /// Finds how each body responds to an impulse on it, as part of the whole tree.
     pub(crate) fn answer(&mut self) {
         for i in 0..self.real {
             let (parent, node) = self.with_parent(i);
@@ -118,7 +119,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
-    /// Lets `solve` have the contacts of each body in turn, with the velocity that it has then.
+    /// Visits the bodies from the root on and calls `solve` with the contacts of each, and with its velocity
+    /// at that moment.
     pub(crate) fn traverse(
         &mut self,
         contacts: &[TreeContacts],
@@ -153,7 +155,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
-    /// Hands what came on a body on the walk to its parent, which it names.
+    /// Adds the impulses that a body received to its parent, and returns the parent.
     fn towards_root(&mut self, from: u32) -> u32 {
         let (parent, node) = self.with_parent(from as usize);
         node.carried.add(node.pending);
@@ -172,7 +174,8 @@ impl<L: GatherLanes> TreeBatch<L> {
 }
 
 impl<L: Lanes> Node<L> {
-    /// The change of velocity that answers what is carried and asked for.
+    /// The change of velocity that follows from the impulses carried up and the velocities requested of the
+    /// joints.
     #[inline(always)]
     pub(crate) fn answered(&self, above: Twist<L>) -> Twist<L> {
         let mut push = self.carried;
@@ -186,7 +189,7 @@ impl<L: Lanes> Node<L> {
     }
 }
 
-/// How a body of a tree answers.
+/// The response of a body as part of its tree.
 struct Whole<'a, L, const P: usize> {
     whole: &'a Sym6<L>,
     push: Twist<L>,
@@ -195,7 +198,8 @@ struct Whole<'a, L, const P: usize> {
     friction: FrictionResponse<L>,
 }
 
-/// How much of a body's own mobility has to be left in the tree: less is rounding, of what its joints hold where it is.
+/// Share of a body's own mobility that must be left in the tree. Less is rounding: its joints hold the body
+/// where it is.
 const LEAST: f32 = 1e-4;
 
 impl<'a, L: Lanes, const P: usize> Whole<'a, L, P> {
@@ -260,10 +264,10 @@ impl<L: GatherLanes, const P: usize> Response<L, P, 0> for Whole<'_, L, P> {
     }
 }
 
-/// The contacts of a body of each tree.
+/// Solves the contacts of one body of each tree.
 ///
 /// # Safety
-/// The batch is no other thread's, and no thread writes displacements.
+/// No other thread works on the batch, and none writes displacements.
 #[inline(always)]
 unsafe fn touch<L: GatherLanes, const P: usize>(
     batch: &mut Batch<L, P, 0>,
@@ -302,11 +306,12 @@ unsafe fn touch<L: GatherLanes, const P: usize>(
     body.velocity = Twist { linear: v.va, angular: v.wa };
 }
 
-/// Contacts that went along with trees, after rows that know of no tree: what came since must not push a body into what is
-/// static. No impulse is kept, or what can't be met at all would grow from pass to pass; so it is as if the body had been
-/// slower before any row acted.
+/// Checks the contacts that were solved along with trees once more, after rows that know nothing of the tree:
+/// what these did must not push a body into static geometry. No impulse is kept, or requests that can't be
+/// met would grow from pass to pass; instead the velocity before any row acted is changed too, as if the body
+/// had been slower.
 ///
-/// Says whether potential points push.
+/// Returns whether potential points push.
 ///
 /// # Safety
 /// As for [`solve`](crate::constraint::contact::row::solve).

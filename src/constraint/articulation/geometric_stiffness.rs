@@ -6,19 +6,21 @@ use super::tree::TreeBatch;
 use crate::constraint::joint::ends::inverse;
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
 
-/// The square of the frequency times the substep, of a body that turns on its joints, up to which it is integrated as it is.
+/// A body that swings on its joints is integrated without additional inertia up to this value of the square
+/// of frequency times substep.
 const SAFE: f32 = 0.5;
 
 impl<L: GatherLanes> TreeBatch<L> {
-    /// What pulls at an arm turns a body back, the faster the lighter the body is: a chain that bears a thousand times its
-    /// own weight is a string with a note too high for the substep, and would tear itself apart. Where that is so, the
-    /// pull is taken into the inertia, as if it were followed through the substep (Andrews, Teichmann and Kry,
-    /// *Geometric Stiffness for Real-time Constrained Multibody Dynamics*, 2017).
+    /// A load that pulls at an arm turns the body back, the faster the lighter it is: a chain that bears a
+    /// thousand times its own weight is a string whose frequency is too high for the substep, and would tear
+    /// itself apart. Where that is so, the stiffness of the load is added to the inertia, as if it were
+    /// followed implicitly through the substep (Andrews, Teichmann and Kry, *Geometric Stiffness for
+    /// Real-time Constrained Multibody Dynamics*, 2017).
     pub(crate) fn add_geometric_stiffness(&mut self) {
         self.add_geometric_stiffness_where(self.is_alone());
     }
 
-    /// The same; in some lanes nothing is a blow.
+    /// The same; `alone`: lanes in which no impulse counts as a blow.
     pub(crate) fn add_geometric_stiffness_where(&mut self, alone: L::Mask) {
         for node in &mut self.nodes {
             (node.stiffened, node.pulled) = (Sym3::default(), L::zero());
@@ -50,7 +52,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         self.turn_inertias();
     }
 
-    /// Inertias of what keeps its energy, as it is turned now. The others' stay as they were at the start of the step.
+    /// Turns the inertias of trees that conserve energy to the current orientation. Those of others stay as
+    /// at the start of the step.
     pub(super) fn turn_inertias(&mut self) {
         if self.exact == 0 {
             return;
@@ -65,7 +68,7 @@ impl<L: GatherLanes> TreeBatch<L> {
 }
 
 impl<L: Lanes> Node<L> {
-    /// Adds the stiffness that an impulse at an arm makes, if it pulls.
+    /// Adds the stiffness of an impulse at an arm, if it pulls.
     #[inline(always)]
     fn pull(&mut self, impulse: Vec3<L>, arm: Vec3<L>, h: L) {
         let along = impulse.dot(arm);

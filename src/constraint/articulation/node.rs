@@ -18,33 +18,34 @@ pub(crate) enum Turns {
 /// A body and the joint between it and its parent.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Node<L> {
-    /// The lock of the joint's point in each lane, and that of its rotation; of a root that hangs on nothing, a lock of its
-    /// body.
+    /// The lock of the joint's point in each lane, and that of its rotation. For a root that hangs on
+    /// nothing, any lock of its body.
     pub(crate) owner: [u32; 8],
     pub(crate) turn_owner: [u32; 8],
-    /// What of the rotation is locked.
+    /// Which rotation is locked.
     pub(crate) turns: Turns,
-    /// Which side of the joint the body is, the same in all lanes.
+    /// Whether the body is the first or the second of its joint, the same in all lanes.
     pub(crate) side: u8,
-    /// The parent's place in the tree; of a root, none.
+    /// Index of the parent in the tree; none for a root.
     pub(crate) parent: u32,
-    /// Of a cut joint, the place of its body.
+    /// For a cut joint, the index of its body.
     pub(crate) own: u32,
     /// Whether there is a joint.
     pub(crate) jointed: bool,
     pub(crate) body: [u32; 8],
-    /// What a root hangs on: a body that the joint can't move.
+    /// What a root hangs on: a body that the joint can't push.
     pub(crate) anchor: [u32; 8],
     /// Bit per lane: there is a body.
     pub(crate) write: u32,
-    /// The body's own, or more: see [`TreeBatch::weigh`].
+    /// That of the body, or less: see [`TreeBatch::weigh`].
     pub(crate) inverse_mass: L,
     pub(crate) inertia: Sym3<L>,
     /// From the centre of mass to the joint, of the body and of its parent, at the start of the step [m].
     pub(crate) arm: [Vec3<L>; 2],
     /// From the parent's point to the body's [m].
     pub(crate) apart: Vec3<L>,
-    /// Of a hinge, on the body and on its parent; of what is welded, the rotation vector from the parent [rad].
+    /// Axis of a hinge, on the body and on its parent; and the rotation vector from the parent to a welded
+    /// body [rad].
     pub(crate) axis: [Vec3<L>; 2],
     pub(crate) error: Vec3<L>,
     /// The same after the last substep.
@@ -52,35 +53,39 @@ pub(crate) struct Node<L> {
     pub(crate) apart_now: Vec3<L>,
     pub(crate) axis_now: [Vec3<L>; 2],
     pub(crate) error_now: Vec3<L>,
-    /// How much faster the body leaves its parent in the mean over the next substep than it does at its start.
+    /// By how much the mean speed at which the body leaves its parent over the next substep exceeds that at
+    /// its start.
     pub(crate) bend: Twist<L>,
-    /// How it goes on by itself.
+    /// How it moves without joints.
     pub(crate) drift: Drift<L>,
-    /// Displacement since the start of the step, and the rotation of that; or while it is predicted, that of the substep.
+    /// Displacement since the start of the step, and its rotation; during prediction, those of the substep.
     pub(crate) moved: Twist<L>,
     pub(crate) turn: Quat<L>,
-    /// On the body, of the last substep: at the joint [N s], and about it [N m s].
+    /// Impulses on the body in the last substep: at the joint [N s], and about it [N m s].
     pub(crate) impulse: Vec3<L>,
     pub(crate) twist: Vec3<L>,
-    /// How much of the impulse at the joint is no blow [N s].
+    /// Part of the impulse at the joint that is a steady load and not a blow [N s].
     pub(crate) steady: L,
-    /// Inertia with what pulls on the body, its inverse, and the angular velocity that the tree gave in the last substep.
+    /// Inertia with geometric stiffness, its inverse, and the angular velocity that the tree gave in the last
+    /// substep.
     pub(crate) stiffened: Sym3<L>,
     pub(crate) stiffened_inverse: Sym3<L>,
     pub(crate) gained: Vec3<L>,
     /// Inverse of the inertia of the body with all that hangs on it.
     pub(crate) free: Sym6<L>,
-    /// Impulse at the joint per velocity that it doesn't allow.
+    /// Impulse at the joint per velocity that the joint forbids.
     pub(crate) stiff: Sym6<L>,
-    /// The same of both bodies, the parent with what hangs on it but for this branch and those before it; and the velocity of
-    /// that parent per impulse on it.
+    /// The same for both bodies, where the parent is taken with what hangs on it except for this branch and
+    /// those before it; and the velocity of that parent per impulse on it.
     pub(super) joined: Sym6<L>,
     pub(super) rest: Sym6<L>,
-    /// Velocity of the body per impulse on it, with the whole tree: if it has contacts that go along.
+    /// Velocity of the body per impulse on it, with the whole tree; only if it has contacts that are solved
+    /// along with the tree.
     pub(crate) whole: Sym6<L>,
-    /// How much of the inertia is pulled [kg m²]; before that is known, what hangs on the body.
+    /// Stiffness times the square of the substep [kg m²]; before that is known, the mass that hangs on the
+    /// body.
     pub(crate) pulled: L,
-    /// Of one pass.
+    /// State of one pass.
     pub(crate) velocity: Twist<L>,
     /// Velocity and displacement of what a root hangs on.
     pub(crate) anchored: Twist<L>,
@@ -89,17 +94,17 @@ pub(crate) struct Node<L> {
     pub(crate) asked: Twist<L>,
     pub(crate) change: Twist<L>,
     pub(crate) pending: Twist<L>,
-    /// What contacts that go along push the body by; with what its joints do; and what of `carried` the parent had from the
-    /// branches after this one.
+    /// Impulse of contacts that are solved along with the tree; the same with the impulses of its joints; and
+    /// the part of `carried` that the parent had from the branches after this one.
     pub(crate) pushed: Twist<L>,
     pub(super) pushes: Twist<L>,
     pub(super) beside: Twist<L>,
-    /// Of the joint, taken from the body at its arm.
+    /// Impulse of the joint, subtracted from the body at its arm.
     pub(crate) force: Twist<L>,
-    /// Change, force and push of the tree without the rows beside it.
+    /// Change, force and impulses of the tree without the rows beside it.
     pub(crate) before: (Twist<L>, Twist<L>),
     pub(crate) pushed_before: Twist<L>,
-    /// Of a substep that is done again.
+    /// State from which a substep is solved again.
     pub(crate) start: Start<L>,
 }
 
@@ -117,7 +122,7 @@ impl<L: Lanes> Default for Node<L> {
             body: [0; 8],
             anchor: [0; 8],
             write: 0,
-            // Of something, so that an inert lane has numbers too.
+            // Identity, so that inert lanes stay finite.
             inverse_mass: one,
             inertia: Sym3 { xx: one, yy: one, zz: one, ..Sym3::default() },
             arm: [zero; 2],
@@ -163,7 +168,7 @@ impl<L: Lanes> Default for Node<L> {
 }
 
 impl<L: Lanes> Node<L> {
-    /// Impulse at the joint per velocity that it doesn't allow, of what has such a mobility there.
+    /// Impulse at the joint per velocity that the joint forbids, for a mobility there.
     #[inline(always)]
     pub(super) fn held_by(&self, mobility: &Sym6<L>) -> Sym6<L> {
         mobility.inverse_with(match self.turns {
@@ -173,8 +178,8 @@ impl<L: Lanes> Node<L> {
         })
     }
 
-    /// Of a hinge, without what is about its axis. Rounding leaves some of that, by which a rotor would spin ever faster: so
-    /// twice.
+    /// For a hinge, removes the component about its axis. Twice: rounding leaves some of it, by which a rotor
+    /// would spin ever faster.
     #[inline(always)]
     pub(super) fn unspun(&self, mut of: Twist<L>) -> Twist<L> {
         if self.turns == Turns::AboutAxis {
@@ -186,13 +191,13 @@ impl<L: Lanes> Node<L> {
         of
     }
 
-    /// How far the joint is open.
+    /// Error of the joint.
     #[inline(always)]
     pub(crate) fn open(&self) -> Twist<L> {
         Twist { linear: self.apart_now, angular: self.error_now }
     }
 
-    /// Moves the body a little.
+    /// Moves the body by a small displacement.
     #[inline(always)]
     pub(crate) fn shift(&mut self, by: Twist<L>) {
         self.moved.linear += by.linear;

@@ -1,4 +1,4 @@
-//! Which contacts go along with a tree of joints: those that its bodies have with what is static.
+//! Which contacts are solved along with a tree of joints: those of its bodies with static geometry.
 
 use crate::constraint::contact::batch::BatchRef;
 use crate::constraint::joint::ends::NONE;
@@ -17,13 +17,13 @@ impl TreeRef {
     pub(crate) fn index(self) -> usize {
         (self.0 & !TreeRef::SINGLE) as usize
     }
-    /// Whether it is one tree, and its contacts stand in batches of one lane.
+    /// Whether it is a single tree, whose contacts are in batches of one lane.
     pub(crate) fn is_single(self) -> bool {
         self.0 & TreeRef::SINGLE != 0
     }
 }
 
-/// Where in the trees a body is.
+/// The place of a body in the trees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct TreeSlot {
     tree: TreeRef,
@@ -37,11 +37,11 @@ impl TreeSlot {
     pub(crate) fn new(tree: TreeRef, node: usize, lane: usize) -> TreeSlot {
         TreeSlot { tree, node: node as u32, lane: lane as u32 }
     }
-    /// What the bodies of a tree have in common.
+    /// The same for all bodies of a tree.
     pub(crate) fn of_tree(self) -> (TreeRef, u32) {
         (self.tree, self.lane)
     }
-    /// What the contacts of a batch have in common.
+    /// The same for all contacts of a batch.
     pub(crate) fn place(self) -> (TreeRef, u32) {
         (self.tree, self.node)
     }
@@ -83,7 +83,7 @@ impl TreeSlots {
     }
 }
 
-/// A batch of contacts of one node of a batch of trees.
+/// The contacts of one node of a batch of trees.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TreeContacts {
     pub(crate) tree: TreeRef,

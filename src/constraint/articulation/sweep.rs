@@ -10,7 +10,7 @@ use crate::constraint::joint::ends::JointPass;
 use crate::lanes::{GatherLanes, Sym3, Vec3};
 
 impl<L: GatherLanes> TreeBatch<L> {
-    /// From the leaves to the root: what each body is like with all that hangs on it.
+    /// From the leaves to the root: the mobility of each body with all that hangs on it.
     pub(crate) fn factor(&mut self) {
         for node in &mut self.nodes {
             let mass = node.inverse_mass;
@@ -40,7 +40,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
-    /// From the leaves to the root and back, for the trees in some lanes.
+    /// Solves the trees of some lanes, from the leaves to the root and back.
     pub(crate) fn sweep(
         &mut self,
         pass: &JointPass,
@@ -87,7 +87,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         self.extra.drives = Drives::None;
     }
 
-    /// Impulses of joints that answer what is asked for, and the changes of velocity by them and by what pushes.
+    /// The impulses of joints that meet what was requested, and the changes of velocity by them and by other
+    /// impulses.
     pub(crate) fn answer_all(&mut self) {
         self.answer_bodies();
         if self.has_extra() {
@@ -95,11 +96,12 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
-    /// From the root to the leaves: impulses of joints that answer what is asked for, and the changes of velocity by them and
-    /// by what pushes.
+    /// From the root to the leaves: the impulses of joints that meet what was requested, and the changes of
+    /// velocity by them and by other impulses.
     ///
-    /// A joint's impulse follows from the mobility of both its bodies, and a body's change from its own inertia: what a light
-    /// body between heavy ones bears is a small difference of what is carried past it, and would be lost in that.
+    /// A joint's impulse follows from the mobility of both its bodies, and a body's change from its own
+    /// inertia: the net impulse on a light body between heavy ones is a small difference of what passes
+    /// through it, and would be lost otherwise.
     pub(crate) fn answer_bodies(&mut self) {
         for i in 0..self.real {
             let (parent, node) = self.with_parent(i);
@@ -128,7 +130,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
-    /// What is `asked` of each joint, and what of that is left to it.
+    /// Collects what is requested of each joint, less what the joints below it do.
     #[inline(always)]
     pub(crate) fn gather_up(&mut self, asked: impl Fn(&Node<L>, Option<&Node<L>>) -> Twist<L>) {
         for i in self.real..self.nodes.len() {

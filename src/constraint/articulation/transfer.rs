@@ -9,12 +9,13 @@ use crate::constraint::joint::ends::{NONE, bend, swerve};
 use crate::constraint::joint::fill::put;
 use crate::lanes::{GatherLanes, Mask, Record, Vec3, gather, scatter};
 
-/// What is faster than this [m/s] or [rad/s] goes on as if the tree had not acted.
+/// Bodies that are faster than this [m/s] or [rad/s] move on as if the tree had not acted.
 const RUNAWAY: f32 = 1e6;
 
 impl<L: GatherLanes> TreeBatch<L> {
-    /// Where bodies go in a substep as they turn at its start. Not as the rows before want them to turn: what can't have what
-    /// it wants, and light links under a load, would turn any way within it.
+    /// Predicts by how much velocities at the joints change in a substep as bodies turn. Uses the angular
+    /// velocities before rows acted: rows whose requests can't be met, and light links under a load, would
+    /// turn arbitrarily within the substep.
     ///
     /// # Safety
     /// No thread writes these velocities.
@@ -55,7 +56,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         self.place(L::zero());
     }
 
-    /// Displacements, but for the lanes that know theirs.
+    /// Reads displacements, except in lanes that know theirs.
     ///
     /// # Safety
     /// No thread writes displacements of the trees.
@@ -74,7 +75,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
-    /// Arms and separations after displacements, some time before what trees hang on is where it is to be [s].
+    /// Arms and separations after displacements, `left` seconds before the anchors reach the ends of theirs.
     pub(crate) fn place(&mut self, left: L) {
         for i in 0..self.nodes.len() {
             let (parent, node) = self.with_parent(i);
@@ -107,7 +108,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         self.turn_inertias();
     }
 
-    /// Writes displacements of some lanes. Where there is no number any more, bodies go as they would without the tree.
+    /// Writes the displacements of some lanes. Bodies whose displacement is not finite move as they would
+    /// without the tree.
     ///
     /// # Safety
     /// No other thread works on the bodies of the trees.
@@ -118,7 +120,7 @@ impl<L: GatherLanes> TreeBatch<L> {
                 // SAFETY: by the contract; no body is twice in a batch.
                 let to = unsafe { motion.delta.get(node.body[lane] as usize) };
                 if self.exact >> lane & 1 != 0 {
-                    // Something acted on it, and it is turned already.
+                    // Joints acted on it, and it is turned already.
                     to.set_touched();
                     to.set_turned();
                 }
@@ -134,7 +136,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         cuts.iter_mut().for_each(|cut| cut.moved = bodies[cut.own as usize].moved);
     }
 
-    /// Velocities.
+    /// Reads velocities.
     ///
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
@@ -152,8 +154,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
-    /// Writes the velocities of some lanes. Where trees keep their energy, what joints changed is no warm start for the next
-    /// substep: rows see it as if it had been there before them.
+    /// Writes the velocities of some lanes. In trees that conserve energy, what joints changed is no warm
+    /// start for the next substep: it is added to the velocities before rows acted too.
     ///
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
@@ -174,11 +176,11 @@ impl<L: GatherLanes> TreeBatch<L> {
                 if self.exact >> lane & 1 != 0 {
                     let fastest = new.linear.abs().max(new.angular.abs()).max_element();
                     if !(fastest < RUNAWAY && new.linear.is_finite() && new.angular.is_finite()) {
-                        // No number any more, or as good as none.
+                        // Not finite, or as good as that.
                         continue;
                     }
                     if v.linear == base.linear && v.angular == base.angular {
-                        // To the last bit: that is how it is told that nothing else acts.
+                        // Bit for bit: equality is how it is told that nothing else acts.
                         (base.linear, base.angular) = (new.linear, new.angular);
                     } else {
                         base.linear += own[lane].linear;

@@ -1,11 +1,12 @@
 //! Trees of joints, solved exactly.
 //!
-//! Row by row, what a heavy load at the end of a chain needs travels up one joint a pass: a ball a thousand times as heavy as
-//! the links tears such a chain apart. But points that join bodies without a loop (chains, ragdolls, cars), with what is
-//! locked about them, are a linear system that needs no iteration. From the leaves to the root, each body's inertia takes in
-//! what hangs on it; then impulses go back from the root to the leaves (Featherstone 1983; with impulses instead of forces, and in the
-//! coordinates of the bodies, Baraff, *Linear-Time Dynamics using Lagrange Multipliers*, 1996). Up to eight trees of the
-//! same shape share the lanes.
+//! Row by row, the impulse that a heavy load at the end of a chain needs travels up one joint a pass: a ball
+//! a thousand times as heavy as the links tears such a chain apart. But points that join bodies without a
+//! loop (chains, ragdolls, cars), with the rotation that is locked about them, are a linear system that is
+//! solved without iteration. From the leaves to the root, each body's inertia takes in what hangs on it; then
+//! impulses are passed back from the root to the leaves (Featherstone 1983; with impulses instead of forces
+//! and in the coordinates of the bodies, Baraff, *Linear-Time Dynamics using Lagrange Multipliers*, 1996). Up
+//! to eight trees of the same shape share the lanes.
 
 use super::contacts::TreeBody;
 use super::cut::Extra;
@@ -20,41 +21,43 @@ use crate::lanes::{GatherLanes, Mask, Quat, Vec3};
 /// Up to eight trees of one shape, parents before children.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TreeBatch<L> {
-    /// A node for each body, then those of cut joints, whose bodies are in front of them.
+    /// A node for each body, then one for each cut joint.
     pub(crate) nodes: Vec<Node<L>>,
-    /// How many bodies a tree has.
+    /// Number of bodies in a tree.
     pub(crate) real: usize,
     /// Rows of cut joints and motors.
     pub(crate) extra: Extra<L>,
-    /// Bodies turned since the last solution.
+    /// Bodies have turned since the last solution.
     pub(crate) fresh: bool,
-    /// Share of an error that velocities take back within a substep.
+    /// Share of an error that velocities correct within a substep.
     pub(crate) share: L,
-    /// Lanes of trees that keep their energy (see `joint_rattle`). Those of the others are warm-started.
+    /// Lanes of trees that conserve energy (see [`rattle`](super::rattle)). Those of the others are
+    /// warm-started.
     pub(crate) exact: u32,
-    /// Lanes of trees in which a body bears several times its mass; of those that are warm-started, the ones of which it is
-    /// looked at what a substep did; and those on which nothing but joints and what pulls acts in the substep.
+    /// Lanes of trees in which a body bears several times its mass; those of warm-started trees whose
+    /// substeps are checked afterwards; and those on which only joints and external forces act in the
+    /// substep.
     pub(crate) laden: u32,
     pub(crate) watched: u32,
     pub(crate) calm: u32,
-    /// Lanes of which a substep was done again (see `joint_damp`).
+    /// Lanes of which a substep was solved again (see [`damp`](super::damp)).
     pub(crate) damped: u32,
-    /// Lanes whose bodies turn as was predicted last.
+    /// Lanes whose bodies turn as predicted last.
     pub(crate) known: u32,
-    /// Lanes for which no impulses were found that close joints.
+    /// Lanes for which no impulses were found that close the joints.
     pub(crate) lost: u32,
-    /// The same in any part of the substep.
+    /// The same, in any part of the substep.
     pub(crate) astray: u32,
-    /// What pulls acts for so much longer in the first substep [s].
+    /// External forces act for so much longer in the first substep [s].
     pub(crate) late: L,
-    /// Half a substep, where nothing but joints and what pulls acts on the tree [s].
+    /// Half a substep where only joints and external forces act on the tree, else zero [s].
     pub(crate) lag: L,
-    /// A joint lets its bodies collide: a loop with their contact, of which the tree knows nothing. Contacts don't go along,
-    /// and what is open is left to the velocities.
+    /// A joint lets its bodies collide: their contact closes a loop of which the tree knows nothing. Contacts
+    /// are not solved along with the tree, and open joints are left to the velocities.
     pub(crate) loops: bool,
-    /// Where it is solved among all rows.
+    /// Its place in the order of all rows.
     pub(crate) place: Place,
-    /// Contacts that go along with the trees: their range among all such.
+    /// Contacts that are solved along with the trees: their range among all such.
     pub(crate) contacts: (u32, u32),
     /// Substep [s].
     pub(crate) h: f32,
@@ -64,13 +67,15 @@ pub(crate) struct TreeBatch<L> {
     pub(crate) weighted: u32,
 }
 
-/// The least mass of a body for what hangs on it. Of mobilities in `f32` a part in ten million is left; of chains of twenty,
-/// links of a 50,000th already lose some digits that they need, and of a millionth all.
+/// Minimum mass of a body, as a share of the mass that hangs on it. In `f32` mobilities keep a ten-millionth:
+/// in chains of twenty, links of a 50,000th already lose some digits that matter, and links of a millionth
+/// all.
 const LIGHTEST: f32 = 5e-5;
 
-/// Share of an error that is taken back within a substep. Contacts see a tree body by body: what both agree on they find
-/// slowly, and an error that is taken back faster makes what they do not agree on grow (see
-/// [`Softness::stiffest`](crate::constraint::contact::row::Softness::stiffest), with a load that does not yield).
+/// Share of an error that is corrected within a substep. Contacts see a tree body by body and converge slowly
+/// on what both agree on; if errors are corrected faster, what they do not agree on grows (see
+/// [`Softness::stiffest`](crate::constraint::contact::row::Softness::stiffest), with a load that does not
+/// yield).
 pub(crate) const ALONE: f32 = 0.2;
 pub(crate) const TOUCHING: f32 = 0.05;
 
@@ -78,32 +83,32 @@ impl<L> TreeBatch<L> {
     pub(crate) fn of_bodies(&self) -> &[Node<L>] {
         &self.nodes[..self.real]
     }
-    /// Whether loops of its own were cut.
+    /// Whether it has loops, which were cut.
     pub(crate) fn is_cut(&self) -> bool {
         self.real < self.nodes.len()
     }
-    /// How many bodies there are in its trees.
+    /// Number of bodies in all its trees.
     pub(crate) fn bodies(&self) -> u32 {
         self.of_bodies().iter().map(|node| node.write.count_ones()).sum()
     }
 }
 
 impl<L: GatherLanes> TreeBatch<L> {
-    /// A node, and its parent, which stands before it.
+    /// A node and its parent, which precedes it.
     #[inline(always)]
     pub(crate) fn with_parent(&mut self, i: usize) -> (Option<&mut Node<L>>, &mut Node<L>) {
         let (before, rest) = self.nodes.split_at_mut(i);
         let node = &mut rest[0];
-        // Of a root, no place at all.
+        // Out of range for a root.
         (before.get_mut(node.parent as usize), node)
     }
 
-    /// Bodies so light that what hangs on them would drown them in rounding count as heavier: a share of that, at the cost of as
-    /// much in what the tree weighs.
+    /// Bodies so light that rounding of the mobility of what hangs on them would drown theirs count as
+    /// heavier: as a share of that mass, which makes the tree heavier by as much.
     fn weigh(&mut self) {
         self.weighted = 0;
         for node in &mut self.nodes {
-            // What hangs on it.
+            // The mass that hangs on it.
             node.pulled = L::zero();
         }
         for i in (0..self.real).rev() {
@@ -121,7 +126,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
-    /// Takes arms and impulses as they are at the start of a step.
+    /// Initialises arms and impulses at the start of a step.
     pub(crate) fn begin(&mut self, h: f32, unit: f32) {
         self.weigh();
         for node in &mut self.nodes {
@@ -135,17 +140,17 @@ impl<L: GatherLanes> TreeBatch<L> {
         self.add_geometric_stiffness();
     }
 
-    /// Trees that keep their energy.
+    /// Lanes of trees that conserve energy.
     pub(crate) fn exact(&self) -> L::Mask {
         L::Mask::from_bits(self.exact)
     }
 
-    /// Whether all do.
+    /// Whether all trees conserve energy.
     pub(crate) fn all_exact(&self) -> bool {
         self.nodes.first().is_none_or(|root| root.write == self.exact)
     }
 
-    /// Takes contacts along, and is ready to be solved.
+    /// Takes the contacts that are solved along with the trees, and prepares for solving.
     pub(crate) fn take_along(&mut self, contacts: (u32, u32)) {
         self.contacts = contacts;
         self.factor();
@@ -158,7 +163,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         self.is_cut() || !self.extra.motors.is_empty()
     }
 
-    /// Trees that touch nothing, and are warm-started: what pulls in them is no blow.
+    /// Trees that touch nothing and are warm-started: no load in them is a blow.
     pub(crate) fn is_alone(&self) -> L::Mask {
         self.share.gt(L::splat(TOUCHING))
     }
@@ -193,11 +198,11 @@ impl<L: GatherLanes> TreeBatch<L> {
         unsafe { self.save(motion, !self.exact) };
     }
 
-    /// The angular velocities that bodies get from the impulses, and from what pulls, at arms as they are now: what warm
-    /// starting adds to the velocities is as if bodies had not turned, and a pendulum would gain energy.
+    /// Recomputes the angular velocities that bodies get from impulses and external forces, at the current
+    /// arms: warm starting adds impulses as if bodies had not turned, and a pendulum would gain energy.
     fn turn_along(&mut self) {
         for node in self.nodes.iter_mut().filter(|node| node.turns == Turns::AboutAxis) {
-            // A hinge bears nothing about its axis, which has turned.
+            // A hinge transmits nothing about its axis, which has turned.
             node.twist -= node.axis_now[0] * node.axis_now[0].dot(node.twist);
         }
         self.nodes.iter_mut().for_each(|node| node.asked = Twist::zero());
@@ -221,7 +226,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         self.repeat_bodies();
     }
 
-    /// Adds what motors turn bodies by.
+    /// Adds the angular impulses of motors.
     #[inline(always)]
     pub(crate) fn add_motors(&mut self, to: impl Fn(&mut Node<L>) -> &mut Vec3<L>) {
         let motors = std::mem::take(&mut self.extra.motors);
@@ -236,7 +241,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         self.extra.motors = motors;
     }
 
-    /// Velocities of bodies that stand in nodes of cut joints too.
+    /// Copies velocities of bodies to the nodes of cut joints.
     pub(crate) fn repeat_bodies(&mut self) {
         let (bodies, cuts) = self.nodes.split_at_mut(self.real);
         for cut in cuts {
@@ -244,7 +249,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
-    /// One exact solution for all joints of the trees; `touch` solves what contacts of a body go along.
+    /// One exact solution for all joints of the trees; `touch` solves the contacts of a body along with them.
     ///
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
@@ -260,7 +265,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             // SAFETY: displacements are not written while rows are solved.
             unsafe { self.follow(motion) };
             if self.is_alone().any() {
-                // A load may come within a substep.
+                // A load may arrive within a substep.
                 self.add_geometric_stiffness();
             }
             self.factor();
@@ -275,7 +280,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         unsafe { self.load(motion) };
         let mut lanes = L::zero().eq(L::zero());
         if self.exact != 0 && !pass.relax {
-            // Where nothing has acted since joints did, all is solved.
+            // Where nothing has acted since the joints did, they are solved already.
             // SAFETY: by the contract.
             lanes = !(self.exact() & unsafe { self.is_free(motion) });
             self.calm &= !lanes.bits();

@@ -1,4 +1,4 @@
-//! Which joints make trees.
+//! Finds the joints that form trees.
 
 use super::cut::{MOST_ROWS, rows_of};
 use super::node::Turns;
@@ -10,21 +10,21 @@ use crate::joint::{Joints, LockKind};
 /// A body of a tree, and the joint between it and its parent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Branch {
-    /// Place of the parent; none of a root.
+    /// Index of the parent; none for a root.
     pub(crate) parent: u32,
-    /// Which side of the joint the body is.
+    /// Whether the body is the first or the second of the joint.
     pub(crate) side: u8,
     /// A root may hang on nothing.
     pub(crate) jointed: bool,
-    /// What of its rotation is locked.
+    /// Which rotation is locked.
     pub(crate) turns: Turns,
-    /// Lock of the joint's point; of a root without one any lock of its body, on the side `side`.
+    /// Lock of the joint's point; for a root without a joint, any lock of its body, on the side `side`.
     pub(crate) lock: u32,
     /// Lock of its rotation.
     pub(crate) turn: u32,
     /// The joint lets the two collide.
     pub(crate) collides: bool,
-    /// Of a joint that closes a loop, place of its body; of others, none.
+    /// For a joint that closes a loop, the index of its body; otherwise none.
     pub(crate) own: u32,
 }
 
@@ -34,29 +34,29 @@ impl Branch {
     }
 }
 
-/// Bodies that hang together.
+/// Bodies that are joined together.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Tree {
-    /// The last of its joints' places.
+    /// The last of the places of its joints.
     pub(crate) place: Place,
     /// Parents before children, then joints that close loops.
     pub(crate) branches: Vec<Branch>,
-    /// Branches whose hinges are driven, and by which rows.
+    /// Branches whose hinges are driven, and the rows that drive them.
     pub(crate) motors: Vec<(u32, u32)>,
 }
 
 impl Tree {
-    /// How many bodies there are.
+    /// Number of bodies.
     pub(crate) fn bodies(&self) -> usize {
         self.branches.iter().filter(|branch| branch.own == NONE).count()
     }
 
-    /// Rows of what closes loops.
+    /// Number of rows of the joints that close loops.
     pub(crate) fn rows(&self) -> usize {
         self.branches.iter().filter(|branch| branch.own != NONE).map(|cut| rows_of(cut.turns)).sum()
     }
 
-    /// What trees have in common that can be solved in the same lanes: they come one after another if this is sorted.
+    /// What trees must have in common to share lanes; sorted by this, they come one after another.
     fn shape(&self) -> impl Iterator<Item = Shape> + '_ {
         let motors = self.motors.iter().map(|&(at, _)| (at, 0, false, Turns::Freely, false, NONE));
         self.branches.iter().map(Branch::shape).chain(motors)
@@ -80,13 +80,13 @@ impl Found {
     }
 }
 
-/// Trees out of points that are joined, with what locks their rotation. `place_of`: where a joint is solved; `motor_of`: where
-/// a row is, if it drives a hinge.
+/// Finds trees of point joints, with the locks of their rotation. `place_of`: where a joint is solved;
+/// `motor_of`: where a row is, if it drives a hinge.
 ///
-/// What has many loops or a locked axis is none.
+/// Bodies with a locked axis and groups with many loops form no tree.
 ///
-/// Bodies are told apart by their slots here: a world that was restored finds the same trees again, though bodies may have
-/// changed their places since the trees were last looked for.
+/// Bodies are identified by their slots here: a restored world finds the same trees again, though its bodies
+/// may be at other dense indices than when the trees were last searched for.
 pub(crate) fn find(
     joints: &Joints,
     bodies: &Bodies,
@@ -125,14 +125,14 @@ struct Graph<'a> {
     ends: Vec<(u32, u32)>,
 }
 
-/// Bodies that hang together.
+/// Bodies that are joined together.
 struct Component {
     bodies: Vec<usize>,
-    /// A body that hangs on something that joints can't move.
+    /// A body that hangs on one that joints can't push.
     anchor: Option<usize>,
-    /// Joints beyond those that are needed to hold all together.
+    /// Number of joints beyond those that hold the component together.
     loops: usize,
-    /// All can be moved in any direction.
+    /// All bodies can move in any direction.
     free: bool,
 }
 
@@ -183,7 +183,7 @@ impl<'a> Graph<'a> {
         self.joints.all[self.joint_of(lock) as usize].bodies.map(|slot| slot as usize)
     }
 
-    /// Which side of a joint a body is.
+    /// Whether a body is the first or the second of a joint.
     fn side_of(&self, lock: u32, body: usize) -> u8 {
         u8::from(self.ends_of(lock)[1] == body)
     }
@@ -229,7 +229,7 @@ impl<'a> Graph<'a> {
         trees
     }
 
-    /// All that hangs together with a body.
+    /// All bodies that are joined to a body, directly or not.
     fn component(&self, first: usize, seen: &mut [bool]) -> Component {
         let mut group = vec![first];
         seen[first] = true;
@@ -250,12 +250,12 @@ impl<'a> Graph<'a> {
                 }
             }
         }
-        // A loop is a joint or a thing to hang on that is not needed to hold all together.
+        // Each joint or anchor beyond those needed to hold the component together closes a loop.
         let loops = between / 2 + anchors.max(1) - group.len();
         Component { bodies: group, anchor, loops, free }
     }
 
-    /// Adds what drives the hinges of trees, if it comes before their joints.
+    /// Adds the rows that drive hinges of trees, if they are solved before the joints.
     fn add_motors(&self, trees: &mut [Tree], motor_of: &dyn Fn(u32) -> Option<Place>) {
         let mut hinge_of: Vec<(u32, u32, u32)> = Vec::new();
         for (i, tree) in trees.iter().enumerate() {
@@ -278,8 +278,8 @@ impl<'a> Graph<'a> {
         }
     }
 
-    /// Takes the motors from trees in which there is no room for all, and from those with joints beside them: a motor would not
-    /// know of what else holds the bodies. The strut of a wheel is solved after it, row by row.
+    /// Removes the motors of trees that have no room for all of them, and of trees with other joints beside
+    /// them, of which a motor would know nothing: the strut of a wheel is solved after it, row by row.
     fn drop_motors(&self, trees: &mut [Tree]) {
         let joints = self.joints;
         let mut tree_of = vec![NONE; self.bodies.slots.count()];
@@ -306,8 +306,8 @@ impl<'a> Graph<'a> {
         }
     }
 
-    /// The tree under a root, parents before children, and behind them what closes loops. `places`: those of bodies that are in
-    /// trees already.
+    /// The tree under a root, parents before children, followed by the joints that close loops. `places`:
+    /// indices of bodies that are in trees already.
     fn grow(&self, root: usize, places: &mut [u32]) -> Vec<Branch> {
         let anchor =
             self.locks_of(root).find(|&lock| self.ends_of(lock).iter().any(|&b| !self.is_dynamic(b)));
@@ -327,8 +327,8 @@ impl<'a> Graph<'a> {
         if let Some(anchor) = anchor {
             (tree[0].turns, tree[0].turn) = self.turn_of(anchor);
         }
-        // Lock, body and the body's place of what is still to be followed: depth first, so that what hangs on a body stands
-        // together.
+        // Lock, body and index of the body of joints still to be followed: depth first, so that a subtree is
+        // contiguous.
         let mut open: Vec<(u32, usize, u32)> = Vec::new();
         let follow = |at: usize, body: usize, own: Branch, open: &mut Vec<(u32, usize, u32)>| {
             let first = open.len();

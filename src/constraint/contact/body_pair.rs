@@ -4,8 +4,8 @@ use super::batch::Batch;
 use crate::lanes::{GatherLanes, Record, Vec3, gather, scatter};
 use crate::threads::Shared;
 
-/// The bodies' solver state: velocities, displacements since the start of the step, and velocities of the substep before
-/// any row acted.
+/// The bodies' solver state: velocities, displacements since the start of the step, and velocities of the
+/// substep before any row acted.
 pub(crate) struct Motion<'a, 'b> {
     pub(crate) velocity: &'a Shared<'b, Record>,
     pub(crate) delta: &'a Shared<'b, Record>,
@@ -31,7 +31,7 @@ pub(crate) struct BodyPair<L> {
 
 impl<L: GatherLanes> BodyPair<L> {
     /// # Safety
-    /// The bodies of the batch are this thread's, or are not written in this stage.
+    /// No other thread writes the bodies of the batch in this stage.
     #[inline(always)]
     pub(crate) unsafe fn load<const P: usize, const B: usize>(
         batch: &Batch<L, P, B>,
@@ -41,7 +41,7 @@ impl<L: GatherLanes> BodyPair<L> {
         unsafe { Self::load_bodies(&batch.a, if B > 0 { Some(&batch.b[0].index) } else { None }, records) }
     }
 
-    /// The same of bodies in lists.
+    /// The same for bodies by index.
     ///
     /// # Safety
     /// As for [`BodyPair::load`].
@@ -79,7 +79,7 @@ impl<L: GatherLanes> BodyPair<L> {
         unsafe { self.save_bodies(a, b, records) };
     }
 
-    /// The same of bodies in lists.
+    /// The same for bodies by index.
     ///
     /// # Safety
     /// As for [`BodyPair::load`].

@@ -1,4 +1,4 @@
-//! What a batch needs of its contacts, looked up contact by contact and transposed for the lanes.
+//! The data of contacts for a batch, looked up contact by contact and transposed for the lanes.
 
 use super::batch::lock_bits;
 use super::prepare::PrepareInput;
@@ -9,7 +9,7 @@ use crate::lanes::{Lanes, Sym3, Vec3, ones};
 use crate::narrow_phase::{Contact, MAX_POINTS, Point};
 use crate::shape::{Collider, EVENTS};
 
-/// Overlap that is left alone is at most this share of what the thinner of two shapes measures from its middle to its
+/// Tolerated overlap is at most this share of the distance from the middle of the thinner shape to its
 /// surface: the slop of a world made for boxes of a metre would swallow a coin, and half of a wall of 1 mm.
 const THIN: f32 = 0.05;
 
@@ -60,7 +60,7 @@ pub(super) fn sym3<L: Lanes>(c: &[[f32; 8]; 6]) -> Sym3<L> {
     Sym3 { xx, yy, zz, xy, xz, yz }
 }
 
-/// A contact, or some of its points, on its way into a lane.
+/// A contact, or some of its points, to be entered into a lane.
 struct Entry<'a> {
     lane: usize,
     part: Part,
@@ -104,9 +104,11 @@ impl<const P: usize> Columns<P> {
         }
     }
 
-    /// Looks up one lane after another: each contact is touched once, and the arithmetic is left to the lanes.
+    /// Looks up one lane after another: each contact is touched once, and the arithmetic is left to the
+    /// lanes.
     ///
-    /// Not inlined: of all that makes a batch this is the most code, and it is the same for any width and any bodies `b`.
+    /// Not inlined: this is most of the code that makes a batch, and the same for any width and any bodies
+    /// `b`.
     #[inline(never)]
     pub(super) fn gather(
         parts: &[Part],
@@ -151,7 +153,7 @@ impl<const P: usize> Columns<P> {
         out
     }
 
-    /// Where the contact is and which way it looks.
+    /// Position and normal of the contact.
     #[inline(always)]
     fn put_frame(&mut self, entry: &Entry<'_>, input: &PrepareInput<'_>) {
         let &Entry { lane, contact, shape_a, shape_b, swap, .. } = entry;
@@ -207,7 +209,7 @@ impl<const P: usize> Columns<P> {
         let points = part.points(contact);
         let mut lasting = contact.lasting_force * input.lengths.now();
         let carried = |p: &Point| input.lengths.carry(p.impulse, p.mean_force).max(0.0);
-        // Points that stand for others bear their loads.
+        // If some points were left out, the others bear their loads.
         let (mut load, mut missing) = (1.0, 0.0);
         if part.is_cut() {
             let kept = |of: &dyn Fn(&Point) -> f32| ones(points).map(|i| of(&contact.points[i])).sum::<f32>();

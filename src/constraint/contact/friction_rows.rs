@@ -6,8 +6,9 @@ use super::friction::FrictionRow;
 use super::row::{FrictionResponse, Pass, Response};
 use crate::lanes::{GatherLanes, Lanes, Mask};
 
-/// While rows relax, friction was bounded by the load before them, of which a part had pushed overlap apart and is taken out
-/// again. It follows the load that is left: down to its bound, and what slides also up, as far as something still slides.
+/// During relaxation friction was bounded by the load before it, part of which pushed overlap apart and is
+/// removed again. Friction follows the load that is left: down to its bound, and where it slides also up, as
+/// long as the surfaces still slide.
 #[inline(always)]
 pub(super) fn follow_load<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
     batch: &Batch<L, P, B>,
@@ -28,7 +29,8 @@ pub(super) fn follow_load<L: GatherLanes, const P: usize, const B: usize, R: Res
     }
     let FrictionResponse { slide_mass, twist_mass, .. } = response.friction(f);
     let Slip { along: [u1, u2], spin } = slip(batch, f, v, pass);
-    // By `speed` its impulse goes along with a motion. Against one, no more than stops it gains no energy.
+    // `speed`: that of the surfaces along the impulse. If it is negative the impulse opposes the motion, and
+    // one that no more than stops it adds no energy.
     let share = |size: L, bound: L, moves: L::Mask, mass: L, speed: L| {
         let more = L::select(moves, (-speed * mass).max(L::zero()), L::zero());
         (size + more).min(bound) / size
@@ -41,7 +43,8 @@ pub(super) fn follow_load<L: GatherLanes, const P: usize, const B: usize, R: Res
     push(batch, f, FrictionImpulse { along: new, twist }, v, response);
 }
 
-/// Motion along a surface, at the centre of a manifold, and about its normal: of `b` as seen from `a`.
+/// Relative velocity along the surface at the centre of a manifold, and about its normal: of `b` as seen from
+/// `a`.
 struct Slip<L> {
     /// Along the tangents [m/s].
     along: [L; 2],
@@ -77,7 +80,7 @@ struct FrictionImpulse<L> {
     twist: L,
 }
 
-/// Changes the impulses of friction to those along the tangents and against twist.
+/// Applies the change to new friction impulses.
 #[inline(always)]
 fn push<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
     batch: &Batch<L, P, B>,
@@ -96,7 +99,7 @@ fn push<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
     response.apply(batch, v, q, ta, tb);
 }
 
-/// The greatest friction that the points bear [N s].
+/// The bound of friction by the load of the points [N s].
 #[inline(always)]
 fn friction_limit<L: GatherLanes, const P: usize, const B: usize>(
     batch: &Batch<L, P, B>,
@@ -133,8 +136,9 @@ pub(super) fn solve_friction<L: GatherLanes, const P: usize, const B: usize, R: 
         slides = new[0].abs().gt(limit) | new[1].abs().gt(limit);
         new = new.map(|x| x.clamp(-limit, limit));
     } else {
-        // What sticks needs the impulse that stops it. What slides has friction against its motion, and that
-        // impulse, cut to the cone, would point elsewhere unless the mass is the same in all directions.
+        // A sticking lane takes the impulse that stops it. A sliding one has friction against its motion: the
+        // sticking impulse, cut to the cone, would point elsewhere unless the mass is the same in all
+        // directions.
         let sticks = (new[0] * new[0] + new[1] * new[1]).le(limit * limit);
         if (!sticks).any() {
             let slid = [old[0] - slide_mass * u1, old[1] - slide_mass * u2];
@@ -146,8 +150,8 @@ pub(super) fn solve_friction<L: GatherLanes, const P: usize, const B: usize, R: 
     }
     let bound = limit * f.radius;
     let change = [new[0] - old[0], new[1] - old[1]];
-    // Of the twist that is left then: friction at the centre turns a long body about an end of it, and both rows against the
-    // same twist would drive it the other way.
+    // Against the twist that remains: friction at the centre turns a long body about one end, and both rows
+    // against the same twist would drive it the other way.
     let turns = spin + twist_by[0] * change[0] + twist_by[1] * change[1];
     let stops = f.twist - twist_mass * turns;
     let twist = stops.clamp(-bound, bound);

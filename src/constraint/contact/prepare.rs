@@ -1,4 +1,4 @@
-//! Contacts -> batches: arranged by importance, colour and size, the contacts fill the lanes.
+//! Contacts in, batches out: the contacts are arranged by importance, colour and size, and fill the lanes.
 
 use super::batch::{Batch, unlocked};
 use super::columns::{Columns, sym3, vec3};
@@ -18,7 +18,7 @@ use crate::narrow_phase::{Contact, Scale};
 use crate::shape::{Collider, Hot};
 use crate::threads::{Crew, Shared, per_block};
 
-/// What preparing reads.
+/// Input of preparation.
 pub(crate) struct PrepareInput<'a> {
     pub(crate) bodies: &'a Bodies,
     pub(crate) colliders: &'a [Collider],
@@ -30,42 +30,42 @@ pub(crate) struct PrepareInput<'a> {
     pub(crate) motion: &'a [Record],
     /// World inverse inertia of each dynamic body.
     pub(crate) inverse_inertia: &'a [Sym3<f32>],
-    /// A separation up to this is real [m].
+    /// A point with a separation up to this touches [m].
     pub(crate) real: f32,
-    /// Without continuous collision nothing further than this is looked for [m].
+    /// Without continuous collision, nothing further apart than this is looked for [m].
     pub(crate) near: f32,
-    /// Bytes that contacts further than that, and their rows, may take.
+    /// Maximum bytes of contacts further apart than that, with their rows.
     pub(crate) ahead: usize,
-    /// What becomes of the impulses of the last step.
+    /// The substeps of this step and the last, by which impulses are scaled.
     pub(crate) lengths: StepLengths,
     /// Slip speed below which friction is static [m/s].
     pub(crate) stick: f32,
     /// [m]
     pub(crate) slop: f32,
-    /// In which order groups of rows are solved.
+    /// The order in which groups of rows are solved.
     pub(crate) order: Order,
-    /// Bodies whose contacts with what is static go along with their trees of joints.
+    /// Bodies whose contacts with static geometry are solved along with their trees of joints.
     pub(crate) tree_slots: &'a TreeSlots,
-    /// What hooks said of each contact; empty if there are none.
+    /// What hooks changed about each contact; empty if there are none.
     pub(crate) tweaks: &'a [Tweak],
     /// Friction at every point: each point then is a manifold of its own.
     pub(crate) per_point: bool,
     /// Whether anything may have friction.
     pub(crate) friction: bool,
-    /// What contacts weigh, should there not be enough memory for all.
+    /// Weights of contacts, in case memory does not suffice for all.
     pub(crate) scale: Scale<'a>,
 }
 
-/// Share of a mobility below which nothing is left of it but rounding, of bodies whose axes are locked.
+/// For bodies with locked axes: share of their mobility below which the rest is rounding.
 pub(crate) const GONE: f32 = 1e-6;
-/// Share of the mobility along the surface that is added to it where axes are locked: more than rounding, and so little
-/// that friction takes no more passes.
+/// Share of the mobility along the surface that is added to it where axes are locked: more than rounding, and
+/// so little that friction needs no more passes.
 const YIELDS: f32 = 1e-4;
 
 /// Batches a block.
 const BLOCK: usize = per_block(8, 1);
 
-/// Builds all batches of the step, as far as there is room for them.
+/// Makes all batches of the step, as far as memory allows.
 pub(crate) fn prepare(
     crew: &Crew<'_>,
     input: &PrepareInput<'_>,
@@ -125,7 +125,8 @@ fn fill_all(
 /// Bodies and points of a batch in lanes, while its rows are made of them.
 struct Geometry<'a, L, const P: usize> {
     columns: &'a Columns<P>,
-    /// From the contacts' frames to the world, and the sign of what lanes with swapped bodies turn round.
+    /// Rotation from the contacts' frames to the world, and a sign that is negative in lanes with swapped
+    /// bodies.
     turn: Mat3<L>,
     sign: L,
     normal: Vec3<L>,
@@ -139,7 +140,8 @@ struct Geometry<'a, L, const P: usize> {
 }
 
 impl<L: Lanes, const P: usize> Geometry<'_, L, P> {
-    /// By how much a unit impulse along `x` changes the velocity along `y`; `all`: the same if no axis is locked [1/kg].
+    /// By how much a unit impulse along `x` changes the velocity along `y`; `all`: the same if no axis is
+    /// locked [1/kg].
     #[inline(always)]
     fn linear(&self, x: Vec3<L>, y: Vec3<L>, all: L) -> L {
         let locks = self.columns.locks;
@@ -219,7 +221,7 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
     }
 }
 
-/// The normal rows, and by how much the impulse at one point changes the velocity at another.
+/// Fills the normal rows, and the couplings of their points.
 #[inline(always)]
 fn fill_points<L: GatherLanes, const P: usize, const B: usize>(
     batch: &mut Batch<L, P, B>,
@@ -256,8 +258,8 @@ fn fill_points<L: GatherLanes, const P: usize, const B: usize>(
     }
 }
 
-/// The rows along the surface and against twist, at the arms that are entered already; `fb`: that of body `b`, which a batch
-/// with what is static does not keep.
+/// Fills the rows along the surface and against twist; the arms are set already. `fb`: the arm of body `b`,
+/// which batches with static bodies do not store.
 #[inline(always)]
 fn fill_friction<L: GatherLanes, const P: usize, const B: usize>(
     f: &mut FrictionRow<L, B>,
@@ -273,7 +275,7 @@ fn fill_friction<L: GatherLanes, const P: usize, const B: usize>(
     let k12 = geometry.linear(t1, t2, L::zero()) + a1.dot(ia2) + b1.dot(ib2);
     let mut k22 = geometry.linear(t2, t2, ma + mb) + a2.dot(ia2) + b2.dot(ib2);
     if columns.locks != [0; 2] {
-        // Where nothing moves along the surface in some direction, the matrix has an inverse all the same.
+        // The matrix stays invertible even where a direction along the surface is locked.
         let tiny = (k11 + k22) * L::splat(YIELDS);
         (k11, k22) = (k11 + tiny, k22 + tiny);
     }
@@ -292,7 +294,8 @@ fn fill_friction<L: GatherLanes, const P: usize, const B: usize>(
     f.twist = L::load(&columns.twist);
 }
 
-/// Static friction below a slip speed, dynamic friction above; takes down by how much surfaces move by themselves.
+/// Chooses static friction below a slip speed, dynamic friction above, and stores the velocity of moving
+/// surfaces.
 #[inline(always)]
 fn choose_coefficient<L: GatherLanes, const P: usize, const B: usize>(
     batch: &mut Batch<L, P, B>,

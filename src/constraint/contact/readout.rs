@@ -1,4 +1,4 @@
-//! What rows are and what they bear, read out of their batches lane by lane, for the lab.
+//! The rows and their impulses, read lane by lane, for the lab.
 
 use super::batch::{Batch, BatchRef};
 use super::friction::FrictionView;
@@ -16,7 +16,7 @@ pub(crate) struct PointLane {
     pub(crate) arms: [Vec3; 2],
     /// At the start of the step [m].
     pub(crate) separation: f32,
-    /// Of the substep [N s].
+    /// In the substep [N s].
     pub(crate) impulse: f32,
 }
 
@@ -29,7 +29,7 @@ pub(crate) struct FrictionLane {
     pub(crate) coefficient: f32,
     /// Mean distance of the points from their middle [m].
     pub(crate) radius: f32,
-    /// By which the surfaces move past each other, along both tangents [m/s].
+    /// Velocity of the surfaces past each other, along both tangents [m/s].
     pub(crate) surface: [f32; 2],
     /// Along both tangents [N s], and about the normal [N m s].
     pub(crate) impulse: [f32; 3],
@@ -39,7 +39,7 @@ pub(crate) struct FrictionLane {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ImpactLane {
     pub(crate) coefficient: f32,
-    /// Of the arm of the first body the part along the normal [m].
+    /// The component of the arm of the first body along the normal [m].
     pub(crate) along: f32,
     /// From the arm of the first body to that of the second [m].
     pub(crate) to_b: Vec3,
@@ -50,13 +50,14 @@ pub(crate) struct ImpactLane {
 pub(crate) struct ContactLane {
     pub(crate) part: Part,
     pub(crate) potential: bool,
-    /// From the first body to the second, which is none where it is static. The contact's own order may be the other one.
+    /// Points from the first body to the second, which is none where it is static. The contact itself may
+    /// have them in the other order.
     pub(crate) normal: Vec3,
     pub(crate) bodies: (u32, Option<u32>),
     points: [PointLane; 4],
     count: usize,
     pub(crate) friction: Option<FrictionLane>,
-    /// Of a potential contact that will rub once it touches.
+    /// For a potential contact that will have friction once it touches.
     pub(crate) impact: Option<ImpactLane>,
 }
 
@@ -66,7 +67,8 @@ impl ContactLane {
     }
 }
 
-/// Impulses for the rows of a contact: of its points, then of friction along both tangents and about the normal.
+/// Impulses for the rows of a contact: of its points, then of friction along both tangents and about the
+/// normal.
 pub(crate) type LaneImpulses = ([f32; 4], [f32; 3]);
 
 impl Views<'_> {
@@ -84,7 +86,7 @@ impl Views<'_> {
         }
     }
 
-    /// The same, and replaces the impulses of those that `f` says others for.
+    /// The same, and replaces the impulses of the lanes for which `f` returns others.
     ///
     /// # Safety
     /// As for [`Views::each_lane`].
@@ -121,7 +123,7 @@ impl Views<'_> {
                 part: batch.contact[lane],
                 potential,
                 normal: batch.normal.lane(lane),
-                // Of a static body the first stands in its place.
+                // A static body is replaced by the first one.
                 bodies: (
                     batch.a[lane],
                     batch.b.first().map(|b| b.index[lane]).filter(|b| *b != batch.a[lane]),
@@ -135,7 +137,7 @@ impl Views<'_> {
                     to_b: row.to_b.first().map_or(Vec3::ZERO, |to| to.lane(lane)),
                 }),
             };
-            // What lacks a point is infinitely far away.
+            // A missing point has an infinite separation.
             for point in batch.points.iter().filter(|point| point.separation.lane(lane).is_finite()) {
                 out.points[out.count] = PointLane {
                     arms: [

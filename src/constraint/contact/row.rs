@@ -1,5 +1,5 @@
-//! The rows of a contact: friction, then normal. One kernel for every width and number of points, for sequential
-//! impulses and for soft substeps.
+//! The rows of a contact: friction, then normal. One kernel for every width and number of points, for
+//! sequential impulses and for soft substeps.
 
 use super::batch::{Batch, PointRow};
 use super::friction::FrictionRow;
@@ -19,15 +19,15 @@ pub(crate) struct Pass<'a> {
     /// 1 / substep [1/s].
     pub(crate) inverse_h: f32,
     pub(crate) softness: Softness,
-    /// The fastest push [m/s].
+    /// Maximum speed at which overlap is pushed apart [m/s].
     pub(crate) push_speed: f32,
-    /// Friction of an impact that changes the slip by no more than this shifts no loads worth speaking of [m/s].
+    /// Friction of an impact that changes the slip by more than this shifts loads [m/s].
     pub(crate) shift: f32,
-    /// A point whose separation was no more than this touches: its impulse bounds friction [m].
+    /// A point with a separation up to this touches: its impulse bounds friction [m].
     pub(crate) real: f32,
     /// Friction as a box instead of a cone.
     pub(crate) friction_box: bool,
-    /// What pushing overlap apart added to the velocities is taken out again.
+    /// Remove what pushing overlap apart added to the velocities.
     pub(crate) relax: bool,
     /// See [`Rows::surfaces`](crate::constraint::Rows::surfaces).
     pub(crate) surfaces: &'a [Surface],
@@ -43,7 +43,7 @@ pub(crate) unsafe fn warm_start<L: GatherLanes, const P: usize, const B: usize, 
     friction: Option<&mut FrictionRow<L, B>>,
     velocity: &Shared<'_, Record>,
 ) {
-    // So it is with most that may meet.
+    // Most potential contacts carry no impulse.
     if !FRICTION && !batch.points.iter().fold(L::zero(), |s, p| s + p.impulse).gt(L::zero()).any() {
         return;
     }
@@ -71,7 +71,8 @@ pub(crate) unsafe fn warm_start<L: GatherLanes, const P: usize, const B: usize, 
     unsafe { v.save(batch, velocity) };
 }
 
-/// Empties the lanes of some bodies, as if they had no contact. What they did in the substep before is no warm start any more.
+/// Clears the lanes of some bodies, as if they had no contact. Their impulses of the substep before are no
+/// warm start any more, so their effect is added to the velocities before any row acted.
 ///
 /// # Safety
 /// No other thread works on the bodies of the batch.
@@ -146,7 +147,7 @@ pub(crate) trait Response<L: GatherLanes, const P: usize, const B: usize> {
     }
 }
 
-/// How bodies answer friction; see the fields of [`FrictionRow`].
+/// The response of bodies to friction; see the fields of [`FrictionRow`].
 #[derive(Clone, Copy)]
 pub(crate) struct FrictionResponse<L> {
     pub(crate) mass: [L; 3],
@@ -155,12 +156,12 @@ pub(crate) struct FrictionResponse<L> {
     pub(crate) twist_by: [L; 2],
 }
 
-/// Two bodies that nothing else holds.
+/// The response of two bodies that nothing else holds.
 pub(crate) struct Free;
 
 impl<L: GatherLanes, const P: usize, const B: usize> Response<L, P, B> for Free {}
 
-/// One Gauss-Seidel step over the rows of a batch. Says whether potential points push.
+/// One Gauss-Seidel step over the rows of a batch. Returns whether potential points push.
 ///
 /// # Safety
 /// The bodies of the batch that it may write are in no other batch of the stage.
@@ -185,8 +186,8 @@ pub(crate) unsafe fn solve<L: GatherLanes, const P: usize, const B: usize, const
     pass.relax && potential_load(batch, pass.real).0.gt(L::zero()).any()
 }
 
-/// Separations after displacements. Bodies are moved before the rows relax, and not again before they are solved in the
-/// next substep.
+/// Updates separations after displacements. Bodies are moved before the rows relax, and not again before they
+/// are solved in the next substep.
 ///
 /// # Safety
 /// No thread writes displacements.
@@ -203,11 +204,11 @@ pub(crate) unsafe fn follow<L: GatherLanes, const P: usize, const B: usize>(
     }
 }
 
-/// Overlap is pushed apart softly, or, to relax, what the push added to the velocities is taken out again: the same code
-/// with other numbers, since in a small scene each kernel runs once a pass, and what it takes to fetch it is a third of
+/// Pushes overlap apart softly or, to relax, removes what that added to the velocities: the same code with
+/// other numbers, since in a small scene each kernel runs once a pass, and fetching its code is a third of
 /// its time.
 ///
-/// Says whether anything could change.
+/// Returns whether anything may have changed.
 #[inline(always)]
 pub(crate) fn sweep<
     L: GatherLanes,
@@ -228,7 +229,8 @@ pub(crate) fn sweep<
         slid = Some((f, which));
     }
     let mut rows = NormalRows::new(batch, v, pass, response);
-    // Nothing closes and nothing bears load: what follows would change nothing. Most potential contacts are like that.
+    // Nothing closes and nothing bears load: what follows would change nothing. Most potential contacts are
+    // like that.
     if !FRICTION && !rows.act(batch) {
         return false;
     }
@@ -246,10 +248,10 @@ pub(crate) fn sweep<
 
 /// The normal rows of a batch while they are solved.
 struct NormalRows<L, const P: usize> {
-    /// Normal velocities [m/s], and what is asked of them beside zero.
+    /// Normal velocities [m/s], and the bias added to them.
     u: [L; P],
     bias: [L; P],
-    /// Effective masses [kg]; zero of what waits.
+    /// Effective masses [kg]; zero for rows that wait.
     mass: [L; P],
     /// Share of an impulse that its spring gives up.
     yielding: [L; P],
@@ -265,7 +267,7 @@ impl<L: GatherLanes, const P: usize> NormalRows<L, P> {
         pass: &Pass<'_>,
         response: &R,
     ) -> Self {
-        // Relaxing, rows are rigid and nothing is pushed.
+        // To relax, rows are rigid and overlap is not pushed.
         let (rate, push_speed, yields) = if pass.relax {
             (L::zero(), L::zero(), L::zero())
         } else {
@@ -285,8 +287,8 @@ impl<L: GatherLanes, const P: usize> NormalRows<L, P> {
             let s = point.now;
             rows.u[i] = speed + row::<L, B>(v, &point);
             rows.impulse[i] = point.impulse;
-            // Apart: only what would close the gap within this substep is taken away, and rigidly so.
-            // Springs end where they would pull.
+            // Apart: only the velocity that would close the gap within this substep is removed, and rigidly
+            // so. Springs end where they would pull.
             let apart = s.ge(rest + (ease * point.lasting * point.stiffness).min(reach));
             let speculative = (s * L::splat(pass.inverse_h)).max(L::zero());
             rows.bias[i] = L::select(apart, speculative, ((s - rest) * rate).max(push_speed));
@@ -294,9 +296,9 @@ impl<L: GatherLanes, const P: usize> NormalRows<L, P> {
             rows.yielding[i] = L::select(apart | point.mass.le(L::zero()), L::zero(), yields);
             touches = touches | (point.mass.gt(L::zero()) & (s.le(L::zero()) | point.impulse.gt(L::zero())));
         }
-        // Relaxing, a manifold that is apart, and did not have to push, waits for the next substep: its gaps at the end of
-        // this one say nothing of what would be crossed in it, and a step that ends here must not push for the next. One that
-        // touches with any point is no guess, and comes to rest as a whole.
+        // During relaxation a manifold that is apart and did not have to push waits for the next substep: its
+        // gaps at the end of this one do not predict what will be crossed in the next, and a step that ends
+        // here must not push for the next. If any point touches, the whole manifold comes to rest.
         rows.mass = rows.mass.map(|m| L::select(touches | pushes, m, L::zero()));
         rows
     }
@@ -311,7 +313,7 @@ impl<L: GatherLanes, const P: usize> NormalRows<L, P> {
         (1..P).fold(acts(0), |any, i| any | acts(i)).any()
     }
 
-    /// All points at once, as far as they move alike, then one after another.
+    /// First one equal impulse for all active points, then one point after another.
     #[inline(always)]
     #[allow(clippy::needless_range_loop, reason = "several arrays by point")]
     fn solve<const B: usize, R: Response<L, P, B>>(&mut self, batch: &Batch<L, P, B>, response: &R) {
@@ -328,7 +330,7 @@ impl<L: GatherLanes, const P: usize> NormalRows<L, P> {
         for i in 0..P {
             let mut new = self.impulse[i] - self.mass[i] * (self.u[i] + self.bias[i]);
             new -= (self.impulse[i] - batch.points[i].lasting) * self.yielding[i];
-            // An inert lane has an infinite separation; of 0 * inf, which is no number, the larger one is zero.
+            // An inert lane has an infinite separation; the maximum of NaN (0 * inf) and zero is zero.
             let new = new.max(L::zero());
             let change = new - self.impulse[i];
             self.impulse[i] = new;
@@ -338,7 +340,8 @@ impl<L: GatherLanes, const P: usize> NormalRows<L, P> {
         }
     }
 
-    /// Writes the impulses to the batch. Returns the sum of their changes, and of its moments on both bodies.
+    /// Writes the impulses to the batch. Returns the sums of their changes and of the moments of these on
+    /// both bodies.
     #[inline(always)]
     #[allow(clippy::needless_range_loop, reason = "several arrays by point")]
     fn store<const B: usize, const FRICTION: bool>(
@@ -361,12 +364,12 @@ impl<L: GatherLanes, const P: usize> NormalRows<L, P> {
         (sum, ta, tb)
     }
 
-    /// The one impulse that, given to every point that bears load or is closing, leaves them no velocity error on average;
-    /// and which points these are (1 or 0).
+    /// The one impulse that, applied at every point that bears load or closes, leaves them no velocity error
+    /// on average; and which points these are (1 or 0).
     ///
-    /// Points are swept one after the other, so the first would take what is everybody's, the body would turn, and the
-    /// others would turn it back, never quite: a tower that stands straight would learn to lean. After this step a body
-    /// that lies flat and evenly loaded has nothing left for the sweep.
+    /// Points are swept one after another, so the first would take the load of all, the body would turn, and
+    /// the others would turn it back, but never quite: a tower that stands straight would start to lean.
+    /// After this step a body that lies flat and evenly loaded leaves nothing for the sweep.
     #[inline(always)]
     fn level<const B: usize, R: Response<L, P, B>>(
         &self,
@@ -380,12 +383,12 @@ impl<L: GatherLanes, const P: usize> NormalRows<L, P> {
             let rest = u[i] + bias[i];
             let acts = mass[i].gt(L::zero()) & (impulse[i].gt(L::zero()) | rest.lt(L::zero()));
             on[i] = L::select(acts, L::one(), L::zero());
-            // A row that yields is one that is less stiff: (k + soft) impulse = -error.
+            // A row that yields acts as a less stiff one: (k + soft) impulse = -error.
             let rigid = response.stiffness(batch, i, i);
             let soft = rigid * yielding[i] / (L::one() - yielding[i]);
             let own = rigid + soft;
             let missing = rest + soft * (impulse[i] - batch.points[i].lasting);
-            // Not a product: an inert lane has an infinite bias.
+            // A select and not a product: an inert lane has an infinite bias.
             error += L::select(acts, missing, L::zero());
             least = L::select(acts, least.min(impulse[i]), least);
             sum += on[i] * own;
@@ -399,7 +402,7 @@ impl<L: GatherLanes, const P: usize> NormalRows<L, P> {
     }
 }
 
-/// Speed of `b` away from `a` along the normal, and what their spins add to it at a point.
+/// Speed of `b` away from `a` along the normal; [`row`] adds the contribution of their spins at a point.
 #[inline(always)]
 pub(crate) fn relative<L: Lanes, const B: usize>(n: Vec3<L>, p: &BodyPair<L>) -> L {
     if B > 0 { n.dot(p.vb - p.va) } else { -n.dot(p.va) }
@@ -411,7 +414,8 @@ pub(crate) fn row<L: Lanes, const B: usize>(p: &BodyPair<L>, point: &PointRow<L,
     if B > 0 { point.arm_b[0].dot(p.wb) - a } else { -a }
 }
 
-/// Hands the impulses of each lane to `sink`: of the points, the largest of the step, of friction (on the contact's own `b`) and of twist.
+/// Passes the impulses of each lane to `sink`: those of the points, the largest of the step, friction (on the
+/// contact's own `b`) and twist.
 #[inline(always)]
 pub(crate) fn store<L: Lanes, const P: usize, const B: usize>(
     batch: &Batch<L, P, B>,

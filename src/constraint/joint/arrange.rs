@@ -1,4 +1,5 @@
-//! Joints -> batches. Which rows share a batch is settled when joints come or go; what is in them, in every step.
+//! Joints in, batches out. Which rows share a batch is decided when joints come or go; their content is
+//! filled in in every step.
 
 use super::ends::NONE;
 use super::fill::{fill_tree, get_sym};
@@ -26,10 +27,10 @@ use crate::threads::{Crew, Shared};
 pub(crate) struct JointStage {
     pub(crate) place: Place,
     pub(crate) kind: JointType,
-    /// Range of the batches of this type; of the single ones, if it is serial.
+    /// Range of batches of this type; of its single ones, if `single`.
     pub(crate) start: u32,
     pub(crate) end: u32,
-    /// One lane: rows that found no colour, one after another, or trees that have no like.
+    /// Batches of one lane: rows that found no colour, one after another, or single trees.
     pub(crate) single: bool,
 }
 
@@ -37,37 +38,37 @@ pub(crate) struct JointStage {
 #[derive(Debug, Default)]
 pub(crate) struct JointRows {
     pub(crate) tables: Tables,
-    /// Trees of points: one alone, or up to eight alike.
+    /// Trees of point joints: up to eight of the same shape, or a single one.
     pub(crate) trees: Vec<TreeBatch<f32x8>>,
     pub(crate) single_trees: Vec<TreeBatch<f32>>,
     /// Dynamic bodies that have contacts, if there are trees.
     touching: Vec<bool>,
     /// Bodies whose contacts with what is static go along with trees.
     pub(crate) tree_slots: TreeSlots,
-    /// What hangs together.
+    /// Bodies that are joined together.
     pub(crate) nets: Nets,
-    /// As they are solved.
+    /// In the order in which they are solved.
     pub(crate) stages: Vec<JointStage>,
-    /// A number of its own for each arrangement, whatever the world: what a snapshot found arranged it need not have arranged
-    /// again. No other use: results don't depend on it.
+    /// A number that is unique to each arrangement, in any world: if a snapshot has the number of the current
+    /// arrangement, joints need not be arranged again. Results don't depend on it.
     pub(crate) arrangement: u64,
 }
 
 /// The number of the last arrangement.
 static ARRANGEMENTS: std::sync::atomic::AtomicU64 = std::sync::atomic::AtomicU64::new(0);
 
-/// What preparing joints reads.
+/// Input of the preparation of joints.
 pub(crate) struct JointInput<'a> {
     pub(crate) bodies: &'a Bodies,
     pub(crate) inverse_inertia: &'a [Sym3<f32>],
-    /// What pulls bodies; empty if nothing does.
+    /// Acceleration of bodies; empty if there is none.
     pub(crate) acceleration: &'a [Record],
     pub(crate) joints: &'a Joints,
     pub(crate) pairs: &'a [Pair],
     pub(crate) hot: &'a [Hot],
-    /// Contacts that go along with trees.
+    /// Contacts that are solved along with trees.
     pub(crate) tree_contacts: &'a [TreeContacts],
-    /// In which order groups of rows are solved.
+    /// The order in which groups of rows are solved.
     pub(crate) order: Order,
     /// Factor on the impulses of the last step.
     pub(crate) warm: f32,
@@ -85,12 +86,12 @@ impl JointRows {
         self.nets.each(dynamic, f);
     }
 
-    /// There are no joints any more.
+    /// Releases all memory: there are no joints any more.
     pub(crate) fn give_back(&mut self) {
         *self = JointRows { arrangement: self.arrangement, ..JointRows::default() };
     }
 
-    /// Reserved bytes of what goes along with all, of trees, of locks that are in none, and of rows.
+    /// Reserved bytes of what all joints share, of trees, of locks outside trees, and of other rows.
     pub(crate) fn parts(&self) -> [usize; 4] {
         let beside =
             [bytes_of(&self.stages), bytes_of(&self.touching), self.tree_slots.bytes(), self.nets.bytes()];
@@ -103,20 +104,20 @@ impl JointRows {
         [beside, trees, tables(true), tables(false)]
     }
 
-    /// How many trees have bodies that count as heavier than they are.
+    /// Number of trees with bodies that count as heavier than they are.
     pub(crate) fn weighted_trees(&self) -> u32 {
         let in_lanes = self.trees.iter().map(|tree| tree.weighted.count_ones()).sum::<u32>();
         in_lanes + self.single_trees.iter().map(|tree| tree.weighted).sum::<u32>()
     }
 
-    /// Of how many trees a substep was done again.
+    /// Number of trees of which a substep was solved again, and of nets that lost energy.
     pub(crate) fn damped_trees(&self) -> u32 {
         let in_lanes = self.trees.iter().map(|tree| tree.damped.count_ones()).sum::<u32>();
         let single = self.single_trees.iter().map(|tree| tree.damped.count_ones()).sum::<u32>();
         in_lanes + single + self.nets.damped()
     }
 
-    /// How many bodies are in trees, and how many locks are in none.
+    /// Number of bodies in trees, and of locks outside them.
     pub(crate) fn counts(&self) -> [u32; 2] {
         let in_lanes = self.trees.iter().map(TreeBatch::bodies).sum::<u32>();
         let bodies = in_lanes + self.single_trees.iter().map(TreeBatch::bodies).sum::<u32>();
@@ -138,7 +139,8 @@ impl JointRows {
         all.into_iter().chain(tables).fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
     }
 
-    /// Settles which rows share a batch, and in which order they are solved. `in_trees`: whether what makes trees is solved as such.
+    /// Decides which rows share a batch, and in which order they are solved. `in_trees`: whether trees are
+    /// solved as such.
     pub(crate) fn arrange(&mut self, joints: &Joints, bodies: &Bodies, order: Order, in_trees: bool) {
         self.arrangement = 1 + ARRANGEMENTS.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         for table in self.tables.all_mut() {
@@ -161,7 +163,7 @@ impl JointRows {
         let of_joint = |joint| place(joint, RowGroup::Joints);
         let found =
             if in_trees { find(joints, bodies, &of_joint, &motor, &enabled) } else { Found::none(joints) };
-        // Rows of one place and type are coloured together.
+        // Rows of the same place and type are coloured together.
         let mut entries: Vec<(Place, JointType, u32, u32)> = Vec::new();
         let awake =
             |joint: u32| enabled(joint) && [0, 1].iter().any(|&side| body(joint, side) < bodies.dynamic());
@@ -181,7 +183,7 @@ impl JointRows {
             parts.clear();
             parts.extend(alike.iter().map(|&(.., owner, joint)| {
                 let colour = colouring.assign(body(joint, 0), body(joint, 1));
-                // What found no colour comes first.
+                // Rows without a colour come first.
                 ((colour + 1) % (COLOURS + 1), owner)
             }));
             parts.sort_by_key(|part| part.0);
@@ -192,7 +194,7 @@ impl JointRows {
         self.tables.all_mut().into_iter().for_each(AnyTable::resize);
     }
 
-    /// Batches of trees, and their stages: no two share a body that they can move.
+    /// Makes the batches of trees, and their stages: no two share a body that they can push.
     fn build_tree_batches(&mut self, groups: &[Vec<Tree>]) {
         self.trees.clear();
         self.single_trees.clear();
@@ -238,8 +240,9 @@ impl JointRows {
         }
     }
 
-    /// Fills the batches of trees, gives their bodies tree slots, if contacts with what is static are more important than
-    /// joints, and gives all that is prepared after the inertia of what is stiffened.
+    /// Fills the batches of trees. Their bodies get tree slots if contacts with static geometry are more
+    /// important than joints, and the inertia that is used by all that is prepared afterwards is the
+    /// stiffened one.
     pub(crate) fn fill_trees(
         &mut self,
         crew: &Crew<'_>,
@@ -312,7 +315,7 @@ impl JointRows {
     }
 }
 
-/// Calls `f` with each body of a batch of trees, its slot and the inverse of its inertia as it is stiffened.
+/// Calls `f` with each body of a batch of trees, its slot and the inverse of its stiffened inertia.
 fn each_body<L: Lanes>(
     batch: &TreeBatch<L>,
     tree: TreeRef,
@@ -345,7 +348,7 @@ fn bytes_of_trees<L>(trees: &Vec<TreeBatch<L>>) -> (usize, usize) {
     own.fold(bytes_of(trees), |s, b| (s.0 + b.0, s.1 + b.1))
 }
 
-/// The nodes of trees of one shape, a lane each.
+/// A batch of trees of the same shape, a lane each.
 fn batch_of<L: Lanes>(group: &[Tree]) -> TreeBatch<L> {
     let (first, place) = (&group[0].branches, group[0].place);
     let node = |i: usize| {

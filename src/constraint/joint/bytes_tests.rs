@@ -30,8 +30,8 @@ type Pairs = &'static [[usize; 2]];
 /// What joins which of five balls, and the tables that take bytes then.
 type Case = (Make, Pairs, &'static [&'static str]);
 
-/// The tables that take bytes after a step of five balls joined in pairs: to make a chain, a ring, which is a tree with a joint
-/// that is cut, or a net of more loops than are cut.
+/// The tables that take bytes after a step of five balls joined in pairs: to make a chain, a ring, which is a
+/// tree with a joint that is cut, or a net of more loops than are cut.
 fn taken(make: Make, pairs: Pairs) -> Vec<&'static str> {
     let mut world = World::new(Settings::default()).unwrap();
     let mut ball = BodyDesc::dynamic().with_shape(ShapeDesc::new(Geometry::Sphere { radius: 0.1 }));

@@ -99,7 +99,8 @@ macro_rules! row_types {
         }
 
         impl TableViews<'_> {
-            /// Solves a batch of a stage that has no trees or, without a pass, applies the impulses of the last step.
+            /// Solves a batch of a stage that has no trees or, without a pass, applies the impulses of the
+            /// last step.
             ///
             /// # Safety
             /// No other thread works on the batch, or writes its bodies.
@@ -227,14 +228,15 @@ impl JointType {
     }
 }
 
-/// The most bytes that a row of a joint takes in the batches: a batch to itself, or half a node of two trees of the same shape
-/// with the rows of a cut joint.
+/// The most bytes that a row of a joint takes in the batches: a batch to itself, or half a node of two trees
+/// of the same shape with the rows of a cut joint.
 pub(crate) const WIDEST_JOINT_BATCH: usize = {
     let node = (size_of::<Node<f32x8>>() + 3 * ROW_BYTES) / 2;
     if WIDEST_ROW > node { WIDEST_ROW } else { node }
 };
 
-/// Bytes of a lock and of any other row in a batch that is full, and of a body in a tree of a shape of its own.
+/// Bytes of a lock and of any other row in a batch that is full, and of a body in a tree of a shape of its
+/// own.
 pub(crate) const JOINT_BYTES: [usize; 3] = [
     size_of::<PointBatch<f32x8>>() / 8 + size_of::<u32>(),
     WIDEST_ROW / 8 + size_of::<u32>(),

@@ -1,5 +1,5 @@
-//! A point of the second body that stays on a line of the first: sliders, and the hubs of wheels. Its two directions are solved
-//! at once, and turn with the first body.
+//! Locks a point of the second body to a line of the first: sliders, and the hubs of wheels. Its two
+//! directions are solved together, and turn with the first body.
 
 use super::arrange::JointInput;
 use super::ends::{Ends, JointPass, Recovery, across, seen, turned};
@@ -15,13 +15,14 @@ use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
 #[repr(C)]
 pub(crate) struct LineBatch<L> {
     pub(crate) ends: Ends<L>,
-    /// Along the line, at the start of the step.
+    /// Direction of the line at the start of the step.
     pub(crate) axis: Vec3<L>,
     /// From each centre of mass to its own point, at the start of the step [m].
     pub(crate) arm: [Vec3<L>; 2],
     /// From the first point to the second, at the start of the step [m].
     pub(crate) apart: Vec3<L>,
-    /// After the last substep; both arms are to the second body's point, and of the separation only what is across is left.
+    /// The same after the last substep; both arms are to the second body's point, and of the separation only
+    /// the part across the line is left.
     pub(crate) axis_now: Vec3<L>,
     pub(crate) arm_now: [Vec3<L>; 2],
     apart_now: Vec3<L>,
@@ -29,9 +30,9 @@ pub(crate) struct LineBatch<L> {
     pub(crate) moment: [Vec3<L>; 2],
     /// Impulse per velocity error, across the line [kg].
     mass: Sym3<L>,
-    /// Of the last substep [N s].
+    /// Impulse of the last substep [N s].
     pub(crate) impulse: Vec3<L>,
-    /// The part of it that does not yield.
+    /// The lasting part of it, which does not yield.
     pub(crate) lasting: Vec3<L>,
 }
 
@@ -56,7 +57,7 @@ impl<L: Lanes> Default for LineBatch<L> {
 }
 
 impl<L: GatherLanes> LineBatch<L> {
-    /// Takes all as it is at the start of a step.
+    /// Initialises the batch at the start of a step.
     pub(crate) fn begin(&mut self) {
         let zero = Vec3::zero();
         self.follow(&BodyPair { va: zero, wa: zero, vb: zero, wb: zero });
@@ -64,7 +65,7 @@ impl<L: GatherLanes> LineBatch<L> {
         self.moment = self.arm_now.map(|arm| arm.cross(self.impulse));
     }
 
-    /// Along the line nothing is borne: what was is taken off, and returned.
+    /// Removes the impulse along the line, where nothing is transmitted, and returns it.
     #[inline(always)]
     fn bear(&mut self) -> Vec3<L> {
         let along = self.axis_now * self.axis_now.dot(self.impulse);
@@ -106,7 +107,7 @@ impl<L: GatherLanes> JointBatch<L> for LineBatch<L> {
     fn sweep(&mut self, v: &mut BodyPair<L>, pass: &JointPass) {
         let [ra, rb] = self.arm_now;
         if !pass.relax {
-            // As for points: what acted turns too.
+            // As for points: turns the impulses of the last substep with the bodies.
             let along = self.bear();
             let moment = self.arm_now.map(|arm| arm.cross(self.impulse));
             let [ta, tb] = [moment[0] - self.moment[0], moment[1] - self.moment[1]];

@@ -1,8 +1,8 @@
-//! Locks of joints: two points that stay together, two bodies that turn as one, an axis that two bodies share. No bounds, so
-//! all directions are solved at once.
+//! Locks of joints: two points stay together, two bodies turn as one, two bodies share an axis. There are no
+//! bounds, so all directions are solved together.
 //!
-//! Within a step bodies turn, and a lock that knew them only as they were at its start would let a swinging chain drift
-//! apart: arms are turned along, and so is the effective mass.
+//! Bodies turn within a step, and a lock linearised at its start would let a swinging chain drift apart: arms
+//! turn with the bodies, and so does the effective mass.
 
 use super::arrange::JointInput;
 use super::ends::{Ends, JointPass, Recovery, TINY, across, inverse, swerve, turned};
@@ -17,7 +17,7 @@ use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
 #[repr(C)]
 pub(crate) struct PointBatch<L> {
     pub(crate) ends: Ends<L>,
-    /// From each centre of mass to the point where it is held, at the start of the step [m].
+    /// From each centre of mass to its point, at the start of the step [m].
     pub(crate) arm: [Vec3<L>; 2],
     /// From the first point to the second, at the start of the step [m].
     pub(crate) apart: Vec3<L>,
@@ -28,9 +28,9 @@ pub(crate) struct PointBatch<L> {
     pub(crate) apart_now: Vec3<L>,
     /// Impulse per velocity error [kg].
     pub(crate) mass: Sym3<L>,
-    /// Of the last substep [N s].
+    /// Impulse of the last substep [N s].
     pub(crate) impulse: Vec3<L>,
-    /// The part of it that does not yield.
+    /// The lasting part of it, which does not yield.
     pub(crate) lasting: Vec3<L>,
 }
 
@@ -73,7 +73,7 @@ pub(crate) fn mobility<L: GatherLanes>(ends: &Ends<L>, arm: &[Vec3<L>; 2]) -> Sy
         sum.xz += x.dot(iz);
         sum.yz += y.dot(iz);
     }
-    // Of bodies that can't be moved some directions may be missing.
+    // If bodies are locked, some directions may be missing.
     let tiny = (sum.xx + sum.yy + sum.zz) * L::splat(TINY);
     sum.xx += tiny;
     sum.yy += tiny;
@@ -112,8 +112,8 @@ impl<L: GatherLanes> JointBatch<L> for PointBatch<L> {
     fn sweep(&mut self, v: &mut BodyPair<L>, pass: &JointPass) {
         let [ra, rb] = self.arm_now;
         if pass.fresh {
-            // Warm starting was an addition to the velocities, as if bodies had not turned. What acted at arms that turn
-            // has to turn too, or a pendulum gains energy.
+            // Warm starting added impulses as if bodies had not turned. They have to be turned with the arms,
+            // or a pendulum gains energy.
             let moment = [ra.cross(self.impulse), rb.cross(self.impulse)];
             v.wa -= self.ends.inverse_inertia[0].mul(moment[0] - self.moment[0]);
             v.wb += self.ends.inverse_inertia[1].mul(moment[1] - self.moment[1]);
@@ -140,7 +140,7 @@ impl<L: GatherLanes> JointBatch<L> for PointBatch<L> {
     }
 }
 
-/// An error, or as much of it as is closed at once.
+/// Limits the part of an error that is corrected at once.
 #[inline(always)]
 pub(crate) fn at_most<L: Lanes>(error: Vec3<L>, most: f32) -> Vec3<L> {
     let (length, most) = (error.length(), L::splat(most));
@@ -154,16 +154,17 @@ pub(crate) struct TurnBatch<L, const HINGE: bool> {
     pub(crate) ends: Ends<L>,
     /// The axis on each body at the start of the step, if there is one.
     pub(crate) axis: [Vec3<L>; 2],
-    /// The first body's after the last substep.
+    /// That of the first body after the last substep.
     pub(crate) axis_now: Vec3<L>,
-    /// Rotation vector from the first to the second at the start of the step, and after the last substep [rad].
+    /// Rotation vector from the first to the second at the start of the step, and after the last substep
+    /// [rad].
     pub(crate) error: Vec3<L>,
     pub(crate) error_now: Vec3<L>,
     /// Angular impulse per error of angular velocity [kg m²].
     pub(crate) mass: Sym3<L>,
-    /// Of the last substep [N m s].
+    /// Angular impulse of the last substep [N m s].
     pub(crate) impulse: Vec3<L>,
-    /// The part of it that does not yield.
+    /// The lasting part of it, which does not yield.
     pub(crate) lasting: Vec3<L>,
 }
 
@@ -203,7 +204,7 @@ impl<L: GatherLanes, const HINGE: bool> JointBatch<L> for TurnBatch<L, HINGE> {
             self.error_now = self.axis_now.cross(turned(d.wb, self.axis[1]));
             self.mass = across(&self.ends.turning(), self.axis_now);
         } else {
-            // What both turn together changes nothing.
+            // A common rotation of both changes nothing.
             self.error_now = self.error + (d.wb - d.wa);
         }
     }
@@ -216,7 +217,7 @@ impl<L: GatherLanes, const HINGE: bool> JointBatch<L> for TurnBatch<L, HINGE> {
     #[inline(always)]
     fn sweep(&mut self, v: &mut BodyPair<L>, pass: &JointPass) {
         if HINGE && pass.fresh {
-            // It bears nothing about its axis, which has turned.
+            // A hinge transmits nothing about its axis, which has turned.
             let about = self.axis_now * self.axis_now.dot(self.impulse);
             self.impulse -= about;
             self.ends.turn(v, -about);

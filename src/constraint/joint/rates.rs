@@ -1,4 +1,5 @@
-//! What a look at nets asks of each batch of joints: whom it joins, how fast its directions turn, what its springs hold.
+//! What the check of nets needs from each batch of joints: the bodies it joins, how fast its directions turn,
+//! the energy of its springs.
 
 use super::arrange::JointStage;
 use super::ends::{Ends, NONE};
@@ -15,7 +16,7 @@ use crate::constraint::contact::row::Motion;
 use crate::lanes::{GatherLanes, Lanes, Mask, Record};
 use glam::Vec3;
 
-/// Two bodies that are joined, by their indices, and which of them can be pushed.
+/// The indices of two joined bodies, and which of them can be pushed.
 pub(crate) struct Link {
     pub(crate) bodies: [u32; 2],
     pub(crate) moves: [bool; 2],
@@ -24,15 +25,17 @@ pub(crate) struct Link {
 /// A batch of joints.
 pub(crate) trait Watched {
     fn links(&self, f: &mut dyn FnMut(Link));
-    /// Calls `f` with a body of each joint of which a direction turns too far in a substep.
+    /// Calls `f` with a body of each joint with a direction that turns too far in a substep.
     fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32));
     /// Calls `f` with a body of each tree whose rotation was not followed in the substep.
     fn lost(&self, _motion: &Motion<'_, '_>, _h: f32, _f: &mut dyn FnMut(u32)) {}
-    /// Calls `f` with a body of each lock that still opens after velocities were relaxed: passes over its rows did not agree.
+    /// Calls `f` with a body of each lock whose error still grows after velocities were relaxed: its rows did
+    /// not converge.
     fn unsolved(&self, _motion: &Motion<'_, '_>, _f: &mut dyn FnMut(u32)) {}
-    /// Takes away what joints of some bodies pushed.
+    /// Clears the impulses of the joints of some bodies.
     fn forget(&mut self, of: &dyn Fn(u32) -> bool);
-    /// Calls `f` with a body of each spring or motor, what it can give back and what it gives in a substep [J].
+    /// Calls `f` with a body of each spring or motor, the energy it can give back and the energy it gives in
+    /// a substep [J].
     fn stored(&self, _h: f32, _f: &mut dyn FnMut(u32, [f32; 2])) {}
 }
 
@@ -55,7 +58,7 @@ impl<L: Lanes> Ends<L> {
         }
     }
 
-    /// A body of a lane that can be pushed.
+    /// A dynamic body of a lane.
     fn one(&self, lane: usize) -> u32 {
         self.body[usize::from(self.write[0] >> lane & 1 == 0)][lane]
     }
@@ -66,7 +69,7 @@ impl<L: Lanes> Ends<L> {
         L::Mask::from_bits(lanes.map(|lane| 1 << lane).sum())
     }
 
-    /// Calls `f` with a body of each lane in which more of a speed is left than there may be.
+    /// Calls `f` with a body of each lane in which more of a speed is left than tolerated.
     fn unsolved(
         &self,
         motion: &Motion<'_, '_>,
@@ -83,7 +86,8 @@ impl<L: Lanes> Ends<L> {
         });
     }
 
-    /// Calls `f` with a body of each lane in which `turn`, of the velocities there, is too far [rad/s].
+    /// Calls `f` with a body of each lane that turns too far; `turn`: angular speed by the velocities of its
+    /// bodies [rad/s].
     fn too_fast(
         &self,
         motion: &Motion<'_, '_>,
@@ -94,7 +98,7 @@ impl<L: Lanes> Ends<L> {
         self.each(&mut |lane, link| {
             // SAFETY: between stages this thread is alone.
             let v = link.bodies.map(|body| unsafe { motion.velocity.read(body as usize) });
-            // What is no number turns too far.
+            // NaN counts as too far.
             if exceeds(turn(lane, v) * h, FOLLOWED) {
                 f(self.one(lane));
             }
@@ -109,19 +113,19 @@ fn clear<L: Lanes, const N: usize>(lanes: L::Mask, all: [&mut crate::lanes::Vec3
 /// Share of the speeds at a lock that may be left between its bodies.
 const LEFT: f32 = 0.01;
 
-/// How fast two points go apart, and how fast they go.
+/// The relative velocity of two points, and the sum of the speeds it consists of.
 fn slip(v: [Record; 2], arms: [Vec3; 2]) -> (Vec3, f32) {
     let round = [0, 1].map(|i| v[i].angular.cross(arms[i]));
     let apart = v[1].linear - v[0].linear;
     (apart + round[1] - round[0], apart.length() + round[0].length() + round[1].length())
 }
 
-/// The same of axes that turn.
+/// The same for angular velocities.
 fn turn_apart(v: [Record; 2]) -> (Vec3, f32) {
     (v[1].angular - v[0].angular, v[0].angular.length() + v[1].angular.length())
 }
 
-/// How fast arms turn, the longer one for the measure [rad/s].
+/// Angular speed of the arms, relative to the longer one [rad/s].
 fn turn_of_arms(v: [Record; 2], arms: [Vec3; 2]) -> f32 {
     let longest = arms[0].length().max(arms[1].length());
     let speed = v[0].angular.cross(arms[0]).length().max(v[1].angular.cross(arms[1]).length());
@@ -191,7 +195,7 @@ impl<L: GatherLanes, const HINGE: bool> Watched for TurnBatch<L, HINGE> {
     fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
         let turn = |lane: usize, v: [Record; 2]| {
             let axis = self.axis_now.lane(lane);
-            // What is welded turns as one: by as much as it does not.
+            // Welded bodies turn as one: only the difference counts.
             if HINGE {
                 v[0].angular.cross(axis).length().max(v[1].angular.cross(axis).length())
             } else {
@@ -210,7 +214,7 @@ impl<L: GatherLanes, M: Measure<L>> Watched for RowBatch<L, M> {
         let left = |lane: usize, v: [Record; 2]| {
             let (force, torque) = (self.lever.force.lane(lane), self.lever.torque.lane(lane));
             let (along, turn) = (slip(v, self.lever.arm.map(|arm| arm.lane(lane))), turn_apart(v));
-            // Only what has no width has to stay.
+            // Only a range without width is a lock.
             let locked = if self.both >> lane & 1 != 0 { 1.0 } else { 0.0 };
             let speed = force.dot(along.0) + torque.dot(turn.0);
             (Vec3::X * (locked * speed), along.1 * force.length() + turn.1 * torque.length())
@@ -251,8 +255,8 @@ struct Spring {
 }
 
 impl Spring {
-    /// What it can give back, and what it gives by the speed that it is asked for [J], after a displacement `over` and with an
-    /// impulse of the last substep of `h` seconds.
+    /// The energy that it can give back, and what it gives by its target speed [J]. `over`: its displacement;
+    /// `impulse`: of the last substep of `h` seconds.
     fn energy(&self, over: f32, impulse: f32, h: f32) -> [f32; 2] {
         let &Spring { pull, give, speed, most, mobility } = self;
         if give <= 0.0 {
@@ -294,7 +298,8 @@ impl<L: GatherLanes> Watched for TreeBatch<L> {
     }
     fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
         let in_parts = if self.is_cut() { FOLLOWED } else { FOLLOWED_IN_PARTS };
-        // What is watched has a way of its own to lose energy (see `joint_damp`).
+        // Watched trees lose energy in a way of their own (see
+        // [`damp`](crate::constraint::articulation::damp)).
         self.each_turn(motion, !self.watched, &mut |body, lane, turn| {
             let most = if self.exact >> lane & 1 != 0 { in_parts } else { FOLLOWED };
             if exceeds(turn * h, most) {
@@ -332,7 +337,8 @@ impl<L: GatherLanes> Watched for TreeBatch<L> {
 }
 
 impl<L: GatherLanes> TreeBatch<L> {
-    /// Calls `f` with a body of each joint in some lanes, its lane, and how fast its arms or its axis turn [rad/s].
+    /// Calls `f` with a body of each joint in some lanes, its lane, and the angular speed of its arms or its
+    /// axis [rad/s].
     fn each_turn(&self, motion: &Motion<'_, '_>, lanes: u32, f: &mut dyn FnMut(u32, usize, f32)) {
         for (i, node) in self.nodes.iter().enumerate().filter(|(_, node)| node.jointed) {
             let own = &self.nodes[self.body_of(i)];
@@ -352,7 +358,7 @@ impl<L: GatherLanes> TreeBatch<L> {
     }
 }
 
-/// How far bodies of trees that keep their energy may turn: these are followed in parts.
+/// Angle up to which bodies of trees that conserve energy are followed, in parts [rad].
 const FOLLOWED_IN_PARTS: f32 = 4.0;
 
 impl JointViews<'_> {
@@ -370,7 +376,7 @@ impl JointViews<'_> {
     }
 }
 
-/// Whether something is more than a bound; what is no number is.
+/// Whether a value exceeds a bound; NaN does.
 fn exceeds(value: f32, most: f32) -> bool {
     value > most || value.is_nan()
 }

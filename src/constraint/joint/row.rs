@@ -1,7 +1,9 @@
-//! Rows of joints with one direction: limits that have a width, springs beyond them, drives, motors, friction.
+//! Rows of joints with one direction: limits that have a width, springs beyond them, drives, motors,
+//! friction.
 //!
-//! A spring with stiffness k and damping c is solved implicitly, so that it is stable whatever they are: with d = h k + c, its
-//! impulse obeys p = h (c target - k displacement - d speed) for the speed after it acted.
+//! A spring with stiffness k and damping c is solved implicitly, so that it is stable whatever they are: with
+//! d = h k + c, its impulse obeys p = h (c target - k displacement - d speed), where `speed` is that after
+//! the impulse.
 
 use super::arrange::JointInput;
 use super::ends::{Ends, JointPass, Lever, turned};
@@ -20,32 +22,33 @@ pub(crate) struct RowBatch<L, M> {
     pub(crate) measure: M,
     /// From each centre of mass to the second body's point, at the start of the step [m].
     pub(crate) arm: [Vec3<L>; 2],
-    /// What of an impulse the joint's own locks bear, so that it does not move what they hold: force and torque, at the start
-    /// of the step.
+    /// What the joint's own locks add to an impulse so that it does not move what they hold: force and
+    /// torque, at the start of the step.
     pub(crate) borne: [Vec3<L>; 2],
-    /// How velocities change the displacement, after the last substep.
+    /// The direction in which velocities change the displacement, after the last substep.
     pub(crate) lever: Lever<L>,
     /// Speed per impulse [1/kg] or [1/(kg m²)].
     pub(crate) mobility: L,
-    /// At the start of the step, and after the last substep [m] or [rad].
+    /// Displacement at the start of the step, and after the last substep [m] or [rad].
     pub(crate) value: L,
     pub(crate) now: L,
-    /// Of a drive both are its position.
+    /// Range; for a drive both ends are its target.
     pub(crate) min: L,
     pub(crate) max: L,
-    /// Speed asked for per displacement from the end of the range [1/s], the speed asked for beside that, and how much more
-    /// of it the row yields per impulse; all zero of what is rigid.
+    /// Requested speed per displacement beyond the range [1/s], requested speed beside that, and yield per
+    /// impulse; all zero for rigid rows.
     pub(crate) pull: L,
     pub(crate) speed: L,
     pub(crate) give: L,
-    /// The most impulse of a substep [N s] or [N m s].
+    /// Maximum impulse in a substep [N s] or [N m s].
     pub(crate) most: L,
-    /// Of the last substep, at the lower and the upper end; a drive's is the first.
+    /// Impulses of the last substep at the lower and the upper end; a drive has the first only.
     pub(crate) impulse: [L; 2],
-    /// The impulse as it acted, part by part, while directions turned: its force, and the moments [N s], [N m s].
+    /// The impulse as it was applied, part by part, while directions turned: its force, and the moments [N
+    /// s], [N m s].
     acted: Vec3<L>,
     moment: [Vec3<L>; 2],
-    /// The part of the impulse at the lower end, less that at the upper one, that does not yield.
+    /// The lasting part of the impulse at the lower end less that at the upper one, which does not yield.
     pub(crate) lasting: L,
     /// Lanes of drives, of springs, and of ranges without width.
     pub(crate) drives: u32,
@@ -84,13 +87,13 @@ impl<L: Lanes, M: Default> Default for RowBatch<L, M> {
 }
 
 impl<L: GatherLanes, M: Measure<L>> RowBatch<L, M> {
-    /// Takes directions as they are at the start of a step.
+    /// Initialises directions at the start of a step.
     pub(crate) fn begin(&mut self) {
         let zero = Vec3::zero();
         self.follow(&BodyPair { va: zero, wa: zero, vb: zero, wb: zero });
     }
 
-    /// Takes the impulses of the last step.
+    /// Initialises the impulses of the last step.
     pub(crate) fn resume(&mut self) {
         (self.acted, self.moment) = self.parts(self.impulse[0] - self.impulse[1]);
     }
@@ -142,7 +145,7 @@ impl<L: GatherLanes, M: Measure<L>> JointBatch<L> for RowBatch<L, M> {
             L::Mask::from_bits(self.both),
         );
         if !pass.relax {
-            // As for locks: what acted turns too.
+            // As for locks: turns the impulses of the last substep with the bodies.
             let (force, [ta, tb]) = self.parts(self.impulse[0] - self.impulse[1]);
             let turn = [ta - self.moment[0], tb - self.moment[1]];
             self.ends.apply(v, force - self.acted, turn[0], turn[1]);
@@ -152,7 +155,7 @@ impl<L: GatherLanes, M: Measure<L>> JointBatch<L> for RowBatch<L, M> {
         if !pass.relax {
             speed += self.measure.bend(v, &self.lever, pass.ahead());
         }
-        // Springs act once a substep.
+        // Springs act once per substep.
         let waits = if pass.relax { drives | springs } else { zero.gt(zero) };
         let inverse_h = L::splat(pass.inverse_h);
         let (rate, scale, yields) = pass.numbers::<L>();
@@ -161,20 +164,20 @@ impl<L: GatherLanes, M: Measure<L>> JointBatch<L> for RowBatch<L, M> {
         let mut pushed = zero;
         let one = |gap: L, speed: L, asked: L, (old, held): (L, L), (low, high): (L, L)| {
             let open = gap.gt(zero) & !both;
-            // Apart from a rigid end only what would pass it within the substep is taken away.
+            // Away from a rigid end, only the speed that would pass it within the substep is removed.
             let rigid = L::select(open, -(gap * inverse_h), -(gap * rate).max(-push).min(push));
             let soft = asked - gap * self.pull;
             let target = L::select(drives | springs, soft, rigid);
             let change = (target - speed - self.give * old) / (self.mobility + self.give);
             let change = L::select(drives | springs | open, change, change * scale - (old - held) * yields);
             let mut new = (old + change).max(low).min(high);
-            // A spring at the end of a range lets go of what is inside.
+            // A spring at the end of a range does not act inside of it.
             new = L::select(springs & open, zero, new);
             L::select(waits, old, new)
         };
         let lowest = L::select(drives, -self.most, L::select(both, none, zero));
         let highest = L::select(drives, self.most, L::splat(f32::INFINITY));
-        // A range has one loaded end; what has no width may bear either way.
+        // A range has one loaded end; one without width may bear either way.
         let lower = L::select(both, self.lasting, self.lasting.max(zero));
         let finite = |gap: L| L::select(gap.lt(L::splat(f32::MAX)), gap, L::splat(f32::MAX));
         let new =

@@ -1,4 +1,4 @@
-//! What the passes over batches of joints call: which kernel works on which batch, on several threads.
+//! Dispatch of passes to the kernels of joint batches, on several threads.
 
 use super::arrange::{JointRows, JointStage};
 use super::ends::{JointPass, Recovery};
@@ -65,7 +65,7 @@ impl JointRows {
         }
     }
 
-    /// Closes the locks of a batch that is no tree, by no more than so much.
+    /// Closes the locks of a batch outside trees, by at most `most`.
     ///
     /// # Safety
     /// No other thread works on its bodies, and none writes their displacements.
@@ -80,7 +80,7 @@ impl JointRows {
         unsafe { views.tables.close(stage, i, motion, most) };
     }
 
-    /// What the joints of a batch of trees that keep their energy do before any row of the substep is solved.
+    /// Lets the joints of trees that conserve energy act before any row of the substep is solved.
     ///
     /// # Safety
     /// No other thread works on its bodies.
@@ -100,7 +100,7 @@ impl JointRows {
         }
     }
 
-    /// Moves the bodies of a batch of trees on by a substep, where they keep their energy, and closes what is open.
+    /// Moves the bodies of trees that conserve energy on by a substep, and closes open joints of all trees.
     ///
     /// # Safety
     /// No other thread works on them.

@@ -26,7 +26,7 @@ pub(crate) struct RowImpulse {
     pub(crate) torque: Vec3,
 }
 
-/// Share of a lasting load that a joint bears rigidly.
+/// Share of a lasting load that does not yield.
 const SHARE: f32 = 0.9;
 
 /// Writes impulses to the joints of a world.
@@ -36,18 +36,18 @@ struct Store<'a> {
     rows: &'a mut [Row],
     /// 1 / substep [1/s].
     inverse_h: f32,
-    /// Share of a load that lasts that a step takes for one.
+    /// Weight of this step's load in the lasting one.
     hold: f32,
 }
 
 impl Report for Store<'_> {
     fn lock(&mut self, owner: u32, impulse: Vec3) {
-        // Joints that contradict each other may have come to no number.
+        // The impulses of joints that contradict each other may not be finite.
         let impulse = if impulse.is_finite() { impulse } else { Vec3::ZERO };
         let lock = &mut self.locks[owner as usize];
         lock.steady = impulse.length().min(lock.impulse.length());
         lock.impulse = impulse;
-        // A load that is gone is gone at once.
+        // A load that disappears is dropped at once.
         let bears = impulse.length() * SHARE;
         let lasting = lock.held.min(bears);
         lock.held = lasting + (bears - lasting) * self.hold;
@@ -72,8 +72,8 @@ impl Report for Store<'_> {
 }
 
 impl JointRows {
-    /// Writes impulses back, and what each joint bore. `inverse_h`: 1 / substep [1/s]; `hold`: share of a load that lasts
-    /// that a step takes for one.
+    /// Writes impulses back, and the load of each joint. `inverse_h`: 1 / substep [1/s]; `hold`: weight of
+    /// this step's load in the lasting one.
     pub(crate) fn store(&self, joints: &mut Joints, bodies: &Bodies, inverse_h: f32, hold: f32) {
         if self.stages.is_empty() {
             return;

@@ -11,10 +11,10 @@ use crate::threads::{Crew, Shared, per_block};
 
 /// A batch of one row type: the same lock or row of up to eight joints, a lane each.
 ///
-/// Every type is solved in the same steps, which are written once, here: the bodies are loaded, directions follow their rotation,
-/// the rows are solved, the bodies are saved. A type supplies what differs. Its helpers are inlined into the steps, and the
-/// steps are functions of their own: two dozen of them in one function is more than the compiler inlines helpers into (12 % of
-/// the step of a net of joints).
+/// Every type is solved in the same steps, which are written once, here: the bodies are loaded, directions
+/// follow their rotation, the rows are solved, the bodies are saved. A type supplies what differs. Its
+/// helpers are inlined into the steps, and the steps are functions of their own: two dozen of them in one
+/// function is more than the compiler inlines helpers into (12 % of the step of a net of joints).
 pub(crate) trait JointBatch<L: GatherLanes>: Watched + Default {
     /// Whether it locks directions all at once, without bounds.
     const IS_LOCK: bool;
@@ -24,7 +24,8 @@ pub(crate) trait JointBatch<L: GatherLanes>: Watched + Default {
     fn ends(&self) -> &Ends<L>;
     /// Makes the batch of the locks or rows `owners` of this step's joints.
     fn fill(&mut self, owners: &[u32], input: &JointInput<'_>);
-    /// Updates directions, errors and effective masses to displacements of the bodies since the start of the step.
+    /// Updates directions, errors and effective masses to displacements of the bodies since the start of the
+    /// step.
     fn follow(&mut self, moved: &BodyPair<L>);
     /// Applies the impulses of the last substep.
     fn apply(&self, v: &mut BodyPair<L>);

@@ -1,4 +1,4 @@
-//! Which contacts get rows, in which order: by importance, colour and size.
+//! Decides which contacts get rows, and in which order: by importance, colour and size.
 
 use super::budget::{Ahead, Thrift, is_ahead};
 use super::colour::{Colouring, OVERFLOW};
@@ -14,16 +14,16 @@ use crate::lanes::ones;
 use crate::memory::{Amounts, Buffer, Category, Room, Rooms, bytes_of};
 use crate::narrow_phase::{Contact, NONE, Weight};
 
-/// What preparing counted.
+/// Counts of the preparation.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Prepared {
     pub(crate) manifolds: u32,
-    /// Points that touch, and that may touch within the step.
+    /// Points that touch, and points that may touch within the step.
     pub(crate) real: u32,
     pub(crate) potential: u32,
     /// Points that bounced.
     pub(crate) impacts: u32,
-    /// Points that there was no room for.
+    /// Points for which there was no room.
     pub(crate) shed: u32,
 }
 
@@ -38,14 +38,15 @@ pub(crate) struct PrepareScratch {
     pub(crate) sorted: Vec<Part>,
     /// First contact in `sorted` of each batch of the schedule, and how many.
     pub(crate) ranges: Vec<(u32, u32)>,
-    /// Bytes of contacts and rows that continuous collision alone makes: in the last step, and the most in any.
+    /// Bytes of contacts and rows that only continuous collision makes: in the last step, and the maximum in
+    /// any.
     ahead: (usize, usize),
     most_ahead: (usize, usize),
 }
 
 impl PrepareScratch {
-    /// Calls `f` with each buffer and the place that it needs for so many bodies that can be pushed, of which
-    /// some may have rows that are solved after another group.
+    /// Calls `f` with each buffer and the capacity that it needs for so many dynamic bodies, of which some
+    /// may have rows that are solved after another group.
     pub(crate) fn each(
         &mut self,
         dynamic: usize,
@@ -57,39 +58,39 @@ impl PrepareScratch {
         f(self.crowd.buffer(), dynamic);
     }
 
-    /// Nothing is continuous any more.
+    /// There is no continuous collision any more.
     pub(crate) fn forget_ahead(&mut self) {
         (self.ahead, self.most_ahead) = ((0, 0), (0, 0));
     }
 
-    /// Nothing is solved after another group any more.
+    /// Releases the memory for bodies whose rows are solved after another group.
     pub(crate) fn lower(&mut self) {
         self.keys = Keys::default();
     }
 
-    /// Reserved bytes of the order of what is solved after another group.
+    /// Reserved bytes for bodies whose rows are solved after another group.
     pub(crate) fn solved_after_bytes(&self) -> usize {
         self.keys.solved_after_bytes()
     }
 
-    /// Bytes that a part takes in its lists, and what these have.
+    /// Bytes that a part takes in the lists, and those that these have reserved.
     pub(crate) fn lists(&self) -> (usize, usize) {
         let reserved = bytes_of(&self.entries).1 + bytes_of(&self.sorted).1 + bytes_of(&self.ranges).1;
         (size_of::<(Part, u32)>() + size_of::<Part>() + size_of::<(u32, u32)>(), reserved)
     }
 
-    /// Bytes that its lists lack for so many parts.
+    /// Bytes that are missing in the lists for so many parts.
     pub(crate) fn missing(&self, parts: usize) -> usize {
         self.entries.missing(parts) + self.sorted.missing(parts) + self.ranges.missing(parts)
     }
 
-    /// How many stages there may be.
+    /// Maximum number of stages.
     pub(crate) fn most_stages(&mut self, input: Order) -> usize {
         self.keys.reset(input, std::iter::empty());
         self.keys.most_stages()
     }
 
-    /// Bytes of contacts, and of rows, that continuous collision alone makes: live, and the most there ever were.
+    /// Bytes of contacts, and of rows, that only continuous collision makes: live, and the maximum so far.
     pub(crate) fn ahead_bytes(&self) -> ((usize, usize), (usize, usize)) {
         ((self.ahead.0, self.most_ahead.0), (self.ahead.1, self.most_ahead.1))
     }
@@ -102,10 +103,12 @@ impl PrepareScratch {
     }
 }
 
-/// Overlap of two bodies from which on it counts for [`Crowd`] [slops]: what rests or was just hit has less.
+/// Overlap of two bodies from which on it counts for [`Crowd`] [slops]: resting bodies and ones that were
+/// just hit have less.
 const DEEP: f32 = 20.0;
 
-/// Sorts the contacts and makes place for their batches. Where there is no room for all, what is missed least does without.
+/// Sorts the contacts and reserves memory for their batches. Where it does not suffice for all, those that
+/// are missed least get no rows.
 pub(crate) fn arrange(
     input: &PrepareInput<'_>,
     rows: &mut Rows,
@@ -118,7 +121,7 @@ pub(crate) fn arrange(
         rooms.within(Category::Rows, |room| rows.resize(&batches, room));
         return prepared;
     }
-    // How many stages there may be.
+    // Maximum number of stages.
     scratch.keys.reset(input.order, input.bodies.raises());
     let ahead = Ahead::new(input);
     let total = count(input, ahead);
@@ -131,7 +134,7 @@ pub(crate) fn arrange(
     }
     let mut counts = [0; Weight::COUNT];
     each_contact(input, |_, contact| counts[input.scale.of(contact).index()] += 1);
-    // The least number of steps after which the rest fits, to within a 64th of the contacts.
+    // The least number of steps of thrift after which the rest fits, to within a 64th of the contacts.
     let (mut too_few, mut enough) = (0, Thrift::steps(&counts));
     let near = 1 + total / 64;
     loop {
@@ -149,7 +152,7 @@ pub(crate) fn arrange(
     }
 }
 
-/// How many parts there are, but for contacts beyond the limit of continuous collision.
+/// Number of parts, without contacts beyond the limit of continuous collision.
 fn count(input: &PrepareInput<'_>, mut ahead: Ahead) -> u32 {
     let mut parts = 0;
     each_contact(input, |_, contact| {
@@ -182,7 +185,7 @@ pub(super) fn group_of(input: &PrepareInput<'_>, contact: &Contact) -> Group {
 }
 
 impl PrepareScratch {
-    /// Makes place for so many parts, as far as there is room; says for how many.
+    /// Reserves memory for so many parts, as far as it suffices; returns for how many.
     fn make_place(&mut self, parts: usize, any_in_tree: bool, rows: &mut Rows, rooms: &mut Rooms) -> usize {
         let most_stages = self.keys.most_stages();
         if rooms.within(Category::Rows, |room| room.fit(&mut rows.stages, most_stages)) < most_stages {
@@ -231,13 +234,14 @@ impl PrepareScratch {
         }
     }
 
-    /// Notes the bytes of contacts that continuous collision alone makes, and of their rows, a lane of a batch each. `ahead`:
-    /// how many there are with what may move and what is static, by the number of points.
+    /// Records the bytes of contacts that only continuous collision makes, and of their rows, a lane of a
+    /// batch each. `ahead`: number of these with bodies that may move and with static ones, by number of
+    /// points.
     fn note_ahead(&mut self, input: &PrepareInput<'_>, ahead: &[[usize; 4]; 2]) {
         let (ahead, batches) = (ahead.as_flattened(), ahead_lanes(input));
         let rows: usize = ahead.iter().zip(batches.as_flattened()).map(|(n, batch)| n * batch / 8).sum();
         self.ahead = (ahead.iter().sum::<usize>() * size_of::<Contact>(), rows);
-        // The most of both together, which the limit of continuous collision bounds.
+        // The maximum of both together, which the limit of continuous collision bounds.
         let (now, most) = (self.ahead, &mut self.most_ahead);
         if now.0 + now.1 > most.0 + most.1 {
             *most = now;
@@ -245,7 +249,8 @@ impl PrepareScratch {
     }
 }
 
-/// Contacts by group, colour and number of points, and what they count. Says whether there was place for all that were not shed.
+/// Sorts contacts by group, colour and number of points, and counts them. Returns whether there was place for
+/// all that were not shed.
 fn sort(
     input: &PrepareInput<'_>,
     scratch: &mut PrepareScratch,
@@ -261,9 +266,9 @@ fn sort(
     let (movers, any_solved_after) = (input.bodies.movers(), keys.any_solved_after());
     let (mut prepared, mut fits) = (Prepared::default(), true);
     let place = thrift.map_or(usize::MAX, |thrift| thrift.place);
-    // Under a budget there is place for all.
+    // Under a budget, memory for all is reserved already.
     let mut room = Room::ENDLESS;
-    // With what may move and what is static, by number of points.
+    // With bodies that may move and with static ones, by number of points.
     let mut ahead = [[0usize; 4]; 2];
     each_contact(input, |slot, contact| {
         let body = |c: u32| input.hot[c as usize].body as usize;
@@ -322,21 +327,21 @@ fn sort(
     (prepared, fits)
 }
 
-/// Bytes of batches of contacts that may touch, with their friction: with what may move and what is static, by the number of
-/// points.
+/// Bytes of batches of potential contacts, with their friction: for bodies that may move and for static ones,
+/// by number of points.
 pub(super) fn ahead_lanes(input: &PrepareInput<'_>) -> [[usize; 4]; 2] {
     Rows::SIZES.map(|side| std::array::from_fn(|i| side[i] + if input.friction { side[7] } else { 0 }))
 }
 
-/// The tree slot of the body of a contact with what is static.
+/// The tree slot of the body of a contact with static geometry.
 fn tree_slot_of(input: &PrepareInput<'_>, part: Part) -> Option<TreeSlot> {
     let contact = &input.contacts[part.slot()];
     let body = |c: u32| input.hot[c as usize].body as usize;
     input.tree_slots.of(body(contact.a).min(body(contact.b)))
 }
 
-/// Batches of each stage. Says how many there are of each kind. `thin`: what would fill less of a batch than single rows take goes
-/// into such.
+/// Makes the schedule: the batches of each stage. Returns their numbers by kind. `thin`: contacts that fill
+/// too little of a batch become single rows.
 fn schedule(input: &PrepareInput<'_>, rows: &mut Rows, scratch: &mut PrepareScratch, thin: bool) -> Tally {
     let PrepareScratch { keys, sorted, ranges, .. } = scratch;
     let mut tally = Tally::default();
@@ -346,7 +351,7 @@ fn schedule(input: &PrepareInput<'_>, rows: &mut Rows, scratch: &mut PrepareScra
             *count += 1;
             *count as u32 - 1
         };
-        // Without points: of one lane.
+        // Zero points: a batch of one lane.
         let single = points == 0;
         let index = next(if single { 4 } else { points - 1 });
         let kind = 5 + 2 * usize::from(group.is_potential()) + usize::from(single);
@@ -369,7 +374,7 @@ fn schedule(input: &PrepareInput<'_>, rows: &mut Rows, scratch: &mut PrepareScra
         let potential = layer.group.is_potential();
         let width = if serial { 1 } else { 8 };
         for at in (start..tree_start).step_by(width) {
-            // Of its first part, which has most.
+            // The points of the first part, which has the most.
             let points = 4 - ends[..4].iter().filter(|&&end| at >= end).count();
             let count = (width as u32).min(tree_start - at);
             if thin && !serial && (count as usize) < Rows::worth(points, layer.group, input.friction) {

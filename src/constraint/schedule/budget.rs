@@ -1,33 +1,34 @@
-//! What gets no rows where memory is short: rows of contacts by how little they are missed, and a limit on what continuous
-//! collision alone makes.
+//! Decides what gets no rows where memory is short, by how little it is missed, and limits the memory of what
+//! only continuous collision makes.
 
 use super::arrange::{ahead_lanes, each_contact, group_of};
 use super::order::Group;
 use crate::constraint::contact::prepare::PrepareInput;
 use crate::narrow_phase::{Contact, Threshold, Weight};
 
-/// What rows do without where there is no room for all, from what is missed least on. All of one comes before any of the next.
+/// The savings where memory does not suffice for all, beginning with what is missed least. All savings of one
+/// kind come before any of the next.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Thrift {
-    /// How many parts there is place for in the lists of the step.
+    /// Capacity of the lists of the step for parts.
     pub(super) place: usize,
-    /// Batches that are mostly empty are single rows: slower, and otherwise the same.
+    /// Batches that are mostly empty become single rows: slower, and otherwise the same.
     pub(super) thin: bool,
-    /// Of contacts that nothing approaches, those that keep their rows.
+    /// Contacts without approach keep their rows above this weight.
     idle: Threshold,
-    /// Of others, those that keep points that they don't need, and those that keep any.
+    /// Others keep points that they could do without above the first, and any points above the second.
     spare: Threshold,
     any: Threshold,
 }
 
 impl Thrift {
-    /// All have their rows, as far as there is place for so many in the lists.
+    /// No savings, except for the capacity of the lists.
     pub(super) fn none(place: usize) -> Thrift {
         let all = Threshold::ALL;
         Thrift { place, thin: false, idle: all, spare: all, any: all }
     }
 
-    /// After so many of [`Thrift::steps`], with so many contacts of each weight.
+    /// The savings after so many of [`Thrift::steps`], with so many contacts of each weight.
     pub(super) fn after(step: u32, counts: &[u32; Weight::COUNT], place: usize) -> Thrift {
         let (idle, needed) = Self::classes(counts);
         let mut left = step.saturating_sub(1);
@@ -45,7 +46,7 @@ impl Thrift {
         }
     }
 
-    /// How many steps there are until nothing is left.
+    /// Number of steps until no row is left.
     pub(super) fn steps(counts: &[u32; Weight::COUNT]) -> u32 {
         let (idle, needed) = Self::classes(counts);
         1 + idle + 2 * needed
@@ -56,7 +57,8 @@ impl Thrift {
         (idle.iter().sum(), needed.iter().sum())
     }
 
-    /// The points of a contact that keep their rows, a bit each. Asked of each in the same order.
+    /// The points of a contact that keep their rows, a bit each. To be called for all contacts, always in the
+    /// same order.
     pub(super) fn points(&mut self, contact: &Contact, weight: Weight) -> u32 {
         let all = (1 << contact.count) - 1;
         if !weight.is_needed() {
@@ -70,12 +72,13 @@ impl Thrift {
     }
 }
 
-/// Bytes that are granted to contacts that only continuous collision makes: of bodies among themselves, and with what is
-/// static.
+/// Memory that is left for contacts that only continuous collision makes: of bodies among themselves, and
+/// with static geometry.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ahead {
     pub(super) left: [usize; 2],
-    /// Bytes of the contact and a lane of a batch: with what may move and what is static, by the number of points.
+    /// Bytes of the contact and a lane of a batch: for bodies that may move and for static ones, by number of
+    /// points.
     cost: [[usize; 4]; 2],
 }
 
@@ -83,7 +86,7 @@ impl Ahead {
     /// Without a limit.
     pub(super) const ANY: Ahead = Ahead { left: [usize::MAX; 2], cost: [[0; 4]; 2] };
 
-    /// As much as is left, first for contacts with what is static.
+    /// The limit of the step, which goes to contacts with static geometry first.
     pub(super) fn new(input: &PrepareInput<'_>) -> Ahead {
         if input.ahead == usize::MAX {
             return Ahead::ANY;
@@ -107,7 +110,7 @@ impl Ahead {
         self.cost[usize::from(group.is_static())][contact.count as usize - 1]
     }
 
-    /// Whether there is enough left for a contact of a group; takes it off if so.
+    /// Whether enough is left for a contact of a group; subtracts it if so.
     pub(super) fn admits(&mut self, contact: &Contact, group: Group) -> bool {
         let cost = self.cost(contact, group);
         let left = &mut self.left[usize::from(group.is_static())];
@@ -117,7 +120,7 @@ impl Ahead {
     }
 }
 
-/// Whether discrete physics would not look for any point of it.
+/// Whether only continuous collision looks for its points.
 pub(super) fn is_ahead(input: &PrepareInput<'_>, contact: &Contact) -> bool {
     contact.points().iter().all(|p| p.separation > input.near)
 }

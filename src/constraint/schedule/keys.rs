@@ -4,13 +4,13 @@ use super::colour::{COLOURS, OVERFLOW};
 use super::order::{Group, Order, Place, RowGroup};
 use crate::memory::{Buffer, bytes_of};
 
-/// Kinds of contacts of a colour: four points before one, so that lanes of a batch are alike, and last those of bodies in
-/// trees of joints, which have their lanes by the tree.
+/// Kinds of contacts of a colour: by points, most first, so that lanes of a batch are alike; and last those
+/// of bodies in trees of joints, whose lanes are those of the trees.
 pub(crate) const KINDS: usize = 5;
 
 /// Keys of rows that are solved after the same group.
 const KEYS: usize = Group::ALL.len() * (COLOURS + 1) * KINDS;
-/// What contacts may be solved after: their own place, or a group.
+/// What rows may be solved after: nothing, or a group.
 const AFTERS: usize = 1 + Order::LEN;
 
 /// Contacts of a group that are solved after the same other group.
@@ -29,19 +29,19 @@ impl Layer {
     }
 }
 
-/// What parts of contacts there are of each key.
+/// Counts of the parts of contacts by key.
 #[derive(Debug, Default)]
 pub(crate) struct Keys {
-    /// How many; once they are sorted, where they end.
+    /// The count of each key; after sorting, where its range ends.
     ends: Vec<u32>,
-    /// How many colours each group uses: of hundreds of keys a small scene has a handful.
+    /// Number of colours that each group uses: a small scene has a handful of hundreds of keys.
     colours: [usize; Group::ALL.len()],
     /// In the order in which they are solved.
     layers: Vec<Layer>,
 }
 
 impl Keys {
-    /// Nothing is counted yet. `groups`: those that some bodies are solved after.
+    /// Resets the counts. `groups`: those that some bodies are solved after.
     pub(crate) fn reset(&mut self, order: Order, groups: impl Iterator<Item = RowGroup> + Clone) {
         self.layers.clear();
         for solved_after in std::iter::once(None).chain(groups.map(Some)) {
@@ -55,17 +55,17 @@ impl Keys {
         self.colours = [0; Group::ALL.len()];
     }
 
-    /// Whether any body has rows that are solved after another group.
+    /// Whether the rows of any body are solved after another group.
     pub(crate) fn any_solved_after(&self) -> bool {
         self.layers.len() > Group::ALL.len()
     }
 
-    /// The most stages that there may be.
+    /// Maximum number of stages.
     pub(crate) fn most_stages(&self) -> usize {
         self.layers.len() * (COLOURS + 1)
     }
 
-    /// Counts one part of so many points, or one of a body in a tree, and says its key.
+    /// Counts a part with so many points, or a part of a body in a tree, and returns its key.
     pub(crate) fn count(
         &mut self,
         group: Group,
@@ -82,8 +82,8 @@ impl Keys {
         key as u32
     }
 
-    /// Layers and colours in the order in which they are solved. Contacts without a colour come first in their layer: what
-    /// is solved later wins.
+    /// Layers and colours in the order in which they are solved. Contacts without a colour come first in
+    /// their layer: what is solved last is obeyed best.
     pub(crate) fn colours(&self) -> impl Iterator<Item = (Layer, usize)> + '_ {
         self.layers.iter().flat_map(|&layer| {
             let colours = self.colours[layer.group as usize];
@@ -96,7 +96,8 @@ impl Keys {
         &self.ends[Layer::first(layer.group, layer.solved_after, colour)..][..KINDS]
     }
 
-    /// Puts what was counted in the order in which it is solved: from here on [`Keys::place_of`] says where each goes.
+    /// Turns counts into ranges, in the order in which they are solved: afterwards [`Keys::place_of`] returns
+    /// the place of each part.
     pub(crate) fn line_up(&mut self) {
         let mut end = 0;
         for &Layer { group, solved_after, .. } in &self.layers {
@@ -119,13 +120,13 @@ impl Keys {
         if any_solved_after { KEYS * AFTERS } else { KEYS }
     }
 
-    /// Calls `f` with each buffer and the place that it needs.
+    /// Calls `f` with each buffer and the capacity that it needs.
     pub(crate) fn each(&mut self, any_solved_after: bool, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
         f(&mut self.ends, Self::len(any_solved_after));
         f(&mut self.layers, Group::ALL.len() * if any_solved_after { AFTERS } else { 1 });
     }
 
-    /// Reserved bytes beyond those that it takes where nothing is.
+    /// Reserved bytes beyond those that are needed if no rows are solved after another group.
     pub(crate) fn solved_after_bytes(&self) -> usize {
         if !self.any_solved_after() {
             return 0;

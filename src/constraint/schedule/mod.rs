@@ -1,4 +1,4 @@
-//! Which row is solved when: order of importance, colours without a shared dynamic body, sort keys.
+//! The order in which rows are solved: importance, colours without a shared dynamic body, sort keys.
 
 pub(crate) mod arrange;
 mod budget;

@@ -8,14 +8,14 @@ pub(crate) struct Part(pub(crate) u32);
 
 impl Part {
     const SLOT: u32 = (1 << 27) - 1;
-    /// Its other points have parts of their own.
+    /// The other points of the contact have parts of their own.
     const APART: u32 = 1 << 27;
     /// The first of four bits, one for each point; none of them if the part has all.
     const POINTS: u32 = 28;
     /// An inert lane.
     pub(crate) const NONE: Part = Part(u32::MAX);
 
-    /// Of points by bits, or of all.
+    /// Some points of a contact, by bits; zero for all.
     pub(super) fn of(slot: u32, points: u32) -> Part {
         Part(slot | points << Self::POINTS)
     }
@@ -29,7 +29,7 @@ impl Part {
     pub(crate) fn only(self) -> Option<usize> {
         (self.0 & Self::APART != 0).then(|| (self.0 >> Self::POINTS).trailing_zeros() as usize)
     }
-    /// Whether it is a contact of which some points have no rows.
+    /// Whether some points of the contact have no rows.
     pub(crate) fn is_cut(self) -> bool {
         self.0 & Self::APART == 0 && self.0 >> Self::POINTS != 0
     }
