@@ -357,7 +357,7 @@ impl World {
             let (order, in_trees) = (self.settings.order, self.settings.joint_trees);
             self.buffers.joints.arrange(&self.joints, &self.bodies, order, in_trees);
         }
-        if self.joints.count > 0 || !self.buffers.joints.seats.is_empty() {
+        if self.joints.count > 0 || !self.buffers.joints.tree_slots.is_empty() {
             let Buffers { joints, forces, .. } = &mut self.buffers;
             let input = JointInput {
                 bodies: &self.bodies,
@@ -366,7 +366,7 @@ impl World {
                 joints: &self.joints,
                 pairs: &self.broad.pairs,
                 hot: &self.colliders.hot,
-                seated: &[],
+                tree_contacts: &[],
                 order: self.settings.order,
                 warm,
                 h,
@@ -393,7 +393,7 @@ impl World {
             stick: STICK * unit,
             slop: self.settings.slop * unit,
             order: self.settings.order,
-            seats: &self.buffers.joints.seats,
+            tree_slots: &self.buffers.joints.tree_slots,
             tweaks: &self.events.tweaks,
             per_point: self.settings.friction_model == FrictionModel::Point,
             friction: self.needs.friction > 0,
@@ -419,7 +419,7 @@ impl World {
                 joints: &self.joints,
                 pairs: &self.broad.pairs,
                 hot: &self.colliders.hot,
-                seated: &self.buffers.rows.seated,
+                tree_contacts: &self.buffers.rows.tree_contacts,
                 order: self.settings.order,
                 warm,
                 h,

@@ -121,7 +121,7 @@ pub fn preparing() -> Kernel {
             lengths: crate::constraint::StepLengths::new(1.0, 1.0, 1.0, 1.0, true),
             stick: 0.01,
             order: crate::constraint::Order::default(),
-            seats: &crate::constraint::Seats::default(),
+            tree_slots: &crate::constraint::TreeSlots::default(),
             tweaks: &[],
             per_point: false,
             friction: true,

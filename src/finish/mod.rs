@@ -21,7 +21,7 @@ use turned::Turned;
 use crate::body::{FreeTurn, Pose, carry_spin, exp_map};
 use crate::broad_phase::{Pair, STACK};
 use crate::config::Continuous;
-use crate::constraint::Seat;
+use crate::constraint::TreeSlot;
 use crate::faults::is_sound;
 use crate::forces::spins_freely;
 use crate::lanes::{self, Record, Sym3};
@@ -47,7 +47,7 @@ pub(crate) struct Buffers {
     /// Of strays.
     settling: settle::Scratch,
     /// Bodies of trees that were cut short, and the share of their ways that they went.
-    cut: Mutex<Vec<(Seat, f32)>>,
+    cut: Mutex<Vec<(TreeSlot, f32)>>,
 }
 
 impl Buffers {
@@ -196,12 +196,12 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
     let pose = Shared::new(&mut bodies.pose);
     let stacks = &*stacks;
     let clear = Shared::new(clear);
-    let (seats, shared) = (&world.buffers.joints.seats, &*cut);
+    let (seats, shared) = (&world.buffers.joints.tree_slots, &*cut);
     let inverse_inertia = &world.buffers.forces.inverse_inertia;
     let unit = world.settings.length_unit;
     let off = Off { motion: &world.buffers.forces.motion, start, hot, least: STRAYS * unit, dt };
     let strays = AtomicBool::new(false);
-    let note = |seat: Option<Seat>, share: f32| {
+    let note = |seat: Option<TreeSlot>, share: f32| {
         if let (Some(seat), Ok(mut cut)) = (seat, shared.lock()) {
             // Lifted off something, it may have gone further than it wanted, or where it wanted nowhere.
             cut.push((seat, if share < 1.0 { share.max(0.0) } else { 1.0 }));

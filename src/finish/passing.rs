@@ -10,7 +10,7 @@
 use super::guard::{Guard, KEEP, stop};
 use crate::body::{Bodies, Pose, carry_spin};
 use crate::broad_phase::Pair;
-use crate::constraint::{Restitution, Seat, Seats};
+use crate::constraint::{Restitution, TreeSlot, TreeSlots};
 use crate::lanes::Record;
 use crate::query::segment_hits;
 use crate::time_of_impact::Struck;
@@ -31,9 +31,9 @@ pub(super) struct Movers<'a> {
     /// Displacements of the step.
     pub(super) delta: &'a mut [Record],
     pub(super) impacts: &'a Restitution,
-    pub(super) seats: &'a Seats,
+    pub(super) seats: &'a TreeSlots,
     /// Of trees that were stopped, which share of their ways was left.
-    pub(super) cut: &'a mut Vec<(Seat, f32)>,
+    pub(super) cut: &'a mut Vec<(TreeSlot, f32)>,
     pub(super) stack: &'a mut Vec<u32>,
 }
 
@@ -60,7 +60,7 @@ impl Guard<'_> {
             for pair in pairs.iter().filter(|pair| pair.fast) {
                 let [i, k] = [pair.a, pair.b].map(|c| self.hot[c as usize].body as usize);
                 let Movers { bodies, seats, .. } = &*movers;
-                let tree = |i: usize| seats.of(i).map(Seat::of_tree);
+                let tree = |i: usize| seats.of(i).map(TreeSlot::of_tree);
                 if i >= dynamic
                     || k >= dynamic
                     || self.pass_by(pair, (i, k), bodies)

@@ -7,7 +7,7 @@ use super::guard::Guard;
 use super::{FAR, is_sound};
 use crate::body::{Bodies, Pose, exp_map};
 use crate::constraint::contact::row::Motion;
-use crate::constraint::{Closing, JointRows, Rows, Seat};
+use crate::constraint::{Closing, JointRows, Rows, TreeSlot};
 use crate::lanes::Record;
 use crate::threads::Shared;
 use glam::Vec3;
@@ -23,7 +23,7 @@ pub(super) struct Trees<'a> {
 
 impl Trees<'_> {
     /// Takes all bodies of the trees in `cut` back to the least share of their ways that one of the tree could go.
-    pub(super) fn mend(&mut self, guard: &Guard<'_>, cut: &mut [(Seat, f32)], stack: &mut Vec<u32>) {
+    pub(super) fn mend(&mut self, guard: &Guard<'_>, cut: &mut [(TreeSlot, f32)], stack: &mut Vec<u32>) {
         cut.sort_unstable_by(|(a, s), (b, t)| a.of_tree().cmp(&b.of_tree()).then(s.total_cmp(t)));
         for alike in cut.chunk_by(|(a, _), (b, _)| a.of_tree() == b.of_tree()) {
             let (seat, share) = alike[0];
@@ -63,7 +63,7 @@ impl Trees<'_> {
         }
     }
 
-    fn close(&mut self, seat: Seat) {
+    fn close(&mut self, seat: TreeSlot) {
         let along = self.rows.views();
         // Of the solver's state only displacements are looked at.
         let (velocity, base) = (&mut [][..], &mut [][..]);

@@ -14,6 +14,43 @@ pub(crate) struct Record {
     pub(crate) pad1: f32,
 }
 
+/// What the pads say of a displacement.
+impl Record {
+    /// Whether something acted on the body in the step: it may not be where it was predicted.
+    #[inline(always)]
+    pub(crate) fn is_touched(&self) -> bool {
+        self.pad0 != 0.0
+    }
+
+    #[inline(always)]
+    pub(crate) fn set_touched(&mut self) {
+        self.pad0 = 1.0;
+    }
+
+    /// The body bounced, or stands where it did. Less than a touch, of which rows add one in each substep.
+    #[inline(always)]
+    pub(crate) fn set_bounced(&mut self) {
+        self.pad0 = self.pad0.max(0.5);
+    }
+
+    /// Whether the body has been turned by its displacement already, and its inertia with it.
+    #[inline(always)]
+    pub(crate) fn is_turned(&self) -> bool {
+        self.pad1 != 0.0
+    }
+
+    #[inline(always)]
+    pub(crate) fn set_turned(&mut self) {
+        self.pad1 = 1.0;
+    }
+
+    /// Of a predicted displacement: the angle by which the body turns [rad].
+    #[inline(always)]
+    pub(crate) fn turn_angle(&self) -> f32 {
+        self.pad1
+    }
+}
+
 /// How records become lanes, per width.
 pub(crate) trait GatherLanes: Lanes {
     /// Records by index, which `record` looks up.

@@ -85,9 +85,8 @@ impl Input<'_> {
     pub(crate) fn approach(&self, pair: &Pair) -> Approach {
         let (a, b) = (self.motion_of(pair.a), self.motion_of(pair.b));
         let swing = |collider: u32, motion: &Record| {
-            // The pad of a motion is the angle of its rotation. An endless plane on a body that doesn't turn
-            // swings by nothing.
-            let (c, turn) = (&self.hot[collider as usize], motion.pad1);
+            // The pad of a motion is the angle of its turn; an endless plane on a body that doesn't turn reaches nowhere.
+            let (c, turn) = (&self.hot[collider as usize], motion.turn_angle());
             if turn == 0.0 {
                 return 0.0;
             }
@@ -323,7 +322,7 @@ fn far(input: &Input<'_>, pair: &Pair, now: &Relative) -> bool {
     if approach.mode != Continuous::Segment || approach.max_closing() <= input.fast || !reach.is_finite() {
         return false;
     }
-    let turn = |c: u32| input.motion_of(c).pad1.min(2.0);
+    let turn = |c: u32| input.motion_of(c).turn_angle().min(2.0);
     let near = reach + input.margin + a.lever * turn(pair.a) + b.lever * turn(pair.b);
     let pose = |c: u32| &input.poses[c as usize];
     let apart = (pose(pair.b).position - pose(pair.a).position).as_vec3();

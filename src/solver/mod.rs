@@ -119,7 +119,7 @@ pub(crate) fn solve(
     let base = Shared::new(&mut state.base);
     let motion = Motion { velocity: &velocity, delta: &delta, base: &base };
     let views = joints.views();
-    let (rubs, batches) = (rows.rubs(), rows.views());
+    let (rubs, batches) = (rows.has_friction(), rows.views());
     let joined = Joined { stages: &joint_stages, views: &views };
     let (pose, mass, traits, own) = (&bodies.pose, &bodies.mass, &bodies.traits, &bodies.colliders);
     // What turns or goes further in a substep may be more than rows of joints follow.

@@ -5,7 +5,8 @@ use crate::constraint::contact::row::{
 };
 use crate::constraint::{
     Batch, BatchRef, Closing, FrictionRow, FrictionView, Group, JointPass, JointRows, JointStage, JointType,
-    JointViews, Recovery, Rows, Stage, StepLengths, Surface, TreeRef, Views, guard, rub, with_batch,
+    JointViews, Recovery, Rows, Stage, StepLengths, Surface, TreeRef, Views, guard, solve_impact_friction,
+    with_batch,
 };
 use crate::lanes::GatherLanes;
 use crate::narrow_phase::{Contact, Point};
@@ -219,9 +220,9 @@ unsafe fn step<L: GatherLanes, const P: usize, const B: usize>(
     // SAFETY: by the contract.
     unsafe {
         if kind == Kind::Rub {
-            return rub(batch, (friction, of, group), motion, pass);
+            return solve_impact_friction(batch, friction, of, group, motion, pass);
         }
-        if B == 0 && kind != Kind::WarmStart && of.seated {
+        if B == 0 && kind != Kind::WarmStart && of.in_tree {
             return guard(batch, motion, pass);
         }
         let rows = if group.is_potential() { None } else { friction.touching(of) };

@@ -215,7 +215,7 @@ impl Run<'_> {
             return known as usize;
         }
         let way = self.view().way(body);
-        let free = body < self.world.bodies.dynamic() && self.world.buffers.solver.delta[body].pad0 == 0.0;
+        let free = body < self.world.bodies.dynamic() && !self.world.buffers.solver.delta[body].is_touched();
         // Where nothing pulls there is no such column.
         let pull = self.world.buffers.forces.acceleration.get(body).filter(|_| free);
         let pull = pull.map_or(Vec3::ZERO, |pull| pull.linear);

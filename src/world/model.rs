@@ -303,7 +303,7 @@ impl World {
             Feature::ContactHooks => (needs.hooks, events()[2], Some(spent.hooks)),
             Feature::Queries => (u32::from(self.now.is_kept()), self.now.bytes().1, None),
             Feature::RaisedOrder => {
-                (bodies.raised_count() + joints.raised(), buffers.prepare.raised_bytes(), None)
+                (bodies.raised_count() + joints.raised(), buffers.prepare.solved_after_bytes(), None)
             }
         };
         ModelPart { feature, count, bytes, time_us: time.filter(|_| count > 0) }

@@ -120,7 +120,7 @@ impl World {
         if gone & Demand::JOINTS != 0 {
             self.joints.give_back();
             buffers.joints.give_back();
-            buffers.rows.seated = Vec::new();
+            buffers.rows.tree_contacts = Vec::new();
             buffers.finish.part_trees();
             self.revisions.moving += 1;
         }

@@ -1,24 +1,25 @@
-//! Joints of trees that came apart within a substep, closed again.
+//! Closes the joints of trees that came apart within a substep.
 //!
-//! Velocities know of a substep's end only what is linear: a leg that turns by half a radian in it leaves its joint by
-//! centimetres, and after an impact by more. So after bodies moved, trees whose joints are open are put together by Newton's
-//! method, with the same exact solution as for velocities but of displacements: two or three rounds. Contacts with what is
-//! static go along as far as they must not be crossed; where both can't be had, the joint stays open.
+//! Velocities predict the end of a substep only to first order: a leg that turns by half a radian in it
+//! leaves its joint by centimetres, and after an impact by more. So once bodies have moved, trees with open
+//! joints are closed by Newton's method, with the exact solution that is used for velocities, applied to
+//! displacements; it takes two or three rounds. Contacts with static geometry take part in so far as they
+//! must not be crossed; where a joint can't be closed without crossing one, it stays open.
 
-use super::contacts::{Ask, Toured};
-use super::slots::Seated;
+use super::contacts::{Request, TreeBody};
+use super::slots::TreeContacts;
 use super::spatial::Twist;
 use super::tree::TreeBatch;
 use crate::constraint::contact::batch::Batch;
-use crate::constraint::contact::row::{Motion, Pair, Response, relative, row};
+use crate::constraint::contact::row::{BodyPair, Motion, Response, relative, row};
 use crate::lanes::{GatherLanes, Mask, Vec3};
 
-/// The most rounds of a substep.
+/// Maximum number of rounds in a substep.
 const ROUNDS: u32 = 8;
-/// A way [m] beyond which closing a joint is no answer.
+/// A displacement [m] above this is no solution.
 const FURTHEST: f32 = 1e6;
 
-/// What closing trees needs to know.
+/// Tolerances for closing trees.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Closing {
     /// Errors up to this are left to the velocities [length units] or [rad].
@@ -28,7 +29,7 @@ pub(crate) struct Closing {
 }
 
 impl<L: GatherLanes> TreeBatch<L> {
-    /// Closes what is open.
+    /// Closes the joints that are open.
     ///
     /// # Safety
     /// No other thread works on the bodies of the trees, and none writes their displacements.
@@ -36,8 +37,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         &mut self,
         motion: &Motion<'_, '_>,
         closing: &Closing,
-        contacts: &[Seated],
-        mut touch: impl FnMut(&Seated, Ask<'_>, &mut Toured<'_, L>),
+        contacts: &[TreeContacts],
+        mut touch: impl FnMut(&TreeContacts, Request<'_>, &mut TreeBody<'_, L>),
     ) {
         if self.loops {
             return;
@@ -55,7 +56,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             self.factor();
             self.gather_up(|node, _| node.open());
             if !own.is_empty() {
-                self.tour(own, |seated, body| touch(seated, Ask::Push(closing), body));
+                self.traverse(own, |batch, body| touch(batch, Request::Push(closing), body));
                 self.gather_up(|node, _| node.open());
             }
             self.extra.shifts = true;
@@ -63,19 +64,20 @@ impl<L: GatherLanes> TreeBatch<L> {
             self.extra.shifts = false;
             let most =
                 self.nodes.iter().fold(L::one(), |most, node| most.max(node.change.angular.length_squared()));
-            // By no more than a radian: beyond, what is linear says nothing.
+            // At most a radian: beyond that the linearisation says nothing.
             let share = L::one() / most.sqrt();
             self.nodes.iter_mut().for_each(|node| node.change = node.change.scaled(share));
-            for seated in own {
-                let node = &mut self.nodes[seated.node as usize];
-                let mut body = Toured::new(node.change, &node.whole);
-                touch(seated, Ask::Stop(closing), &mut body);
+            for batch in own {
+                let node = &mut self.nodes[batch.node as usize];
+                let mut body = TreeBody::new(node.change, &node.whole);
+                touch(batch, Request::Stop(closing), &mut body);
                 node.change = body.velocity();
             }
-            // A tree in which that is no number for some body, because its joints contradict each other, stays open.
+            // A tree stays open if the displacement of one of its bodies is not finite, because its joints
+            // contradict each other.
             let sound = self.nodes.iter().fold(u32::MAX, |sound, node| {
-                let way = node.change.linear.length_squared() + node.change.angular.length_squared();
-                sound & (way.lt(L::splat(FURTHEST * FURTHEST)).bits() | !node.write)
+                let square = node.change.linear.length_squared() + node.change.angular.length_squared();
+                sound & (square.lt(L::splat(FURTHEST * FURTHEST)).bits() | !node.write)
             });
             let sound_lanes = L::Mask::from_bits(sound);
             for node in &mut self.nodes {
@@ -91,7 +93,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         self.place(L::zero());
     }
 
-    /// Whether any joint is.
+    /// Whether any joint is open by more than the tolerance.
     pub(crate) fn is_open(&self, tolerance: f32) -> bool {
         let most = self.tolerances(tolerance);
         self.nodes.iter().filter(|node| node.jointed).any(|node| {
@@ -101,17 +103,19 @@ impl<L: GatherLanes> TreeBatch<L> {
         })
     }
 
-    /// The squares of what may be left of lengths and of angles, of a share that may be left of the length unit and of a radian.
+    /// The squares of the errors that may remain, as lengths and as angles; `share`: in length units, and in
+    /// radians.
     pub(crate) fn tolerances(&self, share: f32) -> [L; 2] {
         [share * self.unit, share].map(|most| L::splat(most * most))
     }
 }
 
-/// Keeps a displacement of body `a` of each lane from crossing contacts any further than overlap that is left alone.
+/// Limits the displacement of body `a` of each lane so that it crosses contacts no further than the overlap
+/// that is tolerated.
 #[inline(always)]
 pub(crate) fn keep_out<L: GatherLanes, const P: usize>(
     batch: &Batch<L, P, 0>,
-    moved: &mut Pair<L>,
+    moved: &mut BodyPair<L>,
     closing: &Closing,
     response: &mut impl Response<L, P, 0>,
 ) {

@@ -1,95 +1,97 @@
-//! Contacts of a tree of joints with what is static, solved along with the tree.
+//! Contacts between a tree of joints and static geometry, solved along with the tree.
 //!
-//! A foot that lands at 30 m/s is stopped at once by what the foot alone can bear; what hangs on it comes along a joint and a
-//! pass later, and opens the joints by decimetres meanwhile. So while a tree is solved, its contacts push what they would push
-//! in truth: a body with all that hangs on it. From the leaves to the root it is known how each body answers an impulse
-//! (`Node::whole`), and a walk along the tree hands on what the contacts of one body change to the next, so that each of them
-//! sees velocities that all joints allow: Gauss-Seidel in the coordinates of the joints, at the cost of one more solution.
+//! A foot that lands at 30 m/s is stopped at once by the impulse that the foot alone requires; the bodies
+//! above it follow a joint and a pass later, and meanwhile open the joints by decimetres. So while a tree is
+//! solved, its contacts push against the effective mass of the body with the rest of the tree. How each body
+//! responds to an impulse (`Node::whole`) follows from the sweep from the leaves to the root; a traversal of
+//! the tree then passes what the contacts of one body change on to the next, so that each sees velocities
+//! that all joints allow: Gauss-Seidel in joint coordinates, at the cost of one more solution.
 
 use super::close::{Closing, keep_out};
-use super::slots::Seated;
+use super::node::Node;
+use super::slots::TreeContacts;
 use super::spatial::{Sym6, Twist};
-use super::tree::{Node, TreeBatch};
+use super::tree::TreeBatch;
 use crate::constraint::contact::batch::Batch;
 use crate::constraint::contact::friction::FrictionRow;
 use crate::constraint::contact::impact_friction::potential_load;
 use crate::constraint::contact::row::{
-    Free, FrictionResponse, Motion, Pair, Pass, Response, follow, relative, row, sweep,
+    BodyPair, Free, FrictionResponse, Motion, Pass, Response, follow, relative, row, sweep,
 };
 use crate::constraint::contact::rows::Views;
 use crate::constraint::joint::ends::NONE;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, f32x8};
 
-/// Walks a pass: the second finds what contacts of one body left to those of another.
-const TOURS: u32 = 2;
+/// Traversals in a pass: the second corrects what the contacts of one body did to those of another.
+const TRAVERSALS: u32 = 2;
 
-/// What is asked of the contacts of a body on a walk along its tree.
+/// What the contacts of a body do during a traversal of its tree.
 #[derive(Clone, Copy)]
-pub(crate) enum Ask<'a> {
+pub(crate) enum Request<'a> {
     /// One Gauss-Seidel step.
     Solve(&'a Pass<'a>),
-    /// Of a displacement: to push back what would cross them.
+    /// Push back a displacement that would cross them.
     Push(&'a Closing),
-    /// The same, each body for itself.
+    /// The same for each body alone, without the tree.
     Stop(&'a Closing),
 }
 
 impl Views<'_> {
-    /// Contacts of one body of each of up to eight trees.
+    /// Solves the contacts of one body in each of up to eight trees.
     ///
     /// # Safety
     /// No other thread works on the trees, and none writes displacements.
-    pub(crate) unsafe fn tour(
+    pub(crate) unsafe fn solve_tree_contacts(
         &self,
-        seated: &Seated,
-        ask: Ask<'_>,
-        body: &mut Toured<'_, f32x8>,
+        contacts: &TreeContacts,
+        request: Request<'_>,
+        body: &mut TreeBody<'_, f32x8>,
         motion: &Motion<'_, '_>,
     ) {
-        let (i, lanes) = (seated.batch.index as usize, &self.one.lanes);
+        let (i, lanes) = (contacts.batch.index as usize, &self.one.lanes);
         // SAFETY: by the contract; a batch has the contacts of one batch of trees.
         unsafe {
-            let rubs = if seated.potential { None } else { lanes.friction.touching(seated.batch) };
-            match seated.batch.points {
-                1 => touch(lanes.p1.get(i), rubs, ask, body, motion),
-                2 => touch(lanes.p2.get(i), rubs, ask, body, motion),
-                3 => touch(lanes.p3.get(i), rubs, ask, body, motion),
-                _ => touch(lanes.p4.get(i), rubs, ask, body, motion),
+            let friction = if contacts.potential { None } else { lanes.friction.touching(contacts.batch) };
+            match contacts.batch.points {
+                1 => touch(lanes.p1.get(i), friction, request, body, motion),
+                2 => touch(lanes.p2.get(i), friction, request, body, motion),
+                3 => touch(lanes.p3.get(i), friction, request, body, motion),
+                _ => touch(lanes.p4.get(i), friction, request, body, motion),
             }
         }
     }
 
-    /// Contacts of one body of one tree.
+    /// Solves the contacts of one body of one tree.
     ///
     /// # Safety
-    /// As for [`Views::tour`].
-    pub(crate) unsafe fn tour_single(
+    /// As for [`Views::solve_tree_contacts`].
+    pub(crate) unsafe fn solve_single_tree_contacts(
         &self,
-        seated: &Seated,
-        ask: Ask<'_>,
-        body: &mut Toured<'_, f32>,
+        contacts: &TreeContacts,
+        request: Request<'_>,
+        body: &mut TreeBody<'_, f32>,
         motion: &Motion<'_, '_>,
     ) {
-        let (i, single) = (seated.batch.index as usize, &self.one.single);
+        let (i, single) = (contacts.batch.index as usize, &self.one.single);
         // SAFETY: by the contract; a batch has the contacts of one tree.
         unsafe {
-            let rubs = if seated.potential { None } else { single.friction.touching(seated.batch) };
-            touch(single.all.get(i), rubs, ask, body, motion)
+            let friction = if contacts.potential { None } else { single.friction.touching(contacts.batch) };
+            touch(single.all.get(i), friction, request, body, motion)
         }
     }
 }
 
 /// A body of a tree while its contacts are solved.
-pub(crate) struct Toured<'a, L> {
+pub(crate) struct TreeBody<'a, L> {
     velocity: Twist<L>,
     whole: &'a Sym6<L>,
-    /// What its contacts gave it.
+    /// Impulse of its contacts.
     push: Twist<L>,
 }
 
-impl<'a, L: Lanes> Toured<'a, L> {
+impl<'a, L: Lanes> TreeBody<'a, L> {
     pub(crate) fn new(velocity: Twist<L>, whole: &'a Sym6<L>) -> Self {
-        Toured { velocity, whole, push: Twist::zero() }
+        TreeBody { velocity, whole, push: Twist::zero() }
     }
     pub(crate) fn velocity(&self) -> Twist<L> {
         self.velocity
@@ -97,7 +99,7 @@ impl<'a, L: Lanes> Toured<'a, L> {
 }
 
 impl<L: GatherLanes> TreeBatch<L> {
-    /// How each body answers an impulse on it, with the whole tree.
+    /// Finds how each body responds to an impulse on it, as part of the whole tree.
     pub(crate) fn answer(&mut self) {
         for i in 0..self.real {
             let (parent, node) = self.with_parent(i);
@@ -117,23 +119,28 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
-    /// Lets `solve` have the contacts of each body in turn, with the velocity that it has then.
-    pub(crate) fn tour(&mut self, contacts: &[Seated], mut solve: impl FnMut(&Seated, &mut Toured<'_, L>)) {
-        for _ in 0..TOURS {
+    /// Visits the bodies from the root on and calls `solve` with the contacts of each, and with its velocity
+    /// at that moment.
+    pub(crate) fn traverse(
+        &mut self,
+        contacts: &[TreeContacts],
+        mut solve: impl FnMut(&TreeContacts, &mut TreeBody<'_, L>),
+    ) {
+        for _ in 0..TRAVERSALS {
             self.nodes.iter_mut().for_each(|node| node.pending = Twist::zero());
             let (mut at, mut left) = (NONE, contacts);
             for i in 0..self.real {
                 while at != self.nodes[i].parent {
-                    at = self.climb(at);
+                    at = self.towards_root(at);
                 }
                 let (parent, node) = self.with_parent(i);
                 node.change = node.answered(parent.map_or(Twist::zero(), |parent| parent.change));
-                let here = left.partition_point(|seated| seated.node as usize == i);
-                for seated in &left[..here] {
+                let here = left.partition_point(|batch| batch.node as usize == i);
+                for batch in &left[..here] {
                     let mut velocity = node.velocity;
                     velocity.add(node.change);
-                    let mut body = Toured::new(velocity, &node.whole);
-                    solve(seated, &mut body);
+                    let mut body = TreeBody::new(velocity, &node.whole);
+                    solve(batch, &mut body);
                     let push = body.push;
                     node.change.add(node.whole.mul(&push));
                     node.pending.add(push);
@@ -143,13 +150,13 @@ impl<L: GatherLanes> TreeBatch<L> {
                 at = i as u32;
             }
             while at != NONE {
-                at = self.climb(at);
+                at = self.towards_root(at);
             }
         }
     }
 
-    /// Hands what came on a body on the walk to its parent, which it names.
-    fn climb(&mut self, from: u32) -> u32 {
+    /// Adds the impulses that a body received to its parent, and returns the parent.
+    fn towards_root(&mut self, from: u32) -> u32 {
         let (parent, node) = self.with_parent(from as usize);
         node.carried.add(node.pending);
         if node.jointed {
@@ -167,7 +174,8 @@ impl<L: GatherLanes> TreeBatch<L> {
 }
 
 impl<L: Lanes> Node<L> {
-    /// The change of velocity that answers what is carried and asked for.
+    /// The change of velocity that follows from the impulses carried up and the velocities requested of the
+    /// joints.
     #[inline(always)]
     pub(crate) fn answered(&self, above: Twist<L>) -> Twist<L> {
         let mut push = self.carried;
@@ -181,7 +189,7 @@ impl<L: Lanes> Node<L> {
     }
 }
 
-/// How a body of a tree answers.
+/// The response of a body as part of its tree.
 struct Whole<'a, L, const P: usize> {
     whole: &'a Sym6<L>,
     push: Twist<L>,
@@ -190,12 +198,13 @@ struct Whole<'a, L, const P: usize> {
     friction: FrictionResponse<L>,
 }
 
-/// How much of a body's own mobility has to be left in the tree: less is rounding, of what its joints hold where it is.
+/// Share of a body's own mobility that must be left in the tree. Less is rounding: its joints hold the body
+/// where it is.
 const LEAST: f32 = 1e-4;
 
 impl<'a, L: Lanes, const P: usize> Whole<'a, L, P> {
     #[inline(always)]
-    fn new(whole: &'a Sym6<L>, batch: &Batch<L, P, 0>, rubs: Option<&FrictionRow<L, 0>>) -> Self {
+    fn new(whole: &'a Sym6<L>, batch: &Batch<L, P, 0>, row: Option<&FrictionRow<L, 0>>) -> Self {
         let n = batch.normal;
         let (zero, one) = (L::zero(), L::one());
         let mut stiffness = [[zero; P]; P];
@@ -210,7 +219,7 @@ impl<'a, L: Lanes, const P: usize> Whole<'a, L, P> {
         }
         let mut friction =
             FrictionResponse { mass: [zero; 3], slide_mass: zero, twist_mass: zero, twist_by: [zero; 2] };
-        if let Some(f) = rubs {
+        if let Some(f) = row {
             let along =
                 [f.tangent, n.cross(f.tangent)].map(|t| Twist { linear: t, angular: f.arm_a.cross(t) });
             let answers = [whole.mul(&along[0]), whole.mul(&along[1])];
@@ -246,7 +255,7 @@ impl<L: GatherLanes, const P: usize> Response<L, P, 0> for Whole<'_, L, P> {
         self.friction
     }
     #[inline(always)]
-    fn apply(&mut self, _: &Batch<L, P, 0>, v: &mut Pair<L>, p: Vec3<L>, ta: Vec3<L>, _: Vec3<L>) {
+    fn apply(&mut self, _: &Batch<L, P, 0>, v: &mut BodyPair<L>, p: Vec3<L>, ta: Vec3<L>, _: Vec3<L>) {
         let push = Twist { linear: -p, angular: -ta };
         self.push.add(push);
         let change = self.whole.mul(&push);
@@ -255,41 +264,41 @@ impl<L: GatherLanes, const P: usize> Response<L, P, 0> for Whole<'_, L, P> {
     }
 }
 
-/// The contacts of a body of each tree.
+/// Solves the contacts of one body of each tree.
 ///
 /// # Safety
-/// The batch is no other thread's, and no thread writes displacements.
+/// No other thread works on the batch, and none writes displacements.
 #[inline(always)]
 unsafe fn touch<L: GatherLanes, const P: usize>(
     batch: &mut Batch<L, P, 0>,
-    rubs: Option<&mut FrictionRow<L, 0>>,
-    ask: Ask<'_>,
-    body: &mut Toured<'_, L>,
+    friction: Option<&mut FrictionRow<L, 0>>,
+    request: Request<'_>,
+    body: &mut TreeBody<'_, L>,
     motion: &Motion<'_, '_>,
 ) {
-    if !matches!(ask, Ask::Solve(Pass { relax: false, .. })) {
+    if !matches!(request, Request::Solve(Pass { relax: false, .. })) {
         // SAFETY: by the contract.
         unsafe { follow(batch, motion) };
     }
     let (zero, v) = (Vec3::zero(), body.velocity);
-    let mut v = Pair { va: v.linear, wa: v.angular, vb: zero, wb: zero };
-    body.push = match (ask, rubs) {
-        (Ask::Solve(pass), None) => {
+    let mut v = BodyPair { va: v.linear, wa: v.angular, vb: zero, wb: zero };
+    body.push = match (request, friction) {
+        (Request::Solve(pass), None) => {
             let mut whole = Whole::new(body.whole, batch, None);
             sweep::<L, P, 0, false, _>(batch, None, &mut v, pass, &mut whole);
             whole.push
         }
-        (Ask::Solve(pass), Some(rubs)) => {
-            let mut whole = Whole::new(body.whole, batch, Some(rubs));
-            sweep::<L, P, 0, true, _>(batch, Some(rubs), &mut v, pass, &mut whole);
+        (Request::Solve(pass), Some(friction)) => {
+            let mut whole = Whole::new(body.whole, batch, Some(friction));
+            sweep::<L, P, 0, true, _>(batch, Some(friction), &mut v, pass, &mut whole);
             whole.push
         }
-        (Ask::Push(closing), _) => {
+        (Request::Push(closing), _) => {
             let mut whole = Whole::new(body.whole, batch, None);
             keep_out(batch, &mut v, closing, &mut whole);
             whole.push
         }
-        (Ask::Stop(closing), _) => {
+        (Request::Stop(closing), _) => {
             keep_out(batch, &mut v, closing, &mut Free);
             Twist::zero()
         }
@@ -297,11 +306,12 @@ unsafe fn touch<L: GatherLanes, const P: usize>(
     body.velocity = Twist { linear: v.va, angular: v.wa };
 }
 
-/// Contacts that went along with trees, after rows that know of no tree: what came since must not push a body into what is
-/// static. No impulse is kept, or what can't be met at all would grow from pass to pass; so it is as if the body had been
-/// slower before any row acted.
+/// Checks the contacts that were solved along with trees once more, after rows that know nothing of the tree:
+/// what these did must not push a body into static geometry. No impulse is kept, or requests that can't be
+/// met would grow from pass to pass; instead the velocity before any row acted is changed too, as if the body
+/// had been slower.
 ///
-/// Says whether potential points push.
+/// Returns whether potential points push.
 ///
 /// # Safety
 /// As for [`solve`](crate::constraint::contact::row::solve).
@@ -313,7 +323,7 @@ pub(crate) unsafe fn guard<L: GatherLanes, const P: usize, const B: usize>(
 ) -> bool {
     let zero = Vec3::zero();
     // SAFETY: by the contract.
-    let mut v = unsafe { Pair::load(batch, motion.velocity) };
+    let mut v = unsafe { BodyPair::load(batch, motion.velocity) };
     let (mut sum, mut moment) = (L::zero(), zero);
     for point in &batch.points {
         let u = relative::<L, B>(batch.normal, &v) + row(&v, point);
@@ -326,7 +336,7 @@ pub(crate) unsafe fn guard<L: GatherLanes, const P: usize, const B: usize>(
     if sum.gt(L::zero()).any() {
         // SAFETY: by the contract.
         unsafe {
-            let mut base = Pair::load(batch, motion.base);
+            let mut base = BodyPair::load(batch, motion.base);
             base.apply(batch, batch.normal * sum, moment, zero);
             v.save(batch, motion.velocity);
             base.save(batch, motion.base);

@@ -1,26 +1,28 @@
-//! What a tree of joints leaves open: joints that close its loops, and motors of its hinges.
+//! Rows beside a tree: joints that close its loops, and motors of its hinges.
 //!
-//! Of a loop one joint is cut: a four-bar linkage, a ring, a bridge between two banks become trees, and what is cut
-//! is a few rows more (the cut-joint method of multibody dynamics). A motor is one more too, with bounds. How the rows answer
-//! each other with all of the tree follows from one exact solution a row; then they are solved together, densely, and the tree
-//! once more with what they push (the method of the capacitance matrix; Baraff, *Linear-Time Dynamics using Lagrange
-//! Multipliers*, 1996, treats loops in this way). Row by row, a motor knows the two bodies of its hinge and nothing of what hangs
-//! on them: the crank of a linkage had one and a half times its speed in the first step.
+//! Each loop is cut at one joint: a four-bar linkage, a ring or a bridge between two banks becomes a tree,
+//! and the cut joint a few more rows (the cut-joint method of multibody dynamics). A motor is one more row,
+//! with bounds. How the rows respond to each other through the whole tree follows from one exact solution per
+//! row; then the rows are solved together, as a dense system, and the tree once more with their impulses (the
+//! capacitance matrix method; Baraff, *Linear-Time Dynamics using Lagrange Multipliers*, 1996, treats loops
+//! in this direction). Solved as an ordinary row, a motor knows the two bodies of its hinge and nothing of what
+//! hangs on them: the crank of a linkage had one and a half times its speed in the first step.
 //!
-//! A cut joint is a node behind those of the bodies. Its own body stands a second time in it, and what moves that moves it.
+//! A cut joint is a node after those of the bodies. It has its body a second time, and follows it.
 
+use super::node::Turns;
 use super::spatial::Twist;
-use super::tree::{TreeBatch, Turns};
+use super::tree::TreeBatch;
 use crate::constraint::joint::ends::NONE;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
 
-/// The most rows beside a tree: all of them know of each other.
+/// Maximum number of rows beside a tree: each is coupled to all others.
 pub(crate) const MOST_ROWS: usize = 16;
 
-/// The most that a row takes, with what it answers all others.
+/// Maximum bytes of a row, with its couplings to all others.
 pub(crate) const ROW_BYTES: usize = {
     type L = crate::lanes::f32x8;
-    size_of::<Motor<L>>() + size_of::<Way<L>>() + (2 + MOST_ROWS) * size_of::<L>()
+    size_of::<Motor<L>>() + size_of::<Direction<L>>() + (2 + MOST_ROWS) * size_of::<L>()
 };
 
 /// A motor or a spring about the axis of a hinge, as the body of its node sees it.
@@ -29,16 +31,16 @@ pub(crate) struct Motor<L> {
     /// The row of each lane.
     pub(crate) owner: [u32; 8],
     pub(crate) node: u32,
-    /// Angle less the one asked for, at the start of the step [rad].
+    /// Angle less the target angle, at the start of the step [rad].
     pub(crate) off: L,
     /// As in [`RowBatch`](crate::constraint::joint::row::RowBatch).
     pub(crate) pull: L,
     pub(crate) speed: L,
     pub(crate) give: L,
     pub(crate) most: L,
-    /// Of the last substep, on the body [N m s].
+    /// Angular impulse on the body in the last substep [N m s].
     pub(crate) impulse: L,
-    /// What the last solution takes of it.
+    /// What the last solution subtracts from it.
     pub(crate) less: L,
 }
 
@@ -60,10 +62,10 @@ impl<L: Lanes> Motor<L> {
     }
 }
 
-/// A direction in which a body moves as seen from another, of which more is asked than the tree gives.
+/// A direction of relative motion of two bodies in which the tree alone does not meet the request.
 #[derive(Clone, Copy, Debug)]
-struct Way<L> {
-    /// Nodes; the other may be none.
+struct Direction<L> {
+    /// Nodes; the second may be none.
     bodies: [u32; 2],
     arm: [Vec3<L>; 2],
     along: Twist<L>,
@@ -84,15 +86,15 @@ pub(crate) struct Extra<L> {
     pub(crate) motors: Vec<Motor<L>>,
     /// Which motors act in this pass.
     pub(crate) drives: Drives,
-    /// They don't, in parts of a substep.
+    /// None acts, while a substep is solved in parts.
     pub(crate) idle: bool,
-    /// Displacements are looked for, which are good as far as directions stay what they are.
+    /// The solution is for displacements, which hold only as far as directions do not change.
     pub(crate) shifts: bool,
     /// Those of cut joints, then those of motors.
-    ways: Vec<Way<L>>,
-    /// What the speed along each changes per impulse along another, row by row.
+    directions: Vec<Direction<L>>,
+    /// Change of the speed along each row per impulse along another, row by row.
     answers: Vec<L>,
-    /// What it would change of two bodies that nothing holds, and the share of that which is not known.
+    /// The same for its own two bodies if nothing else held them, and the share of it that is uncertain.
     alone: Vec<[L; 2]>,
 }
 
@@ -103,7 +105,7 @@ impl<L> Default for Extra<L> {
             drives: Drives::None,
             idle: false,
             shifts: false,
-            ways: Vec::new(),
+            directions: Vec::new(),
             answers: Vec::new(),
             alone: Vec::new(),
         }
@@ -111,14 +113,14 @@ impl<L> Default for Extra<L> {
 }
 
 impl<L> Extra<L> {
-    /// With room for so many rows.
+    /// Reserves memory for so many rows.
     pub(crate) fn new(motors: Vec<Motor<L>>, rows: usize) -> Self {
         Extra {
             motors,
             drives: Drives::None,
             idle: false,
             shifts: false,
-            ways: Vec::with_capacity(rows),
+            directions: Vec::with_capacity(rows),
             answers: Vec::with_capacity(rows * rows),
             alone: Vec::with_capacity(rows),
         }
@@ -126,22 +128,22 @@ impl<L> Extra<L> {
 
     pub(crate) fn reserved(&self) -> usize {
         size_of::<Motor<L>>() * self.motors.capacity()
-            + size_of::<Way<L>>() * self.ways.capacity()
+            + size_of::<Direction<L>>() * self.directions.capacity()
             + size_of::<L>() * (self.answers.capacity() + 2 * self.alone.capacity())
     }
 }
 
-/// Share of what two bodies by themselves would give below which a row is held by others already. In a plane linkage most rows
-/// of the last joint are, and what is left of their mobility is rounding.
+/// Share of the mobility of its two bodies below which a row is held by others already. In a planar linkage
+/// this is so for most rows of the last joint, and the mobility that remains is rounding.
 const LEAST: f32 = 1e-4;
-/// The same of a motor, whose bounds are bounds enough.
+/// The same for a motor, which its bounds limit anyway.
 const ROUNDING: f32 = 1e-7;
-/// The same of displacements, as directions turn with them.
+/// The same for displacements, during which directions turn.
 const SHIFTED: f32 = 1e-2;
-/// How often bounds of motors are looked at.
+/// Maximum number of rounds in which the bounds of motors are applied.
 const ROUNDS: usize = 8;
 
-/// How many rows a cut joint is.
+/// Number of rows of a cut joint.
 pub(crate) fn rows_of(turns: Turns) -> usize {
     3 + match turns {
         Turns::Freely => 0,
@@ -151,116 +153,121 @@ pub(crate) fn rows_of(turns: Turns) -> usize {
 }
 
 impl<L: GatherLanes> TreeBatch<L> {
-    /// The rows as the trees are now, and how they answer.
+    /// Sets up the rows for the current positions, and their responses to each other.
     pub(crate) fn factor_extra(&mut self) {
         let (real, mut extra) = (self.real, std::mem::take(&mut self.extra));
-        extra.ways.clear();
+        extra.directions.clear();
         let axes = [Vec3::splat(glam::Vec3::X), Vec3::splat(glam::Vec3::Y), Vec3::splat(glam::Vec3::Z)];
         let zero = Vec3::zero();
         for node in &self.nodes[real..] {
-            let mut way = |linear, angular| {
+            let mut direction = |linear, angular| {
                 let along = Twist { linear, angular };
-                extra.ways.push(Way { bodies: [node.own, node.parent], arm: node.arm_now, along });
+                extra.directions.push(Direction {
+                    bodies: [node.own, node.parent],
+                    arm: node.arm_now,
+                    along,
+                });
             };
-            axes.into_iter().for_each(|axis| way(axis, zero));
+            axes.into_iter().for_each(|axis| direction(axis, zero));
             match node.turns {
                 Turns::Freely => {}
                 Turns::AboutAxis => {
                     let (t, s) = node.axis_now[0].tangents();
-                    way(zero, t);
-                    way(zero, s);
+                    direction(zero, t);
+                    direction(zero, s);
                 }
-                Turns::Not => axes.into_iter().for_each(|axis| way(zero, axis)),
+                Turns::Not => axes.into_iter().for_each(|axis| direction(zero, axis)),
             }
         }
         for motor in &extra.motors {
             let node = &self.nodes[motor.node as usize];
             let own = self.body_of(motor.node as usize) as u32;
             let along = Twist { linear: zero, angular: node.axis_now[0] };
-            extra.ways.push(Way { bodies: [own, node.parent], arm: node.arm_now, along });
+            extra.directions.push(Direction { bodies: [own, node.parent], arm: node.arm_now, along });
         }
         extra.answers.clear();
         extra.alone.clear();
-        let cut = extra.ways.len() - extra.motors.len();
-        for (i, way) in extra.ways.iter().enumerate() {
-            self.push_along(std::iter::once((way, L::one())));
-            let answers = extra.ways.iter().map(|other| -self.change_along(other));
+        let cut = extra.directions.len() - extra.motors.len();
+        for (i, direction) in extra.directions.iter().enumerate() {
+            self.push_along(std::iter::once((direction, L::one())));
+            let answers = extra.directions.iter().map(|other| -self.change_along(other));
             extra.answers.extend(answers);
-            let unknown = if i < cut { self.unknown_of(way) } else { L::splat(ROUNDING) };
-            extra.alone.push([self.alone_along(way), unknown]);
+            let unknown = if i < cut { self.unknown_of(direction) } else { L::splat(ROUNDING) };
+            extra.alone.push([self.alone_along(direction), unknown]);
         }
         self.nodes.iter_mut().for_each(|node| node.pushed = Twist::zero());
         self.extra = extra;
     }
 
-    /// What impulses along some ways, taken from their first bodies, change in the trees.
-    fn push_along<'a>(&mut self, pushes: impl Iterator<Item = (&'a Way<L>, L)>)
+    /// Solves the trees for impulses along some rows; positive ones act against the first body.
+    fn push_along<'a>(&mut self, pushes: impl Iterator<Item = (&'a Direction<L>, L)>)
     where
         L: 'a,
     {
         self.nodes.iter_mut().for_each(|node| node.pushed = Twist::zero());
-        for (way, push) in pushes {
-            let push = way.along.scaled(push);
-            let [own, other] = way.bodies;
-            self.nodes[own as usize].pushed.subtract(push.moved(way.arm[0]));
+        for (direction, push) in pushes {
+            let push = direction.along.scaled(push);
+            let [own, other] = direction.bodies;
+            self.nodes[own as usize].pushed.subtract(push.moved(direction.arm[0]));
             if let Some(other) = self.nodes.get_mut(other as usize) {
-                other.pushed.add(push.moved(way.arm[1]));
+                other.pushed.add(push.moved(direction.arm[1]));
             }
         }
         self.gather_up_bodies(|_, _| Twist::zero());
         self.answer_bodies();
     }
 
-    /// How the last solution changes the speed along a way.
-    fn change_along(&self, way: &Way<L>) -> L {
-        let [own, other] = way.bodies;
-        let mut change = self.nodes[own as usize].change.seen_at(way.arm[0]);
+    /// Change of the speed along a row in the last solution.
+    fn change_along(&self, direction: &Direction<L>) -> L {
+        let [own, other] = direction.bodies;
+        let mut change = self.nodes[own as usize].change.seen_at(direction.arm[0]);
         if let Some(other) = self.nodes.get(other as usize) {
-            change.subtract(other.change.seen_at(way.arm[1]));
+            change.subtract(other.change.seen_at(direction.arm[1]));
         }
-        change.dot(&way.along)
+        change.dot(&direction.along)
     }
 
-    /// The share of [`alone_along`](TreeBatch::alone_along) that is not known of a way: rounding, and what directions turn within a
-    /// substep. A ring of rods that folds flat has a way along which nothing gives, for a moment.
-    fn unknown_of(&self, way: &Way<L>) -> L {
-        let turned = way.bodies.into_iter().filter_map(|body| self.nodes.get(body as usize));
+    /// The share of [`alone_along`](TreeBatch::alone_along) that is uncertain for a row: rounding, and the
+    /// rotation of directions within a substep. A ring of rods that folds flat has, for a moment, a direction
+    /// in which nothing yields.
+    fn unknown_of(&self, direction: &Direction<L>) -> L {
+        let turned = direction.bodies.into_iter().filter_map(|body| self.nodes.get(body as usize));
         let most = turned.fold(L::zero(), |most, node| most.max(node.velocity.angular.length_squared()));
         (most * L::splat(self.h * self.h)).max(L::splat(LEAST))
     }
 
-    /// Speed along a way per impulse along it, of two bodies that nothing holds.
-    fn alone_along(&self, way: &Way<L>) -> L {
+    /// Speed along a row per impulse along it, of its two bodies if nothing else held them.
+    fn alone_along(&self, direction: &Direction<L>) -> L {
         let of = |side: usize| {
-            self.nodes.get(way.bodies[side] as usize).map_or(L::zero(), |node| {
-                let push = way.along.moved(way.arm[side]);
+            self.nodes.get(direction.bodies[side] as usize).map_or(L::zero(), |node| {
+                let push = direction.along.moved(direction.arm[side]);
                 push.linear.length_squared() * node.inverse_mass
-                    + push.angular.dot(node.braced_inverse.mul(push.angular))
+                    + push.angular.dot(node.stiffened_inverse.mul(push.angular))
             })
         };
         of(0) + of(1)
     }
 
-    /// Adds to a solution of the trees what the rows beside them push.
+    /// Solves the rows beside the trees and adds their effect to the solution of the trees.
     pub(crate) fn answer_extra(&mut self) {
         let (real, mut extra) = (self.real, std::mem::take(&mut self.extra));
         let mut rest = [L::zero(); MOST_ROWS];
-        let cut = extra.ways.len() - extra.motors.len();
+        let cut = extra.directions.len() - extra.motors.len();
         let mut row = 0;
         for node in &self.nodes[real..] {
             for _ in 0..rows_of(node.turns) {
-                let way = &extra.ways[row];
-                rest[row] = node.asked.dot(&way.along) + self.change_along(way);
+                let direction = &extra.directions[row];
+                rest[row] = node.asked.dot(&direction.along) + self.change_along(direction);
                 row += 1;
             }
         }
         if extra.drives != Drives::None {
             for (motor, row) in extra.motors.iter().zip(cut..) {
-                let (node, way) = (&self.nodes[motor.node as usize], &extra.ways[row]);
+                let (node, direction) = (&self.nodes[motor.node as usize], &extra.directions[row]);
                 let above = self.nodes.get(node.parent as usize);
-                let axis = way.along.angular;
+                let axis = direction.along.angular;
                 let turns = above.map_or(node.anchored, |above| above.velocity).angular;
-                let speed = axis.dot(node.velocity.angular - turns) + self.change_along(way);
+                let speed = axis.dot(node.velocity.angular - turns) + self.change_along(direction);
                 let turned = above.map_or(node.anchor_moved, |above| above.moved).angular;
                 let off = motor.off + (node.axis[0] + axis).dot(node.moved.angular - turned) * L::splat(0.5);
                 rest[row] = speed - (motor.speed - off * motor.pull) + motor.give * motor.impulse;
@@ -270,7 +277,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         for node in &mut self.nodes[..real] {
             (node.before, node.pushed_before) = ((node.change, node.force), node.pushed);
         }
-        self.push_along(extra.ways.iter().zip(push));
+        self.push_along(extra.directions.iter().zip(push));
         for node in &mut self.nodes[..real] {
             let (change, force) = node.before;
             node.change.add(change);
@@ -283,7 +290,7 @@ impl<L: GatherLanes> TreeBatch<L> {
             node.change = bodies[node.own as usize].change;
             node.force = Twist::zero();
             for _ in 0..rows_of(node.turns) {
-                node.force.add(extra.ways[row].along.scaled(push[row]));
+                node.force.add(extra.directions[row].along.scaled(push[row]));
                 row += 1;
             }
         }
@@ -293,18 +300,18 @@ impl<L: GatherLanes> TreeBatch<L> {
         self.extra = extra;
     }
 
-    /// The node of the body of a node.
+    /// The node that represents the body of a node.
     pub(crate) fn body_of(&self, node: usize) -> usize {
         if node < self.real { node } else { self.nodes[node].own as usize }
     }
 }
 
 impl<L: Lanes> Extra<L> {
-    /// The impulses that leave nothing of `rest`, of which the rows from `cut` on are bounded: those that would go beyond stay at
-    /// their bounds, and the others are solved again.
+    /// The impulses that cancel `rest`. Rows from `cut` on are bounded: those that would exceed their bounds
+    /// are fixed there, and the others solved again.
     #[expect(clippy::needless_range_loop, reason = "indices as in the formulas")]
     fn solve(&self, rest: &[L; MOST_ROWS], cut: usize) -> [L; MOST_ROWS] {
-        let count = self.ways.len();
+        let count = self.directions.len();
         let zero = L::zero();
         let mut fixed = [zero.gt(zero); MOST_ROWS];
         for (motor, fixed) in self.motors.iter().zip(&mut fixed[cut..]) {
@@ -331,7 +338,7 @@ impl<L: Lanes> Extra<L> {
                     matrix[i][k] = L::select(fixed[i] | fixed[k], zero, answer);
                 }
                 let own = if i >= cut { self.motors[i - cut].give } else { zero };
-                // What is fixed is left as it is after.
+                // A fixed row keeps its impulse below.
                 matrix[i][i] = L::select(fixed[i], self.alone[i][0], matrix[i][i] + own);
                 right[i] = L::select(fixed[i], zero, sum);
             }
@@ -345,7 +352,7 @@ impl<L: Lanes> Extra<L> {
                 let new = motor.impulse - push[i];
                 let bounded = new.max(-motor.most).min(motor.most);
                 let over = !(new.eq(bounded) | fixed[i]);
-                // What is at a bound stays there as long as it would go beyond.
+                // A row stays at its bound as long as it would exceed it.
                 let mut more = rest[i] - motor.give * push[i];
                 for k in 0..count {
                     more -= self.answers[i * count + k] * push[k];
@@ -367,8 +374,8 @@ impl<L: Lanes> Extra<L> {
     }
 }
 
-/// L D Lᵀ of a symmetric matrix, in place: the lower triangle, and on the diagonal the inverse of D, damped: of what falls below
-/// `least` the inverse goes to zero instead of growing.
+/// L D Lᵀ factorisation of a symmetric matrix, in place: L in the lower triangle, and the inverse of D on the
+/// diagonal, damped: for pivots below `least` the inverse goes to zero instead of growing.
 #[expect(clippy::needless_range_loop, reason = "indices as in the formulas")]
 fn factorise<L: Lanes>(m: &mut [[L; MOST_ROWS]; MOST_ROWS], least: &[L]) {
     for (i, &least) in least.iter().enumerate() {
@@ -386,7 +393,7 @@ fn factorise<L: Lanes>(m: &mut [[L; MOST_ROWS]; MOST_ROWS], least: &[L]) {
             own -= scaled * m[i][k];
             m[i][k] = scaled;
         }
-        // Not by squares: those of very heavy bodies would be zero.
+        // Not squared: for very heavy bodies the squares would underflow.
         let some = own.gt(L::zero());
         let own = L::select(some, own, L::one());
         m[i][i] = L::select(some, L::one() / (own + least * (least / own)), L::zero());

@@ -1,46 +1,50 @@
-//! Trees that whip: a substep of theirs by backward Euler, and a bound on their energy.
+//! Trees that whip: their substep is solved again by backward Euler, and their energy bounded.
 //!
-//! Where light bodies between a load and what it hangs on come straight, the load stops within a substep, and they would turn as
-//! fast as its energy makes them: hundreds of radians per second and more. There are no velocities at the start of that substep
-//! that leave the tree closed at its end, whichever way its joints are linearised; solved all the same, bodies went anywhere. So
-//! such a substep is taken back. The bodies go to where all joints are closed and which is nearest, by their inertia, to where
-//! they would be without joints: backward Euler (Baraff and Witkin, *Large Steps in Cloth Simulation*, 1998), with the
-//! directions of forces as they are at its end. Such a place there always is. What leads to it are the new velocities; the
-//! energy of the blow is lost.
+//! When light bodies between a load and its anchor straighten, the load stops within a substep, and its
+//! energy would turn them at hundreds of radians per second and more. No velocities at the start of that
+//! substep leave the tree closed at its end, however its joints are linearised; if they are solved for all
+//! the same, bodies end up anywhere. So such a substep is taken back. The bodies are placed where all joints
+//! are closed, as near as possible, weighted by inertia, to where they would be without joints: backward
+//! Euler (Baraff and Witkin, *Large Steps in Cloth Simulation*, 1998), with the directions of forces at the
+//! end of the substep. Such a configuration always exists. The displacement to it gives the new velocities;
+//! the energy of the jerk is lost.
 //!
-//! It is found by Newton's method with the exact solution of the tree, and what pulls as geometric stiffness
-//! ([`TreeBatch::brace`]), which keeps light bodies from turning past it. Where it is not found the tree goes on as one piece
-//! that does not turn: closed as it was.
+//! It is found by Newton's method with the exact solution of the tree and with geometric stiffness
+//! ([`TreeBatch::add_geometric_stiffness`]), which keeps light bodies from overshooting. If it is not found,
+//! the tree moves on as one rigid piece without rotation, closed as it was.
 
 use super::close::Closing;
 use super::free_rotation::{exp, log};
+use super::node::Node;
 use super::spatial::Twist;
-use super::tree::{Node, TreeBatch};
+use super::tree::TreeBatch;
 use crate::constraint::contact::row::Motion;
 use crate::constraint::joint::ends::NONE;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3, scatter};
 
-/// Joints do no work: velocities that have so many times the energy that they would have without are wrong. Not to be
-/// narrower: RATTLE's energy sways by as much where bodies turn by a fifth of a radian in a substep, and a bound on one side
-/// would drain it (a box that spins at 50 rad/s lost 25 % in a minute; see [`TreeBatch::tolerated`]).
+/// Joints do no work: velocities with more than this factor times the energy without them are wrong. The
+/// bound must not be tighter: RATTLE's energy oscillates by as much where bodies turn by a fifth of a radian
+/// in a substep, and a one-sided bound would drain it (a box that spins at 50 rad/s lost 25 % in a minute;
+/// see [`TreeBatch::tolerated`]).
 const GAINED: f32 = 1.02;
-/// A joint that velocities leave open by more than this share of its arms was not followed: bodies turned by half a radian or
-/// more in the substep.
+/// A joint that velocities leave open by more than this share of its arms was not followed: its bodies turned
+/// by half a radian or more in the substep.
 const STRAINED: f32 = 0.02;
-/// The most rounds of Newton's method, and the furthest that a body turns in one [rad].
+/// Maximum number of Newton rounds, and the largest rotation of a body in one [rad].
 const ROUNDS: u32 = 24;
 const FURTHEST: f32 = 0.5;
-/// What share of [`Closing::tolerance`] is closed: the velocities need not know of it.
+/// Share of [`Closing::tolerance`] to which joints are closed: velocities need not correct what is left.
 const CLOSED: f32 = 0.02;
 
-/// What of a body the substep is done again with.
+/// State of a body from which its substep is solved again.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Start<L> {
     /// Displacement at the start of the substep.
     pub(crate) moved: Twist<L>,
-    /// Velocity without joints of the tree; of what keeps its energy, that at the start.
+    /// Velocity without the joints of the tree; in trees that conserve energy, that at the start of the
+    /// substep.
     pub(crate) free: Twist<L>,
-    /// What motors turn it by.
+    /// Angular velocity that motors give it.
     driven: Vec3<L>,
 }
 
@@ -51,8 +55,8 @@ impl<L: Lanes> Default for Start<L> {
 }
 
 impl<L: GatherLanes> TreeBatch<L> {
-    /// Of the lanes that are watched, those in which velocities opened joints wide or gained energy. Remembers where their bodies
-    /// were at the start of the substep.
+    /// Returns those of the watched lanes in which velocities open joints wide or gain energy. Stores where
+    /// their bodies were at the start of the substep.
     ///
     /// # Safety
     /// No other thread works on the bodies of the trees.
@@ -77,7 +81,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         } else {
             self.add_motors(|node| &mut node.start.driven);
             for node in &mut self.nodes {
-                node.start.driven = node.braced_inverse.mul(node.start.driven);
+                node.start.driven = node.stiffened_inverse.mul(node.start.driven);
             }
         }
         // SAFETY: by the contract.
@@ -92,7 +96,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         strained & watched
     }
 
-    /// Does the substep of some lanes again.
+    /// Solves the substep of some lanes again.
     ///
     /// # Safety
     /// No other thread works on the bodies of the trees.
@@ -100,29 +104,66 @@ impl<L: GatherLanes> TreeBatch<L> {
     #[inline(never)]
     pub(crate) unsafe fn damp(&mut self, motion: &Motion<'_, '_>, closing: &Closing, lanes: L::Mask) {
         self.damped |= lanes.bits();
-        let (h, inverse_h) = (L::splat(self.h), L::splat(1.0 / self.h));
-        let zero = Vec3::zero();
+        let inverse_h = L::splat(1.0 / self.h);
         for node in &mut self.nodes {
             node.moved.linear = Vec3::select(lanes, node.start.moved.linear, node.moved.linear);
             node.moved.angular = Vec3::select(lanes, node.start.moved.angular, node.moved.angular);
         }
         self.place(L::zero());
+        self.find_closed(closing, lanes);
+        let held = self.open_by(closing.tolerance) & lanes;
+        if held.any() {
+            self.hold(held);
+        }
+        for node in &mut self.nodes {
+            let turn = log(exp(node.moved.angular).compose(exp(node.start.moved.angular).conjugate()));
+            let linear = (node.moved.linear - node.start.moved.linear) * inverse_h;
+            node.velocity = Twist { linear, angular: turn * inverse_h };
+        }
+        let most = self.energy(|node| {
+            let Twist { linear, angular } = node.start.free;
+            Twist { linear, angular: angular + node.start.driven }
+        });
+        self.bound_energy(most, lanes);
+        self.sum_impulses();
+        self.add_motors(|node| &mut node.pushed.angular);
+        self.add_geometric_stiffness();
+        for node in &mut self.nodes {
+            let gained = node.stiffened_inverse.mul(node.pushed.angular);
+            node.gained = Vec3::select(lanes, gained, node.gained);
+            // The change of the velocities before rows acted: beside the impulses of other rows, the joints
+            // are to be warm-started with these impulses.
+            node.change = node.velocity;
+            node.change.subtract(node.start.free);
+            node.change.subtract(Twist { linear: node.pushed.linear * node.inverse_mass, angular: gained });
+        }
+        // SAFETY: by the contract.
+        unsafe {
+            self.shift(motion, lanes.bits());
+            self.put_back(motion, lanes, held);
+        }
+    }
+
+    /// Moves the bodies of some lanes to where all joints are closed, by Newton's method.
+    fn find_closed(&mut self, closing: &Closing, lanes: L::Mask) {
+        let (h, inverse_h) = (L::splat(self.h), L::splat(1.0 / self.h));
+        let zero = Vec3::zero();
         let mut left = lanes;
         for _ in 0..ROUNDS {
-            self.brace_by(lanes);
+            self.add_geometric_stiffness_where(lanes);
             for node in &mut self.nodes {
                 let spin = node.start.free.angular + node.start.driven;
                 let goal = exp(spin * h).compose(exp(node.start.moved.angular));
                 let turn = log(goal.compose(node.turn.conjugate()));
                 node.velocity = Twist {
                     linear: node.start.moved.linear + node.start.free.linear * h - node.moved.linear,
-                    angular: node.braced_inverse.mul(node.inertia.mul(turn)),
+                    angular: node.stiffened_inverse.mul(node.inertia.mul(turn)),
                 };
                 node.pushed = Twist::zero();
             }
             self.repeat_bodies();
             self.factor();
-            // What it hangs on is there already.
+            // The anchor has moved already.
             self.gather_up(|node, parent| {
                 let [arm, other] = node.arm_now;
                 let mut asked = node.velocity.seen_at(arm);
@@ -157,40 +198,10 @@ impl<L: GatherLanes> TreeBatch<L> {
                 break;
             }
         }
-        let held = self.open_by(closing.tolerance) & lanes;
-        if held.any() {
-            self.hold(held);
-        }
-        for node in &mut self.nodes {
-            let turn = log(exp(node.moved.angular).compose(exp(node.start.moved.angular).conjugate()));
-            let linear = (node.moved.linear - node.start.moved.linear) * inverse_h;
-            node.velocity = Twist { linear, angular: turn * inverse_h };
-        }
-        let most = self.energy(|node| {
-            let Twist { linear, angular } = node.start.free;
-            Twist { linear, angular: angular + node.start.driven }
-        });
-        self.bound_energy(most, lanes);
-        self.sum_impulses();
-        self.add_motors(|node| &mut node.pushed.angular);
-        self.brace();
-        for node in &mut self.nodes {
-            let gained = node.braced_inverse.mul(node.pushed.angular);
-            node.gained = Vec3::select(lanes, gained, node.gained);
-            // What changes in the velocities before rows, so that beside what other rows gave they warm-start what joints
-            // give now.
-            node.change = node.velocity;
-            node.change.subtract(node.start.free);
-            node.change.subtract(Twist { linear: node.pushed.linear * node.inverse_mass, angular: gained });
-        }
-        // SAFETY: by the contract.
-        unsafe {
-            self.shift(motion, lanes.bits());
-            self.put_back(motion, lanes, held);
-        }
     }
 
-    /// Writes velocities of some lanes, and what they were before rows; where trees are held nothing is warm-started.
+    /// Writes the velocities of some lanes, and those before rows acted; where trees move on as one piece,
+    /// nothing is warm-started.
     ///
     /// # Safety
     /// No other thread works on the bodies of the trees.
@@ -212,22 +223,24 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
-    /// Lets trees go on as one piece that does not turn: what is closed stays so.
+    /// Moves trees on as one rigid piece without rotation: what is closed stays closed.
     fn hold(&mut self, lanes: L::Mask) {
         let (h, zero) = (L::splat(self.h), Vec3::zero());
-        let (mut mass, mut way) = (L::zero(), zero);
+        let (mut mass, mut momentum) = (L::zero(), zero);
         for node in &self.nodes[..self.real] {
             let own = L::one() / node.inverse_mass;
             mass += own;
-            way += node.start.free.linear * own;
+            momentum += node.start.free.linear * own;
         }
         let root = &self.nodes[0];
-        let way = if root.jointed { root.anchored.at(root.arm_now[1]) } else { way * (L::one() / mass) } * h;
-        let is_way = way.length_squared().lt(L::splat(f32::MAX));
-        let way = Vec3::select(is_way, way, zero);
+        let velocity =
+            if root.jointed { root.anchored.at(root.arm_now[1]) } else { momentum * (L::one() / mass) };
+        let path = velocity * h;
+        let is_finite = path.length_squared().lt(L::splat(f32::MAX));
+        let path = Vec3::select(is_finite, path, zero);
         for node in &mut self.nodes {
             let moved = node.start.moved;
-            node.moved.linear = Vec3::select(lanes, moved.linear + way, node.moved.linear);
+            node.moved.linear = Vec3::select(lanes, moved.linear + path, node.moved.linear);
             node.moved.angular = Vec3::select(lanes, moved.angular, node.moved.angular);
             node.impulse = Vec3::select(lanes, zero, node.impulse);
             node.twist = Vec3::select(lanes, zero, node.twist);
@@ -244,14 +257,14 @@ impl<L: GatherLanes> TreeBatch<L> {
         })
     }
 
-    /// As a factor on the energy, what may seem to be gained in a substep in which directions turn.
+    /// Factor by which energy may seem to grow in a substep in which directions turn.
     fn tolerated(&self) -> L {
         let fastest = |most: L, node: &Node<L>| most.max(node.velocity.angular.length_squared());
         let fastest = self.of_bodies().iter().fold(L::zero(), fastest);
         L::splat(GAINED) + fastest * L::splat(self.h * self.h)
     }
 
-    /// Trees that hang on nothing that moves: their joints do no work.
+    /// Trees whose anchor does not move: their joints do no work.
     fn hangs_still(&self) -> L::Mask {
         let mut still = L::zero().eq(L::zero());
         for node in self.nodes.iter().filter(|node| node.jointed && node.parent == NONE) {
@@ -261,8 +274,9 @@ impl<L: GatherLanes> TreeBatch<L> {
         still
     }
 
-    /// Where nothing but what pulls gives energy, there is no more of it at the end of a substep than there was. RATTLE closes
-    /// joints whatever that takes: two links that fold between heavy bodies gained up to a sixth.
+    /// Where only external forces do work, the tree must not have more energy at the end of a substep than
+    /// before. RATTLE closes joints at any cost: two links that fold between heavy bodies gained up to a
+    /// sixth.
     #[inline(never)]
     pub(crate) fn keep_energy(&mut self) {
         let [now, before] = [self.energy(|node| node.velocity), self.energy(|node| node.start.free)];
@@ -278,22 +292,22 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
-    /// In some lanes velocities keep no more than so much kinetic energy; beyond that all are scaled down, but for the motion of
-    /// the whole.
+    /// Limits the kinetic energy of some lanes: above the limit all velocities are scaled down, except for
+    /// the motion of the centre of mass.
     pub(crate) fn bound_energy(&mut self, most: L, lanes: L::Mask) {
         let now = self.energy(|node| node.velocity);
         let over = now.gt(most) & lanes & self.hangs_still();
         if !over.any() {
             return;
         }
-        let (mut mass, mut way) = (L::zero(), Vec3::zero());
+        let (mut mass, mut momentum) = (L::zero(), Vec3::zero());
         for node in self.of_bodies() {
             let own = L::one() / node.inverse_mass;
             mass += own;
-            way += node.velocity.linear * own;
+            momentum += node.velocity.linear * own;
         }
         let hangs = self.nodes.iter().any(|node| node.jointed && node.parent == NONE);
-        let mean = if hangs { Vec3::zero() } else { way * (L::one() / mass) };
+        let mean = if hangs { Vec3::zero() } else { momentum * (L::one() / mass) };
         let whole = L::splat(0.5) * mass * mean.length_squared();
         let some = over & (now - whole).gt(L::zero());
         let share = (most - whole).max(L::zero()) / L::select(some, now - whole, L::one());
@@ -305,7 +319,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
-    /// Sums up what joints push each body by.
+    /// Sums the impulses of joints on each body.
     fn sum_impulses(&mut self) {
         self.nodes.iter_mut().for_each(|node| node.pushed = Twist::zero());
         for i in 0..self.nodes.len() {
@@ -320,7 +334,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
-    /// Lanes in which a joint is open by more.
+    /// Lanes in which a joint is open by more than the tolerance.
     pub(crate) fn open_by(&self, tolerance: f32) -> L::Mask {
         let most = self.tolerances(tolerance);
         let mut open = L::zero().gt(L::zero());

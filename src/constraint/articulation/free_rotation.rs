@@ -1,9 +1,10 @@
-//! How the bodies of trees turn within a substep: rotations as vectors, and free rotation, over lanes.
+//! Rotation of the bodies of trees within a substep: rotation vectors, and torque-free rotation, over lanes.
 
 use crate::lanes::{Lanes, Mask, Quat, Sym3, Vec3};
 use std::f32::consts::TAU;
 
-/// Sine of half an angle divided by the angle, and cosine of half of it, by the angle's square.
+/// The sine of half an angle divided by the angle, and the cosine of half of it, from the square of the
+/// angle.
 #[inline(always)]
 fn half_turn<L: Lanes>(square: L) -> (L, L) {
     if !square.gt(L::one()).any() {
@@ -15,7 +16,8 @@ fn half_turn<L: Lanes>(square: L) -> (L, L) {
     if square.gt(L::splat(40.0)).any() {
         return far_half_turn(square);
     }
-    // Of a quarter of the angle, which is at most a quarter of a turn, as series; then twice that.
+    // Series for a quarter of the angle, which is at most a quarter of a turn; then the double-angle
+    // formulas.
     let x = square * L::splat(1.0 / 16.0);
     let sine = series(x, [1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5040.0, 1.0 / 362_880.0, -1.0 / 39_916_800.0]);
     let less = [0.5, -1.0 / 24.0, 1.0 / 720.0, -1.0 / 40_320.0, 1.0 / 3_628_800.0, -1.0 / 479_001_600.0];
@@ -41,19 +43,20 @@ fn series<L: Lanes>(x: L, [c0, c1, c2, c3, c4, c5]: [f32; 6]) -> L {
     L::splat(c0) + x * (L::splat(c1) + x * rest)
 }
 
-/// The rotation by a rotation vector.
+/// The rotation with a rotation vector.
 #[inline(always)]
 pub(crate) fn exp<L: Lanes>(by: Vec3<L>) -> Quat<L> {
     let (s, c) = half_turn(by.length_squared());
     Quat { v: by * s, w: c }
 }
 
-/// The rotation vector of a rotation, of up to half a turn.
+/// The rotation vector of a rotation of up to half a turn.
 #[inline(always)]
 pub(crate) fn log<L: Lanes>(q: Quat<L>) -> Vec3<L> {
     let sign = q.w.sign();
     let (v, w) = (q.v * sign, q.w * sign);
-    // Tangent of a quarter of the angle, and of an eighth: that is below 0.42, and its arc a short series.
+    // The tangent of a quarter of the angle, and of an eighth: that is below 0.42, and its arctangent a short
+    // series.
     let one = L::one();
     let over = one / (one + w);
     let quarter = v.length_squared() * (over * over);
@@ -64,7 +67,7 @@ pub(crate) fn log<L: Lanes>(q: Quat<L>) -> Vec3<L> {
     v * (L::splat(8.0) * over * half * arc)
 }
 
-/// The same with whole turns, next to what it is known to be near.
+/// The same plus whole turns, as near as possible to an estimate.
 #[inline(always)]
 pub(crate) fn log_near<L: Lanes>(q: Quat<L>, near: Vec3<L>) -> Vec3<L> {
     let v = log(q);
@@ -76,14 +79,14 @@ fn with_turns<L: Lanes>(v: Vec3<L>, near: Vec3<L>) -> Vec3<L> {
     let length = v.length();
     let some = length.gt(L::zero());
     let over = L::one() / L::select(some, length, L::one());
-    // In `f32` nothing is left of a fraction after that is added.
+    // Adding this rounds to an integer in `f32`.
     let whole = L::splat(1.5 * (1 << 23) as f32);
     let off = (near.dot(v) * over - length) * L::splat(1.0 / TAU);
     let turns = L::select(some, (off + whole) - whole, L::zero());
     v + v * (turns * L::splat(TAU) * over)
 }
 
-/// What a rotation changes about a vector: of a small one without loss of digits.
+/// The change of a vector by a rotation, without cancellation when that is small.
 #[inline(always)]
 pub(crate) fn moved_by<L: Lanes>(q: Quat<L>, p: Vec3<L>) -> Vec3<L> {
     let once = q.v.cross(p);
@@ -91,13 +94,14 @@ pub(crate) fn moved_by<L: Lanes>(q: Quat<L>, p: Vec3<L>) -> Vec3<L> {
     once * q.w + q.v.cross(once)
 }
 
-/// Moments that differ by less than this are the same.
+/// Moments that differ by a smaller share are taken as equal.
 const LEVEL: f32 = 1e-5;
 
 /// Principal moments of inertia [kg m²].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Moments<L> {
-    /// Principal axes at the start of the step. The third is that of a top: the other two have the likest moments.
+    /// Principal axes at the start of the step. The third is the axis of a symmetric top: the other two have
+    /// the most similar moments.
     pub(crate) axes: Quat<L>,
     pub(crate) inertia: Vec3<L>,
     pub(crate) inverse: Vec3<L>,
@@ -112,7 +116,7 @@ impl<L: Lanes> Default for Moments<L> {
 }
 
 impl<L: Lanes> Moments<L> {
-    /// Enters a body's moments, in the axes of its pose.
+    /// Stores a body's moments, given in the axes of its pose.
     pub(crate) fn put(&mut self, lane: usize, axes: glam::Quat, inertia: glam::Vec3, inverse: glam::Vec3) {
         let apart =
             [(inverse.y - inverse.z).abs(), (inverse.z - inverse.x).abs(), (inverse.x - inverse.y).abs()];
@@ -123,7 +127,7 @@ impl<L: Lanes> Moments<L> {
         } else {
             1
         };
-        // Next to equal is equal: then there is less to solve.
+        // Nearly equal counts as equal, which leaves less to solve.
         let (mut inertia, mut inverse) = (inertia, inverse);
         let mut level = |i: usize, j: usize| {
             if (inverse[i] - inverse[j]).abs() <= LEVEL * inverse[i] {
@@ -132,7 +136,7 @@ impl<L: Lanes> Moments<L> {
         };
         level((third + 1) % 3, (third + 2) % 3);
         level((third + 1) % 3, third);
-        // Of what the axes are called.
+        // The rotation that renames the axes.
         let (half, order) = (0.5, [(third + 1) % 3, (third + 2) % 3, third]);
         let renamed = match third {
             0 => glam::Quat::from_xyzw(half, half, half, half),
@@ -173,12 +177,13 @@ impl<L: Lanes> Moments<L> {
         })
     }
 
-    /// Free rotation over a time: the rotation in the world, and the change of the angular velocity.
+    /// Torque-free rotation over a time: the rotation in the world, and the change of the angular velocity.
     ///
-    /// A symmetric top, which has a closed solution, and what is left of the difference of its two like moments, in turn
-    /// (Touma and Wisdom, 1994; as for single bodies in `body/free.rs`). Every part is a rotation, so the angular momentum
-    /// stays, at any length of step. All is summed up as changes: what spins about a principal axis does not change, and
-    /// rounding must not make it faster, substep by substep.
+    /// Alternates between a symmetric top, which has a closed solution, and the remaining difference of its
+    /// two similar moments (Touma and Wisdom, 1994; as for single bodies in `body/free.rs`). Every part is a
+    /// rotation, so angular momentum is conserved at any length of step. All is accumulated as changes: a
+    /// spin about a principal axis does not change, and rounding must not speed it up from substep to
+    /// substep.
     #[inline(always)]
     pub(crate) fn flow(&self, axes: Quat<L>, omega: Vec3<L>, h: L) -> (Quat<L>, Vec3<L>) {
         let (k, own) = (self.inverse, axes.conjugate().rotate(omega));
@@ -200,7 +205,7 @@ impl<L: Lanes> Moments<L> {
             spin::<L, 1>(&mut turn, m, &mut more, -rest);
             spin::<L, 0>(&mut turn, m, &mut more, rest);
         }
-        // What rounding left of its length, to first order.
+        // Correction of its length after rounding, to first order.
         let one = L::splat(1.5) - half * (turn.v.length_squared() + turn.w * turn.w);
         let turn = Quat { v: turn.v * one, w: turn.w * one };
         let world = Quat { v: axes.rotate(turn.v), w: turn.w };
@@ -209,8 +214,8 @@ impl<L: Lanes> Moments<L> {
     }
 }
 
-/// Turns a body about one of its own axes, by `rate` times its momentum about that axis [rad]; the momentum as seen from
-/// the body, `start` and `more`, turns back.
+/// Turns a body about one of its own axes, by `rate` times its momentum about that axis [rad]; in the body's
+/// frame, the momentum `start + more` turns the other way.
 #[inline(always)]
 fn spin<L: Lanes, const AXIS: usize>(turn: &mut Quat<L>, start: Vec3<L>, more: &mut Vec3<L>, rate: L) {
     let zero = L::zero();
@@ -223,7 +228,7 @@ fn spin<L: Lanes, const AXIS: usize>(turn: &mut Quat<L>, start: Vec3<L>, more: &
         };
     let (s, c) = half_turn(angle * angle);
     let s = s * angle;
-    // Sine, and cosine less one.
+    // The sine, and the cosine minus one.
     let (sin, less) = (s * c + s * c, -(s * s + s * s));
     let (v, changed) = match AXIS {
         0 => (Vec3::new(s, zero, zero), Vec3::new(zero, m.y * less + m.z * sin, m.z * less - m.y * sin)),
@@ -252,13 +257,13 @@ mod tests {
             let expected = Turn::from_axis_angle(axis, angle);
             let turned = q.rotate(Vec3::splat(vec3(1.0, -2.0, 0.5))).lane(0);
             assert!((turned - expected * vec3(1.0, -2.0, 0.5)).length() < 2e-5, "{angle}");
-            // Whole turns and all.
+            // Including whole turns.
             let back = log_near(q, Vec3::splat(axis * (angle + 0.3))).lane(0);
             assert!((back - axis * angle).length() < 1e-6 * angle.abs().max(2.0), "{angle}: {back}");
         }
     }
 
-    /// Against the same in `f64`, which is tested against the elliptic integral.
+    /// Compared with the same in `f64`, which is tested against the elliptic integral.
     #[test]
     fn what_turns_freely_does_so_as_single_bodies_do() {
         for inertia in [vec3(1.0, 2.0, 2.5), vec3(2.0, 1.0, 2.0), vec3(0.3, 0.3, 0.5), vec3(1.0, 1.0, 1.0)] {

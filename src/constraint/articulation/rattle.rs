@@ -1,34 +1,36 @@
-//! Trees that keep their energy: RATTLE with free rotation (Andersen, 1983).
+//! Trees that conserve energy: RATTLE with torque-free rotation (Andersen, 1983).
 //!
-//! A substep of such a tree: before any row, the impulses with which all joints are closed at the end of the substep, by
-//! Newton's method with the exact solution; after rows and contacts one more, if any of them did something; then bodies
-//! move, each turning freely with its angular momentum; and velocities are made to fit the joints where they are. Nothing is
-//! warm-started: what acted at arms that turn since adds energy.
+//! A substep of such a tree: before any row, the impulses with which all joints are closed at the end of the
+//! substep are found by Newton's method with the exact solution; after rows and contacts it is solved once
+//! more, if any of them acted; then the bodies move, each rotating freely with its angular momentum; and
+//! velocities are projected onto the joints where they are then. Nothing is warm-started: impulses at arms
+//! that have turned since would add energy.
 //!
-//! It is for trees that touch nothing and in which no light link bears a heavy load: that is a string with a note too high
-//! for the substep ([`choose`](TreeBatch::choose)). Other trees are solved as they are found at the start of the substep,
-//! warm-started and braced.
+//! This is for trees that touch nothing and in which no light link bears a heavy load: that is a string whose
+//! frequency is too high for the substep ([`choose`](TreeBatch::choose)). Other trees are linearised at the
+//! start of the substep, warm-started and stiffened.
 
 use super::close::Closing;
-use super::contacts::{Ask, Toured};
+use super::contacts::{Request, TreeBody};
 use super::free_rotation::{Moments, exp, log, log_near, moved_by};
-use super::slots::Seated;
+use super::node::{Node, Turns};
+use super::slots::TreeContacts;
 use super::spatial::Twist;
-use super::tree::{Node, TreeBatch, Turns};
+use super::tree::TreeBatch;
 use crate::constraint::contact::row::Motion;
 use crate::constraint::joint::ends::JointPass;
 use crate::joint::Lock;
 use crate::lanes::{GatherLanes, Lanes, Mask, Quat, Sym3, Vec3, gather};
 
-/// How a body goes on by itself.
+/// How a body moves without joints.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Drift<L> {
     pub(crate) moments: Moments<L>,
     /// Principal axes after the last substep.
     axes_now: Quat<L>,
-    /// What pulls the body [m/s²].
+    /// Acceleration by external forces [m/s²].
     pub(crate) pull: Vec3<L>,
-    /// What turning freely adds to the angular velocity in the substep.
+    /// Change of the angular velocity by free rotation in the substep.
     more: Vec3<L>,
     /// The velocity before the pass.
     pub(crate) before: Twist<L>,
@@ -43,7 +45,7 @@ impl<L: Lanes> Default for Drift<L> {
 }
 
 impl<L: Lanes> Drift<L> {
-    /// Inertia and its inverse after a rotation since the start of the step.
+    /// The inertia and its inverse, after a rotation since the start of the step.
     #[inline(always)]
     pub(crate) fn turned(&mut self, by: Quat<L>) -> [Sym3<L>; 2] {
         self.axes_now = by.compose(self.moments.axes);
@@ -51,34 +53,37 @@ impl<L: Lanes> Drift<L> {
     }
 }
 
-/// The most rounds of Newton's method in which a substep looks for the impulses of joints, and what is near enough [length units], [rad].
+/// Maximum number of Newton rounds in a substep, and the error at which they end [length units], [rad].
 const ROUNDS: u32 = 6;
 const MISS: f32 = 5e-8;
-/// What is missed by more than this is not found: it is looked for in parts of the substep.
+/// With a larger error no solution was found, and the substep is solved in parts.
 const LOST: f32 = 1e-5;
-/// What turns further than this in a substep is followed in parts [rad], and in how many at most: beyond, Newton's method does
-/// not converge.
+/// A tree that turns further than this in a substep is followed in parts [rad], and in this many at most:
+/// beyond, Newton's method does not converge.
 const TURN: f32 = 0.25;
 const MOST_PARTS: f32 = 16.0;
-/// The square of the frequency times the substep, of what a joint's pull turns back, up to which trees are followed: at four
-/// RATTLE is unstable, and a body may have two such joints. At 0.5 of 480 random trees one lost 5 % of its energy, on
-/// the other path; at two a chain that bears 100 times a link's mass came apart (60 Hz, 4 substeps).
+/// Trees are treated this way up to this square of frequency times substep, for a body that swings under the
+/// load on its joint: at four RATTLE is unstable, and a body may have two such joints. At 0.5, one of 480
+/// random trees lost 5 % of its energy, on the other path; at two, a chain that bears 100 times the mass of a
+/// link came apart (60 Hz, 4 substeps).
 const TAUT: f32 = 1.0;
-/// The most that may hang on a joint, for the mass of a body there. With 100 times two links whipped, lying folded, faster than any
-/// substep follows, at 60 Hz with 4 and with 8 substeps; with 50 none did in 30 s.
+/// Maximum load on a joint, as a multiple of the mass of a body there. With 100, two folded links whipped
+/// faster than any substep follows, at 60 Hz with 4 and with 8 substeps; with 50 none did in 30 s.
 const HEAVY: f32 = 50.0;
-/// Beyond so many times what is found for a substep is looked at: with ten and twenty times two links gained up to a sixth of
-/// their energy in one where they folded. Two of equal mass gain nothing that they do not lose again.
+/// Above this multiple the result of a substep is checked: with loads of ten and twenty times their mass, two
+/// links gained up to a sixth of their energy in the substep in which they folded. Two of equal mass gain
+/// nothing that they do not lose again.
 const LADEN: f32 = 5.0;
-/// What hangs on a joint may pull as so many times its weight: a pendulum does as three times, which falls from level.
+/// A load may pull with this multiple of its weight: a pendulum that falls from level does so with three
+/// times.
 const SWING: f32 = 3.0;
-/// What share of [`Closing::tolerance`] is no more than rounding.
+/// Share of [`Closing::tolerance`] that is no more than rounding.
 const MISSED: f32 = 0.004;
 
 impl<L: GatherLanes> TreeBatch<L> {
-    /// Settles which trees keep their energy in this step: those that touch nothing, and in which no body bears a load that is
-    /// too heavy for it, or that turns it back too fast for the substep. What pulls is what did in the last substep, or more:
-    /// what hangs there.
+    /// Decides which trees conserve energy in this step: those that touch nothing, and in which no body bears
+    /// a load that is too heavy for it or that swings it too fast for the substep. The load is the impulse of
+    /// the last substep, or the weight of what hangs there if that is more.
     pub(crate) fn choose(&mut self) {
         let h = L::splat(self.h);
         for node in &mut self.nodes {
@@ -97,9 +102,9 @@ impl<L: GatherLanes> TreeBatch<L> {
             let [own, above] = node.arm_now.map(|arm| arm.length_squared());
             let mut check = |arm: L, body: &Node<L>, gives: L| {
                 let Vec3 { x, y, z } = body.drift.moments.inertia;
-                // To turn about its joint a body has to move, or what it hangs on.
+                // To turn about its joint, the body or the one it hangs on has to move.
                 let bears = L::splat(0.5) * (x + y + z) + arm / (body.inverse_mass + gives);
-                // Substeps in parts are shorter.
+                // A substep in parts has a shorter time step.
                 let parts = body.velocity.angular.length() * h * L::splat(1.0 / TURN);
                 let parts = parts.max(L::one()).min(L::splat(MOST_PARTS));
                 let times = load * body.inverse_mass;
@@ -112,7 +117,7 @@ impl<L: GatherLanes> TreeBatch<L> {
                 body.inverse_mass + arm * x.max(y).max(z)
             };
             match &parent {
-                // What is welded turns as one, whatever pulls within.
+                // Welded bodies turn as one, whatever the load between them.
                 _ if node.turns == Turns::Not => {}
                 Some(parent) => {
                     check(own, node, mobility(above, parent));
@@ -132,8 +137,9 @@ impl<L: GatherLanes> TreeBatch<L> {
         (self.known, self.lost, self.calm, self.lag) = (0, 0, 0, L::zero());
     }
 
-    /// Velocities that take what pulls before bodies move with them are those of half a substep before. A tree that comes from one
-    /// way of solving to the other takes that along: a lever that passed near to something gained 0.15 % each time.
+    /// Velocities that are accelerated before bodies move lag half a substep behind. A tree that changes from
+    /// one method to the other must account for that: a lever that passed near an obstacle gained 0.15 % each
+    /// time.
     pub(crate) fn look_back(&mut self, locks: &[Lock]) {
         self.late = L::zero();
         let Some(root) = self.nodes.first() else { return };
@@ -148,7 +154,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
-    /// Calls `f` with the lock of each body and by how much velocities are those of before [s].
+    /// Calls `f` with the lock of each body and the time by which velocities lag [s].
     pub(crate) fn each_lag(&self, f: &mut impl FnMut(u32, f32)) {
         for node in self.of_bodies() {
             for lane in (0..L::N).filter(|lane| node.write >> lane & 1 != 0) {
@@ -175,8 +181,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         self.late = L::zero();
     }
 
-    /// What joints do in a substep to what pulls, and to the impulses that rows start with: those with which they are closed at
-    /// its end.
+    /// Finds the impulses of joints that close them at the end of the substep, given external forces and the
+    /// impulses that rows start with.
     ///
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
@@ -195,7 +201,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         };
         let (exact, zero) = (self.exact(), Vec3::zero());
         let alone = exact & free;
-        // What a motor holds would rise by g h²/2 in each substep if half of that came after it.
+        // A load that a motor holds would rise by g h²/2 in each substep if half of the acceleration came
+        // after it.
         let half = if self.extra.motors.is_empty() { 0.5 } else { 0.0 };
         self.lag = L::select(alone, L::splat(half * self.h), L::zero());
         self.calm = if self.extra.motors.is_empty() { alone.bits() & self.laden } else { 0 };
@@ -221,9 +228,10 @@ impl<L: GatherLanes> TreeBatch<L> {
         unsafe { self.save(motion, self.exact) };
     }
 
-    /// How fast bodies turn at the start of the substep, to begin with. Where nothing else acts, as half of what joints bore in
-    /// the last one makes them: the other half acts at its end, and what is looked for is next to found then. Otherwise as
-    /// they did before rows: what can't have what it wants would turn any way within the substep.
+    /// First guess of the angular velocities at the start of the substep. Where nothing else acts, those that
+    /// half of the joints' impulses of the last substep give: the other half acts at the end, so this is
+    /// close to the solution. Otherwise those before rows acted: rows whose requests can't be met would turn
+    /// bodies arbitrarily within the substep.
     ///
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
@@ -242,7 +250,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         for node in &mut self.nodes {
             // SAFETY: by the contract.
             let (linear, angular) = gather(|i| unsafe { motion.base.read(i) }, &node.body);
-            let half = node.braced_inverse.mul(node.carried.angular * L::splat(0.5));
+            let half = node.stiffened_inverse.mul(node.carried.angular * L::splat(0.5));
             let Twist { linear: own, angular: spin } = node.velocity;
             node.velocity.linear = Vec3::select(alone, own, linear);
             node.velocity.angular = Vec3::select(alone, spin + half, angular);
@@ -250,8 +258,9 @@ impl<L: GatherLanes> TreeBatch<L> {
         self.repeat_bodies();
     }
 
-    /// The impulses with which the joints of some lanes are closed at the end of the substep; where nothing else acts, to the last
-    /// digit. Says in which lanes what was predicted last is what is, and in which nothing was found.
+    /// Finds the impulses that close the joints of some lanes at the end of the substep; where nothing else
+    /// acts, to the last digit. Returns the lanes whose last prediction holds, and those in which no solution
+    /// was found.
     fn close_ahead(&mut self, pass: &JointPass, lanes: L::Mask, alone: L::Mask) -> (u32, L::Mask) {
         self.sweep(pass, lanes, &[], |_, _| {});
         let mut open = alone;
@@ -268,7 +277,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         (known.bits(), open & self.misses(LOST))
     }
 
-    /// Whether nothing but joints and what pulls acts on the trees: then they fall as what is free does, along parabolas.
+    /// Whether only joints and external forces act on the trees: then they fall as free bodies do, along
+    /// parabolas.
     ///
     /// # Safety
     /// The bodies of the trees are in no other batch of the stage.
@@ -285,7 +295,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         same
     }
 
-    /// Where the velocities take bodies in the substep, turning freely.
+    /// Predicts where the velocities take the bodies in the substep, with free rotation.
     fn predict_turns(&mut self, lanes: L::Mask) {
         let (h, over, lag) = (L::splat(self.h), L::splat(1.0 / self.h), self.lag);
         for i in 0..self.nodes.len() {
@@ -323,7 +333,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
-    /// Where a joint would be open by more than so much at the end of the substep [m] or [rad].
+    /// Lanes in which a joint would be open by more than this at the end of the substep [m] or [rad].
     fn misses(&self, by: f32) -> L::Mask {
         let (h, most) = (L::splat(self.h), self.tolerances(by));
         let mut misses = L::zero().gt(L::zero());
@@ -343,8 +353,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         misses
     }
 
-    /// Moves the bodies on by a substep, and closes what is open then. Of trees that are warm-started they were moved
-    /// already.
+    /// Moves the bodies on by a substep and closes joints that are open then. In trees that are warm-started
+    /// the bodies have moved already.
     ///
     /// # Safety
     /// No other thread works on the bodies of the trees.
@@ -352,8 +362,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         &mut self,
         motion: &Motion<'_, '_>,
         closing: &Closing,
-        contacts: &[Seated],
-        touch: impl FnMut(&Seated, Ask<'_>, &mut Toured<'_, L>),
+        contacts: &[TreeContacts],
+        touch: impl FnMut(&TreeContacts, Request<'_>, &mut TreeBody<'_, L>),
     ) {
         if self.watched == 0 {
             // SAFETY: by the contract.
@@ -370,7 +380,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
-    /// The same, whatever bodies bear.
+    /// The same without a check for whipping.
     ///
     /// # Safety
     /// No other thread works on the bodies of the trees.
@@ -378,8 +388,8 @@ impl<L: GatherLanes> TreeBatch<L> {
         &mut self,
         motion: &Motion<'_, '_>,
         closing: &Closing,
-        contacts: &[Seated],
-        touch: impl FnMut(&Seated, Ask<'_>, &mut Toured<'_, L>),
+        contacts: &[TreeContacts],
+        touch: impl FnMut(&TreeContacts, Request<'_>, &mut TreeBody<'_, L>),
     ) {
         if self.exact == 0 {
             // SAFETY: by the contract.
@@ -396,15 +406,15 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
         self.factor();
         if self.is_open(MISSED * closing.tolerance) {
-            // Velocities need not know of what is left.
+            // Velocities need not correct what is left.
             self.settle();
         }
         // SAFETY: by the contract.
         unsafe { self.shift(motion, self.exact) };
     }
 
-    /// Moves the bodies on by a substep: each turns freely, with its angular momentum. What all other bodies do in a substep,
-    /// which is to turn by their angular velocities at its start, loses the momentum of what spins fast.
+    /// Moves the bodies on by a substep, each with torque-free rotation. All other bodies turn by their
+    /// angular velocities at the start of the substep, which loses angular momentum at high spin.
     ///
     /// # Safety
     /// No other thread works on the bodies of the trees.
@@ -425,7 +435,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         self.place(L::zero());
     }
 
-    /// In how many parts the next substep is followed.
+    /// Number of parts in which the next substep is followed.
     fn parts(&self) -> f32 {
         let fastest = |most: L, node: &Node<L>| most.max(node.velocity.angular.length_squared());
         let fastest = self.nodes.iter().fold(L::zero(), fastest);
@@ -437,7 +447,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         (fastest * self.h * (1.0 / TURN)).ceil().clamp(1.0, MOST_PARTS)
     }
 
-    /// One free drift over `self.h`.
+    /// Free motion over `self.h`.
     fn drift(&mut self, lag: L) {
         let (h, exact, zero) = (L::splat(self.h), self.exact(), Vec3::zero());
         let known = self.known == self.exact;
@@ -455,13 +465,13 @@ impl<L: GatherLanes> TreeBatch<L> {
         }
     }
 
-    /// The same in parts, where something spins so fast that the impulses of joints would not be found: each part is solved as
-    /// a substep is, of what is joined alone.
+    /// The same in parts, where a body spins so fast that the impulses of joints would not be found. Each
+    /// part is solved like a substep, for the joints alone.
     #[cold]
     #[inline(never)]
     fn whirl(&mut self, parts: f32) {
         let (whole, lag, exact) = (self.h, self.lag, self.exact());
-        // Half of what pulls comes after.
+        // Half of the acceleration is applied afterwards.
         self.nodes.iter_mut().for_each(|node| node.velocity.linear -= node.drift.pull * lag);
         let still = JointPass::relaxing(1.0 / whole);
         let solving = JointPass { relax: false, ..still };
@@ -474,8 +484,8 @@ impl<L: GatherLanes> TreeBatch<L> {
             self.known = known;
             if lost.any() {
                 self.astray |= lost.bits();
-                // There may be none, where light links lie folded between bodies that part. Velocities that fit the joints
-                // where they are add no energy.
+                // There may be no solution where light links lie folded between bodies that separate.
+                // Velocities that fit the joints where they are add no energy.
                 self.sweep(&still, lost, &[], |_, _| {});
             }
             self.drift(L::zero());
@@ -489,7 +499,7 @@ impl<L: GatherLanes> TreeBatch<L> {
         self.nodes.iter_mut().for_each(|node| node.velocity.linear += node.drift.pull * lag);
     }
 
-    /// What is open after a drift is closed.
+    /// Closes joints that are open after free motion.
     fn settle(&mut self) {
         let exact = self.exact();
         self.nodes.iter_mut().for_each(|node| node.pushed = Twist::zero());

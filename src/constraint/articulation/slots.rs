@@ -1,4 +1,4 @@
-//! Which contacts go along with a tree of joints: those that its bodies have with what is static.
+//! Which contacts are solved along with a tree of joints: those of its bodies with static geometry.
 
 use crate::constraint::contact::batch::BatchRef;
 use crate::constraint::joint::ends::NONE;
@@ -17,31 +17,31 @@ impl TreeRef {
     pub(crate) fn index(self) -> usize {
         (self.0 & !TreeRef::SINGLE) as usize
     }
-    /// Whether it is one tree, and its contacts stand in batches of one lane.
+    /// Whether it is a single tree, whose contacts are in batches of one lane.
     pub(crate) fn is_single(self) -> bool {
         self.0 & TreeRef::SINGLE != 0
     }
 }
 
-/// Where in the trees a body is.
+/// The place of a body in the trees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Seat {
+pub(crate) struct TreeSlot {
     tree: TreeRef,
     node: u32,
     lane: u32,
 }
 
-impl Seat {
-    const NOWHERE: Seat = Seat { tree: TreeRef(NONE), node: NONE, lane: NONE };
+impl TreeSlot {
+    const NOWHERE: TreeSlot = TreeSlot { tree: TreeRef(NONE), node: NONE, lane: NONE };
 
-    pub(crate) fn new(tree: TreeRef, node: usize, lane: usize) -> Seat {
-        Seat { tree, node: node as u32, lane: lane as u32 }
+    pub(crate) fn new(tree: TreeRef, node: usize, lane: usize) -> TreeSlot {
+        TreeSlot { tree, node: node as u32, lane: lane as u32 }
     }
-    /// What the bodies of a tree have in common.
+    /// The same for all bodies of a tree.
     pub(crate) fn of_tree(self) -> (TreeRef, u32) {
         (self.tree, self.lane)
     }
-    /// What the contacts of a batch have in common.
+    /// The same for all contacts of a batch.
     pub(crate) fn place(self) -> (TreeRef, u32) {
         (self.tree, self.node)
     }
@@ -50,30 +50,30 @@ impl Seat {
     }
 }
 
-/// The seats of all dynamic bodies; none if nothing is solved along with trees.
+/// The slots of all dynamic bodies; empty if nothing is solved along with trees.
 #[derive(Debug, Default)]
-pub(crate) struct Seats {
-    all: Vec<Seat>,
+pub(crate) struct TreeSlots {
+    all: Vec<TreeSlot>,
 }
 
-impl Seats {
+impl TreeSlots {
     pub(crate) fn clear(&mut self) {
         self.all.clear();
     }
-    /// Nobody has a seat yet.
+    /// No body has a slot yet.
     pub(crate) fn reset(&mut self, dynamic: usize) {
         self.all.clear();
-        self.all.resize(dynamic, Seat::NOWHERE);
+        self.all.resize(dynamic, TreeSlot::NOWHERE);
     }
-    pub(crate) fn put(&mut self, body: usize, seat: Seat) {
-        self.all[body] = seat;
+    pub(crate) fn put(&mut self, body: usize, slot: TreeSlot) {
+        self.all[body] = slot;
     }
     pub(crate) fn is_empty(&self) -> bool {
         self.all.is_empty()
     }
     #[inline]
-    pub(crate) fn of(&self, body: usize) -> Option<Seat> {
-        self.all.get(body).copied().filter(|seat| *seat != Seat::NOWHERE)
+    pub(crate) fn of(&self, body: usize) -> Option<TreeSlot> {
+        self.all.get(body).copied().filter(|slot| *slot != TreeSlot::NOWHERE)
     }
     pub(crate) fn buffer(&mut self) -> &mut dyn Buffer {
         &mut self.all
@@ -83,9 +83,9 @@ impl Seats {
     }
 }
 
-/// A batch of contacts of one node of a batch of trees.
+/// The contacts of one node of a batch of trees.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Seated {
+pub(crate) struct TreeContacts {
     pub(crate) tree: TreeRef,
     pub(crate) node: u32,
     /// Whether they have no friction.

@@ -1,9 +1,9 @@
-//! Velocities and impulses of bodies as one: a linear and an angular part, and the inertias between them.
+//! Spatial vectors: velocities and impulses with a linear and an angular part, and the matrices between them.
 
 use crate::constraint::joint::ends::inverse;
 use crate::lanes::{Lanes, Sym3, Vec3};
 
-/// Columns.
+/// A matrix by its columns.
 pub(crate) type Mat3<L> = [Vec3<L>; 3];
 
 /// A linear and an angular part.
@@ -35,12 +35,12 @@ impl<L: Lanes> Twist<L> {
     pub(crate) fn dot(&self, o: &Twist<L>) -> L {
         self.linear.dot(o.linear) + self.angular.dot(o.angular)
     }
-    /// Of a force and a torque at an arm, those at the centre.
+    /// Moves a force and a torque from a point at an arm to the centre.
     #[inline(always)]
     pub(crate) fn moved(self, arm: Vec3<L>) -> Self {
         Twist { linear: self.linear, angular: self.angular + arm.cross(self.linear) }
     }
-    /// Of a velocity of a body, that of a point of it at an arm.
+    /// The velocity of a body as seen at a point at an arm.
     #[inline(always)]
     pub(crate) fn seen_at(&self, arm: Vec3<L>) -> Self {
         Twist { linear: self.at(arm), angular: self.angular }
@@ -75,7 +75,7 @@ fn columns<L: Lanes>(m: &Sym3<L>) -> Mat3<L> {
     [Vec3::new(m.xx, m.xy, m.xz), Vec3::new(m.xy, m.yy, m.yz), Vec3::new(m.xz, m.yz, m.zz)]
 }
 
-/// The symmetric part of what is symmetric but for rounding.
+/// Reads a matrix that is symmetric except for rounding.
 #[inline(always)]
 fn symmetric<L: Lanes>(m: &Mat3<L>) -> Sym3<L> {
     Sym3 { xx: m[0].x, yy: m[1].y, zz: m[2].z, xy: m[1].x, xz: m[2].x, yz: m[2].y }
@@ -111,12 +111,12 @@ pub(crate) fn plus<L: Lanes>(a: &Sym3<L>, b: &Sym3<L>) -> Sym3<L> {
 }
 
 impl<L: Lanes> Sym6<L> {
-    /// A mobility, the velocity per impulse, of a body: the same of a point of it at an arm.
+    /// From a body's mobility, its velocity per impulse, that of a point at an arm.
     #[inline(always)]
     pub(crate) fn mobility_at(&self, arm: Vec3<L>) -> Self {
         let (x, y, z) = axes::<L>();
         let over = [x, y, z].map(|e| arm.cross(e));
-        // Columns of what an impulse at the point, without a torque, and of what a torque does there.
+        // Columns: the effect there of an impulse at the point without a torque, and of a torque.
         let linear: Mat3<L> = std::array::from_fn(|k| {
             let own = columns(&self.linear)[k] + mul(&self.mixed, over[k]);
             own + (self.turned_by(k) + self.angular.mul(over[k])).cross(arm)
@@ -126,17 +126,17 @@ impl<L: Lanes> Sym6<L> {
         Sym6 { linear: symmetric(&linear), mixed, angular: self.angular }
     }
 
-    /// The angular part of what a unit of the linear part gives.
+    /// The angular response to a unit of the linear part.
     #[inline(always)]
     fn turned_by(&self, k: usize) -> Vec3<L> {
         self.transposed_mixed()[k]
     }
 
-    /// What is left of a body with this mobility when a point of it at an arm is joined to something with the impedance
-    /// `joined`, which is the impulse there per velocity that the joint doesn't allow, of both together.
+    /// The mobility of a body after a point at an arm has been joined to something else. `joined`: the
+    /// impulse there per velocity that the joint forbids, of both together.
     ///
-    /// By what the joint takes from the mobility: in inertias, what a light body with something heavy on it has left is a
-    /// difference of large numbers.
+    /// Computed as a subtraction from the mobility: in terms of inertia, what remains of a light body with a
+    /// heavy load is a difference of large numbers.
     #[inline(always)]
     pub(crate) fn joined_at(&self, arm: Vec3<L>, joined: &Sym6<L>) -> Self {
         Self::by_columns(|unit| {
@@ -146,7 +146,7 @@ impl<L: Lanes> Sym6<L> {
         })
     }
 
-    /// Out of what it makes of each unit vector.
+    /// Builds the matrix from its product with each unit vector.
     #[inline(always)]
     pub(crate) fn by_columns(mut column: impl FnMut(Twist<L>) -> Twist<L>) -> Self {
         let (x, y, z) = axes::<L>();
@@ -178,8 +178,8 @@ impl<L: Lanes> Sym6<L> {
         }
     }
 
-    /// The inverse, if `r` is that of the angular block alone, by the Schur complement of that block; of directions that `r`
-    /// leaves out, nothing.
+    /// The inverse by the Schur complement of the angular block, of which `r` is the inverse. Directions that
+    /// `r` leaves out give zero.
     #[inline(always)]
     pub(crate) fn inverse_with(&self, r: Sym3<L>) -> Self {
         // mixed · r, column by column.

@@ -1,6 +1,6 @@
 //! Rows of contacts, packed in lanes.
 
-use crate::constraint::schedule::arrange::Part;
+use crate::constraint::schedule::part::Part;
 use crate::lanes::{Lanes, Mask, Sym3, Vec3, f32x8};
 use bytemuck::{Pod, Zeroable};
 
@@ -8,39 +8,40 @@ use bytemuck::{Pod, Zeroable};
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(crate) struct PointRow<L, const B: usize> {
-    /// Arm x normal, of either body: the angular part of the row [m].
+    /// Arm x normal for each body: the angular part of the row [m].
     pub(crate) arm_a: Vec3<L>,
     pub(crate) arm_b: [Vec3<L>; B],
     /// At the start of the step [m]; infinite in a lane without a point.
     pub(crate) separation: L,
-    /// The same after the displacements of the last substep, as relaxing found it.
+    /// The same after the displacements of the last substep, as of the last relaxation.
     pub(crate) now: L,
     /// Effective mass [kg]; zero in a lane without a point.
     pub(crate) mass: L,
     /// [N s]
     pub(crate) impulse: L,
-    /// 1 / mass of the row [1/kg].
+    /// 1 / effective mass [1/kg].
     pub(crate) stiffness: L,
-    /// The part of the impulse that does not yield [N s].
+    /// The lasting part of the impulse, which does not yield [N s].
     pub(crate) lasting: L,
 }
 
-/// What rows know of the bodies `b` of a batch.
+/// The bodies `b` of a batch.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(crate) struct OfB<L> {
     pub(crate) inverse_mass: L,
     pub(crate) inverse_inertia: Sym3<L>,
-    /// Dense indices; an inert lane repeats one that isn't.
+    /// Dense indices; an inert lane repeats that of an active one.
     pub(crate) index: [u32; 8],
 }
 
 /// Up to `L::N` manifolds of at most `P` points that share no dynamic body.
 ///
-/// Normal rows of a manifold have one direction, so they are solved in row space: `coupling` says by how much an
-/// impulse at one point changes the normal velocity of another, and the bodies' velocities are touched once.
+/// The normal rows of a manifold share one direction, so they are solved in row space: `coupling` says by how
+/// much an impulse at one point changes the normal velocity at another, and the bodies' velocities are read
+/// and written once.
 ///
-/// `B` is 1, or 0 where all bodies `b` are static: nothing moves them, so nothing is kept of them.
+/// `B` is 1, or 0 where all bodies `b` are static: nothing moves them, so nothing is stored for them.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(crate) struct Batch<L, const P: usize, const B: usize> {
@@ -48,56 +49,58 @@ pub(crate) struct Batch<L, const P: usize, const B: usize> {
     pub(crate) inverse_mass_a: L,
     pub(crate) inverse_inertia_a: Sym3<L>,
     pub(crate) points: [PointRow<L, B>; P],
-    /// Of points (0,1), (0,2), (1,2), (0,3), (1,3), (2,3) [1/kg]: the first as many as there are points, which is enough
-    /// for three, and what is left of four.
+    /// For the pairs of points (0,1), (0,2), (1,2), (0,3), (1,3), (2,3) [1/kg]: as many as there are points,
+    /// which is enough for three, and the rest for four.
     coupling: [L; P],
     more_coupling: [L; 2],
-    /// Of potential points: the largest impulse in any substep [N s]. One that hits something at rest in space pushes
-    /// in the substep of the impact, and has nothing to bear in those that follow.
+    /// The largest impulse of potential points in any substep [N s]. A point that hits a body at rest pushes
+    /// in the substep of the impact, and bears nothing in those that follow.
     pub(crate) peak: L,
-    /// Separation at which springs bear nothing but the lasting impulses, and how far beyond it they act at most [m].
+    /// Separation at which springs bear only the lasting impulses, and how far above it they act at most [m].
     pub(crate) rest: L,
     pub(crate) reach: L,
     pub(crate) b: [OfB<L>; B],
-    /// Dense indices of the bodies `a`; an inert lane repeats one that isn't.
+    /// Dense indices of the bodies `a`; an inert lane repeats that of an active one.
     pub(crate) a: [u32; 8],
-    /// Where the impulses go back to.
+    /// The contacts to which the impulses are written back.
     pub(crate) contact: [Part; 8],
-    /// Place in [`Rows::surfaces`](crate::constraint::Rows::surfaces), or beyond them.
+    /// Index in [`Rows::surfaces`](crate::constraint::Rows::surfaces), or beyond its end.
     pub(crate) surface: u32,
     /// Bit per lane: body `a` (and `b`) may be written.
     pub(crate) write_a: u8,
     pub(crate) write_b: u8,
     /// Bit per lane: the contact's `a` is this batch's `b`.
     pub(crate) swapped: u8,
-    /// Bit per lane: someone listens to the contact.
+    /// Bit per lane: a collider of the contact has events enabled.
     pub(crate) heard: u8,
     /// Axes along which the bodies `a` and `b` are locked: see [`unlocked`].
     pub(crate) locks: [u32; 2],
-    /// To the end of a multiple of eight lanes: no byte is without a value.
+    /// Padding to a multiple of eight lanes: every byte is initialised.
     _pad: [u32; 4],
 }
 
 // SAFETY: zero is a value of every field.
 unsafe impl<L: Zeroable, const P: usize, const B: usize> Zeroable for Batch<L, P, B> {}
-// SAFETY: all fields are numbers, of which any bits are one, in the order of C and without gaps: see `NO_GAPS`.
+// SAFETY: all fields are numbers, of which any bits are one, in the order of C and without gaps: see
+// `NO_GAPS`.
 unsafe impl<L: Lanes + Pod, const P: usize, const B: usize> Pod for Batch<L, P, B> {}
 
 impl<L: Lanes, const P: usize, const B: usize> Batch<L, P, B> {
-    /// Numbers of all lanes: three of the normal, seven of mass and inertia, nine of a point and one of a coupling, two more
-    /// couplings, peak, rest and reach; seven of the bodies `b` and three of their arms.
+    /// Numbers per lane: three for the normal, seven for mass and inertia, nine for a point and one for a
+    /// coupling, two more couplings, peak, rest and reach; seven for bodies `b` and three for their arms.
     const LANES: usize = 3 + 7 + (9 + 1 + 3 * B) * P + 2 + 3 + 7 * B;
     const NO_GAPS: () =
         assert!(size_of::<Self>() == Self::LANES * size_of::<L>() + (8 + 8 * B + 8 + 1 + 1 + 6) * 4);
 
-    /// What of an impulse on both bodies moves each of them.
+    /// The part of an impulse on both bodies that moves each of them.
     #[inline(always)]
     pub(crate) fn moving(&self, p: Vec3<L>) -> [Vec3<L>; 2] {
-        // A branch and not masks for all: few scenes have a locked body.
+        // A branch instead of masks for all: few scenes have a locked body.
         if self.locks == [0; 2] { [p; 2] } else { self.locks.map(|locks| unlocked(locks, p)) }
     }
 
-    /// By how much an impulse at point `i` changes the normal velocity of point `k`, and the other way round [1/kg]; `i < k`.
+    /// By how much an impulse at point `i` changes the normal velocity at point `k`, and vice versa [1/kg];
+    /// `i < k`.
     #[inline(always)]
     pub(crate) fn coupling(&self, i: usize, k: usize) -> L {
         let at = couple(i, k);
@@ -115,8 +118,8 @@ impl<L: Lanes, const P: usize, const B: usize> Batch<L, P, B> {
     }
 }
 
-/// What of an impulse moves bodies: nothing moves them along locked axes. Of `locks` a byte is x, the next y, then z, with
-/// a bit per lane.
+/// The part of an impulse that moves bodies, which nothing does along locked axes. The bytes of `locks` are
+/// x, y and z, with a bit per lane.
 #[inline(always)]
 pub(crate) fn unlocked<L: Lanes>(locks: u32, p: Vec3<L>) -> Vec3<L> {
     let free = |x, bits: u32| L::select(L::Mask::from_bits(bits & 0xff), L::zero(), x);
@@ -133,19 +136,20 @@ const fn couple(i: usize, k: usize) -> usize {
     k * (k - 1) / 2 + i
 }
 
-/// A batch by its number of points and its place among those.
+/// A batch by its number of points and its index among those.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BatchRef {
-    /// 1 to 4; 0 of one lane.
+    /// 1 to 4; 0 for a batch of one lane.
     pub(crate) points: u8,
-    /// Its contacts are those of a node of a batch of trees, each in the lane of its tree.
-    pub(crate) seated: bool,
+    /// Its contacts are those of one node of a batch of trees, each in the lane of its tree.
+    pub(crate) in_tree: bool,
     pub(crate) index: u32,
-    /// Its place in the buffers of friction, if there is any: among those that touch or that may touch, of its width.
+    /// Its index in the buffers of friction, if there is any: among touching or potential contacts of its
+    /// width.
     pub(crate) friction: u32,
 }
 
-/// Of all that there are.
+/// Checked for all types of batches.
 const _: () = {
     let () = Batch::<f32x8, 1, 0>::NO_GAPS;
     let () = Batch::<f32x8, 2, 0>::NO_GAPS;

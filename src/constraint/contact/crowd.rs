@@ -1,27 +1,29 @@
-//! Bodies that overlap several others: overlap alone makes them no faster than a bound.
+//! Bodies that overlap several others: limits the speed that overlap gives them.
 //!
-//! Each contact pushes its overlap apart at `Settings::push_speed` at most, and relaxing takes that out of the velocities again.
-//! But along a chain of contacts these speeds add up, and of many a pass leaves much: 500 boxes at one point left it at
-//! 114 m/s. A share of the push for each contact does not help: once the bodies have come apart into a line, each has few. So
-//! it is the velocity that is bounded, of such bodies alone: what overlap gives them ends at [`MOST`] times the push speed, what
-//! they had, or what the fastest has of them and of what they touch: by a push of that they may become as fast. A body that
-//! overlaps one other adds that speed once more, so five times is what there is at all. Where a budget leaves contacts out, that is
-//! another one in each step, which adds up: there these bodies are bounded too. Bodies with joints are left to these.
+//! Each contact pushes overlap apart at `Settings::push_speed` at most, and relaxing removes that from the
+//! velocities again. But along a chain of contacts these speeds add up, and where there are many, a pass
+//! leaves much of them: 500 boxes at one point left it at 114 m/s. Scaling the push of each contact does not
+//! help: once the bodies have come apart into a line, each has few contacts. So the velocity itself is
+//! limited, for such bodies only: to [`MAX_FACTOR`] times the push speed, to their own speed before, or to
+//! that of the fastest of them and of what they touch, whichever is greatest: an impact may make them as fast
+//! as that. A body that overlaps one other adds the push speed once more, so five times is the maximum. Where
+//! a budget leaves contacts out, these are others in each step, and the speeds add up: there, bodies that
+//! overlap one other are limited too. Bodies with joints are left to their joints.
 
 use crate::lanes::Record;
 use crate::memory::{Buffer, bytes_of};
 
-/// How often the push speed. Two bodies part at once that speed; this lets a pile that was made within itself part within a
-/// second.
-const MOST: f32 = 4.0;
-/// Overlaps of a body from which on its velocity is bounded, where each is known.
+/// Factor on the push speed. Two bodies separate at once that speed; with this factor, a pile that was
+/// created within itself comes apart within a second.
+const MAX_FACTOR: f32 = 4.0;
+/// Number of overlaps of a body from which on its velocity is limited, if all are known.
 const SEVERAL: u32 = 2;
 
 #[derive(Debug, Default)]
 pub(crate) struct Crowd {
-    /// Overlaps of each body that can be pushed; empty while none is deep.
+    /// Number of overlaps of each dynamic body; empty while none is deep.
     overlaps: Vec<u32>,
-    /// Speed of the fastest of these bodies and of what they touch [m/s].
+    /// Speed of the fastest of these bodies and of those they touch [m/s].
     fastest: f32,
     /// Overlaps may have been left out.
     incomplete: bool,
@@ -34,7 +36,7 @@ impl Crowd {
         self.incomplete = false;
     }
 
-    /// Notes that overlaps may have been left out.
+    /// Records that overlaps may have been left out.
     pub(crate) fn shed(&mut self) {
         self.incomplete = true;
     }
@@ -43,7 +45,7 @@ impl Crowd {
         self.overlaps.is_empty()
     }
 
-    /// Notes that two of so many bodies that can be pushed overlap.
+    /// Records that two bodies overlap; `bodies`: number of dynamic bodies.
     pub(crate) fn overlap(&mut self, (a, b): (usize, usize), bodies: usize) {
         if a < bodies && b < bodies {
             if self.overlaps.is_empty() {
@@ -54,7 +56,8 @@ impl Crowd {
         }
     }
 
-    /// Notes that two bodies touch, or may, of which `movers` have velocities. After all overlaps.
+    /// Records that two bodies touch or may touch; the first `movers` have velocities. Called after all
+    /// overlaps.
     pub(crate) fn touch(&mut self, (a, b): (usize, usize), velocity: &[Record], movers: usize) {
         let crowded = |body: usize| self.overlaps.get(body).is_some_and(|&n| n > 0);
         if crowded(a) || crowded(b) {
@@ -63,7 +66,7 @@ impl Crowd {
         }
     }
 
-    /// Leaves out bodies of which `skip` says so.
+    /// Excludes the bodies for which `skip` returns true.
     pub(crate) fn leave_out(&mut self, skip: impl Fn(usize) -> bool) {
         for (body, overlaps) in self.overlaps.iter_mut().enumerate() {
             if *overlaps > 0 && skip(body) {
@@ -72,9 +75,9 @@ impl Crowd {
         }
     }
 
-    /// Bounds what a substep made of velocities; `base`: those before any row acted.
+    /// Limits velocities after a substep; `base`: those before any row acted.
     pub(crate) fn calm(&self, velocity: &mut [Record], base: &[Record], push_speed: f32) {
-        let bound = (MOST * push_speed).max(self.fastest);
+        let bound = (MAX_FACTOR * push_speed).max(self.fastest);
         let several = if self.incomplete { 1 } else { SEVERAL };
         for (i, _) in self.overlaps.iter().enumerate().filter(|(_, n)| **n >= several) {
             let (now, most) = (velocity[i].linear.length(), bound.max(base[i].linear.length()));

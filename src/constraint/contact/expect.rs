@@ -1,12 +1,13 @@
-//! What the rows of contacts will take, before there are any: contacts leave it to them.
+//! Memory that the rows of contacts will need, before there are any: contacts must leave room for it.
 
 use super::batch::BatchRef;
 use super::rows::Rows;
 use crate::constraint::schedule::arrange::PrepareScratch;
 use crate::narrow_phase::{RowCost, RowSpace};
 
-/// Bytes that rows take, in batches that are full, and the memory of those of the last step, to be given back before the next are
-/// made. `lists`: bytes that other lists take for each contact, and have. `per_point`: each point has rows of its own.
+/// Bytes per lane of full batches, and the memory of the last step's batches, which is returned before the
+/// next are made. `lists`: bytes that other lists need for each contact, and have reserved. `per_point`: each
+/// point has rows of its own.
 pub(crate) fn lend(
     rows: &mut Rows,
     scratch: &PrepareScratch,

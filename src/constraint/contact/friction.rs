@@ -1,5 +1,5 @@
-//! Friction of batches, in buffers of their own: a scene in which nothing rubs has none of it, and no pass over its rows
-//! comes past any.
+//! Friction of batches. Kept in buffers of its own, so that scenes without friction pay nothing, and passes
+//! over normal rows do not read it.
 
 use super::batch::BatchRef;
 use crate::constraint::schedule::order::Group;
@@ -16,12 +16,12 @@ pub(crate) struct FrictionRow<L, const B: usize> {
     pub(crate) arm_b: [Vec3<L>; B],
     /// Inverse of the 2x2 matrix of the tangential rows [kg]: (11, 12, 22).
     pub(crate) mass: [L; 3],
-    /// The smaller eigenvalue of that inverse [kg]: a step against the slip that never overshoots.
+    /// The smaller eigenvalue of that inverse [kg]: a step against the slip with it never overshoots.
     pub(crate) slide_mass: L,
     pub(crate) twist_mass: L,
     /// By how much unit impulses along the tangents change the twist [1/(kg m)].
     pub(crate) twist_by: [L; 2],
-    /// Mean distance of the points from the centre: the lever of twist [m].
+    /// Mean distance of the points from the centre, the lever arm of twist [m].
     pub(crate) radius: L,
     pub(crate) coefficient: L,
     /// [N s]
@@ -30,11 +30,11 @@ pub(crate) struct FrictionRow<L, const B: usize> {
     pub(crate) twist: L,
 }
 
-/// What the friction of an impact takes: all that is kept of a manifold that may touch, which rubs on nothing before it does.
+/// What a potential manifold needs for friction once it touches.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(crate) struct ImpactRow<L, const B: usize> {
-    /// Of the arm of body `a` the part along the normal, which all points share [m].
+    /// The component of the arm of body `a` along the normal, which all points share [m].
     pub(crate) along: L,
     /// From the arm of body `a` to that of body `b` [m].
     pub(crate) to_b: [Vec3<L>; B],
@@ -51,7 +51,7 @@ unsafe impl<L: Zeroable, const B: usize> Zeroable for ImpactRow<L, B> {}
 unsafe impl<L: Lanes + Pod, const B: usize> Pod for ImpactRow<L, B> {}
 
 impl<L: Lanes, const B: usize> FrictionRow<L, B> {
-    /// What of it the friction of an impact takes.
+    /// The part of it that friction of impacts needs.
     #[inline(always)]
     pub(crate) fn of_impact(&self, normal: Vec3<L>) -> ImpactRow<L, B> {
         ImpactRow {
@@ -63,16 +63,16 @@ impl<L: Lanes, const B: usize> FrictionRow<L, B> {
 }
 
 /// The friction of a batch, to be filled.
-pub(crate) enum Rub<'a, L, const B: usize> {
-    Nothing,
+pub(crate) enum FrictionToFill<'a, L, const B: usize> {
+    None,
     Touching(&'a mut FrictionRow<L, B>),
     Impact(&'a mut ImpactRow<L, B>),
 }
 
-/// Friction of batches of one sort, for several threads; nothing where no shape has any.
+/// Friction of batches of one type, for several threads; empty where no shape has friction.
 pub(crate) struct FrictionView<'a, L, const B: usize> {
     needed: bool,
-    /// Of batches of contacts that touch, and of those that may.
+    /// For batches of touching contacts, and of potential ones.
     rows: Shared<'a, FrictionRow<L, B>>,
     impacts: Shared<'a, ImpactRow<L, B>>,
 }
@@ -86,7 +86,7 @@ impl<'a, L: Lanes, const B: usize> FrictionView<'a, L, B> {
         FrictionView { needed, rows: Shared::new(rows), impacts: Shared::new(impacts) }
     }
 
-    /// The rows of a batch of contacts that touch; nothing if there is no friction.
+    /// The rows of a batch of touching contacts; none if there is no friction.
     ///
     /// # Safety
     /// No other thread works on the batch.
@@ -97,7 +97,7 @@ impl<'a, L: Lanes, const B: usize> FrictionView<'a, L, B> {
         if self.needed { Some(unsafe { self.rows.get(batch.friction as usize) }) } else { None }
     }
 
-    /// What is kept of a batch of potential contacts, if any shape rubs.
+    /// What is stored for a batch of potential contacts, if any shape has friction.
     ///
     /// # Safety
     /// No other thread works on the batch.
@@ -107,7 +107,7 @@ impl<'a, L: Lanes, const B: usize> FrictionView<'a, L, B> {
         if self.needed { Some(unsafe { *self.impacts.get(batch.friction as usize) }) } else { None }
     }
 
-    /// What the friction of impacts takes of a batch whose contacts bear load before they touch.
+    /// What friction of impacts needs from a batch whose contacts bear load before they touch.
     ///
     /// # Safety
     /// No other thread works on the batch.
@@ -123,14 +123,14 @@ impl<'a, L: Lanes, const B: usize> FrictionView<'a, L, B> {
     /// # Safety
     /// As for [`FrictionView::touching`].
     #[inline(always)]
-    pub(crate) unsafe fn to_fill(&self, batch: BatchRef, group: Group) -> Rub<'_, L, B> {
+    pub(crate) unsafe fn to_fill(&self, batch: BatchRef, group: Group) -> FrictionToFill<'_, L, B> {
         let i = batch.friction as usize;
         // SAFETY: by the contract; each batch has rows of its own.
         unsafe {
             match (self.needed, group.is_potential()) {
-                (false, _) => Rub::Nothing,
-                (true, false) => Rub::Touching(self.rows.get(i)),
-                (true, true) => Rub::Impact(self.impacts.get(i)),
+                (false, _) => FrictionToFill::None,
+                (true, false) => FrictionToFill::Touching(self.rows.get(i)),
+                (true, true) => FrictionToFill::Impact(self.impacts.get(i)),
             }
         }
     }

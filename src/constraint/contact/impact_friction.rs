@@ -1,24 +1,27 @@
-//! The friction of an impact: of what potential points push before it touches.
+//! Friction of impacts, for potential points that pushed before they touched.
 
 use super::batch::{Batch, BatchRef};
 use super::friction::FrictionView;
-use super::row::{Motion, Pair, Pass};
+use super::row::{BodyPair, Motion, Pass};
 use crate::constraint::schedule::order::Group;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
 
-/// Friction of impacts, after a substep in which potential points pushed: against the slip that is left there, and bounded
-/// by what they bore. They have no friction while rows are solved, so that nothing rubs on what it might have missed; but
-/// what they did push was touched, and its friction is due. A ball that lands at an angle would skid on as on ice.
+/// Applies friction after a substep in which potential points pushed: against the slip that remains, and
+/// bounded by their load. They have no friction while rows are solved, so that a near miss causes none; but
+/// where they pushed, the surfaces did touch, and friction is due. Without it a ball that lands at an angle
+/// would skid as on ice.
 ///
-/// The velocities before any row acted take the same change: what they lack is what warm starting repeats. Says whether
-/// the change is one that shifts loads.
+/// The velocities before any row acted are changed in the same direction, as warm starting does not repeat this
+/// impulse. Returns whether the change shifts loads.
 ///
 /// # Safety
 /// The bodies of the batch that it may write are in no other batch of the stage.
 #[inline(never)]
-pub(crate) unsafe fn rub<L: GatherLanes, const P: usize, const B: usize>(
+pub(crate) unsafe fn solve_impact_friction<L: GatherLanes, const P: usize, const B: usize>(
     batch: &Batch<L, P, B>,
-    (friction, of, group): (&FrictionView<'_, L, B>, BatchRef, Group),
+    friction: &FrictionView<'_, L, B>,
+    of: BatchRef,
+    group: Group,
     motion: &Motion<'_, '_>,
     pass: &Pass<'_>,
 ) -> bool {
@@ -28,11 +31,11 @@ pub(crate) unsafe fn rub<L: GatherLanes, const P: usize, const B: usize>(
         return false;
     }
     // SAFETY: by the contract.
-    let mut v = unsafe { Pair::load(batch, motion.velocity) };
+    let mut v = unsafe { BodyPair::load(batch, motion.velocity) };
     let n = batch.normal;
     // SAFETY: by the contract.
     let f = unsafe { friction.of_impact(of, group, n) };
-    // Where the load was: n x (r x n) is r without its part along n, which all points share.
+    // The centre of load: n x (r x n) is r without its component along n, which all points share.
     let aside = n.cross(arm) * L::select(pushed, L::one() / load, L::zero());
     let arm_a = aside + n * f.along;
     let arm_b = if B > 0 { arm_a + f.to_b[0] } else { arm_a };
@@ -43,20 +46,20 @@ pub(crate) unsafe fn rub<L: GatherLanes, const P: usize, const B: usize>(
     let u = u - n * n.dot(u);
     let speed = u.length();
     let slides = speed.gt(L::zero());
-    let way = u * L::select(slides, L::one() / speed, L::zero());
-    let (ta, tb) = (arm_a.cross(way), arm_b.cross(way));
-    let [on_a, on_b] = batch.moving(way);
+    let direction = u * L::select(slides, L::one() / speed, L::zero());
+    let (ta, tb) = (arm_a.cross(direction), arm_b.cross(direction));
+    let [on_a, on_b] = batch.moving(direction);
     let mut k = on_a.length_squared() * batch.inverse_mass_a + ta.dot(batch.inverse_inertia_a.mul(ta));
     if B > 0 {
         k += on_b.length_squared() * batch.b[0].inverse_mass + tb.dot(batch.b[0].inverse_inertia.mul(tb));
     }
-    // No more than stops the slip: so it takes energy and never adds any.
+    // No more than stops the slip: it removes energy and never adds any.
     let most = L::select(slides & k.gt(L::zero()), speed / k, L::zero());
     let p = -(load * f.coefficient).min(most);
-    v.apply(batch, way * p, ta * p, tb * p);
+    v.apply(batch, direction * p, ta * p, tb * p);
     // SAFETY: by the contract.
-    let mut b = unsafe { Pair::load(batch, motion.base) };
-    b.apply(batch, way * p, ta * p, tb * p);
+    let mut b = unsafe { BodyPair::load(batch, motion.base) };
+    b.apply(batch, direction * p, ta * p, tb * p);
     // SAFETY: by the contract.
     unsafe {
         v.save(batch, motion.velocity);
@@ -65,7 +68,8 @@ pub(crate) unsafe fn rub<L: GatherLanes, const P: usize, const B: usize>(
     (p.abs() * k).gt(L::splat(pass.shift)).any()
 }
 
-/// What potential points bear, and the sum of their arms x loads. `real`: a separation up to this is one that touches [m].
+/// The load of potential points, and the sum of their arms x loads. `real`: a point with a separation up to
+/// this touches [m].
 #[inline(always)]
 pub(crate) fn potential_load<L: Lanes, const P: usize, const B: usize>(
     batch: &Batch<L, P, B>,

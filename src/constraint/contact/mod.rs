@@ -1,13 +1,17 @@
 //! Rows of contacts: friction, then normal, packed in batches of eight manifolds.
 
 pub(crate) mod batch;
+pub(crate) mod body_pair;
+mod columns;
 pub(crate) mod crowd;
 pub(crate) mod expect;
 pub(crate) mod friction;
+pub(crate) mod friction_rows;
 pub(crate) mod impact_friction;
 pub(crate) mod prepare;
 #[cfg(feature = "lab")]
 pub(crate) mod readout;
 pub(crate) mod row;
 pub(crate) mod rows;
+pub(crate) mod softness;
 pub(crate) mod step_lengths;

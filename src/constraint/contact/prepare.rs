@@ -1,22 +1,24 @@
-//! Contacts -> batches: arranged by importance, colour and size, the contacts fill the lanes.
+//! Contacts in, batches out: the contacts are arranged by importance, colour and size, and fill the lanes.
 
-use super::batch::{Batch, lock_bits, unlocked};
-use super::friction::Rub;
+use super::batch::{Batch, unlocked};
+use super::columns::{Columns, sym3, vec3};
+use super::friction::{FrictionRow, FrictionToFill};
 use super::rows::{Rows, Surface, Views, with_batch};
 use super::step_lengths::StepLengths;
 use crate::body::{Bodies, Pose};
 use crate::broad_phase::Pair;
-use crate::constraint::articulation::slots::{Seat, Seats};
-use crate::constraint::schedule::arrange::{Part, PrepareScratch, Prepared, arrange};
+use crate::constraint::articulation::slots::TreeSlots;
+use crate::constraint::schedule::arrange::{PrepareScratch, Prepared, arrange};
 use crate::constraint::schedule::order::Order;
+use crate::constraint::schedule::part::Part;
 use crate::events::{Tweak, tweak_of};
-use crate::lanes::{GatherLanes, Lanes, Record, Sym3, Vec3, gather, ones};
+use crate::lanes::{GatherLanes, Lanes, Mat3, Record, Sym3, Vec3, gather};
 use crate::memory::{Category, Rooms};
-use crate::narrow_phase::{Contact, MAX_POINTS, Point, Scale};
-use crate::shape::{Collider, EVENTS, Hot};
+use crate::narrow_phase::{Contact, Scale};
+use crate::shape::{Collider, Hot};
 use crate::threads::{Crew, Shared, per_block};
 
-/// What preparing reads.
+/// Input of preparation.
 pub(crate) struct PrepareInput<'a> {
     pub(crate) bodies: &'a Bodies,
     pub(crate) colliders: &'a [Collider],
@@ -28,45 +30,42 @@ pub(crate) struct PrepareInput<'a> {
     pub(crate) motion: &'a [Record],
     /// World inverse inertia of each dynamic body.
     pub(crate) inverse_inertia: &'a [Sym3<f32>],
-    /// A separation up to this is real [m].
+    /// A point with a separation up to this touches [m].
     pub(crate) real: f32,
-    /// Without continuous collision nothing further than this is looked for [m].
+    /// Without continuous collision, nothing further apart than this is looked for [m].
     pub(crate) near: f32,
-    /// Bytes that contacts further than that, and their rows, may take.
+    /// Maximum bytes of contacts further apart than that, with their rows.
     pub(crate) ahead: usize,
-    /// What becomes of the impulses of the last step.
+    /// The substeps of this step and the last, by which impulses are scaled.
     pub(crate) lengths: StepLengths,
     /// Slip speed below which friction is static [m/s].
     pub(crate) stick: f32,
     /// [m]
     pub(crate) slop: f32,
-    /// In which order groups of rows are solved.
+    /// The order in which groups of rows are solved.
     pub(crate) order: Order,
-    /// Bodies whose contacts with what is static go along with their trees of joints.
-    pub(crate) seats: &'a Seats,
-    /// What hooks said of each contact; empty if there are none.
+    /// Bodies whose contacts with static geometry are solved along with their trees of joints.
+    pub(crate) tree_slots: &'a TreeSlots,
+    /// What hooks changed about each contact; empty if there are none.
     pub(crate) tweaks: &'a [Tweak],
     /// Friction at every point: each point then is a manifold of its own.
     pub(crate) per_point: bool,
     /// Whether anything may have friction.
     pub(crate) friction: bool,
-    /// What contacts weigh, should there not be enough memory for all.
+    /// Weights of contacts, in case memory does not suffice for all.
     pub(crate) scale: Scale<'a>,
 }
 
-/// Share of a mobility below which nothing is left of it but rounding, of bodies whose axes are locked.
+/// For bodies with locked axes: share of their mobility below which the rest is rounding.
 pub(crate) const GONE: f32 = 1e-6;
-/// Share of the mobility along the surface that is added to it where axes are locked: more than rounding, and so little
-/// that friction takes no more passes.
+/// Share of the mobility along the surface that is added to it where axes are locked: more than rounding, and
+/// so little that friction needs no more passes.
 const YIELDS: f32 = 1e-4;
-/// Overlap that is left alone is at most this share of what the thinner of two shapes measures from its middle to its surface:
-/// the slop of a world made for boxes of a metre would swallow a coin, and half of a wall of 1 mm.
-const THIN: f32 = 0.05;
 
 /// Batches a block.
 const BLOCK: usize = per_block(8, 1);
 
-/// Builds all batches of the step, as far as there is room for them.
+/// Makes all batches of the step, as far as memory allows.
 pub(crate) fn prepare(
     crew: &Crew<'_>,
     input: &PrepareInput<'_>,
@@ -74,7 +73,7 @@ pub(crate) fn prepare(
     scratch: &mut PrepareScratch,
     rooms: &mut Rooms,
 ) -> Prepared {
-    rows.set_rubs(input.friction);
+    rows.set_friction(input.friction);
     let prepared = arrange(input, rows, scratch, rooms);
     rows.surfaces.clear();
     if input.tweaks.iter().any(|tweak| tweak.surface != glam::Vec3::ZERO)
@@ -110,231 +109,69 @@ fn fill_all(
             let (first, count) = scratch.ranges[place];
             let contacts = &scratch.sorted[first as usize..(first + count) as usize];
             let of = schedule[place];
-            let seats = of.seated.then_some(input.seats);
+            let tree_slots = of.in_tree.then_some(input.tree_slots);
             // SAFETY: as below.
             let surface = moving.then(|| (place, unsafe { surfaces.get(place) }));
             // SAFETY: each batch stands in the schedule once, so no other block fills it.
             unsafe {
                 with_batch!(views, group, of, |batch, friction| {
-                    fill(batch, friction.to_fill(of, group), contacts, (seats, surface), input)
+                    fill(batch, friction.to_fill(of, group), contacts, tree_slots, surface, input)
                 });
             }
         }
     });
 }
 
-/// What a batch needs of its contacts, transposed: a column of eight lanes for each number. Inert lanes are zero.
-struct Columns<const P: usize> {
-    /// Bodies, contacts and bits of the lanes: see [`Batch`].
-    a: [u32; 8],
-    b: [u32; 8],
-    contact: [Part; 8],
-    write: [u8; 2],
-    swapped: u8,
-    heard: u8,
-    rotation: [[f32; 8]; 4],
-    normal: [[f32; 8]; 3],
-    /// From the batch's body a to the origin of the contact's shape a, at the time of the contact.
-    origin: [[f32; 8]; 3],
-    /// From the batch's body b to its body a, at the time of the contact.
-    to_b: [[f32; 8]; 3],
-    sign: [f32; 8],
-    inverse_mass: [[f32; 8]; 2],
-    locks: [u32; 2],
-    inverse_inertia: [[[f32; 8]; 6]; 2],
-    position: [[[f32; 8]; 3]; P],
-    separation: [[f32; 8]; P],
-    impulse: [[f32; 8]; P],
-    lasting: [[f32; 8]; P],
-    rest: [f32; 8],
-    reach: [f32; 8],
-    present: [[f32; 8]; P],
-    friction: [[f32; 8]; 3],
-    twist: [f32; 8],
-    /// Static and dynamic.
-    coefficient: [[f32; 8]; 2],
+/// Bodies and points of a batch in lanes, while its rows are made of them.
+struct Geometry<'a, L, const P: usize> {
+    columns: &'a Columns<P>,
+    /// Rotation from the contacts' frames to the world, and a sign that is negative in lanes with swapped
+    /// bodies.
+    turn: Mat3<L>,
+    sign: L,
+    normal: Vec3<L>,
+    inverse_mass: [L; 2],
+    inverse_inertia: [Sym3<L>; 2],
+    /// From the bodies to each point.
+    arms_a: [Vec3<L>; P],
+    arms_b: [Vec3<L>; P],
+    /// One where there is a point, zero elsewhere.
+    present: [L; P],
 }
 
-fn put3(columns: &mut [[f32; 8]; 3], lane: usize, v: glam::Vec3) {
-    for (column, x) in columns.iter_mut().zip(v.to_array()) {
-        column[lane] = x;
+impl<L: Lanes, const P: usize> Geometry<'_, L, P> {
+    /// By how much a unit impulse along `x` changes the velocity along `y`; `all`: the same if no axis is
+    /// locked [1/kg].
+    #[inline(always)]
+    fn linear(&self, x: Vec3<L>, y: Vec3<L>, all: L) -> L {
+        let locks = self.columns.locks;
+        if locks == [0; 2] {
+            return all;
+        }
+        let [ma, mb] = self.inverse_mass;
+        unlocked(locks[0], x).dot(y) * ma + unlocked(locks[1], x).dot(y) * mb
     }
-}
-
-fn vec3<L: Lanes>(columns: &[[f32; 8]; 3]) -> Vec3<L> {
-    Vec3::new(L::load(&columns[0]), L::load(&columns[1]), L::load(&columns[2]))
-}
-
-fn sym3<L: Lanes>(c: &[[f32; 8]; 6]) -> Sym3<L> {
-    let [xx, yy, zz, xy, xz, yz] = [0, 1, 2, 3, 4, 5].map(|i| L::load(&c[i]));
-    Sym3 { xx, yy, zz, xy, xz, yz }
-}
-
-/// Looks up one lane after another: each contact is touched once, and the arithmetic is left to the lanes.
-///
-/// Not inlined: of all that makes a batch this is the most code, and it is the same for any width and any bodies `b`.
-#[inline(never)]
-fn gather_columns<const P: usize>(
-    parts: &[Part],
-    touching: bool,
-    seats: Option<&Seats>,
-    input: &PrepareInput<'_>,
-) -> Columns<P> {
-    let mut out = Columns {
-        a: [0; 8],
-        b: [0; 8],
-        contact: [Part::NONE; 8],
-        write: [0; 2],
-        swapped: 0,
-        heard: 0,
-        rotation: [[0.0; 8]; 4],
-        normal: [[0.0; 8]; 3],
-        origin: [[0.0; 8]; 3],
-        to_b: [[0.0; 8]; 3],
-        sign: [0.0; 8],
-        inverse_mass: [[0.0; 8]; 2],
-        locks: [0; 2],
-        inverse_inertia: [[[0.0; 8]; 6]; 2],
-        position: [[[0.0; 8]; 3]; P],
-        separation: [[f32::INFINITY; 8]; P],
-        impulse: [[0.0; 8]; P],
-        lasting: [[0.0; 8]; P],
-        rest: [0.0; 8],
-        reach: [0.0; 8],
-        present: [[0.0; 8]; P],
-        friction: [[0.0; 8]; 3],
-        twist: [0.0; 8],
-        coefficient: [[0.0; 8]; 2],
-    };
-    let (dynamic, movers) = (input.bodies.dynamic() as u32, input.bodies.movers() as u32);
-    let mut first = 0;
-    for (place, &part) in parts.iter().enumerate() {
-        let contact = &input.contacts[part.slot()];
-        let (shape_a, shape_b) = (&input.colliders[contact.a as usize], &input.colliders[contact.b as usize]);
-        let pose = &input.poses[contact.a as usize];
-        // `a` of the batch is a body that can be pushed.
-        let swap = shape_a.body >= dynamic;
-        let (a, b) = if swap { (shape_b.body, shape_a.body) } else { (shape_a.body, shape_b.body) };
-        let lane = seats.and_then(|seats| seats.of(a as usize)).map_or(place, Seat::lane);
-        if place == 0 {
-            first = lane;
-        }
-        out.contact[lane] = part;
-        out.swapped |= u8::from(swap) << lane;
-        out.write[0] |= u8::from(a < dynamic) << lane;
-        out.write[1] |= u8::from(b < dynamic) << lane;
-        // A static body has no record: its velocity is never used.
-        (out.a[lane], out.b[lane]) = (a, if b < movers { b } else { a });
-
-        let at = |body: u32| &input.bodies.pose[body as usize].position;
-        let own = (pose.position - *at(shape_a.body)).as_vec3();
-        let between = if contact.fraction > 0.0 {
-            let moved = |body: u32| input.motion.get(body as usize).map_or(glam::Vec3::ZERO, |m| m.linear);
-            (*at(shape_a.body) - *at(shape_b.body)).as_vec3()
-                + (moved(shape_a.body) - moved(shape_b.body)) * contact.fraction
-        } else {
-            // As the shapes stood when the contact was found.
-            let own_b = (input.poses[contact.b as usize].position - *at(shape_b.body)).as_vec3();
-            own_b - own - contact.frame * contact.found_at.position
-        };
-        put3(&mut out.origin, lane, if swap { own + between } else { own });
-        put3(&mut out.to_b, lane, if swap { -between } else { between });
-        out.sign[lane] = if swap { -1.0 } else { 1.0 };
-        put3(&mut out.normal, lane, contact.normal);
-        for (column, x) in out.rotation.iter_mut().zip(contact.frame.to_array()) {
-            column[lane] = x;
-        }
-        for (side, body) in [a, b].into_iter().enumerate() {
-            if let Some(i) = input.inverse_inertia.get(body as usize) {
-                out.inverse_mass[side][lane] = input.bodies.mass[body as usize].inverse;
-                if input.bodies.locked > 0 {
-                    out.locks[side] |= lock_bits(input.bodies.traits[body as usize].locks, lane);
-                }
-                for (column, x) in
-                    out.inverse_inertia[side].iter_mut().zip([i.xx, i.yy, i.zz, i.xy, i.xz, i.yz])
-                {
-                    column[lane] = x;
-                }
-            }
-        }
-        let points = part.points(contact);
-        let mut lasting = contact.lasting_force * input.lengths.now();
-        let carried = |p: &Point| input.lengths.carry(p.impulse, p.mean_force).max(0.0);
-        // Points that stand for others bear their loads.
-        let (mut load, mut missing) = (1.0, 0.0);
-        if part.is_cut() {
-            let kept = |of: &dyn Fn(&Point) -> f32| ones(points).map(|i| of(&contact.points[i])).sum::<f32>();
-            let all: f32 = contact.points().iter().map(carried).sum();
-            let (own, share) = (kept(&carried), kept(&|p| p.share));
-            if own > 0.0 {
-                load = all / own
-            } else {
-                missing = all / points.count_ones() as f32
-            }
-            lasting = if share > 0.0 { lasting / share } else { 0.0 };
-        }
-        let thinnest = shape_a.thickness().min(shape_b.thickness());
-        [out.rest[lane], out.reach[lane]] = contact.spring(input.slop.min(THIN * thinnest));
-        for (i, point) in ones(points).map(|i| &contact.points[i % MAX_POINTS]).enumerate().take(P) {
-            put3(&mut out.position[i], lane, point.position);
-            out.separation[i][lane] = point.separation;
-            let borne = carried(point);
-            out.impulse[i][lane] = if part.is_cut() { borne * load + missing } else { borne };
-            out.lasting[i][lane] = point.share * lasting;
-            out.present[i][lane] = 1.0;
-        }
-        if touching {
-            // Friction was stored for the whole contact; its points share it by their load.
-            let total: f32 = contact.points().iter().map(|p| p.impulse).sum();
-            let share = part
-                .only()
-                .map_or(1.0, |p| if total > 0.0 { contact.points[p].impulse / total } else { 0.0 });
-            let carried = input.lengths.carry(contact.friction.extend(contact.twist), contact.mean_friction);
-            put3(&mut out.friction, lane, carried.truncate() * share);
-            out.twist[lane] = carried.w;
-        }
-        out.heard |= u8::from((shape_a.flags | shape_b.flags) & EVENTS != 0) << lane;
-        if !input.friction {
-            continue;
-        }
-        let mut friction = shape_a.material.friction_with(&shape_b.material);
-        if !input.tweaks.is_empty() {
-            friction = tweak_of(input.tweaks, part.slot()).friction_or(friction);
-        }
-        let (sticking, sliding) = friction;
-        (out.coefficient[0][lane], out.coefficient[1][lane]) = (sticking, sliding);
-    }
-    for lane in (0..8).filter(|&lane| out.contact[lane] == Part::NONE) {
-        (out.a[lane], out.b[lane]) = (out.a[first], out.b[first]);
-    }
-    out
 }
 
 /// Fills the lanes of a batch; lanes without a contact get rows without mass.
 fn fill<L: GatherLanes, const P: usize, const B: usize>(
     batch: &mut Batch<L, P, B>,
-    rub: Rub<'_, L, B>,
+    friction: FrictionToFill<'_, L, B>,
     parts: &[Part],
-    (seats, surface): (Option<&Seats>, Option<(usize, &mut Surface)>),
+    tree_slots: Option<&TreeSlots>,
+    surface: Option<(usize, &mut Surface)>,
     input: &PrepareInput<'_>,
 ) {
-    let columns = gather_columns::<P>(parts, matches!(rub, Rub::Touching(_)), seats, input);
+    let columns =
+        Columns::<P>::gather(parts, matches!(friction, FrictionToFill::Touching(_)), tree_slots, input);
     (batch.a, batch.contact, batch.surface) = (columns.a, columns.contact, u32::MAX);
     [batch.write_a, batch.write_b] = columns.write;
     (batch.swapped, batch.heard, batch.locks) = (columns.swapped, columns.heard, columns.locks);
-    let turn = crate::lanes::Quat {
-        v: Vec3::new(
-            L::load(&columns.rotation[0]),
-            L::load(&columns.rotation[1]),
-            L::load(&columns.rotation[2]),
-        ),
-        w: L::load(&columns.rotation[3]),
-    }
-    .to_matrix();
+    let [x, y, z, w] = [0, 1, 2, 3].map(|i| L::load(&columns.rotation[i]));
+    let turn = crate::lanes::Quat { v: Vec3::new(x, y, z), w }.to_matrix();
     let sign = L::load(&columns.sign);
     let n = turn.mul(vec3(&columns.normal)) * sign;
     let (ma, ia) = (L::load(&columns.inverse_mass[0]), sym3(&columns.inverse_inertia[0]));
-    let (origin, to_b) = (vec3::<L>(&columns.origin), vec3::<L>(&columns.to_b));
     (batch.normal, batch.peak) = (n, L::zero());
     (batch.rest, batch.reach) = (L::load(&columns.rest), L::load(&columns.reach));
     (batch.inverse_mass_a, batch.inverse_inertia_a) = (ma, ia);
@@ -347,27 +184,64 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
     } else {
         (L::zero(), Sym3::default())
     };
-    // Of unit impulses along `x`, what the masses make of them along `y`; `all`: if no axis is locked.
-    let locks = columns.locks;
-    let linear = |x: Vec3<L>, y: Vec3<L>, all: L| {
-        if locks == [0; 2] {
-            return all;
-        }
-        unlocked(locks[0], x).dot(y) * ma + unlocked(locks[1], x).dot(y) * mb
+    let mut geometry = Geometry {
+        columns: &columns,
+        turn,
+        sign,
+        normal: n,
+        inverse_mass: [ma, mb],
+        inverse_inertia: [ia, ib],
+        arms_a: [Vec3::zero(); P],
+        arms_b: [Vec3::zero(); P],
+        present: [L::zero(); P],
     };
-    let along = linear(n, n, ma + mb);
-    let (mut ra, mut rb) = ([Vec3::<L>::zero(); P], [Vec3::<L>::zero(); P]);
+    fill_points(batch, &mut geometry);
+    let count = match friction {
+        FrictionToFill::None => return,
+        _ => geometry.present.iter().fold(L::zero(), |s, &x| s + x).max(L::one()),
+    };
+    let share = L::one() / count;
+    let mean = |of: &[Vec3<L>; P]| {
+        of.iter().zip(&geometry.present).fold(Vec3::zero(), |s, (&r, &x)| s + r * x) * share
+    };
+    let (fa, fb) = (mean(&geometry.arms_a), mean(&geometry.arms_b));
+    match friction {
+        FrictionToFill::None => {}
+        FrictionToFill::Impact(f) => {
+            let sliding = L::load(&columns.coefficient[1]);
+            (f.along, f.to_b, f.coefficient) = (n.dot(fa), [fb - fa; B], sliding);
+        }
+        FrictionToFill::Touching(f) => {
+            (f.arm_a, f.arm_b) = (fa, [fb; B]);
+            let arms = geometry.arms_a.iter().zip(&geometry.present);
+            f.radius = arms.fold(L::zero(), |s, (&r, &x)| s + (r - fa).length() * x) * share;
+            fill_friction(f, &geometry, fb);
+            choose_coefficient(batch, f, &geometry, fb, surface, input);
+        }
+    }
+}
+
+/// Fills the normal rows, and the couplings of their points.
+#[inline(always)]
+fn fill_points<L: GatherLanes, const P: usize, const B: usize>(
+    batch: &mut Batch<L, P, B>,
+    geometry: &mut Geometry<'_, L, P>,
+) {
+    let (columns, turn, n) = (geometry.columns, geometry.turn, geometry.normal);
+    let ([ma, mb], [ia, ib]) = (geometry.inverse_mass, geometry.inverse_inertia);
+    let (origin, to_b) = (vec3::<L>(&columns.origin), vec3::<L>(&columns.to_b));
+    let along = geometry.linear(n, n, ma + mb);
     let (mut turned_a, mut turned_b) = ([Vec3::<L>::zero(); P], [Vec3::<L>::zero(); P]);
     let mut arms_b = [Vec3::<L>::zero(); P];
-    let mut present = [L::zero(); P];
     for i in 0..P {
-        present[i] = L::load(&columns.present[i]);
-        ra[i] = turn.mul(vec3(&columns.position[i])) + origin;
-        rb[i] = ra[i] + to_b;
-        let (arm_a, arm_b) = (ra[i].cross(n), rb[i].cross(n));
+        geometry.present[i] = L::load(&columns.present[i]);
+        let ra = turn.mul(vec3(&columns.position[i])) + origin;
+        let rb = ra + to_b;
+        (geometry.arms_a[i], geometry.arms_b[i]) = (ra, rb);
+        let (arm_a, arm_b) = (ra.cross(n), rb.cross(n));
         (turned_a[i], turned_b[i]) = (ia.mul(arm_a), ib.mul(arm_b));
         let k = along + arm_a.dot(turned_a[i]) + arm_b.dot(turned_b[i]);
-        let possible = present[i].gt(L::zero()) & k.gt((ma + mb) * L::splat(GONE));
+        let possible = geometry.present[i].gt(L::zero()) & k.gt((ma + mb) * L::splat(GONE));
         let s = L::load(&columns.separation[i]);
         let point = &mut batch.points[i];
         (point.arm_a, point.arm_b) = (arm_a, [arm_b; B]);
@@ -382,34 +256,26 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
             batch.couple(k, i, along + both);
         }
     }
-    if let Rub::Nothing = rub {
-        return;
-    }
-    let count = present.iter().fold(L::zero(), |s, &x| s + x).max(L::one());
-    let share = L::one() / count;
-    let mean =
-        |of: &[Vec3<L>; P]| of.iter().zip(&present).fold(Vec3::zero(), |s, (&r, &x)| s + r * x) * share;
-    let (fa, fb) = (mean(&ra), mean(&rb));
-    let (sticking, sliding) = (L::load(&columns.coefficient[0]), L::load(&columns.coefficient[1]));
-    let f = match rub {
-        Rub::Nothing => return,
-        Rub::Impact(f) => {
-            (f.along, f.to_b, f.coefficient) = (n.dot(fa), [fb - fa; B], sliding);
-            return;
-        }
-        Rub::Touching(f) => f,
-    };
-    (f.arm_a, f.arm_b) = (fa, [fb; B]);
+}
 
-    let radius = ra.iter().zip(&present).fold(L::zero(), |s, (&r, &x)| s + (r - fa).length() * x) * share;
+/// Fills the rows along the surface and against twist; the arms are set already. `fb`: the arm of body `b`,
+/// which batches with static bodies do not store.
+#[inline(always)]
+fn fill_friction<L: GatherLanes, const P: usize, const B: usize>(
+    f: &mut FrictionRow<L, B>,
+    geometry: &Geometry<'_, L, P>,
+    fb: Vec3<L>,
+) {
+    let (columns, n, fa) = (geometry.columns, geometry.normal, f.arm_a);
+    let ([ma, mb], [ia, ib]) = (geometry.inverse_mass, geometry.inverse_inertia);
     let (t1, t2) = n.tangents();
     let (a1, a2, b1, b2) = (fa.cross(t1), fa.cross(t2), fb.cross(t1), fb.cross(t2));
     let (ia1, ib1, ia2, ib2) = (ia.mul(a1), ib.mul(b1), ia.mul(a2), ib.mul(b2));
-    let mut k11 = linear(t1, t1, ma + mb) + a1.dot(ia1) + b1.dot(ib1);
-    let k12 = linear(t1, t2, L::zero()) + a1.dot(ia2) + b1.dot(ib2);
-    let mut k22 = linear(t2, t2, ma + mb) + a2.dot(ia2) + b2.dot(ib2);
-    if locks != [0; 2] {
-        // Where nothing moves along the surface in some direction, the matrix has an inverse all the same.
+    let mut k11 = geometry.linear(t1, t1, ma + mb) + a1.dot(ia1) + b1.dot(ib1);
+    let k12 = geometry.linear(t1, t2, L::zero()) + a1.dot(ia2) + b1.dot(ib2);
+    let mut k22 = geometry.linear(t2, t2, ma + mb) + a2.dot(ia2) + b2.dot(ib2);
+    if columns.locks != [0; 2] {
+        // The matrix stays invertible even where a direction along the surface is locked.
         let tiny = (k11 + k22) * L::splat(YIELDS);
         (k11, k22) = (k11 + tiny, k22 + tiny);
     }
@@ -423,11 +289,24 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
     f.slide_mass = (half - (apart * apart + f.mass[1] * f.mass[1]).sqrt()).max(L::zero());
     f.twist_mass = L::select(kt.gt(L::zero()), L::one() / kt, L::zero());
     f.twist_by = [n.dot(ia1) + n.dot(ib1), n.dot(ia2) + n.dot(ib2)];
-    f.radius = radius;
-    let old = turn.mul(vec3(&columns.friction)) * sign;
+    let old = geometry.turn.mul(vec3(&columns.friction)) * geometry.sign;
     f.impulse = [old.dot(t1), old.dot(t2)].map(|x| L::select(possible, x, L::zero()));
     f.twist = L::load(&columns.twist);
+}
 
+/// Chooses static friction below a slip speed, dynamic friction above, and stores the velocity of moving
+/// surfaces.
+#[inline(always)]
+fn choose_coefficient<L: GatherLanes, const P: usize, const B: usize>(
+    batch: &mut Batch<L, P, B>,
+    f: &mut FrictionRow<L, B>,
+    geometry: &Geometry<'_, L, P>,
+    fb: Vec3<L>,
+    surface: Option<(usize, &mut Surface)>,
+    input: &PrepareInput<'_>,
+) {
+    let (n, fa, columns) = (geometry.normal, f.arm_a, geometry.columns);
+    let (sticking, sliding) = (L::load(&columns.coefficient[0]), L::load(&columns.coefficient[1]));
     let velocity = &input.bodies.velocity;
     let record = |i: usize| velocity[i];
     let (va, wa) = gather::<L>(record, &batch.a);
@@ -444,6 +323,7 @@ fn fill<L: GatherLanes, const P: usize, const B: usize>(
             if batch.swapped >> lane & 1 != 0 { -past } else { past }
         });
         slip += past;
+        let (t1, t2) = n.tangents();
         past.dot(t1).store(&mut surface[0]);
         past.dot(t2).store(&mut surface[1]);
         batch.surface = place as u32;

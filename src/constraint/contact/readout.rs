@@ -1,14 +1,12 @@
-//! What rows are and what they bear, read out of their batches lane by lane, for the lab.
+//! The rows and their impulses, read lane by lane, for the lab.
 
 use super::batch::{Batch, BatchRef};
 use super::friction::FrictionView;
 use super::rows::{Views, with_batch};
-use crate::constraint::joint::arrange::{impulses_of, motors_of};
-use crate::constraint::joint::ends::{NONE, Owned};
 use crate::constraint::joint::run::JointViews;
-use crate::constraint::schedule::arrange::Part;
+use crate::constraint::joint::store::{Report, RowImpulse, report_locks, report_motors};
+use crate::constraint::schedule::part::Part;
 use crate::lanes::Lanes;
-use crate::threads::Shared;
 use glam::Vec3;
 
 /// A normal row.
@@ -18,7 +16,7 @@ pub(crate) struct PointLane {
     pub(crate) arms: [Vec3; 2],
     /// At the start of the step [m].
     pub(crate) separation: f32,
-    /// Of the substep [N s].
+    /// In the substep [N s].
     pub(crate) impulse: f32,
 }
 
@@ -31,7 +29,7 @@ pub(crate) struct FrictionLane {
     pub(crate) coefficient: f32,
     /// Mean distance of the points from their middle [m].
     pub(crate) radius: f32,
-    /// By which the surfaces move past each other, along both tangents [m/s].
+    /// Velocity of the surfaces past each other, along both tangents [m/s].
     pub(crate) surface: [f32; 2],
     /// Along both tangents [N s], and about the normal [N m s].
     pub(crate) impulse: [f32; 3],
@@ -41,7 +39,7 @@ pub(crate) struct FrictionLane {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ImpactLane {
     pub(crate) coefficient: f32,
-    /// Of the arm of the first body the part along the normal [m].
+    /// The component of the arm of the first body along the normal [m].
     pub(crate) along: f32,
     /// From the arm of the first body to that of the second [m].
     pub(crate) to_b: Vec3,
@@ -52,13 +50,14 @@ pub(crate) struct ImpactLane {
 pub(crate) struct ContactLane {
     pub(crate) part: Part,
     pub(crate) potential: bool,
-    /// From the first body to the second, which is none where it is static. The contact's own order may be the other one.
+    /// Points from the first body to the second, which is none where it is static. The contact itself may
+    /// have them in the other order.
     pub(crate) normal: Vec3,
     pub(crate) bodies: (u32, Option<u32>),
     points: [PointLane; 4],
     count: usize,
     pub(crate) friction: Option<FrictionLane>,
-    /// Of a potential contact that will rub once it touches.
+    /// For a potential contact that will have friction once it touches.
     pub(crate) impact: Option<ImpactLane>,
 }
 
@@ -68,7 +67,8 @@ impl ContactLane {
     }
 }
 
-/// Impulses for the rows of a contact: of its points, then of friction along both tangents and about the normal.
+/// Impulses for the rows of a contact: of its points, then of friction along both tangents and about the
+/// normal.
 pub(crate) type LaneImpulses = ([f32; 4], [f32; 3]);
 
 impl Views<'_> {
@@ -86,7 +86,7 @@ impl Views<'_> {
         }
     }
 
-    /// The same, and replaces the impulses of those that `f` says others for.
+    /// The same, and replaces the impulses of the lanes for which `f` returns others.
     ///
     /// # Safety
     /// As for [`Views::each_lane`].
@@ -123,7 +123,7 @@ impl Views<'_> {
                 part: batch.contact[lane],
                 potential,
                 normal: batch.normal.lane(lane),
-                // Of a static body the first stands in its place.
+                // A static body is replaced by the first one.
                 bodies: (
                     batch.a[lane],
                     batch.b.first().map(|b| b.index[lane]).filter(|b| *b != batch.a[lane]),
@@ -137,7 +137,7 @@ impl Views<'_> {
                     to_b: row.to_b.first().map_or(Vec3::ZERO, |to| to.lane(lane)),
                 }),
             };
-            // What lacks a point is infinitely far away.
+            // A missing point has an infinite separation.
             for point in batch.points.iter().filter(|point| point.separation.lane(lane).is_finite()) {
                 out.points[out.count] = PointLane {
                     arms: [
@@ -172,48 +172,38 @@ impl Views<'_> {
 }
 
 impl JointViews<'_> {
-    /// Calls `lock` with each lock and its impulse, and `row` with each other row, its impulses at both ends, and the directions
-    /// of force and torque that they act along.
+    /// Calls `lock` with each lock and its impulse, and `row` with each other row and its own.
     ///
     /// # Safety
     /// No other thread works on the batches.
     pub(crate) unsafe fn each_impulse(
         &self,
-        mut lock: &mut dyn FnMut(u32, Vec3),
-        mut row: &mut dyn FnMut(u32, ([f32; 2], Vec3, Vec3)),
+        lock: &mut dyn FnMut(u32, Vec3),
+        row: &mut dyn FnMut(u32, RowImpulse),
     ) {
+        let mut to = Call { lock, row };
         // SAFETY: by the contract.
         unsafe {
-            each(&self.points, &self.point, &mut lock);
-            each(&self.lines, &self.line, &mut lock);
-            each(&self.welds, &self.weld, &mut lock);
-            each(&self.hinges, &self.hinge, &mut lock);
-            self.trees.all().iter().for_each(|batch| impulses_of(batch, &mut lock));
-            self.tree.all().iter().for_each(|batch| impulses_of(batch, &mut lock));
-            each(&self.slides, &self.slide, &mut row);
-            each(&self.distances, &self.distance, &mut row);
-            each(&self.twists, &self.twist, &mut row);
-            each(&self.tilts, &self.tilt, &mut row);
-            each(&self.turns, &self.turn, &mut row);
-            self.trees.all().iter().for_each(|batch| motors_of(batch, &mut row));
-            self.tree.all().iter().for_each(|batch| motors_of(batch, &mut row));
+            self.tables.report(true, &mut to);
+            self.trees.all().iter().for_each(|batch| report_locks(batch, &mut to));
+            self.single_trees.all().iter().for_each(|batch| report_locks(batch, &mut to));
+            self.tables.report(false, &mut to);
+            self.trees.all().iter().for_each(|batch| report_motors(batch, &mut to));
+            self.single_trees.all().iter().for_each(|batch| report_motors(batch, &mut to));
         }
     }
 }
 
-/// # Safety
-/// As for [`JointViews::each_impulse`].
-unsafe fn each<T, B8: Owned<Load = T>, B1: Owned<Load = T>>(
-    lanes: &Shared<'_, B8>,
-    single: &Shared<'_, B1>,
-    f: &mut impl FnMut(u32, T),
-) {
-    // SAFETY: by the contract.
-    let (lanes, single) = unsafe { (lanes.all(), single.all()) };
-    for batch in lanes {
-        for (lane, &own) in batch.owners().iter().enumerate().filter(|(_, own)| **own != NONE) {
-            f(own, batch.load(lane));
-        }
+struct Call<'a> {
+    lock: &'a mut dyn FnMut(u32, Vec3),
+    row: &'a mut dyn FnMut(u32, RowImpulse),
+}
+
+impl Report for Call<'_> {
+    fn lock(&mut self, owner: u32, impulse: Vec3) {
+        (self.lock)(owner, impulse);
     }
-    single.iter().for_each(|batch| f(batch.owners()[0], batch.load(0)));
+    fn row(&mut self, owner: u32, impulse: RowImpulse) {
+        (self.row)(owner, impulse);
+    }
 }

@@ -1,19 +1,19 @@
-//! All batches of a step, in one buffer, and their friction in another.
+//! All batches of a step in one buffer, and their friction in another.
 
 use super::batch::{Batch, BatchRef};
 use super::friction::{FrictionRow, FrictionView, ImpactRow};
-use crate::constraint::articulation::slots::Seated;
+use crate::constraint::articulation::slots::TreeContacts;
 use crate::constraint::schedule::order::{Group, Stage};
 use crate::lanes::f32x8;
 use crate::memory::{Buffer, Cut, Room, Slab, bytes_of};
 use crate::threads::Shared;
 
-/// Of batches whose bodies `b` may move, and of those where all are static: how many there are of one to four points and of
-/// one lane; of friction rows of eight lanes and of one; of what the friction of impacts takes, of eight lanes and of one.
+/// Counts for batches whose bodies `b` may move, and for those where all are static: batches of one to four
+/// points and of one lane; friction rows of eight lanes and of one; impact rows of eight lanes and of one.
 pub(crate) type Tally = [[usize; KINDS]; 2];
 
 const KINDS: usize = 9;
-/// The first of those that are friction.
+/// The first index that counts friction.
 const FRICTION: usize = 5;
 
 const fn sizes<const B: usize>() -> [usize; KINDS] {
@@ -35,25 +35,25 @@ const fn sizes<const B: usize>() -> [usize; KINDS] {
 pub(crate) struct Rows {
     tally: Tally,
     batches: Slab,
-    /// Whether there is any.
-    rubs: bool,
+    /// Whether there is any friction.
+    has_friction: bool,
     friction: Slab,
     pub(crate) schedule: Vec<BatchRef>,
     pub(crate) stages: Vec<Stage>,
-    /// Batches that go along with trees, sorted by these and their nodes.
-    pub(crate) seated: Vec<Seated>,
-    /// For each batch of the schedule; empty unless some move.
+    /// Batches that are solved along with trees, sorted by tree and node.
+    pub(crate) tree_contacts: Vec<TreeContacts>,
+    /// One for each batch of the schedule; empty unless some surface moves.
     pub(crate) surfaces: Vec<Surface>,
 }
 
-/// By which the surfaces of each lane move past each other, along the two tangents of friction [m/s].
+/// Velocity of the surfaces of each lane past each other, along the two tangents of friction [m/s].
 pub(crate) type Surface = [[f32; 8]; 2];
 
 impl Rows {
-    /// Bytes of each that [`Tally`] counts.
+    /// Bytes of each item that [`Tally`] counts.
     pub(crate) const SIZES: Tally = [sizes::<1>(), sizes::<0>()];
 
-    /// How many contacts a batch must have to take less than as many single rows.
+    /// Minimum number of contacts for which a batch takes less memory than single rows.
     pub(crate) fn worth(points: usize, group: Group, friction: bool) -> usize {
         let sizes = &Self::SIZES[usize::from(group.is_static())];
         let of_friction = |single: usize| {
@@ -63,7 +63,7 @@ impl Rows {
         (sizes[points - 1] + of_friction(0)).div_ceil(single)
     }
 
-    /// Bytes of so many: of batches and of friction.
+    /// Bytes for so many batches and friction rows.
     fn bytes_of(tally: &Tally) -> [usize; 2] {
         let of = |range: std::ops::Range<usize>| {
             let side =
@@ -73,8 +73,8 @@ impl Rows {
         [of(0..FRICTION), of(FRICTION..KINDS)]
     }
 
-    /// Makes exactly the place that is lacking for so many; if need be, out of what the other has beyond it. Says whether
-    /// there is room for all.
+    /// Reserves exactly what is missing for so many; if need be, out of what the other buffer has to spare.
+    /// Returns whether there is room for all.
     pub(crate) fn make_place(&mut self, wanted: &Tally, room: &mut Room) -> bool {
         let [batches, friction] = Self::bytes_of(wanted);
         let lacking = self.batches.missing(batches) + self.friction.missing(friction);
@@ -83,7 +83,7 @@ impl Rows {
             return false;
         }
         if lacking > room.left() {
-            // Nothing is kept in them from step to step.
+            // Neither keeps anything from step to step.
             room.give(spare);
             self.batches.shrink(batches);
             self.friction.shrink(friction);
@@ -94,7 +94,7 @@ impl Rows {
         true
     }
 
-    /// Makes so many, for which there is place or room without end.
+    /// Makes so many, for which memory is reserved or unlimited.
     pub(crate) fn resize(&mut self, wanted: &Tally, room: &mut Room) {
         self.tally = *wanted;
         let [batches, friction] = Self::bytes_of(wanted);
@@ -102,43 +102,44 @@ impl Rows {
         self.friction.fit(friction, room);
     }
 
-    /// Whether contacts rub from now on; if not, the place of friction is given back.
-    pub(crate) fn set_rubs(&mut self, rubs: bool) {
-        if self.rubs != rubs {
-            (self.rubs, self.friction) = (rubs, Slab::default());
+    /// Sets whether contacts have friction; if that changes, the memory of friction is released.
+    pub(crate) fn set_friction(&mut self, friction_needed: bool) {
+        if self.has_friction != friction_needed {
+            (self.has_friction, self.friction) = (friction_needed, Slab::default());
             self.tally.iter_mut().for_each(|side| side[FRICTION..].fill(0));
         }
     }
 
     /// Whether there may be friction.
-    pub(crate) fn rubs(&self) -> bool {
-        self.rubs
+    pub(crate) fn has_friction(&self) -> bool {
+        self.has_friction
     }
 
-    /// How many contacts found no colour.
+    /// Number of contacts that found no colour.
     pub(crate) fn uncoloured(&self) -> usize {
         self.tally.iter().map(|side| side[FRICTION - 1]).sum()
     }
 
-    /// All of them, for several threads; and the order in which they are worked through.
+    /// All batches for several threads, and the order in which they are solved.
     pub(crate) fn views(&mut self) -> Views<'_> {
-        let (rubs, batches, friction) = (self.rubs, &mut self.batches.cut(), &mut self.friction.cut());
+        let (friction_needed, batches, friction) =
+            (self.has_friction, &mut self.batches.cut(), &mut self.friction.cut());
         let [two, one] = &self.tally;
-        // What has eight lanes comes first, because of its alignment.
-        let two_lanes = Lanes8::cut(rubs, two, batches, friction);
-        let one_lanes = Lanes8::cut(rubs, one, batches, friction);
+        // Batches of eight lanes come first, because of their alignment.
+        let two_lanes = Lanes8::cut(friction_needed, two, batches, friction);
+        let one_lanes = Lanes8::cut(friction_needed, one, batches, friction);
         Views {
-            two: Side { lanes: two_lanes, single: Single::cut(rubs, two, batches, friction) },
-            one: Side { lanes: one_lanes, single: Single::cut(rubs, one, batches, friction) },
+            two: Side { lanes: two_lanes, single: Single::cut(friction_needed, two, batches, friction) },
+            one: Side { lanes: one_lanes, single: Single::cut(friction_needed, one, batches, friction) },
             schedule: &self.schedule,
             stages: &self.stages,
-            seated: &self.seated,
+            tree_contacts: &self.tree_contacts,
             surfaces: &self.surfaces,
         }
     }
 
-    /// Bytes that so many batches of one to four points take in stages, where there are none yet: of bodies that move, and of
-    /// those with what is static.
+    /// Bytes that are missing for so many batches of one to four points, with dynamic and with static bodies
+    /// `b`, and so many stages, where there are none yet.
     pub(crate) fn missing(&self, batches: [[usize; 4]; 2], stages: usize, friction: bool) -> usize {
         let mut tally = Tally::default();
         for (side, batches) in tally.iter_mut().zip(batches) {
@@ -150,23 +151,23 @@ impl Rows {
         self.batches.missing(rows) + self.friction.missing(friction) + lists
     }
 
-    /// Nothing is left of the last step but memory.
+    /// Clears the last step, but keeps its memory.
     fn clear(&mut self) {
         self.tally = Tally::default();
         self.schedule.clear();
         self.stages.clear();
-        self.seated.clear();
+        self.tree_contacts.clear();
         self.surfaces.clear();
     }
 
-    /// The memory of batches, which are gone with it.
+    /// Takes the memory of batches, which are dropped.
     pub(crate) fn lend(&mut self) -> Slab {
         self.clear();
         std::mem::take(&mut self.batches)
     }
 
-    /// Gives back so many bytes of batches, which are gone, but for what one point of each of so many contacts will take. Says how
-    /// many bytes it were.
+    /// Releases so many bytes of batches, which are dropped, except for what one point of each of so many
+    /// contacts will take. Returns the number of bytes.
     pub(crate) fn give_up(&mut self, bytes: usize, contacts: usize) -> usize {
         self.clear();
         let (before, least) = (self.batches.bytes(0).1, contacts * Self::SIZES[0][0] / 8);
@@ -174,7 +175,7 @@ impl Rows {
         before - self.batches.bytes(0).1
     }
 
-    /// Takes it back, larger or smaller.
+    /// Returns the memory of batches, which may have grown or shrunk.
     pub(crate) fn take_back(&mut self, batches: Slab) {
         self.batches = batches;
     }
@@ -192,7 +193,7 @@ impl Rows {
             self.friction.bytes(friction),
             bytes_of(&self.schedule),
             bytes_of(&self.stages),
-            bytes_of(&self.seated),
+            bytes_of(&self.tree_contacts),
             bytes_of(&self.surfaces),
         ]
         .into_iter()
@@ -202,12 +203,12 @@ impl Rows {
 
 /// All batches of a step, for several threads.
 pub(crate) struct Views<'a> {
-    /// Of groups in which both bodies may move, and of those with what is static.
+    /// For groups in which both bodies may move, and for those with static bodies.
     pub(crate) two: Side<'a, 1>,
     pub(crate) one: Side<'a, 0>,
     pub(crate) schedule: &'a [BatchRef],
     pub(crate) stages: &'a [Stage],
-    pub(crate) seated: &'a [Seated],
+    pub(crate) tree_contacts: &'a [TreeContacts],
     pub(crate) surfaces: &'a [Surface],
 }
 
@@ -226,35 +227,46 @@ pub(crate) struct Lanes8<'a, const B: usize> {
     pub(crate) friction: FrictionView<'a, f32x8, B>,
 }
 
-/// Batches of one lane: contacts that found no colour, or of a tree that has no like.
+/// Batches of one lane: contacts that found no colour, or those of a single tree.
 pub(crate) struct Single<'a, const B: usize> {
     pub(crate) all: Shared<'a, Batch<f32, 4, B>>,
     pub(crate) friction: FrictionView<'a, f32, B>,
 }
 
 impl<'a, const B: usize> Lanes8<'a, B> {
-    fn cut(rubs: bool, count: &[usize; KINDS], batches: &mut Cut<'a>, friction: &mut Cut<'a>) -> Self {
+    fn cut(
+        friction_needed: bool,
+        count: &[usize; KINDS],
+        batches: &mut Cut<'a>,
+        friction: &mut Cut<'a>,
+    ) -> Self {
         Lanes8 {
             p1: Shared::new(batches.next(count[0])),
             p2: Shared::new(batches.next(count[1])),
             p3: Shared::new(batches.next(count[2])),
             p4: Shared::new(batches.next(count[3])),
-            friction: FrictionView::new(rubs, friction.next(count[5]), friction.next(count[7])),
+            friction: FrictionView::new(friction_needed, friction.next(count[5]), friction.next(count[7])),
         }
     }
 }
 
 impl<'a, const B: usize> Single<'a, B> {
-    fn cut(rubs: bool, count: &[usize; KINDS], batches: &mut Cut<'a>, friction: &mut Cut<'a>) -> Self {
+    fn cut(
+        friction_needed: bool,
+        count: &[usize; KINDS],
+        batches: &mut Cut<'a>,
+        friction: &mut Cut<'a>,
+    ) -> Self {
         Single {
             all: Shared::new(batches.next(count[4])),
-            friction: FrictionView::new(rubs, friction.next(count[6]), friction.next(count[8])),
+            friction: FrictionView::new(friction_needed, friction.next(count[6]), friction.next(count[8])),
         }
     }
 }
 
-/// Calls `$body` with the batch that is meant, of [`Views`] and a group, and the friction of its sort: one copy of it for each
-/// sort of batch. `$body` may ask for the batch once, under the contract of [`Shared::get`].
+/// Dispatches to the concrete type of a batch of [`Views`] and a group: calls `$body` with it and with the
+/// friction of its type, one copy for each type. `$body` may get the batch once, under the contract of
+/// [`Shared::get`].
 macro_rules! with_batch {
     ($views:expr, $group:expr, $of:expr, |$batch:ident, $friction:ident| $body:expr) => {
         if $group.is_static() {

@@ -1,36 +1,39 @@
-//! What steps of different lengths have in common: the springs of contacts, and the loads that impulses stand for.
+//! Steps of different lengths: the springs of contacts, and the scaling of impulses that bear loads.
 //!
-//! What stands may stand only if every step has the same rest, whatever its length. The sag under a load is that of the
-//! spring alone, so the spring stays the same from step to step ([`usual_substep`]); and impulses of lasting loads go with the
-//! length of the substep ([`StepLengths`]).
+//! A body comes to rest only if every step has the same equilibrium, whatever its length. The sag under a
+//! load depends on the spring alone, so the spring is the same from step to step ([`usual_substep`]); and
+//! impulses of lasting loads scale with the length of the substep ([`StepLengths`]).
 
 use crate::narrow_phase::LOAD_TIME;
 use std::ops::{Add, Mul, Sub};
 
-/// How far the substep that springs are made for follows that of a step: a hundredth up, a thousandth down. So it settles
-/// where one step in eleven is longer: a hitch now and then softens nothing, and what changes with it changes slowly.
+/// How fast the substep that springs are made for follows that of a step: a hundredth up, a thousandth down.
+/// So it settles where one step in eleven is longer: an occasional hitch softens nothing, and the stiffness
+/// changes slowly.
 const LONGER: f32 = 0.01;
 const SHORTER: f32 = 0.001;
 
-/// The substep that springs of contacts are made for [s], after one of `h` seconds; `usual` is that of the steps before, or
-/// zero.
+/// The substep for which the springs of contacts are made [s], after a step with substeps of `h` seconds;
+/// `usual`: that of the steps before, or zero.
 ///
-/// A spring as stiff as each substep allows gives way by the square of its length: at steps of 1/30 and 1/144 s by turns a
-/// box sags 23 times as far in one as in the other, is thrown up in between, and pumps what stands on it.
+/// A spring as stiff as each substep allows yields by the square of its length: with alternating steps of
+/// 1/30 and 1/144 s a box sags 23 times as far in one as in the other, is thrown up in between, and pumps
+/// energy into what stands on it.
 pub(crate) fn usual_substep(usual: f32, h: f32) -> f32 {
     if usual == 0.0 { h } else { h.clamp(usual * (1.0 - SHORTER), usual * (1.0 + LONGER)) }
 }
 
-/// Share of a step's force in the mean where every step is of another length.
+/// Weight of a step's force in the mean where every step has another length.
 const NEW: f32 = 0.25;
 
-/// Share of a step in [`evenness`].
+/// Weight of a step in [`evenness`].
 const EVENS: f32 = 0.1;
 
-/// By what share of it a step may differ from the one before and count as of the same length: frames are never quite alike.
+/// Relative difference up to which two steps count as equally long: frames are never quite alike.
 const ALIKE: f32 = 0.1;
 
-/// Share of the last steps that were about as long as the step before; `before`: the same a step ago, zero at first.
+/// Share of recent steps that were about as long as the step before; `before`: the same a step ago, zero at
+/// first.
 pub(crate) fn evenness(before: f32, lengths: StepLengths) -> f32 {
     let even = f32::from(u8::from((lengths.now - lengths.last).abs() <= ALIKE * lengths.last));
     before + (even - before) * EVENS
@@ -38,19 +41,20 @@ pub(crate) fn evenness(before: f32, lengths: StepLengths) -> f32 {
 
 /// The substeps of the last step and of this one.
 ///
-/// An impulse is what a load takes in a substep and what the last pass did besides, to stop what was left of the velocities.
-/// The load goes with the length of the substep. The rest is a momentum, not a force: in proportion too, it would grow by the
-/// ratio whenever a long step follows a short one, and two boxes would rock each other at steps of 1/30 and 1/144 s by turns.
-/// So it never grows; that it shrinks before a shorter step keeps a tower of 20 up that falls otherwise. The mean of the last
-/// seconds tells load and rest apart: of fewer, and it would follow a sway, with a lag, and pump it at every hitch. But where every
-/// step is of another length the mean is all that is warm-started of a spring, and follows within a few of them. While steps
-/// are of one length nothing is kept.
+/// An impulse consists of what a load requires in a substep and of what the last pass did besides, to stop
+/// the remaining velocities. The load scales with the length of the substep. The rest is a momentum and not a
+/// force: if it scaled too, it would grow by the ratio whenever a long step follows a short one, and two
+/// boxes would rock each other at alternating steps of 1/30 and 1/144 s. So it never grows; that it shrinks
+/// before a shorter step keeps a tower of 20 up that falls otherwise. The mean over the last seconds
+/// separates load and rest: a shorter mean would follow a sway, with a lag, and pump it at every hitch. But
+/// where every step has another length, only the mean is warm-started in springs, and it follows within a few
+/// steps. While steps are equally long nothing is stored.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StepLengths {
-    /// Of the last step, or of this one if it is the first [s].
+    /// Substep of the last step, or of this one if it is the first [s].
     last: f32,
     now: f32,
-    /// Share of this step's force in the mean of the last steps.
+    /// Weight of this step's force in the mean of the last steps.
     share: f32,
     warm_starting: bool,
 }
@@ -65,7 +69,7 @@ impl Load for f32 {}
 impl Load for glam::Vec4 {}
 
 impl StepLengths {
-    /// Of a step of `dt` seconds, with substeps of `now` seconds after such of `last` seconds, or zero.
+    /// For a step of `dt` seconds with substeps of `now` seconds, after substeps of `last` seconds or zero.
     pub(crate) fn new(last: f32, now: f32, dt: f32, evenness: f32, warm_starting: bool) -> Self {
         let share = (dt / LOAD_TIME).max(NEW * (1.0 - evenness).powi(2)).min(1.0);
         StepLengths { last: if last > 0.0 { last } else { now }, now, share, warm_starting }
@@ -86,7 +90,7 @@ impl StepLengths {
         if self.warm_starting { self.now / self.last } else { 0.0 }
     }
 
-    /// The impulse to begin with after one of the last step. `mean`: force, or zero if it is not known.
+    /// The impulse to start with, after one of the last step. `mean`: force, or zero if it is not known.
     pub(crate) fn carry<T: Load>(self, impulse: T, mean: T) -> T {
         if self.now == self.last && self.warm_starting {
             impulse
@@ -119,13 +123,14 @@ mod tests {
         assert!((longer.carry(0.13, 10.0) - 0.43_f32).abs() < 1e-6);
         let shorter = StepLengths::new(0.04, 0.01, 0.04, 1.0, true);
         assert!((shorter.carry(0.48, 10.0) - 0.12_f32).abs() < 1e-6);
-        // Of one length: the same bits, and nothing is kept.
+        // Equal lengths: the same bits, and nothing is stored.
         let same = StepLengths::new(0.01, 0.01, 0.04, 1.0, true);
         assert_eq!((same.carry(0.13, 7.0), same.follow(0.0, 0.13)), (0.13, 0.0));
         assert_eq!(StepLengths::new(0.01, 0.04, 0.16, 1.0, false).carry(0.1, 10.0), 0.0);
     }
 
-    /// At a hundred short steps to a long one the spring is that of the short ones, within the hundredth that a long one adds.
+    /// With a hundred short steps to a long one the spring is that of the short ones, within the hundredth
+    /// that a long one adds.
     #[test]
     fn a_hitch_now_and_then_softens_nothing() {
         let mut usual = 0.0;

@@ -1,6 +1,6 @@
 //! A kind of joint that a scene does not have takes no bytes.
 
-use super::{JointRows, bytes_of_trees};
+use super::{AnyTable, JointRows, bytes_of_trees};
 use crate::{
     Axis, BodyDesc, BodyHandle, Drive, Frame, Geometry, JointDesc, MassProperties, Motion, Settings,
     ShapeDesc, World,
@@ -10,18 +10,18 @@ use glam::{Mat3, Vec3};
 /// What a table is for, and its live and reserved bytes.
 fn tables(rows: &JointRows) -> [(&'static str, (usize, usize)); 12] {
     [
-        ("points", rows.points.bytes()),
-        ("welds", rows.welds.bytes()),
-        ("hinges", rows.hinges.bytes()),
-        ("lines", rows.lines.bytes()),
-        ("slides", rows.slides.bytes()),
-        ("distances", rows.distances.bytes()),
-        ("twists", rows.twists.bytes()),
-        ("tilts", rows.tilts.bytes()),
-        ("turns", rows.turns.bytes()),
-        ("seats", rows.seats.bytes()),
+        ("points", rows.tables.points.bytes()),
+        ("welds", rows.tables.welds.bytes()),
+        ("hinges", rows.tables.hinges.bytes()),
+        ("lines", rows.tables.lines.bytes()),
+        ("slides", rows.tables.slides.bytes()),
+        ("distances", rows.tables.distances.bytes()),
+        ("twists", rows.tables.twists.bytes()),
+        ("tilts", rows.tables.tilts.bytes()),
+        ("turns", rows.tables.turns.bytes()),
+        ("tree slots", rows.tree_slots.bytes()),
         ("trees", bytes_of_trees(&rows.trees)),
-        ("single trees", bytes_of_trees(&rows.tree)),
+        ("single trees", bytes_of_trees(&rows.single_trees)),
     ]
 }
 
@@ -30,8 +30,8 @@ type Pairs = &'static [[usize; 2]];
 /// What joins which of five balls, and the tables that take bytes then.
 type Case = (Make, Pairs, &'static [&'static str]);
 
-/// The tables that take bytes after a step of five balls joined in pairs: to make a chain, a ring, which is a tree with a joint
-/// that is cut, or a net of more loops than are cut.
+/// The tables that take bytes after a step of five balls joined in pairs: to make a chain, a ring, which is a
+/// tree with a joint that is cut, or a net of more loops than are cut.
 fn taken(make: Make, pairs: Pairs) -> Vec<&'static str> {
     let mut world = World::new(Settings::default()).unwrap();
     let mut ball = BodyDesc::dynamic().with_shape(ShapeDesc::new(Geometry::Sphere { radius: 0.1 }));
@@ -59,11 +59,11 @@ fn a_kind_of_joint_that_is_not_there_takes_no_bytes() {
     let net: Pairs = &[[0, 1], [0, 2], [0, 3], [0, 4], [1, 2], [1, 3], [1, 4], [2, 3], [2, 4], [3, 4]];
     let cases: [Case; 11] = [
         (JointDesc::ball, &[], &[]),
-        (JointDesc::ball, &[[0, 1]], &["seats", "single trees"]),
-        (JointDesc::ball, chain, &["seats", "single trees"]),
+        (JointDesc::ball, &[[0, 1]], &["tree slots", "single trees"]),
+        (JointDesc::ball, chain, &["tree slots", "single trees"]),
         (JointDesc::ball, ring, &["single trees"]),
         (JointDesc::ball, net, &["points"]),
-        (JointDesc::hinge, chain, &["seats", "single trees"]),
+        (JointDesc::hinge, chain, &["tree slots", "single trees"]),
         (JointDesc::hinge, net, &["points", "hinges"]),
         (JointDesc::fixed, net, &["points", "welds"]),
         (JointDesc::slider, chain, &["welds", "lines"]),

@@ -1,17 +1,18 @@
-//! What all rows of joints have: two bodies a lane, and how these turn within a step.
+//! The two bodies of each lane, which all rows of joints have, and how these turn within a step.
 
 use crate::constraint::contact::batch::unlocked;
-use crate::constraint::contact::row::{Motion, Pair, Softness};
+use crate::constraint::contact::body_pair::Written;
+use crate::constraint::contact::row::{BodyPair, Motion, Softness};
 use crate::lanes::{GatherLanes, Lanes, Mask, Record, Sym3, Vec3, scatter};
 use crate::threads::Shared;
 use std::f32::consts::PI;
 
-/// The fastest that an error of a joint is taken back.
+/// Maximum speeds at which errors of joints are corrected.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Recovery {
-    /// Of lengths [m/s].
+    /// For lengths [m/s].
     pub(crate) linear: f32,
-    /// Of angles [rad/s]: the same at any length unit.
+    /// For angles, whatever the length unit [rad/s].
     pub(crate) angular: f32,
 }
 
@@ -24,14 +25,14 @@ pub(crate) struct JointPass {
     pub(crate) recovery: Recovery,
     /// Bodies were moved since the rows were last looked at.
     pub(crate) moved: bool,
-    /// Nothing was solved since: what acted turns along.
+    /// No pass was solved since then: impulses of the last substep are turned with the bodies.
     pub(crate) fresh: bool,
-    /// What errors added to the velocities is taken out again.
+    /// Remove what correcting errors added to the velocities.
     pub(crate) relax: bool,
 }
 
 impl JointPass {
-    /// For velocities where bodies are.
+    /// For velocities at the current positions.
     pub(crate) fn relaxing(inverse_h: f32) -> JointPass {
         let softness = Softness::RIGID;
         JointPass {
@@ -44,7 +45,7 @@ impl JointPass {
         }
     }
 
-    /// Speed per error [1/s], and how much of the impulse is applied and given up.
+    /// Speed per error [1/s], and which shares of an impulse are applied and given up.
     #[inline(always)]
     pub(crate) fn numbers<L: Lanes>(&self) -> (L, L, L) {
         let Softness { bias_rate, mass_scale, impulse_scale, .. } = self.softness;
@@ -54,18 +55,10 @@ impl JointPass {
     }
 }
 
-/// A batch whose impulses go back to where they came from.
-pub(crate) trait Owned {
-    /// What a lane has to tell.
-    type Load;
-    fn owners(&self) -> &[u32; 8];
-    fn load(&self, lane: usize) -> Self::Load;
-}
-
 /// Instead of an index: an inert lane.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// The bodies of up to eight rows, no dynamic one of them twice.
+/// The bodies of up to eight rows; no dynamic body occurs twice.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(crate) struct Ends<L> {
@@ -78,7 +71,7 @@ pub(crate) struct Ends<L> {
     pub(crate) write: [u32; 2],
     /// Axes along which the bodies are locked: see [`unlocked`].
     pub(crate) locks: [u32; 2],
-    /// Where the impulses go back to.
+    /// The locks or rows to which the impulses are written back.
     pub(crate) owner: [u32; 8],
 }
 
@@ -86,7 +79,7 @@ impl<L: Lanes> Default for Ends<L> {
     #[inline(always)]
     fn default() -> Self {
         Ends {
-            // Of something, so that an inert lane has numbers too.
+            // Nonzero, so that inert lanes stay finite.
             inverse_mass: [L::one(), L::zero()],
             inverse_inertia: [Sym3::default(); 2],
             body: [[0; 8]; 2],
@@ -99,30 +92,30 @@ impl<L: Lanes> Default for Ends<L> {
 
 impl<L: GatherLanes> Ends<L> {
     /// # Safety
-    /// As for [`Pair::load`].
+    /// As for [`BodyPair::load`].
     #[inline(always)]
-    pub(crate) unsafe fn load(&self, records: &Shared<'_, Record>) -> Pair<L> {
+    pub(crate) unsafe fn load(&self, records: &Shared<'_, Record>) -> BodyPair<L> {
         // SAFETY: by the contract.
-        unsafe { Pair::load_bodies(&self.body[0], Some(&self.body[1]), records) }
+        unsafe { BodyPair::load_bodies(&self.body[0], Some(&self.body[1]), records) }
     }
 
     /// # Safety
-    /// As for [`Pair::load`].
+    /// As for [`BodyPair::load`].
     #[inline(always)]
-    pub(crate) unsafe fn save(&self, v: &Pair<L>, motion: &Motion<'_, '_>) {
+    pub(crate) unsafe fn save(&self, v: &BodyPair<L>, motion: &Motion<'_, '_>) {
         // SAFETY: by the contract.
         unsafe {
-            let [a, b] = [0, 1].map(|i| (&self.body[i], self.write[i]));
+            let [a, b] = [0, 1].map(|i| Written { index: &self.body[i], lanes: self.write[i] });
             v.save_bodies(a, Some(b), motion.velocity)
         }
     }
 
-    /// Writes displacements. What is said beside them stays as it is.
+    /// Writes displacements, but keeps the pads of their records.
     ///
     /// # Safety
-    /// As for [`Pair::load`], of displacements.
+    /// As for [`BodyPair::load`], of displacements.
     #[inline(always)]
-    pub(crate) unsafe fn save_moved(&self, d: &Pair<L>, motion: &Motion<'_, '_>) {
+    pub(crate) unsafe fn save_moved(&self, d: &BodyPair<L>, motion: &Motion<'_, '_>) {
         for (side, out) in [scatter(d.va, d.wa), scatter(d.vb, d.wb)].into_iter().enumerate() {
             for lane in (0..L::N).filter(|lane| self.write[side] >> lane & 1 != 0) {
                 // SAFETY: by the contract.
@@ -132,10 +125,10 @@ impl<L: GatherLanes> Ends<L> {
         }
     }
 
-    /// Applies an impulse on the second body, its opposite on the first, and angular impulses: the one is taken from the
-    /// first, the other given to the second.
+    /// Applies an impulse to the second body and its opposite to the first, with the angular impulses `ta`
+    /// (subtracted from the first) and `tb`.
     #[inline(always)]
-    pub(crate) fn apply(&self, v: &mut Pair<L>, p: Vec3<L>, ta: Vec3<L>, tb: Vec3<L>) {
+    pub(crate) fn apply(&self, v: &mut BodyPair<L>, p: Vec3<L>, ta: Vec3<L>, tb: Vec3<L>) {
         let [on_a, on_b] = self.moving(p);
         v.va -= on_a * self.inverse_mass[0];
         v.wa -= self.inverse_inertia[0].mul(ta);
@@ -143,17 +136,17 @@ impl<L: GatherLanes> Ends<L> {
         v.wb += self.inverse_inertia[1].mul(tb);
     }
 
-    /// What of an impulse on both bodies moves each of them.
+    /// The part of an impulse on both bodies that moves each of them.
     #[inline(always)]
     pub(crate) fn moving(&self, p: Vec3<L>) -> [Vec3<L>; 2] {
         if self.locks == [0; 2] { [p; 2] } else { self.locks.map(|locks| unlocked(locks, p)) }
     }
 
-    /// Angular velocity of the second body, as seen from the first, per angular impulse [1/(kg m²)].
+    /// Relative angular velocity of the second body per angular impulse [1/(kg m²)].
     #[inline(always)]
     pub(crate) fn turning(&self) -> Sym3<L> {
         let [a, b] = &self.inverse_inertia;
-        // Of bodies that don't turn some directions may be missing.
+        // If rotation is locked, some directions may be missing.
         let tiny = (a.xx + a.yy + a.zz + b.xx + b.yy + b.zz) * L::splat(TINY);
         Sym3 {
             xx: a.xx + b.xx + tiny,
@@ -165,7 +158,7 @@ impl<L: GatherLanes> Ends<L> {
         }
     }
 
-    /// How much an impulse along a lever changes the speed along it [1/kg] or [1/(kg m²)].
+    /// Change of the speed along a lever per impulse along it [1/kg] or [1/(kg m²)].
     #[inline(always)]
     pub(crate) fn mobility(&self, lever: &Lever<L>) -> L {
         let [ta, tb] = lever.moments();
@@ -176,21 +169,21 @@ impl<L: GatherLanes> Ends<L> {
             + tb.dot(self.inverse_inertia[1].mul(tb))
     }
 
-    /// The same without a linear part.
+    /// Applies an angular impulse.
     #[inline(always)]
-    pub(crate) fn turn(&self, v: &mut Pair<L>, t: Vec3<L>) {
+    pub(crate) fn turn(&self, v: &mut BodyPair<L>, t: Vec3<L>) {
         v.wa -= self.inverse_inertia[0].mul(t);
         v.wb += self.inverse_inertia[1].mul(t);
     }
 }
 
-/// A direction in which two bodies move and are pushed: a force on the second body at a point, the opposite one on the first
-/// at the same point, and a torque.
+/// A direction of relative motion and of impulses: a force on the second body at a point, the opposite one on
+/// the first at the same point, and a torque.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lever<L> {
     pub(crate) force: Vec3<L>,
     pub(crate) torque: Vec3<L>,
-    /// From each centre of mass to the point, which is the second body's [m].
+    /// From each centre of mass to the point, which belongs to the second body [m].
     pub(crate) arm: [Vec3<L>; 2],
 }
 
@@ -198,7 +191,7 @@ impl<L: Lanes> Lever<L> {
     pub(crate) fn zero() -> Self {
         Lever { force: Vec3::zero(), torque: Vec3::zero(), arm: [Vec3::zero(); 2] }
     }
-    /// Torques about the centres of mass, the first body's with its sign turned round.
+    /// Torques about the centres of mass, that of the first body negated.
     #[inline(always)]
     pub(crate) fn moments(&self) -> [Vec3<L>; 2] {
         self.arm.map(|arm| self.torque + arm.cross(self.force))
@@ -206,20 +199,20 @@ impl<L: Lanes> Lever<L> {
 }
 
 impl<L: GatherLanes> Lever<L> {
-    /// How fast the bodies move along it.
+    /// Relative speed along it.
     #[inline(always)]
-    pub(crate) fn speed(&self, v: &Pair<L>) -> L {
+    pub(crate) fn speed(&self, v: &BodyPair<L>) -> L {
         self.force.dot(seen(v, &self.arm, L::zero())) + self.torque.dot(v.wb - v.wa)
     }
 }
 
-/// How a body turns in a time: what of the velocity of a point on it is left in the mean, and how much of its acceleration adds
-/// to that [s].
+/// Mean velocity of a point of a turning body over a time: the factor on its velocity, and that on its
+/// acceleration [s].
 ///
-/// Joints hold where bodies go, at the end of the substep: what is solved where they are would be `(w h)² r / 2` wide of it
-/// after each. Together with relaxing, which holds velocities where bodies are then, this is RATTLE (Andersen, 1983): no energy
-/// is lost on a curved path. What turns by a radian in a substep, which is what rows ask for that can't be met, is taken as it is
-/// at the start.
+/// Joints are to hold at the end of the substep: solved for the start, a point would be off by `(w h)² r / 2`
+/// after each. Together with relaxing, which makes velocities fit the new positions, this is RATTLE
+/// (Andersen, 1983): no energy is lost on a curved path. Rotations of a radian in a substep, which come from
+/// rows whose requests can't be met, are linearised at the start.
 #[inline(always)]
 pub(crate) fn mean_of<L: Lanes>(w: Vec3<L>, h: L) -> (L, L) {
     let x = (w.length_squared() * (h * h)).min(L::splat(4.0));
@@ -229,7 +222,7 @@ pub(crate) fn mean_of<L: Lanes>(w: Vec3<L>, h: L) -> (L, L) {
     (sine, cosine * h)
 }
 
-/// What the velocity of a point at an arm has in the mean over a time beside what it has now, of a body that goes on turning.
+/// The mean velocity of a point at an arm over a time, less its current one, of a body that goes on turning.
 #[inline(always)]
 pub(crate) fn bend<L: Lanes>(w: Vec3<L>, arm: Vec3<L>, h: L) -> Vec3<L> {
     let (sine, cosine) = mean_of(w, h);
@@ -237,7 +230,7 @@ pub(crate) fn bend<L: Lanes>(w: Vec3<L>, arm: Vec3<L>, h: L) -> Vec3<L> {
     round * (sine - L::one()) + w.cross(round * cosine)
 }
 
-/// The velocity of a point at an arm in the mean over a time.
+/// The mean velocity of a point at an arm over a time.
 #[inline(always)]
 pub(crate) fn mean<L: Lanes>(v: Vec3<L>, w: Vec3<L>, arm: Vec3<L>, h: L) -> Vec3<L> {
     let (sine, cosine) = mean_of(w, h);
@@ -245,28 +238,28 @@ pub(crate) fn mean<L: Lanes>(v: Vec3<L>, w: Vec3<L>, arm: Vec3<L>, h: L) -> Vec3
     v + round * sine + w.cross(round * cosine)
 }
 
-/// The velocity of the second body's point as seen from the first, which turns, in the mean over a time in which both go on
-/// as they do. The arms are both to that point.
+/// The mean velocity of the second body's point over a time, as seen from the first body, which turns; both
+/// go on as they do. Both arms are to that point.
 #[inline(always)]
-pub(crate) fn seen<L: GatherLanes>(v: &Pair<L>, [at, rb]: &[Vec3<L>; 2], h: L) -> Vec3<L> {
+pub(crate) fn seen<L: GatherLanes>(v: &BodyPair<L>, [at, rb]: &[Vec3<L>; 2], h: L) -> Vec3<L> {
     let (sine, cosine) = mean_of(v.wa, h);
     let speed = mean(v.vb, v.wb, *rb, h) - v.va;
-    // From where the point will be: back by what the first body turns.
-    let (before, way) = (v.wa.cross(*at), v.wa.cross(speed * h));
-    speed - (before + way) * sine + v.wa.cross((before + way) * cosine)
+    // Back from where the point will be, by the rotation of the first body.
+    let (before, path) = (v.wa.cross(*at), v.wa.cross(speed * h));
+    speed - (before + path) * sine + v.wa.cross((before + path) * cosine)
 }
 
-/// What an axis does beside turning with its body's angular velocity, in the mean over a time: about itself a body spins, and two that share an axis at different spins would
-/// leave it in different directions.
+/// The mean motion of an axis over a time, beside that with the angular velocity of its body: a body also
+/// spins about the axis, and two with different spins would leave a shared axis in different directions.
 #[inline(always)]
 pub(crate) fn swerve<L: Lanes>(w: Vec3<L>, axis: Vec3<L>, h: L) -> Vec3<L> {
     axis.cross(w) * (axis.dot(w) * mean_of(w, h).1)
 }
 
-/// A vector turned by a rotation vector.
+/// Rotates a vector by a rotation vector.
 #[inline(always)]
 pub(crate) fn turned<L: Lanes>(by: Vec3<L>, v: Vec3<L>) -> Vec3<L> {
-    // Twice by half the angle: of that, the sine and the cosine as series, good for half a turn of it.
+    // Twice by half the angle, with series for its sine and cosine that are good for half a turn.
     let mut half = by * L::splat(0.5);
     if half.length_squared().gt(L::splat(10.0)).any() {
         half = without_whole_turns(half);
@@ -281,12 +274,12 @@ pub(crate) fn turned<L: Lanes>(by: Vec3<L>, v: Vec3<L>) -> Vec3<L> {
     v + once * cosine + sine.cross(once)
 }
 
-/// Half of a rotation vector, less whole turns.
+/// Half of a rotation vector, without whole turns.
 #[cold]
 fn without_whole_turns<L: Lanes>(half: Vec3<L>) -> Vec3<L> {
     let length = half.length();
     let length = L::select(length.gt(L::zero()), length, L::one());
-    // In `f32` nothing is left of a fraction after that is added.
+    // Adding this rounds to an integer in `f32`.
     let whole = L::splat(1.5 * (1 << 23) as f32);
     let turns = (length * L::splat(1.0 / PI) + whole) - whole;
     half * (L::one() - turns * L::splat(PI) / length)
@@ -299,19 +292,20 @@ fn series<L: Lanes>(x: L, [c0, c1, c2, c3, c4, c5]: [f32; 6]) -> L {
 }
 
 impl JointPass {
-    /// The time over which the motion of bodies is looked at: none when relaxing, for velocities where bodies are.
+    /// The time over which motion is predicted: none when relaxing, which is for velocities at the current
+    /// positions.
     #[inline(always)]
     pub(crate) fn ahead<L: Lanes>(&self) -> L {
         L::splat(if self.relax { 0.0 } else { 1.0 / self.inverse_h })
     }
 
-    /// The velocity that takes back an error of lengths.
+    /// The velocity that corrects an error of lengths.
     #[inline(always)]
     pub(crate) fn linear_bias<L: Lanes>(&self, apart: Vec3<L>, rate: L) -> Vec3<L> {
         bias(apart, rate, self.recovery.linear)
     }
 
-    /// The angular velocity that takes back an error of angles.
+    /// The angular velocity that corrects an error of angles.
     #[inline(always)]
     pub(crate) fn angular_bias<L: Lanes>(&self, error: Vec3<L>, rate: L) -> Vec3<L> {
         bias(error, rate, self.recovery.angular)
@@ -324,8 +318,9 @@ fn bias<L: Lanes>(error: Vec3<L>, rate: L, most: f32) -> Vec3<L> {
     error * (rate * L::select(speed.gt(most), most / speed, L::one()))
 }
 
-/// One over the power of two at or below the greatest on a diagonal without negatives. What is multiplied by it has a determinant
-/// that is a number, whatever the scale of its masses, and not a bit is rounded otherwise; 1 if all are next to nothing.
+/// One over the power of two at or below the greatest element of a nonnegative diagonal; 1 if that is next to
+/// zero. A matrix scaled by it has a finite determinant, whatever the scale of its masses, and is not rounded
+/// otherwise.
 #[inline(always)]
 fn to_unit<L: Lanes>(most: L) -> L {
     let power = most.power_of_two();
@@ -333,7 +328,7 @@ fn to_unit<L: Lanes>(most: L) -> L {
     L::select(some, L::one() / L::select(some, power, L::one()), L::one())
 }
 
-/// The inverse of a symmetric matrix without negative eigenvalues; zero if it has none, or nearly none.
+/// The inverse of a positive semidefinite matrix; zero if it is singular or nearly so.
 #[inline(always)]
 pub(crate) fn inverse<L: Lanes>(m: &Sym3<L>) -> Sym3<L> {
     let unit = to_unit(m.xx.max(m.yy).max(m.zz));
@@ -378,7 +373,8 @@ pub(crate) fn across<L: Lanes>(m: &Sym3<L>, axis: Vec3<L>) -> Sym3<L> {
     }
 }
 
-/// Of the trace of a matrix: keeps one with missing directions from having no inverse, and changes no other.
+/// Share of the trace of a matrix that is added to its diagonal: makes one with missing directions
+/// invertible, and changes no other.
 pub(crate) const TINY: f32 = 1e-6;
 
 #[cfg(test)]

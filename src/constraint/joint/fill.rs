@@ -1,4 +1,5 @@
-//! What is in the batches of joints in a step: where bodies are, how heavy, and the impulses of the step before.
+//! Fills the batches of joints in a step: positions and masses of the bodies, and the impulses of the step
+//! before.
 
 use super::arrange::JointInput;
 use super::ends::{Ends, Lever, NONE, across, inverse};
@@ -7,7 +8,8 @@ use super::lock::{PointBatch, TurnBatch, mobility};
 use super::measure::Measure;
 use super::row::RowBatch;
 use crate::constraint::articulation::cut::Motor;
-use crate::constraint::articulation::tree::{ALONE, Node, TOUCHING, TreeBatch};
+use crate::constraint::articulation::node::Node;
+use crate::constraint::articulation::tree::{ALONE, TOUCHING, TreeBatch};
 use crate::constraint::contact::batch::lock_bits;
 use crate::joint::{Axes, Axis, Joint, LockKind, Motion, Placed, RowKind};
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
@@ -19,7 +21,7 @@ pub(crate) fn put<L: Lanes>(v: &mut Vec3<L>, lane: usize, value: glam::Vec3) {
     v.z.set_lane(lane, value.z);
 }
 
-/// Enters a joint's bodies into a lane and says where its frames are.
+/// Enters a joint's bodies into a lane and returns where its frames are.
 fn place<L: Lanes>(
     ends: &mut Ends<L>,
     lane: usize,
@@ -31,7 +33,7 @@ fn place<L: Lanes>(
     let (dynamic, movers) = (bodies.dynamic(), bodies.movers());
     let dense = joint.bodies.map(|slot| bodies.slots.dense(slot) as usize);
     for (side, &i) in dense.iter().enumerate() {
-        // What stands still has the record after all that move, which is zero.
+        // All static bodies share the record after those of moving ones, which is zero.
         ends.body[side][lane] = i.min(movers) as u32;
         let pushed = i < dynamic;
         ends.write[side] |= u32::from(pushed) << lane;
@@ -46,7 +48,7 @@ fn place<L: Lanes>(
     Placed::new(dense.map(|i| &bodies.pose[i]), &joint.frames)
 }
 
-/// Inert lanes repeat the bodies of the first.
+/// Gives inert lanes the bodies of the first lane.
 fn close<L: Lanes>(ends: &mut Ends<L>) {
     for side in 0..2 {
         for lane in 1..8 {
@@ -57,13 +59,13 @@ fn close<L: Lanes>(ends: &mut Ends<L>) {
     }
 }
 
-pub(crate) fn point<L: GatherLanes>(batch: &mut PointBatch<L>, owners: &[u32], input: &JointInput<'_>) {
+pub(crate) fn fill_point<L: GatherLanes>(batch: &mut PointBatch<L>, owners: &[u32], input: &JointInput<'_>) {
     *batch = PointBatch::default();
     for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
         let lock = &input.joints.locks[owner as usize];
         let at = place(&mut batch.ends, lane, owner, &input.joints.all[lock.joint as usize], input);
         put(&mut batch.impulse, lane, lock.impulse * input.warm);
-        put(&mut batch.held, lane, lock.impulse.normalize_or_zero() * (lock.held * input.warm));
+        put(&mut batch.lasting, lane, lock.impulse.normalize_or_zero() * (lock.held * input.warm));
         put(&mut batch.arm[0], lane, at.arm[0]);
         put(&mut batch.arm[1], lane, at.arm[1]);
         put(&mut batch.apart, lane, at.apart);
@@ -80,14 +82,14 @@ pub(crate) fn get_sym<L: Lanes>(m: &Sym3<L>, lane: usize) -> Sym3<f32> {
     Sym3 { xx, yy, zz, xy, xz, yz }
 }
 
-pub(crate) fn line<L: GatherLanes>(batch: &mut LineBatch<L>, owners: &[u32], input: &JointInput<'_>) {
+pub(crate) fn fill_line<L: GatherLanes>(batch: &mut LineBatch<L>, owners: &[u32], input: &JointInput<'_>) {
     *batch = LineBatch::default();
     for (lane, &owner) in owners.iter().enumerate().filter(|(_, o)| **o != NONE) {
         let lock = &input.joints.locks[owner as usize];
         let LockKind::Line(axis) = lock.kind else { continue };
         let at = place(&mut batch.ends, lane, owner, &input.joints.all[lock.joint as usize], input);
         put(&mut batch.impulse, lane, lock.impulse * input.warm);
-        put(&mut batch.held, lane, lock.impulse.normalize_or_zero() * (lock.held * input.warm));
+        put(&mut batch.lasting, lane, lock.impulse.normalize_or_zero() * (lock.held * input.warm));
         put(&mut batch.axis, lane, at.axis(0, axis));
         put(&mut batch.arm[0], lane, at.arm[0]);
         put(&mut batch.arm[1], lane, at.arm[1]);
@@ -106,7 +108,7 @@ fn put_sym<L: Lanes>(m: &mut Sym3<L>, lane: usize, v: &Sym3<f32>) {
     m.yz.set_lane(lane, v.yz);
 }
 
-pub(crate) fn turn<L: GatherLanes, const HINGE: bool>(
+pub(crate) fn fill_turn<L: GatherLanes, const HINGE: bool>(
     batch: &mut TurnBatch<L, HINGE>,
     owners: &[u32],
     input: &JointInput<'_>,
@@ -120,14 +122,14 @@ pub(crate) fn turn<L: GatherLanes, const HINGE: bool>(
             let axes = [0, 1].map(|side| at.axis(side, axis));
             put(&mut batch.axis[0], lane, axes[0]);
             put(&mut batch.axis[1], lane, axes[1]);
-            // It bears nothing about its axis, which has turned since.
+            // A hinge transmits nothing about its axis, which has turned since.
             impulse -= axes[0] * axes[0].dot(impulse);
             axes[0].cross(axes[1])
         } else {
             at.turn()
         };
         put(&mut batch.impulse, lane, impulse * input.warm);
-        put(&mut batch.held, lane, impulse.normalize_or_zero() * (lock.held * input.warm));
+        put(&mut batch.lasting, lane, impulse.normalize_or_zero() * (lock.held * input.warm));
         put(&mut batch.error, lane, error);
     }
     close(&mut batch.ends);
@@ -136,7 +138,7 @@ pub(crate) fn turn<L: GatherLanes, const HINGE: bool>(
     batch.mass = if HINGE { across(&turning, batch.axis_now) } else { inverse(&turning) };
 }
 
-pub(crate) fn row<L: GatherLanes, M: Measure<L>>(
+pub(crate) fn fill_row<L: GatherLanes, M: Measure<L>>(
     batch: &mut RowBatch<L, M>,
     owners: &[u32],
     input: &JointInput<'_>,
@@ -152,7 +154,7 @@ pub(crate) fn row<L: GatherLanes, M: Measure<L>>(
         put(&mut batch.arm[1], lane, at.arm[1]);
         placed[lane] = Some(at);
         if row.motion == Motion::Angular && matches!(row.axes, Axes::One(_)) {
-            // A turn more or less is the same: the one that is nearest to what is asked for.
+            // Whole turns don't matter: takes the angle that is nearest to the target.
             let middle = match row.kind {
                 RowKind::Limit { min, max } | RowKind::Yielding { min, max, .. } => 0.5 * (min + max),
                 RowKind::Drive { position, .. } => position,
@@ -209,7 +211,7 @@ pub(crate) fn row<L: GatherLanes, M: Measure<L>>(
         batch.drives |= u32::from(drive) << lane;
         batch.springs |= u32::from(spring.is_some() && !drive) << lane;
         batch.both |= u32::from(!drive && spring.is_none() && min == max) << lane;
-        batch.held.set_lane(lane, row.held * input.warm);
+        batch.lasting.set_lane(lane, row.held * input.warm);
         for (impulse, old) in batch.impulse.iter_mut().zip(row.impulse) {
             impulse.set_lane(lane, old * input.warm);
         }
@@ -217,12 +219,13 @@ pub(crate) fn row<L: GatherLanes, M: Measure<L>>(
     batch.resume();
 }
 
-/// Force and torque that a joint's locks add to an impulse of one of its rows, so that it moves nothing that they hold: the row
-/// with the locks of its joint eliminated. Solved for itself, an end stop that is far from the centre of mass turns the body
-/// first, and the weld has to turn it back.
+/// The force and torque that the locks of a joint add to an impulse of one of its rows so that it moves
+/// nothing they hold: the row with the locks of its joint eliminated. Solved alone, an end stop far from the
+/// centre of mass turns the body first, and the weld has to turn it back.
 ///
-/// Only for what slides in a fixed direction. Cones and twists on balls are bettered at rest by a tenth, but of six throws of
-/// a hundred figures two had one torn apart (tests/joints/ragdolls.rs, by 2 m and 12 m): trees know their mobility already.
+/// Only for rows with a fixed linear direction. Cones and twists on balls improve by a tenth at rest, but in
+/// two of six throws of a hundred figures one was torn apart (tests/joints/ragdolls.rs, by 2 m and 12 m):
+/// trees know their mobility already.
 fn borne<L: GatherLanes>(
     ends: &Ends<L>,
     lever: &Lever<L>,
@@ -238,7 +241,7 @@ fn borne<L: GatherLanes>(
     let moving = ends.moving(Vec3::splat(glam::Vec3::ONE)).map(|on| on.lane(lane));
     let mass = moving[0] * ends.inverse_mass[0].lane(lane) + moving[1] * ends.inverse_mass[1].lane(lane);
     let arm = lever.arm.map(|arm| arm.lane(lane));
-    // What the force and torque of one change along another.
+    // Change along one direction by an impulse along another.
     let moments = |[f, t]: [glam::Vec3; 2]| arm.map(|arm| t + arm.cross(f));
     let change = |a: [glam::Vec3; 2], b: [glam::Vec3; 2]| {
         let (m, n) = (moments(a), moments(b));
@@ -246,7 +249,8 @@ fn borne<L: GatherLanes>(
     };
     let own = [lever.force.lane(lane), lever.torque.lane(lane)];
     let zero = glam::Vec3::ZERO;
-    // The directions of the locks, each less what it has of those before it, and what is left of the row.
+    // Gram-Schmidt: the directions of the locks, each without its components along those before it, and then
+    // the rest of the row.
     let (mut locks, mut count) = ([([zero; 2], 0.0); 6], 0);
     let less = |mut v: [glam::Vec3; 2], locks: &[([glam::Vec3; 2], f32)]| {
         for (lock, mobility) in locks {
@@ -265,7 +269,7 @@ fn borne<L: GatherLanes>(
             };
             let rest = less(direction, &locks[..count]);
             let mobility = change(rest, rest);
-            // What can't move, or is locked already, adds nothing.
+            // Directions that can't move or are locked already add nothing.
             if mobility > GONE * change(direction, direction) {
                 locks[count] = (rest, mobility);
                 count += 1;
@@ -273,7 +277,7 @@ fn borne<L: GatherLanes>(
         }
     }
     let rest = less(own, &locks[..count]);
-    // What is locked and driven at the same time is left to fight.
+    // A row along a locked direction is left to fight its lock.
     if change(rest, rest) > GONE * change(own, own) {
         [rest[0] - own[0], rest[1] - own[1]]
     } else {
@@ -281,13 +285,13 @@ fn borne<L: GatherLanes>(
     }
 }
 
-/// Rotation is locked no longer where it is off by more than this [rad].
+/// Rotation that is off by more than this no longer counts as locked [rad].
 const AWRY: f32 = 0.05;
-/// Share of a mobility below which nothing is left but rounding.
+/// Share of a mobility below which the rest is rounding.
 const GONE: f32 = 1e-4;
 
-/// `touching`: dynamic bodies that have contacts.
-pub(crate) fn tree<L: GatherLanes>(
+/// Fills a batch of trees. `touching`: dynamic bodies that have contacts.
+pub(crate) fn fill_tree<L: GatherLanes>(
     batch: &mut TreeBatch<L>,
     input: &JointInput<'_>,
     inverse_inertia: &[Sym3<f32>],
@@ -298,7 +302,7 @@ pub(crate) fn tree<L: GatherLanes>(
     let (dynamic, movers) = (bodies.dynamic(), bodies.movers());
     for node in &mut batch.nodes {
         let side = usize::from(node.side);
-        // Of something, so that an inert lane has numbers too.
+        // Identity, so that inert lanes stay finite.
         let mut own_inverse = Sym3 { xx: L::one(), yy: L::one(), zz: L::one(), ..Sym3::default() };
         for (lane, share) in share.iter_mut().enumerate().take(L::N) {
             let owner = node.owner[lane];
@@ -311,7 +315,7 @@ pub(crate) fn tree<L: GatherLanes>(
             let dense = joint.bodies.map(|slot| bodies.slots.dense(slot) as usize);
             let (own, other) = (dense[side], dense[1 - side]);
             node.body[lane] = own as u32;
-            // Only a root's is looked at.
+            // Used only for roots.
             node.anchor[lane] = if other < dynamic { own } else { other.min(movers) } as u32;
             node.write |= 1 << lane;
             if touching[own] {
@@ -356,8 +360,8 @@ pub(crate) fn tree<L: GatherLanes>(
     batch.look_back(&input.joints.locks);
 }
 
-/// Of a spring and a damper over a substep: speed asked for per displacement, what they yield per impulse, and the speed asked
-/// for beside that; none if there is neither.
+/// A spring and damper, solved implicitly over a substep: requested speed per displacement, yield per
+/// impulse, and the requested speed beside that; none if there is neither.
 fn implicit((k, c): (f32, f32), target: f32, h: f32) -> Option<[f32; 3]> {
     let d = h * k + c;
     if d == f32::INFINITY {
@@ -366,7 +370,7 @@ fn implicit((k, c): (f32, f32), target: f32, h: f32) -> Option<[f32; 3]> {
     (d > 0.0).then(|| [k / d, 1.0 / (h * d), c / d * target])
 }
 
-/// A motor of a hinge, as the body of its node sees it.
+/// Fills the motor of a hinge, as seen from the body of its node.
 fn fill_motor<L: Lanes>(motor: &mut Motor<L>, node: &Node<L>, input: &JointInput<'_>) {
     let sign = if node.side == 1 { 1.0 } else { -1.0 };
     for lane in (0..L::N).filter(|&lane| motor.owner[lane] != NONE) {
@@ -377,10 +381,10 @@ fn fill_motor<L: Lanes>(motor: &mut Motor<L>, node: &Node<L>, input: &JointInput
         let at = Placed::new(dense.map(|i| &input.bodies.pose[i]), &joint.frames);
         let Axes::One(axis) = row.axes else { continue };
         let off = at.twist(axis) - position;
-        // A turn more or less is the same.
+        // Whole turns don't matter.
         let off = if off.is_finite() { off - TAU * (off / TAU).round() } else { 0.0 };
         let (k, c, _) = spring.coefficients();
-        // Without either it does nothing.
+        // Without spring and damper it does nothing.
         let some = implicit((k, c), velocity, input.h);
         let [pull, give, speed] = some.unwrap_or_default();
         let max_force = if some.is_some() { max_force } else { 0.0 };

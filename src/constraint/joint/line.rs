@@ -1,9 +1,13 @@
-//! A point of the second body that stays on a line of the first: sliders, and the hubs of wheels. Its two directions are solved
-//! at once, and turn with the first body.
+//! Locks a point of the second body to a line of the first: sliders, and the hubs of wheels. Its two
+//! directions are solved together, and turn with the first body.
 
-use super::ends::{Ends, JointPass, Owned, across, seen, turned};
+use super::arrange::JointInput;
+use super::ends::{Ends, JointPass, Recovery, across, seen, turned};
+use super::fill::fill_line;
 use super::lock::{at_most, mobility};
-use crate::constraint::contact::row::{Motion, Pair};
+use super::store::Report;
+use super::table::JointBatch;
+use crate::constraint::contact::row::BodyPair;
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
 
 /// Points on lines.
@@ -11,13 +15,14 @@ use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
 #[repr(C)]
 pub(crate) struct LineBatch<L> {
     pub(crate) ends: Ends<L>,
-    /// Along the line, at the start of the step.
+    /// Direction of the line at the start of the step.
     pub(crate) axis: Vec3<L>,
     /// From each centre of mass to its own point, at the start of the step [m].
     pub(crate) arm: [Vec3<L>; 2],
     /// From the first point to the second, at the start of the step [m].
     pub(crate) apart: Vec3<L>,
-    /// After the last substep; both arms are to the second body's point, and of the separation only what is across is left.
+    /// The same after the last substep; both arms are to the second body's point, and of the separation only
+    /// the part across the line is left.
     pub(crate) axis_now: Vec3<L>,
     pub(crate) arm_now: [Vec3<L>; 2],
     apart_now: Vec3<L>,
@@ -25,10 +30,10 @@ pub(crate) struct LineBatch<L> {
     pub(crate) moment: [Vec3<L>; 2],
     /// Impulse per velocity error, across the line [kg].
     mass: Sym3<L>,
-    /// Of the last substep [N s].
+    /// Impulse of the last substep [N s].
     pub(crate) impulse: Vec3<L>,
-    /// The part of it that does not yield.
-    pub(crate) held: Vec3<L>,
+    /// The lasting part of it, which does not yield.
+    pub(crate) lasting: Vec3<L>,
 }
 
 impl<L: Lanes> Default for LineBatch<L> {
@@ -46,105 +51,44 @@ impl<L: Lanes> Default for LineBatch<L> {
             moment: [zero; 2],
             mass: Sym3::default(),
             impulse: zero,
-            held: zero,
+            lasting: zero,
         }
-    }
-}
-
-impl<L: Lanes> Owned for LineBatch<L> {
-    type Load = glam::Vec3;
-    fn owners(&self) -> &[u32; 8] {
-        &self.ends.owner
-    }
-    fn load(&self, lane: usize) -> glam::Vec3 {
-        self.impulse.lane(lane)
     }
 }
 
 impl<L: GatherLanes> LineBatch<L> {
-    /// Takes all as it is at the start of a step.
+    /// Initialises the batch at the start of a step.
     pub(crate) fn begin(&mut self) {
         let zero = Vec3::zero();
-        self.follow(&Pair { va: zero, wa: zero, vb: zero, wb: zero });
+        self.follow(&BodyPair { va: zero, wa: zero, vb: zero, wb: zero });
         self.bear();
         self.moment = self.arm_now.map(|arm| arm.cross(self.impulse));
     }
 
-    /// Along the line nothing is borne: what was is taken off, and returned.
+    /// Removes the impulse along the line, where nothing is transmitted, and returns it.
     #[inline(always)]
     fn bear(&mut self) -> Vec3<L> {
         let along = self.axis_now * self.axis_now.dot(self.impulse);
         self.impulse -= along;
-        self.held -= self.axis_now * self.axis_now.dot(self.held);
+        self.lasting -= self.axis_now * self.axis_now.dot(self.lasting);
         along
     }
+}
 
-    /// Applies the impulses of the last step.
-    ///
-    /// # Safety
-    /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(never)]
-    pub(crate) unsafe fn warm_start(&self, motion: &Motion<'_, '_>) {
-        // SAFETY: by the contract.
-        unsafe {
-            let mut v = self.ends.load(motion.velocity);
-            self.ends.apply(&mut v, self.impulse, self.moment[0], self.moment[1]);
-            self.ends.save(&v, motion);
-        }
+impl<L: GatherLanes> JointBatch<L> for LineBatch<L> {
+    const IS_LOCK: bool = true;
+    const SLIDES: bool = true;
+
+    fn ends(&self) -> &Ends<L> {
+        &self.ends
     }
 
-    /// One Gauss-Seidel step.
-    ///
-    /// # Safety
-    /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(never)] // See `JointRows::step`.
-    pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
-        if pass.moved {
-            // SAFETY: displacements are not written while rows are solved.
-            let d = unsafe { self.ends.load(motion.delta) };
-            self.follow(&d);
-        }
-        // SAFETY: by the contract.
-        let mut v = unsafe { self.ends.load(motion.velocity) };
-        let [ra, rb] = self.arm_now;
-        if !pass.relax {
-            // As for points: what acted turns too.
-            let along = self.bear();
-            let moment = self.arm_now.map(|arm| arm.cross(self.impulse));
-            let [ta, tb] = [moment[0] - self.moment[0], moment[1] - self.moment[1]];
-            self.ends.apply(&mut v, -along, ta, tb);
-            self.moment = moment;
-        }
-        let slip = seen(&v, &self.arm_now, pass.ahead());
-        let p = -self.mass.mul(slip);
-        let (ta, tb) = (ra.cross(p), rb.cross(p));
-        self.impulse += p;
-        self.moment[0] += ta;
-        self.moment[1] += tb;
-        self.ends.apply(&mut v, p, ta, tb);
-        // SAFETY: by the contract.
-        unsafe { self.ends.save(&v, motion) };
+    fn fill(&mut self, owners: &[u32], input: &JointInput<'_>) {
+        fill_line(self, owners, input);
     }
 
-    /// Moves the bodies so that the point is on the line.
-    ///
-    /// # Safety
-    /// No other thread works on the bodies of the batch, and none writes their displacements.
-    #[inline(never)]
-    pub(crate) unsafe fn close(&mut self, motion: &Motion<'_, '_>, most: f32) {
-        // SAFETY: by the contract.
-        let mut d = unsafe { self.ends.load(motion.delta) };
-        self.follow(&d);
-        let [ra, rb] = self.arm_now;
-        let p = -self.mass.mul(at_most(self.apart_now, most));
-        self.ends.apply(&mut d, p, ra.cross(p), rb.cross(p));
-        // SAFETY: by the contract.
-        unsafe { self.ends.save_moved(&d, motion) };
-    }
-
-    /// Line, arms, separation and mass after displacements.
     #[inline(always)]
-    fn follow(&mut self, d: &Pair<L>) {
+    fn follow(&mut self, d: &BodyPair<L>) {
         let [ra, rb] = self.arm;
         let (now_a, now_b) = (turned(d.wa, ra), turned(d.wb, rb));
         let apart = self.apart + (d.vb - d.va) + (now_b - rb) - (now_a - ra);
@@ -152,5 +96,41 @@ impl<L: GatherLanes> LineBatch<L> {
         self.arm_now = [now_a + apart, now_b];
         self.apart_now = apart - self.axis_now * self.axis_now.dot(apart);
         self.mass = across(&mobility(&self.ends, &self.arm_now), self.axis_now);
+    }
+
+    #[inline(always)]
+    fn apply(&self, v: &mut BodyPair<L>) {
+        self.ends.apply(v, self.impulse, self.moment[0], self.moment[1]);
+    }
+
+    #[inline(always)]
+    fn sweep(&mut self, v: &mut BodyPair<L>, pass: &JointPass) {
+        let [ra, rb] = self.arm_now;
+        if !pass.relax {
+            // As for points: turns the impulses of the last substep with the bodies.
+            let along = self.bear();
+            let moment = self.arm_now.map(|arm| arm.cross(self.impulse));
+            let [ta, tb] = [moment[0] - self.moment[0], moment[1] - self.moment[1]];
+            self.ends.apply(v, -along, ta, tb);
+            self.moment = moment;
+        }
+        let slip = seen(v, &self.arm_now, pass.ahead());
+        let p = -self.mass.mul(slip);
+        let (ta, tb) = (ra.cross(p), rb.cross(p));
+        self.impulse += p;
+        self.moment[0] += ta;
+        self.moment[1] += tb;
+        self.ends.apply(v, p, ta, tb);
+    }
+
+    #[inline(always)]
+    fn correct(&self, d: &mut BodyPair<L>, most: Recovery) {
+        let [ra, rb] = self.arm_now;
+        let p = -self.mass.mul(at_most(self.apart_now, most.linear));
+        self.ends.apply(d, p, ra.cross(p), rb.cross(p));
+    }
+
+    fn report(&self, lane: usize, to: &mut impl Report) {
+        to.lock(self.ends.owner[lane], self.impulse.lane(lane));
     }
 }

@@ -1,11 +1,15 @@
-//! Locks of joints: two points that stay together, two bodies that turn as one, an axis that two bodies share. No bounds, so
-//! all directions are solved at once.
+//! Locks of joints: two points stay together, two bodies turn as one, two bodies share an axis. There are no
+//! bounds, so all directions are solved together.
 //!
-//! Within a step bodies turn, and a lock that knew them only as they were at its start would let a swinging chain drift
-//! apart: arms are turned along, and so is the effective mass.
+//! Bodies turn within a step, and a lock linearised at its start would let a swinging chain drift apart: arms
+//! turn with the bodies, and so does the effective mass.
 
-use super::ends::{Ends, JointPass, Owned, TINY, across, inverse, swerve, turned};
-use crate::constraint::contact::row::{Motion, Pair};
+use super::arrange::JointInput;
+use super::ends::{Ends, JointPass, Recovery, TINY, across, inverse, swerve, turned};
+use super::fill::{fill_point, fill_turn};
+use super::store::Report;
+use super::table::JointBatch;
+use crate::constraint::contact::row::BodyPair;
 use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
 
 /// Points that stay together.
@@ -13,7 +17,7 @@ use crate::lanes::{GatherLanes, Lanes, Sym3, Vec3};
 #[repr(C)]
 pub(crate) struct PointBatch<L> {
     pub(crate) ends: Ends<L>,
-    /// From each centre of mass to the point where it is held, at the start of the step [m].
+    /// From each centre of mass to its point, at the start of the step [m].
     pub(crate) arm: [Vec3<L>; 2],
     /// From the first point to the second, at the start of the step [m].
     pub(crate) apart: Vec3<L>,
@@ -24,10 +28,10 @@ pub(crate) struct PointBatch<L> {
     pub(crate) apart_now: Vec3<L>,
     /// Impulse per velocity error [kg].
     pub(crate) mass: Sym3<L>,
-    /// Of the last substep [N s].
+    /// Impulse of the last substep [N s].
     pub(crate) impulse: Vec3<L>,
-    /// The part of it that does not yield.
-    pub(crate) held: Vec3<L>,
+    /// The lasting part of it, which does not yield.
+    pub(crate) lasting: Vec3<L>,
 }
 
 impl<L: Lanes> Default for PointBatch<L> {
@@ -43,18 +47,8 @@ impl<L: Lanes> Default for PointBatch<L> {
             apart_now: zero,
             mass: Sym3::default(),
             impulse: zero,
-            held: zero,
+            lasting: zero,
         }
-    }
-}
-
-impl<L: Lanes> Owned for PointBatch<L> {
-    type Load = glam::Vec3;
-    fn owners(&self) -> &[u32; 8] {
-        &self.ends.owner
-    }
-    fn load(&self, lane: usize) -> glam::Vec3 {
-        self.impulse.lane(lane)
     }
 }
 
@@ -79,7 +73,7 @@ pub(crate) fn mobility<L: GatherLanes>(ends: &Ends<L>, arm: &[Vec3<L>; 2]) -> Sy
         sum.xz += x.dot(iz);
         sum.yz += y.dot(iz);
     }
-    // Of bodies that can't be moved some directions may be missing.
+    // If bodies are locked, some directions may be missing.
     let tiny = (sum.xx + sum.yy + sum.zz) * L::splat(TINY);
     sum.xx += tiny;
     sum.yy += tiny;
@@ -87,39 +81,39 @@ pub(crate) fn mobility<L: GatherLanes>(ends: &Ends<L>, arm: &[Vec3<L>; 2]) -> Sy
     sum
 }
 
-impl<L: GatherLanes> PointBatch<L> {
-    /// Applies the impulses of the last step.
-    ///
-    /// # Safety
-    /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(never)]
-    pub(crate) unsafe fn warm_start(&self, motion: &Motion<'_, '_>) {
-        // SAFETY: by the contract.
-        unsafe {
-            let mut v = self.ends.load(motion.velocity);
-            let [ra, rb] = self.arm_now;
-            self.ends.apply(&mut v, self.impulse, ra.cross(self.impulse), rb.cross(self.impulse));
-            self.ends.save(&v, motion);
-        }
+impl<L: GatherLanes> JointBatch<L> for PointBatch<L> {
+    const IS_LOCK: bool = true;
+    const SLIDES: bool = false;
+
+    fn ends(&self) -> &Ends<L> {
+        &self.ends
     }
 
-    /// One Gauss-Seidel step.
-    ///
-    /// # Safety
-    /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(never)] // See `JointRows::step`.
-    pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
-        if pass.moved {
-            // SAFETY: displacements are not written while rows are solved.
-            let d = unsafe { self.ends.load(motion.delta) };
-            self.follow(&d);
-        }
-        // SAFETY: by the contract.
-        let mut v = unsafe { self.ends.load(motion.velocity) };
+    fn fill(&mut self, owners: &[u32], input: &JointInput<'_>) {
+        fill_point(self, owners, input);
+    }
+
+    #[inline(always)]
+    fn follow(&mut self, d: &BodyPair<L>) {
+        let [ra, rb] = self.arm;
+        self.arm_now = [turned(d.wa, ra), turned(d.wb, rb)];
+        let [now_a, now_b] = self.arm_now;
+        self.apart_now = self.apart + (d.vb - d.va) + (now_b - rb) - (now_a - ra);
+        self.mass = inverse(&mobility(&self.ends, &self.arm_now));
+    }
+
+    #[inline(always)]
+    fn apply(&self, v: &mut BodyPair<L>) {
+        let [ra, rb] = self.arm_now;
+        self.ends.apply(v, self.impulse, ra.cross(self.impulse), rb.cross(self.impulse));
+    }
+
+    #[inline(always)]
+    fn sweep(&mut self, v: &mut BodyPair<L>, pass: &JointPass) {
         let [ra, rb] = self.arm_now;
         if pass.fresh {
-            // Warm starting was an addition to the velocities, as if bodies had not turned. What acted at arms that turn
-            // has to turn too, or a pendulum gains energy.
+            // Warm starting added impulses as if bodies had not turned. They have to be turned with the arms,
+            // or a pendulum gains energy.
             let moment = [ra.cross(self.impulse), rb.cross(self.impulse)];
             v.wa -= self.ends.inverse_inertia[0].mul(moment[0] - self.moment[0]);
             v.wb += self.ends.inverse_inertia[1].mul(moment[1] - self.moment[1]);
@@ -131,39 +125,22 @@ impl<L: GatherLanes> PointBatch<L> {
         self.impulse += p;
         self.moment[0] += ta;
         self.moment[1] += tb;
-        self.ends.apply(&mut v, p, ta, tb);
-        // SAFETY: by the contract.
-        unsafe { self.ends.save(&v, motion) };
+        self.ends.apply(v, p, ta, tb);
     }
 
-    /// Moves the bodies so that the points are together.
-    ///
-    /// # Safety
-    /// No other thread works on the bodies of the batch, and none writes their displacements.
-    #[inline(never)]
-    pub(crate) unsafe fn close(&mut self, motion: &Motion<'_, '_>, most: f32) {
-        // SAFETY: by the contract.
-        let mut d = unsafe { self.ends.load(motion.delta) };
-        self.follow(&d);
-        let [ra, rb] = self.arm_now;
-        let p = -self.mass.mul(at_most(self.apart_now, most));
-        self.ends.apply(&mut d, p, ra.cross(p), rb.cross(p));
-        // SAFETY: by the contract.
-        unsafe { self.ends.save_moved(&d, motion) };
-    }
-
-    /// Arms, separation and mass after displacements.
     #[inline(always)]
-    fn follow(&mut self, d: &Pair<L>) {
-        let [ra, rb] = self.arm;
-        self.arm_now = [turned(d.wa, ra), turned(d.wb, rb)];
-        let [now_a, now_b] = self.arm_now;
-        self.apart_now = self.apart + (d.vb - d.va) + (now_b - rb) - (now_a - ra);
-        self.mass = inverse(&mobility(&self.ends, &self.arm_now));
+    fn correct(&self, d: &mut BodyPair<L>, most: Recovery) {
+        let [ra, rb] = self.arm_now;
+        let p = -self.mass.mul(at_most(self.apart_now, most.linear));
+        self.ends.apply(d, p, ra.cross(p), rb.cross(p));
+    }
+
+    fn report(&self, lane: usize, to: &mut impl Report) {
+        to.lock(self.ends.owner[lane], self.impulse.lane(lane));
     }
 }
 
-/// An error, or as much of it as is closed at once.
+/// Limits the part of an error that is corrected at once.
 #[inline(always)]
 pub(crate) fn at_most<L: Lanes>(error: Vec3<L>, most: f32) -> Vec3<L> {
     let (length, most) = (error.length(), L::splat(most));
@@ -177,17 +154,18 @@ pub(crate) struct TurnBatch<L, const HINGE: bool> {
     pub(crate) ends: Ends<L>,
     /// The axis on each body at the start of the step, if there is one.
     pub(crate) axis: [Vec3<L>; 2],
-    /// The first body's after the last substep.
+    /// That of the first body after the last substep.
     pub(crate) axis_now: Vec3<L>,
-    /// Rotation vector from the first to the second at the start of the step, and after the last substep [rad].
+    /// Rotation vector from the first to the second at the start of the step, and after the last substep
+    /// [rad].
     pub(crate) error: Vec3<L>,
     pub(crate) error_now: Vec3<L>,
     /// Angular impulse per error of angular velocity [kg m²].
     pub(crate) mass: Sym3<L>,
-    /// Of the last substep [N m s].
+    /// Angular impulse of the last substep [N m s].
     pub(crate) impulse: Vec3<L>,
-    /// The part of it that does not yield.
-    pub(crate) held: Vec3<L>,
+    /// The lasting part of it, which does not yield.
+    pub(crate) lasting: Vec3<L>,
 }
 
 impl<L: Lanes, const HINGE: bool> Default for TurnBatch<L, HINGE> {
@@ -202,55 +180,48 @@ impl<L: Lanes, const HINGE: bool> Default for TurnBatch<L, HINGE> {
             error_now: zero,
             mass: Sym3::default(),
             impulse: zero,
-            held: zero,
+            lasting: zero,
         }
     }
 }
 
-impl<L: Lanes, const HINGE: bool> Owned for TurnBatch<L, HINGE> {
-    type Load = glam::Vec3;
-    fn owners(&self) -> &[u32; 8] {
-        &self.ends.owner
-    }
-    fn load(&self, lane: usize) -> glam::Vec3 {
-        self.impulse.lane(lane)
-    }
-}
+impl<L: GatherLanes, const HINGE: bool> JointBatch<L> for TurnBatch<L, HINGE> {
+    const IS_LOCK: bool = true;
+    const SLIDES: bool = false;
 
-impl<L: GatherLanes, const HINGE: bool> TurnBatch<L, HINGE> {
-    /// Applies the impulses of the last step.
-    ///
-    /// # Safety
-    /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(never)]
-    pub(crate) unsafe fn warm_start(&self, motion: &Motion<'_, '_>) {
-        // SAFETY: by the contract.
-        unsafe {
-            let mut v = self.ends.load(motion.velocity);
-            self.ends.turn(&mut v, self.impulse);
-            self.ends.save(&v, motion);
+    fn ends(&self) -> &Ends<L> {
+        &self.ends
+    }
+
+    fn fill(&mut self, owners: &[u32], input: &JointInput<'_>) {
+        fill_turn(self, owners, input);
+    }
+
+    #[inline(always)]
+    fn follow(&mut self, d: &BodyPair<L>) {
+        if HINGE {
+            self.axis_now = turned(d.wa, self.axis[0]);
+            self.error_now = self.axis_now.cross(turned(d.wb, self.axis[1]));
+            self.mass = across(&self.ends.turning(), self.axis_now);
+        } else {
+            // A common rotation of both changes nothing.
+            self.error_now = self.error + (d.wb - d.wa);
         }
     }
 
-    /// One Gauss-Seidel step.
-    ///
-    /// # Safety
-    /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(never)] // See `JointRows::step`.
-    pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
-        if pass.moved {
-            // SAFETY: displacements are not written while rows are solved.
-            let d = unsafe { self.ends.load(motion.delta) };
-            self.follow(&d);
-        }
-        // SAFETY: by the contract.
-        let mut v = unsafe { self.ends.load(motion.velocity) };
+    #[inline(always)]
+    fn apply(&self, v: &mut BodyPair<L>) {
+        self.ends.turn(v, self.impulse);
+    }
+
+    #[inline(always)]
+    fn sweep(&mut self, v: &mut BodyPair<L>, pass: &JointPass) {
         if HINGE && pass.fresh {
-            // It bears nothing about its axis, which has turned.
+            // A hinge transmits nothing about its axis, which has turned.
             let about = self.axis_now * self.axis_now.dot(self.impulse);
             self.impulse -= about;
-            self.ends.turn(&mut v, -about);
-            self.held -= self.axis_now * self.axis_now.dot(self.held);
+            self.ends.turn(v, -about);
+            self.lasting -= self.axis_now * self.axis_now.dot(self.lasting);
         }
         let mut slip = v.wb - v.wa;
         if HINGE {
@@ -258,36 +229,16 @@ impl<L: GatherLanes, const HINGE: bool> TurnBatch<L, HINGE> {
         }
         let t = -self.mass.mul(slip);
         self.impulse += t;
-        self.ends.turn(&mut v, t);
-        // SAFETY: by the contract.
-        unsafe { self.ends.save(&v, motion) };
+        self.ends.turn(v, t);
     }
 
-    /// Turns the bodies as they are locked.
-    ///
-    /// # Safety
-    /// No other thread works on the bodies of the batch, and none writes their displacements.
-    #[inline(never)]
-    pub(crate) unsafe fn close(&mut self, motion: &Motion<'_, '_>, most: f32) {
-        // SAFETY: by the contract.
-        let mut d = unsafe { self.ends.load(motion.delta) };
-        self.follow(&d);
-        let t = -self.mass.mul(at_most(self.error_now, most));
-        self.ends.turn(&mut d, t);
-        // SAFETY: by the contract.
-        unsafe { self.ends.save_moved(&d, motion) };
-    }
-
-    /// Axis, error and mass after displacements.
     #[inline(always)]
-    fn follow(&mut self, d: &Pair<L>) {
-        if HINGE {
-            self.axis_now = turned(d.wa, self.axis[0]);
-            self.error_now = self.axis_now.cross(turned(d.wb, self.axis[1]));
-            self.mass = across(&self.ends.turning(), self.axis_now);
-        } else {
-            // What both turn together changes nothing.
-            self.error_now = self.error + (d.wb - d.wa);
-        }
+    fn correct(&self, d: &mut BodyPair<L>, most: Recovery) {
+        let t = -self.mass.mul(at_most(self.error_now, most.angular));
+        self.ends.turn(d, t);
+    }
+
+    fn report(&self, lane: usize, to: &mut impl Report) {
+        to.lock(self.ends.owner[lane], self.impulse.lane(lane));
     }
 }

@@ -1,22 +1,24 @@
-//! What rows of joints measure: a way along an axis, a distance, angles. Where the bodies are says the displacement, and in
-//! which direction an impulse acts on it; all of that turns within a step.
+//! What rows of joints measure: a displacement along an axis, a distance, or an angle; and the direction in
+//! which an impulse changes it. Both follow the bodies within a step.
 
 use super::ends::{Lever, mean, seen, turned};
 use super::fill::put;
-use crate::constraint::contact::row::Pair;
+use crate::constraint::contact::row::BodyPair;
 use crate::joint::{Axes, Axis, Placed};
 use crate::lanes::{GatherLanes, Lanes, Record, Vec3};
 
-/// What a row measures. The lever's arms are set before it is asked.
+/// A measure of a row. The lever's arms are set before it is called.
 pub(crate) trait Measure<L: Lanes>: Copy + Default {
-    /// An angle [rad] or a length [m].
+    /// Whether it is an angle [rad] or a length [m].
     const IS_ANGLE: bool;
-    /// Takes a lane as it is at the start of a step, and says the displacement if that does not follow from what it took.
+    /// Initialises a lane at the start of a step, and returns the displacement if that does not follow from
+    /// what it stored.
     fn place(&mut self, lane: usize, at: &Placed, axes: Axes) -> f32;
-    /// After displacements: sets force and torque of the lever, says the displacement. `start`: what `place` said.
-    fn follow(&mut self, d: &Pair<L>, lever: &mut Lever<L>, start: L) -> L;
-    /// How much faster the displacement changes in the mean over a time than it does now: directions turn.
-    fn bend(&self, v: &Pair<L>, lever: &Lever<L>, h: L) -> L;
+    /// Updates the measure after displacements: sets force and torque of the lever, and returns the
+    /// displacement. `start`: what `place` returned.
+    fn follow(&mut self, d: &BodyPair<L>, lever: &mut Lever<L>, start: L) -> L;
+    /// The mean speed of the displacement over a time, less its current one: directions turn.
+    fn bend(&self, v: &BodyPair<L>, lever: &Lever<L>, h: L) -> L;
     /// How fast the direction of a lane turns [rad/s].
     fn turns(&self, lane: usize, lever: &Lever<L>, v: [Record; 2]) -> f32 {
         let along = lever.force.lane(lane) + lever.torque.lane(lane);
@@ -24,7 +26,7 @@ pub(crate) trait Measure<L: Lanes>: Copy + Default {
     }
 }
 
-/// A way along an axis of the first body [m].
+/// A displacement along an axis of the first body [m].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slide<L> {
     axis: Vec3<L>,
@@ -49,13 +51,13 @@ impl<L: GatherLanes> Measure<L> for Slide<L> {
         axis.dot(at.apart)
     }
     #[inline(always)]
-    fn follow(&mut self, d: &Pair<L>, lever: &mut Lever<L>, start: L) -> L {
+    fn follow(&mut self, d: &BodyPair<L>, lever: &mut Lever<L>, start: L) -> L {
         self.axis_now = turned(d.wa, self.axis);
         (lever.force, lever.torque) = (self.axis_now, Vec3::zero());
         start + (self.axis_now.dot(lever.arm[0]) - self.axis.dot(self.arm))
     }
     #[inline(always)]
-    fn bend(&self, v: &Pair<L>, lever: &Lever<L>, h: L) -> L {
+    fn bend(&self, v: &BodyPair<L>, lever: &Lever<L>, h: L) -> L {
         self.axis_now.dot(seen(v, &lever.arm, h) - seen(v, &lever.arm, L::zero()))
     }
     fn turns(&self, lane: usize, _: &Lever<L>, v: [Record; 2]) -> f32 {
@@ -95,7 +97,7 @@ impl<L: GatherLanes> Measure<L> for Distance<L> {
         0.0
     }
     #[inline(always)]
-    fn follow(&mut self, d: &Pair<L>, lever: &mut Lever<L>, _: L) -> L {
+    fn follow(&mut self, d: &BodyPair<L>, lever: &mut Lever<L>, _: L) -> L {
         self.axis_now = turned(d.wa, self.axis);
         self.apart_now = self.across(lever.arm[0] - turned(d.wa, self.arm));
         let (length, along) = direction(self.apart_now, self.aside);
@@ -104,17 +106,17 @@ impl<L: GatherLanes> Measure<L> for Distance<L> {
         length
     }
     #[inline(always)]
-    fn bend(&self, v: &Pair<L>, lever: &Lever<L>, h: L) -> L {
+    fn bend(&self, v: &BodyPair<L>, lever: &Lever<L>, h: L) -> L {
         let speed = self.across(seen(v, &lever.arm, h));
         let now = self.across(seen(v, &lever.arm, L::zero()));
         lengthens(self.apart_now, self.along, speed, h) + self.along.dot(speed - now)
     }
-    /// With what is apart, the faster the nearer.
+    /// The direction turns with the separation, faster the nearer the points are.
     fn turns(&self, lane: usize, lever: &Lever<L>, v: [Record; 2]) -> f32 {
         let arm = lever.arm.map(|arm| arm.lane(lane));
         let speed = v[1].linear + v[1].angular.cross(arm[1]) - v[0].linear - v[0].angular.cross(arm[0]);
         let apart = self.apart_now.lane(lane).length();
-        // A point that is next to the other has any direction; it matters as far as arms turn.
+        // If the points coincide the direction is arbitrary, and only the rotation of the arms matters.
         speed.length() / apart.max(f32::MIN_POSITIVE)
     }
 }
@@ -148,8 +150,8 @@ impl<L: GatherLanes> Measure<L> for Twist<L> {
         at.twist(axis)
     }
     #[inline(always)]
-    fn follow(&mut self, d: &Pair<L>, lever: &mut Lever<L>, start: L) -> L {
-        // What turns about the middle of the two axes changes the twist, and nothing else does.
+    fn follow(&mut self, d: &BodyPair<L>, lever: &mut Lever<L>, start: L) -> L {
+        // Only rotation about the mean of the two axes changes the twist.
         let about = |[a, b]: [Vec3<L>; 2]| {
             let middle = L::one() + a.dot(b);
             let some = middle.gt(L::splat(1e-3));
@@ -160,7 +162,7 @@ impl<L: GatherLanes> Measure<L> for Twist<L> {
         start + (about(self.axis) + now).dot(d.wb - d.wa) * L::splat(0.5)
     }
     #[inline(always)]
-    fn bend(&self, _: &Pair<L>, _: &Lever<L>, _: L) -> L {
+    fn bend(&self, _: &BodyPair<L>, _: &Lever<L>, _: L) -> L {
         L::zero()
     }
 }
@@ -193,7 +195,7 @@ impl<L: GatherLanes> Measure<L> for Tilt<L> {
         0.0
     }
     #[inline(always)]
-    fn follow(&mut self, d: &Pair<L>, lever: &mut Lever<L>, _: L) -> L {
+    fn follow(&mut self, d: &BodyPair<L>, lever: &mut Lever<L>, _: L) -> L {
         let [a, b] = [turned(d.wa, self.axis[0]), turned(d.wb, self.axis[1])];
         let (sine, about) = direction(a.cross(b), self.aside);
         (self.axis_now, self.about, self.now) = ([a, b], about, angle(sine, a.dot(b)));
@@ -201,13 +203,13 @@ impl<L: GatherLanes> Measure<L> for Tilt<L> {
         self.now
     }
     #[inline(always)]
-    fn bend(&self, v: &Pair<L>, _: &Lever<L>, h: L) -> L {
+    fn bend(&self, v: &BodyPair<L>, _: &Lever<L>, h: L) -> L {
         let after = |w: Vec3<L>, axis| axis + mean(Vec3::zero(), w, axis, h) * h;
         let [a, b] = [after(v.wa, self.axis_now[0]), after(v.wb, self.axis_now[1])];
         let moved = angle(a.cross(b).length(), a.dot(b)) - self.now;
-        // Near the middle of the cone the direction turns too far.
-        let way = (v.wb - v.wa).length() * h;
-        let some = h.gt(L::zero()) & (way + way).lt(self.now);
+        // Near the axis of the cone the direction turns too far.
+        let path = (v.wb - v.wa).length() * h;
+        let some = h.gt(L::zero()) & (path + path).lt(self.now);
         L::select(some, moved / L::select(some, h, L::one()) - self.about.dot(v.wb - v.wa), L::zero())
     }
 }
@@ -217,7 +219,7 @@ impl<L: GatherLanes> Measure<L> for Tilt<L> {
 pub(crate) struct Turn<L> {
     /// Rotation vector from the first body to the second.
     error: Vec3<L>,
-    /// How much of a small turn across it is seen in it.
+    /// Share of a small rotation across the vector that shows in it.
     share: L,
     aside: Vec3<L>,
     error_now: Vec3<L>,
@@ -243,7 +245,7 @@ impl<L: GatherLanes> Measure<L> for Turn<L> {
         0.0
     }
     #[inline(always)]
-    fn follow(&mut self, d: &Pair<L>, lever: &mut Lever<L>, _: L) -> L {
+    fn follow(&mut self, d: &BodyPair<L>, lever: &mut Lever<L>, _: L) -> L {
         let about = direction(self.error, self.aside).1;
         let error = self.error + self.seen(about, d.wb - d.wa);
         let (length, about) = direction(turned((d.wa + d.wb) * L::splat(0.5), error), self.aside);
@@ -252,14 +254,14 @@ impl<L: GatherLanes> Measure<L> for Turn<L> {
         length
     }
     #[inline(always)]
-    fn bend(&self, v: &Pair<L>, _: &Lever<L>, h: L) -> L {
+    fn bend(&self, v: &BodyPair<L>, _: &Lever<L>, h: L) -> L {
         let speed = self.seen(self.about, v.wb - v.wa);
         lengthens(self.error_now, self.about, speed, h)
     }
 }
 
 impl<L: Lanes> Turn<L> {
-    /// How a rotation vector changes, but for what both bodies turn together.
+    /// Rate of a rotation vector, without the common rotation of both bodies.
     #[inline(always)]
     fn seen(&self, about: Vec3<L>, w: Vec3<L>) -> Vec3<L> {
         let own = about * about.dot(w);
@@ -274,7 +276,7 @@ fn axis_of(axes: Axes) -> Axis {
     }
 }
 
-/// Length and direction; what has none has that of `aside`.
+/// Length and direction; a zero vector has the direction of `aside`.
 #[inline(always)]
 fn direction<L: Lanes>(v: Vec3<L>, aside: Vec3<L>) -> (L, Vec3<L>) {
     let length = v.length();
@@ -282,19 +284,20 @@ fn direction<L: Lanes>(v: Vec3<L>, aside: Vec3<L>) -> (L, Vec3<L>) {
     (length, Vec3::select(some, v * (L::one() / L::select(some, length, L::one())), aside))
 }
 
-/// How much faster a vector gets longer in the mean over a time, in which it changes at a speed, than it does at its start.
-/// Of what would turn too far nothing is known: no row in the direction as it is now could take that back.
+/// The mean rate at which a vector lengthens over a time in which it changes at a constant velocity, less
+/// that at its start. Zero if it would turn too far: no row along its current direction could correct for
+/// that.
 #[inline(always)]
 fn lengthens<L: Lanes>(v: Vec3<L>, along: Vec3<L>, speed: Vec3<L>, h: L) -> L {
-    // (|v + h s| - |v|) / h, without the difference.
-    let way = speed * h;
-    let (end, length) = (v + way, v.length());
-    let some = (way.length_squared() * L::splat(4.0)).lt(length * length);
+    // (|v + h s| - |v|) / h, without cancellation.
+    let path = speed * h;
+    let (end, length) = (v + path, v.length());
+    let some = (path.length_squared() * L::splat(4.0)).lt(length * length);
     let sum = length + end.length();
     L::select(some, (v + end).dot(speed) / L::select(some, sum, L::one()) - along.dot(speed), L::zero())
 }
 
-/// Of a sine, not below zero, and a cosine of the same length of vector: in 0..=pi, to 1e-6.
+/// The angle of a nonnegative sine and a cosine with a common factor: in 0..=pi, to 1e-6.
 #[inline(always)]
 fn angle<L: Lanes>(sine: L, cosine: L) -> L {
     let (s, c) = (sine, cosine.abs());

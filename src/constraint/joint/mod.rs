@@ -3,6 +3,7 @@
 pub(crate) mod arrange;
 pub(crate) mod ends;
 pub(crate) mod fill;
+pub(crate) mod kinds;
 pub(crate) mod line;
 pub(crate) mod lock;
 pub(crate) mod measure;
@@ -10,3 +11,5 @@ pub(crate) mod nets;
 pub(crate) mod rates;
 pub(crate) mod row;
 pub(crate) mod run;
+pub(crate) mod store;
+pub(crate) mod table;

@@ -1,14 +1,15 @@
-//! What hangs together by joints, and a bound on its energy where something turns too fast for the substep.
+//! Nets of joined bodies, and a bound on their energy where directions turn too fast for the substep.
 //!
-//! Joints do no work. Their rows know that for the directions which they have at the start of a substep, and for how these bend
-//! within it as far as a series goes: by a tenth of a radian or so. Beyond that, what they push has little to do with what would
-//! hold the joint; in some positions it adds energy, and the next substep adds more to it. Two balls on a slider came from
-//! 300 m/s to 43 km/s within two seconds. No substep that a game can pay for follows that. So where directions turn by more than
-//! [`FOLLOWED`], joints may take energy but give none: after a substep all that hangs together has no more than before, but for
-//! what motors gave. What exceeds that is taken from all of its velocities alike, except for the motion of the whole.
+//! Joints do no work. For their rows this holds with the directions at the start of a substep, and with how
+//! these bend within it as far as a series goes: for a tenth of a radian or so. Beyond that, their impulses
+//! have little to do with what would hold the joint; in some positions they add energy, and the next substep
+//! adds more. Two balls on a slider came from 300 m/s to 43 km/s within two seconds. No substep that a game
+//! can pay for follows that. So where directions turn by more than [`FOLLOWED`], joints may take energy but
+//! give none: after a substep a net has no more than before, except for what motors gave. Any excess is
+//! removed from all of its velocities in proportion, except for the motion of the centre of mass.
 //!
-//! Energy is kinetic, that of what pulls, and that of springs. Of the last a stiff spring can give back less than it holds: what
-//! its displacement is worth as a speed over a substep.
+//! Energy is kinetic energy, the potential of external forces, and that of springs. A stiff spring can give
+//! back less than it stores: what its displacement is worth as a speed over a substep.
 
 use super::arrange::JointStage;
 use super::ends::Recovery;
@@ -21,34 +22,36 @@ use crate::lanes::Record;
 use crate::memory::{Buffer, bytes_of};
 use glam::{DVec3, Vec3};
 
-/// How far directions of rows may turn in a substep for their bend to be known [rad].
+/// Angle up to which rows account for the rotation of their directions in a substep [rad].
 pub(crate) const FOLLOWED: f32 = 0.1;
-/// The velocities along the chord of a circle have more energy than those at its ends: by as much, where rows know of it.
+/// Velocities along the chord of a circle have more energy than those at its ends: by this factor, where rows
+/// account for it.
 const CHORD: f64 = 2.0;
-/// So many times the energy that there may be is no error of directions: nothing is left of what rows asked for.
+/// An excess by this factor is no error of directions: the result has nothing to do with what rows requested.
 const WILD: f64 = 100.0;
-/// What is faster than this [m/s] or [rad/s] is as good as no number.
+/// Velocities above this [m/s] or [rad/s] are as good as not finite.
 const RUNAWAY: f32 = 1e6;
-/// Share of its energy that a net has to lose to be counted: less is rounding.
+/// A loss of a smaller share of its energy is rounding, and not counted.
 const COUNTED: f64 = 1e-4;
 
-/// All that hangs together is a ring, and is named by one body of it, its root.
+/// A body of a net. Each net is a circular list, and named by one of its bodies, the root.
 #[derive(Clone, Copy, Debug, Default)]
 struct Member {
     root: u32,
     next: u32,
-    /// Of a root: the most energy that there may be, and that of motion and springs at the start of the substep [J].
+    /// For a root: the maximum energy, and that of motion and springs at the start of the substep [J].
     most: f32,
     moving: f32,
-    /// What springs hold [J].
+    /// Energy of springs [J].
     held: f32,
     flags: u32,
     /// Velocity before joints acted in the substep.
     start: Record,
 }
 
-/// Of a root: it hangs on or touches what can't be moved; that moves; bodies turn fast enough to be looked at; rows turn too fast;
-/// it lost energy in this step; it was bound in the substep before; it went wild.
+/// Flags of a root: it is joined to or touches a body that can't be pushed; that body moves; bodies turn fast
+/// enough to be checked; rows turn too fast; it lost energy in this step; it was limited in the substep
+/// before; it diverged.
 const HELD: u32 = 1;
 const CARRIED: u32 = 2;
 const SWIFT: u32 = 8;
@@ -57,7 +60,7 @@ const DAMPED: u32 = 32;
 const BOUND: u32 = 64;
 const WILDLY: u32 = 128;
 
-/// Nets of bodies that hang together.
+/// All nets.
 #[derive(Debug, Default)]
 pub(crate) struct Nets {
     all: Vec<Member>,
@@ -65,27 +68,27 @@ pub(crate) struct Nets {
     any_bound: bool,
 }
 
-/// What a look at nets reads.
+/// Input of the check.
 pub(crate) struct NetInput<'a, 'b> {
     pub(crate) views: &'a JointViews<'b>,
     pub(crate) stages: &'a [JointStage],
     pub(crate) motion: &'a Motion<'a, 'b>,
     pub(crate) pose: &'a [Pose],
     pub(crate) mass: &'a [Mass],
-    /// What pulls; empty if nothing does.
+    /// Acceleration by external forces; empty if there is none.
     pub(crate) pull: &'a [Record],
     /// Substep [s].
     pub(crate) h: f32,
     pub(crate) recovery: Recovery,
 }
 
-/// What a net has at a moment.
+/// State of a net at one moment.
 #[derive(Clone, Copy, Debug, Default)]
 struct Ledger {
     mass: f64,
     momentum: DVec3,
     kinetic: f64,
-    /// Of what pulls, from where bodies were at the start of the step.
+    /// Potential energy of external forces, relative to the start of the step.
     potential: f64,
 }
 
@@ -95,17 +98,17 @@ impl NetInput<'_, '_> {
         unsafe { self.motion.velocity.read(body) }
     }
 
-    /// Velocity of a body, that before joints acted, and its displacement.
+    /// Velocity of a body, the same before joints acted, and its displacement.
     ///
     /// # Safety
-    /// Between stages only, and as long as no other of the body is held.
+    /// Between stages only, and while no other reference to the body is held.
     #[allow(clippy::mut_from_ref, reason = "the contract is the caller's, see `Shared::get`")]
     unsafe fn all(&self, body: usize) -> (&mut Record, &mut Record, &mut Record) {
         // SAFETY: by the contract.
         unsafe { (self.motion.velocity.get(body), self.motion.base.get(body), self.motion.delta.get(body)) }
     }
 
-    /// What a body may have while an error is taken back [J].
+    /// Energy that a body may have while an error is corrected [J].
     fn closing_energy(&self, body: usize) -> f64 {
         let (mass, Recovery { linear, angular }) = (&self.mass[body], self.recovery);
         let m = if mass.inverse > 0.0 { 1.0 / f64::from(mass.inverse) } else { 0.0 };
@@ -123,8 +126,9 @@ impl NetInput<'_, '_> {
         let d = unsafe { self.motion.delta.read(body) };
         let (mass, pose, pull) = (&self.mass[body], &self.pose[body], self.pull_of(body));
         let m = if mass.inverse > 0.0 { 1.0 / f64::from(mass.inverse) } else { 0.0 };
-        // What is in trees that keep their energy has turned already; the inertia of others turns at the end of the step.
-        let turn = if d.pad1 != 0.0 { exp_map(d.angular) * pose.rotation } else { pose.rotation };
+        // Bodies of trees that conserve energy have turned already; the inertia of others turns at the end of
+        // the step.
+        let turn = if d.is_turned() { exp_map(d.angular) * pose.rotation } else { pose.rotation };
         let spin_energy = |a: Vec3, b: Vec3| {
             let [a, b] = [a, b].map(|x| turn.conjugate() * x);
             let inertia = Vec3::select(mass.inverse_inertia.cmpgt(Vec3::ZERO), mass.inertia, Vec3::ZERO);
@@ -139,7 +143,7 @@ impl NetInput<'_, '_> {
 }
 
 impl Nets {
-    /// Calls `f` with the buffer and the place that it needs for so many bodies that can be pushed.
+    /// Calls `f` with the buffer and the capacity that it needs for so many dynamic bodies.
     pub(crate) fn each(&mut self, dynamic: usize, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
         f(&mut self.all, dynamic);
     }
@@ -147,7 +151,7 @@ impl Nets {
         bytes_of(&self.all)
     }
 
-    /// How many lost energy in the step.
+    /// Number of nets that lost energy in the step.
     pub(crate) fn damped(&self) -> u32 {
         if !self.linked {
             return 0;
@@ -155,7 +159,7 @@ impl Nets {
         self.all.iter().filter(|member| member.flags & DAMPED != 0).count() as u32
     }
 
-    /// At the start of a step.
+    /// Resets the nets at the start of a step.
     pub(crate) fn start(&mut self) {
         *self = Nets { all: std::mem::take(&mut self.all), ..Nets::default() };
     }
@@ -168,7 +172,8 @@ impl Nets {
         at as usize
     }
 
-    /// Joins what is joined or touches: contacts do no work either, but carry energy from one body to another.
+    /// Links bodies that are joined or touch: contacts do no work either, but carry energy from one body to
+    /// another.
     fn link(&mut self, input: &NetInput<'_, '_>, contacts: &Views<'_>, dynamic: usize) {
         self.all.clear();
         self.all.extend((0..dynamic as u32).map(|i| Member { root: i, next: i, ..Member::default() }));
@@ -184,7 +189,7 @@ impl Nets {
                         for lane in 0..8 {
                             let moves = [batch.write_a, batch.write_b].map(|write| write >> lane & 1 != 0);
                             let moves = [moves[0], moves[1] && b.is_some()];
-                            // Rows against what stands still don't know it.
+                            // Rows with static bodies do not store them.
                             let bodies = [batch.a[lane], b.map_or(u32::MAX, |b| b[lane])];
                             self.tie(input, Link { bodies, moves });
                         }
@@ -204,7 +209,7 @@ impl Nets {
             [true, true] => {
                 let [a, b] = bodies.map(|body| self.root(body));
                 if a != b {
-                    // The lower one, whatever the order.
+                    // The lower root, whatever the order.
                     let (low, high) = (a.min(b), a.max(b));
                     self.all[high].root = low as u32;
                     let next = self.all[low].next;
@@ -233,7 +238,7 @@ impl Nets {
         }
     }
 
-    /// Looks which nets turn fast, and what energy they have before the rows of a substep.
+    /// Finds the nets that turn fast, and their energy before the rows of a substep.
     #[cold]
     #[inline(never)]
     pub(crate) fn begin(
@@ -265,14 +270,14 @@ impl Nets {
             });
             let given = self.ledger(input, root, |body| self.all[body].start).kinetic;
             let member = &mut self.all[root];
-            // What a spring was stretched by beyond that in the substep before can't be taken back.
+            // Energy by which a spring was stretched beyond that in the substep before can't be taken back.
             let start = (now.kinetic + now.potential) as f32 + member.held;
             member.most = if member.flags & BOUND != 0 { member.most.min(start) } else { start };
             member.moving = given.max(now.kinetic) as f32 + member.held;
         }
     }
 
-    /// What springs hold and, when it is done, what motors gave in the substep.
+    /// Sums the energy of springs; if `done`, also what motors gave in the substep.
     fn sum_springs(&mut self, input: &NetInput<'_, '_>, done: bool) {
         self.all.iter_mut().for_each(|member| member.held = 0.0);
         visit(input.views, input.stages, &mut |batch: &mut dyn Watched| {
@@ -308,14 +313,14 @@ impl Nets {
         }
     }
 
-    /// After a substep in which none was looked at.
+    /// After a substep without a check.
     pub(crate) fn rest(&mut self) {
         if std::mem::take(&mut self.any_bound) {
             self.all.iter_mut().for_each(|member| member.flags &= !BOUND);
         }
     }
 
-    /// Before bodies move: no net goes farther than its energy may take it.
+    /// Before bodies move: limits how far a net moves by its energy.
     #[cold]
     #[inline(never)]
     pub(crate) fn hold_back(&mut self, input: &NetInput<'_, '_>, swift: &dyn Fn(&Record) -> bool) {
@@ -323,11 +328,11 @@ impl Nets {
         for root in 0..self.all.len() {
             let Member { root: own, flags, moving, .. } = self.all[root];
             if own as usize == root && flags & SWIFT != 0 {
-                // What takes errors back is no speed that lasts.
+                // The speed that corrects errors does not last.
                 let mut closing = 0.0;
                 self.around(root, |body| closing += input.closing_energy(body));
                 let most = CHORD * f64::from(moving) + closing;
-                self.bound(input, root, (most, most));
+                self.bound(input, root, most);
             }
         }
         self.forget_wild(input);
@@ -348,7 +353,7 @@ impl Nets {
             if own as usize == root && flags & SWIFT != 0 {
                 let potential = self.ledger(input, root, |body| input.velocity(body)).potential;
                 let most = f64::from(most - held) - potential;
-                self.bound(input, root, (most, most));
+                self.bound(input, root, most);
             }
         }
         self.forget_wild(input);
@@ -360,9 +365,9 @@ impl Nets {
         ledger
     }
 
-    /// If a net that turns too fast has more kinetic energy than the first, it is left with the second. What has far more, or none
-    /// that is a number, goes on as one piece that does not turn.
-    fn bound(&mut self, input: &NetInput<'_, '_>, root: usize, (most, left): (f64, f64)) {
+    /// Limits the kinetic energy of a net that turns too fast [J]. A net with far more, or with an energy
+    /// that is not finite, moves on as one rigid piece without rotation.
+    fn bound(&mut self, input: &NetInput<'_, '_>, root: usize, most: f64) {
         let flags = self.all[root].flags;
         let followed = flags & FAST == 0 || flags & CARRIED != 0;
         let now = self.ledger(input, root, |body| input.velocity(body));
@@ -372,7 +377,7 @@ impl Nets {
             fastest = fastest.max(v.linear.abs().max(v.angular.abs()).max_element());
         });
         let far = most.max(0.0) * WILD + now.mass;
-        // The motion of the whole is that before joints acted: they don't change it.
+        // The motion of the centre of mass is that before joints acted: they don't change it.
         let whole = self.ledger(input, root, |body| self.all[body].start);
         let free = flags & HELD == 0 && now.mass > 0.0;
         let mean_of = |of: &Ledger| if free { of.momentum / of.mass } else { DVec3::ZERO };
@@ -382,8 +387,8 @@ impl Nets {
             self.around(root, |body| {
                 // SAFETY: between stages this thread is alone.
                 let (v, base, d) = unsafe { input.all(body) };
-                // It does not go where it was expected, though no row will show it.
-                d.pad0 = 1.0;
+                // It leaves its predicted path, though no row shows that.
+                d.set_touched();
                 v.linear = mean.as_vec3();
                 v.angular = Vec3::ZERO;
                 *base = *v;
@@ -403,22 +408,23 @@ impl Nets {
         }
         let own = mean_of(&now);
         let energy_of = |mean: DVec3| 0.5 * now.mass * mean.length_squared();
-        let share = (left - energy_of(mean)).max(0.0) / (now.kinetic - energy_of(own)).max(f64::MIN_POSITIVE);
+        let share = (most - energy_of(mean)).max(0.0) / (now.kinetic - energy_of(own)).max(f64::MIN_POSITIVE);
         let (own, mean, share) = (own.as_vec3(), mean.as_vec3(), share.min(1.0).sqrt() as f32);
         self.around(root, |body| {
             // SAFETY: between stages this thread is alone.
             let (v, base, d) = unsafe { input.all(body) };
-            d.pad0 = 1.0;
+            d.set_touched();
             let old = *v;
             v.linear = mean + (v.linear - own) * share;
             v.angular *= share;
-            // What rows gave is warm-started as before.
+            // Impulses of rows are warm-started as before.
             base.linear += v.linear - old.linear;
             base.angular += v.angular - old.angular;
         });
     }
 
-    /// What joints of nets pushed that went wild is forgotten: as a warm start it would drive them ever faster.
+    /// Clears the impulses of joints in nets that diverged: as a warm start they would drive them ever
+    /// faster.
     fn forget_wild(&mut self, input: &NetInput<'_, '_>) {
         if !self.all.iter().any(|member| member.flags & WILDLY != 0) {
             return;

@@ -1,19 +1,22 @@
-//! What a look at nets asks of each batch of joints: whom it joins, how fast its directions turn, what its springs hold.
+//! What the check of nets needs from each batch of joints: the bodies it joins, how fast its directions turn,
+//! the energy of its springs.
 
-use super::arrange::{JointStage, JointType};
+use super::arrange::JointStage;
 use super::ends::{Ends, NONE};
+use super::kinds::JointType;
 use super::line::LineBatch;
 use super::lock::{PointBatch, TurnBatch};
 use super::measure::Measure;
 use super::nets::FOLLOWED;
 use super::row::RowBatch;
 use super::run::JointViews;
-use crate::constraint::articulation::tree::{TreeBatch, Turns};
+use crate::constraint::articulation::node::{Node, Turns};
+use crate::constraint::articulation::tree::TreeBatch;
 use crate::constraint::contact::row::Motion;
 use crate::lanes::{GatherLanes, Lanes, Mask, Record};
 use glam::Vec3;
 
-/// Two bodies that are joined, by their indices, and which of them can be pushed.
+/// The indices of two joined bodies, and which of them can be pushed.
 pub(crate) struct Link {
     pub(crate) bodies: [u32; 2],
     pub(crate) moves: [bool; 2],
@@ -22,15 +25,17 @@ pub(crate) struct Link {
 /// A batch of joints.
 pub(crate) trait Watched {
     fn links(&self, f: &mut dyn FnMut(Link));
-    /// Calls `f` with a body of each joint of which a direction turns too far in a substep.
+    /// Calls `f` with a body of each joint with a direction that turns too far in a substep.
     fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32));
     /// Calls `f` with a body of each tree whose rotation was not followed in the substep.
     fn lost(&self, _motion: &Motion<'_, '_>, _h: f32, _f: &mut dyn FnMut(u32)) {}
-    /// Calls `f` with a body of each lock that still opens after velocities were relaxed: passes over its rows did not agree.
+    /// Calls `f` with a body of each lock whose error still grows after velocities were relaxed: its rows did
+    /// not converge.
     fn unsolved(&self, _motion: &Motion<'_, '_>, _f: &mut dyn FnMut(u32)) {}
-    /// Takes away what joints of some bodies pushed.
+    /// Clears the impulses of the joints of some bodies.
     fn forget(&mut self, of: &dyn Fn(u32) -> bool);
-    /// Calls `f` with a body of each spring or motor, what it can give back and what it gives in a substep [J].
+    /// Calls `f` with a body of each spring or motor, the energy it can give back and the energy it gives in
+    /// a substep [J].
     fn stored(&self, _h: f32, _f: &mut dyn FnMut(u32, [f32; 2])) {}
 }
 
@@ -53,7 +58,7 @@ impl<L: Lanes> Ends<L> {
         }
     }
 
-    /// A body of a lane that can be pushed.
+    /// A dynamic body of a lane.
     fn one(&self, lane: usize) -> u32 {
         self.body[usize::from(self.write[0] >> lane & 1 == 0)][lane]
     }
@@ -64,7 +69,7 @@ impl<L: Lanes> Ends<L> {
         L::Mask::from_bits(lanes.map(|lane| 1 << lane).sum())
     }
 
-    /// Calls `f` with a body of each lane in which more of a speed is left than there may be.
+    /// Calls `f` with a body of each lane in which more of a speed is left than tolerated.
     fn unsolved(
         &self,
         motion: &Motion<'_, '_>,
@@ -81,7 +86,8 @@ impl<L: Lanes> Ends<L> {
         });
     }
 
-    /// Calls `f` with a body of each lane in which `turn`, of the velocities there, is too far [rad/s].
+    /// Calls `f` with a body of each lane that turns too far; `turn`: angular speed by the velocities of its
+    /// bodies [rad/s].
     fn too_fast(
         &self,
         motion: &Motion<'_, '_>,
@@ -92,7 +98,7 @@ impl<L: Lanes> Ends<L> {
         self.each(&mut |lane, link| {
             // SAFETY: between stages this thread is alone.
             let v = link.bodies.map(|body| unsafe { motion.velocity.read(body as usize) });
-            // What is no number turns too far.
+            // NaN counts as too far.
             if exceeds(turn(lane, v) * h, FOLLOWED) {
                 f(self.one(lane));
             }
@@ -107,19 +113,19 @@ fn clear<L: Lanes, const N: usize>(lanes: L::Mask, all: [&mut crate::lanes::Vec3
 /// Share of the speeds at a lock that may be left between its bodies.
 const LEFT: f32 = 0.01;
 
-/// How fast two points go apart, and how fast they go.
+/// The relative velocity of two points, and the sum of the speeds it consists of.
 fn slip(v: [Record; 2], arms: [Vec3; 2]) -> (Vec3, f32) {
     let round = [0, 1].map(|i| v[i].angular.cross(arms[i]));
     let apart = v[1].linear - v[0].linear;
     (apart + round[1] - round[0], apart.length() + round[0].length() + round[1].length())
 }
 
-/// The same of axes that turn.
+/// The same for angular velocities.
 fn turn_apart(v: [Record; 2]) -> (Vec3, f32) {
     (v[1].angular - v[0].angular, v[0].angular.length() + v[1].angular.length())
 }
 
-/// How fast arms turn, the longer one for the measure [rad/s].
+/// Angular speed of the arms, relative to the longer one [rad/s].
 fn turn_of_arms(v: [Record; 2], arms: [Vec3; 2]) -> f32 {
     let longest = arms[0].length().max(arms[1].length());
     let speed = v[0].angular.cross(arms[0]).length().max(v[1].angular.cross(arms[1]).length());
@@ -135,7 +141,7 @@ impl<L: GatherLanes> Watched for PointBatch<L> {
     }
     fn forget(&mut self, of: &dyn Fn(u32) -> bool) {
         let lanes = self.ends.lanes_of(of);
-        clear(lanes, [&mut self.impulse, &mut self.held]);
+        clear(lanes, [&mut self.impulse, &mut self.lasting]);
         clear(lanes, self.moment.each_mut());
     }
     fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
@@ -158,7 +164,7 @@ impl<L: GatherLanes> Watched for LineBatch<L> {
     }
     fn forget(&mut self, of: &dyn Fn(u32) -> bool) {
         let lanes = self.ends.lanes_of(of);
-        clear(lanes, [&mut self.impulse, &mut self.held]);
+        clear(lanes, [&mut self.impulse, &mut self.lasting]);
         clear(lanes, self.moment.each_mut());
     }
     fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
@@ -184,12 +190,12 @@ impl<L: GatherLanes, const HINGE: bool> Watched for TurnBatch<L, HINGE> {
     }
     fn forget(&mut self, of: &dyn Fn(u32) -> bool) {
         let lanes = self.ends.lanes_of(of);
-        clear(lanes, [&mut self.impulse, &mut self.held]);
+        clear(lanes, [&mut self.impulse, &mut self.lasting]);
     }
     fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
         let turn = |lane: usize, v: [Record; 2]| {
             let axis = self.axis_now.lane(lane);
-            // What is welded turns as one: by as much as it does not.
+            // Welded bodies turn as one: only the difference counts.
             if HINGE {
                 v[0].angular.cross(axis).length().max(v[1].angular.cross(axis).length())
             } else {
@@ -208,7 +214,7 @@ impl<L: GatherLanes, M: Measure<L>> Watched for RowBatch<L, M> {
         let left = |lane: usize, v: [Record; 2]| {
             let (force, torque) = (self.lever.force.lane(lane), self.lever.torque.lane(lane));
             let (along, turn) = (slip(v, self.lever.arm.map(|arm| arm.lane(lane))), turn_apart(v));
-            // Only what has no width has to stay.
+            // Only a range without width is a lock.
             let locked = if self.both >> lane & 1 != 0 { 1.0 } else { 0.0 };
             let speed = force.dot(along.0) + torque.dot(turn.0);
             (Vec3::X * (locked * speed), along.1 * force.length() + turn.1 * torque.length())
@@ -218,7 +224,7 @@ impl<L: GatherLanes, M: Measure<L>> Watched for RowBatch<L, M> {
     fn forget(&mut self, of: &dyn Fn(u32) -> bool) {
         let lanes = self.ends.lanes_of(of);
         self.impulse = self.impulse.map(|impulse| L::select(lanes, L::zero(), impulse));
-        self.held = L::select(lanes, L::zero(), self.held);
+        self.lasting = L::select(lanes, L::zero(), self.lasting);
         self.resume();
     }
     fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
@@ -232,32 +238,40 @@ impl<L: GatherLanes, M: Measure<L>> Watched for RowBatch<L, M> {
             let numbers = [self.pull, self.give, self.speed, self.most].map(|x| x.lane(lane));
             let most = if drive { numbers[3] } else { f32::INFINITY };
             let [pull, give, speed, _] = numbers;
-            let spring = [pull, give, speed, most, self.mobility.lane(lane)];
-            f(self.ends.one(lane), held_by(spring, over, self.impulse[0].lane(lane), h));
+            let spring = Spring { pull, give, speed, most, mobility: self.mobility.lane(lane) };
+            f(self.ends.one(lane), spring.energy(over, self.impulse[0].lane(lane), h));
         }
     }
 }
 
-/// What a spring can give back, and what it gives by the speed that it is asked for [J]: of its numbers as a row has them, its
-/// displacement and its impulse.
-pub(crate) fn held_by(
-    [pull, give, speed, most, mobility]: [f32; 5],
-    over: f32,
-    impulse: f32,
-    h: f32,
-) -> [f32; 2] {
-    if give <= 0.0 {
-        // A motor that does not yield.
-        return [0.0, (impulse * speed).max(0.0)];
+/// A spring or a motor as a row has it: see [`RowBatch`].
+struct Spring {
+    pull: f32,
+    give: f32,
+    speed: f32,
+    most: f32,
+    /// Speed per impulse of what it acts on.
+    mobility: f32,
+}
+
+impl Spring {
+    /// The energy that it can give back, and what it gives by its target speed [J]. `over`: its displacement;
+    /// `impulse`: of the last substep of `h` seconds.
+    fn energy(&self, over: f32, impulse: f32, h: f32) -> [f32; 2] {
+        let &Spring { pull, give, speed, most, mobility } = self;
+        if give <= 0.0 {
+            // A motor that does not yield.
+            return [0.0, (impulse * speed).max(0.0)];
+        }
+        let d = 1.0 / (h * give);
+        let k = pull * d;
+        let c = d - h * k;
+        let k = k / (1.0 + h * h * k * mobility);
+        let force = most / h;
+        let held = if k * over <= force { 0.5 * k * over * over } else { force * (over - 0.5 * force / k) };
+        let asked = if c > 1e-6 * d { speed * d / c } else { 0.0 };
+        [held, (impulse * asked).max(0.0)]
     }
-    let d = 1.0 / (h * give);
-    let k = pull * d;
-    let c = d - h * k;
-    let k = k / (1.0 + h * h * k * mobility);
-    let force = most / h;
-    let held = if k * over <= force { 0.5 * k * over * over } else { force * (over - 0.5 * force / k) };
-    let asked = if c > 1e-6 * d { speed * d / c } else { 0.0 };
-    [held, (impulse * asked).max(0.0)]
 }
 
 impl<L: GatherLanes> Watched for TreeBatch<L> {
@@ -284,7 +298,8 @@ impl<L: GatherLanes> Watched for TreeBatch<L> {
     }
     fn turning(&self, motion: &Motion<'_, '_>, h: f32, f: &mut dyn FnMut(u32)) {
         let in_parts = if self.is_cut() { FOLLOWED } else { FOLLOWED_IN_PARTS };
-        // What is watched has a way of its own to lose energy (see `joint_damp`).
+        // Watched trees lose energy in a way of their own (see
+        // [`damp`](crate::constraint::articulation::damp)).
         self.each_turn(motion, !self.watched, &mut |body, lane, turn| {
             let most = if self.exact >> lane & 1 != 0 { in_parts } else { FOLLOWED };
             if exceeds(turn * h, most) {
@@ -309,21 +324,21 @@ impl<L: GatherLanes> Watched for TreeBatch<L> {
             let axis = node.axis_now[0];
             let turned = above.map_or(node.anchor_moved, |above| above.moved).angular;
             let off = motor.off + (node.axis[0] + axis).dot(node.moved.angular - turned) * L::splat(0.5);
-            let gives =
-                |of: &crate::constraint::articulation::tree::Node<L>| axis.dot(of.braced_inverse.mul(axis));
+            let gives = |of: &Node<L>| axis.dot(of.stiffened_inverse.mul(axis));
             let mobility = gives(own) + above.map_or(L::zero(), gives);
             for lane in (0..L::N).filter(|lane| own.write >> lane & 1 != 0) {
                 let [pull, give, speed, most] =
                     [motor.pull, motor.give, motor.speed, motor.most].map(|x| x.lane(lane));
-                let spring = [pull, give, speed, most, mobility.lane(lane)];
-                f(own.body[lane], held_by(spring, off.lane(lane).abs(), motor.impulse.lane(lane), h));
+                let spring = Spring { pull, give, speed, most, mobility: mobility.lane(lane) };
+                f(own.body[lane], spring.energy(off.lane(lane).abs(), motor.impulse.lane(lane), h));
             }
         }
     }
 }
 
 impl<L: GatherLanes> TreeBatch<L> {
-    /// Calls `f` with a body of each joint in some lanes, its lane, and how fast its arms or its axis turn [rad/s].
+    /// Calls `f` with a body of each joint in some lanes, its lane, and the angular speed of its arms or its
+    /// axis [rad/s].
     fn each_turn(&self, motion: &Motion<'_, '_>, lanes: u32, f: &mut dyn FnMut(u32, usize, f32)) {
         for (i, node) in self.nodes.iter().enumerate().filter(|(_, node)| node.jointed) {
             let own = &self.nodes[self.body_of(i)];
@@ -343,35 +358,25 @@ impl<L: GatherLanes> TreeBatch<L> {
     }
 }
 
-/// How far bodies of trees that keep their energy may turn: these are followed in parts.
+/// Angle up to which bodies of trees that conserve energy are followed, in parts [rad].
 const FOLLOWED_IN_PARTS: f32 = 4.0;
 
 impl JointViews<'_> {
     /// # Safety
     /// No other thread works on the batch.
     unsafe fn with(&self, stage: &JointStage, i: usize, f: &mut dyn FnMut(&mut dyn Watched)) {
-        macro_rules! go {
-            ($lanes:ident, $single:ident) => {
-                // SAFETY: by the contract.
-                unsafe { if stage.single { f(self.$single.get(i)) } else { f(self.$lanes.get(i)) } }
-            };
-        }
-        match stage.kind {
-            JointType::Point => go!(points, point),
-            JointType::Weld => go!(welds, weld),
-            JointType::Hinge => go!(hinges, hinge),
-            JointType::Line => go!(lines, line),
-            JointType::Slide => go!(slides, slide),
-            JointType::Distance => go!(distances, distance),
-            JointType::Twist => go!(twists, twist),
-            JointType::Tilt => go!(tilts, tilt),
-            JointType::Turn => go!(turns, turn),
-            JointType::Tree => go!(trees, tree),
+        // SAFETY: by the contract.
+        unsafe {
+            match (stage.kind, stage.single) {
+                (JointType::Tree, false) => f(self.trees.get(i)),
+                (JointType::Tree, true) => f(self.single_trees.get(i)),
+                _ => self.tables.watch(stage, i, f),
+            }
         }
     }
 }
 
-/// Whether something is more than a bound; what is no number is.
+/// Whether a value exceeds a bound; NaN does.
 fn exceeds(value: f32, most: f32) -> bool {
     value > most || value.is_nan()
 }

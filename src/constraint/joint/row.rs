@@ -1,11 +1,17 @@
-//! Rows of joints with one direction: limits that have a width, springs beyond them, drives, motors, friction.
+//! Rows of joints with one direction: limits that have a width, springs beyond them, drives, motors,
+//! friction.
 //!
-//! A spring with stiffness k and damping c is solved implicitly, so that it is stable whatever they are: with d = h k + c, its
-//! impulse obeys p = h (c target - k displacement - d speed) for the speed after it acted.
+//! A spring with stiffness k and damping c is solved implicitly, so that it is stable whatever they are: with
+//! d = h k + c, its impulse obeys p = h (c target - k displacement - d speed), where `speed` is that after
+//! the impulse.
 
-use super::ends::{Ends, JointPass, Lever, Owned, turned};
+use super::arrange::JointInput;
+use super::ends::{Ends, JointPass, Lever, turned};
+use super::fill::fill_row;
 use super::measure::Measure;
-use crate::constraint::contact::row::{Motion, Pair};
+use super::store::{Report, RowImpulse};
+use super::table::JointBatch;
+use crate::constraint::contact::row::BodyPair;
 use crate::lanes::{GatherLanes, Lanes, Mask, Vec3};
 
 /// Up to eight rows.
@@ -16,33 +22,34 @@ pub(crate) struct RowBatch<L, M> {
     pub(crate) measure: M,
     /// From each centre of mass to the second body's point, at the start of the step [m].
     pub(crate) arm: [Vec3<L>; 2],
-    /// What of an impulse the joint's own locks bear, so that it does not move what they hold: force and torque, at the start
-    /// of the step.
+    /// What the joint's own locks add to an impulse so that it does not move what they hold: force and
+    /// torque, at the start of the step.
     pub(crate) borne: [Vec3<L>; 2],
-    /// How velocities change the displacement, after the last substep.
+    /// The direction in which velocities change the displacement, after the last substep.
     pub(crate) lever: Lever<L>,
     /// Speed per impulse [1/kg] or [1/(kg m²)].
     pub(crate) mobility: L,
-    /// At the start of the step, and after the last substep [m] or [rad].
+    /// Displacement at the start of the step, and after the last substep [m] or [rad].
     pub(crate) value: L,
     pub(crate) now: L,
-    /// Of a drive both are its position.
+    /// Range; for a drive both ends are its target.
     pub(crate) min: L,
     pub(crate) max: L,
-    /// Speed asked for per displacement from the end of the range [1/s], the speed asked for beside that, and how much more
-    /// of it the row yields per impulse; all zero of what is rigid.
+    /// Requested speed per displacement beyond the range [1/s], requested speed beside that, and yield per
+    /// impulse; all zero for rigid rows.
     pub(crate) pull: L,
     pub(crate) speed: L,
     pub(crate) give: L,
-    /// The most impulse of a substep [N s] or [N m s].
+    /// Maximum impulse in a substep [N s] or [N m s].
     pub(crate) most: L,
-    /// Of the last substep, at the lower and the upper end; a drive's is the first.
+    /// Impulses of the last substep at the lower and the upper end; a drive has the first only.
     pub(crate) impulse: [L; 2],
-    /// The impulse as it acted, part by part, while directions turned: its force, and the moments [N s], [N m s].
+    /// The impulse as it was applied, part by part, while directions turned: its force, and the moments [N
+    /// s], [N m s].
     acted: Vec3<L>,
     moment: [Vec3<L>; 2],
-    /// The part of the impulse at the lower end, less that at the upper one, that does not yield.
-    pub(crate) held: L,
+    /// The lasting part of the impulse at the lower end less that at the upper one, which does not yield.
+    pub(crate) lasting: L,
     /// Lanes of drives, of springs, and of ranges without width.
     pub(crate) drives: u32,
     pub(crate) springs: u32,
@@ -71,7 +78,7 @@ impl<L: Lanes, M: Default> Default for RowBatch<L, M> {
             impulse: [zero; 2],
             acted: Vec3::zero(),
             moment: [Vec3::zero(); 2],
-            held: zero,
+            lasting: zero,
             drives: 0,
             springs: 0,
             both: 0,
@@ -79,41 +86,16 @@ impl<L: Lanes, M: Default> Default for RowBatch<L, M> {
     }
 }
 
-impl<L: Lanes, M> Owned for RowBatch<L, M> {
-    /// Impulses at both ends, and the directions of force and torque on the second body at its point.
-    type Load = ([f32; 2], glam::Vec3, glam::Vec3);
-    fn owners(&self) -> &[u32; 8] {
-        &self.ends.owner
-    }
-    fn load(&self, lane: usize) -> Self::Load {
-        (self.impulse.map(|p| p.lane(lane)), self.lever.force.lane(lane), self.lever.torque.lane(lane))
-    }
-}
-
 impl<L: GatherLanes, M: Measure<L>> RowBatch<L, M> {
-    /// Takes directions as they are at the start of a step.
+    /// Initialises directions at the start of a step.
     pub(crate) fn begin(&mut self) {
         let zero = Vec3::zero();
-        self.follow(&Pair { va: zero, wa: zero, vb: zero, wb: zero });
+        self.follow(&BodyPair { va: zero, wa: zero, vb: zero, wb: zero });
     }
 
-    /// Takes the impulses of the last step.
+    /// Initialises the impulses of the last step.
     pub(crate) fn resume(&mut self) {
         (self.acted, self.moment) = self.parts(self.impulse[0] - self.impulse[1]);
-    }
-
-    /// Applies the impulses of the last step.
-    ///
-    /// # Safety
-    /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(never)]
-    pub(crate) unsafe fn warm_start(&self, motion: &Motion<'_, '_>) {
-        // SAFETY: by the contract.
-        unsafe {
-            let mut v = self.ends.load(motion.velocity);
-            self.ends.apply(&mut v, self.acted, self.moment[0], self.moment[1]);
-            self.ends.save(&v, motion);
-        }
     }
 
     /// Force and moments of an impulse.
@@ -121,10 +103,22 @@ impl<L: GatherLanes, M: Measure<L>> RowBatch<L, M> {
     fn parts(&self, p: L) -> (Vec3<L>, [Vec3<L>; 2]) {
         (self.lever.force * p, self.lever.moments().map(|moment| moment * p))
     }
+}
 
-    /// Directions, mobility and displacement after displacements of the bodies.
+impl<L: GatherLanes, M: Measure<L>> JointBatch<L> for RowBatch<L, M> {
+    const IS_LOCK: bool = false;
+    const SLIDES: bool = !M::IS_ANGLE;
+
+    fn ends(&self) -> &Ends<L> {
+        &self.ends
+    }
+
+    fn fill(&mut self, owners: &[u32], input: &JointInput<'_>) {
+        fill_row(self, owners, input);
+    }
+
     #[inline(always)]
-    fn follow(&mut self, d: &Pair<L>) {
+    fn follow(&mut self, d: &BodyPair<L>) {
         let [at, rb] = self.arm;
         let now = turned(d.wb, rb);
         self.lever.arm = [at + (d.vb - d.va) + (now - rb), now];
@@ -136,19 +130,14 @@ impl<L: GatherLanes, M: Measure<L>> RowBatch<L, M> {
         self.mobility = L::select(mobility.gt(L::zero()), mobility, L::one());
     }
 
-    /// One Gauss-Seidel step: the lower end, then the upper one.
-    ///
-    /// # Safety
-    /// The bodies of the batch that it may write are in no other batch of the stage.
-    #[inline(never)] // See `JointRows::step`.
-    pub(crate) unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
-        if pass.moved {
-            // SAFETY: displacements are not written while rows are solved.
-            let d = unsafe { self.ends.load(motion.delta) };
-            self.follow(&d);
-        }
-        // SAFETY: by the contract.
-        let mut v = unsafe { self.ends.load(motion.velocity) };
+    #[inline(always)]
+    fn apply(&self, v: &mut BodyPair<L>) {
+        self.ends.apply(v, self.acted, self.moment[0], self.moment[1]);
+    }
+
+    /// The lower end, then the upper one.
+    #[inline(always)]
+    fn sweep(&mut self, v: &mut BodyPair<L>, pass: &JointPass) {
         let (zero, none) = (L::zero(), L::splat(f32::NEG_INFINITY));
         let (drives, springs, both) = (
             L::Mask::from_bits(self.drives),
@@ -156,17 +145,17 @@ impl<L: GatherLanes, M: Measure<L>> RowBatch<L, M> {
             L::Mask::from_bits(self.both),
         );
         if !pass.relax {
-            // As for locks: what acted turns too.
+            // As for locks: turns the impulses of the last substep with the bodies.
             let (force, [ta, tb]) = self.parts(self.impulse[0] - self.impulse[1]);
             let turn = [ta - self.moment[0], tb - self.moment[1]];
-            self.ends.apply(&mut v, force - self.acted, turn[0], turn[1]);
+            self.ends.apply(v, force - self.acted, turn[0], turn[1]);
             (self.acted, self.moment) = (force, [ta, tb]);
         }
-        let mut speed = self.lever.speed(&v);
+        let mut speed = self.lever.speed(v);
         if !pass.relax {
-            speed += self.measure.bend(&v, &self.lever, pass.ahead());
+            speed += self.measure.bend(v, &self.lever, pass.ahead());
         }
-        // Springs act once a substep.
+        // Springs act once per substep.
         let waits = if pass.relax { drives | springs } else { zero.gt(zero) };
         let inverse_h = L::splat(pass.inverse_h);
         let (rate, scale, yields) = pass.numbers::<L>();
@@ -175,21 +164,21 @@ impl<L: GatherLanes, M: Measure<L>> RowBatch<L, M> {
         let mut pushed = zero;
         let one = |gap: L, speed: L, asked: L, (old, held): (L, L), (low, high): (L, L)| {
             let open = gap.gt(zero) & !both;
-            // Apart from a rigid end only what would pass it within the substep is taken away.
+            // Away from a rigid end, only the speed that would pass it within the substep is removed.
             let rigid = L::select(open, -(gap * inverse_h), -(gap * rate).max(-push).min(push));
             let soft = asked - gap * self.pull;
             let target = L::select(drives | springs, soft, rigid);
             let change = (target - speed - self.give * old) / (self.mobility + self.give);
             let change = L::select(drives | springs | open, change, change * scale - (old - held) * yields);
             let mut new = (old + change).max(low).min(high);
-            // A spring at the end of a range lets go of what is inside.
+            // A spring at the end of a range does not act inside of it.
             new = L::select(springs & open, zero, new);
             L::select(waits, old, new)
         };
         let lowest = L::select(drives, -self.most, L::select(both, none, zero));
         let highest = L::select(drives, self.most, L::splat(f32::INFINITY));
-        // A range has one loaded end; what has no width may bear either way.
-        let lower = L::select(both, self.held, self.held.max(zero));
+        // A range has one loaded end; one without width may bear either way.
+        let lower = L::select(both, self.lasting, self.lasting.max(zero));
         let finite = |gap: L| L::select(gap.lt(L::splat(f32::MAX)), gap, L::splat(f32::MAX));
         let new =
             one(finite(self.now - self.min), speed, self.speed, (self.impulse[0], lower), (lowest, highest));
@@ -202,7 +191,7 @@ impl<L: GatherLanes, M: Measure<L>> RowBatch<L, M> {
             finite(self.max - self.now),
             speed,
             zero,
-            (self.impulse[1], (-self.held).max(zero)),
+            (self.impulse[1], (-self.lasting).max(zero)),
             (zero, L::splat(f32::INFINITY)),
         );
         let new = L::select(idle, zero, new);
@@ -212,8 +201,12 @@ impl<L: GatherLanes, M: Measure<L>> RowBatch<L, M> {
         self.acted += force;
         self.moment[0] += ta;
         self.moment[1] += tb;
-        self.ends.apply(&mut v, force, ta, tb);
-        // SAFETY: by the contract.
-        unsafe { self.ends.save(&v, motion) };
+        self.ends.apply(v, force, ta, tb);
+    }
+
+    fn report(&self, lane: usize, to: &mut impl Report) {
+        let ends = self.impulse.map(|p| p.lane(lane));
+        let (force, torque) = (self.lever.force.lane(lane), self.lever.torque.lane(lane));
+        to.row(self.ends.owner[lane], RowImpulse { ends, force, torque });
     }
 }

@@ -1,4 +1,4 @@
-//! Contacts in, sites of impacts out.
+//! Finds the sites of possible impacts among the contacts of a step.
 
 use super::{Link, NONE, Restitution, Site, Spot, Struck};
 use crate::body::{Bodies, Pose};
@@ -11,7 +11,7 @@ use crate::narrow_phase::Contact;
 use crate::shape::Collider;
 use glam::Vec3;
 
-/// What finding impacts reads.
+/// Input of the search for impacts.
 pub(crate) struct FindInput<'a> {
     pub(crate) bodies: &'a Bodies,
     pub(crate) colliders: &'a [Collider],
@@ -23,16 +23,17 @@ pub(crate) struct FindInput<'a> {
     pub(crate) motion: &'a [Record],
     /// Acceleration of each body that can move; may be empty.
     pub(crate) acceleration: &'a [Record],
-    /// What hooks said of each contact; empty if there are none.
+    /// What hooks changed about each contact; empty if there are none.
     pub(crate) tweaks: &'a [Tweak],
     /// Approach speeds below this don't bounce [m/s].
     pub(crate) threshold: f32,
-    /// A separation up to this is one that touches [m].
+    /// A point with a separation up to this touches [m].
     pub(crate) real: f32,
     pub(crate) dt: f32,
 }
 
-/// Lists the manifolds with restitution, if any of them closes within the step. Returns how many there was no room for.
+/// Lists the points with restitution, if any of them closes within the step. Returns for how many there was
+/// no room.
 pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut Room) -> u32 {
     impacts.clear();
     let (mut any, mut count) = (false, 0);
@@ -43,14 +44,15 @@ pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut 
             true
         });
     }
-    // Whether anything closes or not: a scene past its densest moment does not grow any more.
+    // Reserved even if nothing closes: so a scene past its densest moment does not grow any more.
+    let dynamic = input.bodies.dynamic();
     room.fit(&mut impacts.spots, count);
     room.fit(&mut impacts.sites, count);
     room.fit(&mut impacts.queue, count);
     room.fit(&mut impacts.wakeful, count);
-    room.fit(&mut impacts.struck, input.bodies.dynamic());
-    room.fit(&mut impacts.moved, input.bodies.dynamic());
-    room.fit(&mut impacts.standing, input.bodies.dynamic());
+    room.fit(&mut impacts.struck, dynamic);
+    room.fit(&mut impacts.moved, dynamic);
+    room.fit(&mut impacts.standing, dynamic);
     if !any {
         return 0;
     }
@@ -62,23 +64,25 @@ pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut 
             true
         });
     }
-    let dynamic = input.bodies.dynamic() as u32;
-    let pushed = |spot: &Spot| spot.pushed(dynamic);
-    // By the bodies, and then in the order of the list, which has no two alike.
-    let mut spots = std::mem::take(&mut impacts.spots);
-    spots.sort_unstable_by_key(|spot| (pushed(spot), spot.order));
-    let place = room.fit(&mut impacts.struck, dynamic as usize);
-    let place = place.min(room.fit(&mut impacts.moved, dynamic as usize));
-    let place = place.min(room.fit(&mut impacts.standing, dynamic as usize));
-    if place < dynamic as usize {
-        impacts.spots = spots;
+    // By bodies, and then in the order of the list, which is unique.
+    let pushed = |spot: &Spot| spot.pushed(dynamic as u32);
+    impacts.spots.sort_unstable_by_key(|spot| (pushed(spot), spot.order));
+    let place = room.fit(&mut impacts.struck, dynamic);
+    let place = place.min(room.fit(&mut impacts.moved, dynamic));
+    let place = place.min(room.fit(&mut impacts.standing, dynamic));
+    if place < dynamic {
         impacts.clear();
         return shed + 1;
     }
-    let joints = input.joints;
+    list_bodies(input, impacts);
+    shed + list_sites(input, impacts, room)
+}
+
+/// Lists all dynamic bodies.
+fn list_bodies(input: &FindInput<'_>, impacts: &mut Restitution) {
     let struck = |i: u32| Struck {
         first: Link::NONE,
-        joined: joints.has_any(input.bodies.slot[i as usize]),
+        joined: input.joints.has_any(input.bodies.slot[i as usize]),
         bounced: false,
         moved: Record::default(),
         listed: false,
@@ -87,8 +91,15 @@ pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut 
         pull: Record::default(),
         turned: None,
     };
-    impacts.struck.extend((0..dynamic).map(struck));
-    let mut first = 0;
+    impacts.struck.extend((0..input.bodies.dynamic() as u32).map(struck));
+}
+
+/// Makes a site of all points of the same bodies, and links it to these. Returns the number of points for
+/// whose sites there was no room.
+fn list_sites(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut Room) -> u32 {
+    let pushed = |spot: &Spot| spot.pushed(input.bodies.dynamic() as u32);
+    let (mut first, mut shed) = (0, 0);
+    let spots = std::mem::take(&mut impacts.spots);
     for group in spots.chunk_by(|x, y| pushed(x) == pushed(y)) {
         let bodies = pushed(&group[0]);
         let wakeful = group.iter().any(|spot| input.closes(spot));
@@ -126,7 +137,7 @@ pub(crate) fn find(input: &FindInput<'_>, impacts: &mut Restitution, room: &mut 
     shed
 }
 
-/// Calls `f` with the points of a pair that have restitution, until it says no.
+/// Calls `f` with the points of a pair that have restitution, until it returns false.
 fn each_spot(input: &FindInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot) -> bool) {
     let pushed = |c: u32| (input.colliders[c as usize].body as usize) < input.bodies.dynamic();
     if pair.contact == crate::narrow_phase::NONE || !(pushed(pair.a) || pushed(pair.b)) {
@@ -149,14 +160,15 @@ fn each_spot(input: &FindInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot) -> bool
         let from_centre = (shape.position - at_a).as_vec3();
         let mut apart = (at_a - at_b).as_vec3();
         if contact.fraction > 0.0 {
-            // Found at the touch, so the arms are those of the touch.
+            // The contact was found at the time of touch, and so are the arms.
             let [moved_a, moved_b] =
                 bodies.map(|body| input.motion.get(body as usize).map_or(Vec3::ZERO, |m| m.linear));
             apart += (moved_a - moved_b) * contact.fraction;
         }
         for point in contact.points() {
             let arm = shape.rotation * point.position + from_centre;
-            // Midway between the surfaces as they were found; they touch each with its own.
+            // The point is midway between the surfaces as they were found; each body touches with its own
+            // surface.
             let half = if contact.fraction > 0.0 { Vec3::ZERO } else { normal * (0.5 * point.found) };
             let spot = Spot {
                 bodies,
@@ -177,8 +189,8 @@ fn each_spot(input: &FindInput<'_>, pair: &Pair, f: &mut dyn FnMut(Spot) -> bool
 }
 
 impl FindInput<'_> {
-    /// Whether a point may close within the step, fast enough to bounce; or within the next, if others of its manifold touch
-    /// in this one: rows that touch come to rest as a whole.
+    /// Whether a point may close within the step, fast enough to bounce; or within the next, if others of its
+    /// manifold touch in this one: rows of a touching manifold come to rest as a whole.
     fn closes(&self, spot: &Spot) -> bool {
         let pull = spot.speed(|body| self.acceleration.get(body).copied().unwrap_or_default());
         let speed = spot.speed(|body| self.bodies.velocity.get(body).copied().unwrap_or_default());
@@ -188,12 +200,12 @@ impl FindInput<'_> {
 }
 
 impl Spot {
-    /// How fast the second body moves away from the first along the normal, by the velocities that `of` says.
+    /// Separating speed along the normal; `of`: velocity of a body.
     pub(super) fn speed(&self, of: impl Fn(usize) -> Record) -> f32 {
         self.normal.dot(self.slip(of))
     }
 
-    /// How fast the point of the second body moves past that of the first.
+    /// Velocity of the second body's point relative to that of the first.
     pub(super) fn slip(&self, of: impl Fn(usize) -> Record) -> Vec3 {
         let [a, b] = [0, 1].map(|side| {
             let v = of(self.bodies[side] as usize);
@@ -202,7 +214,7 @@ impl Spot {
         b - a
     }
 
-    /// The bodies that an impact changes, in an order of their own; the second is [`NONE`] if nothing moves the other.
+    /// The bodies that an impact changes, sorted; the second is [`NONE`] if only one is dynamic.
     fn pushed(&self, dynamic: u32) -> [u32; 2] {
         let [a, b] = self.bodies.map(|body| if body < dynamic { body } else { NONE });
         [a.min(b), a.max(b)]

@@ -1,17 +1,20 @@
-//! The impacts of a substep, one after the other.
+//! Solves the impacts of a substep, one after another.
 //!
-//! An impact at the time `t` of the substep changes `v` to `v'`. From then on the body is as if it had had `v'` from the
-//! start of the substep and begun it moved by `(v - v') t`; it ends where it would be had it turned round at the surface,
-//! with gravity's work done on the way in and out, so a ball rises to e² of its height at any step. On that path
-//! separations follow as on any other, and what comes next in the substep needs no bookkeeping. Joined bodies are not
-//! moved, which would tear their joints: they turn round before the surface, by less than they go in a substep.
+//! An impact at time `t` of the substep changes `v` to `v'`. From then on the body is treated as if it had
+//! had `v'` from the start of the substep and started displaced by `(v - v') t`; it ends where it would if it
+//! had turned round at the surface, with the work of gravity done on the way in and out, so a ball rises to
+//! e² of its height at any step. Separations follow that path as any other, and later impacts of the substep
+//! need no bookkeeping. Joined bodies are not displaced, which would tear their joints: they turn round
+//! before the surface, by less than they move in a substep.
 //!
-//! Contacts were found along the predicted motion. What is thrown off it so far that it could get through something
-//! unknown stands where it is for the rest of the step, at its new speed: the next step looks along that. It loses time,
-//! but no energy. Its rows are disabled until then (`solver::pass::disable`).
+//! Contacts were found along the predicted motion. A body that is thrown off it so far that it could pass
+//! through something unknown stays where it is for the rest of the step, with its new velocity: the next step
+//! looks along that. It loses time, but no energy. Its rows are disabled until then
+//! (`solver::pass::disable`).
 //!
-//! Rows ask what is crossed by the end of the substep, so they get the mean velocity, which leads there from where the
-//! body really begins; once bodies have moved, the velocity is what the last impact left ([`Restitution::go_on`]).
+//! Rows act on what is crossed by the end of the substep, so they get the mean velocity, which leads there
+//! from where the body really starts; once bodies have moved, the velocity is that after the last impact
+//! ([`Restitution::go_on`]).
 
 use super::{Link, NONE, Restitution, Spot, Struck, queue};
 use crate::body::{Colliders, FreeTurn, Mass, Pose, Traits};
@@ -23,46 +26,48 @@ use glam::{Quat, Vec3};
 
 /// The bodies in a substep.
 pub(crate) struct Bodies<'a> {
-    /// Of all that can move, before they take acceleration.
+    /// Velocities of all moving bodies, before acceleration is applied.
     pub(crate) velocity: &'a mut [Record],
-    /// Velocities of the substep before any row acted, which warm starting counts from.
+    /// Velocities of the substep before any row acted, from which warm starting is counted.
     pub(crate) base: &'a mut [Record],
     /// Displacement since the start of the step.
     pub(crate) delta: &'a mut [Record],
-    /// What stands until the end of the step loses it.
+    /// Bodies that are held until the end of the step lose it.
     pub(crate) acceleration: &'a mut [Record],
     pub(crate) inverse_inertia: &'a [Sym3<f32>],
     pub(crate) mass: &'a [Mass],
     pub(crate) traits: &'a [Traits],
     pub(crate) pose: &'a [Pose],
     pub(crate) colliders: (&'a [Colliders], &'a [Collider]),
-    /// What is done of the step and what is left of it at the start of the substep, and its length [s].
+    /// Time of the step that has passed and that is left at the start of the substep, and length of the
+    /// substep [s].
     pub(crate) done: f32,
     pub(crate) h: f32,
     pub(crate) left: f32,
     /// Approach speeds below this don't bounce [m/s].
     pub(crate) threshold: f32,
-    /// Points that are apart by no more than this when another touches take part [m].
+    /// Points with a separation up to this take part when another one touches [m].
     pub(crate) together: f32,
 }
 
-/// Most points that are solved together: four manifolds.
-const MOST: usize = 16;
-/// Gauss-Seidel sweeps over them at most, and the share of the approach speed at which they end.
+/// Maximum number of points that are solved together: four manifolds.
+const MAX_POINTS: usize = 16;
+/// Maximum number of Gauss-Seidel sweeps over them, and the share of the approach speed at which they end.
 const SWEEPS: u32 = 64;
 const EXACT: f32 = 1e-5;
-/// What ends a substep nearer than this counts as touching: a share of the way it came, and of what touches together.
+/// A point that ends a substep nearer than this counts as touching: a share of its displacement, and of
+/// `together`.
 const SLACK: f32 = 1e-4;
 const NEAR: f32 = 0.02;
-/// What the pad of a displacement says of a body that bounced and that no rows acted on: they add one in each substep.
-const ALONE: f32 = 0.5;
-/// Share of the threshold: what runs into something that stands more slowly than this is left to the rows.
+/// Share of the threshold: what runs into a held body more slowly than this is left to the rows.
 const CREEP: f32 = 0.05;
-/// Impacts of a site in a substep, after which the rows have it. A ball between two that close in on it bounces without end.
+/// Maximum number of impacts of a site in a substep; then it is left to the rows. A ball between two that
+/// close in on it bounces without end.
 const HITS: u32 = 256;
 
 impl Restitution {
-    /// Solves what closes within the substep. Impulses are added to those of their contacts, where these are kept.
+    /// Solves all impacts within the substep. Impulses are added to those of their contacts, where these are
+    /// recorded.
     pub(crate) fn meet(&mut self, bodies: &mut Bodies<'_>, impulses: &mut [f32]) {
         for &body in &self.moved {
             let struck = &mut self.struck[body as usize];
@@ -96,14 +101,15 @@ impl Restitution {
             let (i, pull) = (body as usize, bodies.pull(body as usize));
             let moved = &mut self.struck[i].moved;
             add(&mut bodies.delta[i], moved, -1.0);
-            // Rows take all of the acceleration first, and what bounced has fallen by half of that.
+            // Rows see velocities with all of the acceleration, but a body that bounced has fallen by half of
+            // that.
             add(moved, &pull, -0.5 * bodies.h * bodies.h);
             add(&mut bodies.velocity[i], moved, share);
             add(&mut bodies.base[i], moved, share);
         }
     }
 
-    /// Gives what was struck the velocities of the end of the substep, after bodies have moved.
+    /// Gives struck bodies their velocities of the end of the substep, after bodies have moved.
     pub(crate) fn go_on(&self, h: f32, [velocity, base, delta]: [&mut [Record]; 3], acceleration: &[Record]) {
         let share = -1.0 / h;
         for &body in &self.moved {
@@ -111,7 +117,7 @@ impl Restitution {
             if let Some(pull) = acceleration.get(i)
                 && velocity[i].linear == base[i].linear
             {
-                // No row touched it, and then half of the fall is left out for all.
+                // No row acted on it, and in that case half of the fall is left out for all bodies.
                 delta[i].linear += pull.linear * (0.5 * h * h);
             }
             add(&mut velocity[i], moved, share);
@@ -119,7 +125,7 @@ impl Restitution {
         }
     }
 
-    /// Finds when a site next closes, from a moment on.
+    /// Finds when a site closes next, from a given time on.
     fn look(&mut self, index: u32, now: f32, bodies: &Bodies<'_>) {
         let site = &mut self.sites[index as usize];
         (site.time, site.approach) = (f32::INFINITY, 0.0);
@@ -137,19 +143,19 @@ impl Restitution {
         queue::update(&mut self.queue, &mut self.sites, index);
     }
 
-    /// Newton's law at all points of a site that touch and approach at a moment, then friction.
+    /// Applies Newton's law at all points of a site that touch and approach at a given time, then friction.
     fn solve(&mut self, site: u32, time: f32, bodies: &mut Bodies<'_>, impulses: &mut [f32]) {
         let site = &self.sites[site as usize];
         let spots = &self.spots[site.first as usize..][..site.count as usize];
         let of = |body: u32| self.struck.get(body as usize);
         let mut moving = site.bodies.map(|body| Moving::new(bodies, body, of(body), time));
-        let mut rows = [Row::default(); MOST];
+        let mut rows = [Row::default(); MAX_POINTS];
         let (mut count, mut fastest) = (0, 0.0_f32);
         let next = if time >= bodies.h && bodies.will_touch(spots) { bodies.h } else { 0.0 };
         for (i, spot) in spots.iter().enumerate() {
             let approach = -spot.speed(|body| velocity(&moving, bodies, body));
             let ease = ease(&moving, spot, spot.normal);
-            if count < MOST
+            if count < MAX_POINTS
                 && approach > 0.0
                 && ease > least_ease(&moving)
                 && bodies.gap(spot, time) <= bodies.together + approach * next
@@ -159,7 +165,7 @@ impl Restitution {
             }
         }
         if fastest <= bodies.threshold {
-            // It runs into something that would not be there any more: it waits with it.
+            // It runs into a body that would not be there any more: it is held too.
             for moving in moving.iter().filter(|moving| moving.body != NONE) {
                 self.stand(moving.body, bodies, time);
             }
@@ -169,7 +175,7 @@ impl Restitution {
         let before = moving;
         let mut rows = &mut rows[..count];
         if !strike(&mut moving, bodies, spots, rows) {
-            // The fastest alone: its impact is exact, and the others come next.
+            // Only the fastest: its impact is exact, and the others come next.
             moving = before;
             let fastest = (1..count).fold(0, |k, i| if rows[i].target > rows[k].target { i } else { k });
             rows = &mut rows[fastest..=fastest];
@@ -178,7 +184,7 @@ impl Restitution {
         }
         for row in rows.iter() {
             let spot = &spots[row.spot];
-            rub(&mut moving, bodies, spot, row.impulse);
+            apply_friction(&mut moving, bodies, spot, row.impulse);
             if let Some(sum) = impulses.get_mut(spot.slot as usize) {
                 *sum += row.impulse;
             }
@@ -190,7 +196,7 @@ impl Restitution {
             if let Some(rotation) = moving.rotation {
                 struck.turned = Some((rotation, bodies.done + time));
             }
-            bodies.delta[i].pad0 = bodies.delta[i].pad0.max(ALONE);
+            bodies.delta[i].set_bounced();
             if struck.stands {
                 add(&mut struck.kept, &change, 1.0);
                 continue;
@@ -206,7 +212,7 @@ impl Restitution {
         }
     }
 
-    /// Begins a body's substep elsewhere, by some seconds of a velocity.
+    /// Displaces the start of a body's substep by a velocity times `times` seconds.
     fn shift(&mut self, body: u32, bodies: &mut Bodies<'_>, by: &Record, times: f32) {
         let struck = &mut self.struck[body as usize];
         if !std::mem::replace(&mut struck.listed, true) {
@@ -216,7 +222,7 @@ impl Restitution {
         add(&mut bodies.delta[body as usize], by, times);
     }
 
-    /// Keeps a body where it is from a moment of the substep to the end of the step, and its velocity for what comes then.
+    /// Holds a body from a time of the substep to the end of the step, and keeps its velocity for then.
     fn stand(&mut self, body: u32, bodies: &mut Bodies<'_>, time: f32) {
         let (i, struck) = (body as usize, &mut self.struck[body as usize]);
         if struck.stands || struck.joined {
@@ -229,15 +235,15 @@ impl Restitution {
         self.shift(body, bodies, &pull, 0.5 * time * time);
         add(&mut bodies.velocity[i], &velocity, -1.0);
         add(&mut bodies.base[i], &velocity, -1.0);
-        // Nothing pulls what stands; events ask for it after the step.
+        // A held body is not accelerated; events read the acceleration after the step.
         if let Some(own) = bodies.acceleration.get_mut(i) {
             *own = Record::default();
             self.struck[i].pull = pull;
         }
-        bodies.delta[i].pad0 = bodies.delta[i].pad0.max(ALONE);
+        bodies.delta[i].set_bounced();
     }
 
-    /// Gives what stood its velocity, at the end of the step.
+    /// Gives held bodies their velocities back, at the end of the step.
     pub(crate) fn let_go(&mut self, dt: f32, velocity: &mut [Record], acceleration: &mut [Record]) {
         for &body in &self.standing {
             let struck = &mut self.struck[body as usize];
@@ -245,13 +251,14 @@ impl Restitution {
             if let Some(own) = acceleration.get_mut(body as usize) {
                 *own = struck.pull;
             }
-            // It did not turn.
+            // It did not turn while it was held.
             struck.turned = struck.turned.map(|(rotation, _)| (rotation, dt));
         }
     }
 }
 
-/// Newton's law at some points, together. Says whether it holds; what almost holds takes energy or adds some.
+/// Applies Newton's law at several points together. Returns whether it holds: an approximate solution removes
+/// or adds energy.
 fn strike(moving: &mut [Moving; 2], bodies: &Bodies<'_>, spots: &[Spot], rows: &mut [Row]) -> bool {
     let exact = rows.iter().fold(0.0_f32, |most, row| most.max(row.target)) * EXACT;
     for _ in 0..SWEEPS {
@@ -287,14 +294,14 @@ struct Row {
 #[derive(Clone, Copy, Debug)]
 struct Moving {
     body: u32,
-    /// At the moment.
+    /// At the time of the impact.
     velocity: Record,
     before: Record,
     /// Inverse mass [1/kg], and by world axis: locked ones have none.
     whole: f32,
     inverse_mass: Vec3,
     inverse_inertia: Sym3<f32>,
-    /// If its axes may wander.
+    /// If its principal moments differ.
     rotation: Option<Quat>,
 }
 
@@ -317,7 +324,7 @@ impl Moving {
         let (mut velocity, mut inverse_inertia, mut rotation) = (before, inverse_inertia, None);
         let mass = &bodies.mass[i];
         if is_uneven(mass, &bodies.traits[i]) {
-            // Its inertia and its spin are those of the moment.
+            // Inertia and spin are those at the time of the impact.
             let (from, since) = struck.and_then(|s| s.turned).unwrap_or((bodies.pose[i].rotation, 0.0));
             let since = if struck.is_some_and(|s| s.stands) { bodies.done + time } else { since };
             let time = bodies.done + time - since;
@@ -339,7 +346,7 @@ impl Moving {
         }
     }
 
-    /// Of its velocity.
+    /// Change of its velocity.
     fn change(&self, traits: &Traits) -> Record {
         let mut change = self.velocity;
         add(&mut change, &self.before, -1.0);
@@ -356,7 +363,7 @@ impl Moving {
 fn velocity(moving: &[Moving; 2], bodies: &Bodies<'_>, body: usize) -> Record {
     match moving.iter().find(|moving| moving.body as usize == body) {
         Some(moving) => moving.velocity,
-        // Nothing pushes it, and nothing pulls it.
+        // It is neither pushed nor accelerated.
         None => bodies.velocity.get(body).copied().unwrap_or_default(),
     }
 }
@@ -375,7 +382,7 @@ fn ease(moving: &[Moving; 2], spot: &Spot, along: Vec3) -> f32 {
     sum
 }
 
-/// What is no more than this is rounding: axes are locked, and nothing moves along the direction [1/kg].
+/// A smaller response is rounding: axes are locked, and nothing moves along the direction [1/kg].
 fn least_ease(moving: &[Moving; 2]) -> f32 {
     moving.iter().map(|moving| moving.whole).sum::<f32>() * GONE
 }
@@ -392,13 +399,14 @@ fn push(moving: &mut [Moving; 2], spot: &Spot, impulse: Vec3) {
     }
 }
 
-/// Friction of a normal impulse: against the slip, and no more than stops it, so it takes energy and never adds any.
-fn rub(moving: &mut [Moving; 2], bodies: &Bodies<'_>, spot: &Spot, impulse: f32) {
+/// Applies friction for a normal impulse: against the slip, and no more than stops it, so it removes energy
+/// and never adds any.
+fn apply_friction(moving: &mut [Moving; 2], bodies: &Bodies<'_>, spot: &Spot, impulse: f32) {
     let slip = spot.slip(|body| velocity(moving, bodies, body)).reject_from_normalized(spot.normal);
-    let Some(way) = slip.try_normalize() else { return };
-    let ease = ease(moving, spot, way);
+    let Some(direction) = slip.try_normalize() else { return };
+    let ease = ease(moving, spot, direction);
     if ease > least_ease(moving) {
-        push(moving, spot, way * -(spot.friction * impulse).min(slip.length() / ease));
+        push(moving, spot, direction * -(spot.friction * impulse).min(slip.length() / ease));
     }
 }
 
@@ -420,7 +428,7 @@ impl Bodies<'_> {
         gap + (speed + 0.5 * pull * time) * time
     }
 
-    /// Separation, speed and acceleration of parting, all as from the start of the substep.
+    /// Separation, and speed and acceleration of separating, as from the start of the substep.
     fn fall(&self, spot: &Spot) -> [f32; 3] {
         [
             spot.separation + spot.speed(|body| self.delta.get(body).copied().unwrap_or_default()),
@@ -429,7 +437,7 @@ impl Bodies<'_> {
         ]
     }
 
-    /// Separation at the end of the substep as rows see it, which take all of the acceleration first [m].
+    /// Separation at the end of the substep as rows see it, with all of the acceleration [m].
     fn end_gap(&self, spot: &Spot) -> f32 {
         let [gap, speed, pull] = self.fall(spot);
         gap + (speed + pull.min(0.0) * self.h) * self.h
@@ -440,11 +448,11 @@ impl Bodies<'_> {
         spots.len() > 1 && spots.iter().any(|spot| self.end_gap(spot) <= self.together)
     }
 
-    /// When a point closes in what is left of the substep, and how fast [m/s], if there is something to do about it: it is
-    /// fast enough to bounce, or one runs into another that stands.
+    /// When a point closes in the rest of the substep, and how fast [m/s], if an impact is due: it is fast
+    /// enough to bounce, or one body runs into another that is held.
     ///
-    /// `next`: rows that touch come to rest as a whole, and take away what other points would cross in the next substep. So
-    /// these bounce at the end of this one.
+    /// `next`: time ahead that is looked at too [s]. Rows of a touching manifold come to rest as a whole, and
+    /// would remove what its other points cross in the next substep, so these bounce at the end of this one.
     fn closing(&self, spot: &Spot, struck: &[Struck], now: f32, next: f32) -> Option<(f32, f32)> {
         let [whole, speed, pull] = self.fall(spot);
         let gap = whole + (speed + 0.5 * pull * now) * now;
@@ -455,7 +463,8 @@ impl Bodies<'_> {
             if stand { spot.speed(|i| struck.get(i).map_or(Record::default(), |s| s.kept)) } else { 0.0 };
         let mut time = 0.0;
         if gap > 0.0 {
-            // As far as the rows go, and a little further: what they would stop must have bounced.
+            // To the end of the substep as rows see it, and a little further: what they would stop must have
+            // bounced.
             let end = self.end_gap(spot);
             let rest = end - (end - whole).abs() * SLACK - self.together * NEAR;
             if rest > 0.0 && rest > -(speed + pull * left) * next {
@@ -467,13 +476,13 @@ impl Bodies<'_> {
         }
         let runs = -(speed + pull * time);
         let approach = runs - kept;
-        // The rows must not push what stands: its velocity is not what they see.
+        // The rows must not push a held body: they do not see its velocity.
         let acts = approach > self.threshold || stand && runs > CREEP * self.threshold;
         acts.then_some((now + time, approach.max(runs)))
     }
 
-    /// Whether a change of velocity takes a body so far off its way in some seconds that it could get through something:
-    /// by half of its inner ball.
+    /// Whether a change of velocity takes a body so far off its path in some seconds that it could pass
+    /// through something: by half of its inner radius.
     fn goes_astray(&self, body: usize, change: &Record, left: f32) -> bool {
         let (of, all) = self.colliders;
         of[body].as_slice().iter().any(|&c| {

@@ -1,10 +1,11 @@
-//! Restitution: impacts of what bounces are events, each solved at its moment within the substep, before the rows.
+//! Restitution: impacts are events, each solved at its time within the substep, before the rows.
 //!
-//! A row takes away what would cross, and with it the speed of the impact: what is left says neither how fast two bodies
-//! came together nor, in a row of balls, who met whom first. So before the rows of a substep, manifolds with restitution
-//! that close within it, faster than the threshold, are solved one by one in the order of their times ([`meet`]), at the
-//! velocities of that moment: by Newton's law of impact and Coulomb's of friction. What an impact sets off comes next, so
-//! a row of balls passes motion on from ball to ball. The rows then see velocities that part.
+//! A row removes the velocity that would cross a surface, and with it the speed of the impact: the result
+//! tells neither how fast two bodies met nor, in a row of balls, which met first. So before the rows of a
+//! substep, manifolds with restitution that close within it, faster than the threshold, are solved one by one
+//! in the order of their times ([`meet`]), with the velocities at that time: by Newton's law of impact and
+//! Coulomb's of friction. Impacts that follow from one come next, so a row of balls passes motion on from
+//! ball to ball. The rows then see separating velocities.
 //!
 //! [`find`] lists the manifolds of a step. Most steps have no impact, and then there is no list.
 
@@ -18,7 +19,7 @@ pub(crate) use find::{FindInput, find};
 use glam::{Quat, Vec3};
 pub(crate) use meet::Bodies;
 
-/// None.
+/// Instead of an index.
 const NONE: u32 = u32::MAX;
 
 /// A point of a manifold with restitution.
@@ -33,30 +34,30 @@ struct Spot {
     separation: f32,
     restitution: f32,
     friction: f32,
-    /// Of the contact.
+    /// The contact.
     slot: u32,
-    /// Among all spots, in the order of pairs: a restored snapshot may have given contacts other slots.
+    /// Index among all spots, in the order of pairs: a restored snapshot may have given contacts other slots.
     order: u32,
 }
 
-/// All points of two bodies, or of one and all that nothing moves: they are solved together, so that a body that lands
-/// flat stays flat.
+/// All points between two bodies, or between one body and all that can't be pushed: they are solved together,
+/// so that a body that lands flat stays flat.
 #[derive(Clone, Copy, Debug)]
 struct Site {
     first: u32,
     count: u32,
     /// The bodies that an impact changes, the second or [`NONE`].
     bodies: [u32; 2],
-    /// By body: its next site, and which side of that it is.
+    /// For each body: its next site, and which side of that it is.
     next: [Link; 2],
     /// When it next closes within the substep [s], and how fast then [m/s].
     time: f32,
     approach: f32,
-    /// In the queue, or [`NONE`].
+    /// Position in the queue, or [`NONE`].
     place: u32,
     /// Impacts in this substep.
     hits: u32,
-    /// It closes in this step, or a body of it was struck: it is looked at in each substep.
+    /// It closes in this step, or a body of it was struck: it is checked in each substep.
     wakeful: bool,
 }
 
@@ -71,23 +72,24 @@ impl Link {
     const NONE: Link = Link { site: NONE, side: 0 };
 }
 
-/// What is kept of a body that can be pushed.
+/// State of a dynamic body.
 #[derive(Clone, Copy, Debug)]
 struct Struck {
     first: Link,
-    /// It hangs on joints, which would be torn by moving it alone.
+    /// It has joints, which would be torn by displacing it alone.
     joined: bool,
-    /// In this step.
+    /// It had an impact in this step.
     bounced: bool,
-    /// In this substep, by its impacts, if it is in the list of those.
+    /// Displacement by its impacts in this substep, if it is in the list of displaced bodies.
     moved: Record,
     listed: bool,
-    /// It stays where it is for the rest of the step, and goes on with this velocity then.
+    /// It is held for the rest of the step, and has this velocity afterwards.
     stands: bool,
     kept: Record,
-    /// Its acceleration, which it is without meanwhile.
+    /// Its acceleration, which is zero meanwhile.
     pull: Record,
-    /// Orientation at its last impact in this step, and when that was [s], if its axes may wander.
+    /// Orientation at its last impact in this step, and the time of that [s], if its principal moments
+    /// differ.
     turned: Option<(Quat, f32)>,
 }
 
@@ -100,21 +102,23 @@ pub(crate) struct Restitution {
     /// Sites by time, a binary heap.
     queue: Vec<u32>,
     wakeful: Vec<u32>,
-    /// Bodies that were moved in this substep.
+    /// Bodies that were displaced in this substep.
     moved: Vec<u32>,
-    /// Bodies that stand.
+    /// Bodies that are held.
     standing: Vec<u32>,
-    /// Impacts that were solved.
+    /// Number of impacts that were solved.
     pub(crate) count: u32,
 }
 
 impl Restitution {
-    /// How a body stood at its last impact in the step, and when that was [s], if its axes may wander.
+    /// Orientation of a body at its last impact in the step, and the time of that [s], if its principal
+    /// moments differ.
     pub(crate) fn turned(&self, body: usize) -> Option<(Quat, f32)> {
         self.struck.get(body).and_then(|struck| struck.turned)
     }
 
-    /// Something else than impacts says where a body is at the end of the step, and how it moves.
+    /// Forgets the impacts of a body: something else decides where it is at the end of the step, and how it
+    /// moves.
     #[cfg(feature = "lab")]
     pub(crate) fn forget(&mut self, body: usize) {
         if let Some(struck) = self.struck.get_mut(body) {
@@ -127,12 +131,12 @@ impl Restitution {
         self.struck.get(body).is_some_and(|struck| struck.bounced)
     }
 
-    /// Whether a body stands for the rest of the step.
+    /// Whether a body is held for the rest of the step.
     pub(crate) fn stands(&self, body: u32) -> bool {
         self.struck.get(body as usize).is_some_and(|struck| struck.stands)
     }
 
-    /// Those that do.
+    /// The bodies that are held.
     pub(crate) fn standing(&self) -> &[u32] {
         &self.standing
     }
@@ -155,7 +159,7 @@ impl Restitution {
         .fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
     }
 
-    /// Forgets the last step.
+    /// Clears the last step.
     pub(crate) fn clear(&mut self) {
         self.spots.clear();
         self.sites.clear();

@@ -1,15 +1,17 @@
-//! Sites in the order of their times: a binary heap in which each knows its place, so that its time can change.
+//! Sites in the order of their times: a binary heap in which each site knows its position, so that its time
+//! can change.
 
 use super::{NONE, Site};
 
-/// The earliest first; of one moment the fastest, and then the lowest index, so no two are equal.
+/// The earliest first, then the fastest, then the lowest index: no two keys are equal.
 fn key(sites: &[Site], site: u32) -> (u32, u32, u32) {
     let Site { time, approach, .. } = sites[site as usize];
-    // Of numbers that are not negative the bits have the same order.
+    // The bits of nonnegative numbers have the same order.
     (time.to_bits(), !approach.to_bits(), site)
 }
 
-/// Puts a site where its time says, or takes it out if that is infinite. The queue has place for all sites.
+/// Moves a site to where its time belongs, or removes it if that is infinite. The queue has capacity for all
+/// sites.
 pub(super) fn update(queue: &mut Vec<u32>, sites: &mut [Site], site: u32) {
     let (time, mut place) = (sites[site as usize].time, sites[site as usize].place as usize);
     if time.is_finite() {
@@ -30,7 +32,7 @@ pub(super) fn update(queue: &mut Vec<u32>, sites: &mut [Site], site: u32) {
     }
 }
 
-/// Moves what is at a place up or down to where it belongs.
+/// Sifts the site at a position up or down.
 fn settle(queue: &mut [u32], sites: &mut [Site], mut place: usize) {
     loop {
         let parent = place.saturating_sub(1) / 2;

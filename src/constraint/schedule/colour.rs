@@ -1,8 +1,9 @@
-//! No dynamic body twice in a colour, so that a colour's rows can be solved at the same time.
+//! Colouring: no dynamic body occurs twice in a colour, so that the rows of a colour can be solved at the
+//! same time.
 
 use crate::memory::Buffer;
 
-/// Colours a group may have; contacts of a body that has more go one by one.
+/// Maximum number of colours of a group; further contacts of a body are solved one by one.
 pub(crate) const COLOURS: usize = 31;
 /// Instead of a colour: none was left.
 pub(crate) const OVERFLOW: usize = COLOURS;

@@ -4,70 +4,72 @@ use super::colour::{COLOURS, OVERFLOW};
 use super::order::{Group, Order, Place, RowGroup};
 use crate::memory::{Buffer, bytes_of};
 
-/// Kinds of contacts of a colour: four points before one, so that lanes of a batch are alike, and last those of bodies in
-/// trees of joints, which have their lanes by the tree.
+/// Kinds of contacts of a colour: by points, most first, so that lanes of a batch are alike; and last those
+/// of bodies in trees of joints, whose lanes are those of the trees.
 pub(crate) const KINDS: usize = 5;
 
-/// Keys of what is raised above the same.
+/// Keys of rows that are solved after the same group.
 const KEYS: usize = Group::ALL.len() * (COLOURS + 1) * KINDS;
-/// What contacts may be raised above: nothing, or a group.
-const RAISES: usize = 1 + Order::LEN;
+/// What rows may be solved after: nothing, or a group.
+const AFTERS: usize = 1 + Order::LEN;
 
-/// Contacts of a group that are raised above the same.
+/// Contacts of a group that are solved after the same other group.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Layer {
     pub(crate) place: Place,
     pub(crate) group: Group,
-    raised: Option<RowGroup>,
+    solved_after: Option<RowGroup>,
 }
 
 impl Layer {
     /// The first of the keys of a colour.
-    fn first(group: Group, raised: Option<RowGroup>, colour: usize) -> usize {
-        let layer = raised.map_or(0, |above| 1 + above as usize) * Group::ALL.len() + group as usize;
+    fn first(group: Group, solved_after: Option<RowGroup>, colour: usize) -> usize {
+        let layer = solved_after.map_or(0, |other| 1 + other as usize) * Group::ALL.len() + group as usize;
         (layer * (COLOURS + 1) + colour) * KINDS
     }
 }
 
-/// What parts of contacts there are of each key.
+/// Counts of the parts of contacts by key.
 #[derive(Debug, Default)]
 pub(crate) struct Keys {
-    /// How many; once they are sorted, where they end.
+    /// The count of each key; after sorting, where its range ends.
     ends: Vec<u32>,
-    /// How many colours each group uses: of hundreds of keys a small scene has a handful.
+    /// Number of colours that each group uses: a small scene has a handful of hundreds of keys.
     colours: [usize; Group::ALL.len()],
     /// In the order in which they are solved.
     layers: Vec<Layer>,
 }
 
 impl Keys {
-    /// Nothing is counted yet. `raises`: the groups that bodies are raised above.
-    pub(crate) fn reset(&mut self, order: Order, raises: impl Iterator<Item = RowGroup> + Clone) {
+    /// Resets the counts. `groups`: those that some bodies are solved after.
+    pub(crate) fn reset(&mut self, order: Order, groups: impl Iterator<Item = RowGroup> + Clone) {
         self.layers.clear();
-        for raised in std::iter::once(None).chain(raises.map(Some)) {
-            let layer = |group: Group| Layer { place: order.place(group.named(), raised), group, raised };
+        for solved_after in std::iter::once(None).chain(groups.map(Some)) {
+            let layer =
+                |group: Group| Layer { place: order.place(group.named(), solved_after), group, solved_after };
             self.layers.extend(Group::ALL.map(layer));
         }
         self.layers.sort_by_key(|layer| layer.place);
         self.ends.clear();
-        self.ends.resize(Self::len(self.any_raised()), 0);
+        self.ends.resize(Self::len(self.any_solved_after()), 0);
         self.colours = [0; Group::ALL.len()];
     }
 
-    /// Whether any body is raised.
-    pub(crate) fn any_raised(&self) -> bool {
+    /// Whether the rows of any body are solved after another group.
+    pub(crate) fn any_solved_after(&self) -> bool {
         self.layers.len() > Group::ALL.len()
     }
 
-    /// The most stages that there may be.
+    /// Maximum number of stages.
     pub(crate) fn most_stages(&self) -> usize {
         self.layers.len() * (COLOURS + 1)
     }
 
-    /// Counts one part of so many points, or one with a seat, and says its key.
+    /// Counts a part with so many points, or a part of a body in a tree, and returns its key.
     pub(crate) fn count(
         &mut self,
-        (group, raised): (Group, Option<RowGroup>),
+        group: Group,
+        solved_after: Option<RowGroup>,
         colour: usize,
         points: Option<usize>,
     ) -> u32 {
@@ -75,13 +77,13 @@ impl Keys {
             let colours = &mut self.colours[group as usize];
             *colours = (*colours).max(colour + 1);
         }
-        let key = Layer::first(group, raised, colour) + points.map_or(KINDS - 1, |points| 4 - points);
+        let key = Layer::first(group, solved_after, colour) + points.map_or(KINDS - 1, |points| 4 - points);
         self.ends[key] += 1;
         key as u32
     }
 
-    /// Layers and colours in the order in which they are solved. Contacts without a colour come first in their layer: what
-    /// is solved later wins.
+    /// Layers and colours in the order in which they are solved. Contacts without a colour come first in
+    /// their layer: what is solved last is obeyed best.
     pub(crate) fn colours(&self) -> impl Iterator<Item = (Layer, usize)> + '_ {
         self.layers.iter().flat_map(|&layer| {
             let colours = self.colours[layer.group as usize];
@@ -91,15 +93,16 @@ impl Keys {
 
     /// Where the kinds of a colour end.
     pub(crate) fn ends(&self, layer: Layer, colour: usize) -> &[u32] {
-        &self.ends[Layer::first(layer.group, layer.raised, colour)..][..KINDS]
+        &self.ends[Layer::first(layer.group, layer.solved_after, colour)..][..KINDS]
     }
 
-    /// Puts what was counted in the order in which it is solved: from here on [`Keys::place_of`] says where each goes.
+    /// Turns counts into ranges, in the order in which they are solved: afterwards [`Keys::place_of`] returns
+    /// the place of each part.
     pub(crate) fn line_up(&mut self) {
         let mut end = 0;
-        for &Layer { group, raised, .. } in &self.layers {
+        for &Layer { group, solved_after, .. } in &self.layers {
             for colour in std::iter::once(OVERFLOW).chain(0..self.colours[group as usize]) {
-                for place in &mut self.ends[Layer::first(group, raised, colour)..][..KINDS] {
+                for place in &mut self.ends[Layer::first(group, solved_after, colour)..][..KINDS] {
                     end += std::mem::replace(place, end);
                 }
             }
@@ -113,19 +116,19 @@ impl Keys {
         *place as usize - 1
     }
 
-    fn len(any_raised: bool) -> usize {
-        if any_raised { KEYS * RAISES } else { KEYS }
+    fn len(any_solved_after: bool) -> usize {
+        if any_solved_after { KEYS * AFTERS } else { KEYS }
     }
 
-    /// Calls `f` with each buffer and the place that it needs.
-    pub(crate) fn each(&mut self, any_raised: bool, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
-        f(&mut self.ends, Self::len(any_raised));
-        f(&mut self.layers, Group::ALL.len() * if any_raised { RAISES } else { 1 });
+    /// Calls `f` with each buffer and the capacity that it needs.
+    pub(crate) fn each(&mut self, any_solved_after: bool, f: &mut dyn FnMut(&mut dyn Buffer, usize)) {
+        f(&mut self.ends, Self::len(any_solved_after));
+        f(&mut self.layers, Group::ALL.len() * if any_solved_after { AFTERS } else { 1 });
     }
 
-    /// Reserved bytes beyond those that it takes where nothing is raised.
-    pub(crate) fn raised_bytes(&self) -> usize {
-        if !self.any_raised() {
+    /// Reserved bytes beyond those that are needed if no rows are solved after another group.
+    pub(crate) fn solved_after_bytes(&self) -> usize {
+        if !self.any_solved_after() {
             return 0;
         }
         let plain = KEYS * size_of::<u32>() + Group::ALL.len() * size_of::<Layer>();

@@ -1,6 +1,8 @@
-//! Which row is solved when: order of importance, colours without a shared dynamic body, sort keys.
+//! The order in which rows are solved: importance, colours without a shared dynamic body, sort keys.
 
 pub(crate) mod arrange;
+mod budget;
 pub(crate) mod colour;
 pub(crate) mod keys;
 pub(crate) mod order;
+pub(crate) mod part;

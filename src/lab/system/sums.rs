@@ -2,7 +2,7 @@
 
 use super::joints::Source;
 use super::*;
-use crate::constraint::{ContactLane, JointViews};
+use crate::constraint::{ContactLane, JointViews, RowImpulse};
 use crate::solver::Witness;
 
 /// Impulses of the solver, and changes of velocities by other causes.
@@ -220,7 +220,7 @@ impl Witness for Sums {
             });
             joints.each_impulse(
                 &mut |owner, impulse| self.locks[owner as usize] += impulse.as_dvec3(),
-                &mut |owner, (impulse, force, torque)| {
+                &mut |owner, RowImpulse { ends: impulse, force, torque }| {
                     let (ends, acted) = &mut self.rows[owner as usize];
                     for k in 0..2 {
                         ends[k] += f64::from(impulse[k]);

@@ -90,7 +90,8 @@ impl Scale<'_> {
             if turn > 0.0 { turn * reach } else { 0.0 }
         };
         let (of_a, of_b) = (motion(a), motion(b));
-        let closing = normal.dot(of_a.linear - of_b.linear) + spin(a, of_a.pad1) + spin(b, of_b.pad1);
+        let closing =
+            normal.dot(of_a.linear - of_b.linear) + spin(a, of_a.turn_angle()) + spin(b, of_b.turn_angle());
         let both = pushed(a) && pushed(b);
         let apart = if both && separation < 0.0 { DEEP * separation } else { separation };
         let held = LASTS * load * self.gain * (inverse(a) + inverse(b));

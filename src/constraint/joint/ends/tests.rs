@@ -6,7 +6,7 @@ fn vectors_turn_as_by_quaternions() {
     for angle in [0.0, 1e-4, 0.5, 2.0, 3.1, 6.0, 6.4, 20.0, -100.0] {
         let expected = glam::Quat::from_axis_angle(axis, angle) * v;
         let turned = turned::<f32>(Vec3::splat(axis * angle), Vec3::splat(v)).lane(0);
-        // Of the series, at half a turn of half the angle: 3e-4 in the sine.
+        // The error of the series, at half a turn of half the angle: 3e-4 in the sine.
         assert!((turned - expected).length() < 3e-3, "{angle}: {turned} {expected}");
     }
 }

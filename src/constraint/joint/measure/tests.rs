@@ -34,11 +34,12 @@ fn lanes(v: Vec3) -> Lanes3 {
     Lanes3::new(v.x, v.y, v.z)
 }
 
-/// A row at its bodies, after they moved on for a time: speed along the lever, bend over a time, displacement.
-fn measured<M: Measure<f32>>(at: &Placed, axes: Axes, v: &Pair<f32>, time: f32, h: f32) -> [f32; 3] {
+/// A row at its bodies, after they moved on for a time: speed along the lever, bend over a time,
+/// displacement.
+fn measured<M: Measure<f32>>(at: &Placed, axes: Axes, v: &BodyPair<f32>, time: f32, h: f32) -> [f32; 3] {
     let mut measure = M::default();
     let start = measure.place(0, at, axes);
-    let d = Pair { va: v.va * time, wa: v.wa * time, vb: v.vb * time, wb: v.wb * time };
+    let d = BodyPair { va: v.va * time, wa: v.wa * time, vb: v.vb * time, wb: v.wb * time };
     let (ra, rb) = (lanes(at.arm[0] + at.apart), lanes(at.arm[1]));
     let now = turned(d.wb, rb);
     let mut lever = Lever { arm: [ra + (d.vb - d.va) + (now - rb), now], ..Lever::zero() };
@@ -46,8 +47,8 @@ fn measured<M: Measure<f32>>(at: &Placed, axes: Axes, v: &Pair<f32>, time: f32, 
     [lever.speed(v), measure.bend(v, &lever, h), value]
 }
 
-/// Where the bodies go says how fast displacements change, by differences; and what is followed within a step is what is
-/// there at the end of it.
+/// Where the bodies go says how fast displacements change, by differences; and what is followed within a step
+/// is what is there at the end of it.
 fn check<M: Measure<f32>>(axes: Axes, angular: bool, turns: bool) -> usize {
     let mut random = Random(1);
     let mut checked = 0;
@@ -66,12 +67,12 @@ fn check<M: Measure<f32>>(axes: Axes, angular: bool, turns: bool) -> usize {
             });
             Placed::new([&moved[0], &moved[1]], &frames)
         };
-        let pair = Pair { va: lanes(v[0]), wa: lanes(w[0]), vb: lanes(v[1]), wb: lanes(w[1]) };
+        let pair = BodyPair { va: lanes(v[0]), wa: lanes(w[0]), vb: lanes(v[1]), wb: lanes(w[1]) };
         let now = after(0.0);
         let value = |time: f32| measured::<M>(&after(time), axes, &pair, 0.0, 0.0)[2];
         let start = value(0.0);
-        // Where an angle turns round, and where small angles are of no direction, it has no slope; close to half a turn of
-        // tilt the twist runs away.
+        // Where an angle turns round, and where small angles are of no direction, it has no slope; close to
+        // half a turn of tilt the twist runs away.
         let axis = axis_of(axes);
         let tilted = turns && now.axis(0, axis).dot(now.axis(1, axis)) < -0.3;
         if (angular && (start.abs() > 2.7 || start.abs() < 0.1)) || tilted {
@@ -87,7 +88,7 @@ fn check<M: Measure<f32>>(axes: Axes, angular: bool, turns: bool) -> usize {
         assert!((moved - there).abs() < 5e-4, "{case} {axes:?}: {moved} {there}");
         let [speed, bend, _] = measured::<M>(&now, axes, &pair, 0.0, time);
         let mean = (there - start) / time;
-        // Of the second order nothing is left.
+        // No error of second order is left.
         let (wrong, least) = ((speed + bend - mean).abs(), 0.02 * (1.0 + mean.abs()));
         assert!(turns || wrong < least, "{case} {axes:?}: {speed} + {bend} for {mean}");
         checked += 1;
@@ -119,8 +120,10 @@ fn there_is_always_a_direction() {
         let zero = lanes(Vec3::ZERO);
         let (mut measure, mut lever) = (M::default(), Lever::zero());
         let start = measure.place(0, &at, axes);
-        let value = measure.follow(&Pair { va: zero, wa: zero, vb: zero, wb: zero }, &mut lever, start);
-        assert!(value.is_finite() && lever.speed(&Pair { va: zero, wa: zero, vb: zero, wb: zero }) == 0.0);
+        let value = measure.follow(&BodyPair { va: zero, wa: zero, vb: zero, wb: zero }, &mut lever, start);
+        assert!(
+            value.is_finite() && lever.speed(&BodyPair { va: zero, wa: zero, vb: zero, wb: zero }) == 0.0
+        );
         lever
     }
     for axis in Axis::ALL {

@@ -1,0 +1,164 @@
+//! The exact solution of a tree: from the leaves to the root and back.
+
+use super::contacts::TreeBody;
+use super::cut::Drives;
+use super::node::Node;
+use super::slots::TreeContacts;
+use super::spatial::{Sym6, Twist};
+use super::tree::TreeBatch;
+use crate::constraint::joint::ends::JointPass;
+use crate::lanes::{GatherLanes, Sym3, Vec3};
+
+impl<L: GatherLanes> TreeBatch<L> {
+    /// From the leaves to the root: the mobility of each body with all that hangs on it.
+    pub(crate) fn factor(&mut self) {
+        for node in &mut self.nodes {
+            let mass = node.inverse_mass;
+            let mass = Sym3 { xx: mass, yy: mass, zz: mass, ..Sym3::default() };
+            node.free = Sym6 { linear: mass, mixed: [Vec3::zero(); 3], angular: node.stiffened_inverse };
+        }
+        for i in (0..self.real).rev() {
+            let (parent, node) = self.with_parent(i);
+            if !node.jointed {
+                continue;
+            }
+            let [arm, above] = node.arm_now;
+            let mut mobility = node.free.mobility_at(arm);
+            node.stiff = node.held_by(&mobility);
+            if let Some(parent) = parent {
+                node.rest = parent.free;
+                mobility.add(&node.rest.mobility_at(above));
+                node.joined = node.held_by(&mobility);
+                parent.free = node.rest.joined_at(above, &node.joined);
+            }
+        }
+        if self.contacts.0 < self.contacts.1 {
+            self.answer();
+        }
+        if self.has_extra() {
+            self.factor_extra();
+        }
+    }
+
+    /// Solves the trees of some lanes, from the leaves to the root and back.
+    pub(crate) fn sweep(
+        &mut self,
+        pass: &JointPass,
+        lanes: L::Mask,
+        contacts: &[TreeContacts],
+        touch: impl FnMut(&TreeContacts, &mut TreeBody<'_, L>),
+    ) {
+        self.nodes.iter_mut().for_each(|node| node.pushed = Twist::zero());
+        self.extra.drives = match (self.extra.idle, pass.relax) {
+            (true, _) => Drives::None,
+            (_, true) => Drives::Rigid,
+            _ => Drives::All,
+        };
+        let rate = if pass.relax { L::zero() } else { self.share * L::splat(pass.inverse_h) };
+        let asked = |node: &Node<L>, parent: Option<&Node<L>>| {
+            let [arm, other] = node.arm_now;
+            let mut asked = node.velocity.seen_at(arm);
+            asked.subtract(parent.map_or(node.anchored, |parent| parent.velocity).seen_at(other));
+            asked.linear += pass.linear_bias(node.apart_now, rate);
+            asked.angular += pass.angular_bias(node.error_now, rate);
+            if !pass.relax {
+                asked.add(node.bend);
+            }
+            asked
+        };
+        self.gather_up(asked);
+        if !contacts.is_empty() {
+            self.traverse(contacts, touch);
+            self.gather_up(asked);
+        }
+        self.answer_all();
+        let zero = Vec3::zero();
+        for node in &mut self.nodes {
+            node.impulse -= Vec3::select(lanes, node.force.linear, zero);
+            node.twist -= Vec3::select(lanes, node.force.angular, zero);
+            let gained = node.change.angular - node.stiffened_inverse.mul(node.pushed.angular);
+            node.gained += Vec3::select(lanes, gained, zero);
+            node.velocity.linear += Vec3::select(lanes, node.change.linear, zero);
+            node.velocity.angular += Vec3::select(lanes, node.change.angular, zero);
+        }
+        for motor in &mut self.extra.motors {
+            motor.impulse -= L::select(lanes, motor.less, L::zero());
+        }
+        self.extra.drives = Drives::None;
+    }
+
+    /// The impulses of joints that meet what was requested, and the changes of velocity by them and by other
+    /// impulses.
+    pub(crate) fn answer_all(&mut self) {
+        self.answer_bodies();
+        if self.has_extra() {
+            self.answer_extra();
+        }
+    }
+
+    /// From the root to the leaves: the impulses of joints that meet what was requested, and the changes of
+    /// velocity by them and by other impulses.
+    ///
+    /// A joint's impulse follows from the mobility of both its bodies, and a body's change from its own
+    /// inertia: the net impulse on a light body between heavy ones is a small difference of what passes
+    /// through it, and would be lost otherwise.
+    pub(crate) fn answer_bodies(&mut self) {
+        for i in 0..self.real {
+            let (parent, node) = self.with_parent(i);
+            node.pushes = node.pushed;
+            if !node.jointed {
+                continue;
+            }
+            let [arm, other] = node.arm_now;
+            node.force = match parent {
+                Some(parent) => {
+                    let mut asked = node.asked;
+                    node.beside.add(parent.pushes);
+                    asked.subtract(node.rest.mul(&node.beside).seen_at(other));
+                    let force = node.unspun(node.joined.mul(&asked));
+                    parent.pushes.add(force.moved(other));
+                    force
+                }
+                None => node.unspun(node.stiff.mul(&node.asked)),
+            };
+            node.pushes.subtract(node.force.moved(arm));
+        }
+        for node in &mut self.nodes[..self.real] {
+            let Twist { linear, angular } = node.pushes;
+            node.change =
+                Twist { linear: linear * node.inverse_mass, angular: node.stiffened_inverse.mul(angular) };
+        }
+    }
+
+    /// Collects what is requested of each joint, less what the joints below it do.
+    #[inline(always)]
+    pub(crate) fn gather_up(&mut self, asked: impl Fn(&Node<L>, Option<&Node<L>>) -> Twist<L>) {
+        for i in self.real..self.nodes.len() {
+            let (parent, node) = self.with_parent(i);
+            node.asked = asked(node, parent.as_deref());
+        }
+        self.gather_up_bodies(asked);
+    }
+
+    /// From the leaves to the root, without cut joints.
+    #[inline(always)]
+    pub(crate) fn gather_up_bodies(&mut self, asked: impl Fn(&Node<L>, Option<&Node<L>>) -> Twist<L>) {
+        self.nodes.iter_mut().for_each(|node| node.carried = Twist::zero());
+        for i in (0..self.real).rev() {
+            let (parent, node) = self.with_parent(i);
+            if !node.jointed {
+                continue;
+            }
+            let mut carried = node.carried;
+            carried.add(node.pushed);
+            let carried = node.free.mul(&carried);
+            let mut all = carried.seen_at(node.arm_now[0]);
+            all.add(asked(node, parent.as_deref()));
+            node.asked = node.unspun(all);
+            if let Some(parent) = parent {
+                node.beside = parent.carried;
+                parent.carried.add(node.stiff.mul(&node.asked).moved(node.arm_now[1]));
+            }
+        }
+    }
+}

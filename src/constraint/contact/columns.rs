@@ -1,0 +1,248 @@
+//! The data of contacts for a batch, looked up contact by contact and transposed for the lanes.
+
+use super::batch::lock_bits;
+use super::prepare::PrepareInput;
+use crate::constraint::articulation::slots::{TreeSlot, TreeSlots};
+use crate::constraint::schedule::part::Part;
+use crate::events::tweak_of;
+use crate::lanes::{Lanes, Sym3, Vec3, ones};
+use crate::narrow_phase::{Contact, MAX_POINTS, Point};
+use crate::shape::{Collider, EVENTS};
+
+/// Tolerated overlap is at most this share of the distance from the middle of the thinner shape to its
+/// surface: the slop of a world made for boxes of a metre would swallow a coin, and half of a wall of 1 mm.
+const THIN: f32 = 0.05;
+
+/// A column of eight lanes for each number. Inert lanes are zero.
+pub(super) struct Columns<const P: usize> {
+    /// Bodies, contacts and bits of the lanes: see [`Batch`](super::batch::Batch).
+    pub(super) a: [u32; 8],
+    pub(super) b: [u32; 8],
+    pub(super) contact: [Part; 8],
+    pub(super) write: [u8; 2],
+    pub(super) swapped: u8,
+    pub(super) heard: u8,
+    pub(super) rotation: [[f32; 8]; 4],
+    pub(super) normal: [[f32; 8]; 3],
+    /// From the batch's body a to the origin of the contact's shape a, at the time of the contact.
+    pub(super) origin: [[f32; 8]; 3],
+    /// From the batch's body b to its body a, at the time of the contact.
+    pub(super) to_b: [[f32; 8]; 3],
+    pub(super) sign: [f32; 8],
+    pub(super) inverse_mass: [[f32; 8]; 2],
+    pub(super) locks: [u32; 2],
+    pub(super) inverse_inertia: [[[f32; 8]; 6]; 2],
+    pub(super) position: [[[f32; 8]; 3]; P],
+    pub(super) separation: [[f32; 8]; P],
+    pub(super) impulse: [[f32; 8]; P],
+    pub(super) lasting: [[f32; 8]; P],
+    pub(super) rest: [f32; 8],
+    pub(super) reach: [f32; 8],
+    pub(super) present: [[f32; 8]; P],
+    pub(super) friction: [[f32; 8]; 3],
+    pub(super) twist: [f32; 8],
+    /// Static and dynamic.
+    pub(super) coefficient: [[f32; 8]; 2],
+}
+
+fn put3(columns: &mut [[f32; 8]; 3], lane: usize, v: glam::Vec3) {
+    for (column, x) in columns.iter_mut().zip(v.to_array()) {
+        column[lane] = x;
+    }
+}
+
+pub(super) fn vec3<L: Lanes>(columns: &[[f32; 8]; 3]) -> Vec3<L> {
+    Vec3::new(L::load(&columns[0]), L::load(&columns[1]), L::load(&columns[2]))
+}
+
+pub(super) fn sym3<L: Lanes>(c: &[[f32; 8]; 6]) -> Sym3<L> {
+    let [xx, yy, zz, xy, xz, yz] = [0, 1, 2, 3, 4, 5].map(|i| L::load(&c[i]));
+    Sym3 { xx, yy, zz, xy, xz, yz }
+}
+
+/// A contact, or some of its points, to be entered into a lane.
+struct Entry<'a> {
+    lane: usize,
+    part: Part,
+    contact: &'a Contact,
+    shape_a: &'a Collider,
+    shape_b: &'a Collider,
+    /// The bodies of the lane. `a` is one that can be pushed; `swap`: it is the contact's `b`.
+    a: u32,
+    b: u32,
+    swap: bool,
+}
+
+impl<const P: usize> Columns<P> {
+    #[inline(always)]
+    fn inert() -> Self {
+        Columns {
+            a: [0; 8],
+            b: [0; 8],
+            contact: [Part::NONE; 8],
+            write: [0; 2],
+            swapped: 0,
+            heard: 0,
+            rotation: [[0.0; 8]; 4],
+            normal: [[0.0; 8]; 3],
+            origin: [[0.0; 8]; 3],
+            to_b: [[0.0; 8]; 3],
+            sign: [0.0; 8],
+            inverse_mass: [[0.0; 8]; 2],
+            locks: [0; 2],
+            inverse_inertia: [[[0.0; 8]; 6]; 2],
+            position: [[[0.0; 8]; 3]; P],
+            separation: [[f32::INFINITY; 8]; P],
+            impulse: [[0.0; 8]; P],
+            lasting: [[0.0; 8]; P],
+            rest: [0.0; 8],
+            reach: [0.0; 8],
+            present: [[0.0; 8]; P],
+            friction: [[0.0; 8]; 3],
+            twist: [0.0; 8],
+            coefficient: [[0.0; 8]; 2],
+        }
+    }
+
+    /// Looks up one lane after another: each contact is touched once, and the arithmetic is left to the
+    /// lanes.
+    ///
+    /// Not inlined: this is most of the code that makes a batch, and the same for any width and any bodies
+    /// `b`.
+    #[inline(never)]
+    pub(super) fn gather(
+        parts: &[Part],
+        touching: bool,
+        tree_slots: Option<&TreeSlots>,
+        input: &PrepareInput<'_>,
+    ) -> Columns<P> {
+        let mut out = Columns::inert();
+        let dynamic = input.bodies.dynamic() as u32;
+        let mut first = 0;
+        for (place, &part) in parts.iter().enumerate() {
+            let contact = &input.contacts[part.slot()];
+            let (shape_a, shape_b) =
+                (&input.colliders[contact.a as usize], &input.colliders[contact.b as usize]);
+            let swap = shape_a.body >= dynamic;
+            let (a, b) = if swap { (shape_b.body, shape_a.body) } else { (shape_a.body, shape_b.body) };
+            let lane =
+                tree_slots.and_then(|tree_slots| tree_slots.of(a as usize)).map_or(place, TreeSlot::lane);
+            if place == 0 {
+                first = lane;
+            }
+            let entry = Entry { lane, part, contact, shape_a, shape_b, a, b, swap };
+            out.put_frame(&entry, input);
+            out.put_bodies(&entry, input);
+            out.put_points(&entry, input);
+            if touching {
+                out.put_friction_impulse(&entry, input);
+            }
+            out.heard |= u8::from((shape_a.flags | shape_b.flags) & EVENTS != 0) << lane;
+            if input.friction {
+                let mut friction = shape_a.material.friction_with(&shape_b.material);
+                if !input.tweaks.is_empty() {
+                    friction = tweak_of(input.tweaks, part.slot()).friction_or(friction);
+                }
+                let (sticking, sliding) = friction;
+                (out.coefficient[0][lane], out.coefficient[1][lane]) = (sticking, sliding);
+            }
+        }
+        for lane in (0..8).filter(|&lane| out.contact[lane] == Part::NONE) {
+            (out.a[lane], out.b[lane]) = (out.a[first], out.b[first]);
+        }
+        out
+    }
+
+    /// Position and normal of the contact.
+    #[inline(always)]
+    fn put_frame(&mut self, entry: &Entry<'_>, input: &PrepareInput<'_>) {
+        let &Entry { lane, contact, shape_a, shape_b, swap, .. } = entry;
+        let pose = &input.poses[contact.a as usize];
+        let at = |body: u32| &input.bodies.pose[body as usize].position;
+        let own = (pose.position - *at(shape_a.body)).as_vec3();
+        let between = if contact.fraction > 0.0 {
+            let moved = |body: u32| input.motion.get(body as usize).map_or(glam::Vec3::ZERO, |m| m.linear);
+            (*at(shape_a.body) - *at(shape_b.body)).as_vec3()
+                + (moved(shape_a.body) - moved(shape_b.body)) * contact.fraction
+        } else {
+            // As the shapes stood when the contact was found.
+            let own_b = (input.poses[contact.b as usize].position - *at(shape_b.body)).as_vec3();
+            own_b - own - contact.frame * contact.found_at.position
+        };
+        put3(&mut self.origin, lane, if swap { own + between } else { own });
+        put3(&mut self.to_b, lane, if swap { -between } else { between });
+        self.sign[lane] = if swap { -1.0 } else { 1.0 };
+        put3(&mut self.normal, lane, contact.normal);
+        for (column, x) in self.rotation.iter_mut().zip(contact.frame.to_array()) {
+            column[lane] = x;
+        }
+    }
+
+    #[inline(always)]
+    fn put_bodies(&mut self, entry: &Entry<'_>, input: &PrepareInput<'_>) {
+        let &Entry { lane, part, a, b, swap, .. } = entry;
+        let (dynamic, movers) = (input.bodies.dynamic() as u32, input.bodies.movers() as u32);
+        self.contact[lane] = part;
+        self.swapped |= u8::from(swap) << lane;
+        self.write[0] |= u8::from(a < dynamic) << lane;
+        self.write[1] |= u8::from(b < dynamic) << lane;
+        // A static body has no record: its velocity is never used.
+        (self.a[lane], self.b[lane]) = (a, if b < movers { b } else { a });
+        for (side, body) in [a, b].into_iter().enumerate() {
+            if let Some(i) = input.inverse_inertia.get(body as usize) {
+                self.inverse_mass[side][lane] = input.bodies.mass[body as usize].inverse;
+                if input.bodies.locked > 0 {
+                    self.locks[side] |= lock_bits(input.bodies.traits[body as usize].locks, lane);
+                }
+                for (column, x) in
+                    self.inverse_inertia[side].iter_mut().zip([i.xx, i.yy, i.zz, i.xy, i.xz, i.yz])
+                {
+                    column[lane] = x;
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn put_points(&mut self, entry: &Entry<'_>, input: &PrepareInput<'_>) {
+        let &Entry { lane, part, contact, shape_a, shape_b, .. } = entry;
+        let points = part.points(contact);
+        let mut lasting = contact.lasting_force * input.lengths.now();
+        let carried = |p: &Point| input.lengths.carry(p.impulse, p.mean_force).max(0.0);
+        // If some points were left out, the others bear their loads.
+        let (mut load, mut missing) = (1.0, 0.0);
+        if part.is_cut() {
+            let kept = |of: &dyn Fn(&Point) -> f32| ones(points).map(|i| of(&contact.points[i])).sum::<f32>();
+            let all: f32 = contact.points().iter().map(carried).sum();
+            let (own, share) = (kept(&carried), kept(&|p| p.share));
+            if own > 0.0 {
+                load = all / own
+            } else {
+                missing = all / points.count_ones() as f32
+            }
+            lasting = if share > 0.0 { lasting / share } else { 0.0 };
+        }
+        let thinnest = shape_a.thickness().min(shape_b.thickness());
+        [self.rest[lane], self.reach[lane]] = contact.spring(input.slop.min(THIN * thinnest));
+        for (i, point) in ones(points).map(|i| &contact.points[i % MAX_POINTS]).enumerate().take(P) {
+            put3(&mut self.position[i], lane, point.position);
+            self.separation[i][lane] = point.separation;
+            let borne = carried(point);
+            self.impulse[i][lane] = if part.is_cut() { borne * load + missing } else { borne };
+            self.lasting[i][lane] = point.share * lasting;
+            self.present[i][lane] = 1.0;
+        }
+    }
+
+    /// Friction was stored for the whole contact; its points share it by their load.
+    #[inline(always)]
+    fn put_friction_impulse(&mut self, entry: &Entry<'_>, input: &PrepareInput<'_>) {
+        let &Entry { lane, part, contact, .. } = entry;
+        let total: f32 = contact.points().iter().map(|p| p.impulse).sum();
+        let share =
+            part.only().map_or(1.0, |p| if total > 0.0 { contact.points[p].impulse / total } else { 0.0 });
+        let carried = input.lengths.carry(contact.friction.extend(contact.twist), contact.mean_friction);
+        put3(&mut self.friction, lane, carried.truncate() * share);
+        self.twist[lane] = carried.w;
+    }
+}

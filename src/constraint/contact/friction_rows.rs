@@ -1,0 +1,161 @@
+//! Friction of a manifold that touches: two rows along the surface, and one against twist.
+
+use super::batch::{Batch, PointRow};
+use super::body_pair::BodyPair;
+use super::friction::FrictionRow;
+use super::row::{FrictionResponse, Pass, Response};
+use crate::lanes::{GatherLanes, Lanes, Mask};
+
+/// During relaxation friction was bounded by the load before it, part of which pushed overlap apart and is
+/// removed again. Friction follows the load that is left: down to its bound, and where it slides also up, as
+/// long as the surfaces still slide.
+#[inline(always)]
+pub(super) fn follow_load<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
+    batch: &Batch<L, P, B>,
+    f: &mut FrictionRow<L, B>,
+    Slid { slides, spins }: Slid<L>,
+    v: &mut BodyPair<L>,
+    pass: &Pass<'_>,
+    response: &mut R,
+) {
+    let bound = friction_limit(batch, f, pass);
+    let [p, q] = f.impulse;
+    let size = if pass.friction_box { p.abs().max(q.abs()) } else { (p * p + q * q).sqrt() };
+    let (twist_bound, twist_size) = (bound * f.radius, f.twist.abs());
+    let off = size.gt(bound) | twist_size.gt(twist_bound);
+    let less = slides & size.lt(bound) | spins & twist_size.lt(twist_bound);
+    if !(off | less).any() {
+        return;
+    }
+    let FrictionResponse { slide_mass, twist_mass, .. } = response.friction(f);
+    let Slip { along: [u1, u2], spin } = slip(batch, f, v, pass);
+    // `speed`: that of the surfaces along the impulse. If it is negative the impulse opposes the motion, and
+    // one that no more than stops it adds no energy.
+    let share = |size: L, bound: L, moves: L::Mask, mass: L, speed: L| {
+        let more = L::select(moves, (-speed * mass).max(L::zero()), L::zero());
+        (size + more).min(bound) / size
+    };
+    let some = |size: L| size.gt(L::zero());
+    let slide = share(size, bound, slides, slide_mass, (u1 * p + u2 * q) / size);
+    let turn = share(twist_size, twist_bound, spins, twist_mass, spin * f.twist / twist_size);
+    let new = [p, q].map(|x| L::select(some(size), x * slide, x));
+    let twist = L::select(some(twist_size), f.twist * turn, f.twist);
+    push(batch, f, FrictionImpulse { along: new, twist }, v, response);
+}
+
+/// Relative velocity along the surface at the centre of a manifold, and about its normal: of `b` as seen from
+/// `a`.
+struct Slip<L> {
+    /// Along the tangents [m/s].
+    along: [L; 2],
+    /// [rad/s]
+    spin: L,
+}
+
+#[inline(always)]
+fn slip<L: GatherLanes, const P: usize, const B: usize>(
+    batch: &Batch<L, P, B>,
+    f: &FrictionRow<L, B>,
+    v: &BodyPair<L>,
+    pass: &Pass<'_>,
+) -> Slip<L> {
+    let n = batch.normal;
+    let mut u = -(v.va + v.wa.cross(f.arm_a));
+    let mut spin = -v.wa;
+    if B > 0 {
+        u += v.vb + v.wb.cross(f.arm_b[0]);
+        spin += v.wb;
+    }
+    let (mut u1, mut u2) = (u.dot(f.tangent), u.dot(n.cross(f.tangent)));
+    if let Some(surface) = pass.surfaces.get(batch.surface as usize) {
+        u1 += L::load(&surface[0]);
+        u2 += L::load(&surface[1]);
+    }
+    Slip { along: [u1, u2], spin: spin.dot(n) }
+}
+
+/// Along the tangents [N s], and against twist [N m s].
+struct FrictionImpulse<L> {
+    along: [L; 2],
+    twist: L,
+}
+
+/// Applies the change to new friction impulses.
+#[inline(always)]
+fn push<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
+    batch: &Batch<L, P, B>,
+    f: &mut FrictionRow<L, B>,
+    new: FrictionImpulse<L>,
+    v: &mut BodyPair<L>,
+    response: &mut R,
+) {
+    let n = batch.normal;
+    let [x, y] = new.along;
+    let q = f.tangent * (x - f.impulse[0]) + n.cross(f.tangent) * (y - f.impulse[1]);
+    let w = n * (new.twist - f.twist);
+    (f.impulse, f.twist) = (new.along, new.twist);
+    let ta = f.arm_a.cross(q) + w;
+    let tb = if B > 0 { f.arm_b[0].cross(q) + w } else { ta };
+    response.apply(batch, v, q, ta, tb);
+}
+
+/// The bound of friction by the load of the points [N s].
+#[inline(always)]
+fn friction_limit<L: GatherLanes, const P: usize, const B: usize>(
+    batch: &Batch<L, P, B>,
+    f: &FrictionRow<L, B>,
+    pass: &Pass<'_>,
+) -> L {
+    let real = L::splat(pass.real);
+    let load = |p: &PointRow<L, B>| L::select(p.separation.le(real), p.impulse, L::zero());
+    batch.points.iter().fold(L::zero(), |s, p| s + load(p)) * f.coefficient
+}
+
+/// Which friction is at its bound.
+pub(super) struct Slid<L: Lanes> {
+    slides: L::Mask,
+    spins: L::Mask,
+}
+
+/// The rows along the surface, and against twist.
+#[inline(always)]
+pub(super) fn solve_friction<L: GatherLanes, const P: usize, const B: usize, R: Response<L, P, B>>(
+    batch: &Batch<L, P, B>,
+    f: &mut FrictionRow<L, B>,
+    v: &mut BodyPair<L>,
+    pass: &Pass<'_>,
+    response: &mut R,
+) -> Slid<L> {
+    let limit = friction_limit(batch, f, pass);
+    let FrictionResponse { mass: tangential, slide_mass, twist_mass, twist_by } = response.friction(f);
+    let Slip { along: [u1, u2], spin } = slip(batch, f, v, pass);
+    let old = f.impulse;
+    let mut slides = L::zero().gt(L::zero());
+    let mut new = [0, 1].map(|i| old[i] - (tangential[i] * u1 + tangential[i + 1] * u2));
+    if pass.friction_box {
+        slides = new[0].abs().gt(limit) | new[1].abs().gt(limit);
+        new = new.map(|x| x.clamp(-limit, limit));
+    } else {
+        // A sticking lane takes the impulse that stops it. A sliding one has friction against its motion: the
+        // sticking impulse, cut to the cone, would point elsewhere unless the mass is the same in all
+        // directions.
+        let sticks = (new[0] * new[0] + new[1] * new[1]).le(limit * limit);
+        if (!sticks).any() {
+            let slid = [old[0] - slide_mass * u1, old[1] - slide_mass * u2];
+            let length = (slid[0] * slid[0] + slid[1] * slid[1]).sqrt();
+            let scale = L::select(length.gt(limit), limit / length, L::one());
+            slides = length.gt(limit);
+            new = std::array::from_fn(|i| L::select(sticks, new[i], slid[i] * scale));
+        }
+    }
+    let bound = limit * f.radius;
+    let change = [new[0] - old[0], new[1] - old[1]];
+    // Against the twist that remains: friction at the centre turns a long body about one end, and both rows
+    // against the same twist would drive it the other way.
+    let turns = spin + twist_by[0] * change[0] + twist_by[1] * change[1];
+    let stops = f.twist - twist_mass * turns;
+    let twist = stops.clamp(-bound, bound);
+    let spins = stops.abs().gt(bound);
+    push(batch, f, FrictionImpulse { along: new, twist }, v, response);
+    Slid { slides, spins }
+}

@@ -1,0 +1,263 @@
+//! The batches of one row type, and what batches of all types do alike.
+
+use super::arrange::{JointInput, JointStage};
+use super::ends::{Ends, JointPass, NONE, Recovery};
+use super::rates::Watched;
+use super::store::Report;
+use crate::constraint::contact::row::{BodyPair, Motion};
+use crate::lanes::{GatherLanes, f32x8};
+use crate::memory::bytes_of;
+use crate::threads::{Crew, Shared, per_block};
+
+/// A batch of one row type: the same lock or row of up to eight joints, a lane each.
+///
+/// Every type is solved in the same steps, which are written once, here: the bodies are loaded, directions
+/// follow their rotation, the rows are solved, the bodies are saved. A type supplies what differs. Its
+/// helpers are inlined into the steps, and the steps are functions of their own: two dozen of them in one
+/// function is more than the compiler inlines helpers into (12 % of the step of a net of joints).
+pub(crate) trait JointBatch<L: GatherLanes>: Watched + Default {
+    /// Whether it locks directions all at once, without bounds.
+    const IS_LOCK: bool;
+    /// Whether its directions change as its bodies move, and not only as they turn.
+    const SLIDES: bool;
+
+    fn ends(&self) -> &Ends<L>;
+    /// Makes the batch of the locks or rows `owners` of this step's joints.
+    fn fill(&mut self, owners: &[u32], input: &JointInput<'_>);
+    /// Updates directions, errors and effective masses to displacements of the bodies since the start of the
+    /// step.
+    fn follow(&mut self, moved: &BodyPair<L>);
+    /// Applies the impulses of the last substep.
+    fn apply(&self, v: &mut BodyPair<L>);
+    /// One Gauss-Seidel step.
+    fn sweep(&mut self, v: &mut BodyPair<L>, pass: &JointPass);
+    /// Reduces the error of a lock by at most `most`, by displacements.
+    fn correct(&self, _moved: &mut BodyPair<L>, _most: Recovery) {}
+    /// Reports the impulse of a lane.
+    fn report(&self, lane: usize, to: &mut impl Report);
+
+    /// Applies the impulses of the last step.
+    ///
+    /// # Safety
+    /// The bodies of the batch that it may write are in no other batch of the stage.
+    #[inline(never)]
+    unsafe fn warm_start(&self, motion: &Motion<'_, '_>) {
+        // SAFETY: by the contract.
+        unsafe {
+            let mut v = self.ends().load(motion.velocity);
+            self.apply(&mut v);
+            self.ends().save(&v, motion);
+        }
+    }
+
+    /// One Gauss-Seidel step.
+    ///
+    /// # Safety
+    /// The bodies of the batch that it may write are in no other batch of the stage.
+    #[inline(never)]
+    unsafe fn solve(&mut self, motion: &Motion<'_, '_>, pass: &JointPass) {
+        if pass.moved {
+            // SAFETY: displacements are not written while rows are solved.
+            let moved = unsafe { self.ends().load(motion.delta) };
+            self.follow(&moved);
+        }
+        // SAFETY: by the contract.
+        let mut v = unsafe { self.ends().load(motion.velocity) };
+        self.sweep(&mut v, pass);
+        // SAFETY: by the contract.
+        unsafe { self.ends().save(&v, motion) };
+    }
+
+    /// Moves the bodies of locks so that these are closed.
+    ///
+    /// # Safety
+    /// No other thread works on the bodies of the batch, and none writes their displacements.
+    #[inline(never)]
+    unsafe fn close(&mut self, motion: &Motion<'_, '_>, most: Recovery) {
+        if !Self::IS_LOCK {
+            return;
+        }
+        // SAFETY: by the contract.
+        let mut moved = unsafe { self.ends().load(motion.delta) };
+        self.follow(&moved);
+        self.correct(&mut moved, most);
+        // SAFETY: by the contract.
+        unsafe { self.ends().save_moved(&moved, motion) };
+    }
+}
+
+/// Batches of one row type: of eight lanes, and of one for rows that found no colour.
+#[derive(Debug)]
+pub(crate) struct Table<B8, B1> {
+    lanes: Vec<B8>,
+    single: Vec<B1>,
+    owners: Owners,
+}
+
+/// The locks or rows in each lane of a table.
+#[derive(Debug, Default)]
+pub(crate) struct Owners {
+    pub(crate) lanes: Vec<[u32; 8]>,
+    pub(crate) single: Vec<u32>,
+}
+
+/// A table of any type.
+pub(crate) trait AnyTable {
+    fn is_lock(&self) -> bool;
+    fn owners(&mut self) -> &mut Owners;
+    /// Makes as many batches as there are owners.
+    fn resize(&mut self);
+    /// Fills all batches.
+    fn fill(&mut self, crew: &Crew<'_>, input: &JointInput<'_>);
+    /// How many locks or rows there are.
+    fn len(&self) -> u32;
+    /// Live and reserved bytes.
+    fn bytes(&self) -> (usize, usize);
+}
+
+impl<B8, B1> Default for Table<B8, B1> {
+    fn default() -> Self {
+        Table { lanes: Vec::new(), single: Vec::new(), owners: Owners::default() }
+    }
+}
+
+/// Batches a block.
+const BLOCK: usize = per_block(8, 1);
+
+impl<B8: JointBatch<f32x8> + Send, B1: JointBatch<f32>> AnyTable for Table<B8, B1> {
+    fn is_lock(&self) -> bool {
+        B1::IS_LOCK
+    }
+
+    fn owners(&mut self) -> &mut Owners {
+        &mut self.owners
+    }
+
+    fn resize(&mut self) {
+        let Table { lanes, single, owners } = self;
+        lanes.resize_with(owners.lanes.len(), B8::default);
+        single.resize_with(owners.single.len(), B1::default);
+        if owners.lanes.is_empty() {
+            (*lanes, owners.lanes) = (Vec::new(), Vec::new());
+        }
+        if owners.single.is_empty() {
+            (*single, owners.single) = (Vec::new(), Vec::new());
+        }
+    }
+
+    fn fill(&mut self, crew: &Crew<'_>, input: &JointInput<'_>) {
+        let (lanes, owners) = (Shared::new(&mut self.lanes), &self.owners.lanes);
+        crew.run(owners.len().div_ceil(BLOCK), &|block| {
+            let first = block * BLOCK;
+            for (i, owners) in owners.iter().enumerate().skip(first).take(BLOCK) {
+                // SAFETY: each batch is in one block.
+                unsafe { lanes.get(i) }.fill(owners, input);
+            }
+        });
+        for (batch, owner) in self.single.iter_mut().zip(&self.owners.single) {
+            batch.fill(std::slice::from_ref(owner), input);
+        }
+    }
+
+    fn len(&self) -> u32 {
+        let in_lanes = self.owners.lanes.iter().flatten().filter(|&&owner| owner != NONE).count();
+        (in_lanes + self.owners.single.len()) as u32
+    }
+
+    fn bytes(&self) -> (usize, usize) {
+        let all = [
+            bytes_of(&self.lanes),
+            bytes_of(&self.single),
+            bytes_of(&self.owners.lanes),
+            bytes_of(&self.owners.single),
+        ];
+        all.into_iter().fold((0, 0), |s, b| (s.0 + b.0, s.1 + b.1))
+    }
+}
+
+impl<B8: JointBatch<f32x8>, B1: JointBatch<f32>> Table<B8, B1> {
+    /// For several threads.
+    pub(super) fn view(&mut self) -> TableView<'_, B8, B1> {
+        TableView { lanes: Shared::new(&mut self.lanes), single: Shared::new(&mut self.single) }
+    }
+
+    /// Reports the impulses of all lanes.
+    pub(super) fn report(&self, to: &mut impl Report) {
+        report(&self.lanes, &self.single, to);
+    }
+}
+
+fn report<B8: JointBatch<f32x8>, B1: JointBatch<f32>>(lanes: &[B8], single: &[B1], to: &mut impl Report) {
+    for batch in lanes {
+        for lane in (0..8).filter(|&lane| batch.ends().owner[lane] != NONE) {
+            batch.report(lane, to);
+        }
+    }
+    single.iter().for_each(|batch| batch.report(0, to));
+}
+
+/// Batches of one type, for several threads.
+pub(crate) struct TableView<'a, B8, B1> {
+    lanes: Shared<'a, B8>,
+    single: Shared<'a, B1>,
+}
+
+impl<B8: JointBatch<f32x8>, B1: JointBatch<f32>> TableView<'_, B8, B1> {
+    /// Solves a batch of a stage or, without a pass, applies the impulses of the last step.
+    ///
+    /// # Safety
+    /// No other thread works on the batch, or writes its bodies.
+    #[inline(always)]
+    pub(super) unsafe fn step(
+        &self,
+        stage: &JointStage,
+        i: usize,
+        motion: &Motion<'_, '_>,
+        pass: Option<&JointPass>,
+    ) {
+        // SAFETY: by the contract.
+        unsafe {
+            match (stage.single, pass) {
+                (false, None) => self.lanes.get(i).warm_start(motion),
+                (false, Some(pass)) => self.lanes.get(i).solve(motion, pass),
+                (true, None) => self.single.get(i).warm_start(motion),
+                (true, Some(pass)) => self.single.get(i).solve(motion, pass),
+            }
+        }
+    }
+
+    /// Closes the locks of a batch.
+    ///
+    /// # Safety
+    /// As for [`JointBatch::close`].
+    #[inline(always)]
+    pub(super) unsafe fn close(&self, stage: &JointStage, i: usize, motion: &Motion<'_, '_>, most: Recovery) {
+        // SAFETY: by the contract.
+        unsafe {
+            if stage.single {
+                self.single.get(i).close(motion, most)
+            } else {
+                self.lanes.get(i).close(motion, most)
+            }
+        }
+    }
+
+    /// Calls `f` with a batch.
+    ///
+    /// # Safety
+    /// No other thread works on the batch.
+    pub(super) unsafe fn watch(&self, stage: &JointStage, i: usize, f: &mut dyn FnMut(&mut dyn Watched)) {
+        // SAFETY: by the contract.
+        unsafe { if stage.single { f(self.single.get(i)) } else { f(self.lanes.get(i)) } };
+    }
+
+    /// Reports the impulses of all lanes.
+    ///
+    /// # Safety
+    /// No other thread works on the batches.
+    #[cfg(feature = "lab")]
+    pub(super) unsafe fn report(&self, to: &mut impl Report) {
+        // SAFETY: by the contract.
+        unsafe { report(self.lanes.all(), self.single.all(), to) };
+    }
+}
