@@ -106,8 +106,7 @@ mod world;
 
 pub use body::{BodyDesc, BodyKind};
 pub use character::{Ground, Mover, MoverHit, MoverReport, MoverSettings};
-pub use config::{Continuous, ContinuousMethod, FrictionCone, FrictionModel, Settings};
-pub use constraint::{Order, RowGroup};
+pub use config::{Continuous, ContinuousMethod, FrictionCone, FrictionModel, Order, RowGroup, Settings};
 pub use error::{Error, Escaped};
 pub use events::{ContactEnd, ContactEvent, ContactHook, ContactHooks, MaybeSync, NoHooks, SensorEvent};
 pub use finish::{StageTimes, StepReport};

@@ -2,6 +2,10 @@
 
 use crate::broad_phase::BroadStats;
 use crate::config::FrictionModel;
+use crate::config::tuning::{
+    CAST_MOTION, CONTACT_MARGIN, JOINT_HOLD_TIME, MIN_THREADED_BODIES, RECYCLE_DISTANCE, STATIC_SLIP_SPEED,
+    TOUCH_DISTANCE,
+};
 use crate::constraint::{
     FindInput, JointInput, JointRows, PrepareInput, PrepareScratch, Prepared, Restitution, Rows, StepLengths,
     evenness, find, lend, prepare,
@@ -59,23 +63,6 @@ impl Buffers {
     }
 }
 
-/// Below this many bodies that can move, handing work to threads costs more than it saves (benches/steps.rs).
-const WORTH_THREADS: usize = if cfg!(miri) { 2 } else { 128 };
-
-/// A separation up to this counts as touching [length units].
-pub(crate) const REAL: f32 = 0.002;
-/// Points nearer than this are always kept [length units].
-pub(crate) const MARGIN: f32 = 0.01;
-/// Relative motion in a step above which a pair that is apart is cast [length units].
-const FAST: f32 = 0.01;
-/// How far a pair may move before its contact is looked for again [length units].
-const RECYCLE: f32 = 0.005;
-/// Slip speed below which friction is static [m/s per length unit].
-pub(crate) const STICK: f32 = 0.01;
-
-/// Time in which a load of a joint becomes one that it bears rigidly [s].
-const JOINT_HOLD: f32 = 1.0;
-
 impl World {
     /// Moves the world on by `dt` seconds and says what that took.
     ///
@@ -107,7 +94,7 @@ impl World {
     }
 
     pub(crate) fn step_once(&mut self, dt: f32, hooks: &dyn ContactHooks) {
-        let threads = if self.bodies.movers() < WORTH_THREADS { 1 } else { self.settings.threads };
+        let threads = if self.bodies.movers() < MIN_THREADED_BODIES { 1 } else { self.settings.threads };
         let mut helpers = std::mem::take(&mut self.helpers);
         with_crew(threads, &mut helpers, |crew| self.run(&crew, dt, hooks));
         self.helpers = helpers;
@@ -272,7 +259,7 @@ impl World {
         if self.joints.count == 0 {
             return;
         }
-        let hold = (dt / JOINT_HOLD).min(1.0);
+        let hold = (dt / JOINT_HOLD_TIME).min(1.0);
         self.buffers.joints.store(&mut self.joints, &self.bodies, self.settings.substeps as f32 / dt, hold);
         // Rows may end as no numbers though the velocities that they acted on were brought back.
         self.joints.forget_unsound();
@@ -294,11 +281,11 @@ impl World {
             motion: &forces.motion,
             fall: self.settings.gravity * (0.5 * dt * dt),
             dynamic: self.bodies.dynamic(),
-            margin: MARGIN * unit,
-            real: REAL * unit,
+            margin: CONTACT_MARGIN * unit,
+            real: TOUCH_DISTANCE * unit,
             unit,
-            fast: FAST * unit,
-            recycle: if self.settings.recycling { RECYCLE * unit } else { -1.0 },
+            fast: CAST_MOTION * unit,
+            recycle: if self.settings.recycling { RECYCLE_DISTANCE * unit } else { -1.0 },
             mode: self.settings.stage_modes().narrow,
             start: self.settings.start(),
             scale: Scale {
@@ -337,7 +324,7 @@ impl World {
                 acceleration: &forces.acceleration,
                 tweaks: &self.events.tweaks,
                 threshold: self.settings.restitution_threshold * unit,
-                real: REAL * unit,
+                real: TOUCH_DISTANCE * unit,
                 dt,
             };
             let impacts = &mut self.buffers.restitution;
@@ -385,11 +372,11 @@ impl World {
             pairs: &self.broad.pairs,
             motion: &forces.motion,
             inverse_inertia: &forces.inverse_inertia,
-            real: REAL * unit,
-            near: 2.0 * MARGIN * unit,
+            real: TOUCH_DISTANCE * unit,
+            near: 2.0 * CONTACT_MARGIN * unit,
             ahead,
             lengths,
-            stick: STICK * unit,
+            stick: STATIC_SLIP_SPEED * unit,
             slop: self.settings.slop * unit,
             order: self.settings.order,
             seats: &self.buffers.joints.seats,

@@ -23,8 +23,8 @@ use mass::{columns_of, mass_of, movable};
 
 use crate::body::{Bodies, BodyDesc, BodyKind, Cold, Mass, NewBody, Pose, Traits};
 use crate::broad_phase::{BroadPhase, Now, Pair};
+use crate::config::RowGroup;
 use crate::config::{Continuous, Settings};
-use crate::constraint::RowGroup;
 use crate::error::Error;
 use crate::events::Events;
 use crate::faults::Faults;

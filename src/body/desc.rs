@@ -1,7 +1,7 @@
 //! What a caller says of a body.
 
 use crate::config::Continuous;
-use crate::constraint::RowGroup;
+use crate::config::RowGroup;
 use crate::error::Error;
 use crate::limits;
 use crate::shape::{MassProperties, ShapeDesc, unit_quat};

@@ -4,7 +4,7 @@
 
 use super::BodyKind;
 use crate::config::Continuous;
-use crate::constraint::{Order, RowGroup};
+use crate::config::{Order, RowGroup};
 use crate::forces::is_uneven;
 use crate::handle::Slots;
 use crate::lanes::Record;

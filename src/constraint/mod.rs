@@ -67,7 +67,6 @@ pub(crate) const JOINT_BYTES: [usize; 3] = {
 pub(crate) use joint_close::Closing;
 pub(crate) use joint_tour::guard;
 pub(crate) use order::{Group, Stage};
-pub use order::{Order, RowGroup};
 pub(crate) use prepare::{PrepareInput, prepare};
 #[cfg(feature = "lab")]
 pub(crate) use readout::{ContactLane, FrictionLane};

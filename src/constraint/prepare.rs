@@ -3,12 +3,12 @@
 use super::arrange::{Part, PrepareScratch, Prepared, arrange};
 use super::batch::{Batch, lock_bits, unlocked};
 use super::friction::Rub;
-use super::order::Order;
 use super::rows::{Rows, Surface, Views, with_batch};
 use super::seats::{Seat, Seats};
 use super::step_lengths::StepLengths;
 use crate::body::{Bodies, Pose};
 use crate::broad_phase::Pair;
+use crate::config::Order;
 use crate::events::{Tweak, tweak_of};
 use crate::lanes::{GatherLanes, Lanes, Record, Sym3, Vec3, gather, ones};
 use crate::memory::{Category, Rooms};

@@ -2,8 +2,8 @@
 
 use super::{ContactEnd, ContactEvent, Events, push};
 use crate::broad_phase::Pair;
+use crate::config::tuning::TOUCH_DISTANCE;
 use crate::narrow_phase::{Contact, NONE, Point};
-use crate::step::REAL;
 use crate::world::World;
 use glam::Vec3;
 
@@ -43,7 +43,7 @@ impl World {
     }
 
     fn hear(&self, pair: &mut Pair, events: &mut Events) {
-        let real = REAL * self.settings.length_unit;
+        let real = TOUCH_DISTANCE * self.settings.length_unit;
         let most = self.settings.event_capacity as usize;
         let (mut touches, mut impulse, mut worst) = (false, 0.0, None::<(f32, &Contact, &Point)>);
         let mut slot = pair.contact;

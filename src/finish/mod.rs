@@ -21,6 +21,7 @@ use turned::Turned;
 use crate::body::{FreeTurn, Pose, carry_spin, exp_map};
 use crate::broad_phase::{Pair, STACK};
 use crate::config::Continuous;
+use crate::config::tuning::TOUCH_DISTANCE;
 use crate::constraint::Seat;
 use crate::faults::is_sound;
 use crate::forces::spins_freely;
@@ -29,7 +30,6 @@ use crate::limits::{MAX_LEFT_SPEED, MAX_POSITION};
 use crate::memory::{Buffer, Made, bytes_of};
 use crate::shape::Hot;
 use crate::solver::closing;
-use crate::step::REAL;
 use crate::threads::{Crew, Shared, per_block};
 use crate::world::World;
 use glam::{Quat, Vec3};
@@ -182,7 +182,7 @@ fn move_all(crew: &Crew<'_>, world: &mut World, slots: &[u32], fast: u32, dt: f3
     };
     clear.resize(if continuous { dynamic } else { 0 }, Clear::default());
     let (bodies, narrow) = (&world.bodies, &world.buffers.narrow);
-    let (hot, real) = (&world.colliders.hot, REAL * world.settings.length_unit);
+    let (hot, real) = (&world.colliders.hot, TOUCH_DISTANCE * world.settings.length_unit);
     mark_beside(beside, fast, (movers, dynamic), (&world.broad.pairs, hot), |pair, body| {
         narrow.is_clear(pair) && guard.is_around(bodies.colliders[body].as_slice(), real)
     });

@@ -2,7 +2,7 @@
 
 use super::desc::{Axes, Axis, Drive, Frame, Limit, Motion, Spring};
 use super::store::{Joint, Joints, Lock, LockKind, More, NONE, Row, RowKind};
-use crate::constraint::RowGroup;
+use crate::config::RowGroup;
 use crate::error::Error;
 use crate::memory::Buffer;
 use crate::snapshot::words::{Reader, all_loads, broken, record, words};
@@ -308,7 +308,7 @@ pub(crate) fn group_code(group: Option<RowGroup>) -> u32 {
 }
 
 pub(crate) fn group_of(code: u32) -> Result<Option<RowGroup>, Error> {
-    let all = crate::constraint::Order::default().0;
+    let all = crate::config::Order::default().0;
     match code {
         0 => Ok(None),
         _ => {

@@ -1,7 +1,7 @@
 //! Joint columns: frames once a joint, and a row for each limit and drive, by type.
 
 use super::desc::{Axes, Axis, Drive, Frame, JointDesc, Limit, Motion, Spring};
-use crate::constraint::RowGroup;
+use crate::config::RowGroup;
 use crate::handle::{JointHandle, Slots};
 use crate::limits::MAX_LOAD;
 use crate::memory::{Buffer, bytes_of};

@@ -6,7 +6,7 @@
 
 use super::cast::{Touch, cast_convex, cast_plane, tolerance};
 use super::cast_mesh::{Asked, Cast, ask_mesh};
-use super::collide::{Input, Start};
+use super::collide::Input;
 use super::convex::collide_convex;
 use super::found::MeshBlock;
 use super::gates::enter_mesh;
@@ -18,6 +18,7 @@ use super::support::Support;
 use super::{RawManifold, Relative};
 use crate::body::exp_map;
 use crate::broad_phase::Pair;
+use crate::config::Start;
 use crate::shape::{Collider, Geometry, Kind};
 use glam::{Quat, Vec3};
 

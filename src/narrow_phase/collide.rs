@@ -13,7 +13,7 @@ use super::manifold::MAX_POINTS;
 use super::weight::Scale;
 use crate::body::Pose;
 use crate::broad_phase::Pair;
-use crate::config::Continuous;
+use crate::config::{Continuous, Start};
 use crate::lanes::{Lanes, Quat, Record, Vec3, f32x8};
 use crate::memory::{Buffer, Category, Rooms, Slab, bytes_of};
 use crate::shape::{Collider, Hot, Kind};
@@ -48,17 +48,6 @@ pub(crate) struct Input<'a> {
     pub(crate) scale: Scale<'a>,
     /// Whether a body has joints.
     pub(crate) has_joints: &'a (dyn Fn(u32) -> bool + Sync),
-}
-
-/// What becomes of the manifold that a pair which is apart, and may close its gap within the step, has at the start of it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Start {
-    /// It is replaced by that of the first touch, which is searched for along the predicted motion.
-    Cast,
-    /// It stays: its planes stop whoever could reach them, and nothing that is missed is dropped.
-    Speculative,
-    /// It stays as far as the predicted motion crosses it over the faces that it is of ([`gates`](super::gates)).
-    Gated,
 }
 
 impl Input<'_> {

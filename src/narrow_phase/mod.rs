@@ -59,7 +59,7 @@ pub(crate) use ahead::out_by_the_centre;
 pub(crate) use bins::GHOST_GAP;
 pub(crate) use cast::{cast_convex, cast_plane, tolerance};
 pub(crate) use cast_mesh::{Asked, Cast, Triangles, ask_mesh};
-pub(crate) use collide::{Input, NarrowStats, Scratch, Start, collide};
+pub(crate) use collide::{Input, NarrowStats, Scratch, collide};
 pub(crate) use contact::{Contact, Contacts, HOLD, NONE, Point, UNKNOWN_LOAD};
 pub(crate) use convex::collide_convex;
 pub(crate) use found::FRESH_BYTES;

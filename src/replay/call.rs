@@ -3,8 +3,8 @@
 use super::geometry::{Form, StoredHull, StoredMesh};
 use super::probe::StepRecord;
 use crate::body::{BodyDesc, BodyKind};
+use crate::config::RowGroup;
 use crate::config::{Continuous, Settings};
-use crate::constraint::RowGroup;
 use crate::handle::{BodyHandle, JointHandle, ShapeHandle};
 use crate::joint::{Drive, JointDesc, Limit};
 use crate::shape::{Filter, MassProperties, Material, ShapeDesc, StoredField};

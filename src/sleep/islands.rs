@@ -7,11 +7,11 @@
 use super::Sleep;
 use crate::body::{Bodies, BodyKind};
 use crate::broad_phase::Pair;
+use crate::config::tuning::TOUCH_DISTANCE;
 use crate::joint::Joints;
 use crate::memory::{Buffer, Category, bytes_of};
 use crate::narrow_phase::{Contacts, NONE};
 use crate::shape::Hot;
-use crate::step::REAL;
 use crate::threads::{Crew, Shared, per_block};
 use crate::world::World;
 use glam::Vec3;
@@ -178,7 +178,7 @@ impl World {
     /// By dense index a number of the island that each dynamic body is in, for who looks on; none (`u32::MAX`) of others.
     pub(crate) fn islands(&self) -> Vec<u32> {
         let mut groups = Groups::default();
-        let real = REAL * self.settings.length_unit;
+        let real = TOUCH_DISTANCE * self.settings.length_unit;
         let World { bodies, colliders, broad, contacts, joints, .. } = self;
         groups.find(bodies, &colliders.hot, &broad.pairs, contacts, joints, (real, false));
         let slot_of = |i: usize| {
@@ -194,7 +194,7 @@ impl World {
 
     /// `at_once`: whatever may sleep is taken to be at rest for ever.
     fn find_islands(&mut self, at_once: bool) {
-        let real = REAL * self.settings.length_unit;
+        let real = TOUCH_DISTANCE * self.settings.length_unit;
         let World { bodies, colliders, broad, contacts, joints, sleep, .. } = self;
         sleep.groups.find(bodies, &colliders.hot, &broad.pairs, contacts, joints, (real, at_once));
     }

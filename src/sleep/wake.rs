@@ -7,8 +7,8 @@
 use super::Sleep;
 use super::islands::touches;
 use crate::broad_phase::{Aabb, Pair, aabb_of};
+use crate::config::tuning::TOUCH_DISTANCE;
 use crate::narrow_phase::NONE;
-use crate::step::REAL;
 use crate::world::World;
 use glam::Vec3;
 
@@ -55,7 +55,7 @@ impl World {
     /// Whether a collider of an awake body that moves gets so near to a sleeping one within the step that their boxes
     /// meet; or touches it, at rest.
     fn reaches(&self, comer: u32, sleeper: u32, pair: &Pair) -> bool {
-        let real = REAL * self.settings.length_unit;
+        let real = TOUCH_DISTANCE * self.settings.length_unit;
         let body = self.colliders.hot[comer as usize].body as usize;
         let (bodies, colliders) = (&self.bodies, &self.colliders.all);
         if bodies.rest[body] > 0.0 {

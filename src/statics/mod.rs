@@ -11,10 +11,10 @@ mod distribute;
 mod supports;
 
 use crate::body::Bodies;
+use crate::config::tuning::STATIC_SLIP_SPEED;
 use crate::lanes::Record;
 use crate::memory::{Buffer, Category, Room, bytes_of};
 use crate::narrow_phase::Contact;
-use crate::step::STICK;
 use crate::world::World;
 use distribute::{PointLoad, distribute};
 use glam::{DVec3, Vec3};
@@ -150,7 +150,7 @@ impl World {
             up: self.settings.gravity / -gravity,
             touching: self.settings.slop * unit,
             closing: STEPS_OF_FALL * gravity * dt,
-            slip: STICK * unit,
+            slip: STATIC_SLIP_SPEED * unit,
             h: self.lengths(dt).last(),
         };
         if fits && self.find_supports(&mut statics, &rest) {

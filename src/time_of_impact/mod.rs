@@ -21,10 +21,10 @@ mod strike;
 mod track;
 
 use crate::broad_phase::{Aabb, Pair, STACK, Whom, aabb_of};
+use crate::config::tuning::{CONTACT_MARGIN, TOUCH_DISTANCE};
 use crate::config::{Continuous, ContinuousMethod, Settings};
 use crate::memory::{Buffer, Category, Room, bytes_of};
 use crate::narrow_phase::{MeshScratch, RawManifold};
-use crate::step::{MARGIN, REAL};
 use crate::threads::{Crew, Shared, per_block};
 use crate::world::World;
 use first_touch::{Search, Touch, first_touch};
@@ -182,7 +182,7 @@ impl Run<'_> {
 
     /// Makes tracks for bodies that go another way than the broad phase looked along, because something pushed them.
     fn find_strays(&mut self) {
-        let (margin, linear) = (MARGIN * self.world.settings.length_unit, self.rules.linear);
+        let (margin, linear) = (CONTACT_MARGIN * self.world.settings.length_unit, self.rules.linear);
         for i in 0..self.world.bodies.dynamic() {
             let world = &*self.world;
             let (went, meant) = (&world.buffers.solver.delta[i], &world.buffers.forces.motion[i]);
@@ -362,7 +362,7 @@ impl View<'_> {
         let turns = self.turns(a).max(self.turns(b));
         let share = if self.rules.linear { TIGHT } else { tightness(turns) };
         let unit = self.world.settings.length_unit;
-        let search = Search { share, unit, resting: REAL * unit };
+        let search = Search { share, unit, resting: TOUCH_DISTANCE * unit };
         let touch = first_touch((shape(a), &path(a)), (shape(b), &path(b)), search);
         touch.map_or(Touch::NEVER, |touch| Touch { time: since + touch.time * (1.0 - since), ..touch })
     }

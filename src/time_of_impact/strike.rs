@@ -5,11 +5,11 @@ use super::queue::Hit;
 use super::track::Way;
 use super::{Buffers, Run};
 use crate::body::{Pose, carry_spin, exp_map};
+use crate::config::tuning::TOUCH_DISTANCE;
 use crate::forces::spins_freely;
 use crate::lanes::{Record, Sym3};
 use crate::narrow_phase::{RawManifold, Reach, Relative, Support, collide_convex, collide_mesh};
 use crate::shape::{Collider, Kind};
-use crate::step::REAL;
 use glam::Vec3;
 
 impl Run<'_> {
@@ -144,7 +144,7 @@ impl Run<'_> {
             position: back * (at_b.position - at_a.position).as_vec3(),
             rotation: back * at_b.rotation,
         };
-        let margin = REAL * world.settings.length_unit;
+        let margin = TOUCH_DISTANCE * world.settings.length_unit;
         let Buffers { manifolds, mesh, .. } = &mut *self.buffers;
         manifolds.clear();
         if matches!(b.kind, Kind::Mesh | Kind::HeightField) {

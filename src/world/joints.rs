@@ -2,7 +2,7 @@
 
 use super::World;
 use crate::body::{BodyKind, Cold};
-use crate::constraint::RowGroup;
+use crate::config::RowGroup;
 use crate::error::Error;
 use crate::handle::{BodyHandle, JointHandle};
 use crate::joint::{Drive, Frame, JointDesc, Limit, More};
