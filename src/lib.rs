@@ -108,8 +108,7 @@ pub use body::{BodyDesc, BodyKind};
 pub use character::{Ground, Mover, MoverHit, MoverReport, MoverSettings};
 pub use config::{Continuous, ContinuousMethod, FrictionCone, FrictionModel, Order, RowGroup, Settings};
 pub use error::{Error, Escaped};
-pub use events::{ContactEnd, ContactEvent, ContactHook, ContactHooks, MaybeSync, NoHooks, SensorEvent};
-pub use finish::{StageTimes, StepReport};
+pub use events::{ContactEnd, ContactEvent, SensorEvent};
 pub use glam;
 pub use handle::{BodyHandle, JointHandle, ShapeHandle};
 pub use joint::{
@@ -123,4 +122,6 @@ pub use shape::{
     Combine, ConvexHull, Filter, Geometry, HeightField, MassProperties, Material, ShapeDesc, TriangleMesh,
 };
 pub use snapshot::Snapshot;
-pub use world::{Feature, Model, ModelPart, World};
+pub use world::{
+    ContactHook, ContactHooks, Feature, MaybeSync, Model, ModelPart, NoHooks, StageTimes, StepReport, World,
+};

@@ -1,45 +1,56 @@
 //! The world: it owns every store; add, remove, change, look up.
 
 mod budget;
+mod buffers;
 mod colliders;
+mod events;
+mod faults;
+mod hooks;
 mod joints;
 mod mass;
 mod model;
 mod motion;
 mod needs;
 mod plan;
+mod ragdolls;
+mod report;
 mod restoring;
 mod shapes;
 mod sleep;
+mod stage;
+mod step_inputs;
 
+pub(crate) use buffers::Buffers;
+pub use hooks::{ContactHook, ContactHooks, MaybeSync, NoHooks};
 pub(crate) use model::PartTimes;
 pub use model::{Feature, Model, ModelPart};
 pub(crate) use motion::finite_position;
 pub(crate) use needs::{Demand, Needs};
 pub(crate) use plan::Crowd;
+pub(crate) use report::StepCounts;
+pub use report::{StageTimes, StepReport};
 pub(crate) use restoring::{Brings, Replacement};
+pub(crate) use stage::{Part, Stage};
 
 use mass::{columns_of, mass_of, movable};
 
-use crate::body::{Bodies, BodyDesc, BodyKind, Cold, Mass, NewBody, Pose, Traits};
+use crate::body::{Bodies, BodyDesc, BodyKind, Cold, Colliders, Mass, NewBody, Pose, Traits};
 use crate::broad_phase::{BroadPhase, Now, Pair};
 use crate::config::RowGroup;
 use crate::config::{Continuous, Settings};
 use crate::error::Error;
 use crate::events::Events;
 use crate::faults::Faults;
-use crate::finish::StepReport;
-use crate::handle::{BodyHandle, ShapeHandle, Slots};
+use crate::handle::{BodyHandle, ShapeHandle};
 use crate::joint::Joints;
 use crate::lanes::Record;
 use crate::limits;
-use crate::memory::{Amounts, Buffer, Category, MemoryReport, Room, in_arc};
+use crate::memory::{Amounts, Buffer, Category, MemoryReport, in_arc};
 use crate::narrow_phase::Contacts;
 use crate::record::record;
-use crate::shape::{Collider, Geometry, Hot, Kind};
+use crate::shape::{Geometry, Kind};
 use crate::sleep::Sleep;
 use crate::snapshot::Revisions;
-use crate::step::Buffers;
 use crate::threads::Helpers;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
@@ -83,15 +94,6 @@ pub struct World {
     /// While it is recorded or replayed.
     #[cfg(feature = "replay")]
     pub(crate) tape: Option<Box<crate::replay::Tape>>,
-}
-
-/// Colliders by stable index, with their world poses.
-#[derive(Debug, Default)]
-pub(crate) struct Colliders {
-    pub(crate) all: Vec<Collider>,
-    pub(crate) hot: Vec<Hot>,
-    pub(crate) poses: Vec<Pose>,
-    pub(crate) slots: Slots,
 }
 
 /// Shared geometry, counted once however many shapes use it.
@@ -455,8 +457,7 @@ impl World {
     }
 
     pub(crate) fn handle_of(&self, index: usize) -> BodyHandle {
-        let slot = self.bodies.slot[index];
-        BodyHandle { slot, generation: self.bodies.slots.generation(slot) }
+        self.bodies.handle(index)
     }
 
     pub(crate) fn shape_handle(&self, collider: u32) -> ShapeHandle {
@@ -533,34 +534,5 @@ impl World {
                 self.sleep = Sleep::default();
             }
         }
-    }
-}
-
-impl Colliders {
-    /// Makes place for so many more.
-    fn reserve(&mut self, more: usize) {
-        let (mut room, len) = (Room::ENDLESS, self.all.len() + more);
-        room.fit(&mut self.all, len);
-        room.fit(&mut self.hot, len);
-        room.fit(&mut self.poses, len);
-    }
-
-    pub(crate) fn handle(&self, collider: u32) -> ShapeHandle {
-        ShapeHandle { slot: collider, generation: self.slots.generation(collider) }
-    }
-
-    /// The collider's body has a new index.
-    pub(crate) fn follow(&mut self, collider: u32, body: u32) {
-        self.all[collider as usize].body = body;
-        self.hot[collider as usize].body = body;
-    }
-
-    /// World pose of a collider from that of its body.
-    pub(crate) fn place(&mut self, collider: u32, body: &Pose) {
-        let c = &self.all[collider as usize];
-        self.poses[collider as usize] = Pose {
-            position: body.position + (body.rotation * c.position).as_dvec3(),
-            rotation: body.rotation * c.rotation,
-        };
     }
 }

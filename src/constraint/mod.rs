@@ -36,6 +36,7 @@ mod rows;
 mod seats;
 mod spatial;
 mod step_lengths;
+mod tweak;
 
 pub(crate) use arrange::{Part, PrepareScratch, Prepared};
 pub(crate) use batch::{Batch, BatchRef};
@@ -74,3 +75,4 @@ pub(crate) use restitution::{Bodies as Struck, FindInput, Restitution, find};
 pub(crate) use rows::{Rows, Surface, Views, with_batch};
 pub(crate) use seats::{Seat, Seats, TreeRef};
 pub(crate) use step_lengths::{StepLengths, evenness, usual_substep};
+pub(crate) use tweak::{Tweak, tweak_of};

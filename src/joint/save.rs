@@ -100,11 +100,10 @@ impl Joints {
         self.each_of_all(records.more(), f);
     }
 
-    /// Bytes of batches for locks and rows that a snapshot has beyond those that batches were arranged for.
-    pub(crate) fn batches_missing_for(&self, records: &JointRecords) -> usize {
+    /// How many locks and rows a snapshot has beyond those that batches were arranged for.
+    pub(crate) fn rows_missing_for(&self, records: &JointRecords) -> usize {
         let arranged = (self.locks.len() + self.rows.len()).saturating_sub(self.fresh);
-        let rows = (records.locks.len() + records.rows.len()).saturating_sub(arranged);
-        rows * crate::constraint::WIDEST_JOINT_BATCH
+        (records.locks.len() + records.rows.len()).saturating_sub(arranged)
     }
 
     /// Replaces all joints.

@@ -357,9 +357,9 @@ impl Joints {
     }
 
     /// Bytes that more takes: in the columns, and in the batches of a step, of which each row that none is arranged for
-    /// may have one for itself.
-    pub(crate) fn missing(&mut self, more: More) -> usize {
-        let batches = (self.fresh + more.locks + more.rows) * crate::constraint::WIDEST_JOINT_BATCH;
+    /// may have one for itself, of so many bytes.
+    pub(crate) fn missing(&mut self, more: More, batch: usize) -> usize {
+        let batches = (self.fresh + more.locks + more.rows) * batch;
         batches + self.missing_columns(more)
     }
 
@@ -602,7 +602,7 @@ mod tests {
         for i in 0..100 {
             let desc = desc(i, i + 1).breaking(1.0, 1.0);
             let more = More::of_joint(&desc);
-            assert!(joints.missing(more) > 0, "batches at least");
+            assert!(joints.missing(more, 1) > 0, "batches at least");
             joints.widen(more);
             let reserved = joints.bytes().1;
             joints.add(&desc, desc.frames);

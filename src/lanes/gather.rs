@@ -1,6 +1,6 @@
 //! Body records <-> lanes. A record is 32 bytes, so eight of them are one 8x8 transpose.
 
-use super::{Lanes, Vec3, f32x8};
+use super::{Lanes, Mask, Vec3, f32x8};
 use bytemuck::{Pod, Zeroable};
 
 /// Two vectors of one body, in the layout that the solver gathers: linear xyz and a pad, angular xyz
@@ -12,6 +12,20 @@ pub(crate) struct Record {
     pub(crate) pad0: f32,
     pub(crate) angular: glam::Vec3,
     pub(crate) pad1: f32,
+}
+
+/// Whether all lanes are within a limit; what is no number is not. One comparison of eight lanes.
+#[inline(always)]
+pub(crate) fn is_within(r: f32x8, most: f32) -> bool {
+    r.abs().le(f32x8::splat(most)).bits() == 0xff
+}
+
+impl Record {
+    /// Whether a velocity or a displacement is within a limit; what is no number is not.
+    #[inline(always)]
+    pub(crate) fn is_within(&self, most: f32) -> bool {
+        is_within(bytemuck::must_cast(*self), most)
+    }
 }
 
 /// How records become lanes, per width.

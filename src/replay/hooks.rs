@@ -1,6 +1,7 @@
 //! What hooks said, in place of the hooks.
 
-use crate::events::{ContactHook, ContactHooks, Tweak};
+use crate::constraint::Tweak;
+use crate::world::{ContactHook, ContactHooks};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::sync::{Mutex, PoisonError};

@@ -7,9 +7,9 @@ use super::geometry::Written;
 use super::hooks::Heard;
 use super::probe::{Seen, Stage, StepRecord};
 use crate::body::BodyDesc;
-use crate::events::ContactHooks;
 use crate::handle::BodyHandle;
 use crate::shape::ShapeDesc;
+use crate::world::ContactHooks;
 use crate::world::World;
 use std::io::Write;
 

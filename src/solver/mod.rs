@@ -4,6 +4,7 @@
 //! et al., *Small Steps in Physics Simulation*, 2019; Catto's soft step with relaxation). One substep and several
 //! iterations make it plain sequential impulses: the kernels are the same.
 
+mod impact_body;
 mod pass;
 
 use crate::body::Bodies;
@@ -15,13 +16,13 @@ use crate::constraint::{
     Closing, FOLLOWED, JointRows, JointViews, NetInput, Recovery, Restitution, Rows, Struck, Views,
     usual_substep,
 };
-use crate::faults::is_within;
 use crate::forces::Forces;
-use crate::lanes::{Lanes, Mask, Record, f32x8};
+use crate::lanes::{Lanes, Mask, Record, f32x8, is_within};
 use crate::limits::MAX_LEFT_SPEED;
 use crate::memory::{Buffer, bytes_of};
 use crate::shape::Collider;
 use crate::threads::{Crew, Shared, per_block};
+pub(crate) use impact_body::ImpactBody;
 pub(crate) use pass::store;
 use pass::{Joined, Kind, Passes, add_impulses, disable};
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,18 +1,17 @@
 //! New contacts that bear bodies, and what those bodies bear already.
 
-use super::{Burden, NOWHERE, Rest, STEEPEST, Statics, Support, is_supported, point_velocity};
+use super::{Burden, NOWHERE, Rest, STEEPEST, Statics, Structure, Support, is_supported, point_velocity};
 use crate::narrow_phase::{Contact, NONE};
-use crate::world::World;
 use glam::Vec3;
 
-impl World {
+impl Structure<'_> {
     /// Finds contacts whose load is not known, between bodies at rest, and the bodies above and below them. Says whether there are
     /// any that bear a body.
     pub(super) fn find_supports(&mut self, statics: &mut Statics, rest: &Rest) -> bool {
         let Statics { places, burdens, supports, .. } = statics;
         let dynamic = self.bodies.dynamic();
         supports.clear();
-        for pair in self.broad.pairs.iter().filter(|pair| !pair.is_idle(&self.colliders.hot, dynamic)) {
+        for pair in self.pairs.iter().filter(|pair| !pair.is_idle(&self.colliders.hot, dynamic)) {
             let mut slot = pair.contact;
             while slot != NONE {
                 let index = slot;
@@ -67,7 +66,7 @@ impl World {
             if *place == NOWHERE {
                 *place = burdens.len() as u32;
                 let mass = self.bodies.mass[body as usize].inverse;
-                let pull = self.buffers.forces.acceleration.get(body as usize);
+                let pull = self.acceleration.get(body as usize);
                 let force =
                     if mass > 0.0 { pull.map_or(Vec3::ZERO, |p| p.linear / mass) } else { Vec3::ZERO };
                 burdens.push(Burden { body, force, ..Burden::default() });
@@ -89,7 +88,7 @@ impl World {
     /// Adds what known contacts above and below the bodies bear.
     pub(super) fn add_known_loads(&self, statics: &mut Statics, rest: &Rest) {
         let Statics { places, burdens, .. } = statics;
-        for pair in &self.broad.pairs {
+        for pair in self.pairs {
             let bodies = [pair.a, pair.b].map(|c| self.colliders.hot[c as usize].body);
             let place = |body: u32| places.get(body as usize).copied().unwrap_or(NOWHERE);
             let of_pair = bodies.map(place);

@@ -15,8 +15,8 @@
 
 use super::super::prepare::GONE;
 use super::{Link, NONE, Restitution, Spot, Struck, queue};
-use crate::body::{Colliders, FreeTurn, Mass, Pose, Traits};
-use crate::forces::{is_uneven, turned_inertia};
+use crate::body::{ColliderList, FreeTurn, Mass, Pose, Traits, is_uneven};
+use crate::forces::turned_inertia;
 use crate::lanes::{self, Record, Sym3};
 use crate::shape::Collider;
 use glam::{Quat, Vec3};
@@ -35,7 +35,7 @@ pub(crate) struct Bodies<'a> {
     pub(crate) mass: &'a [Mass],
     pub(crate) traits: &'a [Traits],
     pub(crate) pose: &'a [Pose],
-    pub(crate) colliders: (&'a [Colliders], &'a [Collider]),
+    pub(crate) colliders: (&'a [ColliderList], &'a [Collider]),
     /// What is done of the step and what is left of it at the start of the substep, and its length [s].
     pub(crate) done: f32,
     pub(crate) h: f32,

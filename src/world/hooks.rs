@@ -1,9 +1,11 @@
 //! Hooks: a caller's word on contacts before they are solved.
 
+use super::World;
+use crate::constraint::Tweak;
 use crate::error::{Error, within};
+use crate::events::StartOfStep;
 use crate::handle::{BodyHandle, ShapeHandle};
 use crate::narrow_phase::{Contact, NONE};
-use crate::world::World;
 use glam::{DVec3, Vec3};
 
 /// [`Sync`] where steps may run on threads (feature `parallel`), nothing where they don't.
@@ -32,37 +34,6 @@ pub struct NoHooks;
 
 impl ContactHooks for NoHooks {
     fn contact(&self, _: &mut ContactHook<'_>) {}
-}
-
-/// What hooks said of a contact; no number where they said nothing.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Tweak {
-    pub(crate) friction: [f32; 2],
-    pub(crate) restitution: f32,
-    /// By which the surface of b moves past that of a, in the world [m/s].
-    pub(crate) surface: Vec3,
-}
-
-impl Tweak {
-    pub(crate) const NONE: Tweak =
-        Tweak { friction: [f32::NAN; 2], restitution: f32::NAN, surface: Vec3::ZERO };
-
-    fn is_none(&self) -> bool {
-        self.friction[0].is_nan() && self.restitution.is_nan() && self.surface == Vec3::ZERO
-    }
-
-    pub(crate) fn friction_or(&self, own: (f32, f32)) -> (f32, f32) {
-        if self.friction[0].is_nan() { own } else { self.friction.into() }
-    }
-    pub(crate) fn restitution_or(&self, own: f32) -> f32 {
-        if self.restitution.is_nan() { own } else { self.restitution }
-    }
-}
-
-/// What hooks said of a contact.
-#[inline]
-pub(crate) fn tweak_of(tweaks: &[Tweak], slot: usize) -> Tweak {
-    tweaks.get(slot).copied().unwrap_or(Tweak::NONE)
 }
 
 /// A manifold that is about to be solved, in the hands of [`ContactHooks`].
@@ -109,17 +80,17 @@ impl ContactHook<'_> {
 
     /// How fast the two come together, at the point where that is fastest [m/s]; negative if they part.
     pub fn approach_speed(&self) -> f32 {
-        let speed = |p| self.world.impact(self.contact, p).2;
+        let speed = |p| self.start().impact(self.contact, p).2;
         self.contact.points().iter().map(speed).fold(f32::NEG_INFINITY, f32::max)
     }
 
     /// The impulse that would stop the approach at its fastest point, were the two alone [N s]: an estimate of what
-    /// [`ContactEvent::impulse`](super::ContactEvent::impulse) will be.
+    /// [`ContactEvent::impulse`](crate::ContactEvent::impulse) will be.
     pub fn estimated_impulse(&self) -> f32 {
-        let world = self.world;
+        let start = self.start();
         let one = |p| {
-            let (normal, at, speed) = world.impact(self.contact, p);
-            let mobility: f32 = self.indices().iter().map(|&i| world.mobility(i, at, normal)).sum();
+            let (normal, at, speed) = start.impact(self.contact, p);
+            let mobility: f32 = self.indices().iter().map(|&i| start.mobility(i, at, normal)).sum();
             if mobility > 0.0 { speed.max(0.0) / mobility } else { 0.0 }
         };
         self.contact.points().iter().map(one).fold(0.0, f32::max)
@@ -180,6 +151,10 @@ impl ContactHook<'_> {
         (self.tweak, self.vetoed) = (tweak, vetoed);
     }
 
+    fn start(&self) -> StartOfStep<'_> {
+        self.world.start_of_step()
+    }
+
     fn indices(&self) -> [usize; 2] {
         [self.contact.a, self.contact.b].map(|c| self.world.colliders.hot[c as usize].body as usize)
     }
@@ -237,14 +212,5 @@ impl World {
         }
         vetoed.sort_unstable();
         (self.events.tweaks, self.events.vetoed) = (tweaks, vetoed);
-    }
-
-    /// By how much an impulse along a direction at a point changes the speed of a body there [1/kg].
-    fn mobility(&self, i: usize, at: DVec3, direction: Vec3) -> f32 {
-        let Some(inertia) = self.buffers.forces.inverse_inertia.get(i) else { return 0.0 };
-        let arm = (at - self.bodies.pose[i].position).as_vec3().cross(direction);
-        let turned = inertia.mul(crate::lanes::Vec3::new(arm.x, arm.y, arm.z)).lane(0);
-        let free = self.bodies.traits[i].free(direction).length_squared();
-        self.bodies.mass[i].inverse * free + arm.dot(turned)
     }
 }
