@@ -90,7 +90,6 @@ mod narrow_phase;
 mod query;
 #[cfg(test)]
 mod random;
-mod record;
 #[cfg(feature = "replay")]
 pub mod replay;
 pub mod scene;
@@ -102,6 +101,7 @@ mod statics;
 mod step;
 mod threads;
 mod time_of_impact;
+mod words;
 mod world;
 
 pub use body::{BodyDesc, BodyKind};

@@ -29,21 +29,16 @@ impl World {
         if let Some(stage) = self.stage {
             return Err(Error::Poisoned { stage });
         }
-        #[cfg(feature = "replay")]
-        if self.tape.is_some() {
-            self.step_taped(dt, hooks);
-            return Ok(&self.report);
-        }
-        self.step_once(dt, hooks);
-        Ok(&self.report)
-    }
-
-    pub(crate) fn step_once(&mut self, dt: f32, hooks: &dyn ContactHooks) {
+        self.note_step_begins();
         let threads = if self.bodies.movers() < MIN_THREADED_BODIES { 1 } else { self.settings.threads };
         let mut helpers = std::mem::take(&mut self.helpers);
         with_crew(threads, &mut helpers, |crew| self.run(&crew, dt, hooks));
         self.helpers = helpers;
+        self.note_step_ends(dt);
+        Ok(&self.report)
     }
+
+    /// The stages.
 
     fn run(&mut self, crew: &Crew<'_>, dt: f32, hooks: &dyn ContactHooks) {
         let mut clock = self.begin_step(dt);
@@ -80,8 +75,7 @@ impl World {
         clock.stage(self, Stage::Finish, |world| {
             did.held = world.move_bodies(crew, did.fast(), dt);
             did.met = world.meet_impacts(crew, dt);
-            #[cfg(feature = "lab")]
-            world.read_accuracy();
+            world.measure_step();
             world.thaw();
             // Not before: hooks may have asked where things are.
             world.update_queries();

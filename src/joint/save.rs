@@ -5,7 +5,7 @@ use super::store::{Joint, Joints, Lock, LockKind, More, NONE, Row, RowKind};
 use crate::config::RowGroup;
 use crate::error::Error;
 use crate::memory::Buffer;
-use crate::snapshot::words::{Reader, all_loads, broken, record, words};
+use crate::words::{Reader, all_loads, broken, record, words};
 use glam::Vec3;
 
 /// How many of each there are in a saved state.

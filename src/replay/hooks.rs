@@ -38,33 +38,22 @@ impl Decision {
     }
 }
 
-/// Hooks, and a note of what they say.
-pub(super) struct Heard<'a> {
-    hooks: &'a dyn ContactHooks,
-    /// What was said, and contacts since. Locked by one thread only, again and again: hooks are asked by one.
-    notes: Mutex<(Vec<Decision>, u32)>,
+/// Notes what hooks say.
+#[derive(Debug, Default)]
+pub(super) struct Heard {
+    pub(super) decisions: Vec<Decision>,
+    /// Contacts since the last of which something was said.
+    silent: u32,
 }
 
-impl<'a> Heard<'a> {
-    pub(super) fn new(hooks: &'a dyn ContactHooks) -> Heard<'a> {
-        Heard { hooks, notes: Mutex::default() }
-    }
-    pub(super) fn decisions(self) -> Vec<Decision> {
-        self.notes.into_inner().unwrap_or_else(PoisonError::into_inner).0
-    }
-}
-
-impl ContactHooks for Heard<'_> {
-    fn contact(&self, contact: &mut ContactHook<'_>) {
-        self.hooks.contact(contact);
-        let mut notes = self.notes.lock().unwrap_or_else(PoisonError::into_inner);
-        let (decisions, silent) = &mut *notes;
-        match Decision::new(contact.said(), *silent) {
+impl Heard {
+    pub(super) fn hear(&mut self, tweak: Tweak, vetoed: bool) {
+        match Decision::new((tweak, vetoed), self.silent) {
             Some(decision) => {
-                decisions.push(decision);
-                *silent = 0;
+                self.decisions.push(decision);
+                self.silent = 0;
             }
-            None => *silent += 1,
+            None => self.silent += 1,
         }
     }
 }

@@ -4,12 +4,12 @@
 //! which say what follows: what is zero, a normal along an axis, or was never going to be read is left out, and no bit of
 //! anything else is.
 
-use super::words::{Packer, Reader, all_loads, broken, byte, record, words};
 use crate::broad_phase::Pair;
 use crate::error::Error;
 use crate::limits;
 use crate::narrow_phase::{Contact, Contacts, MAX_POINTS, NONE, Point, UNKNOWN_LOAD};
 use crate::shape::{Hot, Kind};
+use crate::words::{Packer, Reader, all_loads, broken, byte, record, words};
 use glam::Vec3;
 
 /// Flags of a pair. Bits 2 to 7 are free for more.

@@ -1,8 +1,8 @@
 //! Geometry by reference: what is a few numbers is written, what is shared is named by its place in a table.
 
-use super::words::{broken, hash, words};
 use crate::error::Error;
 use crate::shape::Geometry;
+use crate::words::{broken, hash, words};
 use crate::world::World;
 use std::sync::Arc;
 
@@ -65,7 +65,7 @@ pub(super) fn code_of(geometry: &Geometry, table: &mut Table) -> (u32, [u32; 4])
 
 /// The geometry of a code.
 pub(super) fn geometry_of(code: u32, numbers: &[u32], known: &[Geometry]) -> Result<Geometry, Error> {
-    let [a, b, c, _]: [f32; 4] = super::words::record::<_, 4>(numbers);
+    let [a, b, c, _]: [f32; 4] = crate::words::record::<_, 4>(numbers);
     let shared = known.get(numbers[0] as usize);
     let no = || broken("a shape");
     Ok(match code {

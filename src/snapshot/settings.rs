@@ -1,10 +1,10 @@
 //! Settings are part of a run: all that bits depend on is kept. Threads and the budget are the machine's, and stay.
 
-use super::words::{Reader, broken};
 use crate::config::Order;
 use crate::config::{Continuous, ContinuousMethod, FrictionCone, FrictionModel, Settings};
 use crate::error::Error;
 use crate::joint::{group_code, group_of};
+use crate::words::{Reader, broken};
 use glam::Vec3;
 
 fn flag(bits: u32, i: u32) -> bool {

@@ -139,12 +139,6 @@ impl ContactHook<'_> {
         Ok(())
     }
 
-    /// What was said of it so far, and whether it was vetoed.
-    #[cfg(feature = "replay")]
-    pub(crate) fn said(&self) -> (Tweak, bool) {
-        (self.tweak, self.vetoed)
-    }
-
     /// Says what was said before.
     #[cfg(feature = "replay")]
     pub(crate) fn say(&mut self, tweak: Tweak, vetoed: bool) {
@@ -187,8 +181,12 @@ impl World {
                 if contact.count > 0 {
                     let mut hook = ContactHook { world: self, contact, tweak: Tweak::NONE, vetoed: false };
                     hooks.contact(&mut hook);
-                    passes |= hook.vetoed;
-                    let tweak = hook.tweak;
+                    let (tweak, vetoed) = (hook.tweak, hook.vetoed);
+                    #[cfg(feature = "replay")]
+                    if let Some(recorder) = &mut self.recorder {
+                        recorder.hear(tweak, vetoed);
+                    }
+                    passes |= vetoed;
                     match tweaks.get_mut(slot as usize) {
                         Some(place) => *place = tweak,
                         // What was said can't be kept.

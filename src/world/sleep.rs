@@ -1,13 +1,12 @@
 //! Sleep of the world's bodies: ask, wake, send.
 
-use super::{Buffers, World};
+use super::{Buffers, Change, World};
 use crate::body::BodyKind;
 use crate::broad_phase::Aabb;
 use crate::error::Error;
 use crate::events::Events;
 use crate::handle::BodyHandle;
 use crate::memory::{Category, Room};
-use crate::record::record;
 use crate::sleep::{Islands, count_rest};
 use crate::threads::Crew;
 
@@ -37,7 +36,7 @@ impl World {
     /// If the handle is stale.
     pub fn wake(&mut self, body: BodyHandle) -> Result<(), Error> {
         let index = self.index(body)?;
-        record!(self, Wake(body));
+        self.note(Change::Wake(body));
         self.wake_body(index);
         Ok(())
     }
@@ -50,7 +49,7 @@ impl World {
     /// If the handle is stale.
     pub fn send_to_sleep(&mut self, body: BodyHandle) -> Result<(), Error> {
         let index = self.index(body)?;
-        record!(self, SendToSleep(body));
+        self.note(Change::SendToSleep(body));
         // The column of a world that has just ceased to sleep lasts until the next step.
         let sleeps = self.settings.sleeping && self.bodies.rests;
         if sleeps && index < self.bodies.dynamic() && self.bodies.rest.len() == self.bodies.len() {
@@ -65,7 +64,7 @@ impl World {
     /// If the handle is stale.
     pub fn set_can_sleep(&mut self, body: BodyHandle, can_sleep: bool) -> Result<(), Error> {
         let index = self.index(body)?;
-        record!(self, SetCanSleep(body, can_sleep));
+        self.note(Change::SetCanSleep(body, can_sleep));
         let index = if can_sleep { index } else { self.wake_body(index) };
         self.revise(index);
         self.bodies.traits[index].sleepless = !can_sleep && self.bodies.kind[index] == BodyKind::Dynamic;

@@ -2,7 +2,6 @@
 
 use super::{Demand, PartTimes, StageTimes, StepCounts, StepReport, World};
 use crate::constraint::evenness;
-use crate::record::probe;
 use std::time::Instant;
 
 /// A stage of a step.
@@ -49,17 +48,7 @@ impl Clock {
         };
         world.stage = Some(name);
         work(world);
-        match stage {
-            Stage::Broad => {
-                probe!(world, Forces);
-                probe!(world, Broad);
-            }
-            Stage::Narrow => probe!(world, Narrow),
-            Stage::Prepare => probe!(world, Prepare),
-            Stage::Solve => probe!(world, Solve),
-            // Hooks say what is hashed with the rows; the end of the step is hashed once it is over.
-            Stage::Hooks | Stage::Finish => {}
-        }
+        world.note_stage(stage);
         let now = Instant::now();
         *time += microseconds(now - self.last);
         self.last = now;

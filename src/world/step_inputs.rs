@@ -225,9 +225,12 @@ impl World {
     /// Solves the rows; says whether all velocities stayed in range.
     pub(crate) fn solve(&mut self, crew: &Crew<'_>, dt: f32) -> bool {
         #[cfg(feature = "lab")]
-        let mut meter = self.start_measuring(dt);
+        let mut meter = self.meter.take();
         #[cfg(feature = "lab")]
-        let witness = meter.as_deref_mut().map(|meter| meter as &mut dyn solver::Witness);
+        let witness = meter.as_deref_mut().map(|meter| {
+            meter.before_rows(self, dt);
+            meter as &mut dyn solver::Witness
+        });
         #[cfg(not(feature = "lab"))]
         let witness = None;
         let buffers = &mut self.buffers;
@@ -238,7 +241,10 @@ impl World {
         let (bodies, forces) = (&mut self.bodies, &mut buffers.forces);
         let sound = solver::solve(crew, &self.settings, dt, bodies, forces, rows, impacts, state);
         #[cfg(feature = "lab")]
-        self.stop_measuring(meter);
+        if let Some(mut meter) = meter {
+            meter.after_rows(self);
+            self.meter = Some(meter);
+        }
         sound
     }
 
