@@ -39,7 +39,6 @@ impl World {
     }
 
     /// The stages.
-
     fn run(&mut self, crew: &Crew<'_>, dt: f32, hooks: &dyn ContactHooks) {
         let mut clock = self.begin_step(dt);
         let mut did = StepCounts::default();

@@ -37,7 +37,7 @@ pub(crate) use plan::Crowd;
 pub(crate) use report::StepCounts;
 pub use report::{StageTimes, StepReport};
 pub(crate) use restoring::{Brings, Replacement};
-pub(crate) use revisions::Revisions;
+pub(crate) use revisions::{Revisions, SharedPart};
 pub(crate) use stage::{Part, Stage};
 
 use mass::{columns_of, mass_of, movable};

@@ -15,9 +15,8 @@ mod settings;
 mod view;
 
 use crate::error::Error;
-use crate::world::World;
+use crate::world::{SharedPart, World};
 use part::{Part, Which};
-use std::any::Any;
 use std::sync::{Arc, PoisonError, Weak};
 
 /// The state of a world at one time, for [`World::restore`].
@@ -131,7 +130,7 @@ impl World {
 }
 
 /// The world keeps parts without knowing what they are.
-fn weak(part: &Arc<Part>) -> Weak<dyn Any + Send + Sync> {
+fn weak(part: &Arc<Part>) -> SharedPart {
     let weak: Weak<Part> = Arc::downgrade(part);
     weak
 }

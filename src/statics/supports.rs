@@ -23,7 +23,7 @@ impl Structure<'_> {
                 let [a, b] = [contact.a, contact.b].map(|c| self.colliders.all[c as usize].body);
                 // What rolls is at rest where it touches: its centre says whether it moves.
                 let at = self.bodies.pose[if (b as usize) < dynamic { b } else { a } as usize].position;
-                let velocity = |body: u32| point_velocity(&self.bodies, body as usize, at);
+                let velocity = |body: u32| point_velocity(self.bodies, body as usize, at);
                 let moves = velocity(b) - velocity(a);
                 let normal = contact.frame * contact.normal;
                 let along = moves.dot(normal);
@@ -37,7 +37,7 @@ impl Structure<'_> {
                 let bounces = x.restitution_with(y) > 0.0
                     && contact.points().iter().any(|point| {
                         let at = origin + (contact.frame * point.position).as_dvec3();
-                        let [a, b] = [a, b].map(|body| point_velocity(&self.bodies, body as usize, at));
+                        let [a, b] = [a, b].map(|body| point_velocity(self.bodies, body as usize, at));
                         point.separation <= rest.touching && (b - a).dot(normal).abs() > rest.closing
                     });
                 if bounces {
